@@ -1,0 +1,3 @@
+//! The `strainwave` command, thin over the desktop and emulator libraries.
+
+fn main() {}

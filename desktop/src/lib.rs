@@ -1,0 +1,1 @@
+//! The full-precision reference build, the plant, baselines, scenarios and files.

@@ -1,0 +1,1 @@
+//! embedded-hal drivers of the joint's sensors.

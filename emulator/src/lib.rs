@@ -1,0 +1,1 @@
+//! Cross-build, set-up, QEMU, lockstep, counting and proofs on the firmware image.

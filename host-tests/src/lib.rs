@@ -1,0 +1,1 @@
+//! Tests that compare the firmware's build with the desktop's.

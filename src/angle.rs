@@ -1,0 +1,125 @@
+//! Angles that grow without bound, and the gear ratio between two of them.
+//!
+//! An angle is an integer number of counts, 2^32 to a turn (the low word is the phase, the high
+//! word the turns), plus the fraction of a count that has not yet become a whole one:
+//!
+//! ```text
+//! theta = (counts + rest) * 2*pi/2^32,   -1/2 <= rest <= 1/2      1 count = 1.46e-9 rad
+//! ```
+//!
+//! so a difference of two angles is as exact after 10^6 turns as after none, in f32 too. Counts
+//! wrap after 2^31 turns (248 days at 100 turns a second); differences stay right across the wrap.
+//!
+//! The signed ratio r = p/q of small integers is applied as a 64-bit binary fraction. After 10^6
+//! wave-generator turns (2^52 counts) its rounding is below 2^-12 counts.
+
+use crate::error::{Error, require};
+use crate::real::{RADIANS_PER_COUNT, Real};
+
+/// An unbounded angle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Angle<R> {
+    /// Whole counts, 2^32 to a turn.
+    pub counts: i64,
+    /// Fraction of a count that is still to be carried.
+    pub rest: R,
+}
+
+impl<R: Real> Angle<R> {
+    /// Exactly `counts` counts.
+    #[inline(always)]
+    pub const fn from_counts(counts: i64) -> Self {
+        Self { counts, rest: R::ZERO }
+    }
+
+    /// An angle of at most half a turn either way [rad]; larger ones saturate there.
+    #[inline]
+    pub fn from_radians(angle: R) -> Self {
+        Self::default().plus(angle)
+    }
+
+    /// Counts within the turn.
+    #[inline(always)]
+    pub fn phase(self) -> u32 {
+        self.counts as u32
+    }
+
+    /// `self + delta` [rad]; a `delta` beyond half a turn saturates there, NaN counts as 0.
+    #[inline]
+    #[must_use]
+    pub fn plus(self, delta: R) -> Self {
+        let exact = delta * R::lit(1.0 / RADIANS_PER_COUNT) + self.rest;
+        let whole = exact.to_i32();
+        let rest = exact - R::from_i32(whole);
+        Self { counts: self.counts.wrapping_add(i64::from(whole)), rest: rest.limit(R::ONE) }
+    }
+
+    /// `self - other` [rad]; saturates at half a turn either way.
+    #[inline]
+    pub fn minus(self, other: Self) -> R {
+        let counts = self.counts.wrapping_sub(other.counts);
+        let whole = counts.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
+        (R::from_i32(whole) + (self.rest - other.rest)) * R::lit(RADIANS_PER_COUNT)
+    }
+
+    /// The whole angle [rad], in f64: for files and plots, not for the control step.
+    pub fn to_radians(self) -> f64 {
+        (self.counts as f64 + self.rest.to_f64()) * RADIANS_PER_COUNT
+    }
+
+    /// An angle of any size [rad], from f64: for files and tests, not for the control step.
+    pub fn from_radians_f64(angle: f64) -> Self {
+        let counts = angle / RADIANS_PER_COUNT;
+        let whole = counts as i64;
+        Self { counts: whole, rest: R::lit(counts - whole as f64) }
+    }
+}
+
+/// A gear ratio +-1/n as an exact map of angles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ratio {
+    /// |r| * 2^64, rounded.
+    fraction: u64,
+    negative: bool,
+}
+
+impl Ratio {
+    /// r = 1/n for positive n, -1/|n| for negative n; |n| in 2..=1000.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `ratio`.
+    pub fn one_over(n: i32) -> Result<Self, Error> {
+        let magnitude = u64::from(n.unsigned_abs());
+        require((2..=1000).contains(&magnitude), "ratio")?;
+        // 2^64 / n, rounded to nearest, without leaving 64 bits.
+        let (quotient, remainder) = (u64::MAX / magnitude, u64::MAX % magnitude + 1);
+        Ok(Self { fraction: quotient + (remainder + magnitude / 2) / magnitude, negative: n < 0 })
+    }
+
+    /// r * angle.
+    #[inline]
+    pub fn apply<R: Real>(self, angle: Angle<R>) -> Angle<R> {
+        let (whole, low) = multiply(angle.counts, self.fraction);
+        // The top 24 bits of the fraction below a count are all that a rest can hold in f32.
+        let fraction = R::from_i32((low >> 40) as i32) * R::lit(1.0 / 16_777_216.0);
+        let scaled = Angle { counts: whole, rest: fraction };
+        if self.negative {
+            Angle { counts: scaled.counts.wrapping_neg(), rest: -scaled.rest }
+        } else {
+            scaled
+        }
+    }
+
+    /// The ratio as a number.
+    pub fn value<R: Real>(self) -> R {
+        let magnitude = self.fraction as f64 / 18_446_744_073_709_551_616.0;
+        R::lit(if self.negative { -magnitude } else { magnitude })
+    }
+}
+
+/// Upper and lower words of the 128-bit product of a signed and an unsigned number.
+#[inline]
+fn multiply(signed: i64, unsigned: u64) -> (i64, u64) {
+    let product = i128::from(signed).wrapping_mul(i128::from(unsigned));
+    ((product >> 64) as i64, product as u64)
+}

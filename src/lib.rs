@@ -1,0 +1,15 @@
+//! Harmonic-drive torsion, friction and hysteresis on the joint controller's microcontroller.
+#![no_std]
+#![warn(missing_docs)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod angle;
+pub mod compensator;
+pub mod error;
+pub mod real;
+
+pub use angle::{Angle, Ratio};
+pub use error::Error;
+pub use real::Real;
