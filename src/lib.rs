@@ -8,6 +8,7 @@ extern crate std;
 pub mod angle;
 pub mod compensator;
 pub mod error;
+pub mod friction;
 pub mod real;
 
 pub use angle::{Angle, Ratio};
