@@ -9,6 +9,7 @@ pub mod angle;
 pub mod compensator;
 pub mod error;
 pub mod flexspline;
+pub mod friction;
 pub mod real;
 
 pub use angle::{Angle, Ratio};
