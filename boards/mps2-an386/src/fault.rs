@@ -45,3 +45,10 @@ fn panic(_info: &core::panic::PanicInfo) -> ! {
     // SAFETY: never linked.
     unsafe { strainwave_a_panic_is_reachable() }
 }
+
+/// defmt's own would call `core::panic!`, and older linkers keep it even when nothing uses it.
+#[defmt::panic_handler]
+fn logged_panic() -> ! {
+    // SAFETY: never linked.
+    unsafe { strainwave_a_panic_is_reachable() }
+}
