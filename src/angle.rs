@@ -80,6 +80,13 @@ impl<R: Real> Angle<R> {
         (whole + (self.rest - other.rest)) * R::lit(RADIANS_PER_COUNT)
     }
 
+    /// `self - other` as an angle, exact.
+    #[inline]
+    #[must_use]
+    pub fn less(self, other: Self) -> Self {
+        Self { counts: self.counts.wrapping_sub(other.counts), rest: self.rest - other.rest }
+    }
+
     /// The whole angle [rad], in f64: for files and plots, not for the control step.
     pub fn to_radians(self) -> f64 {
         (self.counts as f64 + self.rest.to_f64()) * RADIANS_PER_COUNT

@@ -174,6 +174,16 @@ impl<R: Real, F: Flexspline<R>, const L: usize> Gear<R, F, L> {
         &self.flexspline
     }
 
+    /// Friction of the wave generator and of the flexspline.
+    pub fn frictions(&self) -> (&JointFriction<R>, &JointFriction<R>) {
+        (&self.input_friction, &self.output_friction)
+    }
+
+    /// The hysteresis of the torsion.
+    pub fn hysteresis(&self) -> &TorsionHysteresis<R, L> {
+        &self.hysteresis
+    }
+
     /// Kinematic error e [rad at the output] at a wave-generator angle, and de/dtheta_wg.
     #[inline(always)]
     pub fn kinematic_error(&self, wave_generator: Angle<R>) -> (R, R) {
@@ -206,8 +216,8 @@ impl<R: Real, F: Flexspline<R>, const L: usize> Gear<R, F, L> {
             self.flexspline.step(&mut state.flexspline, &ends);
         let torsion = ends.drive.minus(ends.flange);
         let hysteresis = self.hysteresis.step(&mut state.hysteresis, torsion);
-        let input_friction = self.input_friction.step(&mut state.input_friction, wave_generator.velocity);
-        let output_friction = self.output_friction.step(&mut state.output_friction, flange.velocity);
+        let input_friction = self.input_friction.step(&mut state.input_friction, wave_generator.velocity).force;
+        let output_friction = self.output_friction.step(&mut state.output_friction, flange.velocity).force;
         Torques {
             torsion,
             drive_rate: ends.drive_rate,

@@ -10,6 +10,9 @@ pub mod compensator;
 pub mod error;
 pub mod flexspline;
 pub mod friction;
+pub mod gear;
+pub mod hysteresis;
+pub mod kinematic_error;
 pub mod real;
 
 pub use angle::{Angle, Ratio};

@@ -18,11 +18,11 @@
 //! at the motor's angle. Both are reported as faults.
 
 use crate::angle::Angle;
-use crate::compensator::Estimate;
+use crate::compensator::{Estimate, Limits};
 use crate::compensator::faults::Faults;
 use crate::error::{Error, require};
 use crate::flexspline::Reduced;
-use crate::gear::{Gear, GearState, Motion, Torques};
+use crate::gear::{Gear, GearParams, GearState, Motion, Torques};
 use crate::real::Real;
 
 /// Number of observed states.
@@ -47,22 +47,13 @@ pub struct Gains<R> {
 pub struct ObserverParams<R> {
     /// Gains without further sensors, with output encoder, with strain gauge, with both.
     pub gains: [Gains<R>; 4],
-    /// J_wg [kg m^2].
-    pub wave_generator_inertia: R,
-    /// Fastest motor speed [rad/s].
-    pub motor_speed_limit: R,
-    /// Fastest output speed [rad/s].
-    pub output_speed_limit: R,
-    /// Largest external torque [N m].
-    pub external_torque_limit: R,
-    /// Largest torsion [rad].
-    pub torsion_limit: R,
 }
 
 /// The built observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observer<R> {
-    params: ObserverParams<R>,
+    gains: [Gains<R>; 4],
+    limits: Range<R>,
     inverse_wave_generator_inertia: R,
     dt: R,
 }
@@ -91,26 +82,38 @@ pub struct Measurement<R> {
 }
 
 impl<R: Real> ObserverParams<R> {
-    /// Prepares the observer for the control period dt [s].
+    /// Prepares the observer of a gear for the control period dt [s].
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `gains` unless all are finite, or the name of the first inertia or limit
-    /// that is not finite and positive.
-    pub fn build(&self, dt: R) -> Result<Observer<R>, Error> {
-        let positive = |value: R| value.is_finite() && value > R::ZERO;
+    /// [`Error::OutOfRange`] `gains` unless all are finite, or as [`Limits::check`] and the gear's parts.
+    pub fn build(&self, gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Result<Observer<R>, Error> {
         let mut gains = self.gains.iter().flat_map(|g| g.motor.iter().chain(&g.output).chain(&g.torque));
         require(gains.all(|gain| gain.is_finite()), "gains")?;
-        require(positive(self.wave_generator_inertia), "wave_generator_inertia")?;
-        require(positive(self.motor_speed_limit), "motor_speed_limit")?;
-        require(positive(self.output_speed_limit), "output_speed_limit")?;
-        require(positive(self.external_torque_limit), "external_torque_limit")?;
-        require(positive(self.torsion_limit), "torsion_limit")?;
+        limits.check()?;
+        let wave_generator_inertia = gear.wave_generator_inertia;
+        require(wave_generator_inertia > R::ZERO, "wave_generator_inertia")?;
         Ok(Observer {
-            params: *self,
-            inverse_wave_generator_inertia: R::ONE / self.wave_generator_inertia,
+            gains: self.gains,
+            limits: Range {
+                motor_speed: R::lit(2.0) * limits.motor_speed,
+                output_speed: R::lit(2.0) * limits.output_speed(gear.ratio),
+                external_torque: limits.output_torque,
+                torsion: gear.flexspline.line.build()?.torsion(R::lit(4.0) * limits.output_torque),
+            },
+            inverse_wave_generator_inertia: R::ONE / wave_generator_inertia,
             dt,
         })
     }
+}
+
+/// What the observer's states are kept in: twice the joint's speeds, its peak torque, and the torsion
+/// of four times the peak torque, where the teeth have long ratcheted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Range<R> {
+    motor_speed: R,
+    output_speed: R,
+    external_torque: R,
+    torsion: R,
 }
 
 impl<R: Real> Observer<R> {
@@ -187,10 +190,10 @@ impl<R: Real> Observer<R> {
         torques: &Torques<R>,
     ) {
         let gains = match (measured.output.is_some(), measured.output_torque.is_some()) {
-            (false, false) => &self.params.gains[0],
-            (true, false) => &self.params.gains[1],
-            (false, true) => &self.params.gains[2],
-            (true, true) => &self.params.gains[3],
+            (false, false) => &self.gains[0],
+            (true, false) => &self.gains[1],
+            (false, true) => &self.gains[2],
+            (true, true) => &self.gains[3],
         };
         let motor = measured.motor.minus(state.wave_generator.angle);
         let output = measured.output.map_or(R::ZERO, |angle| angle.minus(state.flange.angle));
@@ -211,17 +214,17 @@ impl<R: Real> Observer<R> {
         torques: &Torques<R>,
         faults: &mut Faults,
     ) {
-        let limits = &self.params;
+        let limits = &self.limits;
         for (value, bound) in [
-            (&mut state.wave_generator.velocity, limits.motor_speed_limit),
-            (&mut state.flange.velocity, limits.output_speed_limit),
-            (&mut state.external_torque, limits.external_torque_limit),
+            (&mut state.wave_generator.velocity, limits.motor_speed),
+            (&mut state.flange.velocity, limits.output_speed),
+            (&mut state.external_torque, limits.external_torque),
         ] {
             let limited = value.limit(bound);
             faults.raise_if(limited != *value, Faults::ESTIMATE_LIMITED);
             *value = limited;
         }
-        let lost = !(torques.torsion.abs() <= limits.torsion_limit);
+        let lost = !(torques.torsion.abs() <= limits.torsion);
         faults.raise_if(lost, Faults::OBSERVER_RESET);
         if lost {
             self.start(gear, state, measured);

@@ -61,6 +61,12 @@ impl<R: Real> Reduced<R> {
         self.line.torsion(torque)
     }
 
+    /// Slope of that torsion over the torque [rad/(N m)].
+    #[inline(always)]
+    pub fn compliance(&self, torque: R) -> R {
+        self.line.compliance(torque)
+    }
+
     #[inline(always)]
     fn damping(&self, torsion: R) -> R {
         let [first, second, third] = self.damping;

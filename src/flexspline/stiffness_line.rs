@@ -52,6 +52,14 @@ impl<R: Real> Pieces<R> {
         self.slope * x + (self.gain[0] * first + self.gain[1] * second) * x.sign()
     }
 
+    #[inline(always)]
+    fn slope_at(&self, x: R) -> R {
+        let magnitude = x.abs();
+        let first = if magnitude > self.knee[0] { self.gain[0] } else { R::ZERO };
+        let second = if magnitude > self.knee[1] { self.gain[1] } else { R::ZERO };
+        self.slope + first + second
+    }
+
     /// Integral of `value` from 0 to x.
     fn integral(&self, x: R) -> R {
         let [first, second] = self.excess(x.abs());
@@ -114,6 +122,12 @@ impl<R: Real> StiffnessLine<R> {
     #[inline(always)]
     pub fn torsion(&self, torque: R) -> R {
         self.by_torque.value(torque)
+    }
+
+    /// Slope of the torsion over the torque [rad/(N m)].
+    #[inline(always)]
+    pub fn compliance(&self, torque: R) -> R {
+        self.by_torque.slope_at(torque)
     }
 
     /// Stored energy [J].
