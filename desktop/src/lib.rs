@@ -3,6 +3,7 @@
 pub mod figure;
 pub mod file;
 pub mod gear_file;
+pub mod log;
 
 pub use figure::Figure;
 pub use file::BadInput;
