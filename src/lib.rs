@@ -9,6 +9,7 @@ pub mod angle;
 pub mod compensator;
 pub mod error;
 pub mod friction;
+pub mod kinematic_error;
 pub mod real;
 
 pub use angle::{Angle, Ratio};
