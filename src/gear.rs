@@ -21,8 +21,11 @@ use crate::error::{Error, require};
 use crate::flexspline::{Ends, Flexspline, FlexsplineParams, Reaction};
 use crate::friction::joint_friction::{JointFriction, JointFrictionParams, JointFrictionState};
 use crate::hysteresis::torsion_hysteresis::{TorsionHysteresis, TorsionHysteresisState};
-use crate::kinematic_error::{KinematicError, KinematicErrorParams};
+use crate::kinematic_error::{Deviation, KinematicError, KinematicErrorParams};
 use crate::real::Real;
+
+/// Most terms of the kinematic error, relative to the case and to the flexspline each.
+pub const KINEMATIC_TERMS: usize = 8;
 
 /// Everything that a gear is built from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +39,7 @@ pub struct GearParams<R> {
     /// Full width of the hysteresis loop at zero torque after +-rated torque; 0 for none [rad].
     pub hysteresis_width: R,
     /// Kinematic error.
-    pub kinematic_error: KinematicErrorParams<R>,
+    pub kinematic_error: KinematicErrorParams<R, KINEMATIC_TERMS>,
     /// Friction at the wave generator.
     pub input_friction: JointFrictionParams<R>,
     /// Friction at the flexspline.
@@ -70,7 +73,7 @@ impl<R: Real> Motion<R> {
 pub struct Gear<R, F, const L: usize> {
     ratio: Ratio,
     ratio_value: R,
-    kinematic_error: KinematicError<R>,
+    kinematic_error: KinematicError<R, KINEMATIC_TERMS>,
     flexspline: F,
     hysteresis: TorsionHysteresis<R, L>,
     input_friction: JointFriction<R>,
@@ -184,17 +187,22 @@ impl<R: Real, F: Flexspline<R>, const L: usize> Gear<R, F, L> {
         &self.hysteresis
     }
 
-    /// Kinematic error e [rad at the output] at a wave-generator angle, and de/dtheta_wg.
+    /// Kinematic error at a wave-generator angle.
     #[inline(always)]
-    pub fn kinematic_error(&self, wave_generator: Angle<R>) -> (R, R) {
-        self.kinematic_error.evaluate(wave_generator)
+    pub fn kinematic_error(&self, wave_generator: Angle<R>) -> Deviation<R> {
+        self.kinematic_error.at(wave_generator)
+    }
+
+    /// Where the output stands without torsion: r*theta_wg + e(theta_wg).
+    pub fn drive(&self, wave_generator: Angle<R>) -> Angle<R> {
+        self.ratio.apply(wave_generator).plus(self.kinematic_error(wave_generator).error)
     }
 
     fn ends(&self, wave_generator: &Motion<R>, flange: &Motion<R>) -> (Ends<R>, R) {
-        let (error, error_slope) = self.kinematic_error(wave_generator.angle);
-        let slope = self.ratio_value + error_slope;
+        let deviation = self.kinematic_error(wave_generator.angle);
+        let slope = self.ratio_value + deviation.slope;
         let ends = Ends {
-            drive: self.ratio.apply(wave_generator.angle).plus(error),
+            drive: self.ratio.apply(wave_generator.angle).plus(deviation.error),
             drive_rate: slope * wave_generator.velocity,
             wave_generator: wave_generator.angle,
             wave_generator_rate: wave_generator.velocity,

@@ -116,9 +116,9 @@ impl<R: Real> FeedForward<R> {
         let torsion_rate = gear.flexspline().compliance(carried) * inertia * setpoint.jerk;
 
         let reference = state.reference.unwrap_or(gear.ratio().undo(setpoint.position));
-        let (error, error_slope) = gear.kinematic_error(reference);
-        let ahead = shares.wind_up * torsion - shares.kinematic_error * error;
-        let ahead_rate = shares.wind_up * torsion_rate - shares.kinematic_error * error_slope * motor_velocity;
+        let deviation = gear.kinematic_error(reference);
+        let ahead = shares.wind_up * torsion - shares.kinematic_error * deviation.error;
+        let ahead_rate = shares.wind_up * torsion_rate - shares.kinematic_error * deviation.slope * motor_velocity;
         let reference = gear.ratio().undo(setpoint.position.plus(ahead));
         state.reference = Some(reference);
 

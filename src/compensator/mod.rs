@@ -247,7 +247,7 @@ impl<R: Real> Compensator<R> {
             let (angle, believed) = self.output_encoder.step::<R>(&mut state.output_encoder, raw);
             faults.raise_if(!believed, Faults::OUTPUT_ENCODER_JUMP);
             // The two encoders are mounted at any angle to each other: the first reading is their zero.
-            let zero = *state.output_zero.get_or_insert_with(|| angle.less(self.drive(motor)));
+            let zero = *state.output_zero.get_or_insert_with(|| angle.less(self.gear.drive(motor)));
             believed.then_some(angle.less(zero))
         });
         Measurement {
@@ -256,11 +256,6 @@ impl<R: Real> Compensator<R> {
             motor_torque: sensors.motor_torque,
             output_torque: sensors.output_torque,
         }
-    }
-
-    /// Where the output stands without torsion.
-    fn drive(&self, motor: Angle<R>) -> Angle<R> {
-        self.gear.ratio().apply(motor).plus(self.gear.kinematic_error(motor).0)
     }
 
     /// The torque that is commanded: none without a motor encoder, never more than the motor's peak.

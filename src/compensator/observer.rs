@@ -99,6 +99,7 @@ impl<R: Real> ObserverParams<R> {
                 output_speed: R::lit(2.0) * limits.output_speed(gear.ratio),
                 external_torque: limits.output_torque,
                 torsion: gear.flexspline.line.build()?.torsion(R::lit(4.0) * limits.output_torque),
+                transmitted: R::lit(4.0) * limits.output_torque,
             },
             inverse_wave_generator_inertia: R::ONE / wave_generator_inertia,
             dt,
@@ -114,6 +115,7 @@ struct Range<R> {
     output_speed: R,
     external_torque: R,
     torsion: R,
+    transmitted: R,
 }
 
 impl<R: Real> Observer<R> {
@@ -147,8 +149,8 @@ impl<R: Real> Observer<R> {
         Estimate {
             output_position: state.flange.angle,
             output_velocity: state.flange.velocity,
-            torsion: torques.torsion,
-            transmitted_torque: torques.transmitted,
+            torsion: torques.torsion.limit(self.limits.torsion),
+            transmitted_torque: torques.transmitted.limit(self.limits.transmitted),
             input_friction: torques.input_friction,
             output_friction: torques.output_friction,
             external_torque: state.external_torque,
@@ -162,10 +164,8 @@ impl<R: Real> Observer<R> {
         state: &mut ObserverState<R, L>,
         measured: &Measurement<R>,
     ) {
-        let (error, _) = gear.kinematic_error(measured.motor);
-        let drive = gear.ratio().apply(measured.motor).plus(error);
         state.wave_generator = Motion { angle: measured.motor, velocity: R::ZERO };
-        state.flange = Motion { angle: drive, velocity: R::ZERO };
+        state.flange = Motion { angle: gear.drive(measured.motor), velocity: R::ZERO };
         state.external_torque = R::ZERO;
         state.started = true;
     }

@@ -15,11 +15,12 @@
 //!
 //! Discretisation: z is exact over a step of constant velocity, g is taken at that velocity.
 //!
-//! Work: with Fs = Fc the block is dissipative over any motion, as z is. With Fs > Fc a motion can
-//! get work back, but only inside presliding and only if every stroke of it starts slowly and ends
-//! fast: what was stored at level Fc is then released at level Fs. Over strokes between z = -a and
-//! a (order 1) the gain is at most Fs*(a - ln(1+a)) - Fc*(-ln(1-a) - a) times eps, which for
-//! Fs/Fc = 10/7 is a mean force of 0.008 Fc, and negative beyond a = 0.27. Viscous loss comes off it.
+//! Work: with Fs = Fc the block is dissipative over any motion from rest, as z is. With Fs > Fc it
+//! is not: strokes inside presliding that each start slowly and end fast release at level Fs what
+//! they stored at level Fc. For Fs/Fc = 10/7 the gain is at most a mean force of 0.0073 Fc (order 1,
+//! strokes of 0.27 eps) or 0.009 Fc (order 2 with eta = 0.3, 0.075 eps); a viscous loss comes off
+//! it. At the default gear that leaves at most 0.0005 Fc at the wave generator and nothing at the
+//! flexspline. Equal strokes longer than 0.6 eps always lose.
 
 use super::Friction;
 use super::bliman_sorine::{BlimanSorine, BlimanSorineParams, BlimanSorineState};
@@ -237,10 +238,13 @@ mod tests {
             prop_assert!(work(&params, &pieces) >= -1e-10);
         }
 
+        /// The default gear's viscous loss covers the gain of order 1 entirely and that of order 2
+        /// but for 0.0005 Fc.
         #[test]
-        fn no_random_closed_motion_gains_work_with_the_stribeck_level(pieces in closed_motion(), two: bool) {
-            let params = wave_generator(if two { Order::Two } else { Order::One });
-            prop_assert!(work(&params, &pieces) >= -1e-10);
+        fn random_closed_motion_gains_no_work_with_the_stribeck_level(pieces in closed_motion()) {
+            let path: f64 = pieces.iter().map(|(velocity, duration)| velocity.abs() * duration).sum();
+            prop_assert!(work(&wave_generator(Order::One), &pieces) >= -1e-10);
+            prop_assert!(work(&wave_generator(Order::Two), &pieces) >= -1e-10 - 0.0005 * 0.035 * path);
         }
 
         #[test]
@@ -273,26 +277,35 @@ mod tests {
         }
     }
 
-    /// The worst motion that the header names: presliding strokes that start slowly and end fast.
+    /// Mean force that drives strokes of a length over eps, slow up to the share `switch` of each
+    /// and fast from there, relative to Fc.
+    fn gain(order: Order, stroke: f64, switch: f64) -> f64 {
+        let params = JointFrictionParams { viscous: 0.0, ..wave_generator(order) };
+        let length = stroke * params.presliding;
+        let (slow, fast) = ((1e-4, switch * length / 1e-4), (1e4, (1.0 - switch) * length / 1e4));
+        let mut pieces = std::vec::Vec::from([(1.0, 0.5 * length)]);
+        for k in 0..400 {
+            let sign = if k % 2 == 0 { -1.0 } else { 1.0 };
+            pieces.extend([slow, fast].map(|(velocity, duration)| (sign * velocity, duration)));
+        }
+        // The last 200 strokes, when z has settled between two values of opposite sign.
+        let (early, all) = (work(&params, &pieces[..401]), work(&params, &pieces));
+        (early - all) / (200.0 * length * params.coulomb)
+    }
+
+    /// The worst motions that the header names.
     #[test]
-    fn the_gain_of_a_varying_level_stays_below_its_bound() {
-        let params = JointFrictionParams { viscous: 0.0, ..wave_generator(Order::One) };
-        let eps = params.presliding;
-        let gain_over_path = |a: f64| {
-            let (release, load) = (eps * a.ln_1p(), eps * (((1.0 + a) / (1.0 - a)).ln() - a.ln_1p()));
-            let stroke = [(1e-4, release / 1e-4), (1e3, load / 1e3)];
-            let mut pieces = std::vec::Vec::from([(1.0, 0.5 * (release + load))]);
-            for k in 0..40 {
-                let sign = if k % 2 == 0 { -1.0 } else { 1.0 };
-                pieces.extend(stroke.iter().map(|&(velocity, duration)| (sign * velocity, duration)));
-            }
-            // The last twenty strokes, when z runs between -a and a.
-            let (early, all) = (work(&params, &pieces[..41]), work(&params, &pieces));
-            (early - all) / (20.0 * (release + load))
+    fn the_gain_of_a_varying_level_is_as_stated() {
+        let worst = |order| {
+            let strokes = (1..40).map(|k| 0.01 * f64::from(k));
+            strokes.map(|stroke| gain(order, stroke, 0.46)).fold(0.0, f64::max)
         };
-        let worst = (1..40).map(|k| gain_over_path(0.01 * f64::from(k))).fold(0.0, f64::max);
-        assert!(worst > 0.0 && worst < 0.008 * params.coulomb, "{}", worst / params.coulomb);
-        assert!(gain_over_path(0.27) < 0.0);
+        let (one, two) = (worst(Order::One), worst(Order::Two));
+        assert!((0.0065..0.0073).contains(&one), "{one}");
+        assert!((0.0075..0.009).contains(&two), "{two}");
+        for switch in [0.3, 0.35, 0.4, 0.45, 0.5] {
+            assert!(gain(Order::One, 0.7, switch) < 0.0 && gain(Order::Two, 0.7, switch) < 0.0);
+        }
     }
 
     #[test]
