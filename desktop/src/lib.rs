@@ -4,6 +4,7 @@ pub mod figure;
 pub mod file;
 pub mod gear_file;
 pub mod log;
+pub mod plot;
 
 pub use figure::Figure;
 pub use file::BadInput;
