@@ -11,6 +11,7 @@ pub mod log;
 pub mod observer_design;
 pub mod plant;
 pub mod scenario;
+pub mod plot;
 
 pub use figure::Figure;
 pub use file::BadInput;
