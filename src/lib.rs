@@ -9,6 +9,7 @@ pub mod angle;
 pub mod compensator;
 pub mod error;
 pub mod friction;
+pub mod hysteresis;
 pub mod kinematic_error;
 pub mod real;
 
