@@ -37,7 +37,8 @@ impl Baseline {
         let speed_limit = 2.0 * file.motor.rotor_speed_limit;
         Ok(Self {
             ratio: file.gear.signed_ratio(),
-            encoder: EncoderParams { bits: file.sensors.motor_encoder_bits, speed_limit }.build(CONTROL_PERIOD)?,
+            encoder: EncoderParams { bits: file.sensors.motor_encoder_bits, speed_limit }
+                .build(CONTROL_PERIOD)?,
             encoder_state: EncoderState::default(),
             feedback: feedback_params(file).build(CONTROL_PERIOD)?,
             feedback_state: FeedbackState::default(),

@@ -43,7 +43,9 @@ impl Draw {
     /// The parameters with the factors applied; knee torques and damping ratio stay.
     pub fn apply(&self, params: &GearParams<f64>) -> GearParams<f64> {
         let mut off = *params;
-        for (side, factor) in [&mut off.input_friction, &mut off.output_friction].into_iter().zip(self.friction) {
+        for (side, factor) in
+            [&mut off.input_friction, &mut off.output_friction].into_iter().zip(self.friction)
+        {
             side.coulomb *= factor;
             side.static_level *= factor;
             side.viscous *= factor;

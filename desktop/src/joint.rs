@@ -3,8 +3,8 @@
 //! The numbers that the library does not compute itself, the observer's gains and those of the cascade, are
 //! computed here, once, off line.
 
-use strainwave::compensator::observer::ObserverParams;
 use strainwave::compensator::feedback::FeedbackParams;
+use strainwave::compensator::observer::ObserverParams;
 use strainwave::compensator::{JointParams, Limits};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
 use strainwave::flexspline::{Cup, FlexsplineParams};

@@ -10,8 +10,8 @@ pub mod joint;
 pub mod log;
 pub mod observer_design;
 pub mod plant;
-pub mod scenario;
 pub mod plot;
+pub mod scenario;
 
 pub use figure::Figure;
 pub use file::BadInput;

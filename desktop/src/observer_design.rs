@@ -113,8 +113,7 @@ fn process_noise(file: &GearFile) -> Matrix5<f64> {
 
 /// Steady-state gain columns of the filter, one per sensor; `None` without a finite solution.
 fn filter_gains(file: &GearFile, sensors: &[Sensor]) -> Option<Vec<[f64; 5]>> {
-    let information: Matrix5<f64> =
-        sensors.iter().map(|s| s.row.transpose() * s.row / s.variance).sum();
+    let information: Matrix5<f64> = sensors.iter().map(|s| s.row.transpose() * s.row / s.variance).sum();
     let predicted = riccati(transition(file).transpose(), information, process_noise(file))?;
     // The gain P C' (C P C' + R)^-1 = (P^-1 + C' R^-1 C)^-1 C' R^-1.
     let corrected = (Matrix5::identity() + predicted * information).try_inverse()? * predicted;

@@ -28,7 +28,8 @@ pub type ReferenceMesh = Mesh<f64, { NODES.0 }, { NODES.1 }>;
 /// The reference gear.
 pub type ReferenceGear = Gear<f64, ReferenceMesh, LEVELS, MEMORY>;
 /// Its state.
-pub type ReferenceState = GearState<f64, <ReferenceMesh as strainwave::flexspline::Flexspline<f64>>::State, MEMORY>;
+pub type ReferenceState =
+    GearState<f64, <ReferenceMesh as strainwave::flexspline::Flexspline<f64>>::State, MEMORY>;
 
 /// A reference gear and the micro-steps that it takes in a control period.
 pub struct Reference {
@@ -152,8 +153,7 @@ impl Plant {
     fn stored(&self) -> f64 {
         let kinetic = self.wave_generator_inertia * self.wave_generator.velocity.powi(2)
             + self.flexspline_inertia * self.flange.velocity.powi(2);
-        0.5 * kinetic
-            + self.reference.gear.flexspline_energy(&self.state, &self.wave_generator, &self.flange)
+        0.5 * kinetic + self.reference.gear.flexspline_energy(&self.state, &self.wave_generator, &self.flange)
     }
 
     /// Where the energy went since the start.

@@ -107,7 +107,9 @@ impl Scenario {
             Self::S3 => rest_to_rest(time, 0.5, 0.25),
             Self::S4 => crawl(time),
             Self::S5 => Demand { load: if time < 0.3 { 0.0 } else { 40.0 }, ..Demand::default() },
-            Self::S6 => Demand { load: torque_loop(time, self.duration(), rated_torque), ..Demand::default() },
+            Self::S6 => {
+                Demand { load: torque_loop(time, self.duration(), rated_torque), ..Demand::default() }
+            }
         }
     }
 }
@@ -206,7 +208,8 @@ mod tests {
             for k in 1..1000 {
                 let t = scenario.duration() * (f64::from(k) + 0.37) / 1001.0;
                 let [before, now, after] = [t - h, t, t + h].map(|t| scenario.at(t, 67.0));
-                let near = |a: f64, b: f64, c: f64, scale: f64| ((a - b) / (2.0 * h) - c).abs() < 1e-3 * scale;
+                let near =
+                    |a: f64, b: f64, c: f64, scale: f64| ((a - b) / (2.0 * h) - c).abs() < 1e-3 * scale;
                 let moving = [
                     near(after.position, before.position, now.velocity, 1.0),
                     near(after.velocity, before.velocity, now.acceleration, 100.0),
