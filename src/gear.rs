@@ -20,7 +20,9 @@ use crate::angle::{Angle, Ratio};
 use crate::error::{Error, require};
 use crate::flexspline::{Ends, Flexspline, FlexsplineParams, Reaction};
 use crate::friction::joint_friction::{JointFriction, JointFrictionParams, JointFrictionState};
-use crate::hysteresis::torsion::{TorsionHysteresis, TorsionHysteresisParams, TorsionHysteresisState, gap_for_width};
+use crate::hysteresis::torsion::{
+    TorsionHysteresis, TorsionHysteresisParams, TorsionHysteresisState, gap_for_width,
+};
 use crate::kinematic_error::{Deviation, KinematicError, KinematicErrorParams};
 use crate::real::Real;
 
@@ -122,7 +124,11 @@ impl<R: Real> GearParams<R> {
     /// blocks' own `build`; `wave_generator_inertia`, `flexspline_inertia`, `rated_torque` unless finite and
     /// positive; `width` unless the loop is narrower than the torsion at rated torque; `dt` unless below
     /// half the period's radian of the torsion mode.
-    pub fn build<F: Flexspline<R>, const L: usize, const CAP: usize>(&self, flexspline: F, dt: R) -> Result<Gear<R, F, L, CAP>, Error> {
+    pub fn build<F: Flexspline<R>, const L: usize, const CAP: usize>(
+        &self,
+        flexspline: F,
+        dt: R,
+    ) -> Result<Gear<R, F, L, CAP>, Error> {
         let positive = |value: R| value.is_finite() && value > R::ZERO;
         self.flexspline.check()?;
         require(positive(self.rated_torque), "rated_torque")?;
@@ -218,7 +224,8 @@ impl<R: Real, F: Flexspline<R>, const L: usize, const CAP: usize> Gear<R, F, L, 
             self.flexspline.step(&mut state.flexspline, &ends);
         let torsion = ends.drive.minus(ends.flange);
         let hysteresis = self.hysteresis.step(&mut state.hysteresis, torsion).torque;
-        let input_friction = self.input_friction.step(&mut state.input_friction, wave_generator.velocity).force;
+        let input_friction =
+            self.input_friction.step(&mut state.input_friction, wave_generator.velocity).force;
         let output_friction = self.output_friction.step(&mut state.output_friction, flange.velocity).force;
         Torques {
             torsion,

@@ -114,7 +114,8 @@ impl<R: Real> FeedForward<R> {
         let reference = state.reference.unwrap_or(gear.ratio().undo(setpoint.position));
         let deviation = gear.kinematic_error(reference);
         let ahead = shares.wind_up * torsion - shares.kinematic_error * deviation.error;
-        let ahead_rate = shares.wind_up * torsion_rate - shares.kinematic_error * deviation.slope * motor_velocity;
+        let ahead_rate =
+            shares.wind_up * torsion_rate - shares.kinematic_error * deviation.slope * motor_velocity;
         let reference = gear.ratio().undo(setpoint.position.plus(ahead));
         state.reference = Some(reference);
 

@@ -263,7 +263,8 @@ impl<R: Real> Compensator<R> {
 
     /// The torque that is commanded: none without a motor encoder, never more than the motor's peak.
     fn command(&self, state: &mut State<R>, wanted: R, faults: &mut Faults) -> R {
-        let blind = faults.contains(Faults::MOTOR_ENCODER_JUMP) || faults.contains(Faults::MOTOR_ENCODER_FROZEN);
+        let blind =
+            faults.contains(Faults::MOTOR_ENCODER_JUMP) || faults.contains(Faults::MOTOR_ENCODER_FROZEN);
         let wanted = if blind { R::ZERO } else { wanted };
         let limited = wanted.limit(self.limits.motor_torque);
         state.limited = limited != wanted;

@@ -18,8 +18,8 @@
 //! at the motor's angle. Both are reported as faults.
 
 use crate::angle::Angle;
-use crate::compensator::{Estimate, HYSTERESIS_MEMORY, Limits, RealTimeGear};
 use crate::compensator::faults::Faults;
+use crate::compensator::{Estimate, HYSTERESIS_MEMORY, Limits, RealTimeGear};
 use crate::error::{Error, require};
 use crate::gear::{GearParams, GearState, Motion, Torques};
 use crate::real::Real;
@@ -157,12 +157,7 @@ impl<R: Real> Observer<R> {
     }
 
     /// Starts at rest at the motor's angle, without torsion.
-    fn start(
-        &self,
-        gear: &RealTimeGear<R>,
-        state: &mut ObserverState<R>,
-        measured: &Measurement<R>,
-    ) {
+    fn start(&self, gear: &RealTimeGear<R>, state: &mut ObserverState<R>, measured: &Measurement<R>) {
         state.wave_generator = Motion { angle: measured.motor, velocity: R::ZERO };
         state.flange = Motion { angle: gear.drive(measured.motor), velocity: R::ZERO };
         state.external_torque = R::ZERO;
@@ -182,12 +177,7 @@ impl<R: Real> Observer<R> {
         state.flange.advance(flange, self.dt);
     }
 
-    fn correct(
-        &self,
-        state: &mut ObserverState<R>,
-        measured: &Measurement<R>,
-        torques: &Torques<R>,
-    ) {
+    fn correct(&self, state: &mut ObserverState<R>, measured: &Measurement<R>, torques: &Torques<R>) {
         let gains = match (measured.output.is_some(), measured.output_torque.is_some()) {
             (false, false) => &self.gains[0],
             (true, false) => &self.gains[1],
