@@ -28,7 +28,7 @@
 //!
 //! I. Mayergoyz, "Mathematical models of hysteresis and their applications", 2003, section 1.3.
 
-use super::everett::{Change, Everett};
+use super::everett::{Change, Everett, Place};
 use super::weights::Weights;
 use crate::error::{Error, require};
 use crate::real::Real;
@@ -41,7 +41,7 @@ pub const WINDOW: usize = 4;
 pub struct Response<R> {
     /// y; finite for any input.
     pub output: R,
-    /// dy/du along the branch, 0 beyond the range.
+    /// dy/du along the branch; 0 beyond the range, and when held.
     pub slope: R,
     /// The input is beyond +-U and counts as +-U.
     pub saturated: bool,
@@ -49,7 +49,15 @@ pub struct Response<R> {
     pub held: bool,
 }
 
-/// A turning point of the input.
+/// An input within the range.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Located<R> {
+    /// In cells from the middle of the range.
+    cells: R,
+    pub(crate) place: Place<R>,
+}
+
+/// An input and the output that it had: a turning point, or where the last step left off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Turn<R> {
     /// In cells from the middle of the range.
@@ -65,12 +73,11 @@ pub struct StaircaseState<R, const CAP: usize> {
     depth: usize,
     /// Where the last step left off.
     now: Turn<R>,
-    response: Response<R>,
 }
 
 impl<R: Real, const CAP: usize> Default for StaircaseState<R, CAP> {
     fn default() -> Self {
-        Self { turns: [Turn::default(); CAP], depth: 0, now: Turn::default(), response: Response::default() }
+        Self { turns: [Turn::default(); CAP], depth: 0, now: Turn::default() }
     }
 }
 
@@ -84,6 +91,11 @@ struct Branch {
 }
 
 impl<R: Real, const CAP: usize> StaircaseState<R, CAP> {
+    /// y after the last step.
+    pub fn output(&self) -> R {
+        self.now.output
+    }
+
     /// Turning points stored, up to `CAP`.
     pub fn depth(&self) -> usize {
         self.depth
@@ -102,29 +114,42 @@ impl<R: Real, const CAP: usize> StaircaseState<R, CAP> {
 
     #[inline(always)]
     fn branch(&self, to: R) -> Branch {
-        let from = self.now.input;
-        let mut depth = self.depth;
+        let (from, depth) = (self.now.input, self.depth);
         if depth == 0 {
             return Branch { depth, turned: to.abs() < from.abs() };
         }
-        if to == from {
-            return Branch { depth, turned: false };
-        }
         let last = self.turn(depth - 1).input;
-        let (rises, branch_rises) = (to > from, from > last);
-        if rises != branch_rises {
-            if to != last && (to > last) == branch_rises {
-                return Branch { depth, turned: true };
+        if from > last {
+            if to >= from {
+                self.rising(depth, to)
+            } else if to > last {
+                Branch { depth, turned: true }
+            } else {
+                // Back past where the branch began: it is wiped out, and on goes the one before.
+                self.falling(depth - 1, to)
             }
-            // Back past where the branch began: it is wiped out, and on goes the one before.
-            depth -= 1;
+        } else if to <= from {
+            self.falling(depth, to)
+        } else if to < last {
+            Branch { depth, turned: true }
+        } else {
+            self.rising(depth - 1, to)
         }
-        while depth > 0 {
-            let bound = self.bound(depth);
-            let reached = if rises { to >= bound } else { to <= bound };
-            if !reached {
-                break;
-            }
+    }
+
+    /// Wipes out what a rise to `to` passes.
+    #[inline(always)]
+    fn rising(&self, mut depth: usize, to: R) -> Branch {
+        while depth > 0 && to >= self.bound(depth) {
+            depth = depth.saturating_sub(2);
+        }
+        Branch { depth, turned: false }
+    }
+
+    /// Wipes out what a fall to `to` passes.
+    #[inline(always)]
+    fn falling(&self, mut depth: usize, to: R) -> Branch {
+        while depth > 0 && to <= self.bound(depth) {
             depth = depth.saturating_sub(2);
         }
         Branch { depth, turned: false }
@@ -145,6 +170,9 @@ impl<R: Real, const CAP: usize> StaircaseState<R, CAP> {
     }
 
     /// Drops the pair of neighbours with the smallest rectangle among the newest, `CAP` >= 7.
+    // Apart from the common path, which it would cost registers.
+    #[cold]
+    #[inline(never)]
     fn forget(&mut self) {
         let newest = self.depth.saturating_sub(2);
         let (mut chosen, mut least) = (newest, R::MAX);
@@ -193,16 +221,19 @@ impl<R: Real, const L: usize, const CAP: usize> Staircase<R, L, CAP> {
     // Never inlined: the timing budget counts this block by its symbol.
     #[inline(never)]
     pub fn step(&self, state: &mut StaircaseState<R, CAP>, input: R) -> Response<R> {
-        self.advance(state, input)
+        if !input.is_finite() {
+            return held(state);
+        }
+        self.advance(state, self.locate(input), input)
     }
 
     /// What [`Self::step`] would return, with the state left as it is.
     #[inline]
     pub fn peek(&self, state: &StaircaseState<R, CAP>, input: R) -> Response<R> {
         if !input.is_finite() {
-            return Response { held: true, ..state.response };
+            return held(state);
         }
-        self.read(state, state.branch(self.cells(input)), input)
+        self.peek_at(state, self.locate(input), input)
     }
 
     /// The table.
@@ -216,55 +247,58 @@ impl<R: Real, const L: usize, const CAP: usize> Staircase<R, L, CAP> {
         self.cells_per_unit
     }
 
-    /// The input in cells from the middle of the range, within the range.
+    /// Where a finite input is; beyond the range, its end.
     #[inline(always)]
-    pub(crate) fn cells(&self, input: R) -> R {
-        (input * self.cells_per_unit).limit(R::lit(L as f64 * 0.5))
+    pub(crate) fn locate(&self, input: R) -> Located<R> {
+        let cells = (input * self.cells_per_unit).limit(R::lit(L as f64 * 0.5));
+        Located { cells, place: Everett::<R, L>::place(cells) }
     }
 
+    /// The step for a finite input.
     #[inline(always)]
-    pub(crate) fn advance(&self, state: &mut StaircaseState<R, CAP>, input: R) -> Response<R> {
-        if !input.is_finite() {
-            return Response { held: true, ..state.response };
-        }
-        let cells = self.cells(input);
-        let branch = state.branch(cells);
-        let response = self.read(state, branch, input);
+    pub(crate) fn advance(
+        &self,
+        state: &mut StaircaseState<R, CAP>,
+        at: Located<R>,
+        input: R,
+    ) -> Response<R> {
+        let branch = state.branch(at.cells);
+        let response = self.read(state, branch, at, input);
         state.take(branch);
-        state.now = Turn { input: cells, output: response.output };
-        state.response = response;
+        state.now = Turn { input: at.cells, output: response.output };
         response
     }
 
+    /// [`Self::peek`] for a finite input.
     #[inline(always)]
-    fn read(&self, state: &StaircaseState<R, CAP>, branch: Branch, input: R) -> Response<R> {
-        let cells = self.cells(input);
-        let (start, change) = if branch.turned {
-            self.since_turn(state.now, cells)
-        } else if branch.depth == 0 {
-            (R::ZERO, self.virgin(cells))
+    pub(crate) fn peek_at(&self, state: &StaircaseState<R, CAP>, at: Located<R>, input: R) -> Response<R> {
+        self.read(state, state.branch(at.cells), at, input)
+    }
+
+    #[inline(always)]
+    fn read(&self, state: &StaircaseState<R, CAP>, branch: Branch, at: Located<R>, input: R) -> Response<R> {
+        let (start, change) = if branch.depth == 0 && !branch.turned {
+            (R::ZERO, self.virgin(at))
         } else {
-            self.since_turn(state.turn(branch.depth - 1), cells)
+            let turn = if branch.turned { state.now } else { state.turn(branch.depth.wrapping_sub(1)) };
+            (turn.output, self.everett.change(at.place, Everett::<R, L>::place(turn.input)))
         };
         let saturated = input.abs() > self.half_range;
         let slope = if saturated { R::ZERO } else { change.slope * self.cells_per_unit };
         Response { output: start + change.value, slope, saturated, held: false }
     }
 
-    #[inline(always)]
-    fn since_turn(&self, turn: Turn<R>, cells: R) -> (R, Change<R>) {
-        let (to, from) = (Everett::<R, L>::place(cells), Everett::<R, L>::place(turn.input));
-        (turn.output, self.everett.change(to, from))
-    }
-
     /// The weights are symmetric: half of G(|q|, -|q|) lies on either side of the line alpha = -beta,
     /// and the derivatives of G over its two arguments are opposite there.
     #[inline(always)]
-    fn virgin(&self, cells: R) -> Change<R> {
-        let (to, from) = (Everett::<R, L>::place(cells), Everett::<R, L>::place(-cells));
-        let change = self.everett.change(to, from);
+    fn virgin(&self, at: Located<R>) -> Change<R> {
+        let change = self.everett.change(at.place, Everett::<R, L>::place(-at.cells));
         Change { value: change.value * R::lit(0.5), slope: change.slope }
     }
+}
+
+fn held<R: Real, const CAP: usize>(state: &StaircaseState<R, CAP>) -> Response<R> {
+    Response { output: state.output(), slope: R::ZERO, saturated: false, held: true }
 }
 
 #[cfg(test)]
@@ -449,7 +483,7 @@ mod tests {
                 prop_assert!(response.output.abs() <= S as f32 * 1.001);
                 prop_assert_eq!(response.held, !input.is_finite());
                 prop_assert_eq!(response.saturated && !response.held, input.is_finite() && input.abs() > U as f32);
-                prop_assert!(!response.held || (before == state && response.output == before.response.output));
+                prop_assert!(!response.held || (before == state && response.output == before.output()));
             }
         }
 
