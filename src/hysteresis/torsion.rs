@@ -137,6 +137,7 @@ impl<R: Real, const L: usize, const CAP: usize> TorsionHysteresis<R, L, CAP> {
         let at = self.staircase.locate(torsion);
         let found = self.against_mean(at, self.staircase.advance(&mut state.staircase, at, torsion));
         state.torque = found.torque;
+        state.staircase.make_room();
         found
     }
 
