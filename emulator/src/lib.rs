@@ -3,7 +3,9 @@
 pub mod firmware;
 pub mod machine;
 mod process;
+pub mod pil;
 pub mod setup;
+pub mod target;
 pub mod telemetry;
 
 pub use firmware::Firmware;
