@@ -1,7 +1,7 @@
 #![no_std]
 #![no_main]
-use stm32f4xx_hal::{pac, prelude::*, rcc::Config};
 use stm32f4xx_hal::rcc::RccExt;
+use stm32f4xx_hal::{pac, prelude::*, rcc::Config};
 use strainwave_app as _;
 #[cortex_m_rt::entry]
 fn main() -> ! {
@@ -10,9 +10,18 @@ fn main() -> ! {
     let _ = rcc;
     loop {}
 }
-unsafe extern "C" { fn strainwave_a_panic_is_reachable() -> !; }
+unsafe extern "C" {
+    fn strainwave_a_panic_is_reachable() -> !;
+}
 #[panic_handler]
-fn panic(_info: &core::panic::PanicInfo) -> ! { unsafe { strainwave_a_panic_is_reachable() } }
+fn panic(_info: &core::panic::PanicInfo) -> ! {
+    unsafe { strainwave_a_panic_is_reachable() }
+}
 #[defmt::global_logger]
 struct L;
-unsafe impl defmt::Logger for L { fn acquire() {} unsafe fn flush() {} unsafe fn release() {} unsafe fn write(_: &[u8]) {} }
+unsafe impl defmt::Logger for L {
+    fn acquire() {}
+    unsafe fn flush() {}
+    unsafe fn release() {}
+    unsafe fn write(_: &[u8]) {}
+}
