@@ -1,10 +1,12 @@
 //! The full-precision reference build, the plant, baselines, scenarios and files.
 
+pub mod bounds;
 pub mod figure;
 pub mod file;
 pub mod gear_file;
 pub mod log;
 pub mod plot;
+pub mod verify;
 
 pub use figure::Figure;
 pub use file::BadInput;
