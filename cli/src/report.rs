@@ -51,7 +51,7 @@ impl Report {
 /// One row a figure.
 fn table(figures: &[Figure]) -> String {
     let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_header(["name", "value", "unit", "bound", "holds"]);
+    table.load_style(presets::NOTHING).set_header(["name", "value", "unit", "bound", "holds"]);
     for figure in figures {
         let bound = figure.bound.map_or("-".into(), number);
         let holds = match (figure.bound, figure.holds) {

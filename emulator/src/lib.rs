@@ -1,1 +1,10 @@
 //! Cross-build, set-up, QEMU, lockstep, counting and proofs on the firmware image.
+
+pub mod firmware;
+pub mod machine;
+mod process;
+pub mod setup;
+pub mod telemetry;
+
+pub use firmware::Firmware;
+pub use machine::{Ending, Machine};
