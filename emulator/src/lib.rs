@@ -1,1 +1,3 @@
 //! Cross-build, set-up, QEMU, lockstep, counting and proofs on the firmware image.
+
+pub mod artifact;
