@@ -4,14 +4,15 @@
 //! word the turns), plus the fraction of a count that has not yet become a whole one:
 //!
 //! ```text
-//! theta = (counts + rest) * 2*pi/2^32,   -1/2 <= rest <= 1/2      1 count = 1.46e-9 rad
+//! theta = (counts + rest) * 2*pi/2^32,   -1 <= rest <= 1      1 count = 1.46e-9 rad
 //! ```
 //!
 //! so a difference of two angles is as exact after 10^6 turns as after none, in f32 too. Counts
 //! wrap after 2^31 turns (248 days at 100 turns a second); differences stay right across the wrap.
 //!
-//! The signed ratio r = p/q of small integers is applied as a 64-bit binary fraction. After 10^6
+//! The signed ratio r = 1/n is applied as a 64-bit binary fraction. After 10^6
 //! wave-generator turns (2^52 counts) its rounding is below 2^-12 counts.
+//! Turning back, n is an integer and nothing is rounded.
 
 use crate::error::{Error, require};
 use crate::real::{RADIANS_PER_COUNT, Real};
@@ -38,6 +39,21 @@ impl<R: Real> Angle<R> {
         Self::default().plus(angle)
     }
 
+    /// The fraction numerator/denominator of a turn.
+    pub fn from_turn_fraction(numerator: i32, denominator: i32) -> Self {
+        let (numerator, denominator) = (i64::from(numerator) << 32, i64::from(denominator));
+        let rest = R::from_i32((numerator % denominator) as i32) / R::from_i32(denominator as i32);
+        Self { counts: numerator / denominator, rest }
+    }
+
+    /// Sine and cosine, the fraction of a count included.
+    #[inline]
+    pub fn sin_cos(self) -> (R, R) {
+        let (sine, cosine) = R::sin_cos_phase(self.phase());
+        let rest = self.rest * R::lit(RADIANS_PER_COUNT);
+        (sine + cosine * rest, cosine - sine * rest)
+    }
+
     /// Counts within the turn.
     #[inline(always)]
     pub fn phase(self) -> u32 {
@@ -54,12 +70,21 @@ impl<R: Real> Angle<R> {
         Self { counts: self.counts.wrapping_add(i64::from(whole)), rest: rest.limit(R::ONE) }
     }
 
-    /// `self - other` [rad]; saturates at half a turn either way.
+    /// `self - other` [rad]; saturates at 2^15 turns either way.
     #[inline]
     pub fn minus(self, other: Self) -> R {
         let counts = self.counts.wrapping_sub(other.counts);
-        let whole = counts.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
-        (R::from_i32(whole) + (self.rest - other.rest)) * R::lit(RADIANS_PER_COUNT)
+        // In two pieces that are each exact in f32 when the difference is small.
+        let high = (counts >> 16).clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
+        let whole = R::from_i32(high) * R::lit(65536.0) + R::from_i32((counts & 0xffff) as i32);
+        (whole + (self.rest - other.rest)) * R::lit(RADIANS_PER_COUNT)
+    }
+
+    /// `self - other` as an angle, exact.
+    #[inline]
+    #[must_use]
+    pub fn less(self, other: Self) -> Self {
+        Self { counts: self.counts.wrapping_sub(other.counts), rest: self.rest - other.rest }
     }
 
     /// The whole angle [rad], in f64: for files and plots, not for the control step.
@@ -75,45 +100,64 @@ impl<R: Real> Angle<R> {
     }
 }
 
-/// A gear ratio +-1/n as an exact map of angles.
+/// A gear ratio r = 1/n, n positive or negative, as an exact map of angles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ratio {
-    /// |r| * 2^64, rounded.
+    n: i32,
+    /// 2^64/|n|, rounded.
     fraction: u64,
-    negative: bool,
 }
 
 impl Ratio {
-    /// r = 1/n for positive n, -1/|n| for negative n; |n| in 2..=1000.
+    /// r = 1/n, |n| in 2..=1000.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `ratio`.
     pub fn one_over(n: i32) -> Result<Self, Error> {
         let magnitude = u64::from(n.unsigned_abs());
         require((2..=1000).contains(&magnitude), "ratio")?;
-        // 2^64 / n, rounded to nearest, without leaving 64 bits.
+        // 2^64 = quotient*|n| + remainder, without leaving 64 bits.
         let (quotient, remainder) = (u64::MAX / magnitude, u64::MAX % magnitude + 1);
-        Ok(Self { fraction: quotient + (remainder + magnitude / 2) / magnitude, negative: n < 0 })
+        Ok(Self { n, fraction: quotient + (remainder + magnitude / 2) / magnitude })
     }
 
-    /// r * angle.
+    /// r * angle: from the wave generator to the ideal output.
     #[inline]
     pub fn apply<R: Real>(self, angle: Angle<R>) -> Angle<R> {
         let (whole, low) = multiply(angle.counts, self.fraction);
         // The top 24 bits of the fraction below a count are all that a rest can hold in f32.
         let fraction = R::from_i32((low >> 40) as i32) * R::lit(1.0 / 16_777_216.0);
-        let scaled = Angle { counts: whole, rest: fraction };
-        if self.negative {
-            Angle { counts: scaled.counts.wrapping_neg(), rest: -scaled.rest }
+        let rest = fraction + angle.rest * self.magnitude();
+        if self.n < 0 {
+            Angle { counts: whole.wrapping_neg(), rest: -rest }
         } else {
-            scaled
+            Angle { counts: whole, rest }
         }
     }
 
-    /// The ratio as a number.
+    /// angle / r: from the ideal output to the wave generator.
+    #[inline]
+    pub fn undo<R: Real>(self, angle: Angle<R>) -> Angle<R> {
+        let fraction = angle.rest * R::from_i32(self.n);
+        let whole = fraction.to_i32();
+        let counts = angle.counts.wrapping_mul(i64::from(self.n)).wrapping_add(i64::from(whole));
+        Angle { counts, rest: fraction - R::from_i32(whole) }
+    }
+
+    /// |r|, in one multiplication.
+    #[inline(always)]
+    fn magnitude<R: Real>(self) -> R {
+        R::from_i32((self.fraction >> 33) as i32) * R::lit(1.0 / 2_147_483_648.0)
+    }
+
+    /// n = 1/r.
+    pub fn n(self) -> i32 {
+        self.n
+    }
+
+    /// r as a number, for `build`.
     pub fn value<R: Real>(self) -> R {
-        let magnitude = self.fraction as f64 / 18_446_744_073_709_551_616.0;
-        R::lit(if self.negative { -magnitude } else { magnitude })
+        R::ONE / R::from_i32(self.n)
     }
 }
 
@@ -122,4 +166,79 @@ impl Ratio {
 fn multiply(signed: i64, unsigned: u64) -> (i64, u64) {
     let product = i128::from(signed).wrapping_mul(i128::from(unsigned));
     ((product >> 64) as i64, product as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Torsion r*theta_wg - theta_fs resolves equally well after a million turns, in f32.
+    #[test]
+    fn resolution_after_a_million_turns() {
+        let worst = [0, 1_000_000, -1_000_000]
+            .into_iter()
+            .flat_map(|turns: i64| (-1000..1000).map(move |step| (turns, step)))
+            .map(|(turns, step)| {
+                let ratio = Ratio::one_over(-100).unwrap();
+                let torsion = f64::from(step) * 1e-7;
+                let motor = Angle::<f32>::from_counts((turns << 32) + 12_345_678);
+                let exact_output = -(motor.counts as f64) / 100.0 * RADIANS_PER_COUNT;
+                let residue = (-(i128::from(motor.counts)) % 100) as f64 / 100.0 * RADIANS_PER_COUNT;
+                let output = Angle::<f32>::from_counts(-motor.counts / 100).plus((residue - torsion) as f32);
+                assert!(
+                    (output.to_radians() - (exact_output - torsion)).abs()
+                        < 1e-9 * (1.0 + exact_output.abs())
+                );
+                (f64::from(ratio.apply(motor).minus(output)) - torsion).abs()
+            })
+            .fold(0.0, f64::max);
+        assert!(worst < 1e-9, "{worst:e} rad");
+    }
+
+    #[test]
+    fn ratios_outside_the_range_are_refused() {
+        for n in [0, 1, -1, 1001, i32::MIN] {
+            assert_eq!(Ratio::one_over(n), Err(Error::OutOfRange("ratio")));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_added_comes_back_as_the_difference(counts: i64, delta in -3.0..3.0f64) {
+            let angle = Angle::<f64>::from_counts(counts);
+            prop_assert!((angle.plus(delta).minus(angle) - delta).abs() < 1e-15 * (1.0 + delta.abs()));
+            let angle = Angle::<f32>::from_counts(counts);
+            let error = f64::from(angle.plus(delta as f32).minus(angle)) - f64::from(delta as f32);
+            prop_assert!(error.abs() <= 2e-7 * delta.abs() + 1e-15);
+        }
+
+        /// Increments far below a count are carried, not lost.
+        #[test]
+        fn small_increments_add_up(increment in 1e-12..1e-9f32) {
+            let sum = (0..1000).fold(Angle::<f32>::default(), |angle, _| angle.plus(increment));
+            let wanted = 1000.0 * f64::from(increment);
+            prop_assert!((sum.to_radians() - wanted).abs() <= 1e-4 * wanted);
+        }
+
+        #[test]
+        fn a_ratio_divides_exactly(turns in -2_000_000..2_000_000i64, phase: u32, n in 2..1000i32) {
+            let angle = Angle::<f64>::from_counts((turns << 32) + i64::from(phase));
+            for n in [n, -n] {
+                let ratio = Ratio::one_over(n).unwrap();
+                let applied = ratio.apply(angle);
+                let (n, counts) = (i128::from(n), i128::from(angle.counts));
+                let error = (i128::from(applied.counts) * n - counts) as f64 / n as f64 + applied.rest;
+                prop_assert!(error.abs() < 1e-3, "{} counts", error);
+                prop_assert!((ratio.undo(applied).minus(angle)).abs() < 1e-9);
+            }
+        }
+
+        #[test]
+        fn any_input_is_total(counts: i64, bits: u32) {
+            let angle = Angle::<f32>::from_counts(counts).plus(f32::from_bits(bits));
+            prop_assert!(angle.rest.abs() <= 1.0);
+            prop_assert!(angle.minus(Angle::default()).is_finite());
+        }
+    }
 }

@@ -8,6 +8,11 @@ extern crate std;
 pub mod angle;
 pub mod compensator;
 pub mod error;
+pub mod flexspline;
+pub mod friction;
+pub mod gear;
+pub mod hysteresis;
+pub mod kinematic_error;
 pub mod real;
 
 pub use angle::{Angle, Ratio};

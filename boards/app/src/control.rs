@@ -1,0 +1,70 @@
+//! One control period: fetch, one call, store.
+
+use crate::telemetry::{Record, Sender};
+use crate::{Compensator, JOINT, State};
+use strainwave::Error;
+use strainwave::compensator::{Input, Output};
+
+/// Control periods in a second [Hz].
+pub const RATE: u32 = 10_000;
+
+/// What the control needs from a board, once a period.
+pub trait Board {
+    /// Sensors and setpoint of this period; `None` when the board has none that can be trusted.
+    fn input(&mut self) -> Option<Input<f32>>;
+    /// Puts a step's output to the motor.
+    fn output(&mut self, output: &Output<f32>);
+    /// Takes the torque off the motor: there is no input to control it with.
+    fn release(&mut self);
+    /// Tells the watchdog that this period was completed.
+    fn feed_watchdog(&mut self);
+    /// Whether the next period has already begun.
+    fn overran(&mut self) -> bool;
+}
+
+/// Everything the control interrupt owns.
+pub struct Control<B> {
+    board: B,
+    compensator: Compensator<f32>,
+    state: State,
+    sender: Sender,
+    periods: u32,
+    overruns: u32,
+}
+
+impl<B: Board> Control<B> {
+    /// The control of the joint that is built in.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with the name of a constant that the joint's file has wrong.
+    pub fn new(board: B, sender: Sender) -> Result<Self, Error> {
+        let compensator = Compensator::build(&JOINT)?;
+        Ok(Self { board, compensator, state: State::default(), sender, periods: 0, overruns: 0 })
+    }
+
+    /// One period: called from the board's control interrupt, never blocks on telemetry.
+    #[inline]
+    pub fn tick(&mut self) {
+        match self.board.input() {
+            Some(input) => self.control(&input),
+            None => self.board.release(),
+        }
+        self.board.feed_watchdog();
+        self.periods = self.periods.wrapping_add(1);
+    }
+
+    #[inline]
+    fn control(&mut self, input: &Input<f32>) {
+        let output = control_step(&self.compensator, &mut self.state, input);
+        self.board.output(&output);
+        self.overruns = self.overruns.saturating_add(u32::from(self.board.overran()));
+        self.sender.send(Record::new(self.periods, self.overruns, input, &output));
+    }
+}
+
+/// The step that the budget counts: a symbol of its own in the linked image.
+#[inline(never)]
+#[cfg_attr(target_os = "none", unsafe(no_mangle))]
+pub fn control_step(compensator: &Compensator<f32>, state: &mut State, input: &Input<f32>) -> Output<f32> {
+    compensator.step(state, input)
+}

@@ -1,0 +1,113 @@
+//! The lockstep link: sensors and command travel through two host FIFOs, by semihosting.
+//!
+//! A blocking read stops the guest and, under `-icount`, its clock too: the plant on the host and
+//! the firmware stay in step however slow either is. The host ends a run by closing its end.
+
+use crate::{timer, watchdog};
+use core::ffi::CStr;
+use core::sync::atomic::{AtomicBool, Ordering};
+use cortex_m_semihosting::{nr, syscall};
+use strainwave_app::frame::{self, INPUT_BYTES};
+use strainwave_app::{Input, Output};
+
+static ENDED: AtomicBool = AtomicBool::new(false);
+static FAILED: AtomicBool = AtomicBool::new(false);
+
+/// The link is closed, or spoke another frame.
+pub fn ended() -> bool {
+    ENDED.load(Ordering::Relaxed)
+}
+
+/// The link ended for another reason than that the host closed it.
+pub fn failed() -> bool {
+    FAILED.load(Ordering::Relaxed)
+}
+
+fn fail() {
+    FAILED.store(true, Ordering::Relaxed);
+    ENDED.store(true, Ordering::Relaxed);
+}
+
+/// The two FIFOs, in the emulator's working directory.
+pub struct Link {
+    sensors: usize,
+    command: usize,
+}
+
+impl Link {
+    /// Opens both; `None` when the host has not made them.
+    pub fn open() -> Option<Self> {
+        let sensors = open(c"sensors.fifo", nr::open::R_BINARY)?;
+        let command = open(c"command.fifo", nr::open::W_TRUNC_BINARY)?;
+        Some(Self { sensors, command })
+    }
+
+    /// Waits for a frame; `None` when the host closed its end before the frame was whole.
+    fn read(&self) -> Option<[u8; INPUT_BYTES]> {
+        let mut bytes = [0u8; INPUT_BYTES];
+        // SAFETY: the block names `bytes` and its length; the host writes no further.
+        let missing = unsafe { syscall!(READ, self.sensors, bytes.as_mut_ptr(), INPUT_BYTES) };
+        (missing == 0).then_some(bytes)
+    }
+
+    fn write(&self, bytes: &[u8]) -> bool {
+        // SAFETY: the block names `bytes` and its length; the host only reads them.
+        let missing = unsafe { syscall!(WRITE, self.command, bytes.as_ptr(), bytes.len()) };
+        missing == 0
+    }
+}
+
+fn open(name: &CStr, mode: usize) -> Option<usize> {
+    // SAFETY: the block names a string, its length without the zero, and a mode.
+    let handle = unsafe { syscall!(OPEN, name.as_ptr(), mode, name.count_bytes()) };
+    (handle != usize::MAX).then_some(handle)
+}
+
+/// The emulated board, as the control sees it.
+pub struct Board {
+    link: Link,
+}
+
+impl Board {
+    pub fn new(link: Link) -> Self {
+        Self { link }
+    }
+}
+
+impl strainwave_app::Board for Board {
+    fn input(&mut self) -> Option<Input<f32>> {
+        if ended() {
+            return None;
+        }
+        match self.link.read() {
+            Some(bytes) => {
+                let input = frame::decode_input(&bytes);
+                if input.is_none() {
+                    fail();
+                }
+                input
+            }
+            None => {
+                ENDED.store(true, Ordering::Relaxed);
+                None
+            }
+        }
+    }
+
+    fn output(&mut self, output: &Output<f32>) {
+        if !self.link.write(&frame::encode_output(output)) {
+            fail();
+        }
+    }
+
+    // Nobody is listening any more.
+    fn release(&mut self) {}
+
+    fn feed_watchdog(&mut self) {
+        watchdog::feed();
+    }
+
+    fn overran(&mut self) -> bool {
+        timer::waiting()
+    }
+}

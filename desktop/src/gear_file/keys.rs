@@ -1,0 +1,204 @@
+//! Every key of a gear file, with what it may hold.
+
+use std::f64::consts::TAU;
+use std::fmt;
+use std::ops::{Bound, RangeBounds};
+
+/// What a key may hold.
+#[derive(Clone, Copy, Debug)]
+pub enum Allowed {
+    /// 1 to 80 characters without control characters.
+    Text,
+    /// `true` or `false`.
+    Flag,
+    /// One of these words.
+    Word(&'static [&'static str]),
+    /// A whole number from the first to the second.
+    Whole(i64, i64),
+    /// A finite number between two ends, and its unit.
+    Number(Bound<f64>, Bound<f64>, &'static str),
+}
+
+/// Longest name of a gear.
+pub const LONGEST_TEXT: usize = 80;
+/// Most entries of one list of kinematic-error orders.
+pub const MOST_ORDERS: usize = 8;
+
+/// One key: its path in the file (`[]` marks a list of tables) and what it may hold.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    /// Dotted path, such as `friction.input.coulomb_nm`.
+    pub path: &'static str,
+    /// What it may hold.
+    pub allowed: Allowed,
+    /// The file need not have it.
+    pub optional: bool,
+}
+
+const fn key(path: &'static str, allowed: Allowed) -> Key {
+    Key { path, allowed, optional: false }
+}
+
+const fn optional(path: &'static str, allowed: Allowed) -> Key {
+    Key { path, allowed, optional: true }
+}
+
+/// From `least` to `most`, both allowed.
+const fn within(least: f64, most: f64, unit: &'static str) -> Allowed {
+    Allowed::Number(Bound::Included(least), Bound::Included(most), unit)
+}
+
+/// More than 0, up to `most`.
+const fn positive(most: f64, unit: &'static str) -> Allowed {
+    Allowed::Number(Bound::Excluded(0.0), Bound::Included(most), unit)
+}
+
+/// Words of `gear.arrangement`.
+const ARRANGEMENTS: &[&str] = &["circular_spline_fixed", "flexspline_fixed"];
+/// Words of `friction.*.model`.
+const FRICTION_MODELS: &[&str] = &["bliman_sorine_1", "bliman_sorine_2"];
+
+/// The keys in the order of the file. The ranges hold any strain-wave gear from a finger joint to a
+/// turntable with room to spare; they keep slips of unit (mm for m, degrees for rad) and nonsense out.
+pub const KEYS: &[Key] = &[
+    key("gear.name", Allowed::Text),
+    key("gear.ratio", Allowed::Whole(30, 320)),
+    key("gear.arrangement", Allowed::Word(ARRANGEMENTS)),
+    key("gear.rated_torque_nm", within(0.01, 1e5, "N m")),
+    key("gear.peak_torque_nm", within(0.01, 1e5, "N m")),
+    key("stiffness.k1_nm_per_rad", within(1.0, 1e8, "N m/rad")),
+    key("stiffness.k2_nm_per_rad", within(1.0, 1e8, "N m/rad")),
+    key("stiffness.k3_nm_per_rad", within(1.0, 1e8, "N m/rad")),
+    key("stiffness.t1_nm", within(1e-3, 1e5, "N m")),
+    key("stiffness.t2_nm", within(1e-3, 1e5, "N m")),
+    key("hysteresis.width_arcmin", within(0.0, 60.0, "arcmin")),
+    key("kinematic_error.wave_generator[].order", Allowed::Whole(1, 20)),
+    key("kinematic_error.wave_generator[].amplitude_rad", within(0.0, 0.01, "rad")),
+    key("kinematic_error.wave_generator[].phase_rad", within(-TAU, TAU, "rad")),
+    key("kinematic_error.flexspline[].order", Allowed::Whole(1, 20)),
+    key("kinematic_error.flexspline[].amplitude_rad", within(0.0, 0.01, "rad")),
+    key("kinematic_error.flexspline[].phase_rad", within(-TAU, TAU, "rad")),
+    key("flexspline.radius_m", within(0.002, 1.0, "m")),
+    key("flexspline.length_m", within(0.002, 1.0, "m")),
+    key("flexspline.wall_m", within(1e-5, 0.01, "m")),
+    key("flexspline.ellipse_m", within(1e-5, 0.01, "m")),
+    key("flexspline.youngs_modulus_pa", within(1e8, 1e12, "Pa")),
+    key("flexspline.poisson_ratio", within(0.0, 0.49, "1")),
+    key("flexspline.density_kg_per_m3", within(100.0, 3e4, "kg/m^3")),
+    key("inertia.wave_generator_kg_m2", within(1e-9, 10.0, "kg m^2")),
+    key("inertia.flexspline_kg_m2", within(1e-6, 1e5, "kg m^2")),
+    key("damping.torsion_mode_ratio", Allowed::Number(Bound::Included(0.0), Bound::Excluded(1.0), "1")),
+    key("friction.input.model", Allowed::Word(FRICTION_MODELS)),
+    key("friction.input.coulomb_nm", within(0.0, 1e3, "N m")),
+    key("friction.input.static_nm", within(0.0, 1e3, "N m")),
+    key("friction.input.stribeck_rad_per_s", positive(1e4, "rad/s")),
+    key("friction.input.stribeck_exponent", Allowed::Whole(1, 2)),
+    key("friction.input.viscous_nm_s_per_rad", within(0.0, 1e3, "N m s/rad")),
+    key("friction.input.presliding_rad", within(1e-9, 10.0, "rad")),
+    key("friction.input.presliding_ratio", Allowed::Number(Bound::Excluded(0.0), Bound::Excluded(1.0), "1")),
+    key("friction.output.model", Allowed::Word(FRICTION_MODELS)),
+    key("friction.output.coulomb_nm", within(0.0, 1e4, "N m")),
+    key("friction.output.static_nm", within(0.0, 1e4, "N m")),
+    key("friction.output.stribeck_rad_per_s", positive(1e3, "rad/s")),
+    key("friction.output.stribeck_exponent", Allowed::Whole(1, 2)),
+    key("friction.output.viscous_nm_s_per_rad", within(0.0, 1e5, "N m s/rad")),
+    key("friction.output.presliding_rad", within(1e-9, 1.0, "rad")),
+    key("friction.output.presliding_ratio", Allowed::Number(Bound::Excluded(0.0), Bound::Excluded(1.0), "1")),
+    key("motor.peak_torque_nm", positive(1e4, "N m")),
+    key("motor.rotor_speed_limit_rad_per_s", positive(1e4, "rad/s")),
+    key("sensors.motor_encoder_bits", Allowed::Whole(10, 32)),
+    optional("sensors.output_encoder_bits", Allowed::Whole(10, 32)),
+    key("sensors.output_torque", Allowed::Flag),
+    key("sensors.motor_torque_noise_nm", within(0.0, 1e3, "N m")),
+    key("sensors.output_torque_noise_nm", within(0.0, 1e4, "N m")),
+    key("feedback.position_bandwidth_hz", positive(1e3, "Hz")),
+    key("feedback.velocity_bandwidth_hz", positive(1e3, "Hz")),
+    key("feedback.integral_time_s", positive(1e3, "s")),
+    key("compensation.friction_share", within(0.0, 1.0, "1")),
+];
+
+/// How one number must stand to another in the same file.
+#[derive(Clone, Copy, Debug)]
+pub struct Relation {
+    /// The key that is refused.
+    pub path: &'static str,
+    /// Whether it may equal `than`.
+    pub or_equal: bool,
+    /// The key that it must not be below.
+    pub than: &'static str,
+}
+
+const fn at_least(path: &'static str, than: &'static str) -> Relation {
+    Relation { path, or_equal: true, than }
+}
+
+const fn more_than(path: &'static str, than: &'static str) -> Relation {
+    Relation { path, or_equal: false, than }
+}
+
+/// What the ranges of single keys cannot say: the torsion curve hardens, breakaway is the higher
+/// friction level, the cup is thin and the inner loop is the faster one.
+pub const RELATIONS: &[Relation] = &[
+    at_least("gear.peak_torque_nm", "gear.rated_torque_nm"),
+    at_least("stiffness.k2_nm_per_rad", "stiffness.k1_nm_per_rad"),
+    at_least("stiffness.k3_nm_per_rad", "stiffness.k2_nm_per_rad"),
+    more_than("stiffness.t2_nm", "stiffness.t1_nm"),
+    more_than("flexspline.radius_m", "flexspline.wall_m"),
+    more_than("flexspline.radius_m", "flexspline.ellipse_m"),
+    at_least("friction.input.static_nm", "friction.input.coulomb_nm"),
+    at_least("friction.output.static_nm", "friction.output.coulomb_nm"),
+    at_least("feedback.velocity_bandwidth_hz", "feedback.position_bandwidth_hz"),
+];
+
+impl Allowed {
+    /// A number that [`Allowed::Number`] or [`Allowed::Whole`] holds; NaN and infinities never.
+    pub fn holds(self, number: f64) -> bool {
+        match self {
+            Self::Number(least, most, _) => (least, most).contains(&number),
+            Self::Whole(least, most) => {
+                number.fract() == 0.0 && number >= least as f64 && number <= most as f64
+            }
+            _ => false,
+        }
+    }
+}
+
+impl fmt::Display for Allowed {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Text => write!(formatter, "text of 1 to {LONGEST_TEXT} characters"),
+            Self::Flag => formatter.write_str("true or false"),
+            Self::Word(words) => {
+                let quoted: Vec<_> = words.iter().map(|word| format!("{word:?}")).collect();
+                formatter.write_str(&quoted.join(" or "))
+            }
+            Self::Whole(least, most) => write!(formatter, "a whole number from {least} to {most}"),
+            Self::Number(least, most, unit) => {
+                let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+                write!(formatter, "a number {} {}{unit}", lower_end(least), upper_end(most))
+            }
+        }
+    }
+}
+
+fn lower_end(end: Bound<f64>) -> String {
+    match end {
+        Bound::Included(least) => format!("from {}", plain(least)),
+        Bound::Excluded(least) => format!("above {}", plain(least)),
+        Bound::Unbounded => String::new(),
+    }
+}
+
+fn upper_end(end: Bound<f64>) -> String {
+    match end {
+        Bound::Included(most) => format!("to {}", plain(most)),
+        Bound::Excluded(most) => format!("below {}", plain(most)),
+        Bound::Unbounded => String::new(),
+    }
+}
+
+/// Powers of ten for the large and the small, as a person would write them.
+fn plain(number: f64) -> String {
+    let size = number.abs();
+    if size != 0.0 && !(1e-3..1e5).contains(&size) { format!("{number:e}") } else { number.to_string() }
+}

@@ -1,0 +1,366 @@
+//! The gear file: one TOML file that describes a joint.
+//!
+//! Keys carry their unit (`[stiffness] k1_nm_per_rad`); the fields here are the same numbers in the
+//! same SI units, without the suffix. [`KEYS`] lists every key with what it may hold: an unknown or
+//! missing key, a wrong type and a value out of range are refused by one line that names the file,
+//! the key, the value and what is allowed.
+//!
+//! Signs and symbols: the signed ratio is r = -1/N with the circular spline fixed and +1/(N+1) with
+//! the flexspline fixed (then the output is the circular spline).
+
+mod check;
+mod keys;
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use strainwave::Ratio;
+use toml::Table;
+
+use crate::file::{self, BadInput};
+pub use keys::{Allowed, KEYS, Key, RELATIONS, Relation};
+
+/// The default gear `hd25-100`, as a file.
+pub const DEFAULT: &str = include_str!("../../../gears/hd25-100.toml");
+
+/// Longest gear file [bytes].
+const LONGEST_FILE: u64 = 1 << 20;
+
+/// What the gear file says.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GearFile {
+    /// Name, ratio and ratings.
+    pub gear: Gear,
+    /// The catalogue's torsion curve.
+    pub stiffness: Stiffness,
+    /// Hysteresis of the torsion curve.
+    pub hysteresis: Hysteresis,
+    /// Position error of the ideal gear.
+    #[serde(default, skip_serializing_if = "KinematicError::is_empty")]
+    pub kinematic_error: KinematicError,
+    /// The cup.
+    pub flexspline: Flexspline,
+    /// Inertia of both sides.
+    pub inertia: Inertia,
+    /// Structural damping.
+    pub damping: Damping,
+    /// Friction of both sides.
+    pub friction: BothFrictions,
+    /// What the motor can do.
+    pub motor: Motor,
+    /// What the joint measures.
+    pub sensors: Sensors,
+    /// Tuning of the cascaded feedback.
+    pub feedback: Feedback,
+    /// How much is compensated.
+    pub compensation: Compensation,
+}
+
+/// Which of the three parts stands still.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Arrangement {
+    /// The flexspline is the output, turning against the wave generator: r = -1/N.
+    CircularSplineFixed,
+    /// The circular spline is the output, turning with the wave generator: r = +1/(N+1).
+    FlexsplineFixed,
+}
+
+/// `[gear]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Gear {
+    /// Name of the gear.
+    pub name: String,
+    /// N, teeth of the flexspline over the difference of teeth.
+    pub ratio: i32,
+    /// Which part stands still.
+    pub arrangement: Arrangement,
+    /// Rated torque at the output [N m].
+    #[serde(rename = "rated_torque_nm")]
+    pub rated_torque: f64,
+    /// Peak torque at the output [N m].
+    #[serde(rename = "peak_torque_nm")]
+    pub peak_torque: f64,
+}
+
+impl Gear {
+    /// The signed ratio r of output to wave-generator angle.
+    pub fn signed_ratio(&self) -> Ratio {
+        let n = match self.arrangement {
+            Arrangement::CircularSplineFixed => -self.ratio,
+            Arrangement::FlexsplineFixed => self.ratio + 1,
+        };
+        Ratio::one_over(n).expect("the range of gear.ratio lies within that of Ratio")
+    }
+}
+
+/// `[stiffness]`: slope K1 up to the torque T1, K2 up to T2, K3 beyond.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stiffness {
+    /// K1 [N m/rad].
+    #[serde(rename = "k1_nm_per_rad")]
+    pub k1: f64,
+    /// K2 >= K1 [N m/rad].
+    #[serde(rename = "k2_nm_per_rad")]
+    pub k2: f64,
+    /// K3 >= K2 [N m/rad].
+    #[serde(rename = "k3_nm_per_rad")]
+    pub k3: f64,
+    /// T1 [N m].
+    #[serde(rename = "t1_nm")]
+    pub t1: f64,
+    /// T2 > T1 [N m].
+    #[serde(rename = "t2_nm")]
+    pub t2: f64,
+}
+
+/// `[hysteresis]`
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Hysteresis {
+    /// Full width of the loop at zero torque after +-rated torque, in the catalogue's unit [arcmin].
+    pub width_arcmin: f64,
+}
+
+impl Hysteresis {
+    /// Full width of the loop at zero torque after +-rated torque [rad].
+    pub fn width(&self) -> f64 {
+        (self.width_arcmin / 60.0).to_radians()
+    }
+}
+
+/// `[kinematic_error]`: e = sum of A_k sin(k x + p_k) at the output.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct KinematicError {
+    /// x is the wave-generator angle relative to the case.
+    pub wave_generator: Vec<Harmonic>,
+    /// x is the wave-generator angle relative to the flexspline.
+    pub flexspline: Vec<Harmonic>,
+}
+
+impl KinematicError {
+    fn is_empty(&self) -> bool {
+        self.wave_generator.is_empty() && self.flexspline.is_empty()
+    }
+}
+
+/// One term of the kinematic error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Harmonic {
+    /// k, periods a turn.
+    pub order: u32,
+    /// A_k at the output [rad].
+    #[serde(rename = "amplitude_rad")]
+    pub amplitude: f64,
+    /// p_k [rad].
+    #[serde(rename = "phase_rad")]
+    pub phase: f64,
+}
+
+/// `[flexspline]`: a cylinder.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Flexspline {
+    /// R [m].
+    #[serde(rename = "radius_m")]
+    pub radius: f64,
+    /// l [m].
+    #[serde(rename = "length_m")]
+    pub length: f64,
+    /// h [m].
+    #[serde(rename = "wall_m")]
+    pub wall: f64,
+    /// w0, radial displacement at the ellipse's major axis [m].
+    #[serde(rename = "ellipse_m")]
+    pub ellipse: f64,
+    /// E [Pa].
+    #[serde(rename = "youngs_modulus_pa")]
+    pub youngs_modulus: f64,
+    /// nu.
+    pub poisson_ratio: f64,
+    /// rho [kg/m^3].
+    #[serde(rename = "density_kg_per_m3")]
+    pub density: f64,
+}
+
+/// `[inertia]`
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Inertia {
+    /// J_wg, with the motor's rotor [kg m^2].
+    #[serde(rename = "wave_generator_kg_m2")]
+    pub wave_generator: f64,
+    /// J_fs, with the load [kg m^2].
+    #[serde(rename = "flexspline_kg_m2")]
+    pub flexspline: f64,
+}
+
+/// `[damping]`
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Damping {
+    /// Modal damping ratio of the torsion mode.
+    pub torsion_mode_ratio: f64,
+}
+
+/// `[friction.input]` and `[friction.output]`
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BothFrictions {
+    /// At the wave generator.
+    pub input: Friction,
+    /// At the output.
+    pub output: Friction,
+}
+
+/// Which presliding model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum FrictionModel {
+    /// Bliman and Sorine's first order, which is Dahl's model.
+    #[serde(rename = "bliman_sorine_1")]
+    BlimanSorine1,
+    /// Bliman and Sorine's second order, with a breakaway peak.
+    #[serde(rename = "bliman_sorine_2")]
+    BlimanSorine2,
+}
+
+/// Friction of one side.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Friction {
+    /// Presliding model.
+    pub model: FrictionModel,
+    /// Fc [N m].
+    #[serde(rename = "coulomb_nm")]
+    pub coulomb: f64,
+    /// Fs >= Fc [N m].
+    #[serde(rename = "static_nm")]
+    pub static_level: f64,
+    /// vs [rad/s].
+    #[serde(rename = "stribeck_rad_per_s")]
+    pub stribeck_velocity: f64,
+    /// delta, 1 or 2.
+    pub stribeck_exponent: u32,
+    /// Fv [N m s/rad].
+    #[serde(rename = "viscous_nm_s_per_rad")]
+    pub viscous: f64,
+    /// eps, presliding distance [rad].
+    #[serde(rename = "presliding_rad")]
+    pub presliding: f64,
+    /// eta, ratio of the two presliding distances of the second order.
+    pub presliding_ratio: f64,
+}
+
+/// `[motor]`
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Motor {
+    /// Peak torque at the shaft [N m].
+    #[serde(rename = "peak_torque_nm")]
+    pub peak_torque: f64,
+    /// Limit of the rotor's speed [rad/s].
+    #[serde(rename = "rotor_speed_limit_rad_per_s")]
+    pub rotor_speed_limit: f64,
+}
+
+/// `[sensors]`
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sensors {
+    /// Bits a turn of the motor encoder.
+    pub motor_encoder_bits: u32,
+    /// Bits a turn of the output encoder, when there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub output_encoder_bits: Option<u32>,
+    /// There is a torque sensor at the output.
+    pub output_torque: bool,
+    /// Standard deviation of the motor torque's noise [N m at the shaft].
+    #[serde(rename = "motor_torque_noise_nm")]
+    pub motor_torque_noise: f64,
+    /// Standard deviation of the output torque's noise [N m].
+    #[serde(rename = "output_torque_noise_nm")]
+    pub output_torque_noise: f64,
+}
+
+/// `[feedback]`: position P over velocity PI, both at the motor.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Feedback {
+    /// Bandwidth of the position loop [Hz].
+    #[serde(rename = "position_bandwidth_hz")]
+    pub position_bandwidth: f64,
+    /// Bandwidth of the velocity loop [Hz].
+    #[serde(rename = "velocity_bandwidth_hz")]
+    pub velocity_bandwidth: f64,
+    /// Integral time of the velocity loop [s].
+    #[serde(rename = "integral_time_s")]
+    pub integral_time: f64,
+}
+
+/// `[compensation]`
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Compensation {
+    /// Share of the friction that is fed forward: all of it can drive the joint by itself.
+    pub friction_share: f64,
+}
+
+impl GearFile {
+    /// Reads and checks `path`.
+    ///
+    /// # Errors
+    /// One line that names the file, the key, its value and what is allowed.
+    pub fn read(path: &Path) -> Result<Self, BadInput> {
+        Self::parse(path, &file::read(path, LONGEST_FILE)?)
+    }
+
+    /// The gear file in `bytes`; `path` is only named in errors.
+    ///
+    /// # Errors
+    /// As [`GearFile::read`].
+    pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, BadInput> {
+        let refuse = |why: String| BadInput::new(path, why);
+        let text = std::str::from_utf8(bytes).map_err(|error| {
+            let line = line_at(bytes, error.valid_up_to());
+            refuse(format!("line {line}: not TOML: not UTF-8 text"))
+        })?;
+        let table: Table = text.parse().map_err(|error| refuse(not_toml(text, &error)))?;
+        check::check(&table).map_err(refuse)?;
+        table.try_into().map_err(|error: toml::de::Error| refuse(error.message().to_owned()))
+    }
+
+    /// The default gear `hd25-100`.
+    pub fn default_gear() -> Self {
+        Self::parse(Path::new("hd25-100.toml"), DEFAULT.as_bytes()).expect("the default gear file is tested")
+    }
+
+    /// The same as text that [`GearFile::parse`] reads back.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).expect("every field has a TOML form")
+    }
+
+    /// Writes `path`, complete or not at all, after checking that it could be read again.
+    ///
+    /// # Errors
+    /// A value is out of range, or the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), BadInput> {
+        let text = self.to_toml();
+        Self::parse(path, text.as_bytes())?;
+        file::write(path, |out| Ok(out.write_all(text.as_bytes())?))
+    }
+}
+
+fn not_toml(text: &str, error: &toml::de::Error) -> String {
+    let line = line_at(text.as_bytes(), error.span().map_or(0, |span| span.start));
+    format!("line {line}: not TOML: {}", error.message().replace('\n', "; "))
+}
+
+/// Line of the byte at `offset`, from 1.
+fn line_at(bytes: &[u8], offset: usize) -> usize {
+    1 + bytes.iter().take(offset).filter(|byte| **byte == b'\n').count()
+}

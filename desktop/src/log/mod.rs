@@ -1,0 +1,23 @@
+//! CSV files: UTF-8, a header row, SI units, the time column `t_s`; columns in any order.
+//!
+//! What is refused, and how rows are counted, stands in `columns.rs` and `time.rs`; every refusal is one
+//! line that names the file, the row and the column. Numbers are bounded in magnitude too, far beyond
+//! any joint, so that a damaged digit is refused where it stands.
+
+mod columns;
+mod measured;
+mod open_loop;
+mod time;
+
+pub use measured::MeasuredLog;
+pub use open_loop::{Drive, DriveSample, OpenLoop, OpenLoopRow, write_open_loop};
+pub use time::{GAP_LEAST, GAP_RATIO, Instant, Jitter, LONGEST, STEP, Time};
+
+/// Longest file [bytes].
+const LONGEST_FILE: u64 = 1 << 30;
+/// Largest angle [rad]: 10^8 turns.
+const ANGLE_LIMIT: f64 = 6.3e8;
+/// Largest speed [rad/s].
+const SPEED_LIMIT: f64 = 1e5;
+/// Largest torque [N m].
+const TORQUE_LIMIT: f64 = 1e6;

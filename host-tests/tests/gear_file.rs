@@ -1,0 +1,342 @@
+//! The gear file: what is accepted, and how each kind of mistake is refused.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use proptest::prelude::*;
+use strainwave_desktop::GearFile;
+use strainwave_desktop::gear_file::{Allowed, Arrangement, DEFAULT, KEYS, RELATIONS};
+use toml::{Table, Value};
+
+const LARA8: &str = include_str!("../../gears/lara8-j5.toml");
+
+fn parse(text: &str) -> Result<GearFile, String> {
+    GearFile::parse(Path::new("g.toml"), text.as_bytes()).map_err(|error| error.to_string())
+}
+
+/// The message for the default gear with `from` replaced by `to`.
+fn refusal(from: &str, to: &str) -> String {
+    assert!(DEFAULT.contains(from), "{from} is not in the default gear");
+    let line = parse(&DEFAULT.replacen(from, to, 1)).expect_err("must be refused");
+    assert!(line.starts_with("g.toml: ") && !line.contains('\n'), "{line}");
+    line
+}
+
+#[test]
+fn both_gears_are_read_and_written_back_unchanged() {
+    for text in [DEFAULT, LARA8] {
+        let gear = parse(text).unwrap();
+        assert_eq!(parse(&gear.to_toml()).unwrap(), gear);
+    }
+}
+
+#[test]
+fn the_signed_ratio_follows_the_arrangement() {
+    let (hd25, lara8) = (parse(DEFAULT).unwrap(), parse(LARA8).unwrap());
+    assert_eq!(hd25.gear.arrangement, Arrangement::CircularSplineFixed);
+    assert!((hd25.gear.signed_ratio().value::<f64>() + 1.0 / 100.0).abs() < 1e-15);
+    assert!((lara8.gear.signed_ratio().value::<f64>() - 1.0 / 101.0).abs() < 1e-15);
+    assert!((hd25.hysteresis.width() - 2.908_882e-4).abs() < 1e-9);
+}
+
+/// A gear that has every key.
+fn full() -> Table {
+    let mut gear = parse(LARA8).unwrap();
+    gear.kinematic_error.flexspline = gear.kinematic_error.wave_generator.clone();
+    gear.to_toml().parse().unwrap()
+}
+
+/// Every path of a table, lists as `[]`.
+fn paths(value: &Value, path: &str, found: &mut BTreeSet<String>) {
+    match value {
+        Value::Table(table) => {
+            for (name, inner) in table {
+                let dot = if path.is_empty() { "" } else { "." };
+                paths(inner, &format!("{path}{dot}{name}"), found);
+            }
+        }
+        Value::Array(items) => items.iter().for_each(|item| paths(item, &format!("{path}[]"), found)),
+        _ => {
+            found.insert(path.to_owned());
+        }
+    }
+}
+
+#[test]
+fn the_table_of_keys_is_the_type() {
+    let mut written = BTreeSet::new();
+    paths(&Value::Table(full()), "", &mut written);
+    let listed: BTreeSet<_> = KEYS.iter().map(|key| key.path.to_owned()).collect();
+    assert_eq!(written, listed);
+    assert_eq!(listed.len(), KEYS.len(), "a key is listed twice");
+}
+
+/// The table that holds the last part of a path (in a list its first entry), and that part.
+fn at<'t, 'p>(table: &'t mut Table, path: &'p str) -> (&'t mut Table, &'p str) {
+    let Some((first, rest)) = path.split_once('.') else { return (table, path) };
+    match table.get_mut(first.trim_end_matches("[]")).unwrap() {
+        Value::Array(items) => at(items[0].as_table_mut().unwrap(), rest),
+        inner => at(inner.as_table_mut().unwrap(), rest),
+    }
+}
+
+fn set(table: &mut Table, path: &str, value: impl Into<Value>) {
+    let (inner, name) = at(table, path);
+    assert!(inner.insert(name.into(), value.into()).is_some(), "{path} is not in the full gear");
+}
+
+/// The full gear with one value changed.
+fn changed(path: &str, value: impl Into<Value>) -> Result<GearFile, String> {
+    let mut table = full();
+    set(&mut table, path, value);
+    parse(&table.to_string())
+}
+
+/// As messages show a path of [`KEYS`].
+fn shown(path: &str) -> String {
+    path.replace("[]", "[0]")
+}
+
+#[test]
+fn every_key_but_the_optional_one_is_required() {
+    for key in KEYS {
+        let mut table = full();
+        let (inner, name) = at(&mut table, key.path);
+        assert!(inner.remove(name).is_some(), "{} is not in the full gear", key.path);
+        match parse(&table.to_string()) {
+            Ok(_) => assert!(key.optional, "{} may be left out", key.path),
+            Err(line) => {
+                assert!(!key.optional, "{line}");
+                let wanted = format!("g.toml: missing key {}; allowed: {}", shown(key.path), key.allowed);
+                assert_eq!(line, wanted);
+            }
+        }
+    }
+}
+
+#[test]
+fn every_key_refuses_every_wrong_type() {
+    let values = [
+        Value::String("x".into()),
+        Value::Boolean(true),
+        Value::Integer(1),
+        Value::Float(0.5),
+        Value::Array(vec![]),
+        Value::Table(Table::new()),
+    ];
+    for key in KEYS {
+        for value in &values {
+            let fits = matches!(
+                (key.allowed, value),
+                (Allowed::Text | Allowed::Word(_), Value::String(_))
+                    | (Allowed::Flag, Value::Boolean(_))
+                    | (Allowed::Whole(..), Value::Integer(_))
+                    | (Allowed::Number(..), Value::Integer(_) | Value::Float(_))
+            );
+            if !fits {
+                let line = changed(key.path, value.clone()).expect_err(key.path);
+                assert!(line.starts_with(&format!("g.toml: {}", shown(key.path))), "{line}");
+                assert!(
+                    line.contains(" is ") && line.ends_with(&format!("allowed: {}", key.allowed)),
+                    "{line}"
+                );
+            }
+        }
+    }
+}
+
+/// Values of the right type that no key of this kind allows.
+fn outside(allowed: Allowed) -> Vec<Value> {
+    match allowed {
+        Allowed::Whole(least, most) => vec![(least - 1).into(), (most + 1).into(), i64::MIN.into()],
+        Allowed::Number(..) => {
+            [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300].map(Value::Float).to_vec()
+        }
+        Allowed::Word(_) | Allowed::Text => vec!["".into(), "a\nb".into(), "z".repeat(200).into()],
+        Allowed::Flag => vec![],
+    }
+}
+
+#[test]
+fn every_key_refuses_what_is_out_of_range_or_not_finite() {
+    for key in KEYS {
+        for value in outside(key.allowed) {
+            let line = changed(key.path, value).expect_err(key.path);
+            assert!(line.starts_with(&format!("g.toml: {} = ", shown(key.path))), "{line}");
+            assert!(line.ends_with(&format!(" is out of range; allowed: {}", key.allowed)), "{line}");
+        }
+    }
+}
+
+#[test]
+fn open_ends_are_excluded_and_closed_ends_included() {
+    for share in [0.0, 1.0] {
+        assert!(changed("compensation.friction_share", share).is_ok());
+        let line = changed("friction.input.presliding_ratio", share).unwrap_err();
+        assert!(line.ends_with("allowed: a number above 0 below 1"), "{line}");
+    }
+    assert!(changed("hysteresis.width_arcmin", 0).is_ok());
+    assert!(changed("damping.torsion_mode_ratio", 1).is_err());
+}
+
+#[test]
+fn relations_between_keys_hold() {
+    for relation in RELATIONS {
+        let (path, than) = (relation.path, relation.than);
+        let holds = |number: f64| KEYS.iter().any(|key| key.path == path && key.allowed.holds(number));
+        // A value of the compared key that both ranges allow, so that only the relation can refuse.
+        let mut gear = full();
+        let (inner, name) = at(&mut gear, than);
+        let common =
+            [inner[name].as_float().unwrap(), 0.005].into_iter().find(|number| holds(*number * 0.99));
+        let common = common.expect(path);
+        let with = |value: f64| {
+            let mut table = full();
+            set(&mut table, than, common);
+            set(&mut table, path, value);
+            parse(&table.to_string()).err().filter(|line| line.starts_with(&format!("g.toml: {path} = ")))
+        };
+        let how = if relation.or_equal { "at least" } else { "more than" };
+        let refused =
+            |value| with(value).is_some_and(|line| line.contains(&format!("allowed: {how} {than} =")));
+        assert!(refused(common * 0.99), "{path} below {than}");
+        assert_eq!(refused(common), !relation.or_equal, "{path} equal to {than}");
+        assert!(!refused(common * 1.01), "{path} above {than}");
+    }
+}
+
+#[test]
+fn messages_read_well() {
+    assert_eq!(
+        refusal("ratio = 100", "ratio = 0"),
+        "g.toml: gear.ratio = 0 is out of range; allowed: a whole number from 30 to 320"
+    );
+    assert_eq!(
+        refusal("k2_nm_per_rad = 5.0e4", "k2_nm_per_rad = -3"),
+        "g.toml: stiffness.k2_nm_per_rad = -3 is out of range; allowed: a number from 1 to 1e8 N m/rad"
+    );
+    assert_eq!(
+        refusal("t2_nm = 48.0", "t2_nm = 14.0"),
+        "g.toml: stiffness.t2_nm = 14 is out of range; allowed: more than stiffness.t1_nm = 14"
+    );
+    assert_eq!(
+        refusal("arrangement = \"circular_spline_fixed\"", "arrangement = \"cs\""),
+        "g.toml: gear.arrangement = \"cs\" is out of range; allowed: \"circular_spline_fixed\" or \
+         \"flexspline_fixed\""
+    );
+    assert!(refusal("name = \"hd25-100\"", "name = ").starts_with("g.toml: line 5: not TOML: "));
+    assert!(refusal("ratio = 100", "ratio = 100\nratio = 100").starts_with("g.toml: line 7: not TOML: "));
+}
+
+#[test]
+fn an_unknown_key_is_shown_its_nearest_neighbour() {
+    for (from, to, unknown, nearest) in [
+        (
+            "k1_nm_per_rad = ",
+            "k1 = ",
+            "stiffness.k1 = 31000.0",
+            "stiffness.k1_nm_per_rad (a number from 1 to",
+        ),
+        ("[stiffness]", "[stifness]", "stifness", "stiffness"),
+        ("[gear]", "ratio = 100\n[gear]", "ratio = 100", "gear.ratio (a whole"),
+        ("t1_nm =", "T1_nm = 3\nt1_nm =", "stiffness.T1_nm = 3", "stiffness.t1_nm (a number"),
+        ("[motor]", "[motor]\nstatic_nm = 1", "motor.static_nm = 1", "friction.output.static_nm (a number"),
+        (
+            "order = 4",
+            "order = 4\nphase_deg = 1",
+            "kinematic_error.wave_generator[1].phase_deg = 1",
+            "kinematic_error.wave_generator[].phase_rad (a number from -6.28",
+        ),
+        ("name =", "\"a.b\\n\" = 1\nname =", "gear.\"a.b\\n\" = 1", "gear."),
+    ] {
+        let wanted = format!("g.toml: unknown key {unknown}; the nearest known key is {nearest}");
+        let line = refusal(from, to);
+        assert!(line.starts_with(&wanted), "{line}\n{wanted}");
+    }
+}
+
+#[test]
+fn a_quoted_name_with_a_dot_is_no_path() {
+    let line = parse(&format!("\"gear.ratio\" = 7\n{DEFAULT}")).unwrap_err();
+    assert!(line.starts_with("g.toml: unknown key \"gear.ratio\" = 7;"), "{line}");
+}
+
+#[test]
+fn lists_of_orders_are_optional_and_short() {
+    let (head, _) = DEFAULT.split_once("[[kinematic_error").unwrap();
+    let (_, tail) = DEFAULT.split_once("# Steel cup.").unwrap();
+    assert!(parse(&format!("{head}{tail}")).unwrap().kinematic_error.wave_generator.is_empty());
+    let entry = "[[kinematic_error.flexspline]]\norder = 2\namplitude_rad = 1e-5\nphase_rad = 0\n";
+    assert!(parse(&format!("{head}{}{tail}", entry.repeat(8))).is_ok());
+    let line = parse(&format!("{head}{}{tail}", entry.repeat(9))).unwrap_err();
+    assert_eq!(line, "g.toml: kinematic_error.flexspline has 9 entries; allowed: at most 8");
+    for (text, wanted) in [
+        ("kinematic_error = 1", "kinematic_error = 1 is a whole number; allowed: a table"),
+        (
+            "kinematic_error.flexspline = 1",
+            "kinematic_error.flexspline = 1 is a whole number; allowed: a list",
+        ),
+        (
+            "kinematic_error.flexspline = [1]",
+            "kinematic_error.flexspline[0] = 1 is a whole number; allowed: a",
+        ),
+    ] {
+        let line = parse(&format!("{text}\n{head}{tail}")).unwrap_err();
+        assert!(line.starts_with(&format!("g.toml: {wanted}")), "{line}");
+    }
+}
+
+#[test]
+fn files_that_cannot_be_read_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = |path: &Path| GearFile::read(path).unwrap_err().to_string();
+    assert!(line(&folder.path().join("none.toml")).contains("none.toml: cannot be read: No such file"));
+    assert!(line(folder.path()).contains("cannot be read: it is a folder"));
+    let path = folder.path().join("binary.toml");
+    std::fs::write(&path, b"[gear]\nname = \"\xff\"").unwrap();
+    assert!(line(&path).ends_with("binary.toml: line 2: not TOML: not UTF-8 text"));
+    std::fs::write(&path, vec![b' '; (1 << 20) + 1]).unwrap();
+    assert!(line(&path).ends_with("longer than 1048576 bytes, the most allowed"));
+}
+
+#[test]
+fn a_gear_out_of_range_is_not_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("g.toml");
+    let mut gear = GearFile::default_gear();
+    gear.stiffness.k1 = f64::NAN;
+    assert!(gear.write(&path).unwrap_err().to_string().contains("stiffness.k1_nm_per_rad = nan"));
+    assert!(!path.exists());
+    GearFile::default_gear().write(&path).unwrap();
+    assert_eq!(GearFile::read(&path).unwrap(), GearFile::default_gear());
+}
+
+fn one_line_or_gear(bytes: &[u8]) -> Result<(), TestCaseError> {
+    if let Err(error) = GearFile::parse(Path::new("g.toml"), bytes) {
+        let line = error.to_string();
+        prop_assert!(line.starts_with("g.toml: ") && !line.chars().any(char::is_control), "{line}");
+    }
+    Ok(())
+}
+
+proptest! {
+    #[test]
+    fn no_bytes_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+        one_line_or_gear(&bytes)?;
+    }
+
+    /// Damage to a good file reaches further into the checks than noise does.
+    #[test]
+    fn no_damage_panics(at in 0..DEFAULT.len(), cut in 0..40usize, put in prop::collection::vec(any::<u8>(), 0..8)) {
+        let end = (at + cut).min(DEFAULT.len());
+        one_line_or_gear(&[&DEFAULT.as_bytes()[..at], &put, &DEFAULT.as_bytes()[end..]].concat())?;
+    }
+
+    /// Well-formed text in the wrong places.
+    #[test]
+    fn no_rearranged_lines_panic(order in prop::collection::vec(0..100usize, 1..60)) {
+        let lines: Vec<_> = DEFAULT.lines().filter(|line| !line.starts_with('#')).collect();
+        let text: Vec<_> = order.iter().map(|index| lines[index % lines.len()]).collect();
+        one_line_or_gear(text.join("\n").as_bytes())?;
+    }
+}

@@ -1,0 +1,141 @@
+//! From an encoder's raw count within the turn to an unbounded angle.
+//!
+//! The difference of two raw counts, taken modulo a turn, is the shortest way between them; summed
+//! up it is the angle, exactly. A step that no motor can make is not taken: the angle is held, and the
+//! range that the next reading may lie in grows with every reading that was refused.
+
+use crate::angle::Angle;
+use crate::error::{Error, require};
+use crate::real::{RADIANS_PER_COUNT, Real};
+
+/// Parameters of an encoder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EncoderParams<R> {
+    /// Resolution, counts in a turn = 2^bits, 10..=32.
+    pub bits: u32,
+    /// Fastest believable speed [rad/s]; below a quarter turn per step.
+    pub speed_limit: R,
+}
+
+/// A built encoder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Encoder {
+    /// From raw counts to counts of 2^32 a turn.
+    shift: u32,
+    /// Farthest believable step, in counts of 2^32 a turn.
+    farthest: u32,
+}
+
+/// The encoder's angle so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EncoderState {
+    phase: u32,
+    counts: i64,
+    refused: u32,
+    started: bool,
+}
+
+/// Readings that may be refused in a row before the allowed range stops growing.
+const MOST_REFUSED: u32 = 1 << 12;
+
+impl<R: Real> EncoderParams<R> {
+    /// # Errors
+    /// [`Error::OutOfRange`] `encoder_bits` outside 10..=32, `speed_limit` unless positive and below a
+    /// quarter turn per dt.
+    pub fn build(&self, dt: R) -> Result<Encoder, Error> {
+        require((10..=32).contains(&self.bits), "encoder_bits")?;
+        let farthest = self.speed_limit * dt;
+        let quarter = R::lit(core::f64::consts::FRAC_PI_2);
+        require(farthest > R::ZERO && farthest < quarter, "speed_limit")?;
+        let shift = 32 - self.bits;
+        let counts = (farthest * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs();
+        // Two readings are each rounded to a raw count.
+        Ok(Encoder { shift, farthest: counts + (2 << shift) })
+    }
+}
+
+impl Encoder {
+    /// Takes a raw count; answers with the angle and whether the reading was believed.
+    #[inline]
+    pub fn step<R: Real>(&self, state: &mut EncoderState, raw: u32) -> (Angle<R>, bool) {
+        let phase = raw << self.shift;
+        let in_range = phase >> self.shift == raw;
+        if !state.started && in_range {
+            *state = EncoderState { phase, counts: i64::from(phase.cast_signed()), refused: 0, started: true };
+        }
+        let delta = phase.wrapping_sub(state.phase).cast_signed();
+        let reach = self.farthest.saturating_mul(1 + state.refused);
+        let believed = in_range && delta.unsigned_abs() <= reach;
+        if believed {
+            state.phase = phase;
+            state.counts = state.counts.wrapping_add(i64::from(delta));
+            state.refused = 0;
+        } else {
+            state.refused = (state.refused + 1).min(MOST_REFUSED);
+        }
+        (Angle::from_counts(state.counts), believed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const DT: f64 = 1e-4;
+
+    fn encoder() -> Encoder {
+        EncoderParams { bits: 19, speed_limit: 700.0 }.build(DT).unwrap()
+    }
+
+    fn raw(angle: f64) -> u32 {
+        (Angle::<f64>::from_radians_f64(angle).phase()) >> 13
+    }
+
+    #[test]
+    fn follows_many_turns_both_ways() {
+        let mut state = EncoderState::default();
+        for speed in [600.0, -600.0] {
+            let start = encoder().step::<f64>(&mut state, 0).0.to_radians();
+            let steps = 20_000;
+            let end = (1..=steps)
+                .map(|k| encoder().step::<f64>(&mut state, raw(start + speed * DT * f64::from(k))))
+                .inspect(|(_, believed)| assert!(believed))
+                .last();
+            let wanted = start + speed * DT * f64::from(steps);
+            assert!((end.unwrap().0.to_radians() - wanted).abs() < 2e-5);
+            while encoder().step::<f64>(&mut state, 0).0.phase() != 0 {}
+        }
+    }
+
+    #[test]
+    fn a_jump_is_refused_and_the_angle_held_until_it_could_be_true() {
+        let mut state = EncoderState::default();
+        let encoder = encoder();
+        let (before, _) = encoder.step::<f64>(&mut state, raw(0.1));
+        let (during, believed) = encoder.step::<f64>(&mut state, raw(2.0));
+        assert!(!believed && during == before);
+        let (after, believed) = encoder.step::<f64>(&mut state, raw(0.1));
+        assert!(believed && after == before);
+        assert!((0..40).any(|_| encoder.step::<f64>(&mut state, raw(2.0)).1), "a lasting value is taken");
+    }
+
+    #[test]
+    fn a_count_with_too_many_bits_is_refused() {
+        let mut state = EncoderState::default();
+        let encoder = encoder();
+        encoder.step::<f64>(&mut state, 0);
+        assert!(!encoder.step::<f64>(&mut state, 1 << 19).1);
+    }
+
+    proptest! {
+        #[test]
+        fn any_counts_are_total(counts in prop::collection::vec(any::<u32>(), 1..200)) {
+            let mut state = EncoderState::default();
+            for count in counts {
+                let (angle, _) = encoder().step::<f32>(&mut state, count);
+                prop_assert!(angle.minus(Angle::default()).is_finite());
+            }
+        }
+    }
+}

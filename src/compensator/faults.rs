@@ -1,0 +1,67 @@
+//! What can be wrong at a joint, by name.
+
+/// A set of named faults, one bit each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Faults(u32);
+
+macro_rules! faults {
+    ($($bit:literal $name:ident $text:literal: $doc:literal;)*) => {
+        impl Faults {
+            $(#[doc = $doc] pub const $name: Self = Self(1 << $bit);)*
+
+            /// Every fault with its name.
+            pub const NAMES: &'static [(Self, &'static str)] = &[$((Self::$name, $text)),*];
+        }
+    };
+}
+
+faults! {
+    0 INPUT_NOT_FINITE "input not finite": "A sensor or setpoint was NaN or infinite; its last finite value was held.";
+    1 SETPOINT_LIMITED "setpoint limited": "A derivative of the setpoint was beyond what the joint can do; it was limited.";
+    2 MOTOR_ENCODER_JUMP "motor encoder jump": "The motor encoder moved farther than the motor can, or its count has too many bits.";
+    3 MOTOR_ENCODER_FROZEN "motor encoder frozen": "The motor encoder stood still while the motor was asked to move: frozen, or the joint is blocked.";
+    4 OUTPUT_ENCODER_JUMP "output encoder jump": "The output encoder moved farther than the output can, or its count has too many bits.";
+    5 TORQUE_LIMITED "torque limited": "The torque command was beyond the motor's peak torque; it was limited.";
+    6 OBSERVER_RESET "observer reset": "The observer's torsion left the range of the gear; it starts again from the motor's angle.";
+    7 ESTIMATE_LIMITED "estimate limited": "An estimate was beyond what the joint can do; it was limited.";
+}
+
+impl Faults {
+    /// No fault.
+    pub const NONE: Self = Self(0);
+
+    /// The set with these bits; bits without a name are dropped.
+    pub const fn from_bits(bits: u32) -> Self {
+        Self(bits & ((1 << Self::NAMES.len()) - 1))
+    }
+
+    /// The bits of the set.
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// All of `other` are in the set.
+    pub const fn contains(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// Adds `other` when `condition` holds.
+    #[inline(always)]
+    pub fn raise_if(&mut self, condition: bool, other: Self) {
+        if condition {
+            self.0 |= other.0;
+        }
+    }
+
+    /// Both sets.
+    #[inline(always)]
+    #[must_use]
+    pub const fn with(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// The names of the faults in the set.
+    pub fn names(self) -> impl Iterator<Item = &'static str> {
+        Self::NAMES.iter().filter(move |(fault, _)| self.contains(*fault)).map(|(_, name)| *name)
+    }
+}

@@ -1,0 +1,136 @@
+//! Feed-forward: where the motor should be, and with what torque, for the output to follow its setpoint.
+//!
+//! ```text
+//! tau_fric_out = friction of the output along the setpoint
+//! tau_t     = J_fs*ddq + s_f*tau_fric_out - d               what the flexspline must carry
+//! phi       = line^-1(tau_t - tau_hyst)                      wind-up that carries it
+//! theta_ref = (q + s_w*phi - s_e*e(theta_ref)) / r           put in advance
+//! tau_ff    = s_i*(J_wg/r + r*J_fs)*ddq + s_f*(tau_fric_in + r*tau_fric_out)
+//! ```
+//!
+//! q is the setpoint of the output with its derivatives, d the external torque that the observer believes,
+//! and s the shares (0..=1) of inertia, friction, wind-up and kinematic error. Units: rad, N m.
+//!
+//! The flexible joint is flat: motor angle and torque follow from the output's trajectory without solving a
+//! differential equation. Friction is the gear's own model driven along the setpoint, so its
+//! presliding before a reversal is contained; at rest the setpoint covers no path and friction neither
+//! drives nor hunts. Hysteresis and kinematic error are implicit equations; both are solved by one
+//! fixed-point step per control period: the hysteresis torque follows the torsion of the step before
+//! (contraction: its slope over K1, about 0.2), e follows the motor reference of the step before
+//! (contraction: N*de/dtheta, about 0.02).
+//!
+//! The external torque winds the gear up but is left to the feedback's integral as a torque: it is
+//! estimated from that very torque.
+
+use crate::angle::{Angle, Ratio};
+use crate::compensator::{Setpoint, Shares};
+use crate::error::{Error, require};
+use crate::flexspline::Reduced;
+use crate::friction::joint_friction::JointFrictionState;
+use crate::gear::{Gear, GearParams, Motion};
+use crate::hysteresis::torsion_hysteresis::TorsionHysteresisState;
+use crate::real::Real;
+
+/// The built feed-forward.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FeedForward<R> {
+    wave_generator_inertia: R,
+    flexspline_inertia: R,
+    ratio: R,
+    inverse_ratio: R,
+}
+
+/// What the feed-forward remembers of the setpoint's motion.
+#[derive(Clone, Debug)]
+pub struct FeedForwardState<R, const L: usize> {
+    input_friction: JointFrictionState<R>,
+    output_friction: JointFrictionState<R>,
+    hysteresis: TorsionHysteresisState<R, L>,
+    hysteresis_torque: R,
+    reference: Option<Angle<R>>,
+}
+
+impl<R, const L: usize> Default for FeedForwardState<R, L>
+where
+    R: Real,
+{
+    fn default() -> Self {
+        Self {
+            input_friction: JointFrictionState::default(),
+            output_friction: JointFrictionState::default(),
+            hysteresis: TorsionHysteresisState::default(),
+            hysteresis_torque: R::ZERO,
+            reference: None,
+        }
+    }
+}
+
+/// What the feed-forward asks of the motor.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Demand<R> {
+    /// Where the motor should be, and how fast it should turn.
+    pub motor: Motion<R>,
+    /// Torque at the motor shaft [N m].
+    pub torque: R,
+}
+
+impl<R: Real> FeedForward<R> {
+    /// The feed-forward of a gear.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `ratio`, or the name of the inertia that is not finite and positive.
+    pub fn build(gear: &GearParams<R>) -> Result<Self, Error> {
+        let positive = |value: R| value.is_finite() && value > R::ZERO;
+        require(positive(gear.wave_generator_inertia), "wave_generator_inertia")?;
+        require(positive(gear.flexspline_inertia), "flexspline_inertia")?;
+        let ratio = Ratio::one_over(gear.ratio)?;
+        Ok(Self {
+            wave_generator_inertia: gear.wave_generator_inertia,
+            flexspline_inertia: gear.flexspline_inertia,
+            ratio: ratio.value(),
+            inverse_ratio: R::from_i32(ratio.n()),
+        })
+    }
+
+    /// Demand for a setpoint; `external_torque` [N m] is what the observer believes acts on the output.
+    #[inline(never)] // The timing budget counts blocks by their symbols.
+    pub fn step<const L: usize>(
+        &self,
+        gear: &Gear<R, Reduced<R>, L>,
+        state: &mut FeedForwardState<R, L>,
+        setpoint: &Setpoint<R>,
+        shares: &Shares<R>,
+        external_torque: R,
+    ) -> Demand<R> {
+        let inertia = self.flexspline_inertia * shares.inertia;
+        let motor_velocity = setpoint.velocity * self.inverse_ratio;
+        let (input, output) = gear.frictions();
+        let input_friction = shares.friction * input.step(&mut state.input_friction, motor_velocity).force;
+        let output_friction =
+            shares.friction * output.step(&mut state.output_friction, setpoint.velocity).force;
+        let driven = inertia * setpoint.acceleration + output_friction;
+
+        let carried = driven - external_torque - state.hysteresis_torque;
+        let torsion = gear.flexspline().torsion(carried);
+        state.hysteresis_torque = gear.hysteresis().step(&mut state.hysteresis, torsion);
+        let torsion_rate = gear.flexspline().compliance(carried) * inertia * setpoint.jerk;
+
+        let reference = state.reference.unwrap_or(gear.ratio().undo(setpoint.position));
+        let deviation = gear.kinematic_error(reference);
+        let ahead = shares.wind_up * torsion - shares.kinematic_error * deviation.error;
+        let ahead_rate = shares.wind_up * torsion_rate - shares.kinematic_error * deviation.slope * motor_velocity;
+        let reference = gear.ratio().undo(setpoint.position.plus(ahead));
+        state.reference = Some(reference);
+
+        let motor_inertia = self.wave_generator_inertia * shares.inertia;
+        Demand {
+            motor: Motion {
+                angle: reference,
+                velocity: (setpoint.velocity + ahead_rate) * self.inverse_ratio,
+            },
+            torque: motor_inertia * setpoint.acceleration * self.inverse_ratio
+                + input_friction
+                + self.ratio * driven,
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Motor-side cascade: proportional position control around proportional-integral speed control.
+//!
+//! ```text
+//! omega_ref = k_p*(theta_ref - theta) + dtheta_ref
+//! omega     = low pass of the encoder's difference quotient, corner omega_f
+//! tau       = k_v*(omega_ref - omega) + I,   I += k_v/T_i*dt*(omega_ref - omega), |I| <= tau_max
+//! ```
+//!
+//! Units: rad, rad/s, N m at the motor shaft; positive torque accelerates the motor. Backward
+//! differences and explicit Euler with the control period dt. The integral is limited to the motor's
+//! peak torque and stands still while the command is limited (conditional anti-windup).
+//!
+//! Baselines and compensated runs share this cascade, so that what differs between them is the
+//! compensation alone.
+
+use crate::angle::Angle;
+use crate::error::{Error, require};
+use crate::gear::Motion;
+use crate::real::Real;
+
+/// Parameters of the cascade.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FeedbackParams<R> {
+    /// k_p [1/s].
+    pub position_gain: R,
+    /// k_v [N m s/rad].
+    pub velocity_gain: R,
+    /// T_i [s].
+    pub integral_time: R,
+    /// omega_f [rad/s].
+    pub filter_corner: R,
+    /// tau_max [N m].
+    pub torque_limit: R,
+}
+
+/// The built cascade.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Feedback<R> {
+    position_gain: R,
+    velocity_gain: R,
+    integral_gain: R,
+    filter_gain: R,
+    torque_limit: R,
+    inverse_dt: R,
+}
+
+/// What the cascade remembers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FeedbackState<R> {
+    last: Option<Angle<R>>,
+    velocity: R,
+    integral: R,
+}
+
+impl<R: Real> FeedbackParams<R> {
+    /// Prepares the cascade for the control period dt [s].
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with the name of the first gain that is not finite and positive.
+    pub fn build(&self, dt: R) -> Result<Feedback<R>, Error> {
+        let positive = |value: R| value.is_finite() && value > R::ZERO;
+        require(positive(self.position_gain), "position_gain")?;
+        require(positive(self.velocity_gain), "velocity_gain")?;
+        require(positive(self.integral_time), "integral_time")?;
+        require(positive(self.filter_corner), "filter_corner")?;
+        require(positive(self.torque_limit), "torque_limit")?;
+        Ok(Feedback {
+            position_gain: self.position_gain,
+            velocity_gain: self.velocity_gain,
+            integral_gain: self.velocity_gain * dt / self.integral_time,
+            filter_gain: (dt * self.filter_corner).one_minus_exp_neg(),
+            torque_limit: self.torque_limit,
+            inverse_dt: R::ONE / dt,
+        })
+    }
+}
+
+impl<R: Real> Feedback<R> {
+    /// Torque for the measured motor angle and where it should be; `limited`: the last command was.
+    #[inline(never)] // The timing budget counts blocks by their symbols.
+    pub fn step(
+        &self,
+        state: &mut FeedbackState<R>,
+        angle: Angle<R>,
+        reference: &Motion<R>,
+        limited: bool,
+    ) -> R {
+        let moved = angle.minus(state.last.unwrap_or(angle));
+        state.last = Some(angle);
+        state.velocity += self.filter_gain * (moved * self.inverse_dt - state.velocity);
+        let wanted = self.position_gain * reference.angle.minus(angle) + reference.velocity;
+        let lag = wanted - state.velocity;
+        if !limited {
+            state.integral = (state.integral + self.integral_gain * lag).limit(self.torque_limit);
+        }
+        self.velocity_gain * lag + state.integral
+    }
+}

@@ -1,0 +1,31 @@
+//! What a joint can do: the bounds of every output.
+
+use crate::error::{Error, require};
+use crate::real::Real;
+
+/// Limits of a joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits<R> {
+    /// Peak torque of the motor at its shaft, > 0 [N m].
+    pub motor_torque: R,
+    /// Fastest speed of the motor, > 0 [rad/s].
+    pub motor_speed: R,
+    /// Peak torque of the gear at its output, > 0 [N m].
+    pub output_torque: R,
+}
+
+impl<R: Real> Limits<R> {
+    /// # Errors
+    /// [`Error::OutOfRange`] with the name of the limit that is not finite and positive.
+    pub fn check(&self) -> Result<(), Error> {
+        let positive = |value: R| value.is_finite() && value > R::ZERO;
+        require(positive(self.motor_torque), "motor_torque")?;
+        require(positive(self.motor_speed), "motor_speed")?;
+        require(positive(self.output_torque), "output_torque")
+    }
+
+    /// Fastest speed of the output behind a ratio 1/n [rad/s].
+    pub fn output_speed(&self, n: i32) -> R {
+        self.motor_speed / R::from_i32(n).abs()
+    }
+}

@@ -1,0 +1,196 @@
+//! Link constants from the gear's data, for any n x m.
+//!
+//! The shell is a steel tube, so its torsional stiffness is that of a thin-walled tube,
+//!
+//! ```text
+//! K_shell = G*J/l,   G = E/(2*(1 + nu)),   J = 2*pi*R^3*h
+//! ```
+//!
+//! and every link gets the one constant k of eq. (6) that gives the mesh this stiffness. Torsion is
+//! axisymmetric: all nodes of a slice turn by one angle psi_j, and a link from slice j to j + dj whose
+//! direction has the tangential cosine c lengthens by R*c*(psi_{j+dj} - psi_j). The mesh is therefore a
+//! chain of m angles; the inner ones are eliminated (static condensation) and k follows by division.
+//!
+//! What is softer than the tube, the tooth contact, makes up the rest of the catalogue's line: its
+//! compliances are the catalogue's less the shell's ([`StiffnessLineParams::without_series`]).
+//!
+//! Damping: the catalogue's modal damping ratio zeta of the torsion mode (stiffness K1, inertia J_fs)
+//! is placed in the lubricated contact as a dashpot. Seen from outside a dashpot behind a series
+//! spring counts by the square of its share of the motion, hence c_contact = c*(K_contact1/K1)^2,
+//! c = 2*zeta*sqrt(K1*J_fs). The links' own mu gives the first torsion mode of the shell the same
+//! zeta; more would not be steel and would govern the stable step.
+
+use crate::angle::Angle;
+use crate::error::{Error, require};
+use crate::flexspline::stiffness_line::StiffnessLineParams;
+use crate::real::Real;
+
+/// Half of the 16 link directions (the other half are their opposites): steps around and along.
+pub const DIRECTIONS: [(i32, usize); 8] = [(1, 0), (0, 1), (1, 1), (-1, 1), (2, 0), (0, 2), (2, 2), (-2, 2)];
+
+/// The flexspline's cup.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cup<R> {
+    /// Mean radius R [m].
+    pub radius: R,
+    /// Length l from rim to diaphragm [m].
+    pub length: R,
+    /// Wall thickness h [m].
+    pub wall: R,
+    /// Radial displacement w0 by the wave generator [m].
+    pub ellipse: R,
+    /// Young's modulus E [Pa].
+    pub youngs_modulus: R,
+    /// Poisson's ratio nu.
+    pub poisson_ratio: R,
+    /// Density rho [kg/m^3].
+    pub density: R,
+}
+
+/// Everything that a flexspline is built from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlexsplineParams<R> {
+    /// The cup.
+    pub cup: Cup<R>,
+    /// The catalogue's K1, K2, K3 and T1, T2.
+    pub line: StiffnessLineParams<R>,
+    /// Damping ratio zeta of the torsion mode, wave generator held, 0..1.
+    pub damping_ratio: R,
+    /// Inertia J_fs that the damping ratio refers to [kg m^2].
+    pub inertia: R,
+}
+
+impl<R: Real> Cup<R> {
+    /// # Errors
+    /// [`Error::OutOfRange`] with the name of the first dimension or constant that is not positive,
+    /// or `poisson_ratio` outside 0..0.5, `wall` or `ellipse` not below a tenth of the radius.
+    pub fn check(&self) -> Result<(), Error> {
+        let positive = |value: R| value.is_finite() && value > R::ZERO;
+        require(positive(self.radius), "radius")?;
+        require(positive(self.length), "length")?;
+        let tenth = self.radius * R::lit(0.1);
+        require(positive(self.wall) && self.wall < tenth, "wall")?;
+        require(self.ellipse >= R::ZERO && self.ellipse < tenth, "ellipse")?;
+        require(positive(self.youngs_modulus), "youngs_modulus")?;
+        require(self.poisson_ratio >= R::ZERO && self.poisson_ratio < R::lit(0.5), "poisson_ratio")?;
+        require(positive(self.density), "density")
+    }
+
+    /// Mass of the cylinder 2*pi*R*l*h*rho [kg].
+    pub fn mass(&self) -> R {
+        R::lit(core::f64::consts::TAU) * self.radius * self.length * self.wall * self.density
+    }
+
+    /// Torsional stiffness G*J/l of the tube [N m/rad].
+    pub fn stiffness(&self) -> R {
+        let shear_modulus = self.youngs_modulus / (R::lit(2.0) * (R::ONE + self.poisson_ratio));
+        let polar = R::lit(core::f64::consts::TAU) * self.radius * self.radius * self.radius * self.wall;
+        shear_modulus * polar / self.length
+    }
+
+    /// Lowest torsional angular frequency of the tube with both ends held, (pi/l)*sqrt(G/rho) [rad/s].
+    pub fn torsion_frequency(&self) -> R {
+        let shear_modulus = self.youngs_modulus / (R::lit(2.0) * (R::ONE + self.poisson_ratio));
+        R::lit(core::f64::consts::PI) / self.length * (shear_modulus / self.density).sqrt()
+    }
+}
+
+impl<R: Real> FlexsplineParams<R> {
+    /// # Errors
+    /// As [`Cup::check`] and [`StiffnessLineParams::build`]; `stiffness` when the line is stiffer than
+    /// the cup itself; `damping_ratio` outside 0..1; `inertia` not positive.
+    pub fn check(&self) -> Result<(), Error> {
+        self.cup.check()?;
+        self.line.build()?;
+        let shell = self.cup.stiffness();
+        require(self.line.stiffness.iter().all(|k| *k < shell), "stiffness")?;
+        require(self.damping_ratio >= R::ZERO && self.damping_ratio < R::ONE, "damping_ratio")?;
+        require(self.inertia.is_finite() && self.inertia > R::ZERO, "inertia")
+    }
+
+    /// The tooth contact's line: the catalogue's without the shell.
+    pub fn contact_line(&self) -> StiffnessLineParams<R> {
+        self.line.without_series(self.cup.stiffness())
+    }
+
+    /// The tooth contact's dashpot [N m s/rad].
+    pub fn contact_damping(&self) -> R {
+        let k1 = self.line.stiffness[0];
+        let share = self.contact_line().stiffness[0] / k1;
+        R::lit(2.0) * self.damping_ratio * (k1 * self.inertia).sqrt() * share * share
+    }
+}
+
+/// Length and tangential cosine of a link that spans `around` of `n` and `along` slices of `spacing`.
+pub fn link_geometry<R: Real>(cup: &Cup<R>, n: usize, spacing: R, around: i32, along: usize) -> (R, R) {
+    let (sine, cosine) = Angle::from_turn_fraction(around, 2 * n as i32).sin_cos();
+    let chord = R::lit(2.0) * cup.radius * sine;
+    let axial = spacing * R::from_i32(along as i32);
+    let length = (chord * chord + axial * axial).sqrt();
+    // A chord leans from the tangents at both its ends by half its angle.
+    (length, chord * cosine / length)
+}
+
+/// Torsional stiffness of an n x M mesh whose links all have the constant 1 N/m [N m/rad].
+pub fn unit_stiffness<R: Real, const M: usize>(cup: &Cup<R>, n: usize) -> R {
+    let spacing = cup.length / R::from_i32(M as i32 - 1);
+    let mut chain = [[R::ZERO; M]; M];
+    for (around, along) in DIRECTIONS {
+        let (_, cosine) = link_geometry(cup, n, spacing, around, along);
+        let arm = cup.radius * cosine;
+        let stiffness = R::from_i32(n as i32) * arm * arm;
+        for (a, b) in (0..M).zip(along..M).filter(|_| along > 0) {
+            chain[a][a] += stiffness;
+            chain[b][b] += stiffness;
+            chain[a][b] -= stiffness;
+            chain[b][a] -= stiffness;
+        }
+    }
+    condense_to_ends(chain)
+}
+
+/// Eliminates the inner angles of a chain; what is left between its ends is one spring.
+fn condense_to_ends<R: Real, const M: usize>(mut chain: [[R; M]; M]) -> R {
+    for pivot in 1..M - 1 {
+        for row in (0..M).filter(|row| *row == 0 || *row > pivot) {
+            let factor = chain[row][pivot] / chain[pivot][pivot];
+            for column in 0..M {
+                chain[row][column] = chain[row][column] - factor * chain[pivot][column];
+            }
+        }
+    }
+    chain[0][0]
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// The default gear's flexspline.
+    pub(crate) const SIZE_25: FlexsplineParams<f64> = FlexsplineParams {
+        cup: Cup {
+            radius: 0.031,
+            length: 0.037,
+            wall: 0.40e-3,
+            ellipse: 0.30e-3,
+            youngs_modulus: 206e9,
+            poisson_ratio: 0.3,
+            density: 7850.0,
+        },
+        line: StiffnessLineParams { stiffness: [3.1e4, 5.0e4, 5.7e4], knee_torque: [14.0, 48.0] },
+        damping_ratio: 0.02,
+        inertia: 1.2,
+    };
+
+    #[test]
+    fn a_chain_of_equal_springs_condenses_to_their_series() {
+        let mut chain = [[0.0; 4]; 4];
+        for j in 0..3 {
+            chain[j][j] += 3.0;
+            chain[j + 1][j + 1] += 3.0;
+            chain[j][j + 1] -= 3.0;
+            chain[j + 1][j] -= 3.0;
+        }
+        assert!((condense_to_ends(chain) - 1.0f64).abs() < 1e-12);
+    }
+}

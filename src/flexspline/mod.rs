@@ -1,0 +1,68 @@
+//! The flexspline: torque for torsion, as a mesh by eq. (6) or reduced to one law in real time.
+//!
+//! Both stand between the same two motions, the drive `r*theta_wg + e` at the tooth contact and the
+//! output flange, and answer with the same torques, so that [`crate::gear::Gear`] composes either.
+//!
+//! Where the hardening sits: in the tooth contact at the rim, in series with a linear shell. More
+//! teeth engage with torque (the paper's "non-stationary surface contact"), while the steel cup
+//! itself is linear: its own stiffness G*J/l is about three times K3. A bend link that hardened in
+//! plain L - L0 would see mostly the wave generator's ellipse (0.2-0.5 % of strain, rated torsion is
+//! 0.1 %) and smear the catalogue's knees.
+
+pub mod calibration;
+pub mod mesh;
+pub mod reduced;
+pub mod stiffness_line;
+
+pub use calibration::{Cup, FlexsplineParams};
+pub use mesh::Mesh;
+pub use reduced::Reduced;
+pub use stiffness_line::StiffnessLine;
+
+use crate::angle::Angle;
+use crate::real::Real;
+
+/// What drives and what loads the flexspline during one step.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ends<R> {
+    /// Ideal output angle r*theta_wg + e(theta_wg): where the tooth contact drives the rim.
+    pub drive: Angle<R>,
+    /// Its rate [rad/s].
+    pub drive_rate: R,
+    /// Wave-generator angle, which orients the ellipse.
+    pub wave_generator: Angle<R>,
+    /// Its rate [rad/s].
+    pub wave_generator_rate: R,
+    /// Output flange angle theta_fs.
+    pub flange: Angle<R>,
+    /// Its rate [rad/s].
+    pub flange_rate: R,
+}
+
+/// Torques of the flexspline on what holds it [N m].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reaction<R> {
+    /// Through the tooth contact, positive when the drive is ahead: it loads the wave generator by r + de/dtheta.
+    pub contact: R,
+    /// On the output flange, positive when the drive is ahead.
+    pub flange: R,
+    /// On the wave generator, from turning the ellipse; zero on average.
+    pub ellipse: R,
+    /// Power that the flexspline's damping turns into heat [W].
+    pub loss: R,
+}
+
+/// A flexspline model.
+pub trait Flexspline<R: Real> {
+    /// What the model remembers from step to step.
+    type State: Clone;
+
+    /// The state at rest with both ends at the zero angle, without torsion.
+    fn rest(&self) -> Self::State;
+
+    /// Advances by the model's time step and answers with the torques of that step.
+    fn step(&self, state: &mut Self::State, ends: &Ends<R>) -> Reaction<R>;
+
+    /// Energy stored in `state`, elastic and kinetic [J], with its ends at `ends`.
+    fn energy(&self, state: &Self::State, ends: &Ends<R>) -> R;
+}

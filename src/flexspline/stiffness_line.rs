@@ -1,0 +1,191 @@
+//! The catalogue's stiffness line: torque over torsion in three straight pieces.
+//!
+//! ```text
+//! tau(phi) = sign(phi) * (k1*a + (k2 - k1)*max(0, a - phi1) + (k3 - k2)*max(0, a - phi2)),   a = |phi|
+//! phi1 = T1/k1,   phi2 = phi1 + (T2 - T1)/k2
+//! ```
+//!
+//! Torsion in rad, torque in N m, stiffness in N m/rad; odd, continuous, strictly monotone. The
+//! inverse has the same form with compliances over torques. Reference: the gear makers' definition
+//! of K1, K2, K3, T1, T2 (e.g. Harmonic Drive HFUS-2A manual, "torsional stiffness").
+
+use crate::error::{Error, require};
+use crate::real::Real;
+
+/// Parameters of a three-piece line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StiffnessLineParams<R> {
+    /// Slopes of the pieces, each > 0 [N m/rad].
+    pub stiffness: [R; 3],
+    /// Torques at which the slope changes, 0 < T1 < T2 [N m].
+    pub knee_torque: [R; 2],
+}
+
+/// An odd, monotone, three-piece line and its inverse.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StiffnessLine<R> {
+    by_torsion: Pieces<R>,
+    by_torque: Pieces<R>,
+}
+
+/// `sign(x) * (slope*a + gain1*max(0, a - knee1) + gain2*max(0, a - knee2))`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Pieces<R> {
+    slope: R,
+    gain: [R; 2],
+    knee: [R; 2],
+}
+
+impl<R: Real> Pieces<R> {
+    fn new(slope: [R; 3], knee: [R; 2]) -> Self {
+        Self { slope: slope[0], gain: [slope[1] - slope[0], slope[2] - slope[1]], knee }
+    }
+
+    #[inline(always)]
+    fn excess(&self, magnitude: R) -> [R; 2] {
+        [(magnitude - self.knee[0]).max(R::ZERO), (magnitude - self.knee[1]).max(R::ZERO)]
+    }
+
+    #[inline(always)]
+    fn value(&self, x: R) -> R {
+        let [first, second] = self.excess(x.abs());
+        self.slope * x + (self.gain[0] * first + self.gain[1] * second) * x.sign()
+    }
+
+    #[inline(always)]
+    fn slope_at(&self, x: R) -> R {
+        let magnitude = x.abs();
+        let first = if magnitude > self.knee[0] { self.gain[0] } else { R::ZERO };
+        let second = if magnitude > self.knee[1] { self.gain[1] } else { R::ZERO };
+        self.slope + first + second
+    }
+
+    /// Integral of `value` from 0 to x.
+    fn integral(&self, x: R) -> R {
+        let [first, second] = self.excess(x.abs());
+        R::lit(0.5) * (self.slope * x * x + self.gain[0] * first * first + self.gain[1] * second * second)
+    }
+
+    /// Index of the piece that holds x.
+    #[inline(always)]
+    fn piece(&self, x: R) -> usize {
+        let magnitude = x.abs();
+        usize::from(magnitude > self.knee[0]) + usize::from(magnitude > self.knee[1])
+    }
+}
+
+impl<R: Real> StiffnessLineParams<R> {
+    /// Checks the parameters and precomputes both directions.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `stiffness` unless every slope is finite and positive, `knee_torque`
+    /// unless 0 < T1 < T2.
+    pub fn build(&self) -> Result<StiffnessLine<R>, Error> {
+        let [t1, t2] = self.knee_torque;
+        require(self.stiffness.iter().all(|k| k.is_finite() && *k > R::ZERO), "stiffness")?;
+        require(t2.is_finite() && R::ZERO < t1 && t1 < t2, "knee_torque")?;
+        let [k1, k2, _] = self.stiffness;
+        let knee_torsion = [t1 / k1, t1 / k1 + (t2 - t1) / k2];
+        Ok(StiffnessLine {
+            by_torsion: Pieces::new(self.stiffness, knee_torsion),
+            by_torque: Pieces::new(self.stiffness.map(|k| R::ONE / k), self.knee_torque),
+        })
+    }
+
+    /// The line that is left when a linear spring in series with it is taken out: compliances subtract.
+    #[must_use]
+    pub fn without_series(&self, stiffness: R) -> Self {
+        Self {
+            stiffness: self.stiffness.map(|k| R::ONE / (R::ONE / k - R::ONE / stiffness)),
+            knee_torque: self.knee_torque,
+        }
+    }
+
+    /// The line in series with a linear spring: compliances add.
+    #[must_use]
+    pub fn in_series(&self, stiffness: R) -> Self {
+        Self {
+            stiffness: self.stiffness.map(|k| R::ONE / (R::ONE / k + R::ONE / stiffness)),
+            knee_torque: self.knee_torque,
+        }
+    }
+}
+
+impl<R: Real> StiffnessLine<R> {
+    /// Torque for a torsion [N m].
+    #[inline(always)]
+    pub fn torque(&self, torsion: R) -> R {
+        self.by_torsion.value(torsion)
+    }
+
+    /// Torsion for a torque [rad].
+    #[inline(always)]
+    pub fn torsion(&self, torque: R) -> R {
+        self.by_torque.value(torque)
+    }
+
+    /// Slope of the torsion over the torque [rad/(N m)].
+    #[inline(always)]
+    pub fn compliance(&self, torque: R) -> R {
+        self.by_torque.slope_at(torque)
+    }
+
+    /// Stored energy [J].
+    pub fn energy(&self, torsion: R) -> R {
+        self.by_torsion.integral(torsion)
+    }
+
+    /// Which of the three pieces a torsion lies on.
+    #[inline(always)]
+    pub fn piece(&self, torsion: R) -> usize {
+        self.by_torsion.piece(torsion)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const SIZE_25: StiffnessLineParams<f64> =
+        StiffnessLineParams { stiffness: [3.1e4, 5.0e4, 5.7e4], knee_torque: [14.0, 48.0] };
+
+    #[test]
+    fn reproduces_the_makers_worked_example() {
+        // HFUS-2A manual: size 32, ratio 100, 60 N m gives 7.15e-4 rad.
+        let size_32 = StiffnessLineParams { stiffness: [6.7e4, 1.1e5, 1.2e5], knee_torque: [29.0, 108.0] };
+        assert!((size_32.build().unwrap().torsion(60.0) - 7.15e-4).abs() < 1e-6);
+    }
+
+    #[test]
+    fn refuses_what_is_not_monotone_by_name() {
+        let bad = StiffnessLineParams { stiffness: [3.1e4, -1.0, 5.7e4], ..SIZE_25 };
+        assert_eq!(bad.build(), Err(Error::OutOfRange("stiffness")));
+        let bad = StiffnessLineParams { knee_torque: [48.0, 14.0], ..SIZE_25 };
+        assert_eq!(bad.build(), Err(Error::OutOfRange("knee_torque")));
+    }
+
+    proptest! {
+        #[test]
+        fn torsion_undoes_torque(torsion in -1e-2..1e-2f64) {
+            let line = SIZE_25.build().unwrap();
+            prop_assert!((line.torsion(line.torque(torsion)) - torsion).abs() <= 1e-15);
+        }
+
+        #[test]
+        fn torque_is_odd_and_is_the_slope_of_the_energy(torsion in -1e-2..1e-2f64) {
+            let line = SIZE_25.build().unwrap();
+            prop_assert_eq!(line.torque(-torsion), -line.torque(torsion));
+            let slope = (line.energy(torsion + 1e-7) - line.energy(torsion - 1e-7)) / 2e-7;
+            prop_assert!((slope - line.torque(torsion)).abs() < 2e-3);
+        }
+
+        #[test]
+        fn a_series_spring_taken_out_and_put_back_changes_nothing(stiffness in 6e4..1e6f64) {
+            let again = SIZE_25.without_series(stiffness).in_series(stiffness);
+            for (a, b) in again.stiffness.iter().zip(SIZE_25.stiffness) {
+                prop_assert!((a / b - 1.0).abs() < 1e-9);
+            }
+        }
+    }
+}

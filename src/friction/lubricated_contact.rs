@@ -1,0 +1,148 @@
+//! Lubricated contact: Coulomb friction that falls from the static level with speed (Stribeck),
+//! plus a viscous part.
+//!
+//! ```text
+//! g(v) = Fc + (Fs - Fc) * exp(-|v/vs|^delta)        F = g(v)*sign(v) + Fv*v,   F = 0 at v = 0
+//! ```
+//!
+//! Sign: F has the sign of v and is subtracted in the equation of motion. Units: Fc, Fs [N] or
+//! [N m], v, vs [m/s] or [rad/s], Fv [N s/m] or [N m s/rad]. Memoryless: there is nothing to
+//! discretise. Only delta = 1 and 2 exist, because a power has no place in the control step and
+//! measured curves don't tell other exponents apart.
+//!
+//! H. Olsson et al., "Friction models and friction compensation", European Journal of Control 4
+//! (1998), eq. (5).
+
+use crate::error::{Error, require};
+use crate::real::Real;
+
+/// Greatest value that any friction parameter may have.
+const GREATEST: f64 = 1e6;
+
+/// Level over speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LubricatedContactParams<R> {
+    /// Fc, the level that fast sliding tends to [N] or [N m]; 0..=1e6.
+    pub coulomb: R,
+    /// Fs, the level at standstill [N] or [N m]; `coulomb`..=1e6.
+    pub static_level: R,
+    /// vs [m/s] or [rad/s]; 1e-9..=1e6.
+    pub stribeck_velocity: R,
+    /// delta; 1 or 2.
+    pub stribeck_exponent: R,
+    /// Fv [N s/m] or [N m s/rad]; 0..=1e6.
+    pub viscous: R,
+}
+
+impl<R: Real> LubricatedContactParams<R> {
+    /// Checks and precomputes.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with the name of the field.
+    pub fn build(&self) -> Result<LubricatedContact<R>, Error> {
+        let (least, greatest) = (R::lit(1e-9), R::lit(GREATEST));
+        let squared = self.stribeck_exponent == R::lit(2.0);
+        require((R::ZERO..=greatest).contains(&self.coulomb), "coulomb")?;
+        require((self.coulomb..=greatest).contains(&self.static_level), "static_level")?;
+        require((least..=greatest).contains(&self.stribeck_velocity), "stribeck_velocity")?;
+        require(squared || self.stribeck_exponent == R::ONE, "stribeck_exponent")?;
+        require((R::ZERO..=greatest).contains(&self.viscous), "viscous")?;
+        Ok(LubricatedContact {
+            coulomb: self.coulomb,
+            rise: self.static_level - self.coulomb,
+            slowness: R::ONE / self.stribeck_velocity,
+            squared,
+            viscous: self.viscous,
+        })
+    }
+}
+
+/// Built model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LubricatedContact<R> {
+    coulomb: R,
+    /// Fs - Fc.
+    rise: R,
+    /// 1/vs.
+    slowness: R,
+    /// delta is 2.
+    squared: bool,
+    viscous: R,
+}
+
+impl<R: Real> LubricatedContact<R> {
+    /// g(v): between Fc and Fs, for any bits of `velocity` (NaN counts as 0).
+    #[inline(always)]
+    pub fn level(&self, velocity: R) -> R {
+        let ratio = velocity.abs() * self.slowness;
+        let exponent = if self.squared { ratio * ratio } else { ratio };
+        self.coulomb + self.rise * exponent.exp_neg()
+    }
+
+    /// Fv*v.
+    #[inline(always)]
+    pub fn viscous(&self, velocity: R) -> R {
+        self.viscous * velocity
+    }
+
+    /// F(v); `None` when it is not finite.
+    #[inline]
+    pub fn force(&self, velocity: R) -> Option<R> {
+        let force = self.level(velocity) * velocity.sign() + self.viscous(velocity);
+        force.is_finite().then_some(force)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn params(stribeck_exponent: f64) -> LubricatedContactParams<f64> {
+        LubricatedContactParams {
+            coulomb: 0.035,
+            static_level: 0.05,
+            stribeck_velocity: 2.0,
+            stribeck_exponent,
+            viscous: 1.2e-4,
+        }
+    }
+
+    #[test]
+    fn the_curve_is_stribecks() {
+        for exponent in [1.0, 2.0] {
+            let model = params(exponent).build().unwrap();
+            assert_eq!(model.level(0.0), 0.05);
+            assert_eq!(model.force(0.0), Some(0.0));
+            for v in [-7.0f64, -1.0, 0.3, 2.0, 50.0] {
+                let level = 0.035 + 0.015 * (-(v / 2.0).abs().powf(exponent)).exp();
+                let force = level * v.signum() + 1.2e-4 * v;
+                assert!((model.force(v).unwrap() - force).abs() < 1e-16);
+            }
+        }
+    }
+
+    #[test]
+    fn a_parameter_out_of_range_is_named() {
+        let name = |change: fn(&mut LubricatedContactParams<f64>)| {
+            let mut changed = params(1.0);
+            change(&mut changed);
+            changed.build().unwrap_err()
+        };
+        assert_eq!(name(|p| p.coulomb = -1.0), Error::OutOfRange("coulomb"));
+        assert_eq!(name(|p| p.static_level = 0.03), Error::OutOfRange("static_level"));
+        assert_eq!(name(|p| p.stribeck_velocity = 0.0), Error::OutOfRange("stribeck_velocity"));
+        assert_eq!(name(|p| p.stribeck_exponent = 1.5), Error::OutOfRange("stribeck_exponent"));
+        assert_eq!(name(|p| p.viscous = f64::INFINITY), Error::OutOfRange("viscous"));
+    }
+
+    proptest! {
+        #[test]
+        fn the_level_stays_between_its_ends_for_any_bits(bits: u64, squared: bool) {
+            let model = params(if squared { 2.0 } else { 1.0 }).build().unwrap();
+            let velocity = f64::from_bits(bits);
+            prop_assert!((0.035..=0.05).contains(&model.level(velocity)));
+            prop_assert_eq!(model.force(velocity).is_some(), velocity.is_finite());
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! The two-port of Figs. 7-8: composes flexspline, hysteresis, friction and kinematic error.
+//!
+//! ```text
+//! phi    = r*theta_wg + e(theta_wg) - theta_fs
+//! tau_t  = tau_mesh(phi, dphi) + tau_hyst[phi]
+//! J_fs * d2theta_fs = tau_t - tau_fric_out + tau_load
+//! tau_wg = J_wg * d2theta_wg + tau_fric_in + (r + de/dtheta_wg) * tau_t
+//! ```
+//!
+//! tau_load is the external torque ON the flexspline; tau_wg is what the motor must supply. With these
+//! signs the power that enters both ports is the rate of the stored energy plus losses that are never
+//! negative. Units: rad, rad/s, N m, kg m^2.
+//!
+//! Discretisation: semi-implicit Euler with the step dt, speeds first. The real-time build takes one
+//! step per 0.1 ms with the condensed flexspline, the reference build many with the mesh: same code.
+//! Inside a mesh the torque at the contact and at the flange differ by the shell's own inertia, and
+//! the ellipse adds its reaction to tau_wg; the condensed flexspline has neither.
+
+use crate::angle::{Angle, Ratio};
+use crate::error::{Error, require};
+use crate::flexspline::{Ends, Flexspline, FlexsplineParams, Reaction};
+use crate::friction::joint_friction::{JointFriction, JointFrictionParams, JointFrictionState};
+use crate::hysteresis::torsion_hysteresis::{TorsionHysteresis, TorsionHysteresisState};
+use crate::kinematic_error::{Deviation, KinematicError, KinematicErrorParams};
+use crate::real::Real;
+
+/// Most terms of the kinematic error, relative to the case and to the flexspline each.
+pub const KINEMATIC_TERMS: usize = 8;
+
+/// Everything that a gear is built from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GearParams<R> {
+    /// n of the signed ratio r = 1/n: -N with the circular spline fixed, N + 1 with the flexspline fixed.
+    pub ratio: i32,
+    /// Rated torque at the output: the hysteresis loop closes there [N m].
+    pub rated_torque: R,
+    /// Cup, stiffness line and damping.
+    pub flexspline: FlexsplineParams<R>,
+    /// Full width of the hysteresis loop at zero torque after +-rated torque; 0 for none [rad].
+    pub hysteresis_width: R,
+    /// Kinematic error.
+    pub kinematic_error: KinematicErrorParams<R, KINEMATIC_TERMS>,
+    /// Friction at the wave generator.
+    pub input_friction: JointFrictionParams<R>,
+    /// Friction at the flexspline.
+    pub output_friction: JointFrictionParams<R>,
+    /// Inertia of wave generator and motor J_wg [kg m^2].
+    pub wave_generator_inertia: R,
+    /// Inertia of flexspline and load J_fs [kg m^2].
+    pub flexspline_inertia: R,
+}
+
+/// An angle and its rate [rad/s].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion<R> {
+    /// Angle.
+    pub angle: Angle<R>,
+    /// Rate [rad/s].
+    pub velocity: R,
+}
+
+impl<R: Real> Motion<R> {
+    /// One semi-implicit step: the new rate moves the angle.
+    #[inline(always)]
+    pub fn advance(&mut self, acceleration: R, dt: R) {
+        self.velocity += dt * acceleration;
+        self.angle = self.angle.plus(dt * self.velocity);
+    }
+}
+
+/// A gear around a flexspline model, stepped by a fixed dt; `L` levels of hysteresis.
+#[derive(Clone, Debug)]
+pub struct Gear<R, F, const L: usize> {
+    ratio: Ratio,
+    ratio_value: R,
+    kinematic_error: KinematicError<R, KINEMATIC_TERMS>,
+    flexspline: F,
+    hysteresis: TorsionHysteresis<R, L>,
+    input_friction: JointFriction<R>,
+    output_friction: JointFriction<R>,
+    inverse_flexspline_inertia: R,
+    dt: R,
+}
+
+/// What a gear remembers besides the motion of its ends.
+#[derive(Clone, Debug)]
+pub struct GearState<R, S, const L: usize> {
+    flexspline: S,
+    hysteresis: TorsionHysteresisState<R, L>,
+    input_friction: JointFrictionState<R>,
+    output_friction: JointFrictionState<R>,
+}
+
+/// Torques inside a gear [N m], and what they follow from.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Torques<R> {
+    /// Torsion phi [rad].
+    pub torsion: R,
+    /// Rate of the drive r*theta_wg + e [rad/s].
+    pub drive_rate: R,
+    /// Ratio r + de/dtheta_wg by which the transmitted torque loads the wave generator.
+    pub slope: R,
+    /// tau_t on the output flange.
+    pub transmitted: R,
+    /// Friction at the wave generator.
+    pub input_friction: R,
+    /// Friction at the flexspline.
+    pub output_friction: R,
+    /// Hysteresis part of tau_t.
+    pub hysteresis: R,
+    /// All that resists the wave generator but its inertia: tau_wg - J_wg*d2theta_wg.
+    pub wave_generator: R,
+    /// Power that the flexspline's damping turns into heat [W].
+    pub damping_loss: R,
+}
+
+impl<R: Real> GearParams<R> {
+    /// Torque gap between the branches of the hysteresis loop at zero torsion [N m].
+    ///
+    /// With a gap S the loop's branches near the middle are K1*phi -+ (S/2)*(1 - (phi/U)^2), U being
+    /// the torsion at rated torque. They cross zero torque at -+width/2, which gives S.
+    fn hysteresis_gap(&self, half_range: R) -> R {
+        let share = R::lit(0.5) * self.hysteresis_width / half_range;
+        self.flexspline.line.stiffness[0] * self.hysteresis_width / (R::ONE - share * share)
+    }
+
+    /// Builds the gear around a flexspline model of the same time step dt [s].
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with the name of the first parameter that is out of its range, as in the
+    /// blocks' own `build`; `wave_generator_inertia`, `flexspline_inertia`, `rated_torque` unless finite and
+    /// positive; `hysteresis_width` unless below half the torsion at rated torque; `dt` unless below
+    /// half the period's radian of the torsion mode.
+    pub fn build<F: Flexspline<R>, const L: usize>(&self, flexspline: F, dt: R) -> Result<Gear<R, F, L>, Error> {
+        let positive = |value: R| value.is_finite() && value > R::ZERO;
+        self.flexspline.check()?;
+        require(positive(self.rated_torque), "rated_torque")?;
+        require(positive(self.wave_generator_inertia), "wave_generator_inertia")?;
+        require(positive(self.flexspline_inertia), "flexspline_inertia")?;
+        let half_range = self.flexspline.line.build()?.torsion(self.rated_torque);
+        require(self.hysteresis_width >= R::ZERO && self.hysteresis_width < half_range, "hysteresis_width")?;
+        let stiffest = self.flexspline.line.stiffness[2];
+        require(positive(dt) && dt * dt * stiffest < R::lit(0.25) * self.flexspline_inertia, "dt")?;
+        let ratio = Ratio::one_over(self.ratio)?;
+        Ok(Gear {
+            ratio,
+            ratio_value: ratio.value(),
+            kinematic_error: self.kinematic_error.build(ratio)?,
+            flexspline,
+            hysteresis: TorsionHysteresis::build(half_range, self.hysteresis_gap(half_range))?,
+            input_friction: self.input_friction.build(dt)?,
+            output_friction: self.output_friction.build(dt)?,
+            inverse_flexspline_inertia: R::ONE / self.flexspline_inertia,
+            dt,
+        })
+    }
+}
+
+impl<R: Real, F: Flexspline<R>, const L: usize> Gear<R, F, L> {
+    /// At rest, both ends at the zero angle, never loaded before.
+    pub fn rest(&self) -> GearState<R, F::State, L> {
+        GearState {
+            flexspline: self.flexspline.rest(),
+            hysteresis: TorsionHysteresisState::default(),
+            input_friction: JointFrictionState::default(),
+            output_friction: JointFrictionState::default(),
+        }
+    }
+
+    /// The exact gear ratio.
+    pub fn ratio(&self) -> Ratio {
+        self.ratio
+    }
+
+    /// The flexspline model.
+    pub fn flexspline(&self) -> &F {
+        &self.flexspline
+    }
+
+    /// Friction of the wave generator and of the flexspline.
+    pub fn frictions(&self) -> (&JointFriction<R>, &JointFriction<R>) {
+        (&self.input_friction, &self.output_friction)
+    }
+
+    /// The hysteresis of the torsion.
+    pub fn hysteresis(&self) -> &TorsionHysteresis<R, L> {
+        &self.hysteresis
+    }
+
+    /// Kinematic error at a wave-generator angle.
+    #[inline(always)]
+    pub fn kinematic_error(&self, wave_generator: Angle<R>) -> Deviation<R> {
+        self.kinematic_error.at(wave_generator)
+    }
+
+    /// Where the output stands without torsion: r*theta_wg + e(theta_wg).
+    pub fn drive(&self, wave_generator: Angle<R>) -> Angle<R> {
+        self.ratio.apply(wave_generator).plus(self.kinematic_error(wave_generator).error)
+    }
+
+    fn ends(&self, wave_generator: &Motion<R>, flange: &Motion<R>) -> (Ends<R>, R) {
+        let deviation = self.kinematic_error(wave_generator.angle);
+        let slope = self.ratio_value + deviation.slope;
+        let ends = Ends {
+            drive: self.ratio.apply(wave_generator.angle).plus(deviation.error),
+            drive_rate: slope * wave_generator.velocity,
+            wave_generator: wave_generator.angle,
+            wave_generator_rate: wave_generator.velocity,
+            flange: flange.angle,
+            flange_rate: flange.velocity,
+        };
+        (ends, slope)
+    }
+
+    /// Advances the memories by dt for the motion of both ends, and answers with the torques.
+    pub fn torques(
+        &self,
+        state: &mut GearState<R, F::State, L>,
+        wave_generator: &Motion<R>,
+        flange: &Motion<R>,
+    ) -> Torques<R> {
+        let (ends, slope) = self.ends(wave_generator, flange);
+        let Reaction { contact, flange: on_flange, ellipse, loss } =
+            self.flexspline.step(&mut state.flexspline, &ends);
+        let torsion = ends.drive.minus(ends.flange);
+        let hysteresis = self.hysteresis.step(&mut state.hysteresis, torsion);
+        let input_friction = self.input_friction.step(&mut state.input_friction, wave_generator.velocity).force;
+        let output_friction = self.output_friction.step(&mut state.output_friction, flange.velocity).force;
+        Torques {
+            torsion,
+            drive_rate: ends.drive_rate,
+            slope,
+            transmitted: on_flange + hysteresis,
+            input_friction,
+            output_friction,
+            hysteresis,
+            wave_generator: input_friction + slope * (contact + hysteresis) - ellipse,
+            damping_loss: loss,
+        }
+    }
+
+    /// Acceleration of the output flange [rad/s^2].
+    #[inline(always)]
+    pub fn flange_acceleration(&self, torques: &Torques<R>, load: R) -> R {
+        (torques.transmitted - torques.output_friction + load) * self.inverse_flexspline_inertia
+    }
+
+    /// The two-port: moves the flange by one dt under `load` [N m], the wave generator as prescribed.
+    pub fn step(
+        &self,
+        state: &mut GearState<R, F::State, L>,
+        flange: &mut Motion<R>,
+        wave_generator: &Motion<R>,
+        load: R,
+    ) -> Torques<R> {
+        let torques = self.torques(state, wave_generator, flange);
+        flange.advance(self.flange_acceleration(&torques, load), self.dt);
+        torques
+    }
+
+    /// Energy stored in the flexspline [J].
+    pub fn flexspline_energy(
+        &self,
+        state: &GearState<R, F::State, L>,
+        wave_generator: &Motion<R>,
+        flange: &Motion<R>,
+    ) -> R {
+        self.flexspline.energy(&state.flexspline, &self.ends(wave_generator, flange).0)
+    }
+}
