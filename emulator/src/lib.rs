@@ -2,3 +2,11 @@
 
 pub mod artifact;
 pub mod counting;
+pub mod firmware;
+pub mod machine;
+mod process;
+pub mod setup;
+pub mod telemetry;
+
+pub use firmware::Firmware;
+pub use machine::{Ending, Machine};

@@ -97,7 +97,7 @@ pub struct Log {
 
 impl Log {
     /// The oldest record that has not been taken yet.
-    pub fn next(&mut self) -> Option<Record> {
+    pub fn take(&mut self) -> Option<Record> {
         self.consumer.dequeue()
     }
 
@@ -109,7 +109,7 @@ impl Log {
     /// Logs every waiting record. Idle loop only.
     #[cfg(target_os = "none")]
     pub fn drain(&mut self) {
-        while let Some(record) = self.next() {
+        while let Some(record) = self.take() {
             write(&record, self.dropped());
         }
     }

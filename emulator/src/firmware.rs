@@ -1,0 +1,197 @@
+//! Builds a board's firmware.
+
+use crate::setup::{self, Compiler};
+use std::fs::{self, File};
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Why there is no image.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// There is no such board.
+    #[error("board {board}: unknown, the boards are {}", boards.join(", "))]
+    UnknownBoard {
+        /// What was asked for.
+        board: String,
+        /// What there is.
+        boards: Vec<String>,
+    },
+    /// The joint's file cannot be read.
+    #[error("joint file {path}: {error}")]
+    Joint {
+        /// The file.
+        path: String,
+        /// What reading it said.
+        error: io::Error,
+    },
+    /// There is no compiler.
+    #[error(transparent)]
+    Setup(#[from] setup::Error),
+    /// The compiler or the linker refused.
+    #[error("board {board} does not build with {compiler}: {said}")]
+    Build {
+        /// The board.
+        board: String,
+        /// The compiler.
+        compiler: String,
+        /// Its first error.
+        said: String,
+    },
+    /// The host's side failed.
+    #[error("boards: {0}")]
+    Io(#[from] io::Error),
+}
+
+/// A linked image.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Firmware {
+    /// The ELF file.
+    pub elf: PathBuf,
+    /// The compiler that built it, version and all: sizes and counts hold for this one.
+    pub compiler: String,
+}
+
+/// The folder of the boards.
+pub fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("boards")
+}
+
+/// The boards: the folders that hold a budget.
+///
+/// # Errors
+/// When the folder of the boards cannot be read.
+pub fn boards() -> io::Result<Vec<String>> {
+    let mut boards = Vec::new();
+    for entry in fs::read_dir(folder())? {
+        let entry = entry?;
+        if entry.path().join("budget.toml").is_file() {
+            boards.push(entry.file_name().to_string_lossy().into_owned());
+        }
+    }
+    boards.sort();
+    Ok(boards)
+}
+
+/// Builds the firmware of `board` for the default joint, or for the one in a generated file.
+///
+/// # Errors
+/// [`Error::UnknownBoard`], [`Error::Joint`], [`Error::Setup`], or [`Error::Build`].
+pub fn build(board: &str, joint: Option<&Path>) -> Result<Firmware, Error> {
+    known(board)?;
+    let joint = joint.map(Joint::read).transpose()?;
+    let compiler = setup::compiler(&setup::ThisHost)?;
+    let target = folder().join("target");
+    let images = target.join("images");
+    fs::create_dir_all(&images)?;
+    // Two joints share one cargo output: it is locked from the build until the image is out of its way.
+    let lock = File::create(images.join("lock"))?;
+    lock.lock()?;
+    run(&compiler, board, joint.as_ref(), &target)?;
+    let name = format!("strainwave-{board}");
+    let built = target.join(setup::TARGET).join("release").join(&name);
+    let elf = images.join(match &joint {
+        Some(joint) => format!("{name}-{:016x}.elf", joint.digest),
+        None => format!("{name}.elf"),
+    });
+    // Renamed into place: a machine that runs the old image keeps it.
+    let fresh = images.join(format!("{name}.new"));
+    fs::copy(&built, &fresh)?;
+    fs::rename(&fresh, &elf)?;
+    Ok(Firmware { elf, compiler: compiler.version })
+}
+
+fn known(board: &str) -> Result<(), Error> {
+    let boards = boards()?;
+    if boards.iter().any(|known| known == board) {
+        Ok(())
+    } else {
+        Err(Error::UnknownBoard { board: board.into(), boards })
+    }
+}
+
+/// The generated file of a joint.
+struct Joint {
+    path: PathBuf,
+    digest: u64,
+}
+
+impl Joint {
+    fn read(path: &Path) -> Result<Self, Error> {
+        let named = |error| Error::Joint { path: path.display().to_string(), error };
+        let mut hasher = DefaultHasher::new();
+        fs::read(path).map_err(named)?.hash(&mut hasher);
+        Ok(Self { path: path.canonicalize().map_err(named)?, digest: hasher.finish() })
+    }
+}
+
+fn run(compiler: &Compiler, board: &str, joint: Option<&Joint>, target: &Path) -> Result<(), Error> {
+    let mut command = compiler.build_command();
+    without_host_settings(&mut command);
+    command.current_dir(folder()).stdin(Stdio::null());
+    command
+        .args(["--quiet", "--locked", "--package", &format!("strainwave-{board}"), "--target-dir"])
+        .arg(target);
+    if let Some(joint) = joint {
+        command.env("STRAINWAVE_JOINT", &joint.path);
+    }
+    let output = command.output()?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let said = first_error(&String::from_utf8_lossy(&output.stderr));
+    Err(Error::Build { board: board.into(), compiler: compiler.version.clone(), said })
+}
+
+/// Flags and profiles that the caller set for the host would change the image, or break it.
+fn without_host_settings(command: &mut Command) {
+    let ours = |name: &str| {
+        name.starts_with("CARGO_PROFILE_")
+            || name.starts_with("CARGO_BUILD_")
+            || ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "DEFMT_LOG", "STRAINWAVE_JOINT"].contains(&name)
+    };
+    for (name, _) in std::env::vars_os() {
+        if name.to_str().is_some_and(ours) {
+            command.env_remove(&name);
+        }
+    }
+}
+
+/// The line that matters in a compiler's or linker's output.
+fn first_error(said: &str) -> String {
+    let linker = said.lines().find_map(|line| line.split_once("lld: error: ").map(|(_, error)| error));
+    let compiler = || said.lines().find(|line| line.starts_with("error"));
+    linker
+        .or_else(compiler)
+        .or_else(|| said.lines().next_back())
+        .unwrap_or("no reason given")
+        .trim()
+        .to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_board_is_answered_with_the_known_ones() {
+        let error = build("mps2-an999", None).unwrap_err().to_string();
+        assert!(error.starts_with("board mps2-an999: unknown"), "{error}");
+        assert!(error.contains("mps2-an386") && error.contains("stm32f405"), "{error}");
+        assert!(!error.contains("app"), "{error}");
+    }
+
+    #[test]
+    fn a_missing_joint_is_named() {
+        let error = build("mps2-an386", Some(Path::new("nowhere/joint.rs"))).unwrap_err().to_string();
+        assert!(error.starts_with("joint file nowhere/joint.rs: "), "{error}");
+    }
+
+    #[test]
+    fn the_linkers_error_comes_before_the_compilers_summary() {
+        let said = "error: linking with `rust-lld` failed\n  = note: rust-lld: error: undefined symbol: x\n";
+        assert_eq!(first_error(said), "undefined symbol: x");
+        assert_eq!(first_error("warning: a\nerror[E0425]: b\n"), "error[E0425]: b");
+    }
+}

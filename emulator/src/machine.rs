@@ -1,0 +1,264 @@
+//! The emulated board, in lockstep with the host.
+//!
+//! The firmware opens two FIFOs in QEMU's working directory and blocks in each control period until
+//! the host has sent the sensors; under `-icount` its clock stands still meanwhile. [`Machine::exchange`]
+//! is one such period. Both FIFOs are opened here for reading and writing before QEMU starts: an open
+//! then never blocks, on either side, whichever dies first.
+
+use crate::process::Process;
+use crate::{setup, telemetry};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::fs::{CWD, Mode, OFlags, mkfifoat};
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read, Write};
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::{Path, PathBuf};
+use std::process::ExitStatus;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use strainwave_app::frame::{INPUT_BYTES, OUTPUT_BYTES};
+
+/// Emulated time per instruction is `2^shift` ns: 8 ns, or 12 500 instructions in a control period. The
+/// STM32F405 has 16 800 cycles in one.
+pub const SHIFT: u8 = 3;
+
+/// How long a control period may take on the host before it counts as hung.
+pub const PATIENCE: Duration = Duration::from_secs(10);
+
+/// How often a waiting host looks whether QEMU is still there.
+const GLANCE: Timespec = Timespec { tv_sec: 0, tv_nsec: 50_000_000 };
+
+/// Why the lockstep ended.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// QEMU is missing.
+    #[error(transparent)]
+    Setup(#[from] setup::Error),
+    /// The host's side failed.
+    #[error("emulator link: {0}")]
+    Io(#[from] io::Error),
+    /// The emulator ended.
+    #[error("the emulator ended with {status}: {said}")]
+    Ended {
+        /// How.
+        status: ExitStatus,
+        /// What it and the firmware said last.
+        said: String,
+    },
+    /// The firmware hangs.
+    #[error("the firmware did not answer within {} s: {said}", patience.as_secs_f32())]
+    Hung {
+        /// How long it had.
+        patience: Duration,
+        /// What it said last.
+        said: String,
+    },
+    /// The telemetry is unreadable.
+    #[error(transparent)]
+    Telemetry(#[from] telemetry::Error),
+    /// The firmware left without its final report.
+    #[error("the firmware ended without its final report: {said}")]
+    NoReport {
+        /// What it said last.
+        said: String,
+    },
+}
+
+/// How an emulated board is run.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Emulated time per instruction, `2^shift` ns.
+    pub shift: u8,
+    /// How long a control period may take on the host.
+    pub patience: Duration,
+    /// More arguments for QEMU, such as a plugin.
+    pub arguments: Vec<String>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { shift: SHIFT, patience: PATIENCE, arguments: Vec::new() }
+    }
+}
+
+/// What a firmware reports when its run ends.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Ending {
+    /// Every line of telemetry.
+    pub telemetry: Vec<String>,
+    /// Most bytes of stack in use at once, measured.
+    pub stack: u32,
+    /// Telemetry records that were dropped because the queue was full.
+    pub dropped: u32,
+}
+
+/// A booted board.
+pub struct Machine {
+    // Closed before QEMU is killed, in this order.
+    sensors: File,
+    command: File,
+    process: Arc<Process>,
+    elf: PathBuf,
+    patience: Duration,
+}
+
+impl Machine {
+    /// Boots an image; `arguments` go to QEMU as they are.
+    ///
+    /// # Errors
+    /// [`Error::Setup`] without QEMU, [`Error::Io`] when it cannot be started.
+    pub fn boot(elf: &Path, arguments: &[String]) -> Result<Self, Error> {
+        Self::boot_with(elf, &Options { arguments: arguments.to_vec(), ..Options::default() })
+    }
+
+    /// Boots an image.
+    ///
+    /// # Errors
+    /// As [`Machine::boot`].
+    pub fn boot_with(elf: &Path, options: &Options) -> Result<Self, Error> {
+        setup::emulator(&setup::ThisHost)?;
+        let elf = elf.canonicalize().map_err(|error| named(elf, &error))?;
+        let directory = tempfile::Builder::new().prefix("strainwave-").tempdir()?;
+        let sensors = fifo(&directory.path().join("sensors.fifo"))?;
+        let command = fifo(&directory.path().join("command.fifo"))?;
+        let process = Process::start(setup::EMULATOR, &arguments(&elf, options), directory)?;
+        Ok(Self { sensors, command, process, elf, patience: options.patience })
+    }
+
+    /// One control period: the sensors in, the command out.
+    ///
+    /// # Errors
+    /// [`Error::Ended`] when the firmware or QEMU ended, [`Error::Hung`] when no answer came in time.
+    pub fn exchange(&mut self, input: &[u8; INPUT_BYTES]) -> Result<[u8; OUTPUT_BYTES], Error> {
+        // The last frame was taken before it was answered: a pipe has room for this one.
+        self.sensors.write_all(input)?;
+        let deadline = Instant::now() + self.patience;
+        let mut output = [0; OUTPUT_BYTES];
+        let mut filled = 0;
+        while filled < OUTPUT_BYTES {
+            match self.command.read(&mut output[filled..]) {
+                Ok(count) => filled += count,
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => self.wait_until(deadline)?,
+                Err(error) => return Err(error.into()),
+            }
+        }
+        Ok(output)
+    }
+
+    /// Closes the link, waits for the firmware to end, and reads its report.
+    ///
+    /// # Errors
+    /// [`Error`] when it does not end as it should.
+    pub fn finish(self) -> Result<Ending, Error> {
+        let Self { sensors, command, process, elf, patience } = self;
+        drop(sensors);
+        let status = process.wait(patience);
+        drop(command);
+        match status {
+            Some(status) if status.success() => report(&elf, &process),
+            Some(status) => Err(Error::Ended { status, said: last_words(&elf, &process) }),
+            None => Err(Error::Hung { patience, said: last_words(&elf, &process) }),
+        }
+    }
+
+    /// Process id of the emulator.
+    pub fn id(&self) -> u32 {
+        self.process.id()
+    }
+
+    /// Every line of telemetry so far.
+    ///
+    /// # Errors
+    /// [`Error::Telemetry`] when the image is not one that logs.
+    pub fn telemetry(&self) -> Result<Vec<String>, Error> {
+        Ok(telemetry::decode(&self.elf, &uart(&self.process))?)
+    }
+
+    /// Returns when there may be something to read.
+    fn wait_until(&self, deadline: Instant) -> Result<(), Error> {
+        let mut waited = [PollFd::new(&self.command, PollFlags::IN)];
+        if poll(&mut waited, Some(&GLANCE)).map_err(io::Error::from)? > 0 {
+            return Ok(());
+        }
+        let said = || last_words(&self.elf, &self.process);
+        if let Some(status) = self.process.ended() {
+            return Err(Error::Ended { status, said: said() });
+        }
+        if Instant::now() > deadline {
+            return Err(Error::Hung { patience: self.patience, said: said() });
+        }
+        Ok(())
+    }
+}
+
+fn named(path: &Path, error: &io::Error) -> io::Error {
+    io::Error::new(error.kind(), format!("{}: {error}", path.display()))
+}
+
+/// A new FIFO, open at both ends.
+fn fifo(path: &Path) -> io::Result<File> {
+    mkfifoat(CWD, path, Mode::RUSR | Mode::WUSR)?;
+    let flags = OFlags::NONBLOCK.bits().cast_signed();
+    OpenOptions::new().read(true).write(true).custom_flags(flags).open(path)
+}
+
+fn arguments(elf: &Path, options: &Options) -> Vec<String> {
+    let icount = format!("shift={},sleep=off", options.shift);
+    let kernel = elf.display().to_string();
+    let fixed = [
+        ["-machine", "mps2-an386"],
+        ["-display", "none"],
+        ["-monitor", "none"],
+        ["-serial", "file:uart.bin"],
+        ["-semihosting-config", "enable=on,target=native"],
+        ["-icount", &icount],
+        ["-kernel", &kernel],
+    ];
+    fixed.concat().into_iter().map(str::to_owned).chain(options.arguments.iter().cloned()).collect()
+}
+
+fn uart(process: &Process) -> Vec<u8> {
+    std::fs::read(process.directory().join("uart.bin")).unwrap_or_default()
+}
+
+/// The console, and the last line of telemetry.
+fn last_words(elf: &Path, process: &Process) -> String {
+    let console = process.said();
+    let telemetry = telemetry::decode(elf, &uart(process)).unwrap_or_default();
+    let last = telemetry.last().map(|line| format!("last telemetry: {line}"));
+    let words: Vec<String> = console.lines().map(str::to_owned).chain(last).collect();
+    if words.is_empty() { "it said nothing".into() } else { words.join("; ") }
+}
+
+fn report(elf: &Path, process: &Process) -> Result<Ending, Error> {
+    let telemetry = telemetry::decode(elf, &uart(process))?;
+    let figures = telemetry.last().and_then(|line| final_figures(line));
+    let (stack, dropped) = figures.ok_or_else(|| Error::NoReport { said: last_words(elf, process) })?;
+    Ok(Ending { telemetry, stack, dropped })
+}
+
+/// The figures in the firmware's last line: `stack 1234 dropped 0`.
+fn final_figures(line: &str) -> Option<(u32, u32)> {
+    let (stack, dropped) = line.strip_prefix("stack ")?.split_once(" dropped ")?;
+    Some((stack.parse().ok()?, dropped.parse().ok()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_line_holds_the_figures() {
+        assert_eq!(final_figures("stack 1234 dropped 5"), Some((1234, 5)));
+        assert_eq!(final_figures("period 7 encoder 0"), None);
+        assert_eq!(final_figures("stack 1234"), None);
+    }
+
+    #[test]
+    fn more_arguments_come_after_the_fixed_ones() {
+        let options = Options { arguments: vec!["-plugin".into(), "x".into()], ..Options::default() };
+        let arguments = arguments(Path::new("/image"), &options);
+        assert_eq!(&arguments[arguments.len() - 2..], ["-plugin", "x"]);
+        assert!(arguments.contains(&"shift=3,sleep=off".to_owned()));
+    }
+}

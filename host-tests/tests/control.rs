@@ -1,0 +1,109 @@
+//! The application's control period, on a board that the test plays.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+use strainwave::compensator::{Input, Output};
+use strainwave_app::telemetry::CAPACITY;
+use strainwave_app::{Board, Compensator, Control, JOINT, Log, State, Telemetry, control_step};
+
+/// What happened on the board, in order.
+#[derive(Clone, Debug, PartialEq)]
+enum Event {
+    Output(Output<f32>),
+    Released,
+    Fed,
+}
+
+/// A board whose inputs are given and whose events are kept.
+#[derive(Clone, Default)]
+struct Played {
+    inputs: Rc<RefCell<Vec<Option<Input<f32>>>>>,
+    events: Rc<RefCell<Vec<Event>>>,
+    overruns: Rc<RefCell<bool>>,
+}
+
+impl Board for Played {
+    fn input(&mut self) -> Option<Input<f32>> {
+        self.inputs.borrow_mut().remove(0)
+    }
+    fn output(&mut self, output: &Output<f32>) {
+        self.events.borrow_mut().push(Event::Output(*output));
+    }
+    fn release(&mut self) {
+        self.events.borrow_mut().push(Event::Released);
+    }
+    fn feed_watchdog(&mut self) {
+        self.events.borrow_mut().push(Event::Fed);
+    }
+    fn overran(&mut self) -> bool {
+        *self.overruns.borrow()
+    }
+}
+
+fn control(board: &Played) -> (Control<Played>, Log) {
+    // The queue lives as long as a firmware's would.
+    let (sender, log) = Box::leak(Box::new(Telemetry::new())).split();
+    (Control::new(board.clone(), sender).expect("the default joint is sound"), log)
+}
+
+fn input(encoder: u32) -> Input<f32> {
+    let mut input = Input::default();
+    input.sensors.motor_encoder = encoder;
+    input.setpoint.velocity = 0.1;
+    input.shares.feedback = 1.0;
+    input
+}
+
+#[test]
+fn a_period_is_fetch_step_store_then_the_watchdog() {
+    let board = Played::default();
+    let (mut control, _log) = control(&board);
+    let compensator = Compensator::build(&JOINT).expect("the default joint is sound");
+    let mut state = State::default();
+    for encoder in [0, 5_000, 9_000, 12_000] {
+        board.inputs.borrow_mut().push(Some(input(encoder)));
+        control.tick();
+        let wanted = control_step(&compensator, &mut state, &input(encoder));
+        let events = std::mem::take(&mut *board.events.borrow_mut());
+        assert_eq!(events, [Event::Output(wanted), Event::Fed]);
+    }
+}
+
+#[test]
+fn without_an_input_the_motor_is_released_and_nothing_is_reported() {
+    let board = Played::default();
+    let (mut control, mut log) = control(&board);
+    board.inputs.borrow_mut().push(None);
+    control.tick();
+    assert_eq!(*board.events.borrow(), [Event::Released, Event::Fed]);
+    assert_eq!(log.take(), None);
+}
+
+#[test]
+fn each_step_is_reported_in_order() {
+    let board = Played::default();
+    let (mut control, mut log) = control(&board);
+    for encoder in 0..5 {
+        board.inputs.borrow_mut().push(Some(input(encoder)));
+        *board.overruns.borrow_mut() = encoder >= 3;
+        control.tick();
+    }
+    let records: Vec<_> = std::iter::from_fn(|| log.take()).collect();
+    let seen: Vec<_> = records.iter().map(|r| (r.period, r.motor_encoder, r.overruns)).collect();
+    assert_eq!(seen, [(0, 0, 0), (1, 1, 0), (2, 2, 0), (3, 3, 1), (4, 4, 2)]);
+    assert_eq!(log.dropped(), 0);
+}
+
+#[test]
+fn a_full_queue_drops_the_newest_and_counts_them() {
+    let board = Played::default();
+    let (mut control, mut log) = control(&board);
+    let lost = 7;
+    for encoder in 0..CAPACITY as u32 + lost {
+        board.inputs.borrow_mut().push(Some(input(encoder)));
+        control.tick();
+    }
+    assert_eq!(log.dropped(), lost);
+    let kept: Vec<_> = std::iter::from_fn(|| log.take()).map(|record| record.motor_encoder).collect();
+    assert_eq!(kept, (0..CAPACITY as u32).collect::<Vec<_>>());
+}

@@ -1,0 +1,166 @@
+//! The frames of the emulator link carry every bit of every field, both ways.
+
+use proptest::array;
+use proptest::prelude::*;
+use strainwave::Angle;
+use strainwave::compensator::{Estimate, Faults, Input, Output, Sensors, Setpoint, Shares};
+use strainwave_app::frame::{
+    INPUT_BYTES, OUTPUT_BYTES, decode_input, decode_output, encode_input, encode_output,
+};
+
+/// Offsets of the two flag bytes in an input frame.
+const OUTPUT_ENCODER_FLAG: usize = 4;
+const OUTPUT_TORQUE_FLAG: usize = 13;
+
+fn input_of(words: [u32; 14], counts: i64, flags: [bool; 2]) -> Input<f32> {
+    let f = |k: usize| f32::from_bits(words[k]);
+    Input {
+        sensors: Sensors {
+            motor_encoder: words[0],
+            output_encoder: flags[0].then_some(words[1]),
+            motor_torque: f(2),
+            output_torque: flags[1].then_some(f(3)),
+        },
+        setpoint: Setpoint {
+            position: Angle { counts, rest: f(4) },
+            velocity: f(5),
+            acceleration: f(6),
+            jerk: f(7),
+        },
+        shares: Shares {
+            feedback: f(8),
+            inertia: f(9),
+            friction: f(10),
+            wind_up: f(11),
+            kinematic_error: f(12),
+        },
+    }
+}
+
+fn output_of(words: [u32; 14], counts: [i64; 2]) -> Output<f32> {
+    let f = |k: usize| f32::from_bits(words[k]);
+    Output {
+        motor_torque: f(0),
+        feed_forward_torque: f(1),
+        motor_reference: Angle { counts: counts[0], rest: f(2) },
+        estimate: Estimate {
+            output_position: Angle { counts: counts[1], rest: f(3) },
+            output_velocity: f(4),
+            torsion: f(5),
+            transmitted_torque: f(6),
+            input_friction: f(7),
+            output_friction: f(8),
+            external_torque: f(9),
+        },
+        faults: Faults(words[10]),
+    }
+}
+
+/// Every bit of a value, NaN payloads too, as its `Debug` text cannot show them.
+fn input_bits(input: &Input<f32>) -> Vec<u64> {
+    let Input { sensors, setpoint, shares } = input;
+    let bits = |x: f32| u64::from(x.to_bits());
+    let some = |x: Option<u32>| x.map_or(u64::MAX, u64::from);
+    vec![
+        u64::from(sensors.motor_encoder),
+        some(sensors.output_encoder),
+        bits(sensors.motor_torque),
+        some(sensors.output_torque.map(f32::to_bits)),
+        setpoint.position.counts.cast_unsigned(),
+        bits(setpoint.position.rest),
+        bits(setpoint.velocity),
+        bits(setpoint.acceleration),
+        bits(setpoint.jerk),
+        bits(shares.feedback),
+        bits(shares.inertia),
+        bits(shares.friction),
+        bits(shares.wind_up),
+        bits(shares.kinematic_error),
+    ]
+}
+
+fn output_bits(output: &Output<f32>) -> Vec<u64> {
+    let estimate = &output.estimate;
+    let bits = |x: f32| u64::from(x.to_bits());
+    vec![
+        bits(output.motor_torque),
+        bits(output.feed_forward_torque),
+        output.motor_reference.counts.cast_unsigned(),
+        bits(output.motor_reference.rest),
+        estimate.output_position.counts.cast_unsigned(),
+        bits(estimate.output_position.rest),
+        bits(estimate.output_velocity),
+        bits(estimate.torsion),
+        bits(estimate.transmitted_torque),
+        bits(estimate.input_friction),
+        bits(estimate.output_friction),
+        bits(estimate.external_torque),
+        u64::from(output.faults.0),
+    ]
+}
+
+fn input_frame(seed: &[u8]) -> [u8; INPUT_BYTES] {
+    seed.try_into().expect("the strategy makes frames of this length")
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn an_input_survives_the_frame(words in array::uniform14(any::<u32>()), counts: i64, flags: [bool; 2]) {
+        let input = input_of(words, counts, flags);
+        let back = decode_input(&encode_input(&input)).expect("a valid frame");
+        prop_assert_eq!(input_bits(&back), input_bits(&input));
+    }
+
+    #[test]
+    fn an_output_survives_the_frame(words in array::uniform14(any::<u32>()), counts: [i64; 2]) {
+        let output = output_of(words, counts);
+        prop_assert_eq!(output_bits(&decode_output(&encode_output(&output))), output_bits(&output));
+    }
+
+    #[test]
+    fn an_output_frame_survives_the_output(bytes in prop::collection::vec(any::<u8>(), OUTPUT_BYTES)) {
+        let frame: [u8; OUTPUT_BYTES] = bytes.try_into().expect("the strategy's length");
+        prop_assert_eq!(encode_output(&decode_output(&frame)), frame);
+    }
+
+    #[test]
+    fn an_input_frame_survives_the_input(
+        bytes in prop::collection::vec(any::<u8>(), INPUT_BYTES),
+        flags: [bool; 2],
+    ) {
+        let mut frame = input_frame(&bytes);
+        for (at, present) in [(OUTPUT_ENCODER_FLAG, flags[0]), (OUTPUT_TORQUE_FLAG, flags[1])] {
+            frame[at] = u8::from(present);
+            if !present {
+                frame[at + 1..at + 5].fill(0);
+            }
+        }
+        let input = decode_input(&frame).expect("both flags are valid");
+        prop_assert_eq!(encode_input(&input), frame);
+    }
+
+    #[test]
+    fn any_other_flag_invalidates_the_frame(
+        bytes in prop::collection::vec(any::<u8>(), INPUT_BYTES),
+        flag in 2u8..,
+        second: bool,
+    ) {
+        let mut frame = input_frame(&bytes);
+        (frame[OUTPUT_ENCODER_FLAG], frame[OUTPUT_TORQUE_FLAG]) = (1, 0);
+        prop_assert!(decode_input(&frame).is_some());
+        frame[if second { OUTPUT_TORQUE_FLAG } else { OUTPUT_ENCODER_FLAG }] = flag;
+        prop_assert!(decode_input(&frame).is_none());
+    }
+}
+
+#[test]
+fn fields_are_little_endian_in_the_order_of_their_declaration() {
+    let words = std::array::from_fn(|k| 0x0403_0200 + k as u32);
+    let frame = encode_input(&input_of(words, -2, [true, false]));
+    assert_eq!(frame[..9], [0, 2, 3, 4, 1, 1, 2, 3, 4]);
+    assert_eq!(frame[OUTPUT_TORQUE_FLAG..18], [0, 0, 0, 0, 0]);
+    assert_eq!(frame[18..26], [0xfe, 255, 255, 255, 255, 255, 255, 255]);
+    assert_eq!(frame[INPUT_BYTES - 4..], [12, 2, 3, 4]);
+}
