@@ -523,7 +523,7 @@ mod tests {
     fn a_branch_table_is_followed() {
         // tbb [pc, r0]; 1, 2; bx lr; push {r4, lr}; pop {r4, pc}
         let code = [0xdf, 0xe8, 0x00, 0xf0, 0x01, 0x02, 0x70, 0x47, 0x10, 0xb5, 0x10, 0xbd];
-        let image = Image::of_code(&code, &[("f", 0, 12)], &[4..6]).unwrap();
+        let image = Image::of_code(&code, &[("f", 0, 12)], &[(4, 6)]).unwrap();
         assert_eq!(summarise(&image, 0, &[]).unwrap().depth, 8);
     }
 

@@ -90,9 +90,10 @@ impl Image {
         Ok(image)
     }
 
-    /// An image of code that stands at address 0, for tests: functions as (path, address, size).
+    /// An image of code that stands at address 0, for tests: functions as (path, address, size),
+    /// constants as (start, end).
     #[cfg(test)]
-    pub fn of_code(code: &[u8], functions: &[(&str, u32, u32)], data: &[Range<u32>]) -> Result<Self, Error> {
+    pub fn of_code(code: &[u8], functions: &[(&str, u32, u32)], data: &[(u32, u32)]) -> Result<Self, Error> {
         let size = code.len() as u32;
         let text = Section {
             name: ".text".into(),
@@ -124,11 +125,11 @@ impl Image {
             functions: functions.iter().map(named).collect(),
             symbols: Vec::new(),
             instructions: Vec::new(),
-            data: data.to_vec(),
+            data: data.iter().map(|(start, end)| *start..*end).collect(),
             compiler: None,
         };
-        let starts = std::iter::once(0).chain(data.iter().map(|d| d.end));
-        let ends = data.iter().map(|d| d.start).chain([size]);
+        let starts = std::iter::once(0).chain(data.iter().map(|d| d.1));
+        let ends = data.iter().map(|d| d.0).chain([size]);
         image.instructions = image.decode(&starts.zip(ends).map(|(a, b)| a..b).collect::<Vec<_>>())?;
         Ok(image)
     }

@@ -1,6 +1,6 @@
 //! Why nothing was counted.
 
-use crate::artifact;
+use crate::{artifact, setup};
 
 /// A count that could not be made, in one line.
 #[derive(Debug, thiserror::Error)]
@@ -9,21 +9,14 @@ pub enum Error {
     /// The image cannot be read.
     #[error(transparent)]
     Image(#[from] artifact::Error),
-    /// A program cannot be started.
-    #[error("{emulator}: {source}")]
-    Emulator {
-        /// The program.
-        emulator: String,
-        /// What the system says.
-        source: std::io::Error,
-    },
+    /// There is no emulator.
+    #[error(transparent)]
+    Setup(#[from] setup::Error),
     /// The emulator does not say its version.
-    #[error("{emulator} --version: \"{line}\", allowed: ... version MAJOR.MINOR ...")]
+    #[error("emulator version: \"{said}\", allowed: ... version MAJOR.MINOR ...")]
     Version {
-        /// The program.
-        emulator: String,
         /// What it said.
-        line: String,
+        said: String,
     },
     /// The plugin does not compile.
     #[error("counting plugin does not build: {line}")]

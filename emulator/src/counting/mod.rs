@@ -23,9 +23,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 use crate::artifact::Image;
-
-/// The emulator that the plugin is built for.
-pub const EMULATOR: &str = "qemu-system-arm";
+use crate::setup;
 
 /// A run to be counted: from its preparation to its result.
 #[derive(Debug)]
@@ -37,7 +35,7 @@ pub struct Counting {
 impl Counting {
     /// Builds the plugin and writes the plan for the functions of `image` with these indices.
     pub fn prepare(image: &Image, tracked: &[usize]) -> Result<Self, Error> {
-        let plugin = plugin::build(EMULATOR)?;
+        let plugin = plugin::build(&setup::emulator(&setup::ThisHost)?)?;
         let text = plan::plan(image, tracked)?;
         let folder = tempfile::Builder::new().prefix("strainwave-counting-").tempdir()?;
         std::fs::write(folder.path().join(PLAN), text)?;

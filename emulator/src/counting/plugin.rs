@@ -14,15 +14,6 @@ pub fn interface(version: (u32, u32, u32)) -> u32 {
     if version < (8, 2, 4) { 1 } else { 2 }
 }
 
-/// Asks an emulator for its version.
-pub fn version(emulator: &str) -> Result<(u32, u32, u32), Error> {
-    let output = Command::new(emulator).arg("--version").output();
-    let output = output.map_err(|source| Error::Emulator { emulator: emulator.to_owned(), source })?;
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    let line = text.lines().next().unwrap_or("").to_owned();
-    parse(&line).ok_or(Error::Version { emulator: emulator.to_owned(), line })
-}
-
 /// `QEMU emulator version 7.2.22 (Debian ...)`.
 fn parse(line: &str) -> Option<(u32, u32, u32)> {
     let word = line.split_once("version ")?.1.split_whitespace().next()?;
@@ -30,9 +21,10 @@ fn parse(line: &str) -> Option<(u32, u32, u32)> {
     Some((parts.next()?.ok()?, parts.next()?.ok()?, parts.next().and_then(Result::ok).unwrap_or(0)))
 }
 
-/// Builds the plugin for `emulator` and gives the library's path.
-pub fn build(emulator: &str) -> Result<PathBuf, Error> {
-    let interface = interface(version(emulator)?);
+/// Builds the plugin for the emulator that calls itself `version`, and gives the library's path.
+pub fn build(version: &str) -> Result<PathBuf, Error> {
+    let number = parse(version).ok_or_else(|| Error::Version { said: version.to_owned() })?;
+    let interface = interface(number);
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
     // Not the caller's target directory, which the caller's own build may hold locked.
     let target = workspace.join("target").join(format!("plugin-{interface}"));
@@ -47,7 +39,7 @@ pub fn build(emulator: &str) -> Result<PathBuf, Error> {
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
         .env_remove("CARGO_BUILD_TARGET")
         .output()
-        .map_err(|source| Error::Emulator { emulator: "cargo".to_owned(), source })?;
+        .map_err(|error| Error::PluginBuild { line: format!("cargo: {error}") })?;
     if !output.status.success() {
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         let line = text.lines().find(|l| l.starts_with("error")).unwrap_or("no message").to_owned();
