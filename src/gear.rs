@@ -20,7 +20,9 @@ use crate::angle::{Angle, Ratio};
 use crate::error::{Error, require};
 use crate::flexspline::{Ends, Flexspline, FlexsplineParams, Reaction};
 use crate::friction::joint_friction::{JointFriction, JointFrictionParams, JointFrictionState};
-use crate::hysteresis::torsion_hysteresis::{TorsionHysteresis, TorsionHysteresisState};
+use crate::hysteresis::torsion::{
+    TorsionHysteresis, TorsionHysteresisParams, TorsionHysteresisState, gap_for_width,
+};
 use crate::kinematic_error::{Deviation, KinematicError, KinematicErrorParams};
 use crate::real::Real;
 
@@ -68,14 +70,14 @@ impl<R: Real> Motion<R> {
     }
 }
 
-/// A gear around a flexspline model, stepped by a fixed dt; `L` levels of hysteresis.
+/// A gear around a flexspline model, stepped by a fixed dt, with `L` levels of hysteresis and a memory of `CAP` turning points.
 #[derive(Clone, Debug)]
-pub struct Gear<R, F, const L: usize> {
+pub struct Gear<R, F, const L: usize, const CAP: usize> {
     ratio: Ratio,
     ratio_value: R,
     kinematic_error: KinematicError<R, KINEMATIC_TERMS>,
     flexspline: F,
-    hysteresis: TorsionHysteresis<R, L>,
+    hysteresis: TorsionHysteresis<R, L, CAP>,
     input_friction: JointFriction<R>,
     output_friction: JointFriction<R>,
     inverse_flexspline_inertia: R,
@@ -84,9 +86,9 @@ pub struct Gear<R, F, const L: usize> {
 
 /// What a gear remembers besides the motion of its ends.
 #[derive(Clone, Debug)]
-pub struct GearState<R, S, const L: usize> {
+pub struct GearState<R: Real, S, const CAP: usize> {
     flexspline: S,
-    hysteresis: TorsionHysteresisState<R, L>,
+    hysteresis: TorsionHysteresisState<R, CAP>,
     input_friction: JointFrictionState<R>,
     output_friction: JointFrictionState<R>,
 }
@@ -115,30 +117,26 @@ pub struct Torques<R> {
 }
 
 impl<R: Real> GearParams<R> {
-    /// Torque gap between the branches of the hysteresis loop at zero torsion [N m].
-    ///
-    /// With a gap S the loop's branches near the middle are K1*phi -+ (S/2)*(1 - (phi/U)^2), U being
-    /// the torsion at rated torque. They cross zero torque at -+width/2, which gives S.
-    fn hysteresis_gap(&self, half_range: R) -> R {
-        let share = R::lit(0.5) * self.hysteresis_width / half_range;
-        self.flexspline.line.stiffness[0] * self.hysteresis_width / (R::ONE - share * share)
-    }
-
     /// Builds the gear around a flexspline model of the same time step dt [s].
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the first parameter that is out of its range, as in the
     /// blocks' own `build`; `wave_generator_inertia`, `flexspline_inertia`, `rated_torque` unless finite and
-    /// positive; `hysteresis_width` unless below half the torsion at rated torque; `dt` unless below
+    /// positive; `width` unless the loop is narrower than the torsion at rated torque; `dt` unless below
     /// half the period's radian of the torsion mode.
-    pub fn build<F: Flexspline<R>, const L: usize>(&self, flexspline: F, dt: R) -> Result<Gear<R, F, L>, Error> {
+    pub fn build<F: Flexspline<R>, const L: usize, const CAP: usize>(
+        &self,
+        flexspline: F,
+        dt: R,
+    ) -> Result<Gear<R, F, L, CAP>, Error> {
         let positive = |value: R| value.is_finite() && value > R::ZERO;
         self.flexspline.check()?;
         require(positive(self.rated_torque), "rated_torque")?;
         require(positive(self.wave_generator_inertia), "wave_generator_inertia")?;
         require(positive(self.flexspline_inertia), "flexspline_inertia")?;
         let half_range = self.flexspline.line.build()?.torsion(self.rated_torque);
-        require(self.hysteresis_width >= R::ZERO && self.hysteresis_width < half_range, "hysteresis_width")?;
+        let k1 = self.flexspline.line.stiffness[0];
+        let gap = gap_for_width(k1, self.hysteresis_width, half_range)?;
         let stiffest = self.flexspline.line.stiffness[2];
         require(positive(dt) && dt * dt * stiffest < R::lit(0.25) * self.flexspline_inertia, "dt")?;
         let ratio = Ratio::one_over(self.ratio)?;
@@ -147,7 +145,7 @@ impl<R: Real> GearParams<R> {
             ratio_value: ratio.value(),
             kinematic_error: self.kinematic_error.build(ratio)?,
             flexspline,
-            hysteresis: TorsionHysteresis::build(half_range, self.hysteresis_gap(half_range))?,
+            hysteresis: TorsionHysteresisParams { half_range, gap }.build()?,
             input_friction: self.input_friction.build(dt)?,
             output_friction: self.output_friction.build(dt)?,
             inverse_flexspline_inertia: R::ONE / self.flexspline_inertia,
@@ -156,9 +154,9 @@ impl<R: Real> GearParams<R> {
     }
 }
 
-impl<R: Real, F: Flexspline<R>, const L: usize> Gear<R, F, L> {
+impl<R: Real, F: Flexspline<R>, const L: usize, const CAP: usize> Gear<R, F, L, CAP> {
     /// At rest, both ends at the zero angle, never loaded before.
-    pub fn rest(&self) -> GearState<R, F::State, L> {
+    pub fn rest(&self) -> GearState<R, F::State, CAP> {
         GearState {
             flexspline: self.flexspline.rest(),
             hysteresis: TorsionHysteresisState::default(),
@@ -183,26 +181,28 @@ impl<R: Real, F: Flexspline<R>, const L: usize> Gear<R, F, L> {
     }
 
     /// The hysteresis of the torsion.
-    pub fn hysteresis(&self) -> &TorsionHysteresis<R, L> {
+    pub fn hysteresis(&self) -> &TorsionHysteresis<R, L, CAP> {
         &self.hysteresis
     }
 
     /// Kinematic error at a wave-generator angle.
     #[inline(always)]
     pub fn kinematic_error(&self, wave_generator: Angle<R>) -> Deviation<R> {
-        self.kinematic_error.at(wave_generator)
+        self.kinematic_error.evaluate(wave_generator, self.ratio.apply(wave_generator))
     }
 
     /// Where the output stands without torsion: r*theta_wg + e(theta_wg).
     pub fn drive(&self, wave_generator: Angle<R>) -> Angle<R> {
-        self.ratio.apply(wave_generator).plus(self.kinematic_error(wave_generator).error)
+        let ideal = self.ratio.apply(wave_generator);
+        ideal.plus(self.kinematic_error.evaluate(wave_generator, ideal).error)
     }
 
     fn ends(&self, wave_generator: &Motion<R>, flange: &Motion<R>) -> (Ends<R>, R) {
-        let deviation = self.kinematic_error(wave_generator.angle);
+        let ideal = self.ratio.apply(wave_generator.angle);
+        let deviation = self.kinematic_error.evaluate(wave_generator.angle, ideal);
         let slope = self.ratio_value + deviation.slope;
         let ends = Ends {
-            drive: self.ratio.apply(wave_generator.angle).plus(deviation.error),
+            drive: ideal.plus(deviation.error),
             drive_rate: slope * wave_generator.velocity,
             wave_generator: wave_generator.angle,
             wave_generator_rate: wave_generator.velocity,
@@ -215,7 +215,7 @@ impl<R: Real, F: Flexspline<R>, const L: usize> Gear<R, F, L> {
     /// Advances the memories by dt for the motion of both ends, and answers with the torques.
     pub fn torques(
         &self,
-        state: &mut GearState<R, F::State, L>,
+        state: &mut GearState<R, F::State, CAP>,
         wave_generator: &Motion<R>,
         flange: &Motion<R>,
     ) -> Torques<R> {
@@ -223,8 +223,9 @@ impl<R: Real, F: Flexspline<R>, const L: usize> Gear<R, F, L> {
         let Reaction { contact, flange: on_flange, ellipse, loss } =
             self.flexspline.step(&mut state.flexspline, &ends);
         let torsion = ends.drive.minus(ends.flange);
-        let hysteresis = self.hysteresis.step(&mut state.hysteresis, torsion);
-        let input_friction = self.input_friction.step(&mut state.input_friction, wave_generator.velocity).force;
+        let hysteresis = self.hysteresis.step(&mut state.hysteresis, torsion).torque;
+        let input_friction =
+            self.input_friction.step(&mut state.input_friction, wave_generator.velocity).force;
         let output_friction = self.output_friction.step(&mut state.output_friction, flange.velocity).force;
         Torques {
             torsion,
@@ -248,7 +249,7 @@ impl<R: Real, F: Flexspline<R>, const L: usize> Gear<R, F, L> {
     /// The two-port: moves the flange by one dt under `load` [N m], the wave generator as prescribed.
     pub fn step(
         &self,
-        state: &mut GearState<R, F::State, L>,
+        state: &mut GearState<R, F::State, CAP>,
         flange: &mut Motion<R>,
         wave_generator: &Motion<R>,
         load: R,
@@ -261,7 +262,7 @@ impl<R: Real, F: Flexspline<R>, const L: usize> Gear<R, F, L> {
     /// Energy stored in the flexspline [J].
     pub fn flexspline_energy(
         &self,
-        state: &GearState<R, F::State, L>,
+        state: &GearState<R, F::State, CAP>,
         wave_generator: &Motion<R>,
         flange: &Motion<R>,
     ) -> R {

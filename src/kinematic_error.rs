@@ -69,8 +69,7 @@ impl<R: Real> Term<R> {
     fn check(&self) -> Result<(), Error> {
         require(self.order <= 1000, "order")?;
         require(self.amplitude.abs() <= R::lit(0.1), "amplitude")?;
-        // A little more than pi, so that pi itself passes in f32.
-        require(self.phase.abs() <= R::lit(3.141_593), "phase")
+        require(self.phase.abs() <= R::lit(core::f64::consts::PI), "phase")
     }
 }
 

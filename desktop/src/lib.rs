@@ -1,9 +1,17 @@
 //! The full-precision reference build, the plant, baselines, scenarios and files.
 
+pub mod baseline;
+pub mod closed_loop;
+pub mod draw;
 pub mod figure;
 pub mod file;
 pub mod gear_file;
+pub mod joint;
 pub mod log;
+pub mod observer_design;
+pub mod plant;
+pub mod plot;
+pub mod scenario;
 
 pub use figure::Figure;
 pub use file::BadInput;

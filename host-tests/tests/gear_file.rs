@@ -170,13 +170,17 @@ fn every_key_refuses_what_is_out_of_range_or_not_finite() {
 
 #[test]
 fn open_ends_are_excluded_and_closed_ends_included() {
-    for share in [0.0, 1.0] {
-        assert!(changed("compensation.friction_share", share).is_ok());
-        let line = changed("friction.input.presliding_ratio", share).unwrap_err();
-        assert!(line.ends_with("allowed: a number above 0 below 1"), "{line}");
-    }
-    assert!(changed("hysteresis.width_arcmin", 0).is_ok());
-    assert!(changed("damping.torsion_mode_ratio", 1).is_err());
+    assert!(
+        changed("compensation.friction_share", 0).is_ok()
+            && changed("compensation.friction_share", 1).is_ok()
+    );
+    assert!(
+        changed("hysteresis.width_arcmin", 0).is_ok() && changed("damping.torsion_mode_ratio", 0).is_ok()
+    );
+    let line = changed("damping.torsion_mode_ratio", 1).unwrap_err();
+    assert!(line.ends_with("allowed: a number from 0 below 1"), "{line}");
+    let line = changed("motor.peak_torque_nm", 0).unwrap_err();
+    assert!(line.ends_with("allowed: a number above 0 to 10000 N m"), "{line}");
 }
 
 #[test]
@@ -184,24 +188,46 @@ fn relations_between_keys_hold() {
     for relation in RELATIONS {
         let (path, than) = (relation.path, relation.than);
         let holds = |number: f64| KEYS.iter().any(|key| key.path == path && key.allowed.holds(number));
-        // A value of the compared key that both ranges allow, so that only the relation can refuse.
+        // A value of the compared key that leaves the refused one in its own range.
         let mut gear = full();
         let (inner, name) = at(&mut gear, than);
-        let common =
-            [inner[name].as_float().unwrap(), 0.005].into_iter().find(|number| holds(*number * 0.99));
-        let common = common.expect(path);
-        let with = |value: f64| {
+        let candidates = [5e-4, inner[name].as_float().unwrap()];
+        let other = candidates.into_iter().find(|other| holds(relation.times * other * 0.99)).expect(path);
+        let limit = relation.times * other;
+        let refused = |value: f64| {
             let mut table = full();
-            set(&mut table, than, common);
+            set(&mut table, than, other);
             set(&mut table, path, value);
-            parse(&table.to_string()).err().filter(|line| line.starts_with(&format!("g.toml: {path} = ")))
+            let wanted = format!("g.toml: {path} = {value} is out of range; allowed: {relation} = {other}");
+            parse(&table.to_string()).is_err_and(|line| line == wanted)
         };
-        let how = if relation.or_equal { "at least" } else { "more than" };
-        let refused =
-            |value| with(value).is_some_and(|line| line.contains(&format!("allowed: {how} {than} =")));
-        assert!(refused(common * 0.99), "{path} below {than}");
-        assert_eq!(refused(common), !relation.or_equal, "{path} equal to {than}");
-        assert!(!refused(common * 1.01), "{path} above {than}");
+        assert!(refused(limit * 0.99), "{path} below {than}");
+        assert_eq!(refused(limit), !relation.or_equal, "{path} at the limit of {than}");
+        assert!(!refused(limit * 1.01), "{path} above {than}");
+    }
+}
+
+#[test]
+fn what_only_the_whole_gear_can_tell_is_refused_by_key() {
+    for (from, to, wanted) in [
+        (
+            "k3_nm_per_rad = 5.7e4",
+            "k3_nm_per_rad = 1e6",
+            "stiffness.k3_nm_per_rad = 1000000 is out of range; allowed: below the cup's own stiffness G*J/l = 1603",
+        ),
+        (
+            "width_arcmin = 1.0",
+            "width_arcmin = 6",
+            "hysteresis.width_arcmin = 6 is out of range; allowed: below the torsion at rated torque = 5.036",
+        ),
+        (
+            "flexspline_kg_m2 = 1.2",
+            "flexspline_kg_m2 = 0.002",
+            "inertia.flexspline_kg_m2 = 0.002 is out of range; allowed: above 4*dt^2*K3 = 2.280e-3 kg m^2",
+        ),
+    ] {
+        let line = refusal(from, to);
+        assert!(line.starts_with(&format!("g.toml: {wanted}")), "{line}");
     }
 }
 
@@ -245,7 +271,7 @@ fn an_unknown_key_is_shown_its_nearest_neighbour() {
             "order = 4",
             "order = 4\nphase_deg = 1",
             "kinematic_error.wave_generator[1].phase_deg = 1",
-            "kinematic_error.wave_generator[].phase_rad (a number from -6.28",
+            "kinematic_error.wave_generator[].phase_rad (a number from -3.14",
         ),
         ("name =", "\"a.b\\n\" = 1\nname =", "gear.\"a.b\\n\" = 1", "gear."),
     ] {

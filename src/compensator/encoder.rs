@@ -61,7 +61,8 @@ impl Encoder {
         let phase = raw << self.shift;
         let in_range = phase >> self.shift == raw;
         if !state.started && in_range {
-            *state = EncoderState { phase, counts: i64::from(phase.cast_signed()), refused: 0, started: true };
+            *state =
+                EncoderState { phase, counts: i64::from(phase.cast_signed()), refused: 0, started: true };
         }
         let delta = phase.wrapping_sub(state.phase).cast_signed();
         let reach = self.farthest.saturating_mul(1 + state.refused);

@@ -23,12 +23,11 @@
 //! estimated from that very torque.
 
 use crate::angle::{Angle, Ratio};
-use crate::compensator::{Setpoint, Shares};
+use crate::compensator::{HYSTERESIS_MEMORY, RealTimeGear, Setpoint, Shares};
 use crate::error::{Error, require};
-use crate::flexspline::Reduced;
 use crate::friction::joint_friction::JointFrictionState;
-use crate::gear::{Gear, GearParams, Motion};
-use crate::hysteresis::torsion_hysteresis::TorsionHysteresisState;
+use crate::gear::{GearParams, Motion};
+use crate::hysteresis::torsion::TorsionHysteresisState;
 use crate::real::Real;
 
 /// The built feed-forward.
@@ -42,18 +41,15 @@ pub struct FeedForward<R> {
 
 /// What the feed-forward remembers of the setpoint's motion.
 #[derive(Clone, Debug)]
-pub struct FeedForwardState<R, const L: usize> {
+pub struct FeedForwardState<R: Real> {
     input_friction: JointFrictionState<R>,
     output_friction: JointFrictionState<R>,
-    hysteresis: TorsionHysteresisState<R, L>,
+    hysteresis: TorsionHysteresisState<R, HYSTERESIS_MEMORY>,
     hysteresis_torque: R,
     reference: Option<Angle<R>>,
 }
 
-impl<R, const L: usize> Default for FeedForwardState<R, L>
-where
-    R: Real,
-{
+impl<R: Real> Default for FeedForwardState<R> {
     fn default() -> Self {
         Self {
             input_friction: JointFrictionState::default(),
@@ -94,10 +90,10 @@ impl<R: Real> FeedForward<R> {
 
     /// Demand for a setpoint; `external_torque` [N m] is what the observer believes acts on the output.
     #[inline(never)] // The timing budget counts blocks by their symbols.
-    pub fn step<const L: usize>(
+    pub fn step(
         &self,
-        gear: &Gear<R, Reduced<R>, L>,
-        state: &mut FeedForwardState<R, L>,
+        gear: &RealTimeGear<R>,
+        state: &mut FeedForwardState<R>,
         setpoint: &Setpoint<R>,
         shares: &Shares<R>,
         external_torque: R,
@@ -112,13 +108,14 @@ impl<R: Real> FeedForward<R> {
 
         let carried = driven - external_torque - state.hysteresis_torque;
         let torsion = gear.flexspline().torsion(carried);
-        state.hysteresis_torque = gear.hysteresis().step(&mut state.hysteresis, torsion);
+        state.hysteresis_torque = gear.hysteresis().step(&mut state.hysteresis, torsion).torque;
         let torsion_rate = gear.flexspline().compliance(carried) * inertia * setpoint.jerk;
 
         let reference = state.reference.unwrap_or(gear.ratio().undo(setpoint.position));
         let deviation = gear.kinematic_error(reference);
         let ahead = shares.wind_up * torsion - shares.kinematic_error * deviation.error;
-        let ahead_rate = shares.wind_up * torsion_rate - shares.kinematic_error * deviation.slope * motor_velocity;
+        let ahead_rate =
+            shares.wind_up * torsion_rate - shares.kinematic_error * deviation.slope * motor_velocity;
         let reference = gear.ratio().undo(setpoint.position.plus(ahead));
         state.reference = Some(reference);
 

@@ -67,11 +67,11 @@ impl<R: Real> InputGuard<R> {
         };
         setpoint.position.rest = finite(input.setpoint.position.rest, R::ZERO).limit(R::ONE);
         let sensors = Sensors {
-            motor_torque: finite(input.sensors.motor_torque, last.sensors.motor_torque).limit(self.motor_torque),
-            output_torque: input
-                .sensors
-                .output_torque
-                .map(|torque| finite(torque, last.sensors.output_torque.unwrap_or(R::ZERO)).limit(self.output_torque)),
+            motor_torque: finite(input.sensors.motor_torque, last.sensors.motor_torque)
+                .limit(self.motor_torque),
+            output_torque: input.sensors.output_torque.map(|torque| {
+                finite(torque, last.sensors.output_torque.unwrap_or(R::ZERO)).limit(self.output_torque)
+            }),
             ..input.sensors
         };
         let mut share = |wanted: R, now: R| {

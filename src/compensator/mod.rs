@@ -32,8 +32,11 @@ use observer::{Measurement, Observer, ObserverParams, ObserverState};
 /// Levels of the hysteresis that runs in real time.
 pub const HYSTERESIS_LEVELS: usize = 24;
 
+/// Turning points that it remembers.
+pub const HYSTERESIS_MEMORY: usize = 24;
+
 /// The gear as it runs in real time.
-pub type RealTimeGear<R> = Gear<R, Reduced<R>, HYSTERESIS_LEVELS>;
+pub type RealTimeGear<R> = Gear<R, Reduced<R>, HYSTERESIS_LEVELS, HYSTERESIS_MEMORY>;
 
 /// What the joint's sensors report to one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -156,7 +159,7 @@ pub struct Compensator<R> {
 
 /// What the compensator remembers from step to step.
 #[derive(Clone, Debug)]
-pub struct State<R> {
+pub struct State<R: Real> {
     guard: InputGuardState<R>,
     motor_encoder: EncoderState,
     output_encoder: EncoderState,
@@ -164,8 +167,8 @@ pub struct State<R> {
     output_zero: Option<Angle<R>>,
     frozen_path: R,
     last_motor: Angle<R>,
-    observer: ObserverState<R, HYSTERESIS_LEVELS>,
-    feed_forward: FeedForwardState<R, HYSTERESIS_LEVELS>,
+    observer: ObserverState<R>,
+    feed_forward: FeedForwardState<R>,
     feedback: FeedbackState<R>,
     limited: bool,
 }
@@ -260,7 +263,8 @@ impl<R: Real> Compensator<R> {
 
     /// The torque that is commanded: none without a motor encoder, never more than the motor's peak.
     fn command(&self, state: &mut State<R>, wanted: R, faults: &mut Faults) -> R {
-        let blind = faults.contains(Faults::MOTOR_ENCODER_JUMP) || faults.contains(Faults::MOTOR_ENCODER_FROZEN);
+        let blind =
+            faults.contains(Faults::MOTOR_ENCODER_JUMP) || faults.contains(Faults::MOTOR_ENCODER_FROZEN);
         let wanted = if blind { R::ZERO } else { wanted };
         let limited = wanted.limit(self.limits.motor_torque);
         state.limited = limited != wanted;

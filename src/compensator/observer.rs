@@ -18,11 +18,10 @@
 //! at the motor's angle. Both are reported as faults.
 
 use crate::angle::Angle;
-use crate::compensator::{Estimate, Limits};
 use crate::compensator::faults::Faults;
+use crate::compensator::{Estimate, HYSTERESIS_MEMORY, Limits, RealTimeGear};
 use crate::error::{Error, require};
-use crate::flexspline::Reduced;
-use crate::gear::{Gear, GearParams, GearState, Motion, Torques};
+use crate::gear::{GearParams, GearState, Motion, Torques};
 use crate::real::Real;
 
 /// Number of observed states.
@@ -60,8 +59,8 @@ pub struct Observer<R> {
 
 /// What the observer believes.
 #[derive(Clone, Debug)]
-pub struct ObserverState<R, const L: usize> {
-    gear: GearState<R, (), L>,
+pub struct ObserverState<R: Real> {
+    gear: GearState<R, (), HYSTERESIS_MEMORY>,
     wave_generator: Motion<R>,
     flange: Motion<R>,
     external_torque: R,
@@ -120,7 +119,7 @@ struct Range<R> {
 
 impl<R: Real> Observer<R> {
     /// The state at rest at the zero angle.
-    pub fn rest<const L: usize>(&self, gear: &Gear<R, Reduced<R>, L>) -> ObserverState<R, L> {
+    pub fn rest(&self, gear: &RealTimeGear<R>) -> ObserverState<R> {
         ObserverState {
             gear: gear.rest(),
             wave_generator: Motion::default(),
@@ -132,10 +131,10 @@ impl<R: Real> Observer<R> {
 
     /// Predicts over one control period, corrects by the measurement, and estimates.
     #[inline(never)] // The timing budget counts blocks by their symbols.
-    pub fn step<const L: usize>(
+    pub fn step(
         &self,
-        gear: &Gear<R, Reduced<R>, L>,
-        state: &mut ObserverState<R, L>,
+        gear: &RealTimeGear<R>,
+        state: &mut ObserverState<R>,
         measured: &Measurement<R>,
         faults: &mut Faults,
     ) -> Estimate<R> {
@@ -158,22 +157,17 @@ impl<R: Real> Observer<R> {
     }
 
     /// Starts at rest at the motor's angle, without torsion.
-    fn start<const L: usize>(
-        &self,
-        gear: &Gear<R, Reduced<R>, L>,
-        state: &mut ObserverState<R, L>,
-        measured: &Measurement<R>,
-    ) {
+    fn start(&self, gear: &RealTimeGear<R>, state: &mut ObserverState<R>, measured: &Measurement<R>) {
         state.wave_generator = Motion { angle: measured.motor, velocity: R::ZERO };
         state.flange = Motion { angle: gear.drive(measured.motor), velocity: R::ZERO };
         state.external_torque = R::ZERO;
         state.started = true;
     }
 
-    fn predict<const L: usize>(
+    fn predict(
         &self,
-        gear: &Gear<R, Reduced<R>, L>,
-        state: &mut ObserverState<R, L>,
+        gear: &RealTimeGear<R>,
+        state: &mut ObserverState<R>,
         torques: &Torques<R>,
         motor_torque: R,
     ) {
@@ -183,12 +177,7 @@ impl<R: Real> Observer<R> {
         state.flange.advance(flange, self.dt);
     }
 
-    fn correct<const L: usize>(
-        &self,
-        state: &mut ObserverState<R, L>,
-        measured: &Measurement<R>,
-        torques: &Torques<R>,
-    ) {
+    fn correct(&self, state: &mut ObserverState<R>, measured: &Measurement<R>, torques: &Torques<R>) {
         let gains = match (measured.output.is_some(), measured.output_torque.is_some()) {
             (false, false) => &self.gains[0],
             (true, false) => &self.gains[1],
@@ -206,10 +195,10 @@ impl<R: Real> Observer<R> {
         state.external_torque += by(4);
     }
 
-    fn keep_in_range<const L: usize>(
+    fn keep_in_range(
         &self,
-        gear: &Gear<R, Reduced<R>, L>,
-        state: &mut ObserverState<R, L>,
+        gear: &RealTimeGear<R>,
+        state: &mut ObserverState<R>,
         measured: &Measurement<R>,
         torques: &Torques<R>,
         faults: &mut Faults,

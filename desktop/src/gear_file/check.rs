@@ -191,10 +191,11 @@ fn check_relations(file: &Table) -> Result<(), String> {
         else {
             continue;
         };
-        if value < other || (value == other && !relation.or_equal) {
-            let how = if relation.or_equal { "at least" } else { "more than" };
-            let (path, than) = (relation.path, relation.than);
-            return Err(format!("{path} = {value} is out of range; allowed: {how} {than} = {other}"));
+        if !relation.holds(value, other) {
+            return Err(format!(
+                "{} = {value} is out of range; allowed: {relation} = {other}",
+                relation.path
+            ));
         }
     }
     Ok(())

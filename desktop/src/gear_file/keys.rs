@@ -1,6 +1,6 @@
 //! Every key of a gear file, with what it may hold.
 
-use std::f64::consts::TAU;
+use std::f64::consts::PI;
 use std::fmt;
 use std::ops::{Bound, RangeBounds};
 
@@ -74,10 +74,10 @@ pub const KEYS: &[Key] = &[
     key("hysteresis.width_arcmin", within(0.0, 60.0, "arcmin")),
     key("kinematic_error.wave_generator[].order", Allowed::Whole(1, 20)),
     key("kinematic_error.wave_generator[].amplitude_rad", within(0.0, 0.01, "rad")),
-    key("kinematic_error.wave_generator[].phase_rad", within(-TAU, TAU, "rad")),
+    key("kinematic_error.wave_generator[].phase_rad", within(-PI, PI, "rad")),
     key("kinematic_error.flexspline[].order", Allowed::Whole(1, 20)),
     key("kinematic_error.flexspline[].amplitude_rad", within(0.0, 0.01, "rad")),
-    key("kinematic_error.flexspline[].phase_rad", within(-TAU, TAU, "rad")),
+    key("kinematic_error.flexspline[].phase_rad", within(-PI, PI, "rad")),
     key("flexspline.radius_m", within(0.002, 1.0, "m")),
     key("flexspline.length_m", within(0.002, 1.0, "m")),
     key("flexspline.wall_m", within(1e-5, 0.01, "m")),
@@ -91,19 +91,19 @@ pub const KEYS: &[Key] = &[
     key("friction.input.model", Allowed::Word(FRICTION_MODELS)),
     key("friction.input.coulomb_nm", within(0.0, 1e3, "N m")),
     key("friction.input.static_nm", within(0.0, 1e3, "N m")),
-    key("friction.input.stribeck_rad_per_s", positive(1e4, "rad/s")),
+    key("friction.input.stribeck_rad_per_s", within(1e-9, 1e4, "rad/s")),
     key("friction.input.stribeck_exponent", Allowed::Whole(1, 2)),
     key("friction.input.viscous_nm_s_per_rad", within(0.0, 1e3, "N m s/rad")),
     key("friction.input.presliding_rad", within(1e-9, 10.0, "rad")),
-    key("friction.input.presliding_ratio", Allowed::Number(Bound::Excluded(0.0), Bound::Excluded(1.0), "1")),
+    key("friction.input.presliding_ratio", within(0.01, 0.99, "1")),
     key("friction.output.model", Allowed::Word(FRICTION_MODELS)),
     key("friction.output.coulomb_nm", within(0.0, 1e4, "N m")),
     key("friction.output.static_nm", within(0.0, 1e4, "N m")),
-    key("friction.output.stribeck_rad_per_s", positive(1e3, "rad/s")),
+    key("friction.output.stribeck_rad_per_s", within(1e-9, 1e3, "rad/s")),
     key("friction.output.stribeck_exponent", Allowed::Whole(1, 2)),
     key("friction.output.viscous_nm_s_per_rad", within(0.0, 1e5, "N m s/rad")),
     key("friction.output.presliding_rad", within(1e-9, 1.0, "rad")),
-    key("friction.output.presliding_ratio", Allowed::Number(Bound::Excluded(0.0), Bound::Excluded(1.0), "1")),
+    key("friction.output.presliding_ratio", within(0.01, 0.99, "1")),
     key("motor.peak_torque_nm", positive(1e4, "N m")),
     key("motor.rotor_speed_limit_rad_per_s", positive(1e4, "rad/s")),
     key("sensors.motor_encoder_bits", Allowed::Whole(10, 32)),
@@ -122,18 +122,20 @@ pub const KEYS: &[Key] = &[
 pub struct Relation {
     /// The key that is refused.
     pub path: &'static str,
-    /// Whether it may equal `than`.
+    /// Whether it may equal the limit.
     pub or_equal: bool,
-    /// The key that it must not be below.
+    /// The limit in multiples of `than`.
+    pub times: f64,
+    /// The key that it is compared with.
     pub than: &'static str,
 }
 
 const fn at_least(path: &'static str, than: &'static str) -> Relation {
-    Relation { path, or_equal: true, than }
+    Relation { path, or_equal: true, times: 1.0, than }
 }
 
-const fn more_than(path: &'static str, than: &'static str) -> Relation {
-    Relation { path, or_equal: false, than }
+const fn more_than(path: &'static str, times: f64, than: &'static str) -> Relation {
+    Relation { path, or_equal: false, times, than }
 }
 
 /// What the ranges of single keys cannot say: the torsion curve hardens, breakaway is the higher
@@ -142,13 +144,31 @@ pub const RELATIONS: &[Relation] = &[
     at_least("gear.peak_torque_nm", "gear.rated_torque_nm"),
     at_least("stiffness.k2_nm_per_rad", "stiffness.k1_nm_per_rad"),
     at_least("stiffness.k3_nm_per_rad", "stiffness.k2_nm_per_rad"),
-    more_than("stiffness.t2_nm", "stiffness.t1_nm"),
-    more_than("flexspline.radius_m", "flexspline.wall_m"),
-    more_than("flexspline.radius_m", "flexspline.ellipse_m"),
+    more_than("stiffness.t2_nm", 1.0, "stiffness.t1_nm"),
+    more_than("flexspline.radius_m", 10.0, "flexspline.wall_m"),
+    more_than("flexspline.radius_m", 10.0, "flexspline.ellipse_m"),
     at_least("friction.input.static_nm", "friction.input.coulomb_nm"),
     at_least("friction.output.static_nm", "friction.output.coulomb_nm"),
     at_least("feedback.velocity_bandwidth_hz", "feedback.position_bandwidth_hz"),
 ];
+
+impl Relation {
+    /// `value` stands rightly to the compared key's `other`.
+    pub fn holds(&self, value: f64, other: f64) -> bool {
+        let limit = self.times * other;
+        value > limit || (self.or_equal && value == limit)
+    }
+}
+
+impl fmt::Display for Relation {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(if self.or_equal { "at least " } else { "more than " })?;
+        if self.times != 1.0 {
+            write!(formatter, "{} times ", self.times)?;
+        }
+        formatter.write_str(self.than)
+    }
+}
 
 impl Allowed {
     /// A number that [`Allowed::Number`] or [`Allowed::Whole`] holds; NaN and infinities never.

@@ -10,6 +10,7 @@
 
 mod check;
 mod keys;
+mod physics;
 
 use std::path::Path;
 
@@ -331,7 +332,10 @@ impl GearFile {
         })?;
         let table: Table = text.parse().map_err(|error| refuse(not_toml(text, &error)))?;
         check::check(&table).map_err(refuse)?;
-        table.try_into().map_err(|error: toml::de::Error| refuse(error.message().to_owned()))
+        let gear: Self =
+            table.try_into().map_err(|error: toml::de::Error| refuse(error.message().to_owned()))?;
+        physics::check(&gear).map_err(refuse)?;
+        Ok(gear)
     }
 
     /// The default gear `hd25-100`.

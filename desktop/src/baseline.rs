@@ -1,0 +1,83 @@
+//! The baselines: what a joint controller does today, in f64 on the desktop.
+//!
+//! B0 is the motor-side cascade alone, tuned as in [`crate::joint::feedback_params`]. B1 adds what
+//! practitioners feed forward: the inertia of a rigid joint, Coulomb and viscous friction.
+//!
+//! ```text
+//! tau_ff = (J_wg/r + r*J_fs)*ddq + (Fc_in + |r|*Fc_out)*sign(dq/r) + (Fv_in/r + r*Fv_out)*dq
+//! ```
+
+use strainwave::compensator::Input;
+use strainwave::compensator::encoder::{Encoder, EncoderParams, EncoderState};
+use strainwave::compensator::feedback::{Feedback, FeedbackState};
+use strainwave::gear::{GearParams, Motion};
+use strainwave::{Angle, Error, Ratio};
+
+use crate::gear_file::GearFile;
+use crate::joint::{CONTROL_PERIOD, feedback_params, gear_params};
+
+/// A baseline controller.
+pub struct Baseline {
+    ratio: Ratio,
+    encoder: Encoder,
+    encoder_state: EncoderState,
+    feedback: Feedback<f64>,
+    feedback_state: FeedbackState<f64>,
+    feed_forward: Option<GearParams<f64>>,
+    torque_limit: f64,
+    limited: bool,
+}
+
+impl Baseline {
+    /// B0: the cascade alone.
+    ///
+    /// # Errors
+    /// As the builds of encoder and cascade.
+    pub fn b0(file: &GearFile) -> Result<Self, Error> {
+        let speed_limit = 2.0 * file.motor.rotor_speed_limit;
+        Ok(Self {
+            ratio: file.gear.signed_ratio(),
+            encoder: EncoderParams { bits: file.sensors.motor_encoder_bits, speed_limit }
+                .build(CONTROL_PERIOD)?,
+            encoder_state: EncoderState::default(),
+            feedback: feedback_params(file).build(CONTROL_PERIOD)?,
+            feedback_state: FeedbackState::default(),
+            feed_forward: None,
+            torque_limit: file.motor.peak_torque,
+            limited: false,
+        })
+    }
+
+    /// B1: B0 with the feed-forward of a rigid joint.
+    ///
+    /// # Errors
+    /// As [`Baseline::b0`].
+    pub fn b1(file: &GearFile) -> Result<Self, Error> {
+        Ok(Self { feed_forward: Some(gear_params(file)), ..Self::b0(file)? })
+    }
+
+    /// Torque command for one control period [N m].
+    pub fn step(&mut self, input: &Input<f32>) -> f64 {
+        let (motor, _) = self.encoder.step(&mut self.encoder_state, input.sensors.motor_encoder);
+        let setpoint = &input.setpoint;
+        let position = Angle { counts: setpoint.position.counts, rest: f64::from(setpoint.position.rest) };
+        let reference = Motion {
+            angle: self.ratio.undo(position),
+            velocity: f64::from(setpoint.velocity) * f64::from(self.ratio.n()),
+        };
+        let feedback = self.feedback.step(&mut self.feedback_state, motor, &reference, self.limited);
+        let wanted = feedback + self.rigid_body(setpoint.velocity.into(), setpoint.acceleration.into());
+        let limited = wanted.clamp(-self.torque_limit, self.torque_limit);
+        self.limited = limited != wanted;
+        limited
+    }
+
+    fn rigid_body(&self, velocity: f64, acceleration: f64) -> f64 {
+        let Some(gear) = &self.feed_forward else { return 0.0 };
+        let (r, n): (f64, f64) = (self.ratio.value(), self.ratio.n().into());
+        let direction = if velocity == 0.0 { 0.0 } else { (velocity * n).signum() };
+        (gear.wave_generator_inertia * n + r * gear.flexspline_inertia) * acceleration
+            + (gear.input_friction.coulomb + r.abs() * gear.output_friction.coulomb) * direction
+            + (gear.input_friction.viscous * n + r * gear.output_friction.viscous) * velocity
+    }
+}

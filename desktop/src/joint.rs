@@ -1,0 +1,138 @@
+//! From a gear file to the parameters of the models: f64 for the reference build, f32 for firmware.
+//!
+//! The numbers that the library does not compute itself, the observer's gains and those of the cascade, are
+//! computed here, once, off line.
+
+use strainwave::compensator::feedback::FeedbackParams;
+use strainwave::compensator::observer::ObserverParams;
+use strainwave::compensator::{JointParams, Limits};
+use strainwave::flexspline::stiffness_line::StiffnessLineParams;
+use strainwave::flexspline::{Cup, FlexsplineParams};
+use strainwave::friction::{JointFrictionParams, Order};
+use strainwave::gear::{GearParams, KINEMATIC_TERMS};
+use strainwave::kinematic_error::{KinematicErrorParams, Term};
+use strainwave::{Error, Real};
+
+use crate::gear_file::{Friction, FrictionModel, GearFile, Harmonic};
+use crate::observer_design;
+
+/// Control period [s].
+pub const CONTROL_PERIOD: f64 = 1e-4;
+
+/// The gear that a file describes.
+pub fn gear_params<R: Real>(file: &GearFile) -> GearParams<R> {
+    let (stiffness, cup) = (&file.stiffness, &file.flexspline);
+    GearParams {
+        ratio: file.gear.signed_ratio().n(),
+        rated_torque: R::lit(file.gear.rated_torque),
+        flexspline: FlexsplineParams {
+            cup: Cup {
+                radius: R::lit(cup.radius),
+                length: R::lit(cup.length),
+                wall: R::lit(cup.wall),
+                ellipse: R::lit(cup.ellipse),
+                youngs_modulus: R::lit(cup.youngs_modulus),
+                poisson_ratio: R::lit(cup.poisson_ratio),
+                density: R::lit(cup.density),
+            },
+            line: StiffnessLineParams {
+                stiffness: [stiffness.k1, stiffness.k2, stiffness.k3].map(R::lit),
+                knee_torque: [stiffness.t1, stiffness.t2].map(R::lit),
+            },
+            damping_ratio: R::lit(file.damping.torsion_mode_ratio),
+            inertia: R::lit(file.inertia.flexspline),
+        },
+        hysteresis_width: R::lit(file.hysteresis.width()),
+        kinematic_error: KinematicErrorParams {
+            case: terms(&file.kinematic_error.wave_generator),
+            flexspline: terms(&file.kinematic_error.flexspline),
+        },
+        input_friction: friction(&file.friction.input),
+        output_friction: friction(&file.friction.output),
+        wave_generator_inertia: R::lit(file.inertia.wave_generator),
+        flexspline_inertia: R::lit(file.inertia.flexspline),
+    }
+}
+
+fn terms<R: Real>(harmonics: &[Harmonic]) -> [Term<R>; KINEMATIC_TERMS] {
+    std::array::from_fn(|k| {
+        harmonics.get(k).map_or(Term::default(), |harmonic| Term {
+            order: harmonic.order,
+            amplitude: R::lit(harmonic.amplitude),
+            phase: R::lit(harmonic.phase),
+        })
+    })
+}
+
+fn friction<R: Real>(side: &Friction) -> JointFrictionParams<R> {
+    JointFrictionParams {
+        order: match side.model {
+            FrictionModel::BlimanSorine1 => Order::One,
+            FrictionModel::BlimanSorine2 => Order::Two,
+        },
+        coulomb: R::lit(side.coulomb),
+        static_level: R::lit(side.static_level),
+        stribeck_velocity: R::lit(side.stribeck_velocity),
+        stribeck_exponent: R::lit(f64::from(side.stribeck_exponent)),
+        viscous: R::lit(side.viscous),
+        presliding: R::lit(side.presliding),
+        presliding_ratio: R::lit(side.presliding_ratio),
+    }
+}
+
+/// The motor-side cascade that a practitioner would set up from the file's bandwidths.
+///
+/// The velocity loop sees the rotor and the reflected load as one inertia J = J_wg + r^2*J_fs:
+/// k_v = 2*pi*f_v*J, k_p = 2*pi*f_p; the speed is filtered a decade above the velocity loop.
+pub fn feedback_params<R: Real>(file: &GearFile) -> FeedbackParams<R> {
+    let r: f64 = file.gear.signed_ratio().value();
+    let inertia = file.inertia.wave_generator + r * r * file.inertia.flexspline;
+    let tau = std::f64::consts::TAU;
+    FeedbackParams {
+        position_gain: R::lit(tau * file.feedback.position_bandwidth),
+        velocity_gain: R::lit(tau * file.feedback.velocity_bandwidth * inertia),
+        integral_time: R::lit(file.feedback.integral_time),
+        filter_corner: R::lit(10.0 * tau * file.feedback.velocity_bandwidth),
+        torque_limit: R::lit(file.motor.peak_torque),
+    }
+}
+
+/// All that a joint's compensator is built from.
+///
+/// # Errors
+/// When the observer's gains cannot be computed for this gear.
+pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
+    Ok(JointParams {
+        dt: R::lit(CONTROL_PERIOD),
+        gear: gear_params(file),
+        motor_encoder_bits: file.sensors.motor_encoder_bits,
+        output_encoder_bits: file.sensors.output_encoder_bits.unwrap_or(file.sensors.motor_encoder_bits),
+        limits: Limits {
+            motor_torque: R::lit(file.motor.peak_torque),
+            motor_speed: R::lit(file.motor.rotor_speed_limit),
+            output_torque: R::lit(file.gear.peak_torque),
+        },
+        observer: ObserverParams { gains: observer_design::gains(file)? },
+        feedback: feedback_params(file),
+    })
+}
+
+/// A joint's parameters as the Rust source that firmware includes.
+///
+/// `Debug` prints a float with the shortest digits that read back as the same bits, and a struct as
+/// the expression that makes it.
+pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
+    format!(
+        "// Generated from the gear file `{gear_name}` by `strainwave firmware`; do not edit.\n\
+         use strainwave::compensator::feedback::FeedbackParams;\n\
+         use strainwave::compensator::observer::{{Gains, ObserverParams}};\n\
+         use strainwave::compensator::{{JointParams, Limits}};\n\
+         use strainwave::flexspline::stiffness_line::StiffnessLineParams;\n\
+         use strainwave::flexspline::{{Cup, FlexsplineParams}};\n\
+         use strainwave::friction::{{JointFrictionParams, Order::*}};\n\
+         use strainwave::gear::GearParams;\n\
+         use strainwave::kinematic_error::{{KinematicErrorParams, Term}};\n\n\
+         /// The joint that this firmware controls.\n\
+         pub const JOINT: JointParams<f32> = {params:#?};\n"
+    )
+}

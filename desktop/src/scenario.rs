@@ -1,0 +1,222 @@
+//! The scenarios S1-S6: what is asked of the joint and what acts on it.
+
+use std::f64::consts::PI;
+
+use strainwave::Angle;
+use strainwave::compensator::Setpoint;
+
+/// One of the six scenarios.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Scenario {
+    /// Repeated small steps under -50 N m (the paper's Fig. 9).
+    S1,
+    /// Output sine 0.05 rad, 0.2 Hz.
+    S2,
+    /// 0.5 rad in 0.25 s, rest to rest.
+    S3,
+    /// Constant 0.1 rad/s at the output.
+    S4,
+    /// Hold, load 0 -> 40 N m at once.
+    S5,
+    /// Quasi-static torque loop, wave generator blocked.
+    S6,
+}
+
+/// What one instant of a scenario asks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Demand {
+    /// Output angle [rad].
+    pub position: f64,
+    /// [rad/s]
+    pub velocity: f64,
+    /// [rad/s^2]
+    pub acceleration: f64,
+    /// [rad/s^3]
+    pub jerk: f64,
+    /// External torque on the output [N m].
+    pub load: f64,
+}
+
+impl Demand {
+    /// As the compensator takes it, in f32.
+    pub fn setpoint(&self) -> Setpoint<f32> {
+        Setpoint {
+            position: Angle::from_radians_f64(self.position),
+            velocity: self.velocity as f32,
+            acceleration: self.acceleration as f32,
+            jerk: self.jerk as f32,
+        }
+    }
+}
+
+impl Scenario {
+    /// All of them.
+    pub const ALL: [Self; 6] = [Self::S1, Self::S2, Self::S3, Self::S4, Self::S5, Self::S6];
+
+    /// The name, as in `s2`.
+    pub fn name(self) -> &'static str {
+        ["s1", "s2", "s3", "s4", "s5", "s6"][self as usize]
+    }
+
+    /// One line for people.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::S1 => "step: repeated small steps, load -50 N m",
+            Self::S2 => "reversal: output sine 0.05 rad, 0.2 Hz",
+            Self::S3 => "fast move: 0.5 rad in 0.25 s, rest to rest",
+            Self::S4 => "crawl: constant 0.1 rad/s at the output",
+            Self::S5 => "load step: hold, 0 -> 40 N m at once",
+            Self::S6 => "loop: quasi-static +-67 N m, wave generator blocked",
+        }
+    }
+
+    /// Length [s].
+    pub fn duration(self) -> f64 {
+        match self {
+            Self::S1 => 1.0,
+            Self::S2 => 5.0,
+            Self::S3 => 0.75,
+            Self::S4 => 1.5,
+            Self::S5 => 1.0,
+            Self::S6 => 4.0,
+        }
+    }
+
+    /// From here on the error counts: the approach is over [s].
+    pub fn judged_from(self) -> f64 {
+        match self {
+            Self::S1 => 0.3,
+            Self::S2 => 1.0,
+            Self::S3 => 0.25,
+            Self::S4 => 0.5,
+            Self::S5 => 0.2,
+            Self::S6 => 0.0,
+        }
+    }
+
+    /// The wave generator is held by a brake.
+    pub fn blocked(self) -> bool {
+        self == Self::S6
+    }
+
+    /// What is asked at `time` [s]; `rated_torque` [N m] sets the loop of S6.
+    pub fn at(self, time: f64, rated_torque: f64) -> Demand {
+        match self {
+            Self::S1 => steps(time),
+            Self::S2 => sine(time),
+            Self::S3 => rest_to_rest(time, 0.5, 0.25),
+            Self::S4 => crawl(time),
+            Self::S5 => Demand { load: if time < 0.3 { 0.0 } else { 40.0 }, ..Demand::default() },
+            Self::S6 => {
+                Demand { load: torque_loop(time, self.duration(), rated_torque), ..Demand::default() }
+            }
+        }
+    }
+}
+
+/// -50 N m from the start, then 0.2 mrad more every 0.1 s from 0.4 s on, each a 5 ms move.
+fn steps(time: f64) -> Demand {
+    const HEIGHT: f64 = 2e-4;
+    let elapsed = (time - 0.4).max(0.0);
+    let done = (elapsed / 0.1).floor();
+    let mut demand = rest_to_rest(elapsed - 0.1 * done, HEIGHT, 0.005);
+    demand.position += HEIGHT * done;
+    demand.load = -50.0 * smooth(time / 0.1).0;
+    demand
+}
+
+/// A sine whose amplitude grows smoothly over the first 0.8 s.
+fn sine(time: f64) -> Demand {
+    let omega = 2.0 * PI * 0.2;
+    let (sine, cosine) = (omega * time).sin_cos();
+    let (w, w1, w2, w3) = smooth(time / 0.8);
+    let (w1, w2, w3) = (w1 / 0.8, w2 / 0.8f64.powi(2), w3 / 0.8f64.powi(3));
+    let (s, s1, s2, s3) = (sine, omega * cosine, -omega * omega * sine, -omega.powi(3) * cosine);
+    Demand {
+        position: 0.05 * w * s,
+        velocity: 0.05 * (w1 * s + w * s1),
+        acceleration: 0.05 * (w2 * s + 2.0 * w1 * s1 + w * s2),
+        jerk: 0.05 * (w3 * s + 3.0 * w2 * s1 + 3.0 * w1 * s2 + w * s3),
+        load: 0.0,
+    }
+}
+
+/// Smooth start over 0.2 s, then constant speed.
+fn crawl(time: f64) -> Demand {
+    const SPEED: f64 = 0.1;
+    const START: f64 = 0.2;
+    let x = (time / START).min(1.0);
+    let (w, w1, w2, _) = smooth(x);
+    // Integral of the polynomial of `smooth`.
+    let path = START * (7.0 * x.powi(5) - 14.0 * x.powi(6) + 10.0 * x.powi(7) - 2.5 * x.powi(8));
+    Demand {
+        position: SPEED * (path + (time - START).max(0.0)),
+        velocity: SPEED * w,
+        acceleration: SPEED * w1 / START,
+        jerk: SPEED * w2 / (START * START),
+        load: 0.0,
+    }
+}
+
+/// A move of `distance` [rad] in `duration` [s] with continuous jerk, then rest.
+fn rest_to_rest(time: f64, distance: f64, duration: f64) -> Demand {
+    let (w, w1, w2, w3) = smooth(time / duration);
+    Demand {
+        position: distance * w,
+        velocity: distance * w1 / duration,
+        acceleration: distance * w2 / duration.powi(2),
+        jerk: distance * w3 / duration.powi(3),
+        load: 0.0,
+    }
+}
+
+/// 0 -> +rated -> -rated -> +rated -> 0, a cosine of the time between the turning points.
+fn torque_loop(time: f64, duration: f64, rated: f64) -> f64 {
+    let part = time / duration * 6.0;
+    let eased = |x: f64| 0.5 - 0.5 * (PI * x).cos();
+    let (from, to, x) = match part {
+        x if x < 1.0 => (0.0, 1.0, x),
+        x if x < 3.0 => (1.0, -1.0, (x - 1.0) / 2.0),
+        x if x < 5.0 => (-1.0, 1.0, (x - 3.0) / 2.0),
+        x => (1.0, 0.0, (x - 5.0).min(1.0)),
+    };
+    rated * (from + (to - from) * eased(x))
+}
+
+/// The polynomial of 7th order from 0 to 1 with three vanishing derivatives at both ends, and its derivatives.
+fn smooth(x: f64) -> (f64, f64, f64, f64) {
+    if !(0.0..1.0).contains(&x) {
+        return (if x < 0.0 { 0.0 } else { 1.0 }, 0.0, 0.0, 0.0);
+    }
+    (
+        x.powi(4) * (35.0 - 84.0 * x + 70.0 * x * x - 20.0 * x.powi(3)),
+        x.powi(3) * (140.0 - 420.0 * x + 420.0 * x * x - 140.0 * x.powi(3)),
+        x.powi(2) * (420.0 - 1680.0 * x + 2100.0 * x * x - 840.0 * x.powi(3)),
+        x * (840.0 - 5040.0 * x + 8400.0 * x * x - 4200.0 * x.powi(3)),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each derivative is the slope of the one before, everywhere but at the corners of S1 and S5.
+    #[test]
+    fn derivatives_are_consistent() {
+        let h = 1e-6;
+        for scenario in Scenario::ALL {
+            for k in 1..1000 {
+                let t = scenario.duration() * (f64::from(k) + 0.37) / 1001.0;
+                let [before, now, after] = [t - h, t, t + h].map(|t| scenario.at(t, 67.0));
+                let near =
+                    |a: f64, b: f64, c: f64, scale: f64| ((a - b) / (2.0 * h) - c).abs() < 1e-3 * scale;
+                let moving = [
+                    near(after.position, before.position, now.velocity, 1.0),
+                    near(after.velocity, before.velocity, now.acceleration, 100.0),
+                    near(after.acceleration, before.acceleration, now.jerk, 1e5),
+                ];
+                assert_eq!(moving, [true; 3], "{scenario:?} at {t}");
+            }
+        }
+    }
+}

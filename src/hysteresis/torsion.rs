@@ -1,0 +1,367 @@
+//! Hysteresis torque over the torsion of the gear.
+//!
+//! ```text
+//! tau_hyst[phi] = A(phi) - P[phi]
+//! ```
+//!
+//! P is the Preisach operator, A the mean of the two branches of its major loop. A trap: with
+//! weights mu >= 0 the output of P lags its input, so its loop over phi runs counter-clockwise and
+//! integral P dphi over a loop is negative. As a torque, P would drive the gear. The torque of the
+//! gear has to lead: -P is dissipative, and A, a function of phi alone, makes the loop close at the
+//! ends of the range and puts the catalogue's stiffness line in the middle of the loop, without
+//! adding to its area. Over any path
+//!
+//! ```text
+//! integral tau_hyst dphi = change of stored energy + energy dissipated by the relays crossed
+//! ```
+//!
+//! and over any path from the demagnetised state back to phi = 0 it is >= 0.
+//!
+//! Sign: tau_hyst is part of tau_t, positive when it turns the flexspline forwards, as a spring
+//! does at phi > 0. Units: phi [rad], tau_hyst [N m], slope [N m/rad]. No time in it: nothing to
+//! discretise. The default state is demagnetised: tau_hyst = 0 at phi = 0.
+//!
+//! Standard shape, half range U and total weight S, at the cell edges (x = phi/U):
+//!
+//! ```text
+//! A = S*x     falling from U: tau_hyst = -S*(1 - x^2)/2     rising from -U: +S*(1 - x^2)/2
+//! virgin: S*(|x| - x^2)*sign(x)     beyond +-U: 0
+//! ```
+//!
+//! so S is the gap between the branches at phi = 0. The catalogue instead gives the full width w
+//! at zero torque, in series with the stiffness K1 there: K1*w/2 = S/2 * (1 - (w/(2U))^2), hence
+//! [`gap_for_width`].
+
+use super::everett::Everett;
+use super::staircase::{Staircase, StaircaseState};
+use super::weights::Weights;
+use crate::error::{Error, require};
+use crate::real::Real;
+
+/// The gap S [N m] that gives a loop of +-`half_range` [rad] the full `width` w [rad] at zero
+/// torque, next to a line of `stiffness` K1 [N m/rad] that passes through zero: S = K1*w/(1 - (w/(2U))^2).
+///
+/// # Errors
+/// [`Error::OutOfRange`] `stiffness` or `half_range` when not positive, `width` when not within
+/// 0..`half_range`.
+pub fn gap_for_width<R: Real>(stiffness: R, width: R, half_range: R) -> Result<R, Error> {
+    require(stiffness > R::ZERO && stiffness.is_finite(), "stiffness")?;
+    require(half_range > R::ZERO && half_range.is_finite(), "half_range")?;
+    require((R::ZERO..=half_range).contains(&width), "width")?;
+    let ratio = R::lit(0.5) * width / half_range;
+    Ok(stiffness * width / (R::ONE - ratio * ratio))
+}
+
+/// Loop of the standard shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TorsionHysteresisParams<R> {
+    /// U [rad], torsion at which the loop closes; 1e-9..=1e6.
+    pub half_range: R,
+    /// S [N m], torque between the branches at zero torsion; 0..=1e6.
+    pub gap: R,
+}
+
+impl<R: Real> TorsionHysteresisParams<R> {
+    /// Checks and precomputes.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `half_range`, `gap`, `levels` or `capacity`.
+    pub fn build<const L: usize, const CAP: usize>(&self) -> Result<TorsionHysteresis<R, L, CAP>, Error> {
+        require((R::ZERO..=R::lit(1e6)).contains(&self.gap), "gap")?;
+        TorsionHysteresis::from_weights(self.half_range, &Weights::uniform(self.gap)?)
+    }
+}
+
+/// Hysteresis torque of one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HysteresisTorque<R> {
+    /// tau_hyst [N m]; finite for any input.
+    pub torque: R,
+    /// dtau_hyst/dphi along the branch [N m/rad], 0 beyond the range.
+    pub slope: R,
+    /// The torsion is beyond +-U, where the loop is closed: torque 0.
+    pub saturated: bool,
+    /// The torsion was not finite: the torque is that of the step before.
+    pub held: bool,
+}
+
+/// Memory of the operator, and the last output.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TorsionHysteresisState<R: Real, const CAP: usize> {
+    staircase: StaircaseState<R, CAP>,
+    last: HysteresisTorque<R>,
+}
+
+impl<R: Real, const CAP: usize> TorsionHysteresisState<R, CAP> {
+    /// What the last step returned.
+    #[inline]
+    pub fn last(&self) -> HysteresisTorque<R> {
+        self.last
+    }
+}
+
+/// Built model: `L` levels, memory of `CAP` turning points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TorsionHysteresis<R, const L: usize, const CAP: usize> {
+    staircase: Staircase<R, L, CAP>,
+    /// A at the upper edge of every cell, and its rise over the cell.
+    mean: [(R, R); L],
+}
+
+impl<R: Real, const L: usize, const CAP: usize> TorsionHysteresis<R, L, CAP> {
+    /// From identified weights [N m] over torsions of +-`half_range` [rad].
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `half_range` or `capacity`.
+    pub fn from_weights(half_range: R, weights: &Weights<R, L>) -> Result<Self, Error> {
+        let staircase = Staircase::build(half_range, weights)?;
+        let mut mean = [(R::ZERO, R::ZERO); L];
+        for (cell, place) in mean.iter_mut().enumerate() {
+            let upper = major_mean(staircase.everett(), cell + 1);
+            *place = (upper, upper - major_mean(staircase.everett(), cell));
+        }
+        Ok(Self { staircase, mean })
+    }
+
+    /// tau_hyst at the next torsion [rad]; between two steps the torsion counts as monotone.
+    // Never inlined: the timing budget counts this block by its symbol.
+    #[inline(never)]
+    pub fn step(&self, state: &mut TorsionHysteresisState<R, CAP>, torsion: R) -> HysteresisTorque<R> {
+        let response = self.staircase.advance(&mut state.staircase, torsion);
+        if !response.held {
+            state.last = self.against_mean(torsion, response);
+        }
+        HysteresisTorque { held: response.held, ..state.last }
+    }
+
+    /// What [`Self::step`] would return, with the state left as it is.
+    #[inline]
+    pub fn peek(&self, state: &TorsionHysteresisState<R, CAP>, torsion: R) -> HysteresisTorque<R> {
+        let response = self.staircase.peek(&state.staircase, torsion);
+        if response.held {
+            return HysteresisTorque { held: true, ..state.last };
+        }
+        self.against_mean(torsion, response)
+    }
+
+    #[inline(always)]
+    fn against_mean(&self, torsion: R, operator: super::staircase::Response<R>) -> HysteresisTorque<R> {
+        let place = Everett::<R, L>::place(self.staircase.cells(torsion));
+        let (upper, rise) = self.mean.get(place.cell).copied().unwrap_or_default();
+        let mean = upper - (R::ONE - place.fraction) * rise;
+        let slope = rise * self.staircase.cells_per_unit() - operator.slope;
+        HysteresisTorque {
+            torque: mean - operator.output,
+            slope: if operator.saturated { R::ZERO } else { slope },
+            saturated: operator.saturated,
+            held: false,
+        }
+    }
+}
+
+/// Mean of the two major branches at an edge: (-S + G(k, 0) + S - G(L, k))/2.
+fn major_mean<R: Real, const L: usize>(everett: &Everett<R, L>, edge: usize) -> R {
+    R::lit(0.5) * (everett.corner(edge, 0) - everett.corner(L, edge))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::relays::{Relays, RelaysState};
+    use super::*;
+    use proptest::prelude::*;
+    use std::vec::Vec;
+
+    const U: f64 = 1.5e-3;
+    const S: f64 = 9.0;
+    const L: usize = 24;
+    const CAP: usize = 64;
+
+    fn model<R: Real>() -> TorsionHysteresis<R, L, CAP> {
+        TorsionHysteresisParams { half_range: R::lit(U), gap: R::lit(S) }.build().unwrap()
+    }
+
+    /// Torques along torsions in units of U.
+    fn torques(torsions: &[f64]) -> Vec<f64> {
+        let (model, mut state) = (model::<f64>(), TorsionHysteresisState::default());
+        torsions.iter().map(|x| model.step(&mut state, x * U).torque).collect()
+    }
+
+    #[test]
+    fn the_major_loop_has_its_closed_form_and_its_gap() {
+        for k in -12..=12 {
+            let x = f64::from(k) / 12.0;
+            let (falling, rising) = (torques(&[1.0, x])[1], torques(&[-1.0, x])[1]);
+            assert!((falling + 0.5 * S * (1.0 - x * x)).abs() < 1e-13);
+            assert!((rising - 0.5 * S * (1.0 - x * x)).abs() < 1e-13);
+        }
+        assert!((torques(&[-1.0, 0.0])[1] - torques(&[1.0, 0.0])[1] - S).abs() < 1e-13);
+    }
+
+    #[test]
+    fn it_starts_without_torque_and_on_the_virgin_curve() {
+        let state = TorsionHysteresisState::default();
+        assert_eq!(model::<f64>().peek(&state, 0.0).torque, 0.0);
+        assert_eq!(model::<f32>().peek(&TorsionHysteresisState::default(), 0.0).torque, 0.0);
+        for k in -12i32..=12 {
+            let x = f64::from(k) / 12.0;
+            let wanted = S * (x.abs() - x * x) * x.signum();
+            assert!((model::<f64>().peek(&state, x * U).torque - wanted).abs() < 1e-13);
+        }
+    }
+
+    /// One arcmin at the default gear's K1, from the torque loop itself.
+    #[test]
+    fn the_width_at_zero_torque_is_the_wanted_one() {
+        let (k1, width) = (3.1e4, 2.908_882e-4);
+        let gap = gap_for_width(k1, width, U).unwrap();
+        let model: TorsionHysteresis<f64, L, CAP> =
+            TorsionHysteresisParams { half_range: U, gap }.build().unwrap();
+        let crossing = |start: f64| {
+            let mut state = TorsionHysteresisState::default();
+            model.step(&mut state, start);
+            let (mut low, mut high) = (-U, U);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                let torque = k1 * middle + model.peek(&state, middle).torque;
+                (low, high) = if torque < 0.0 { (middle, high) } else { (low, middle) };
+            }
+            low
+        };
+        // The table is linear within a cell: 0.1 % of the gap at most at 24 levels.
+        assert!(((crossing(U) - crossing(-U)) / width - 1.0).abs() < 1e-3);
+        assert_eq!(gap_for_width(k1, 2.0 * U, U), Err(Error::OutOfRange("width")));
+        assert_eq!(gap_for_width(0.0, width, U), Err(Error::OutOfRange("stiffness")));
+    }
+
+    /// Work of the torque along grid inputs, cell by cell: relays switch in the middle of a cell, so
+    /// the trapezoid between its edges is exact.
+    struct Walk<'a> {
+        relays: &'a Relays<f64, L>,
+        memory: RelaysState<f64, L>,
+        model: &'a TorsionHysteresis<f64, L, CAP>,
+        state: TorsionHysteresisState<f64, CAP>,
+        at: usize,
+        torque: f64,
+        work: f64,
+    }
+
+    impl Walk<'_> {
+        fn to(&mut self, target: usize) {
+            while self.at != target {
+                let next = if target > self.at { self.at + 1 } else { self.at - 1 };
+                let (from, to) = (self.relays.edge(self.at), self.relays.edge(next));
+                self.relays.step(&mut self.memory, to);
+                let torque = self.model.step(&mut self.state, to).torque;
+                self.work += 0.5 * (self.torque + torque) * (to - from);
+                (self.at, self.torque) = (next, torque);
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn the_area_of_a_closed_loop_is_the_energy_that_the_relays_dissipate(
+            mut corners in prop::collection::vec(0..=L, 1..30),
+        ) {
+            let weights = Weights::uniform(S).unwrap();
+            let (relays, model) = (Relays::build(U, &weights).unwrap(), model());
+            let mut walk = Walk {
+                relays: &relays, memory: RelaysState::default(),
+                model: &model, state: TorsionHysteresisState::default(),
+                at: L / 2, torque: 0.0, work: 0.0,
+            };
+            corners.push(L / 2);
+            corners.iter().for_each(|&k| walk.to(k));
+            let stored = |walk: &Walk| relays.stored(&walk.memory, 0.0);
+            // The first lap starts demagnetised: part of its work stays stored.
+            let fresh = relays.stored(&RelaysState::default(), 0.0);
+            let lost = stored(&walk) - fresh + walk.memory.dissipated();
+            prop_assert!((walk.work - lost).abs() <= 1e-9 * walk.memory.dissipated() + 1e-15);
+            prop_assert!(stored(&walk) >= fresh - 1e-15 && walk.work >= -1e-15);
+            // The second lap closes in the memory too.
+            let (work, dissipated) = (walk.work, walk.memory.dissipated());
+            corners.iter().for_each(|&k| walk.to(k));
+            let area = walk.work - work;
+            let lost = walk.memory.dissipated() - dissipated;
+            prop_assert!((area - lost).abs() <= 1e-9 * lost + 1e-15);
+        }
+
+        #[test]
+        fn no_path_back_to_zero_torsion_gains_energy(
+            mut corners in prop::collection::vec(-1.3..1.3f64, 1..20),
+        ) {
+            corners.push(0.0);
+            let (model, mut state) = (model::<f64>(), TorsionHysteresisState::default());
+            let (mut at, mut torque, mut work) = (0.0, 0.0, 0.0);
+            for corner in corners {
+                for k in 1..=200 {
+                    let next = at + (corner - at) * f64::from(k) / 200.0;
+                    let after = model.step(&mut state, next * U).torque;
+                    work += 0.5 * (torque + after) * (corner - at) / 200.0;
+                    torque = after;
+                }
+                at = corner;
+            }
+            // Trapezoids across the kinks at cell edges: slope jump S/6 a cell width, step 0.013.
+            prop_assert!(work * U >= -2e-4 * S * U);
+        }
+
+        #[test]
+        fn f32_follows_f64(torsions in prop::collection::vec(-1.2..1.2f64, 1..200)) {
+            let (single, double) = (model::<f32>(), model::<f64>());
+            let (mut a, mut b) = (TorsionHysteresisState::default(), TorsionHysteresisState::default());
+            for x in torsions {
+                let torsion = (x * U) as f32;
+                let torque = single.step(&mut a, torsion).torque;
+                let exact = double.step(&mut b, f64::from(torsion)).torque;
+                prop_assert!((f64::from(torque) - exact).abs() < 3e-5 * S);
+            }
+        }
+
+        #[test]
+        fn any_input_bits_give_a_bounded_torque(bits in prop::collection::vec(any::<u32>(), 1..200)) {
+            let (model, mut state) = (model::<f32>(), TorsionHysteresisState::default());
+            for bits in bits {
+                let (before, torsion) = (state, f32::from_bits(bits));
+                let found = model.step(&mut state, torsion);
+                prop_assert!(found.torque.abs() <= 0.5001 * S as f32 && found.slope.is_finite());
+                prop_assert_eq!(found.held, !torsion.is_finite());
+                prop_assert!(!found.held || (before == state && found.torque == before.last().torque));
+            }
+        }
+    }
+
+    #[test]
+    fn the_slope_is_the_derivative() {
+        let (model, mut state) = (model::<f64>(), TorsionHysteresisState::default());
+        for x in [0.3, 0.71, 0.2, -0.55, -0.1, 0.4, 1.4] {
+            let rising = x * U > 0.0;
+            let found = model.step(&mut state, x * U);
+            let h = 1e-7 * U * if rising { 1.0 } else { -1.0 };
+            let moved = model.peek(&state, x * U + h).torque;
+            let wanted = (moved - found.torque) / h;
+            // Only where the probe goes on in the direction of the step.
+            if (x, rising) != (0.2, true) && (x, rising) != (-0.1, false) {
+                assert!((wanted - found.slope).abs() < 1e-4 * S / U, "{x}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_loop_is_closed_beyond_its_range_and_says_so() {
+        let (model, mut state) = (model::<f64>(), TorsionHysteresisState::default());
+        let found = model.step(&mut state, 3.0 * U);
+        assert!(found.saturated && found.torque.abs() < 1e-13 && found.slope == 0.0);
+    }
+
+    #[test]
+    fn a_parameter_out_of_range_is_named() {
+        let name = |half_range: f64, gap: f64| {
+            let params = TorsionHysteresisParams { half_range, gap };
+            params.build::<8, 8>().unwrap_err()
+        };
+        assert_eq!(name(0.0, 1.0), Error::OutOfRange("half_range"));
+        assert_eq!(name(1.0, -1.0), Error::OutOfRange("gap"));
+    }
+}
