@@ -2,7 +2,9 @@
 
 use proptest::prelude::*;
 use strainwave::Angle;
-use strainwave::compensator::{Compensator, Faults, Input, JointParams, Output, Sensors, Setpoint, Shares, State};
+use strainwave::compensator::{
+    Compensator, Faults, Input, JointParams, Output, Sensors, Setpoint, Shares, State,
+};
 use strainwave_desktop::gear_file;
 use strainwave_desktop::joint::joint_params;
 

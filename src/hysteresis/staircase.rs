@@ -14,15 +14,17 @@
 //! be on its virgin curve. The default state is demagnetised: no turning point, output 0 at u = 0.
 //!
 //! Cost: a step drops at most the stored points and stores at most one, so that a drop is paid for
-//! by an earlier step. Grid inputs turn at most L times, which C > L holds; between them it could be more.
+//! by an earlier step. Nested grid inputs turn at most L times, which a capacity C > L holds;
+//! between them the memory could be deeper.
 //!
-//! Full memory (C points): of the newest [`WINDOW`] pairs of neighbouring points the one is forgotten that
-//! shapes the smallest rectangle of the plane, i.e. the smallest weight of relays that it alone
-//! remembers. Outputs stay as they are, so nothing jumps then. The output is off only while u
-//! passes a forgotten pair on its way out, never by more than G over the smallest loop that is
-//! sure to be kept, between r_(C-8) and r_(C-7); C >= 8. For a ring-down that loses 6 % a
-//! half cycle (damping ratio 0.02) from U to U/1000 and the standard shape, that bound is 26 % of the
-//! output at saturation with C = 24; the largest error found is 2.6 %, with C = 32 it is 1.0 %.
+//! Full memory (C points): of the newest [`WINDOW`] pairs of neighbouring points the one is forgotten
+//! that shapes the smallest rectangle of the plane, with the standard shape the smallest weight of
+//! relays that a pair alone remembers. The outputs of the others stay, so nothing jumps then. The
+//! output is off only while u passes the forgotten pair on its way out, never by more than G over
+//! the smallest loop that is sure to be kept, between r_(C-8) and r_(C-7); C >= 8. For a ring-down
+//! that loses 6 % a half cycle (damping ratio 0.02) from U to U/1000 and the standard shape, that
+//! bound is 26 % of the output at saturation with C = 24; the largest error found is 2.6 %, and
+//! 1.0 % with C = 32.
 //!
 //! Beyond +-U the input counts as +-U. An input that is not finite leaves everything as it is.
 //!
@@ -159,11 +161,11 @@ impl<R: Real, const CAP: usize> StaircaseState<R, CAP> {
     #[inline(always)]
     fn take(&mut self, branch: Branch, now: Turn<R>) {
         self.depth = branch.depth;
-        if branch.turned {
-            if let Some(place) = self.turns.get_mut(branch.depth) {
-                *place = self.now;
-                self.depth = branch.depth + 1;
-            }
+        if branch.turned
+            && let Some(place) = self.turns.get_mut(branch.depth)
+        {
+            *place = self.now;
+            self.depth = branch.depth + 1;
         }
         self.now = now;
     }
