@@ -9,6 +9,8 @@ use strainwave::Angle;
 use strainwave::compensator::{Input, Sensors, Setpoint, Shares};
 use strainwave_app::frame::{INPUT_BYTES, decode_input, encode_input, encode_output};
 use strainwave_app::{JOINT, control_step};
+use strainwave_desktop::gear_file::GearFile;
+use strainwave_desktop::joint;
 use strainwave_emulator::machine::{Error, Options};
 use strainwave_emulator::{Machine, firmware, setup};
 
@@ -64,6 +66,52 @@ fn arbitrary(sequence: &mut Sequence) -> Input<f32> {
     frame.fill_with(|| sequence.word() as u8);
     (frame[4], frame[13]) = (frame[4] & 1, frame[13] & 1);
     decode_input(&frame).expect("both flags are valid")
+}
+
+#[test]
+fn every_board_links_and_none_can_panic() {
+    let boards = firmware::boards().expect("the folder of the boards");
+    assert_eq!(boards, ["mps2-an386", "stm32f405"]);
+    for board in boards {
+        // A panic that can be reached leaves a symbol undefined.
+        let built = firmware::build(&board, None).expect("builds");
+        assert!(built.compiler.starts_with("rustc 1."), "{}", built.compiler);
+        assert!(built.elf.is_file());
+    }
+}
+
+#[test]
+fn the_joint_that_is_built_in_is_the_default_gear() {
+    let file = GearFile::default_gear();
+    let params = joint::joint_params::<f32>(&file).expect("the default gear is sound");
+    assert_eq!(JOINT, params);
+    let generated = joint::source(&params, "gears/hd25-100.toml");
+    assert_eq!(include_str!("../../boards/app/src/joint.rs"), generated);
+}
+
+#[test]
+fn another_joint_is_another_image() {
+    let Some(elf) = image() else { return };
+    let mut params = JOINT;
+    params.limits.motor_torque = 0.25;
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let path = folder.path().join("joint.rs");
+    std::fs::write(&path, joint::source(&params, "weak")).expect("is written");
+    let weak = firmware::build(BOARD, Some(&path)).expect("builds").elf;
+    assert_ne!(weak, elf);
+    let mut machine = Machine::boot(&weak, &[]).expect("boots");
+    let compensator = params.build().expect("is sound");
+    let mut state = compensator.rest();
+    let mut sequence = Sequence(2);
+    let mut at_the_limit = false;
+    for period in 0..300 {
+        let input = plausible(&mut sequence, period);
+        let wanted = control_step(&compensator, &mut state, &input);
+        let answer = machine.exchange(&encode_input(&input)).expect("answers");
+        assert_eq!(answer, encode_output(&wanted), "period {period}");
+        at_the_limit |= wanted.motor_torque.abs() == 0.25;
+    }
+    assert!(at_the_limit);
 }
 
 #[test]
