@@ -1,9 +1,13 @@
 //! Cross-build, set-up, QEMU, lockstep, counting and proofs on the firmware image.
 
+pub mod artifact;
+pub mod counting;
 pub mod firmware;
 pub mod machine;
 mod process;
+pub mod pil;
 pub mod setup;
+pub mod target;
 pub mod telemetry;
 
 pub use firmware::Firmware;

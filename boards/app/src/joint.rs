@@ -1,4 +1,4 @@
-// Generated from the gear file `gears/hd25-100.toml` by `strainwave firmware`; do not edit.
+// Generated from the gear file `hd25-100`; do not edit.
 use strainwave::compensator::feedback::FeedbackParams;
 use strainwave::compensator::observer::{Gains, ObserverParams};
 use strainwave::compensator::{JointParams, Limits};

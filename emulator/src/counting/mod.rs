@@ -1,0 +1,80 @@
+//! Exact instruction counts of the firmware's functions, and cycles by a model.
+//!
+//! A QEMU plugin follows every instruction that the emulated microcontroller executes and sums them up per
+//! call of the tracked functions, callees included, exception handlers on top of them not. The counts are
+//! repeatable to the instruction. Cycles are the sum of [`cycle_table`]'s costs: a model at its
+//! pessimistic end, not a measurement on silicon.
+//!
+//! ```text
+//! image -> plan -> QEMU with the plugin, driven by the caller -> result
+//! ```
+
+pub mod cycle_table;
+mod error;
+mod plan;
+mod plugin;
+mod result;
+
+pub use error::Error;
+pub use result::{Counts, Outcome, Spread, merge};
+
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+use crate::artifact::Image;
+use crate::setup;
+
+/// A run to be counted: from its preparation to its result.
+#[derive(Debug)]
+pub struct Counting {
+    plugin: PathBuf,
+    folder: TempDir,
+}
+
+impl Counting {
+    /// Builds the plugin and writes the plan for the functions of `image` with these indices.
+    pub fn prepare(image: &Image, tracked: &[usize]) -> Result<Self, Error> {
+        let plugin = plugin::build(&setup::emulator(&setup::ThisHost)?)?;
+        let text = plan::plan(image, tracked)?;
+        let folder = tempfile::Builder::new().prefix("strainwave-counting-").tempdir()?;
+        std::fs::write(folder.path().join(PLAN), text)?;
+        Ok(Self { plugin, folder })
+    }
+
+    /// What QEMU is to be started with, besides everything else.
+    pub fn arguments(&self) -> [String; 2] {
+        let escaped = |path: &Path| path.display().to_string().replace(',', ",,");
+        let file = |name| escaped(&self.folder.path().join(name));
+        let option = format!("{},plan={},out={}", escaped(&self.plugin), file(PLAN), file(RESULT));
+        ["-plugin".to_owned(), option]
+    }
+
+    /// The result, after QEMU has ended by itself.
+    pub fn finish(self, image: &Image) -> Result<Outcome, Error> {
+        let text = std::fs::read_to_string(self.folder.path().join(RESULT)).map_err(|_| Error::NoResult)?;
+        let outcome = result::parse(&text).ok_or(Error::NoResult)?;
+        match &outcome.anomaly {
+            Some(anomaly) => Err(explain(image, anomaly)),
+            None => Ok(outcome),
+        }
+    }
+}
+
+const PLAN: &str = "plan.txt";
+const RESULT: &str = "result.txt";
+
+/// Names the function and the instruction that the plugin could not count.
+fn explain(image: &Image, anomaly: &str) -> Error {
+    let mut words = anomaly.split(' ');
+    let kind = words.next().unwrap_or("");
+    let address = words.next().and_then(|w| u32::from_str_radix(w.trim_start_matches("0x"), 16).ok());
+    let function = address.and_then(|a| image.function_at(a)).map(|k| image.functions()[k].name().to_owned());
+    let function = function.unwrap_or_else(|| "code that is not in the image".to_owned());
+    let instruction = image.instructions().iter().find(|i| Some(i.address) == address);
+    match (kind, instruction, address) {
+        ("uncosted", Some(i), _) => Error::NoCost { function, address: i.address, text: i.text.clone() },
+        ("uncosted", None, Some(address)) => Error::NotInImage { address },
+        _ => Error::LostTrack { function, what: anomaly.to_owned() },
+    }
+}

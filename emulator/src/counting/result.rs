@@ -1,0 +1,110 @@
+//! What the plugin counted.
+
+/// Smallest, largest and mean over the calls of a function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Of the cheapest call.
+    pub min: u64,
+    /// Of the dearest call.
+    pub max: u64,
+    /// Over all calls.
+    pub mean: f64,
+}
+
+/// What was counted for one tracked function, its callees included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Counts {
+    /// Calls.
+    pub calls: u64,
+    /// Instructions of a call.
+    pub instructions: Spread,
+    /// Cycles of a call, by the model of [`super::cycle_table`].
+    pub cycles: Spread,
+}
+
+/// What one run counted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// One for each tracked function, in the plan's order; `None` when it was never called.
+    pub counts: Vec<Option<Counts>>,
+    /// Every instruction that the guest executed.
+    pub executed: u64,
+    /// What makes the counts wrong, in the plugin's words.
+    pub anomaly: Option<String>,
+}
+
+/// Reads the plugin's result.
+pub fn parse(text: &str) -> Option<Outcome> {
+    let mut outcome = Outcome { counts: Vec::new(), executed: 0, anomaly: None };
+    let mut complete = false;
+    for line in text.lines() {
+        match line.split_once(' ')? {
+            ("executed", count) => {
+                outcome.executed = count.parse().ok()?;
+                complete = true;
+            }
+            ("anomaly", what) => outcome.anomaly = Some(what.to_owned()),
+            _ => outcome.counts.push(counts(line)?),
+        }
+    }
+    complete.then_some(outcome)
+}
+
+/// `CALLS INSTRUCTIONS_MIN MAX SUM CYCLES_MIN MAX SUM`.
+fn counts(line: &str) -> Option<Option<Counts>> {
+    let numbers: Vec<u64> = line.split(' ').map(str::parse).collect::<Result<_, _>>().ok()?;
+    let [calls, i_min, i_max, i_sum, c_min, c_max, c_sum] = numbers[..] else { return None };
+    let spread = |min, max, sum: u64| Spread { min, max, mean: sum as f64 / calls as f64 };
+    let (instructions, cycles) = (spread(i_min, i_max, i_sum), spread(c_min, c_max, c_sum));
+    Some((calls > 0).then_some(Counts { calls, instructions, cycles }))
+}
+
+/// One count for functions that share a row of the budget: the dearest call of any of them.
+pub fn merge(counts: impl IntoIterator<Item = Counts>) -> Option<Counts> {
+    counts.into_iter().reduce(|a, b| {
+        let calls = a.calls + b.calls;
+        let spread = |x: Spread, y: Spread| Spread {
+            min: x.min.min(y.min),
+            max: x.max.max(y.max),
+            mean: (x.mean * a.calls as f64 + y.mean * b.calls as f64) / calls as f64,
+        };
+        Counts {
+            calls,
+            instructions: spread(a.instructions, b.instructions),
+            cycles: spread(a.cycles, b.cycles),
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_result_is_read_back() {
+        let outcome =
+            parse("2 3 5 8 10 20 30\n0 18446744073709551615 0 0 18446744073709551615 0 0\nexecuted 99\n");
+        let outcome = outcome.unwrap();
+        let counts = outcome.counts[0].unwrap();
+        assert_eq!((counts.calls, counts.instructions), (2, Spread { min: 3, max: 5, mean: 4.0 }));
+        assert_eq!(counts.cycles, Spread { min: 10, max: 20, mean: 15.0 });
+        assert_eq!((outcome.counts[1], outcome.executed, outcome.anomaly), (None, 99, None));
+    }
+
+    #[test]
+    fn half_a_result_is_none() {
+        assert_eq!(parse("2 3 5 8 10 20 30\n"), None);
+        assert_eq!(parse("2 3 5\nexecuted 4"), None);
+    }
+
+    #[test]
+    fn functions_of_one_row_share_their_extremes() {
+        let one = |calls, max: u64| Counts {
+            calls,
+            instructions: Spread { min: 1, max, mean: max as f64 },
+            cycles: Spread { min: 2, max: 2 * max, mean: 2.0 * max as f64 },
+        };
+        let merged = merge([one(1, 10), one(3, 30)]).unwrap();
+        assert_eq!((merged.calls, merged.instructions.max, merged.cycles.mean), (4, 30, 50.0));
+    }
+}
