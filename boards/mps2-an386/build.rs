@@ -14,7 +14,7 @@ fn main() -> io::Result<()> {
     println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
     if env::var_os("RUSTC_LINKER").is_some() {
         // A linker that is not rustc's own. Those before LLVM 15 or so keep whatever a script names, used or not:
-        // here defmt's own panic, which src/fault.rs replaces, and with it `core::panic!`.
+        // here defmt's own panic, which the application replaces, and with it `core::panic!`.
         println!("cargo:rustc-link-arg-bins=--defsym=__defmt_default_panic=0");
     }
     println!("cargo:rerun-if-changed=../../memory.x");

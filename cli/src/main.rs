@@ -1,3 +1,69 @@
 //! The `strainwave` command, thin over the desktop and emulator libraries.
+//!
+//! Exit code 0 when every figure holds, 1 when one misses its bound, 2 when the command could not be
+//! carried out: then one line on the error stream says why, and nothing has been written.
 
-fn main() {}
+mod files;
+mod progress;
+mod report;
+mod usage;
+mod verify;
+
+use std::panic::{self, PanicHookInfo};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use strainwave_desktop::BadInput;
+
+use crate::report::Report;
+
+/// A figure misses its bound.
+const MISSED: u8 = 1;
+/// The command could not be carried out.
+const REFUSED: u8 = 2;
+
+/// Harmonic-drive torsion, friction and hysteresis: simulate, verify and measure.
+///
+/// Exit code: 0 every figure holds, 1 a figure misses its bound, 2 bad input.
+#[derive(Parser)]
+#[command(name = "strainwave", version)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Verify(verify::Arguments),
+}
+
+fn run(command: Command) -> Result<Report, BadInput> {
+    match command {
+        Command::Verify(arguments) => verify::run(&arguments),
+    }
+}
+
+fn main() -> ExitCode {
+    panic::set_hook(Box::new(internal_error));
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return usage::answer(&error),
+    };
+    match panic::catch_unwind(|| run(cli.command).and_then(Report::publish)) {
+        Ok(Ok(true)) => ExitCode::SUCCESS,
+        Ok(Ok(false)) => ExitCode::from(MISSED),
+        Ok(Err(error)) => {
+            eprintln!("error: {error}");
+            ExitCode::from(REFUSED)
+        }
+        // The hook has said what and where.
+        Err(_) => ExitCode::from(REFUSED),
+    }
+}
+
+/// A mistake of ours: one line, whatever RUST_BACKTRACE says.
+fn internal_error(panic: &PanicHookInfo) {
+    let place = panic.location().map_or(String::new(), |at| format!(" ({}:{})", at.file(), at.line()));
+    let message = panic.payload_as_str().unwrap_or("no message");
+    eprintln!("{}", BadInput::message(format_args!("error: internal: {message}{place}")));
+}

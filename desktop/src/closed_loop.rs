@@ -6,8 +6,10 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
-use strainwave::compensator::{Input, Output, Sensors, Shares};
+use strainwave::Error;
+use strainwave::compensator::{Compensator, Input, JointParams, Output, Sensors, Shares, State};
 
+use crate::baseline::Baseline;
 use crate::draw::Draw;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, gear_params};
@@ -27,6 +29,46 @@ pub trait Controller {
     /// # Errors
     /// Ends the run.
     fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, Self::Error>;
+}
+
+/// The compensator in the firmware's precision, on the desktop.
+pub struct HostCompensator {
+    model: Compensator<f32>,
+    state: State<f32>,
+}
+
+impl HostCompensator {
+    /// Builds from what the firmware is built from.
+    ///
+    /// # Errors
+    /// As [`JointParams::build`].
+    pub fn build(joint: &JointParams<f32>) -> Result<Self, Error> {
+        let model = joint.build()?;
+        let state = model.rest();
+        Ok(Self { model, state })
+    }
+
+    /// One control step.
+    pub fn step(&mut self, input: &Input<f32>) -> Output<f32> {
+        self.model.step(&mut self.state, input)
+    }
+}
+
+impl Controller for HostCompensator {
+    type Error = Error;
+
+    fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, Error> {
+        Ok(self.step(input))
+    }
+}
+
+impl Controller for Baseline {
+    type Error = Error;
+
+    fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, Error> {
+        let motor_torque = Baseline::step(self, input) as f32;
+        Ok(Output { motor_torque, ..Output::default() })
+    }
 }
 
 /// One row of a trace.
@@ -121,7 +163,7 @@ pub fn run<C: Controller>(
     mut progress: impl FnMut(f64),
 ) -> Result<Run, C::Error>
 where
-    C::Error: From<strainwave::Error>,
+    C::Error: From<Error>,
 {
     let mut plant = Plant::build(&Draw::from_seed(seed).apply(&gear_params(file)))?;
     let mut sensors = SensorModel::new(file, seed);

@@ -123,7 +123,7 @@ pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
 /// the expression that makes it.
 pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
     format!(
-        "// Generated from the gear file `{gear_name}` by `strainwave firmware`; do not edit.\n\
+        "// Generated from the gear file `{gear_name}`; do not edit.\n\
          use strainwave::compensator::feedback::FeedbackParams;\n\
          use strainwave::compensator::observer::{{Gains, ObserverParams}};\n\
          use strainwave::compensator::{{JointParams, Limits}};\n\

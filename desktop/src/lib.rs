@@ -1,6 +1,7 @@
 //! The full-precision reference build, the plant, baselines, scenarios and files.
 
 pub mod baseline;
+pub mod bounds;
 pub mod closed_loop;
 pub mod draw;
 pub mod figure;
@@ -12,6 +13,7 @@ pub mod observer_design;
 pub mod plant;
 pub mod plot;
 pub mod scenario;
+pub mod verify;
 
 pub use figure::Figure;
 pub use file::BadInput;

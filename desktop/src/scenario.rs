@@ -114,12 +114,12 @@ impl Scenario {
     }
 }
 
-/// -50 N m from the start, then 0.2 mrad more every 0.1 s from 0.4 s on, each a 5 ms move.
+/// -50 N m from the start, then 0.2 mrad more every 0.1 s from 0.4 s on, each a 20 ms move.
 fn steps(time: f64) -> Demand {
     const HEIGHT: f64 = 2e-4;
     let elapsed = (time - 0.4).max(0.0);
     let done = (elapsed / 0.1).floor();
-    let mut demand = rest_to_rest(elapsed - 0.1 * done, HEIGHT, 0.005);
+    let mut demand = rest_to_rest(elapsed - 0.1 * done, HEIGHT, 0.02);
     demand.position += HEIGHT * done;
     demand.load = -50.0 * smooth(time / 0.1).0;
     demand

@@ -6,7 +6,9 @@ pub mod counting;
 pub mod firmware;
 pub mod machine;
 mod process;
+pub mod pil;
 pub mod setup;
+pub mod target;
 pub mod telemetry;
 
 pub use firmware::Firmware;

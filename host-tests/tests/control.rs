@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use strainwave::compensator::{Input, Output};
 use strainwave_app::telemetry::CAPACITY;
-use strainwave_app::{Board, Compensator, Control, JOINT, Log, State, Telemetry, control_step};
+use strainwave_app::{Board, Control, JOINT, Log, Telemetry, control_step};
 
 /// What happened on the board, in order.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +23,8 @@ struct Played {
 }
 
 impl Board for Played {
+    const REPORT_EVERY: u32 = 1;
+
     fn input(&mut self) -> Option<Input<f32>> {
         self.inputs.borrow_mut().remove(0)
     }
@@ -58,8 +60,8 @@ fn input(encoder: u32) -> Input<f32> {
 fn a_period_is_fetch_step_store_then_the_watchdog() {
     let board = Played::default();
     let (mut control, _log) = control(&board);
-    let compensator = Compensator::build(&JOINT).expect("the default joint is sound");
-    let mut state = State::default();
+    let compensator = JOINT.build().expect("the default joint is sound");
+    let mut state = compensator.rest();
     for encoder in [0, 5_000, 9_000, 12_000] {
         board.inputs.borrow_mut().push(Some(input(encoder)));
         control.tick();

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use strainwave::Angle;
 use strainwave::compensator::{Input, Sensors, Setpoint, Shares};
 use strainwave_app::frame::{INPUT_BYTES, decode_input, encode_input, encode_output};
-use strainwave_app::{Compensator, JOINT, State, control_step};
+use strainwave_app::{JOINT, control_step};
 use strainwave_emulator::machine::{Error, Options};
 use strainwave_emulator::{Machine, firmware, setup};
 
@@ -70,8 +70,8 @@ fn arbitrary(sequence: &mut Sequence) -> Input<f32> {
 fn the_image_answers_as_the_host_does_bit_for_bit() {
     let Some(elf) = image() else { return };
     let mut machine = Machine::boot(&elf, &[]).expect("boots");
-    let compensator = Compensator::build(&JOINT).expect("the default joint is sound");
-    let mut state = State::default();
+    let compensator = JOINT.build().expect("the default joint is sound");
+    let mut state = compensator.rest();
     let mut sequence = Sequence(1);
     let mut moved = false;
     for period in 0..1200 {

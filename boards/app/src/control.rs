@@ -10,6 +10,9 @@ pub const RATE: u32 = 10_000;
 
 /// What the control needs from a board, once a period.
 pub trait Board {
+    /// Of how many steps one is reported: as many as the board's telemetry can carry.
+    const REPORT_EVERY: u32;
+
     /// Sensors and setpoint of this period; `None` when the board has none that can be trusted.
     fn input(&mut self) -> Option<Input<f32>>;
     /// Puts a step's output to the motor.
@@ -25,7 +28,7 @@ pub trait Board {
 /// Everything the control interrupt owns.
 pub struct Control<B> {
     board: B,
-    compensator: Compensator<f32>,
+    compensator: Compensator,
     state: State,
     sender: Sender,
     periods: u32,
@@ -38,8 +41,9 @@ impl<B: Board> Control<B> {
     /// # Errors
     /// [`Error::OutOfRange`] with the name of a constant that the joint's file has wrong.
     pub fn new(board: B, sender: Sender) -> Result<Self, Error> {
-        let compensator = Compensator::build(&JOINT)?;
-        Ok(Self { board, compensator, state: State::default(), sender, periods: 0, overruns: 0 })
+        let compensator = JOINT.build()?;
+        let state = compensator.rest();
+        Ok(Self { board, compensator, state, sender, periods: 0, overruns: 0 })
     }
 
     /// One period: called from the board's control interrupt, never blocks on telemetry.
@@ -58,13 +62,15 @@ impl<B: Board> Control<B> {
         let output = control_step(&self.compensator, &mut self.state, input);
         self.board.output(&output);
         self.overruns = self.overruns.saturating_add(u32::from(self.board.overran()));
-        self.sender.send(Record::new(self.periods, self.overruns, input, &output));
+        if self.periods.is_multiple_of(B::REPORT_EVERY) {
+            self.sender.send(Record::new(self.periods, self.overruns, input, &output));
+        }
     }
 }
 
 /// The step that the budget counts: a symbol of its own in the linked image.
 #[inline(never)]
 #[cfg_attr(target_os = "none", unsafe(no_mangle))]
-pub fn control_step(compensator: &Compensator<f32>, state: &mut State, input: &Input<f32>) -> Output<f32> {
+pub fn control_step(compensator: &Compensator, state: &mut State, input: &Input<f32>) -> Output<f32> {
     compensator.step(state, input)
 }

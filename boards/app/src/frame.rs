@@ -1,7 +1,8 @@
 //! One step's input and output as bytes on the link between firmware and host.
 //!
 //! Fields in the order of their declaration, little-endian, no padding; f32 as its raw bits, so
-//! that NaNs and signed zeros survive; a set of faults as its bits; an `Option` as a flag byte
+//! that NaNs and signed zeros survive; a set of faults as its bits, of which those without a name are
+//! ignored; an `Option` as a flag byte
 //! (0 absent, 1 present) followed by the value, which is sent as zero and ignored when absent.
 //! Any other flag byte makes the whole frame invalid: the two sides do not speak the same frame.
 
@@ -74,7 +75,7 @@ pub fn encode_output(output: &Output<f32>) -> [u8; OUTPUT_BYTES] {
     writer.f32(output.estimate.input_friction);
     writer.f32(output.estimate.output_friction);
     writer.f32(output.estimate.external_torque);
-    writer.u32(output.faults.0);
+    writer.u32(output.faults.bits());
     writer.bytes
 }
 
@@ -94,7 +95,7 @@ pub fn decode_output(frame: &[u8; OUTPUT_BYTES]) -> Output<f32> {
             output_friction: reader.f32(),
             external_torque: reader.f32(),
         },
-        faults: Faults(reader.u32()),
+        faults: Faults::from_bits(reader.u32()),
     }
 }
 

@@ -1,15 +1,18 @@
 //! The joint controller's application: what every board runs.
 //!
 //! A board implements [`Board`] and is otherwise wiring: its 10 kHz interrupt calls
-//! [`Control::tick`], its idle loop [`Log::drain`]. Nothing here touches hardware, so the same
+//! [`Slot::tick`], its idle loop [`Log::drain`]. Nothing here touches hardware, so the same
 //! code runs on the host, where it is tested.
 #![no_std]
 
 pub mod control;
 pub mod frame;
+pub mod jog;
 #[cfg(target_os = "none")]
 pub mod logger;
-mod stand_in;
+#[cfg(target_os = "none")]
+mod panic;
+pub mod slot;
 pub mod telemetry;
 
 /// Constants of the joint, generated from its gear file.
@@ -19,7 +22,12 @@ pub mod joint {
 
 pub use control::{Board, Control, control_step};
 pub use joint::JOINT;
-pub use stand_in::{Compensator, State};
 pub use strainwave::Error;
 pub use strainwave::compensator::{Input, Output};
+
+/// The compensator as firmware runs it.
+pub type Compensator = strainwave::compensator::Compensator<f32>;
+/// What it remembers from step to step.
+pub type State = strainwave::compensator::State<f32>;
+pub use slot::Slot;
 pub use telemetry::{Log, Record, Telemetry};

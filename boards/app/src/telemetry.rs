@@ -41,7 +41,7 @@ impl Record {
             motor_torque: output.motor_torque,
             torsion: output.estimate.torsion,
             external_torque: output.estimate.external_torque,
-            faults: output.faults.0,
+            faults: output.faults.bits(),
         }
     }
 }

@@ -1,10 +1,27 @@
-//! How the image ends when something is wrong.
+//! How the image ends.
 
+use core::ffi::CStr;
 use cortex_m_rt::{ExceptionFrame, exception};
 use cortex_m_semihosting::{debug, syscall1};
 
-/// Ends the emulator.
-pub fn exit(status: debug::ExitStatus) -> ! {
+/// The run ended as it should.
+pub fn succeed() -> ! {
+    exit(debug::EXIT_SUCCESS)
+}
+
+/// Something is wrong, and the telemetry says what.
+pub fn fail() -> ! {
+    exit(debug::EXIT_FAILURE)
+}
+
+/// Something is wrong amid anything: it is said on the emulator's console.
+fn fail_because(why: &CStr) -> ! {
+    // SAFETY: SYS_WRITE0 takes the address of a string that ends with a zero byte.
+    unsafe { syscall1!(WRITE0, why.as_ptr()) };
+    fail()
+}
+
+fn exit(status: debug::ExitStatus) -> ! {
     debug::exit(status);
     // A debugger may let the image go on.
     loop {
@@ -12,43 +29,18 @@ pub fn exit(status: debug::ExitStatus) -> ! {
     }
 }
 
-/// Says why on the emulator's console, then ends it: the logger may be amid a frame.
-fn fail(why: &core::ffi::CStr) -> ! {
-    // SAFETY: SYS_WRITE0 takes the address of a string that ends with a zero byte.
-    unsafe { syscall1!(WRITE0, why.as_ptr()) };
-    exit(debug::EXIT_FAILURE)
-}
-
 /// The watchdog.
 #[exception]
 unsafe fn NonMaskableInt() {
-    fail(c"watchdog: the control missed its periods\n")
+    fail_because(c"watchdog: the control missed its periods\n")
 }
 
 #[exception]
 unsafe fn HardFault(_frame: &ExceptionFrame) -> ! {
-    fail(c"hard fault\n")
+    fail_because(c"hard fault\n")
 }
 
 #[exception]
 unsafe fn DefaultHandler(_number: i16) {
-    fail(c"interrupt without a handler\n")
-}
-
-unsafe extern "C" {
-    /// Defined nowhere: an image in which a panic can be reached does not link.
-    fn strainwave_a_panic_is_reachable() -> !;
-}
-
-#[panic_handler]
-fn panic(_info: &core::panic::PanicInfo) -> ! {
-    // SAFETY: never linked.
-    unsafe { strainwave_a_panic_is_reachable() }
-}
-
-/// defmt's own would call `core::panic!`, and older linkers keep it even when nothing uses it.
-#[defmt::panic_handler]
-fn logged_panic() -> ! {
-    // SAFETY: never linked.
-    unsafe { strainwave_a_panic_is_reachable() }
+    fail_because(c"interrupt without a handler\n")
 }

@@ -75,6 +75,8 @@ impl Board {
 }
 
 impl strainwave_app::Board for Board {
+    const REPORT_EVERY: u32 = 1;
+
     fn input(&mut self) -> Option<Input<f32>> {
         if ended() {
             return None;

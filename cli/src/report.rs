@@ -1,0 +1,124 @@
+//! What a subcommand answers with: figures, as a table and as JSON.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use comfy_table::{CellAlignment, Table, presets};
+use serde::Serialize;
+use strainwave_desktop::{BadInput, Figure, file};
+
+/// Options of every subcommand.
+#[derive(Args)]
+pub struct ReportArguments {
+    /// Also write the figures to this file, as {"figures": [{"name", "value", "unit", "bound", "holds"}, ...]}
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// The figures of a subcommand.
+#[derive(Serialize)]
+pub struct Report {
+    figures: Vec<Figure>,
+    #[serde(skip)]
+    json: Option<PathBuf>,
+}
+
+impl Report {
+    /// Figures to be published as `arguments` ask.
+    pub fn new(figures: Vec<Figure>, arguments: &ReportArguments) -> Self {
+        Self { figures, json: arguments.json.clone() }
+    }
+
+    /// Writes the JSON file, prints the table, and tells whether every figure holds.
+    pub fn publish(self) -> Result<bool, BadInput> {
+        if let Some(path) = &self.json {
+            self.write_json(path)?;
+        }
+        // A reader that has seen enough and closed the pipe changes nothing.
+        let _ = writeln!(io::stdout(), "{}", table(&self.figures));
+        Ok(self.figures.iter().all(|figure| figure.holds))
+    }
+
+    fn write_json(&self, path: &Path) -> Result<(), BadInput> {
+        file::write(path, |out| {
+            serde_json::to_writer_pretty(&mut *out, self).map_err(io::Error::from)?;
+            Ok(writeln!(out)?)
+        })
+    }
+}
+
+/// One row a figure.
+fn table(figures: &[Figure]) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header(["name", "value", "unit", "bound", "holds"]);
+    for figure in figures {
+        let bound = figure.bound.map_or("-".into(), number);
+        let holds = match (figure.bound, figure.holds) {
+            (None, _) => "-",
+            (Some(_), true) => "yes",
+            (Some(_), false) => "NO",
+        };
+        table.add_row([&figure.name, &number(figure.value), &figure.unit, &bound, holds]);
+    }
+    for column in [1, 3] {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table.lines().map(|line| line.trim_end().to_owned()).collect::<Vec<_>>().join("\n")
+}
+
+/// Four digits, in powers of ten when far from 1; whole numbers as they are.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if value.fract() == 0.0 && size < 1e9 {
+        format!("{value}")
+    } else if (1e-2..1e5).contains(&size) {
+        let decimals = (3.0 - size.log10().floor()).clamp(0.0, 5.0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_four_digits() {
+        let cases = [
+            (0.0, "0"),
+            (828.0, "828"),
+            (1.23456, "1.235"),
+            (-0.0123456, "-0.01235"),
+            (1.2e-10, "1.200e-10"),
+        ];
+        for (value, wanted) in cases {
+            assert_eq!(number(value), wanted);
+        }
+        assert_eq!(
+            (number(123.456), number(99_999.9), number(f64::NAN)),
+            ("123.5".into(), "100000".into(), "NaN".into())
+        );
+    }
+
+    #[test]
+    fn the_table_lines_up() {
+        let figures = [
+            Figure::bounded("a.long.name", 0.5, "rad", 0.25),
+            Figure::reported("b", 12.0, "1"),
+            Figure::bounded("c.d", 1.0, "s", 2.0),
+        ];
+        let wanted = "\
+ name         value  unit  bound   holds
+ a.long.name  0.5000 rad   0.2500  NO
+ b                12 1          -  -
+ c.d               1 s          2  yes";
+        assert_eq!(
+            table(&figures).split_whitespace().collect::<Vec<_>>(),
+            wanted.split_whitespace().collect::<Vec<_>>()
+        );
+    }
+}

@@ -1,0 +1,36 @@
+//! Measures the figures that the project claims, each beside its row in [`crate::bounds`].
+
+mod angle;
+
+use crate::figure::Figure;
+
+/// A part of the project whose figures are measured together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Unbounded angles in f32.
+    Angle,
+}
+
+impl Part {
+    /// Every part.
+    pub const ALL: [Self; 1] = [Self::Angle];
+
+    /// As the command names it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Angle => "angle",
+        }
+    }
+
+    /// The part of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|part| part.name() == name)
+    }
+
+    /// Measures the part's figures.
+    pub fn measure(self) -> Vec<Figure> {
+        match self {
+            Self::Angle => angle::measure(),
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! The firmware as a controller: every step on the emulated processor, and the same step on the host.
+
+use strainwave::compensator::{Input, JointParams, Output};
+use strainwave_app::frame::{decode_output, encode_input, encode_output};
+use strainwave_desktop::closed_loop::{Controller, HostCompensator};
+
+use crate::machine::{self, Ending, Machine};
+
+/// A booted firmware beside the host's build of the same joint.
+pub struct Target {
+    machine: Machine,
+    host: HostCompensator,
+    agreement: Agreement,
+}
+
+/// How often target and host answered alike.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Agreement {
+    /// Steps taken.
+    pub steps: u64,
+    /// Steps in which any bit of the output differed.
+    pub different: u64,
+}
+
+/// Why a run on the target ended.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The machine.
+    #[error(transparent)]
+    Machine(#[from] machine::Error),
+    /// A parameter that no model can be built from.
+    #[error(transparent)]
+    Parameter(#[from] strainwave::Error),
+}
+
+impl Target {
+    /// Puts the host's build of `joint` beside a machine that was booted with the same joint.
+    ///
+    /// # Errors
+    /// As [`JointParams::build`].
+    pub fn new(machine: Machine, joint: &JointParams<f32>) -> Result<Self, Error> {
+        Ok(Self { machine, host: HostCompensator::build(joint)?, agreement: Agreement::default() })
+    }
+
+    /// How often both answered alike so far.
+    pub fn agreement(&self) -> Agreement {
+        self.agreement
+    }
+
+    /// Ends the firmware and reads its report.
+    ///
+    /// # Errors
+    /// As [`Machine::finish`].
+    pub fn finish(self) -> Result<Ending, Error> {
+        Ok(self.machine.finish()?)
+    }
+}
+
+impl Controller for Target {
+    type Error = Error;
+
+    fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, Error> {
+        let answer = decode_output(&self.machine.exchange(&encode_input(input))?);
+        let expected = self.host.step(input);
+        self.agreement.steps += 1;
+        self.agreement.different += u64::from(canonical(&answer) != canonical(&expected));
+        Ok(answer)
+    }
+}
+
+/// An output's bits with every NaN alike: which NaN an operation makes differs between processors.
+fn canonical(output: &Output<f32>) -> impl PartialEq {
+    let mut output = *output;
+    let estimate = &mut output.estimate;
+    for value in [
+        &mut output.motor_torque,
+        &mut output.feed_forward_torque,
+        &mut output.motor_reference.rest,
+        &mut estimate.output_position.rest,
+        &mut estimate.output_velocity,
+        &mut estimate.torsion,
+        &mut estimate.transmitted_torque,
+        &mut estimate.input_friction,
+        &mut estimate.output_friction,
+        &mut estimate.external_torque,
+    ] {
+        if value.is_nan() {
+            *value = f32::NAN;
+        }
+    }
+    encode_output(&output)
+}

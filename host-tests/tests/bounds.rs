@@ -1,0 +1,68 @@
+//! The table of bounds itself: unique names, no row without a measurement, none too loose.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use strainwave_desktop::bounds::{self, BOUNDS};
+use strainwave_desktop::verify::Part;
+
+#[test]
+fn rows_are_unique_and_complete() {
+    let mut names = HashSet::new();
+    for bound in BOUNDS {
+        assert!(names.insert(bound.name), "{} stands there twice", bound.name);
+        let parts: Vec<_> = bound.name.split('.').collect();
+        let plain = |part: &&str| {
+            !part.is_empty() && part.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+        };
+        assert!(parts.len() >= 2 && parts.iter().all(plain), "{} is not a dotted name", bound.name);
+        assert!(bound.value.is_finite() && bound.value >= 0.0, "{}", bound.name);
+        assert!(!bound.unit.is_empty() && bound.why.len() > 10, "{} lacks its unit or reason", bound.name);
+    }
+}
+
+/// Every Rust file of the repository but the table and this test.
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        if path.is_dir() && name != "target" && !name.starts_with('.') {
+            sources(&path, found);
+        } else if name.ends_with(".rs") && name != "bounds.rs" {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn every_row_is_measured_somewhere() {
+    let mut files = vec![];
+    sources(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/..")), &mut files);
+    let text: String = files.iter().map(|path| std::fs::read_to_string(path).unwrap()).collect();
+    for bound in BOUNDS {
+        assert!(text.contains(&format!("\"{}\"", bound.name)), "nothing measures {}", bound.name);
+    }
+}
+
+#[test]
+fn every_quick_figure_holds_and_its_bound_is_tight() {
+    for figure in Part::ALL.into_iter().flat_map(Part::measure) {
+        assert!(figure.holds, "{figure:?}");
+        let bound = bounds::find(&figure.name).unwrap();
+        assert!(!bound.is_loose(figure.value), "{figure:?} is far below its bound");
+    }
+}
+
+#[test]
+fn parts_have_unique_names() {
+    for part in Part::ALL {
+        assert_eq!(Part::from_name(part.name()), Some(part));
+    }
+}
+
+#[test]
+fn a_figure_holds_up_to_its_bound_and_nan_never() {
+    let bound = bounds::Bound { name: "a.b", value: 2.0, unit: "1", why: "an example" };
+    assert!(bound.figure(2.0).holds && !bound.figure(2.1).holds && !bound.figure(f64::NAN).holds);
+    assert!(bound.is_loose(0.19) && !bound.is_loose(0.21));
+}

@@ -1,0 +1,188 @@
+//! The control step is total: for any input bits finite, bounded outputs and faults by name.
+
+use proptest::prelude::*;
+use strainwave::Angle;
+use strainwave::compensator::{Compensator, Faults, Input, JointParams, Output, Sensors, Setpoint, Shares, State};
+use strainwave_desktop::gear_file;
+use strainwave_desktop::joint::joint_params;
+
+fn joint() -> JointParams<f32> {
+    joint_params(&gear_file::default_gear()).unwrap()
+}
+
+fn shares() -> Shares<f32> {
+    Shares { feedback: 1.0, inertia: 1.0, friction: 0.8, wind_up: 1.0, kinematic_error: 1.0 }
+}
+
+/// A joint at rest whose encoder reads `motor_encoder`.
+fn resting(motor_encoder: u32) -> Input<f32> {
+    Input {
+        sensors: Sensors { motor_encoder, ..Sensors::default() },
+        setpoint: Setpoint::default(),
+        shares: shares(),
+    }
+}
+
+fn settled() -> (Compensator<f32>, State<f32>) {
+    let compensator = joint().build().unwrap();
+    let mut state = compensator.rest();
+    for _ in 0..200 {
+        compensator.step(&mut state, &resting(0));
+    }
+    (compensator, state)
+}
+
+/// Every output is finite and within what the joint can do.
+fn assert_bounded(output: &Output<f32>) {
+    let (joint, estimate) = (joint(), &output.estimate);
+    let limits = &joint.limits;
+    assert!(output.motor_torque.abs() <= limits.motor_torque, "{output:?}");
+    assert!(output.feed_forward_torque.abs() <= limits.motor_torque, "{output:?}");
+    assert!(estimate.output_velocity.abs() <= 2.0 * limits.output_speed(joint.gear.ratio), "{output:?}");
+    assert!(estimate.external_torque.abs() <= limits.output_torque, "{output:?}");
+    assert!(estimate.transmitted_torque.abs() <= 4.0 * limits.output_torque, "{output:?}");
+    assert!(estimate.torsion.abs() <= 0.02, "{output:?}");
+    for friction in [estimate.input_friction, estimate.output_friction] {
+        assert!(friction.abs() <= 100.0, "{output:?}");
+    }
+    for angle in [output.motor_reference, estimate.output_position] {
+        assert!(angle.rest.abs() <= 2.0, "{output:?}");
+    }
+}
+
+fn any_float() -> impl Strategy<Value = f32> {
+    prop_oneof![any::<u32>().prop_map(f32::from_bits), -2.0..2.0f32, Just(f32::NAN), Just(f32::INFINITY)]
+}
+
+prop_compose! {
+    fn any_input()(
+        encoders in any::<(u32, Option<u32>)>(),
+        torque in any_float(),
+        gauge in prop::option::of(any_float()),
+        counts in any::<i64>(),
+        rest in any_float(),
+        [velocity, acceleration, jerk] in prop::array::uniform3(any_float()),
+        [feedback, inertia, friction, wind_up, kinematic_error] in prop::array::uniform5(any_float()),
+    ) -> Input<f32> {
+        Input {
+            sensors: Sensors {
+                motor_encoder: encoders.0,
+                output_encoder: encoders.1,
+                motor_torque: torque,
+                output_torque: gauge,
+            },
+            setpoint: Setpoint { position: Angle { counts, rest }, velocity, acceleration, jerk },
+            shares: Shares { feedback, inertia, friction, wind_up, kinematic_error },
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(500))]
+
+    #[test]
+    fn any_bits_give_finite_bounded_outputs(inputs in prop::collection::vec(any_input(), 1..60)) {
+        let compensator = joint().build().unwrap();
+        let mut state = compensator.rest();
+        for input in &inputs {
+            assert_bounded(&compensator.step(&mut state, input));
+        }
+        // And it recovers: ordinary inputs end in a step without an input fault.
+        let last = (0..50_000).map(|_| compensator.step(&mut state, &resting(0))).last().unwrap();
+        assert_bounded(&last);
+        prop_assert!(!last.faults.contains(Faults::INPUT_NOT_FINITE));
+        prop_assert!(!last.faults.contains(Faults::SETPOINT_LIMITED));
+        prop_assert!(!last.faults.contains(Faults::MOTOR_ENCODER_JUMP));
+    }
+}
+
+#[test]
+fn nan_and_infinity_are_held_and_named() {
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        for place in 0..8 {
+            let (compensator, mut state) = settled();
+            let before = compensator.step(&mut state.clone(), &resting(0));
+            let mut input = resting(0);
+            let values = [
+                &mut input.sensors.motor_torque,
+                &mut input.setpoint.velocity,
+                &mut input.setpoint.acceleration,
+                &mut input.setpoint.jerk,
+                &mut input.setpoint.position.rest,
+                &mut input.shares.feedback,
+                &mut input.shares.friction,
+                &mut input.shares.wind_up,
+            ];
+            *values.into_iter().nth(place).unwrap() = bad;
+            let output = compensator.step(&mut state, &input);
+            assert!(output.faults.contains(Faults::INPUT_NOT_FINITE), "{place}");
+            assert_eq!(Output { faults: before.faults, ..output }, before, "held, place {place}");
+        }
+    }
+}
+
+#[test]
+fn an_encoder_jump_is_named_and_takes_the_torque_away() {
+    let (compensator, mut state) = settled();
+    let output = compensator.step(&mut state, &resting(1 << 17));
+    assert!(output.faults.contains(Faults::MOTOR_ENCODER_JUMP));
+    assert_eq!(output.motor_torque, 0.0);
+    assert!(!compensator.step(&mut state, &resting(0)).faults.contains(Faults::MOTOR_ENCODER_JUMP));
+}
+
+#[test]
+fn a_frozen_encoder_is_named_while_the_joint_is_asked_to_move() {
+    let (compensator, mut state) = settled();
+    let mut faults = Faults::NONE;
+    for k in 0..10_000 {
+        let mut input = resting(0);
+        input.setpoint.velocity = 0.05;
+        input.setpoint.position = Angle::from_radians(0.05 * 1e-4 * k as f32);
+        let output = compensator.step(&mut state, &input);
+        assert_bounded(&output);
+        faults = output.faults;
+        assert!(k > 500 || !faults.contains(Faults::MOTOR_ENCODER_FROZEN));
+    }
+    assert!(faults.contains(Faults::MOTOR_ENCODER_FROZEN));
+    assert_eq!(faults.names().filter(|name| *name == "motor encoder frozen").count(), 1);
+}
+
+#[test]
+fn switching_a_share_makes_no_step_in_the_torque() {
+    let (compensator, mut state) = settled();
+    let mut input = resting(0);
+    input.setpoint.acceleration = 5.0;
+    let mut last = None;
+    for k in 0..2000 {
+        input.shares.inertia = if (k / 500) % 2 == 0 { 1.0 } else { 0.0 };
+        let torque = compensator.step(&mut state, &input).feed_forward_torque;
+        if k > 0 {
+            assert!((torque - last.unwrap_or(torque)).abs() < 0.02, "step {k}");
+        }
+        last = Some(torque);
+    }
+}
+
+#[test]
+fn the_first_encoder_reading_is_no_jump() {
+    let compensator = joint().build().unwrap();
+    let output = compensator.step(&mut compensator.rest(), &resting(400_000));
+    assert_eq!(output.faults, Faults::NONE);
+}
+
+#[test]
+fn parameters_out_of_range_are_refused_by_name() {
+    use strainwave::Error::OutOfRange;
+    let build = |change: fn(&mut JointParams<f32>)| {
+        let mut params = joint();
+        change(&mut params);
+        params.build().err()
+    };
+    assert_eq!(build(|p| p.gear.ratio = 0), Some(OutOfRange("ratio")));
+    assert_eq!(build(|p| p.gear.flexspline.line.stiffness[1] = -1.0), Some(OutOfRange("stiffness")));
+    assert_eq!(build(|p| p.gear.flexspline_inertia = f32::NAN), Some(OutOfRange("flexspline_inertia")));
+    assert_eq!(build(|p| p.motor_encoder_bits = 40), Some(OutOfRange("encoder_bits")));
+    assert_eq!(build(|p| p.limits.motor_torque = 0.0), Some(OutOfRange("motor_torque")));
+    assert_eq!(build(|p| p.observer.gains[0].motor[2] = f32::INFINITY), Some(OutOfRange("gains")));
+    assert_eq!(build(|p| p.feedback.velocity_gain = -1.0), Some(OutOfRange("velocity_gain")));
+}
