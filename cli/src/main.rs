@@ -6,6 +6,7 @@
 mod files;
 mod progress;
 mod report;
+mod sim;
 mod usage;
 mod verify;
 
@@ -34,11 +35,13 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Sim(sim::Arguments),
     Verify(verify::Arguments),
 }
 
 fn run(command: Command) -> Result<Report, BadInput> {
     match command {
+        Command::Sim(arguments) => sim::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
     }
 }
