@@ -31,8 +31,8 @@ fn header(measured: &Measurement, budget: &Budget) -> String {
     text += if measured.counts.is_empty() {
         "; judged from the image, not run\n"
     } else {
-        "\nInstructions are exact. Cycles are a model of the Cortex-M4F (table in the documentation of \
-         counting::cycle_table),\npessimistic end, zero wait states, emulated, not silicon.\n"
+        "\nInstructions are exact. Cycles are a model of the Cortex-M4F (emulator/src/counting/cycle_table.rs):\n\
+         pessimistic end, zero wait states, emulated, not silicon.\n"
     };
     text
 }
