@@ -27,6 +27,44 @@ pub const BOUNDS: &[Bound] = &[
         name: "angle.torsion.million_turns",
         value: 2e-10,
         unit: "rad",
+        why: "f32 torsion up to 1.5 mrad after 10^6 wave-generator turns: a 24-bit difference, 1 unit of which is \
+          1.2e-10 rad; the observer needs 1e-6",
+    },
+    Bound {
+        name: "pil.s1.power_balance",
+        value: 1e-4,
+        unit: "1",
+        why: "what the reference plant's micro-steps may leave unaccounted of the energy moved",
+    },
+    Bound {
+        name: "pil.s2.power_balance",
+        value: 1e-4,
+        unit: "1",
+        why: "what the reference plant's micro-steps may leave unaccounted of the energy moved",
+    },
+    Bound {
+        name: "pil.s3.power_balance",
+        value: 1e-4,
+        unit: "1",
+        why: "what the reference plant's micro-steps may leave unaccounted of the energy moved",
+    },
+    Bound {
+        name: "pil.s4.power_balance",
+        value: 1e-4,
+        unit: "1",
+        why: "what the reference plant's micro-steps may leave unaccounted of the energy moved",
+    },
+    Bound {
+        name: "pil.s5.power_balance",
+        value: 1e-4,
+        unit: "1",
+        why: "what the reference plant's micro-steps may leave unaccounted of the energy moved",
+    },
+    Bound {
+        name: "pil.s6.power_balance",
+        value: 1e-4,
+        unit: "1",
+        why: "what the reference plant's micro-steps may leave unaccounted of the energy moved",
         why: "f32 torsion up to 1.5 mrad after 10^6 wave-generator turns: a 24-bit difference, 1 unit of which \
               is 1.2e-10 rad; the observer needs 1e-6",
     },

@@ -9,6 +9,7 @@ use strainwave::Angle;
 use strainwave::compensator::{Input, Sensors, Setpoint, Shares};
 use strainwave_app::frame::{INPUT_BYTES, decode_input, encode_input, encode_output};
 use strainwave_app::{JOINT, control_step};
+use strainwave_desktop::joint;
 use strainwave_emulator::machine::{Error, Options};
 use strainwave_emulator::{Machine, firmware, setup};
 
@@ -38,18 +39,22 @@ impl Sequence {
     }
 }
 
-/// What a moving joint reports, with sensors that come and go.
+/// Within a turn of an encoder of 19 bits.
+const TURN: u32 = (1 << 19) - 1;
+
+/// What a joint reports that turns at 100 rad/s in front of the gear, with sensors that come and go.
 fn plausible(sequence: &mut Sequence, period: u32) -> Input<f32> {
-    let velocity = 0.5 * sequence.unit();
+    let velocity = -1.0 + 0.1 * sequence.unit();
     Input {
         sensors: Sensors {
-            motor_encoder: period.wrapping_mul(8_000_000).wrapping_add(sequence.word() >> 20),
-            output_encoder: (!period.is_multiple_of(3)).then(|| period.wrapping_mul(80_000)),
+            // 0.01 rad are 834 counts; the last two bits are noise.
+            motor_encoder: (834 * period + (sequence.word() >> 30)) & TURN,
+            output_encoder: (!period.is_multiple_of(3)).then(|| (834 * period / 100).wrapping_neg() & TURN),
             motor_torque: 0.6 * sequence.unit(),
             output_torque: period.is_multiple_of(5).then(|| 60.0 * sequence.unit()),
         },
         setpoint: Setpoint {
-            position: Angle { counts: -80_000 * i64::from(period), rest: 0.5 * sequence.unit() },
+            position: Angle { counts: -68_321 * i64::from(period), rest: 0.5 * sequence.unit() },
             velocity,
             acceleration: 10.0 * sequence.unit(),
             jerk: 100.0 * sequence.unit(),
@@ -64,6 +69,43 @@ fn arbitrary(sequence: &mut Sequence) -> Input<f32> {
     frame.fill_with(|| sequence.word() as u8);
     (frame[4], frame[13]) = (frame[4] & 1, frame[13] & 1);
     decode_input(&frame).expect("both flags are valid")
+}
+
+#[test]
+fn every_board_links_and_none_can_panic() {
+    let boards = firmware::boards().expect("the folder of the boards");
+    assert_eq!(boards, ["mps2-an386", "stm32f405"]);
+    for board in boards {
+        // A panic that can be reached leaves a symbol undefined.
+        let built = firmware::build(&board, None).expect("builds");
+        assert!(built.compiler.starts_with("rustc 1."), "{}", built.compiler);
+        assert!(built.elf.is_file());
+    }
+}
+
+#[test]
+fn another_joint_is_another_image() {
+    let Some(elf) = image() else { return };
+    let mut params = JOINT;
+    params.limits.motor_torque = 0.25;
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let path = folder.path().join("joint.rs");
+    std::fs::write(&path, joint::source(&params, "weak")).expect("is written");
+    let weak = firmware::build(BOARD, Some(&path)).expect("builds").elf;
+    assert_ne!(weak, elf);
+    let mut machine = Machine::boot(&weak, &[]).expect("boots");
+    let compensator = params.build().expect("is sound");
+    let mut state = compensator.rest();
+    let mut sequence = Sequence(2);
+    let mut at_the_limit = false;
+    for period in 0..300 {
+        let input = plausible(&mut sequence, period);
+        let wanted = control_step(&compensator, &mut state, &input);
+        let answer = machine.exchange(&encode_input(&input)).expect("answers");
+        assert_eq!(answer, encode_output(&wanted), "period {period}");
+        at_the_limit |= wanted.motor_torque.abs() == 0.25;
+    }
+    assert!(at_the_limit);
 }
 
 #[test]

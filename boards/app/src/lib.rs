@@ -23,7 +23,7 @@ pub mod joint {
 pub use control::{Board, Control, control_step};
 pub use joint::JOINT;
 pub use strainwave::Error;
-pub use strainwave::compensator::{Input, Output};
+pub use strainwave::compensator::{self, Input, Output};
 
 /// The compensator as firmware runs it.
 pub type Compensator = strainwave::compensator::Compensator<f32>;

@@ -1,27 +1,77 @@
+//! The joint controller on an STM32F405RG at 168 MHz. Wiring only.
+//!
+//! | pin | function |
+//! | --- | --- |
+//! | PA5, PA6, PA7, PB6 | motor encoder AS5047P: SPI1 clock, MISO, MOSI, select |
+//! | PA4 | torque command to the motor's drive: 0..3.3 V, 1.65 V is none, the rails are the peak torque |
+//! | PB0 | drive enable, high while the joint is controlled; pull it down outside |
+//! | PA9, PA10 | USART1, 921600 Bd: telemetry (defmt) out, operator's keys in |
+//! | PH0, PH1 | 8 MHz crystal |
+//!
+//! The encoder's count has to grow with a positive torque command. The drive has a current loop of
+//! its own, so the motor's torque is taken to be the last command. The joint holds the position in which it
+//! starts; `+` and `-` on the USART move its target by 10 mrad at the output, `0` moves it back.
 #![no_std]
 #![no_main]
-use stm32f4xx_hal::rcc::RccExt;
-use stm32f4xx_hal::{pac, prelude::*, rcc::Config};
-use strainwave_app as _;
+
+mod board;
+mod clock;
+mod drive;
+mod encoder;
+mod fault;
+mod logger;
+mod serial;
+mod timer;
+mod watchdog;
+
+use board::{Board, Hardware};
+use static_cell::StaticCell;
+use stm32f4xx_hal::pac::interrupt;
+use strainwave_app::{Control, Error, Log, Slot, Telemetry};
+
+static CONTROL: StaticCell<Control<Board>> = StaticCell::new();
+static SLOT: Slot<Board> = Slot::new();
+
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    let Some(dp) = pac::Peripherals::take() else { loop {} };
-    let rcc = dp.RCC.freeze(Config::hse(8.MHz()).sysclk(168.MHz()));
-    let _ = rcc;
-    loop {}
+    static mut TELEMETRY: Telemetry = Telemetry::new();
+    let (sender, log) = TELEMETRY.split();
+    let Some((board, hardware)) = board::start() else { fault::halt() };
+    match Control::new(board, sender) {
+        Ok(control) => run(control, hardware, log),
+        Err(Error::OutOfRange(name)) => defmt::error!("joint: {=str} is out of range", name),
+    }
+    fault::halt()
 }
-unsafe extern "C" {
-    fn strainwave_a_panic_is_reachable() -> !;
+
+/// Hands the control to its interrupt, then reports from the idle loop.
+fn run(control: Control<Board>, mut hardware: Hardware, mut log: Log) -> ! {
+    if let Some(place) = CONTROL.try_uninit() {
+        SLOT.put(place.write(control));
+    }
+    serial::listen(&mut hardware.interrupts);
+    watchdog::start(&hardware.watchdog);
+    timer::start(&hardware.timer, &mut hardware.interrupts);
+    let mut told = false;
+    loop {
+        log.drain();
+        if encoder::lost() && !told {
+            defmt::error!("motor encoder lost: the drive is released until the next reset");
+            told = true;
+        }
+        cortex_m::asm::wfi();
+    }
 }
-#[panic_handler]
-fn panic(_info: &core::panic::PanicInfo) -> ! {
-    unsafe { strainwave_a_panic_is_reachable() }
+
+/// The 10 kHz interrupt.
+#[interrupt]
+fn TIM2() {
+    timer::acknowledge();
+    SLOT.tick();
 }
-#[defmt::global_logger]
-struct L;
-unsafe impl defmt::Logger for L {
-    fn acquire() {}
-    unsafe fn flush() {}
-    unsafe fn release() {}
-    unsafe fn write(_: &[u8]) {}
+
+/// A key from the operator.
+#[interrupt]
+fn USART1() {
+    serial::receive();
 }

@@ -1,0 +1,103 @@
+//! The board's parts put together: what the control sees, and what start-up still needs.
+
+use crate::drive::Drive;
+use crate::encoder::MotorEncoder;
+use crate::{clock, serial, timer, watchdog};
+use cortex_m::peripheral::NVIC;
+use stm32f4xx_hal::gpio::GpioExt;
+use stm32f4xx_hal::pac::{IWDG, Peripherals, TIM2};
+use stm32f4xx_hal::rcc::{Enable, RccExt};
+use strainwave_app::compensator::{Sensors, Setpoint, Shares};
+use strainwave_app::jog::Jog;
+use strainwave_app::{Input, JOINT, Output};
+
+/// What is applied once the joint holds: everything, but of the friction only what cannot drive it.
+const SHARES: Shares<f32> =
+    Shares { feedback: 1.0, inertia: 1.0, friction: 0.8, wind_up: 1.0, kinematic_error: 1.0 };
+
+/// Periods in which the observer only watches, before the joint holds where it then is: 0.1 s.
+const WATCHING: u32 = 1000;
+
+/// What `main` starts once the control is in place.
+pub struct Hardware {
+    pub interrupts: NVIC,
+    pub timer: TIM2,
+    pub watchdog: IWDG,
+}
+
+/// Brings the board up; `None`, after saying why, when it is not fit to control a joint.
+pub fn start() -> Option<(Board, Hardware)> {
+    let device = Peripherals::take()?;
+    let core = cortex_m::Peripherals::take()?;
+    let mut rcc = device.RCC.constrain();
+    let clock = clock::start(&rcc, &device.FLASH);
+    let a = device.GPIOA.split(&mut rcc);
+    let b = device.GPIOB.split(&mut rcc);
+    serial::start(device.USART1, a.pa9, a.pa10, clock, &mut rcc);
+    if clock != clock::FULL {
+        defmt::error!("no 8 MHz crystal: the control does not fit into its period");
+        return None;
+    }
+    let drive = Drive::new(device.DAC, a.pa4, b.pb0, &mut rcc);
+    let encoder = MotorEncoder::new(device.SPI1, (a.pa5, a.pa6, a.pa7), b.pb6, &mut rcc)?;
+    TIM2::enable(&mut rcc);
+    let board = Board { encoder, drive, torque: 0.0, watched: 0, jog: None };
+    Some((board, Hardware { interrupts: core.NVIC, timer: device.TIM2, watchdog: device.IWDG }))
+}
+
+/// The board as the control sees it.
+pub struct Board {
+    encoder: MotorEncoder,
+    drive: Drive,
+    /// The last torque command [N m].
+    torque: f32,
+    watched: u32,
+    /// Absent while the observer only watches.
+    jog: Option<Jog>,
+}
+
+impl Board {
+    fn wish(&mut self) -> (Setpoint<f32>, Shares<f32>) {
+        match &mut self.jog {
+            Some(jog) => (jog.step(serial::target()), SHARES),
+            None => (Setpoint::default(), Shares::default()),
+        }
+    }
+}
+
+impl strainwave_app::Board for Board {
+    // 1000 reports a second fit through the USART three times over.
+    const REPORT_EVERY: u32 = 10;
+
+    fn input(&mut self) -> Option<Input<f32>> {
+        let sensors = Sensors {
+            motor_encoder: self.encoder.count()?,
+            output_encoder: None,
+            motor_torque: self.torque,
+            output_torque: None,
+        };
+        let (setpoint, shares) = self.wish();
+        Some(Input { sensors, setpoint, shares })
+    }
+
+    fn output(&mut self, output: &Output<f32>) {
+        self.torque = output.motor_torque;
+        self.drive.command(output.motor_torque);
+        self.watched = (self.watched + 1).min(WATCHING);
+        if self.watched == WATCHING && self.jog.is_none() {
+            self.jog = Some(Jog::at(output.estimate.output_position, JOINT.dt));
+        }
+    }
+
+    fn release(&mut self) {
+        self.drive.release();
+    }
+
+    fn feed_watchdog(&mut self) {
+        watchdog::feed();
+    }
+
+    fn overran(&mut self) -> bool {
+        timer::waiting()
+    }
+}

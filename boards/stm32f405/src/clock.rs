@@ -1,0 +1,58 @@
+//! 168 MHz from the 8 MHz crystal (ST RM0090, 7.3.2 and 3.5.1).
+//!
+//! Through the registers: the HAL's `freeze` searches for PLL factors at run time and panics when it finds
+//! none, and a panic that the linker can see keeps the image from linking. The HAL goes on believing in the
+//! 16 MHz that the chip starts with; whoever gives it a frequency has to mind that.
+
+use stm32f4xx_hal::pac::FLASH;
+use stm32f4xx_hal::rcc::Rcc;
+
+/// Core clock [Hz].
+pub const FULL: u32 = 168_000_000;
+/// Core clock without the crystal, and what the HAL believes in [Hz].
+pub const INTERNAL: u32 = 16_000_000;
+/// What the timers of APB1 and all of APB2 get of the core clock at [`FULL`].
+pub const PERIPHERAL_DIVISOR: u32 = 2;
+
+/// 8 MHz / 4 = 2 MHz into the PLL, which ST recommends against jitter; * 168 = 336 MHz; / 2 = 168 MHz.
+const PLL_IN: u8 = 4;
+const PLL_TIMES: u16 = 168;
+/// 336 MHz / 7 = 48 MHz, the most that the USB branch may get.
+const PLL_USB: u8 = 7;
+
+/// Flash wait states at 168 MHz and 2.7 to 3.6 V.
+const WAIT_STATES: u8 = 5;
+
+/// The crystal is granted about 100 ms of polling at 16 MHz.
+const POLLS: u32 = 200_000;
+
+/// Runs the core from the crystal; its clock [Hz], [`INTERNAL`] when the crystal does not start.
+pub fn start(rcc: &Rcc, flash: &FLASH) -> u32 {
+    rcc.cr().modify(|_, w| w.hseon().on());
+    if !within(POLLS, || rcc.cr().read().hserdy().bit_is_set()) {
+        return INTERNAL;
+    }
+    rcc.pllcfgr().modify(|_, w| {
+        // SAFETY: the factors are within the ranges of the PLL: input 1..2 MHz, 100..432 MHz inside.
+        unsafe {
+            w.pllsrc().hse().pllm().bits(PLL_IN).plln().bits(PLL_TIMES).pllp().div2().pllq().bits(PLL_USB)
+        }
+    });
+    rcc.cr().modify(|_, w| w.pllon().on());
+    if !within(POLLS, || rcc.cr().read().pllrdy().bit_is_set()) {
+        return INTERNAL;
+    }
+    flash.acr().modify(|_, w| {
+        // SAFETY: a valid number of wait states, set before the clock is raised.
+        unsafe { w.latency().bits(WAIT_STATES).prften().set_bit().icen().set_bit().dcen().set_bit() }
+    });
+    // APB1 may run at 42 MHz and APB2 at 84 MHz at most.
+    rcc.cfgr().modify(|_, w| w.hpre().div1().ppre1().div4().ppre2().div2());
+    rcc.cfgr().modify(|_, w| w.sw().pll());
+    while !rcc.cfgr().read().sws().is_pll() {}
+    FULL
+}
+
+fn within(polls: u32, ready: impl Fn() -> bool) -> bool {
+    (0..polls).any(|_| ready())
+}

@@ -1,0 +1,23 @@
+//! When something is wrong: the drive off, then nothing, until the watchdog or the operator resets the chip.
+
+use cortex_m_rt::{ExceptionFrame, exception};
+use stm32f4xx_hal::pac::GPIOB;
+
+/// Ends the image with the drive off.
+pub fn halt() -> ! {
+    // SAFETY: a write to the set-and-reset register takes PB0 low, whoever owns the port.
+    unsafe { (*GPIOB::ptr()).bsrr().write(|w| w.br0().reset()) };
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+#[exception]
+unsafe fn HardFault(_frame: &ExceptionFrame) -> ! {
+    halt()
+}
+
+#[exception]
+unsafe fn DefaultHandler(_number: i16) {
+    halt()
+}

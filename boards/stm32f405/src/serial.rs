@@ -1,0 +1,89 @@
+//! USART1: telemetry out, the operator's keys in (ST RM0090, chapter 30).
+//!
+//! Through the registers: the HAL would take its divider from the clock that it believes in.
+
+use core::sync::atomic::{AtomicI32, Ordering};
+use cortex_m::peripheral::NVIC;
+use stm32f4xx_hal::gpio::{PA9, PA10};
+use stm32f4xx_hal::pac::{Interrupt, USART1};
+use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
+use strainwave_app::jog::FARTHEST;
+
+use crate::clock::{FULL, PERIPHERAL_DIVISOR};
+
+/// Symbols a second [Bd]. The divider misses it by 0.16 % at 84 MHz.
+const RATE: u32 = 921_600;
+
+/// What a key moves the target by [mrad at the output].
+const STEP: i32 = 10;
+const FARTHEST_STEPS: i32 = (FARTHEST * 1e3) as i32;
+
+/// Priority of the keys: below the control, whose 0 is the highest.
+const PRIORITY: u8 = 0x80;
+
+/// Where the operator wants the output, from where it started [mrad].
+static TARGET: AtomicI32 = AtomicI32::new(0);
+
+/// Where the operator wants the output, from where it started [rad].
+pub fn target() -> f32 {
+    TARGET.load(Ordering::Relaxed) as f32 * 1e-3
+}
+
+/// Switches the USART on; `clock` is the core's [Hz].
+pub fn start(usart: USART1, transmit: PA9, receive: PA10, clock: u32, rcc: &mut Rcc) {
+    let _pins = (transmit.into_alternate::<7>(), receive.into_alternate::<7>().internal_pull_up(true));
+    USART1::enable(rcc);
+    USART1::reset(rcc);
+    let peripheral = if clock == FULL { clock / PERIPHERAL_DIVISOR } else { clock };
+    // SAFETY: the divider has 16 bits, 12 of them before the binary point, and exceeds 1 at either clock.
+    usart.brr().write(|w| unsafe { w.bits(((peripheral + RATE / 2) / RATE) as u16) });
+    usart.cr1().write(|w| w.ue().enabled().te().enabled().re().enabled().rxneie().enabled());
+}
+
+/// Lets keys interrupt.
+pub fn listen(interrupts: &mut NVIC) {
+    // SAFETY: no critical section relies on priorities, and all that the handler uses is a static.
+    unsafe {
+        interrupts.set_priority(Interrupt::USART1, PRIORITY);
+        NVIC::unmask(Interrupt::USART1);
+    }
+}
+
+/// Takes the key that interrupted.
+pub fn receive() {
+    let usart = registers();
+    // Reading status, then data clears the errors too, an overrun among them.
+    let valid = usart.sr().read().rxne().bit_is_set();
+    let key = usart.dr().read().bits() as u8;
+    if valid {
+        // This handler is the only writer: a load and a store make no race.
+        TARGET.store(moved(TARGET.load(Ordering::Relaxed), key), Ordering::Relaxed);
+    }
+}
+
+fn moved(target: i32, key: u8) -> i32 {
+    let moved = match key {
+        b'+' => target + STEP,
+        b'-' => target - STEP,
+        b'0' => 0,
+        _ => target,
+    };
+    moved.clamp(-FARTHEST_STEPS, FARTHEST_STEPS)
+}
+
+/// Sends bytes, waiting for room for each: idle loop only.
+pub fn send(bytes: &[u8]) {
+    let usart = registers();
+    for byte in bytes {
+        while usart.sr().read().txe().bit_is_clear() {}
+        // SAFETY: the data register takes any byte.
+        usart.dr().write(|w| unsafe { w.bits(u16::from(*byte)) });
+    }
+}
+
+fn registers() -> &'static stm32f4xx_hal::pac::usart1::RegisterBlock {
+    // SAFETY: `start` took the peripheral, so that nobody else has it. The idle loop only sends and the
+    // interrupt only receives; the one register that both write is the data register, where the
+    // directions do not meet.
+    unsafe { &*USART1::ptr() }
+}
