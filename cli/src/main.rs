@@ -71,6 +71,9 @@ fn main() -> ExitCode {
 /// A mistake of ours: one line, whatever RUST_BACKTRACE says.
 fn internal_error(panic: &PanicHookInfo) {
     let place = panic.location().map_or(String::new(), |at| format!(" ({}:{})", at.file(), at.line()));
-    let message = panic.payload_as_str().unwrap_or("no message");
+    let payload = panic.payload();
+    let literal = payload.downcast_ref::<&str>().copied();
+    let message =
+        literal.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message");
     eprintln!("{}", BadInput::message(format_args!("error: internal: {message}{place}")));
 }

@@ -2,8 +2,12 @@
 
 use std::path::Path;
 
+use proptest::prelude::*;
 use strainwave_desktop::GearFile;
+use strainwave_desktop::gear_file::DEFAULT;
+use strainwave_desktop::joint::gear_params;
 use strainwave_desktop::log::{OpenLoop, OpenLoopRow};
+use strainwave_desktop::plant::Reference;
 use strainwave_desktop::two_port::{self, Build};
 
 const BUILDS: [Build; 2] = [Build::Reference, Build::RealTime];
@@ -116,5 +120,39 @@ fn both_arrangements_turn_the_right_way() {
     for build in BUILDS {
         let rows = run(&gear, "omega_wg_rad_s", times(0.05).map(|t| (t, 101.0, 0.0)), build);
         assert!((rows.last().unwrap().output_velocity - 1.0).abs() < 0.1, "{build:?} {:?}", rows.last());
+    }
+}
+
+/// The default gear with `factors` on its numbers, one after the other, when that is still a gear.
+fn scaled(factors: &[f64]) -> Option<GearFile> {
+    let mut factors = factors.iter();
+    let lines = DEFAULT.lines().map(|line| match line.split_once(" = ") {
+        Some((key, value)) if value.parse::<f64>().is_ok() && value.contains(['.', 'e']) => {
+            let factor = factors.next().expect("a factor for every number");
+            format!("{key} = {:e}", value.parse::<f64>().unwrap() * factor)
+        }
+        _ => line.to_owned(),
+    });
+    let text = lines.collect::<Vec<_>>().join("\n");
+    GearFile::parse(Path::new("g.toml"), text.as_bytes()).ok()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { max_global_rejects: 100_000, ..ProptestConfig::with_cases(100) })]
+
+    /// What the gear file's checks let through is a gear: it is built, and its output is finite.
+    #[test]
+    fn every_accepted_gear_runs(powers in prop::collection::vec(prop_oneof![Just(0.0), -1.0..1.0f64], 60)) {
+        let factors: Vec<f64> = powers.iter().map(|power| 10f64.powf(*power)).collect();
+        let gear = scaled(&factors);
+        prop_assume!(gear.is_some());
+        let gear = gear.unwrap();
+        prop_assert!(Reference::build(&gear_params(&gear)).is_ok());
+        let input = times(0.02).map(|t| (t, 300.0 * t, -100.0));
+        let rows = run(&gear, "theta_wg_rad", input, Build::RealTime);
+        for row in rows {
+            prop_assert!(row.torsion.is_finite() && row.output_velocity.is_finite(), "{row:?}");
+            prop_assert!(row.input_torque.is_finite() && row.transmitted_torque.is_finite(), "{row:?}");
+        }
     }
 }

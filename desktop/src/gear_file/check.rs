@@ -158,12 +158,13 @@ fn enter_items<'a>(path: &str, items: &'a [Value]) -> Result<Tables<'a>, String>
 }
 
 fn check_value(path: &str, value: &Value, allowed: Allowed) -> Result<(), String> {
-    let right_type = match (allowed, value) {
-        (Allowed::Text | Allowed::Word(_), Value::String(_)) | (Allowed::Flag, Value::Boolean(_)) => true,
-        (Allowed::Whole(..), Value::Integer(_)) => true,
-        (Allowed::Number(..), Value::Integer(_) | Value::Float(_)) => true,
-        _ => false,
-    };
+    let right_type = matches!(
+        (allowed, value),
+        (Allowed::Text | Allowed::Word(_), Value::String(_))
+            | (Allowed::Flag, Value::Boolean(_))
+            | (Allowed::Whole(..), Value::Integer(_))
+            | (Allowed::Number(..), Value::Integer(_) | Value::Float(_))
+    );
     if !right_type {
         return Err(wrong_type(path, value, allowed));
     }
