@@ -8,15 +8,17 @@
 //! Units and signs as in [`strainwave::gear`]; tau_load is the external torque ON the flexspline.
 //!
 //! The run starts without torsion, theta_fs = r*theta_wg + e, and with both ends in the same motion:
-//! an input that starts at speed starts a gear that runs. Friction and hysteresis start without memory.
+//! an input that starts at speed starts a gear that runs. For [`RUN_IN`] before the first stamp both
+//! ends are led at that speed, so that the mesh moves with them and friction is that of the motion;
+//! the hysteresis starts without memory.
 //!
 //! Discretisation: a row every 0.1 ms from the first stamp of the input. The real-time build takes one
 //! step for it, the reference build as many micro-steps as its mesh needs. Between the input's
 //! stamps the load is linear; for the wave generator see `trajectory.rs`. A row holds the values at
 //! its instant.
 //!
-//! The models start at the zero angle. A wave generator that starts at theta_0 is therefore counted
-//! from there: theta_fs gets r*theta_0 added back, and a term of order k of the kinematic error has
+//! The models start at the zero angle. A wave generator that is run in from theta_0 is therefore
+//! counted from there: theta_fs gets r*theta_0 added back, and a term of order k of the kinematic error has
 //! its phase advanced by k*theta_0 (k*(1 - r)*theta_0 relative to the flexspline).
 
 mod trajectory;
@@ -34,9 +36,8 @@ use crate::log::{Drive, Instant, OpenLoop, OpenLoopRow, STEP};
 use crate::plant::Reference;
 use trajectory::Trajectory;
 
-/// Control periods for which the ends are held before the start, so that the mesh finds the
-/// kinematic error's place of its rim. Its slowest motion has died away a thousand times faster.
-const SETTLING_PERIODS: usize = 20;
+/// How long the gear is led before the start [s]: several times what the mesh's transient takes.
+pub const RUN_IN: f64 = 20.0 * STEP;
 
 /// Which build of the models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,20 +56,24 @@ pub type Rows<'a> = Box<dyn ExactSizeIterator<Item = OpenLoopRow> + 'a>;
 /// # Errors
 /// As [`strainwave::gear::GearParams::build`].
 pub fn run<'a>(file: &GearFile, input: &'a OpenLoop, build: Build) -> Result<Rows<'a>, Error> {
-    let start = match &input.drive {
+    let trajectory = Trajectory::new(input.time.stamps(), &input.drive);
+    let first = match &input.drive {
         Drive::Position(position) => position[0],
         Drive::Velocity(_) => 0.0,
     };
+    let start = first + trajectory.at(-RUN_IN).angle;
     let counted = counted_from(file, start);
+    let inputs =
+        Inputs { trajectory, log: input, start, wave_generator_inertia: file.inertia.wave_generator };
     match build {
         Build::Reference => {
             let Reference { gear, dt, steps } = Reference::build(&gear_params(&counted))?;
-            Ok(rows(Simulation::new(gear, dt, steps, file, input, start), input))
+            Ok(rows(Simulation::new(gear, dt, steps, inputs)))
         }
         Build::RealTime => {
             let params = gear_params::<f32>(&counted);
             let gear: RealTimeGear<f32> = params.build(Reduced::build(&params.flexspline)?, STEP as f32)?;
-            Ok(rows(Simulation::new(gear, STEP, 1, file, input, start), input))
+            Ok(rows(Simulation::new(gear, STEP, 1, inputs)))
         }
     }
 }
@@ -94,12 +99,33 @@ fn wrapped(angle: f64) -> f64 {
 
 fn rows<'a, R: Real, F: Flexspline<R> + 'a, const L: usize, const CAP: usize>(
     mut simulation: Simulation<'a, R, F, L, CAP>,
-    input: &'a OpenLoop,
 ) -> Rows<'a> {
-    Box::new(input.time.resampled(STEP).map(move |instant| simulation.row(instant)))
+    let instants = simulation.inputs.log.time.resampled(STEP);
+    Box::new(instants.map(move |instant| simulation.row(instant)))
 }
 
-/// A gear on its way through an input.
+/// What drives a gear, over the time since the first stamp.
+struct Inputs<'a> {
+    trajectory: Trajectory,
+    log: &'a OpenLoop,
+    /// Where the run-in starts, and the wave generator is counted from [rad].
+    start: f64,
+    wave_generator_inertia: f64,
+}
+
+impl Inputs<'_> {
+    fn wave_generator<R: Real>(&self, elapsed: f64) -> Motion<R> {
+        let sample = self.trajectory.at(elapsed);
+        let angle = sample.angle - self.trajectory.at(-RUN_IN).angle;
+        Motion { angle: Angle::from_radians_f64(angle), velocity: R::lit(sample.velocity) }
+    }
+
+    fn load<R: Real>(&self, elapsed: f64) -> R {
+        R::lit(self.log.time.at(elapsed).of(&self.log.load_torque))
+    }
+}
+
+/// A gear on its way through its inputs.
 struct Simulation<'a, R: Real, F: Flexspline<R>, const L: usize, const CAP: usize> {
     gear: Gear<R, F, L, CAP>,
     state: GearState<R, F::State, CAP>,
@@ -107,39 +133,30 @@ struct Simulation<'a, R: Real, F: Flexspline<R>, const L: usize, const CAP: usiz
     dt: f64,
     /// Steps of dt in a control period.
     steps: usize,
-    trajectory: Trajectory,
-    input: &'a OpenLoop,
-    wave_generator_inertia: f64,
-    /// r*theta_0 [rad].
-    output_start: f64,
+    inputs: Inputs<'a>,
 }
 
 impl<'a, R: Real, F: Flexspline<R>, const L: usize, const CAP: usize> Simulation<'a, R, F, L, CAP> {
-    fn new(
-        gear: Gear<R, F, L, CAP>,
-        dt: f64,
-        steps: usize,
-        file: &GearFile,
-        input: &'a OpenLoop,
-        start: f64,
-    ) -> Self {
-        let mut simulation = Self {
-            state: gear.rest(),
-            flange: Motion { angle: gear.drive(Angle::default()), velocity: R::ZERO },
-            dt,
-            steps,
-            trajectory: Trajectory::new(input.time.stamps(), &input.drive),
-            input,
-            wave_generator_inertia: file.inertia.wave_generator,
-            output_start: gear.ratio().value::<f64>() * start,
-            gear,
-        };
-        for _ in 0..SETTLING_PERIODS * steps {
-            simulation.gear.torques(&mut simulation.state, &Motion::default(), &simulation.flange);
-        }
-        let slope = gear_slope(&simulation.gear);
-        simulation.flange.velocity = slope * R::lit(simulation.trajectory.at(0.0).velocity);
+    fn new(gear: Gear<R, F, L, CAP>, dt: f64, steps: usize, inputs: Inputs<'a>) -> Self {
+        let mut simulation = Self { state: gear.rest(), flange: Motion::default(), gear, dt, steps, inputs };
+        simulation.run_in();
         simulation
+    }
+
+    fn run_in(&mut self) {
+        let count = (RUN_IN / self.dt).round() as usize;
+        for step in (1..=count).rev() {
+            let wave_generator = self.inputs.wave_generator(-(step as f64) * self.dt);
+            let flange = self.unloaded(&wave_generator);
+            self.gear.torques(&mut self.state, &wave_generator, &flange);
+        }
+        self.flange = self.unloaded(&self.inputs.wave_generator(0.0));
+    }
+
+    /// The flange's motion without torsion.
+    fn unloaded(&self, wave_generator: &Motion<R>) -> Motion<R> {
+        let slope = self.gear.ratio().value::<R>() + self.gear.kinematic_error(wave_generator.angle).slope;
+        Motion { angle: self.gear.drive(wave_generator.angle), velocity: slope * wave_generator.velocity }
     }
 
     /// The row of an instant, and the way to the next.
@@ -149,27 +166,20 @@ impl<'a, R: Real, F: Flexspline<R>, const L: usize, const CAP: usize> Simulation
         for step in 1..self.steps {
             self.step(instant.elapsed + step as f64 * self.dt);
         }
-        let acceleration = self.trajectory.at(instant.elapsed).acceleration;
+        let inputs = &self.inputs;
+        let acceleration = inputs.trajectory.at(instant.elapsed).acceleration;
         OpenLoopRow {
-            time: self.input.time.stamps()[0] + instant.elapsed,
-            output_position: self.output_start + flange.angle.to_radians(),
+            time: inputs.log.time.stamps()[0] + instant.elapsed,
+            output_position: self.gear.ratio().value::<f64>() * inputs.start + flange.angle.to_radians(),
             output_velocity: flange.velocity.to_f64(),
-            input_torque: self.wave_generator_inertia * acceleration + first.wave_generator.to_f64(),
+            input_torque: inputs.wave_generator_inertia * acceleration + first.wave_generator.to_f64(),
             torsion: first.torsion.to_f64(),
             transmitted_torque: first.transmitted.to_f64(),
         }
     }
 
     fn step(&mut self, elapsed: f64) -> Torques<R> {
-        let sample = self.trajectory.at(elapsed);
-        let wave_generator =
-            Motion { angle: Angle::from_radians_f64(sample.angle), velocity: R::lit(sample.velocity) };
-        let load = self.input.time.at(elapsed).of(&self.input.load_torque);
-        self.gear.step(&mut self.state, &mut self.flange, &wave_generator, R::lit(load))
+        let (wave_generator, load) = (self.inputs.wave_generator(elapsed), self.inputs.load(elapsed));
+        self.gear.step(&mut self.state, &mut self.flange, &wave_generator, load)
     }
-}
-
-/// r + de/dtheta_wg at the start.
-fn gear_slope<R: Real, F: Flexspline<R>, const L: usize, const CAP: usize>(gear: &Gear<R, F, L, CAP>) -> R {
-    gear.ratio().value::<R>() + gear.kinematic_error(Angle::default()).slope
 }

@@ -46,8 +46,15 @@ impl Trajectory {
         }
     }
 
-    /// The motion `elapsed` after the first stamp; beyond the last as there.
+    /// The motion `elapsed` after the first stamp; at constant speed before it, beyond the last as there.
     pub fn at(&self, elapsed: f64) -> Sample {
+        if elapsed < 0.0 {
+            return Sample {
+                angle: self.velocity[0] * elapsed,
+                velocity: self.velocity[0],
+                acceleration: 0.0,
+            };
+        }
         let after = self.time.partition_point(|stamp| *stamp <= elapsed).min(self.time.len() - 1);
         let Some(before) = after.checked_sub(1) else {
             return Sample { angle: self.angle[0], velocity: self.velocity[0], acceleration: 0.0 };
@@ -181,5 +188,6 @@ mod tests {
         assert_eq!(still.at(0.0), Sample { angle: 0.0, velocity: 0.0, acceleration: 0.0 });
         let runs = Trajectory::new(&[2.0], &Drive::Velocity(vec![7.0]));
         assert_eq!(runs.at(0.0).velocity, 7.0);
+        assert_eq!(runs.at(-0.5), Sample { angle: -3.5, velocity: 7.0, acceleration: 0.0 });
     }
 }
