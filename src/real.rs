@@ -182,24 +182,17 @@ impl Real for f32 {
         libm::sqrtf(self)
     }
 
-    /// `2^-(n + f)`: the integer part goes into the exponent, the fraction through a polynomial.
     #[inline]
     fn exp_neg(self) -> Self {
-        // Past 126 binary orders the result would be subnormal: it ends at 2^-126.
-        let orders = (Real::max(self, 0.0) * core::f32::consts::LOG2_E).min(126.0);
-        let whole = orders.to_i32();
-        // The fraction is taken from x, not from x * log2(e), whose rounding grows with x.
-        let rest = Real::max(self, 0.0).min(87.3)
-            - Self::from_i32(whole) * LN_2_HIGH
-            - Self::from_i32(whole) * LN_2_LOW;
-        let scale = Self::from_bits(((127 - whole) as u32) << 23);
-        exp_neg_fraction(rest) * scale
+        let (scale, lost) = exp_neg_parts(self);
+        scale - scale * lost
     }
 
     #[inline]
     fn one_minus_exp_neg(self) -> Self {
-        let x = Real::max(self, 0.0);
-        if x < 0.5 { one_minus_exp_neg_small(x) } else { 1.0 - x.exp_neg() }
+        let (scale, lost) = exp_neg_parts(self);
+        // 1 - scale is exact, and 0 for small x.
+        (1.0 - scale) + scale * lost
     }
 
     /// Quadrant from the top bits, then the minimax polynomials of Cephes' `sinf` and `cosf` on
@@ -226,24 +219,24 @@ impl Real for f32 {
 const LN_2_HIGH: f32 = 0.693_359_4;
 const LN_2_LOW: f32 = -2.121_944_4e-4;
 
-/// `e^-x` on `0 <= x < ln 2`: Taylor to the 7th order, remainder `x^8/8!` < 1.4e-6 of x.
+/// `2^-n` and `1 - e^-r` for `x = n*ln 2 + r`, n the nearest integer, so that `e^-x = 2^-n*e^-r`.
+/// Past 126 binary orders the result would be subnormal: x ends there.
 #[inline(always)]
-fn exp_neg_fraction(x: f32) -> f32 {
-    1.0 - x * one_minus_exp_neg_series(x)
+fn exp_neg_parts(x: f32) -> (f32, f32) {
+    let x = Real::min(Real::max(x, 0.0), 87.3);
+    let whole = (x * core::f32::consts::LOG2_E + 0.5).to_i32();
+    let orders = <f32 as Real>::from_i32(whole);
+    // The rest is taken from x, not from x * log2(e), whose rounding grows with x.
+    let rest = x - orders * LN_2_HIGH - orders * LN_2_LOW;
+    let scale = f32::from_bits(((127 - whole) as u32) << 23);
+    (scale, rest * one_minus_exp_neg_ratio(rest))
 }
 
-/// `1 - e^-x` on `0 <= x < 0.5`, relative accuracy down to 0.
+/// `(1 - e^-x)/x` on `|x| <= ln(2)/2`: minimax polynomial, 1.1e-8 relative before rounding.
 #[inline(always)]
-fn one_minus_exp_neg_small(x: f32) -> f32 {
-    x * one_minus_exp_neg_series(x)
-}
-
-/// `(1 - e^-x)/x` on `0 <= x < ln 2`: Taylor series to `x^7`, remainder `x^8/9!` < 1.5e-7 relative.
-#[inline(always)]
-fn one_minus_exp_neg_series(x: f32) -> f32 {
-    const C: [f32; 8] =
-        [1.0, -1.0 / 2.0, 1.0 / 6.0, -1.0 / 24.0, 1.0 / 120.0, -1.0 / 720.0, 1.0 / 5040.0, -1.0 / 40320.0];
-    C[0] + x * (C[1] + x * (C[2] + x * (C[3] + x * (C[4] + x * (C[5] + x * (C[6] + x * C[7]))))))
+fn one_minus_exp_neg_ratio(x: f32) -> f32 {
+    const C: [f32; 6] = [1.0, -0.499_999_97, 0.166_665_05, -0.041_667_14, 0.008_369_212, -0.001_388_887_2];
+    C[0] + x * (C[1] + x * (C[2] + x * (C[3] + x * (C[4] + x * C[5]))))
 }
 
 #[cfg(test)]

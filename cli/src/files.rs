@@ -30,6 +30,11 @@ pub fn require_writable(path: Option<&Path>) -> Result<(), BadInput> {
     path.map_or(Ok(()), file::require_writable)
 }
 
+/// Makes a folder that results go to, unless it is there.
+pub fn require_folder(path: &Path) -> Result<(), BadInput> {
+    std::fs::create_dir_all(path).map_err(|error| BadInput::new(path, format_args!("cannot be made: {error}")))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

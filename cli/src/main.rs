@@ -4,8 +4,11 @@
 //! carried out: then one line on the error stream says why, and nothing has been written.
 
 mod files;
+mod pil;
+mod pil_plots;
 mod progress;
 mod report;
+mod sim;
 mod usage;
 mod verify;
 
@@ -34,11 +37,15 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Pil(pil::Arguments),
+    Sim(sim::Arguments),
     Verify(verify::Arguments),
 }
 
 fn run(command: Command) -> Result<Report, BadInput> {
     match command {
+        Command::Pil(arguments) => pil::run(&arguments),
+        Command::Sim(arguments) => sim::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
     }
 }

@@ -22,13 +22,77 @@ pub struct Bound {
 pub const LOOSE: f64 = 10.0;
 
 /// Every bound, by name.
-pub const BOUNDS: &[Bound] = &[Bound {
-    name: "angle.torsion.million_turns",
-    value: 2e-10,
-    unit: "rad",
-    why: "f32 torsion up to 1.5 mrad after 10^6 wave-generator turns: a 24-bit difference, 1 unit of which is \
+pub const BOUNDS: &[Bound] = &[
+    Bound {
+        name: "angle.torsion.million_turns",
+        value: 2e-10,
+        unit: "rad",
+        why: "f32 torsion up to 1.5 mrad after 10^6 wave-generator turns: a 24-bit difference, 1 unit of which is \
           1.2e-10 rad; the observer needs 1e-6",
-}];
+    },
+    Bound {
+        name: "pil.s1.power_balance",
+        value: 1e-4,
+        unit: "1",
+        why: "what the reference plant's micro-steps may leave unaccounted of the energy moved",
+    },
+    Bound {
+        name: "pil.s2.power_balance",
+        value: 1e-4,
+        unit: "1",
+        why: "what the reference plant's micro-steps may leave unaccounted of the energy moved",
+    },
+    Bound {
+        name: "pil.s3.power_balance",
+        value: 1e-4,
+        unit: "1",
+        why: "what the reference plant's micro-steps may leave unaccounted of the energy moved",
+    },
+    Bound {
+        name: "pil.s4.power_balance",
+        value: 1e-4,
+        unit: "1",
+        why: "what the reference plant's micro-steps may leave unaccounted of the energy moved",
+    },
+    Bound {
+        name: "pil.s5.power_balance",
+        value: 1e-4,
+        unit: "1",
+        why: "what the reference plant's micro-steps may leave unaccounted of the energy moved",
+    },
+    Bound {
+        name: "pil.s6.power_balance",
+        value: 1e-4,
+        unit: "1",
+        why: "what the reference plant's micro-steps may leave unaccounted of the energy moved",
+        why: "f32 torsion up to 1.5 mrad after 10^6 wave-generator turns: a 24-bit difference, 1 unit of which \
+              is 1.2e-10 rad; the observer needs 1e-6",
+    },
+    Bound {
+        name: "gear.real_time.output_position.max",
+        value: 2e-6,
+        unit: "rad",
+        why: "a sixth of a 19-bit encoder's count, 1.2e-5 rad",
+    },
+    Bound {
+        name: "gear.real_time.torsion.max",
+        value: 2e-6,
+        unit: "rad",
+        why: "0.14 % of the torsion at rated torque",
+    },
+    Bound {
+        name: "gear.real_time.transmitted_torque.max",
+        value: 0.1,
+        unit: "N m",
+        why: "0.15 % of rated torque",
+    },
+    Bound {
+        name: "gear.real_time.wave_generator_torque.max",
+        value: 4e-3,
+        unit: "N m",
+        why: "a ninth of the Coulomb friction at the wave generator",
+    },
+];
 
 impl Bound {
     /// The figure `value` beside this bound.

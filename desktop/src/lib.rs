@@ -13,6 +13,7 @@ pub mod observer_design;
 pub mod plant;
 pub mod plot;
 pub mod scenario;
+pub mod two_port;
 pub mod verify;
 
 pub use figure::Figure;

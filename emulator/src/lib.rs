@@ -1,6 +1,7 @@
 //! Cross-build, set-up, QEMU, lockstep, counting and proofs on the firmware image.
 
 pub mod artifact;
+pub mod budget;
 pub mod counting;
 pub mod firmware;
 pub mod machine;

@@ -109,7 +109,8 @@ pub fn present_emulator(host: &dyn Host) -> Option<String> {
 /// Pairs of cargo and rustc, in order of preference: the user's, then Debian's.
 const PAIRS: [(&str, &str); 2] = [("cargo", "rustc"), ("/usr/bin/cargo", "/usr/bin/rustc")];
 
-fn present_compiler(host: &dyn Host) -> Option<Compiler> {
+/// A compiler for the boards, if it is there. Installs nothing.
+pub fn present_compiler(host: &dyn Host) -> Option<Compiler> {
     let with_target = PAIRS.iter().find_map(|pair| with_target(host, *pair));
     with_target.or_else(|| PAIRS.iter().find_map(|pair| with_sources(host, *pair)))
 }

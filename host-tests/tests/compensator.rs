@@ -2,12 +2,14 @@
 
 use proptest::prelude::*;
 use strainwave::Angle;
-use strainwave::compensator::{Compensator, Faults, Input, JointParams, Output, Sensors, Setpoint, Shares, State};
-use strainwave_desktop::gear_file;
+use strainwave::compensator::{
+    Compensator, Faults, Input, JointParams, Output, Sensors, Setpoint, Shares, State,
+};
+use strainwave_desktop::GearFile;
 use strainwave_desktop::joint::joint_params;
 
 fn joint() -> JointParams<f32> {
-    joint_params(&gear_file::default_gear()).unwrap()
+    joint_params(&GearFile::default_gear()).unwrap()
 }
 
 fn shares() -> Shares<f32> {

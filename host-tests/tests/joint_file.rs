@@ -5,13 +5,13 @@
 
 use std::path::Path;
 
-use strainwave_desktop::gear_file;
+use strainwave_desktop::GearFile;
 use strainwave_desktop::joint::{joint_params, source};
 
 #[test]
 fn the_checked_in_joint_is_the_default_gear() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../boards/app/src/joint.rs");
-    let file = gear_file::default_gear();
+    let file = GearFile::default_gear();
     let generated = source(&joint_params(&file).unwrap(), &file.gear.name);
     if std::env::var_os("STRAINWAVE_OVERWRITE").is_some() {
         std::fs::write(&path, &generated).unwrap();

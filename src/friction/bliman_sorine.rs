@@ -120,11 +120,20 @@ impl<R: Real, const P: usize> BlimanSorine<R, P> {
         if !displacement.is_finite() {
             return None;
         }
-        let (path, direction) = (displacement.abs(), displacement.sign());
-        for ((force, &level), &rate) in state.forces.iter_mut().zip(&self.levels).zip(&self.rates) {
-            *force += (path * rate).one_minus_exp_neg() * (level * direction - *force);
-        }
+        self.slide(state, displacement);
         Some(state.force())
+    }
+
+    /// The step without the check: an infinite displacement counts as endless sliding, NaN as none.
+    #[inline(always)]
+    pub(crate) fn slide(&self, state: &mut BlimanSorineState<R, P>, displacement: R) {
+        // No motion has no direction either, but then the path length is 0 and nothing changes.
+        let backwards = displacement < R::ZERO;
+        let path = if backwards { -displacement } else { displacement };
+        for ((force, &level), &rate) in state.forces.iter_mut().zip(&self.levels).zip(&self.rates) {
+            let target = if backwards { -level } else { level };
+            *force += (path * rate).one_minus_exp_neg() * (target - *force);
+        }
     }
 
     /// dF/dx of a further motion along `direction` (-1 or 1) [N/m] or [N m/rad]; 0 gives the mean

@@ -146,6 +146,9 @@ impl<R: Real> JointFriction<R> {
         displacement: R,
         velocity: R,
     ) -> Friction<R> {
+        if !displacement.is_finite() {
+            return Friction { force: state.force, held: true };
+        }
         self.advance(state, displacement, velocity)
     }
 
@@ -163,6 +166,7 @@ impl<R: Real> JointFriction<R> {
         self.contact.level(velocity)
     }
 
+    /// The displacement is finite here: a finite velocity times at most 1 s is.
     #[inline(always)]
     fn advance(&self, state: &mut JointFrictionState<R>, displacement: R, velocity: R) -> Friction<R> {
         let viscous = self.contact.viscous(velocity);
@@ -170,11 +174,9 @@ impl<R: Real> JointFriction<R> {
         if !viscous.is_finite() {
             return Friction { force: state.force, held: true };
         }
-        let Some(z) = self.presliding.step(&mut state.presliding, displacement) else {
-            return Friction { force: state.force, held: true };
-        };
+        self.presliding.slide(&mut state.presliding, displacement);
         state.level = self.contact.level(velocity);
-        state.force = state.level * z + viscous;
+        state.force = state.level * state.normalised() + viscous;
         Friction { force: state.force, held: false }
     }
 }

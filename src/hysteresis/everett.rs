@@ -28,7 +28,7 @@ pub struct Everett<R, const L: usize> {
 }
 
 /// Where an input is in the grid.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Place<R> {
     /// Cell, 0..L.
     pub(crate) cell: usize,
@@ -68,11 +68,12 @@ impl<R: Real, const L: usize> Everett<R, L> {
         self.rows.get(k.wrapping_sub(1)).and_then(|row| row.get(l)).copied().unwrap_or(R::ZERO)
     }
 
-    /// The cell of `q`, which is limited to the range.
+    /// The cell of `q`, |q| <= L/2.
     #[inline(always)]
     pub(crate) fn place(q: R) -> Place<R> {
         let from_end = q + R::lit(L as f64 * 0.5);
-        let cell = (from_end.to_i32().max(0) as usize).min(L - 1);
+        // Never negative: q >= -L/2, and the sum is exact there.
+        let cell = (from_end.to_i32().cast_unsigned() as usize).min(L - 1);
         Place { cell, fraction: from_end - R::from_i32(cell as i32) }
     }
 

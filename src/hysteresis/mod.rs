@@ -21,5 +21,7 @@ pub mod weights;
 pub use everett::Everett;
 pub use relays::{Relays, RelaysState};
 pub use staircase::{Staircase, StaircaseState};
-pub use torsion::{TorsionHysteresis, TorsionHysteresisParams, gap_for_width};
+pub use torsion::{
+    HysteresisTorque, TorsionHysteresis, TorsionHysteresisParams, TorsionHysteresisState, gap_for_width,
+};
 pub use weights::Weights;

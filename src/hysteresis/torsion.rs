@@ -33,7 +33,7 @@
 //! [`gap_for_width`].
 
 use super::everett::Everett;
-use super::staircase::{Staircase, StaircaseState};
+use super::staircase::{Located, Response, Staircase, StaircaseState};
 use super::weights::Weights;
 use crate::error::{Error, require};
 use crate::real::Real;
@@ -77,7 +77,7 @@ impl<R: Real> TorsionHysteresisParams<R> {
 pub struct HysteresisTorque<R> {
     /// tau_hyst [N m]; finite for any input.
     pub torque: R,
-    /// dtau_hyst/dphi along the branch [N m/rad], 0 beyond the range.
+    /// dtau_hyst/dphi along the branch [N m/rad]; 0 beyond the range, and when held.
     pub slope: R,
     /// The torsion is beyond +-U, where the loop is closed: torque 0.
     pub saturated: bool,
@@ -89,14 +89,18 @@ pub struct HysteresisTorque<R> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TorsionHysteresisState<R: Real, const CAP: usize> {
     staircase: StaircaseState<R, CAP>,
-    last: HysteresisTorque<R>,
+    torque: R,
 }
 
 impl<R: Real, const CAP: usize> TorsionHysteresisState<R, CAP> {
-    /// What the last step returned.
+    /// tau_hyst of the last step [N m].
     #[inline]
-    pub fn last(&self) -> HysteresisTorque<R> {
-        self.last
+    pub fn torque(&self) -> R {
+        self.torque
+    }
+
+    fn held(&self) -> HysteresisTorque<R> {
+        HysteresisTorque { torque: self.torque, slope: R::ZERO, saturated: false, held: true }
     }
 }
 
@@ -127,28 +131,30 @@ impl<R: Real, const L: usize, const CAP: usize> TorsionHysteresis<R, L, CAP> {
     // Never inlined: the timing budget counts this block by its symbol.
     #[inline(never)]
     pub fn step(&self, state: &mut TorsionHysteresisState<R, CAP>, torsion: R) -> HysteresisTorque<R> {
-        let response = self.staircase.advance(&mut state.staircase, torsion);
-        if !response.held {
-            state.last = self.against_mean(torsion, response);
+        if !torsion.is_finite() {
+            return state.held();
         }
-        HysteresisTorque { held: response.held, ..state.last }
+        let at = self.staircase.locate(torsion);
+        let found = self.against_mean(at, self.staircase.advance(&mut state.staircase, at, torsion));
+        state.torque = found.torque;
+        state.staircase.make_room();
+        found
     }
 
     /// What [`Self::step`] would return, with the state left as it is.
     #[inline]
     pub fn peek(&self, state: &TorsionHysteresisState<R, CAP>, torsion: R) -> HysteresisTorque<R> {
-        let response = self.staircase.peek(&state.staircase, torsion);
-        if response.held {
-            return HysteresisTorque { held: true, ..state.last };
+        if !torsion.is_finite() {
+            return state.held();
         }
-        self.against_mean(torsion, response)
+        let at = self.staircase.locate(torsion);
+        self.against_mean(at, self.staircase.peek_at(&state.staircase, at, torsion))
     }
 
     #[inline(always)]
-    fn against_mean(&self, torsion: R, operator: super::staircase::Response<R>) -> HysteresisTorque<R> {
-        let place = Everett::<R, L>::place(self.staircase.cells(torsion));
-        let (upper, rise) = self.mean.get(place.cell).copied().unwrap_or_default();
-        let mean = upper - (R::ONE - place.fraction) * rise;
+    fn against_mean(&self, at: Located<R>, operator: Response<R>) -> HysteresisTorque<R> {
+        let (upper, rise) = self.mean.get(at.place.cell).copied().unwrap_or_default();
+        let mean = upper - (R::ONE - at.place.fraction) * rise;
         let slope = rise * self.staircase.cells_per_unit() - operator.slope;
         HysteresisTorque {
             torque: mean - operator.output,
@@ -327,7 +333,7 @@ mod tests {
                 let found = model.step(&mut state, torsion);
                 prop_assert!(found.torque.abs() <= 0.5001 * S as f32 && found.slope.is_finite());
                 prop_assert_eq!(found.held, !torsion.is_finite());
-                prop_assert!(!found.held || (before == state && found.torque == before.last().torque));
+                prop_assert!(!found.held || (before == state && found.torque == before.torque()));
             }
         }
     }

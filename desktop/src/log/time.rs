@@ -93,24 +93,19 @@ impl Time {
 
     /// Instants every `interval` [s] from the first stamp to the last.
     pub fn resampled(&self, interval: f64) -> impl ExactSizeIterator<Item = Instant> {
-        let (first, last) = (self.0[0], self.0[self.0.len() - 1]);
+        let span = self.0[self.0.len() - 1] - self.0[0];
         // A log that ends on the grid keeps its last point, whatever the rounding of its stamps.
-        let steps = ((last - first) / interval + 1e-3) as usize;
-        let mut before = 0;
-        (0..steps + 1).map(move |step| {
-            let elapsed = step as f64 * interval;
-            while before + 2 < self.0.len() && self.0[before + 1] <= first + elapsed {
-                before += 1;
-            }
-            self.instant(before, elapsed)
-        })
+        let steps = (span / interval + 1e-3) as usize;
+        (0..steps + 1).map(move |step| self.at(step as f64 * interval))
     }
 
-    fn instant(&self, before: usize, elapsed: f64) -> Instant {
-        let after = (before + 1).min(self.0.len() - 1);
-        let (start, end) = (self.0[before], self.0[after]);
-        let share =
-            if end > start { ((self.0[0] - start + elapsed) / (end - start)).clamp(0.0, 1.0) } else { 0.0 };
+    /// The instant `elapsed` [s] after the first stamp; the ends of the log outside it.
+    pub fn at(&self, elapsed: f64) -> Instant {
+        let since = |stamp: f64| stamp - self.0[0];
+        let after = self.0.partition_point(|stamp| since(*stamp) <= elapsed).min(self.0.len() - 1);
+        let before = after.saturating_sub(1);
+        let (start, end) = (since(self.0[before]), since(self.0[after]));
+        let share = if end > start { ((elapsed - start) / (end - start)).clamp(0.0, 1.0) } else { 0.0 };
         Instant { elapsed, before, after, share }
     }
 }

@@ -1,6 +1,7 @@
 //! Measures the figures that the project claims, each beside its row in [`crate::bounds`].
 
 mod angle;
+mod gear;
 
 use crate::figure::Figure;
 
@@ -9,16 +10,19 @@ use crate::figure::Figure;
 pub enum Part {
     /// Unbounded angles in f32.
     Angle,
+    /// The real-time build of the gear against the reference.
+    Gear,
 }
 
 impl Part {
     /// Every part.
-    pub const ALL: [Self; 1] = [Self::Angle];
+    pub const ALL: [Self; 2] = [Self::Angle, Self::Gear];
 
     /// As the command names it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Angle => "angle",
+            Self::Gear => "gear",
         }
     }
 
@@ -31,6 +35,7 @@ impl Part {
     pub fn measure(self) -> Vec<Figure> {
         match self {
             Self::Angle => angle::measure(),
+            Self::Gear => gear::measure(),
         }
     }
 }

@@ -109,15 +109,17 @@ fn open(info: &Info, arguments: impl Iterator<Item = String>) -> Result<Session,
     for argument in arguments {
         match argument.split_once('=') {
             Some(("plan", file)) => plan = Some(file.to_owned()),
-            Some(("out", file)) => out = Some(PathBuf::from(file)),
-            _ => return Err(format!("argument \"{argument}\", allowed: plan=FILE, out=FILE")),
+            Some(("out", folder)) => out = Some(PathBuf::from(folder)),
+            _ => return Err(format!("argument \"{argument}\", allowed: plan=FILE, out=FOLDER")),
         }
     }
     let file = plan.ok_or("argument plan=FILE is missing")?;
     let text = std::fs::read_to_string(&file).map_err(|error| format!("{file}: {error}"))?;
     // The instructions' addresses are handed to QEMU as callback data: the plan lives as long as QEMU.
     let plan: &'static Plan = Box::leak(Box::new(Plan::parse(&text)?));
-    Ok(Session { plan, counter: Counter::new(plan), out: out.ok_or("argument out=FILE is missing")? })
+    // Several emulators may run with the same arguments: each has a result of its own.
+    let out = out.ok_or("argument out=FOLDER is missing")?.join(std::process::id().to_string());
+    Ok(Session { plan, counter: Counter::new(plan), out })
 }
 
 fn start(id: Id, session: Session) {

@@ -1,7 +1,10 @@
 //! What cannot be in the image: panics, an allocator, and double precision in the control step.
 //!
 //! The linker has dropped every function that nothing refers to, so a symbol that is not there cannot be
-//! called. Double precision is allowed elsewhere (start-up converts parameters); in what the control step
+//! called. (A panic handler small enough to be inlined would leave no symbol. The boards' handlers call a
+//! function that exists nowhere, so that an image from which a panic is reachable does not even link.)
+//!
+//! Double precision is allowed elsewhere (start-up converts parameters); in what the control step
 //! reaches, neither the run-time library's software routines nor an f64 instruction, which a Cortex-M4F
 //! does not have, may occur.
 

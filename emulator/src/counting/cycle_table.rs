@@ -1,24 +1,27 @@
 //! Cycles of a Cortex-M4F with zero wait states, at the pessimistic end.
 //!
 //! Every range of the manual is taken at its upper end: a pipeline refill takes [`REFILL`] = 3 cycles, a
-//! division 12, no load or store overlaps its neighbour, and a result of the floating-point unit that the
-//! next instruction uses stalls that one by a cycle. Instructions whose cost the manual leaves to the
-//! surroundings (barriers, `wfi`) and those that a Cortex-M4F does not have (f64) have no row: counting
-//! one is an error that names it.
+//! division 12, no load or store overlaps its neighbour. Three stalls are added where the code can have
+//! them, a cycle each: a result of the floating-point unit that the next instruction uses, an address that
+//! the instruction before computes, and a constant loaded from beside the code. Instructions whose cost the
+//! manual leaves to the surroundings (barriers, `wfi`) and those that a Cortex-M4F does not have (f64) have
+//! no row: counting one is an error that names it.
 //!
 //! This is a model. It was not compared with silicon; flash wait states, bus contention and a debugger
 //! make a real part slower, overlapping loads faster.
 //!
 //! Reference: Cortex-M4 Technical Reference Manual r0p1 (Arm 100166), table 3-1 "Processor instruction set
-//! summary", section 3.3.3 "Load/store timings", table 7-1 "FPU instruction set".
+//! summary" and 3-2 for the DSP instructions, section "Load/store timings", table 7-1 "FPU instruction set"
+//! with its remarks. One row reads more than its table says: a table branch takes "at least six cycles".
 
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
+use capstone::AccessType;
 use capstone::arch::arm::ArmInsn::{self, *};
-use capstone::arch::arm::ArmReg;
+use capstone::arch::arm::{ArmOperand, ArmOperandType, ArmReg};
 
-use crate::artifact::disassembly::{Flow, Instruction, PC};
+use crate::artifact::disassembly::{Flow, Instruction, PC, SP};
 
 /// Cycles to refill the pipeline after a taken branch; the manual's P, 1 to 3.
 pub const REFILL: u32 = 3;
@@ -118,7 +121,11 @@ static ROWS: &[Row] = &[
         Fixed(2),
         "3-1 load: 2, 1 when it overlaps the one before",
     ),
-    row(&[ARM_INS_STR, ARM_INS_STRB, ARM_INS_STRH], Store, "3.3.3: register plus constant 1; 3-1 store: 2"),
+    row(
+        &[ARM_INS_STR, ARM_INS_STRB, ARM_INS_STRH],
+        Store,
+        "Load/store timings: register plus constant 1; 3-1 store: 2",
+    ),
     row(&[ARM_INS_STREX], Fixed(2), "3-1 store exclusive: 2"),
     row(
         &[
@@ -139,7 +146,7 @@ static ROWS: &[Row] = &[
         Fixed(1),
         "3-1 branch: 1 or 1 + P",
     ),
-    row(&[ARM_INS_TBB, ARM_INS_TBH], Fixed(2), "3-1 table branch: 2 + P"),
+    row(&[ARM_INS_TBB, ARM_INS_TBH], Fixed(3), "Load/store timings: table branch: 2 + 1 + P"),
     row(
         &[ARM_INS_CPS, ARM_INS_MRS, ARM_INS_MSR],
         Fixed(2),
@@ -212,9 +219,13 @@ pub fn cycles(instruction: &Instruction, before: Option<&Instruction>) -> Option
         None if instruction.text.trim_end_matches(".w") == "nop" => 1,
         None => return None,
     };
-    let stall = before.is_some_and(|b| waits_for(instruction, b));
+    let stalls = [
+        before.is_some_and(|b| waits_for_result(instruction, b)),
+        before.is_some_and(|b| waits_for_address(instruction, b)),
+        instruction.memory().is_some_and(|(base, ..)| base == PC) && !is_table_branch(instruction),
+    ];
     let refill = if always_leaves(instruction) { REFILL } else { 0 };
-    Some(own + u32::from(stall) + refill)
+    Some(own + stalls.into_iter().map(u32::from).sum::<u32>() + refill)
 }
 
 /// It goes elsewhere whenever it is executed.
@@ -231,17 +242,7 @@ fn store(instruction: &Instruction) -> u32 {
 
 /// Words of the registers that it moves; the base register of a list is not one of them.
 fn words(instruction: &Instruction) -> u32 {
-    let lists = [
-        ARM_INS_LDM,
-        ARM_INS_LDMDB,
-        ARM_INS_STM,
-        ARM_INS_STMDB,
-        ARM_INS_VLDMIA,
-        ARM_INS_VLDMDB,
-        ARM_INS_VSTMIA,
-        ARM_INS_VSTMDB,
-    ];
-    let base = usize::from(lists.iter().any(|list| instruction.is(*list)));
+    let base = usize::from(is_any(&LISTS, instruction));
     instruction.registers().skip(base).map(|r| if is_double(r) { 2 } else { 1 }).sum()
 }
 
@@ -257,8 +258,8 @@ fn is_core(register: u32) -> bool {
     !is_double(register) && !is_single(register) && register != PC
 }
 
-/// Section 7.2: a data-processing instruction takes one cycle longer when its result is used at once.
-fn waits_for(instruction: &Instruction, before: &Instruction) -> bool {
+/// Chapter 7: a data-processing instruction takes one cycle longer when its result is used at once.
+fn waits_for_result(instruction: &Instruction, before: &Instruction) -> bool {
     let computes = [
         ARM_INS_VADD,
         ARM_INS_VSUB,
@@ -283,21 +284,66 @@ fn waits_for(instruction: &Instruction, before: &Instruction) -> bool {
     ];
     let compares = [ARM_INS_VCMP, ARM_INS_VCMPE];
     let reads_flags = [ARM_INS_VMRS, ARM_INS_FMSTAT];
-    let any = |list: &[ArmInsn], i: &Instruction| list.iter().any(|id| i.is(*id));
-    if any(&compares, before) {
-        return any(&reads_flags, instruction);
+    if is_any(&compares, before) {
+        return is_any(&reads_flags, instruction);
     }
-    let Some(result) = before.register(0).filter(|_| any(&computes, before)) else {
+    let Some(result) = before.register(0).filter(|_| is_any(&computes, before)) else {
         return false;
     };
     float_sources(instruction).any(|source| overlap(source, result))
 }
 
+/// "Load/store timings": there is no forwarding from a data-processing instruction to an address.
+fn waits_for_address(instruction: &Instruction, before: &Instruction) -> bool {
+    let computes = before.memory().is_none() && !moves_a_list(before);
+    let base = match instruction.memory() {
+        Some((base, index, _)) => [Some(base), index],
+        None if is_any(&STACK, instruction) => [Some(SP), None],
+        None if is_any(&LISTS, instruction) => [instruction.register(0), None],
+        None => return false,
+    };
+    computes && base.into_iter().flatten().any(|register| writes(before, register))
+}
+
+fn writes(instruction: &Instruction, register: u32) -> bool {
+    instruction.operands.iter().any(|operand| {
+        matches!(operand.op_type, ArmOperandType::Reg(r) if u32::from(r.0) == register)
+            && operand.access.is_none_or(AccessType::is_writable)
+    })
+}
+
+fn is_any(list: &[ArmInsn], instruction: &Instruction) -> bool {
+    list.iter().any(|id| instruction.is(*id))
+}
+
+fn is_table_branch(instruction: &Instruction) -> bool {
+    is_any(&[ARM_INS_TBB, ARM_INS_TBH], instruction)
+}
+
+/// A list of registers behind a base register.
+const LISTS: [ArmInsn; 8] = [
+    ARM_INS_LDM,
+    ARM_INS_LDMDB,
+    ARM_INS_STM,
+    ARM_INS_STMDB,
+    ARM_INS_VLDMIA,
+    ARM_INS_VLDMDB,
+    ARM_INS_VSTMIA,
+    ARM_INS_VSTMDB,
+];
+
+/// A list of registers on the stack.
+const STACK: [ArmInsn; 4] = [ARM_INS_PUSH, ARM_INS_POP, ARM_INS_VPUSH, ARM_INS_VPOP];
+
+fn moves_a_list(instruction: &Instruction) -> bool {
+    is_any(&LISTS, instruction) || is_any(&STACK, instruction)
+}
+
 /// The floating-point registers that an instruction may read; one whose access is not known counts as read.
 fn float_sources(instruction: &Instruction) -> impl Iterator<Item = u32> {
-    let reads = |o: &&capstone::arch::arm::ArmOperand| o.access.is_none_or(capstone::AccessType::is_readable);
-    let register = |o: &capstone::arch::arm::ArmOperand| match o.op_type {
-        capstone::arch::arm::ArmOperandType::Reg(r) => Some(u32::from(r.0)),
+    let reads = |o: &&ArmOperand| o.access.is_none_or(AccessType::is_readable);
+    let register = |o: &ArmOperand| match o.op_type {
+        ArmOperandType::Reg(r) => Some(u32::from(r.0)),
         _ => None,
     };
     instruction.operands.iter().filter(reads).filter_map(register).filter(|r| is_single(*r) || is_double(*r))
@@ -360,7 +406,7 @@ mod tests {
         assert_eq!(cost(&[0x70, 0x47]), Some(4)); // bx lr
         assert_eq!(cost(&[0xf0, 0xbd]), Some(9)); // pop {r4-r7, pc}
         assert_eq!(cost(&[0x5d, 0xf8, 0x04, 0xfb]), Some(5)); // ldr pc, [sp], #4
-        assert_eq!(cost(&[0xdf, 0xe8, 0x00, 0xf0]), Some(5)); // tbb [pc, r0]
+        assert_eq!(cost(&[0xdf, 0xe8, 0x00, 0xf0]), Some(6)); // tbb [pc, r0]
         assert_eq!(costs(&[0x18, 0xbf, 0x70, 0x47]), [Some(1), Some(1)]); // it ne; bxne lr
     }
 
@@ -389,6 +435,26 @@ mod tests {
         assert_eq!(costs(&[0x30, 0xee, 0x81, 0x0a, 0x80, 0xed, 0x01, 0x0b]), [Some(1), Some(4)]);
         // vldr s0, [r0]; vadd.f32 s0, s0, s0: a load's two cycles already include it
         assert_eq!(costs(&[0x90, 0xed, 0x00, 0x0a, 0x30, 0xee, 0x00, 0x0a]), [Some(2), Some(1)]);
+    }
+
+    #[test]
+    fn an_address_that_was_just_computed_stalls() {
+        // adds r1, #4; ldr r0, [r1]; and ldr r0, [r2]
+        assert_eq!(costs(&[0x04, 0x31, 0x08, 0x68]), [Some(1), Some(3)]);
+        assert_eq!(costs(&[0x04, 0x31, 0x10, 0x68]), [Some(1), Some(2)]);
+        // adds r2, #4; str r0, [r1, r2]
+        assert_eq!(costs(&[0x04, 0x32, 0x88, 0x50]), [Some(1), Some(3)]);
+        // add sp, #16; pop {r4-r7, pc}
+        assert_eq!(costs(&[0x04, 0xb0, 0xf0, 0xbd]), [Some(1), Some(10)]);
+        // adds r0, #4; ldm.w r0, {r1, r2, r3}; a load is no data processing: ldr r1, [r1]; ldr r0, [r1]
+        assert_eq!(costs(&[0x04, 0x30, 0x90, 0xe8, 0x0e, 0x00]), [Some(1), Some(5)]);
+        assert_eq!(costs(&[0x09, 0x68, 0x08, 0x68]), [Some(2), Some(2)]);
+    }
+
+    #[test]
+    fn a_constant_from_beside_the_code_contends_with_the_fetch() {
+        assert_eq!(cost(&[0x02, 0x48]), Some(3)); // ldr r0, [pc, #8]
+        assert_eq!(cost(&[0x9f, 0xed, 0x02, 0x0a]), Some(3)); // vldr s0, [pc, #8]
     }
 
     #[test]

@@ -39,6 +39,7 @@ impl Counting {
         let text = plan::plan(image, tracked)?;
         let folder = tempfile::Builder::new().prefix("strainwave-counting-").tempdir()?;
         std::fs::write(folder.path().join(PLAN), text)?;
+        std::fs::create_dir(folder.path().join(RESULTS))?;
         Ok(Self { plugin, folder })
     }
 
@@ -46,14 +47,19 @@ impl Counting {
     pub fn arguments(&self) -> [String; 2] {
         let escaped = |path: &Path| path.display().to_string().replace(',', ",,");
         let file = |name| escaped(&self.folder.path().join(name));
-        let option = format!("{},plan={},out={}", escaped(&self.plugin), file(PLAN), file(RESULT));
+        let option = format!("{},plan={},out={}", escaped(&self.plugin), file(PLAN), file(RESULTS));
         ["-plugin".to_owned(), option]
     }
 
-    /// The result, after QEMU has ended by itself.
+    /// The results of every emulator that was started with the arguments and has ended by itself.
     pub fn finish(self, image: &Image) -> Result<Outcome, Error> {
-        let text = std::fs::read_to_string(self.folder.path().join(RESULT)).map_err(|_| Error::NoResult)?;
-        let outcome = result::parse(&text).ok_or(Error::NoResult)?;
+        let mut outcome: Option<Outcome> = None;
+        for file in std::fs::read_dir(self.folder.path().join(RESULTS))? {
+            let text = std::fs::read_to_string(file?.path())?;
+            let one = result::parse(&text).ok_or(Error::NoResult)?;
+            outcome = Some(outcome.map_or_else(|| one.clone(), |all| all.and(&one)));
+        }
+        let outcome = outcome.ok_or(Error::NoResult)?;
         match &outcome.anomaly {
             Some(anomaly) => Err(explain(image, anomaly)),
             None => Ok(outcome),
@@ -62,7 +68,7 @@ impl Counting {
 }
 
 const PLAN: &str = "plan.txt";
-const RESULT: &str = "result.txt";
+const RESULTS: &str = "results";
 
 /// Names the function and the instruction that the plugin could not count.
 fn explain(image: &Image, anomaly: &str) -> Error {

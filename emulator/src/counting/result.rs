@@ -33,6 +33,18 @@ pub struct Outcome {
     pub anomaly: Option<String>,
 }
 
+impl Outcome {
+    /// Two runs of one image as one.
+    pub fn and(self, other: &Self) -> Self {
+        let pairs = self.counts.into_iter().zip(&other.counts);
+        Self {
+            counts: pairs.map(|(a, b)| merge(a.into_iter().chain(*b))).collect(),
+            executed: self.executed + other.executed,
+            anomaly: self.anomaly.or_else(|| other.anomaly.clone()),
+        }
+    }
+}
+
 /// Reads the plugin's result.
 pub fn parse(text: &str) -> Option<Outcome> {
     let mut outcome = Outcome { counts: Vec::new(), executed: 0, anomaly: None };
@@ -89,6 +101,19 @@ mod tests {
         assert_eq!((counts.calls, counts.instructions), (2, Spread { min: 3, max: 5, mean: 4.0 }));
         assert_eq!(counts.cycles, Spread { min: 10, max: 20, mean: 15.0 });
         assert_eq!((outcome.counts[1], outcome.executed, outcome.anomaly), (None, 99, None));
+    }
+
+    #[test]
+    fn two_runs_make_one() {
+        let first = parse("1 3 3 3 10 10 10\n0 9 0 0 9 0 0\nexecuted 5\n").unwrap();
+        let second = parse("1 5 5 5 20 20 20\n0 9 0 0 9 0 0\nexecuted 7\nanomaly jump 0x2 0x4\n").unwrap();
+        let both = first.and(&second);
+        let counts = both.counts[0].unwrap();
+        assert_eq!((counts.calls, counts.instructions), (2, Spread { min: 3, max: 5, mean: 4.0 }));
+        assert_eq!(
+            (both.counts[1], both.executed, both.anomaly.as_deref()),
+            (None, 12, Some("jump 0x2 0x4"))
+        );
     }
 
     #[test]

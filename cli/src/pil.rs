@@ -1,0 +1,163 @@
+//! `pil`: processor in the loop.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use strainwave_desktop::draw::Draw;
+use strainwave_desktop::log::MeasuredLog;
+use strainwave_desktop::scenario::Scenario;
+use strainwave_desktop::{BadInput, Figure, GearFile, bounds};
+use strainwave_emulator::pil::{self, Replay, ScenarioRun};
+
+use crate::files;
+use crate::pil_plots;
+use crate::progress::Progress;
+use crate::report::{Report, ReportArguments};
+
+/// Run a board's firmware in the emulator, in lockstep with the reference plant or on a measured log
+///
+/// Builds the firmware for the joint of the gear file, boots it, and closes the loop every 0.1 ms: sensors
+/// in, torque command out. The same scenario runs with two baselines: B0 is the motor-side cascade
+/// alone, B1 adds a rigid joint's feed-forward. Every output of the firmware is compared bit for bit with the
+/// host's f32 build. With --replay a measured log goes through the firmware's observer instead, and the
+/// output that it predicts is compared with the output encoder. Gets the cross compiler and the emulator
+/// when they are missing, and says so first.
+#[derive(Args)]
+pub struct Arguments {
+    /// Which board's firmware; one that the emulator has
+    #[arg(long, value_name = "BOARD", default_value = "mps2-an386")]
+    board: String,
+    /// Which scenario, or all of them
+    #[arg(long, value_name = "S1..S6|all", default_value = "S2", ignore_case = true,
+          value_parser = scenario_parser(), conflicts_with = "replay")]
+    scenario: Scenarios,
+    /// Gear file; the default gear hd25-100 when left out
+    #[arg(long, value_name = "G.toml")]
+    gear: Option<PathBuf>,
+    /// Measured log for the observer; needs --gear
+    #[arg(long, value_name = "LOG.csv", requires = "gear")]
+    replay: Option<PathBuf>,
+    /// Which plant: a draw of what the controller does not know; 0 is the plant that it knows
+    #[arg(long, default_value_t = 1, conflicts_with = "replay")]
+    seed: u64,
+    /// Folder for the plots
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    plots: PathBuf,
+    #[command(flatten)]
+    report: ReportArguments,
+}
+
+#[derive(Clone)]
+struct Scenarios(Vec<Scenario>);
+
+fn scenario_parser() -> impl TypedValueParser<Value = Scenarios> {
+    PossibleValuesParser::new(["S1", "S2", "S3", "S4", "S5", "S6", "all"]).map(|name| {
+        let chosen = |scenario: &Scenario| {
+            name.eq_ignore_ascii_case("all") || name.eq_ignore_ascii_case(scenario.name())
+        };
+        Scenarios(Scenario::ALL.into_iter().filter(chosen).collect())
+    })
+}
+
+/// Builds, boots and runs.
+pub fn run(arguments: &Arguments) -> Result<Report, BadInput> {
+    let json = arguments.report.json.as_deref();
+    files::require_distinct(&[
+        ("--gear", arguments.gear.as_deref()),
+        ("--replay", arguments.replay.as_deref()),
+        ("--json", json),
+    ])?;
+    let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
+    let log = arguments.replay.as_deref().map(MeasuredLog::read).transpose()?;
+    files::require_writable(json)?;
+    files::require_folder(&arguments.plots)?;
+    let firmware = pil::build(&arguments.board, &gear).map_err(BadInput::message)?;
+    let figures = match &log {
+        Some(log) => replay(arguments, &firmware.elf, &gear, log)?,
+        None => scenarios(arguments, &firmware.elf, &gear)?,
+    };
+    Ok(Report::new(figures, &arguments.report))
+}
+
+fn scenarios(arguments: &Arguments, elf: &Path, gear: &GearFile) -> Result<Vec<Figure>, BadInput> {
+    let draw = Draw::from_seed(arguments.seed);
+    say(format_args!(
+        "plant of seed {}: friction x {:.3} (input) x {:.3} (output), stiffness x {:.3}, load inertia x {:.3}",
+        arguments.seed, draw.friction[0], draw.friction[1], draw.stiffness, draw.inertia
+    ));
+    let mut figures = Vec::new();
+    for scenario in &arguments.scenario.0 {
+        let mut progress = Progress::new(1000, scenario.title());
+        let run =
+            pil::run(elf, &[], gear, *scenario, arguments.seed, |share| progress.set((share * 1e3) as u64))
+                .map_err(BadInput::message)?;
+        drop(progress);
+        let path = arguments.plots.join(format!("pil.{}.svg", scenario.name()));
+        pil_plots::scenario(&run, gear).write(&path)?;
+        say(format_args!("{}: {}; plot {}", scenario.name(), scenario.title(), path.display()));
+        figures.extend(scenario_figures(&run));
+    }
+    Ok(figures)
+}
+
+fn scenario_figures(run: &ScenarioRun) -> Vec<Figure> {
+    let name = |rest: &str| format!("pil.{}.{rest}", run.scenario.name());
+    let compensated = match run.scenario {
+        // What this scenario must show: better than both baselines on the same plant.
+        Scenario::S2 => {
+            let bound = run.b0.rms.min(run.b1.rms);
+            Figure::bounded(name("compensated.rms"), run.compensated.rms, "rad", bound)
+        }
+        _ => Figure::reported(name("compensated.rms"), run.compensated.rms, "rad"),
+    };
+    vec![
+        compensated,
+        Figure::reported(name("b0.rms"), run.b0.rms, "rad"),
+        Figure::reported(name("b1.rms"), run.b1.rms, "rad"),
+        Figure::reported(name("compensated.max"), run.compensated.max, "rad"),
+        Figure::reported(name("b0.max"), run.b0.max, "rad"),
+        Figure::reported(name("b1.max"), run.b1.max, "rad"),
+        bounds::figure(&name("power_balance"), run.compensated.imbalance),
+        Figure::reported(name("steps"), run.agreement.steps as f64, "1"),
+        Figure::bounded(name("steps_unlike_host"), run.agreement.different as f64, "1", 0.0),
+        Figure::reported(name("stack"), f64::from(run.ending.stack), "byte"),
+    ]
+}
+
+fn replay(
+    arguments: &Arguments,
+    elf: &Path,
+    gear: &GearFile,
+    log: &MeasuredLog,
+) -> Result<Vec<Figure>, BadInput> {
+    if log.output_position.is_none() {
+        let path = arguments.replay.as_deref().unwrap_or(Path::new("log"));
+        return Err(BadInput::new(path, "column theta_out_rad is missing; a replay compares with it"));
+    }
+    let mut progress = Progress::new(1000, "replay");
+    let replay = pil::replay(elf, &[], gear, log, |share| progress.set((share * 1e3) as u64))
+        .map_err(BadInput::message)?;
+    drop(progress);
+    let path = arguments.plots.join("pil.replay.svg");
+    pil_plots::replay(&replay).write(&path)?;
+    say(format_args!("replay through the observer; plot {}", path.display()));
+    let jitter = log.time.jitter().into_iter().flat_map(|jitter| jitter.figures());
+    Ok(jitter.chain(replay_figures(&replay)).collect())
+}
+
+fn replay_figures(replay: &Replay) -> Vec<Figure> {
+    vec![
+        // An observer that predicts worse than no model at all has failed.
+        Figure::bounded("pil.replay.predicted.rms", replay.rms, "rad", replay.rigid_rms),
+        Figure::reported("pil.replay.rigid.rms", replay.rigid_rms, "rad"),
+        Figure::reported("pil.replay.steps", replay.agreement.steps as f64, "1"),
+        Figure::bounded("pil.replay.steps_unlike_host", replay.agreement.different as f64, "1", 0.0),
+    ]
+}
+
+/// A line for people; a reader that closed the pipe changes nothing.
+fn say(line: std::fmt::Arguments<'_>) {
+    let _ = writeln!(io::stdout(), "{line}");
+}

@@ -1,0 +1,161 @@
+//! Bad input through the real command: exit code 2, one line that names the thing, nothing written.
+
+use crate::bench::{Bench, GEAR, INPUT};
+
+const SIM: &str = "sim --gear g.toml --input in.csv --output out.csv --json out.json";
+
+#[test]
+fn bad_gear_files_are_refused_by_key() {
+    let bench = Bench::new();
+    for (from, to, wanted) in [
+        (
+            "ratio = 100",
+            "ratio = 0",
+            "g.toml: gear.ratio = 0 is out of range; allowed: a whole number from 30 to 320",
+        ),
+        (
+            "ratio = 100",
+            "ratio = 100.5",
+            "g.toml: gear.ratio = 100.5 is a number with a fraction; allowed: a whole",
+        ),
+        ("ratio = 100\n", "", "g.toml: missing key gear.ratio; allowed: a whole number from 30 to 320"),
+        (
+            "ratio = 100",
+            "ratoi = 100",
+            "g.toml: unknown key gear.ratoi = 100; the nearest known key is gear.ratio",
+        ),
+        (
+            "k2_nm_per_rad = 5.0e4",
+            "k2_nm_per_rad = -1",
+            "g.toml: stiffness.k2_nm_per_rad = -1 is out of range",
+        ),
+        (
+            "k2_nm_per_rad = 5.0e4",
+            "k2_nm_per_rad = nan",
+            "g.toml: stiffness.k2_nm_per_rad = nan is out of range",
+        ),
+        (
+            "k2_nm_per_rad = 5.0e4",
+            "k2_nm_per_rad = inf",
+            "g.toml: stiffness.k2_nm_per_rad = inf is out of range",
+        ),
+        (
+            "k2_nm_per_rad = 5.0e4",
+            "k2_nm_per_rad = 2e4",
+            "g.toml: stiffness.k2_nm_per_rad = 20000 is out of range",
+        ),
+        (
+            "wall_m = 0.40e-3",
+            "wall_m = \"thin\"",
+            "g.toml: flexspline.wall_m = \"thin\" is text; allowed: a number",
+        ),
+        (
+            "output_torque = false",
+            "output_torque = 0",
+            "g.toml: sensors.output_torque = 0 is a whole number; allowed: true",
+        ),
+        (GEAR, "", "g.toml: missing key gear.name; allowed: text of 1 to 80 characters"),
+        (GEAR, "gear: {ratio: 100}", "g.toml: line 1: not TOML: "),
+        (GEAR, INPUT, "g.toml: line 1: not TOML: "),
+    ] {
+        assert!(GEAR.contains(from));
+        bench.write("g.toml", GEAR.replacen(from, to, 1));
+        let line = bench.refused(SIM);
+        assert!(line.starts_with(&format!("error: {wanted}")), "{line}\n{wanted}");
+    }
+    bench.write("g.toml", b"\xff\xfe");
+    assert_eq!(bench.refused(SIM), "error: g.toml: line 1: not TOML: not UTF-8 text");
+}
+
+#[test]
+fn bad_inputs_are_refused_by_row_and_column() {
+    let bench = Bench::new();
+    for (from, to, wanted) in [
+        (INPUT, "", "in.csv: empty file"),
+        (INPUT, "t_s,theta_wg_rad,tau_load_nm\n", "in.csv: no rows after the header"),
+        ("0.1,-50", ",-50", "in.csv: row 3, column theta_wg_rad: no value (a gap)"),
+        ("0.1,-50", "0.1,nan", "in.csv: row 3, column tau_load_nm: \"nan\" is out of range"),
+        ("0.1,-50", "0.1,inf", "in.csv: row 3, column tau_load_nm: \"inf\" is out of range"),
+        ("0.1,-50", "0.1,heavy", "in.csv: row 3, column tau_load_nm: \"heavy\" is not a number"),
+        ("0.1,-50", "0.1,-50,1", "in.csv: row 3, column 4: \"1\" has no name in the header"),
+        ("0.1,-50\n", "0.1,-50\n\n", "in.csv: row 4: empty (a gap)"),
+        (
+            "0.002",
+            "-0.002",
+            "in.csv: row 4, column t_s: time -0.002 does not come after 0.001, the row before",
+        ),
+        ("0.002", "0.102", "in.csv: row 4, column t_s: a gap of 0.101000 s before this row"),
+        (
+            "tau_load_nm",
+            "tau_load",
+            "in.csv: row 1, column \"tau_load\": unknown; known columns are t_s, theta_wg_rad",
+        ),
+        (",tau_load_nm", "", "in.csv: row 1, column tau_load_nm: missing"),
+        (
+            "theta_wg_rad,",
+            "theta_wg_rad,omega_wg_rad_s,",
+            "in.csv: row 1, column omega_wg_rad_s: only one of",
+        ),
+    ] {
+        assert!(INPUT.contains(from));
+        bench.write("in.csv", INPUT.replacen(from, to, 1));
+        let line = bench.refused(SIM);
+        assert!(line.starts_with(&format!("error: {wanted}")), "{line}\n{wanted}");
+    }
+}
+
+#[test]
+fn files_that_cannot_be_read_or_written_are_named() {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("folder")).unwrap();
+    for (words, wanted) in [
+        (SIM.replace("g.toml", "none.toml"), "none.toml: cannot be read: No such file"),
+        (SIM.replace("g.toml", "folder"), "folder: cannot be read: it is a folder"),
+        (SIM.replace("in.csv", "none.csv"), "none.csv: cannot be read: No such file"),
+        (SIM.replace("in.csv", "folder"), "folder: cannot be read: it is a folder"),
+        (SIM.replace("out.csv", "none/out.csv"), "none/out.csv: cannot be written: No such file"),
+        (SIM.replace("out.csv", "folder"), "folder: cannot be written: it is a folder"),
+        (SIM.replace("out.json", "none/out.json"), "none/out.json: cannot be written: No such file"),
+        ("verify --json none/out.json".into(), "none/out.json: cannot be written: No such file"),
+    ] {
+        let line = bench.refused(&words);
+        assert!(line.starts_with(&format!("error: {wanted}")), "{line}\n{wanted}");
+    }
+}
+
+#[test]
+fn one_file_in_two_places_is_refused() {
+    let bench = Bench::new();
+    for (from, to) in
+        [("out.csv", "in.csv"), ("out.csv", "./g.toml"), ("out.json", "out.csv"), ("in.csv", "g.toml")]
+    {
+        let line = bench.refused(&SIM.replace(from, to));
+        assert!(line.ends_with("are the same file"), "{line}");
+    }
+}
+
+#[test]
+fn mistakes_on_the_command_line_are_one_line_too() {
+    let bench = Bench::new();
+    for (words, wanted) in [
+        ("", "error: no subcommand was given"),
+        ("simulate", "error: unrecognized subcommand 'simulate'"),
+        ("sim --gear g.toml", "error: the following required arguments were not provided: --input <IN.csv>"),
+        ("sim --gears g.toml", "error: unexpected argument '--gears' found"),
+        ("sim --gear", "error: a value is required for '--gear <G.toml>' but none was supplied"),
+        ("verify everything", "error: invalid value 'everything' for '[PART]'"),
+        (&format!("{SIM} --build fast"), "error: invalid value 'fast' for '--build <BUILD>'"),
+    ] {
+        let line = bench.refused(words);
+        assert!(line.starts_with(wanted), "{line}\n{wanted}");
+    }
+}
+
+#[test]
+fn a_refused_run_keeps_the_output_of_an_earlier_one() {
+    let bench = Bench::new();
+    assert_eq!(bench.run(&format!("{SIM} --build realtime")).code, Some(0));
+    bench.write("in.csv", INPUT.replace("0.2,", "x,"));
+    bench.refused(SIM);
+    assert!(bench.files().keys().any(|path| path.ends_with("out.csv")));
+}

@@ -1,0 +1,80 @@
+//! The built command in a folder of its own.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// The default gear file.
+pub const GEAR: &str = include_str!("../../../gears/hd25-100.toml");
+/// A short open-loop input.
+pub const INPUT: &str = "t_s,theta_wg_rad,tau_load_nm\n0,0,0\n0.001,0.1,-50\n0.002,0.2,-50\n";
+
+/// A folder with files, in which the command runs.
+pub struct Bench {
+    folder: TempDir,
+}
+
+/// What a run answered.
+pub struct Answer {
+    /// Exit code; none when a signal ended it.
+    pub code: Option<i32>,
+    /// Standard output.
+    pub output: String,
+    /// Error stream.
+    pub error: String,
+}
+
+impl Bench {
+    /// A folder with a good gear file `g.toml` and a good input `in.csv`.
+    pub fn new() -> Self {
+        let bench = Self { folder: tempfile::tempdir().unwrap() };
+        bench.write("g.toml", GEAR);
+        bench.write("in.csv", INPUT);
+        bench
+    }
+
+    /// Puts a file into the folder.
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        std::fs::write(self.path(name), content).unwrap();
+    }
+
+    /// The path of a name in the folder.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Every file and its content; folders without.
+    pub fn files(&self) -> BTreeMap<PathBuf, Vec<u8>> {
+        let entries = std::fs::read_dir(self.folder.path()).unwrap();
+        entries
+            .map(|entry| entry.unwrap().path())
+            .map(|path| (path.clone(), std::fs::read(path).unwrap_or_default()))
+            .collect()
+    }
+
+    /// Runs the command with words separated by spaces, a backtrace being asked for.
+    pub fn run(&self, words: &str) -> Answer {
+        let command = Command::new(env!("CARGO_BIN_EXE_strainwave"))
+            .args(words.split_whitespace())
+            .current_dir(self.folder.path())
+            .env("RUST_BACKTRACE", "full")
+            .output();
+        let Output { status, stdout, stderr } = command.unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        Answer { code: status.code(), output: text(stdout), error: text(stderr) }
+    }
+
+    /// Runs the command, which must refuse with one line and leave the folder as it was.
+    pub fn refused(&self, words: &str) -> String {
+        let before = self.files();
+        let answer = self.run(words);
+        assert_eq!(answer.code, Some(2), "{words}: {}", answer.error);
+        assert_eq!(answer.output, "", "{words}");
+        let line = answer.error.strip_suffix('\n').expect("a line ends");
+        assert!(line.starts_with("error: ") && !line.chars().any(char::is_control), "{words}: {line:?}");
+        assert!(self.files() == before, "{words} left something behind");
+        line.to_owned()
+    }
+}

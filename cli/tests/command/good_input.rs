@@ -1,0 +1,82 @@
+//! The command when all is well: outputs, help and exit codes.
+
+use crate::bench::Bench;
+
+const SIM: &str = "sim --gear g.toml --input in.csv --output out.csv --json out.json --build";
+
+fn rows(bench: &Bench) -> Vec<Vec<f64>> {
+    let text = std::fs::read_to_string(bench.path("out.csv")).unwrap();
+    let mut lines = text.lines();
+    let header = "t_s,theta_fs_rad,omega_fs_rad_s,tau_wg_nm,torsion_rad,tau_t_nm";
+    assert_eq!(lines.next(), Some(header));
+    lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect()
+}
+
+#[test]
+fn both_builds_write_a_row_every_tenth_of_a_millisecond() {
+    let bench = Bench::new();
+    for build in ["reference", "realtime"] {
+        let answer = bench.run(&format!("{SIM} {build}"));
+        assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""));
+        let rows = rows(&bench);
+        let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
+        let wanted: Vec<f64> = (0..=20).map(|k| f64::from(k) / 10_000.0).collect();
+        assert_eq!(times, wanted);
+        // The load pulls the output backwards, which winds the flexspline up.
+        assert!(rows[20][1] < 0.0 && rows[20][4] > 0.0, "{:?}", rows[20]);
+    }
+}
+
+#[test]
+fn figures_are_printed_and_written() {
+    let bench = Bench::new();
+    let answer = bench.run(&format!("{SIM} realtime"));
+    assert!(
+        answer
+            .output
+            .lines()
+            .next()
+            .unwrap()
+            .split_whitespace()
+            .eq(["name", "value", "unit", "bound", "holds"])
+    );
+    let text = std::fs::read_to_string(bench.path("out.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let figures = json["figures"].as_array().unwrap();
+    assert_eq!(figures.len() + 1, answer.output.lines().count());
+    for (figure, line) in figures.iter().zip(answer.output.lines().skip(1)) {
+        let keys: Vec<_> = figure.as_object().unwrap().keys().map(String::as_str).collect();
+        assert_eq!(keys, ["bound", "holds", "name", "unit", "value"]);
+        assert_eq!(line.split_whitespace().next(), figure["name"].as_str());
+        assert!(figure["value"].is_number() && figure["holds"] == true);
+    }
+    assert_eq!(figures.iter().find(|figure| figure["name"] == "sim.rows").unwrap()["value"], 21.0);
+}
+
+#[test]
+fn verify_measures_one_part_or_all() {
+    let bench = Bench::new();
+    for words in ["verify", "verify angle"] {
+        let answer = bench.run(words);
+        assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""));
+        let line = answer.output.lines().find(|line| line.contains("angle.torsion.million_turns")).unwrap();
+        assert!(line.ends_with(" yes"), "{line}");
+    }
+}
+
+#[test]
+fn every_subcommand_has_help() {
+    let bench = Bench::new();
+    let answer = bench.run("--help");
+    assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""));
+    let commands = answer.output.split("Commands:").nth(1).unwrap().split("Options:").next().unwrap();
+    let names: Vec<_> =
+        commands.lines().filter_map(|line| line.strip_prefix("  ")?.split(' ').next()).collect();
+    assert!(names.contains(&"sim") && names.contains(&"verify"), "{names:?}");
+    for name in names.into_iter().filter(|name| !name.is_empty() && *name != "help") {
+        let answer = bench.run(&format!("{name} --help"));
+        assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""));
+        assert!(answer.output.contains("--json <FILE>"), "{name}");
+    }
+    assert_eq!(bench.run("--version").output, format!("strainwave {}\n", env!("CARGO_PKG_VERSION")));
+}

@@ -1,0 +1,5 @@
+//! The built command, run in a folder of its own.
+
+mod bad_input;
+mod bench;
+mod good_input;

@@ -1,0 +1,185 @@
+//! The gear as a two-port, open loop: wave-generator motion and load in, output motion and torques out.
+//!
+//! ```text
+//! in:  theta_wg(t) or omega_wg(t), tau_load(t)
+//! out: theta_fs, domega_fs, tau_wg = J_wg*d2theta_wg + tau_fric_in + (r + de/dtheta_wg)*tau_t,  phi, tau_t
+//! ```
+//!
+//! Units and signs as in [`strainwave::gear`]; tau_load is the external torque ON the flexspline.
+//!
+//! The run starts without torsion, theta_fs = r*theta_wg + e, and with both ends in the same motion:
+//! an input that starts at speed starts a gear that runs. For [`RUN_IN`] before the first stamp both
+//! ends are led at that speed, so that the mesh moves with them and friction is that of the motion;
+//! the hysteresis starts without memory.
+//!
+//! Discretisation: a row every 0.1 ms from the first stamp of the input. The real-time build takes one
+//! step for it, the reference build as many micro-steps as its mesh needs. Between the input's
+//! stamps the load is linear; for the wave generator see `trajectory.rs`. A row holds the values at
+//! its instant.
+//!
+//! The models start at the zero angle. A wave generator that is run in from theta_0 is therefore
+//! counted from there: theta_fs gets r*theta_0 added back, and a term of order k of the kinematic error has
+//! its phase advanced by k*theta_0 (k*(1 - r)*theta_0 relative to the flexspline).
+
+mod trajectory;
+
+use std::f64::consts::TAU;
+
+use strainwave::compensator::RealTimeGear;
+use strainwave::flexspline::{Flexspline, Reduced};
+use strainwave::gear::{Gear, GearState, Motion, Torques};
+use strainwave::{Angle, Error, Real};
+
+use crate::gear_file::{GearFile, Harmonic};
+use crate::joint::gear_params;
+use crate::log::{Drive, Instant, OpenLoop, OpenLoopRow, STEP};
+use crate::plant::Reference;
+use trajectory::Trajectory;
+
+/// How long the gear is led before the start [s]: several times what the mesh's transient takes.
+pub const RUN_IN: f64 = 20.0 * STEP;
+
+/// Which build of the models.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Build {
+    /// f64, 36 x 4 mesh, literal eq. (6), micro-steps.
+    Reference,
+    /// f32, condensed mesh, one step per 0.1 ms: what runs on the joint controller.
+    RealTime,
+}
+
+/// The rows of a run, computed one by one.
+pub type Rows<'a> = Box<dyn ExactSizeIterator<Item = OpenLoopRow> + 'a>;
+
+/// Runs the gear of a file open loop.
+///
+/// # Errors
+/// As [`strainwave::gear::GearParams::build`].
+pub fn run<'a>(file: &GearFile, input: &'a OpenLoop, build: Build) -> Result<Rows<'a>, Error> {
+    let trajectory = Trajectory::new(input.time.stamps(), &input.drive);
+    let first = match &input.drive {
+        Drive::Position(position) => position[0],
+        Drive::Velocity(_) => 0.0,
+    };
+    let start = first + trajectory.at(-RUN_IN).angle;
+    let counted = counted_from(file, start);
+    let inputs =
+        Inputs { trajectory, log: input, start, wave_generator_inertia: file.inertia.wave_generator };
+    match build {
+        Build::Reference => {
+            let Reference { gear, dt, steps } = Reference::build(&gear_params(&counted))?;
+            Ok(rows(Simulation::new(gear, dt, steps, inputs)))
+        }
+        Build::RealTime => {
+            let params = gear_params::<f32>(&counted);
+            let gear: RealTimeGear<f32> = params.build(Reduced::build(&params.flexspline)?, STEP as f32)?;
+            Ok(rows(Simulation::new(gear, STEP, 1, inputs)))
+        }
+    }
+}
+
+/// The same gear, its wave-generator angle counted from `start` [rad].
+fn counted_from(file: &GearFile, start: f64) -> GearFile {
+    let mut counted = file.clone();
+    let advance = |terms: &mut [Harmonic], angle: f64| {
+        for term in terms {
+            term.phase = wrapped(term.phase + f64::from(term.order) * angle);
+        }
+    };
+    let r: f64 = file.gear.signed_ratio().value();
+    advance(&mut counted.kinematic_error.wave_generator, start);
+    advance(&mut counted.kinematic_error.flexspline, (1.0 - r) * start);
+    counted
+}
+
+/// Within half a turn either way [rad].
+fn wrapped(angle: f64) -> f64 {
+    angle - TAU * (angle / TAU).round()
+}
+
+fn rows<'a, R: Real, F: Flexspline<R> + 'a, const L: usize, const CAP: usize>(
+    mut simulation: Simulation<'a, R, F, L, CAP>,
+) -> Rows<'a> {
+    let instants = simulation.inputs.log.time.resampled(STEP);
+    Box::new(instants.map(move |instant| simulation.row(instant)))
+}
+
+/// What drives a gear, over the time since the first stamp.
+struct Inputs<'a> {
+    trajectory: Trajectory,
+    log: &'a OpenLoop,
+    /// Where the run-in starts, and the wave generator is counted from [rad].
+    start: f64,
+    wave_generator_inertia: f64,
+}
+
+impl Inputs<'_> {
+    fn wave_generator<R: Real>(&self, elapsed: f64) -> Motion<R> {
+        let sample = self.trajectory.at(elapsed);
+        let angle = sample.angle - self.trajectory.at(-RUN_IN).angle;
+        Motion { angle: Angle::from_radians_f64(angle), velocity: R::lit(sample.velocity) }
+    }
+
+    fn load<R: Real>(&self, elapsed: f64) -> R {
+        R::lit(self.log.time.at(elapsed).of(&self.log.load_torque))
+    }
+}
+
+/// A gear on its way through its inputs.
+struct Simulation<'a, R: Real, F: Flexspline<R>, const L: usize, const CAP: usize> {
+    gear: Gear<R, F, L, CAP>,
+    state: GearState<R, F::State, CAP>,
+    flange: Motion<R>,
+    dt: f64,
+    /// Steps of dt in a control period.
+    steps: usize,
+    inputs: Inputs<'a>,
+}
+
+impl<'a, R: Real, F: Flexspline<R>, const L: usize, const CAP: usize> Simulation<'a, R, F, L, CAP> {
+    fn new(gear: Gear<R, F, L, CAP>, dt: f64, steps: usize, inputs: Inputs<'a>) -> Self {
+        let mut simulation = Self { state: gear.rest(), flange: Motion::default(), gear, dt, steps, inputs };
+        simulation.run_in();
+        simulation
+    }
+
+    fn run_in(&mut self) {
+        let count = (RUN_IN / self.dt).round() as usize;
+        for step in (1..=count).rev() {
+            let wave_generator = self.inputs.wave_generator(-(step as f64) * self.dt);
+            let flange = self.unloaded(&wave_generator);
+            self.gear.torques(&mut self.state, &wave_generator, &flange);
+        }
+        self.flange = self.unloaded(&self.inputs.wave_generator(0.0));
+    }
+
+    /// The flange's motion without torsion.
+    fn unloaded(&self, wave_generator: &Motion<R>) -> Motion<R> {
+        let slope = self.gear.ratio().value::<R>() + self.gear.kinematic_error(wave_generator.angle).slope;
+        Motion { angle: self.gear.drive(wave_generator.angle), velocity: slope * wave_generator.velocity }
+    }
+
+    /// The row of an instant, and the way to the next.
+    fn row(&mut self, instant: Instant) -> OpenLoopRow {
+        let flange = self.flange;
+        let first = self.step(instant.elapsed);
+        for step in 1..self.steps {
+            self.step(instant.elapsed + step as f64 * self.dt);
+        }
+        let inputs = &self.inputs;
+        let acceleration = inputs.trajectory.at(instant.elapsed).acceleration;
+        OpenLoopRow {
+            time: inputs.log.time.stamps()[0] + instant.elapsed,
+            output_position: self.gear.ratio().value::<f64>() * inputs.start + flange.angle.to_radians(),
+            output_velocity: flange.velocity.to_f64(),
+            input_torque: inputs.wave_generator_inertia * acceleration + first.wave_generator.to_f64(),
+            torsion: first.torsion.to_f64(),
+            transmitted_torque: first.transmitted.to_f64(),
+        }
+    }
+
+    fn step(&mut self, elapsed: f64) -> Torques<R> {
+        let (wave_generator, load) = (self.inputs.wave_generator(elapsed), self.inputs.load(elapsed));
+        self.gear.step(&mut self.state, &mut self.flange, &wave_generator, load)
+    }
+}

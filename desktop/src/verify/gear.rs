@@ -1,0 +1,40 @@
+//! How far the real-time build of the whole gear is from the reference, over one open-loop run.
+//!
+//! Default gear; the wave generator swings by +-6 rad at 12 rad/s under a load that rises to -40 N m:
+//! reversals of friction and hysteresis, both knees of the stiffness line, kinematic error.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use crate::bounds;
+use crate::figure::Figure;
+use crate::gear_file::GearFile;
+use crate::log::{OpenLoop, OpenLoopRow};
+use crate::two_port::{self, Build};
+
+pub(super) fn measure() -> Vec<Figure> {
+    let (gear, input) = (GearFile::default_gear(), input());
+    let run = |build| -> Vec<OpenLoopRow> {
+        two_port::run(&gear, &input, build).expect("the default gear can be built").collect()
+    };
+    let (reference, real_time) = (run(Build::Reference), run(Build::RealTime));
+    let worst = |of: fn(&OpenLoopRow) -> f64| {
+        reference.iter().zip(&real_time).map(|(a, b)| (of(a) - of(b)).abs()).fold(0.0, f64::max)
+    };
+    vec![
+        bounds::figure("gear.real_time.output_position.max", worst(|row| row.output_position)),
+        bounds::figure("gear.real_time.torsion.max", worst(|row| row.torsion)),
+        bounds::figure("gear.real_time.transmitted_torque.max", worst(|row| row.transmitted_torque)),
+        bounds::figure("gear.real_time.wave_generator_torque.max", worst(|row| row.input_torque)),
+    ]
+}
+
+fn input() -> OpenLoop {
+    let mut text = "t_s,theta_wg_rad,tau_load_nm\n".to_owned();
+    for k in 0..=400 {
+        let time = f64::from(k) * 1e-3;
+        let (angle, load) = (6.0 * (12.0 * time).sin(), -40.0 * (time / 0.1).min(1.0));
+        writeln!(text, "{time},{angle},{load}").expect("a string grows");
+    }
+    OpenLoop::parse(Path::new("verify"), text.as_bytes()).expect("the input is well formed")
+}

@@ -1,0 +1,295 @@
+//! A board's budget: what its image may cost, as data beside the board.
+//!
+//! `boards/BOARD/budget.toml` is a golden file: [`Budget::overwrite`] writes what was measured plus the
+//! stated headroom, so that a change of cost is a reviewed change of a line. Units: instructions, cycles and
+//! bytes. The bounds hold for the compiler that the file names; another one gives slightly different counts.
+//!
+//! A bound that has become ten times too loose no longer guards anything, and fails like one that is
+//! exceeded.
+
+mod error;
+mod measurement;
+mod table;
+
+pub use error::Error;
+pub use measurement::{Measurement, Workload, inspect, measure};
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use strainwave_desktop::Figure;
+use toml_edit::{DocumentMut, Item, Table, value};
+
+use crate::artifact::IndirectCall;
+use crate::firmware;
+
+/// The function whose cost is bounded, and its bounds.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Block {
+    /// Path of the function; `*` stands for any one segment.
+    pub symbol: String,
+    /// Most instructions of a call, what it calls included.
+    pub instructions: Option<u64>,
+    /// Most cycles of a call, by the model of [`crate::counting::cycle_table`].
+    pub cycles: Option<u64>,
+}
+
+/// What the image may take.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ImageBounds {
+    /// Flash [byte].
+    pub flash: Option<u64>,
+    /// RAM without stack [byte].
+    pub ram: Option<u64>,
+    /// Stack [byte].
+    pub stack: Option<u64>,
+}
+
+/// A board's budget.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Budget {
+    /// The board; its folder's name.
+    #[serde(skip)]
+    pub board: String,
+    #[serde(skip)]
+    file: PathBuf,
+    /// The compiler that the bounds were measured with.
+    pub compiler: String,
+    /// What a bound leaves above the measured value, as a part of it, 0 to 1.
+    pub headroom: f64,
+    /// Whether the board can be run in the emulator; otherwise only its image is judged.
+    pub emulated: bool,
+    /// What the image may take.
+    #[serde(default)]
+    pub image: ImageBounds,
+    /// The control step.
+    pub control_step: Block,
+    /// Its parts, by name.
+    #[serde(default)]
+    pub blocks: BTreeMap<String, Block>,
+    /// Where calls through pointers can go.
+    #[serde(default)]
+    pub indirect_call: Vec<IndirectCall>,
+}
+
+/// A bound is stale when it is more than this many times the value.
+const STALE: f64 = 10.0;
+
+impl Budget {
+    /// Reads the budget of a board.
+    pub fn read(board: &str) -> Result<Self, Error> {
+        Self::read_file(board, &firmware::folder().join(board).join("budget.toml"))
+    }
+
+    /// Reads the budget of `board` from `file`.
+    pub fn read_file(board: &str, file: &Path) -> Result<Self, Error> {
+        let text =
+            std::fs::read_to_string(file).map_err(|source| Error::File { file: file.to_owned(), source })?;
+        let bad = |what: String| Error::Content { file: file.to_owned(), what };
+        let budget: Self = toml::from_str(&text).map_err(|error| bad(one_line(&text, &error)))?;
+        if !(0.0..=1.0).contains(&budget.headroom) {
+            return Err(bad(format!("headroom = {}, allowed: 0 to 1", budget.headroom)));
+        }
+        Ok(Self { board: board.to_owned(), file: file.to_owned(), ..budget })
+    }
+
+    /// The control step, and its parts, by name.
+    pub fn blocks(&self) -> impl Iterator<Item = (&str, &Block)> {
+        let parts = self.blocks.iter().map(|(name, block)| (name.as_str(), block));
+        std::iter::once((CONTROL_STEP, &self.control_step)).chain(parts)
+    }
+
+    /// Writes what was measured, plus the headroom, as the new bounds; everything else in the file stays.
+    pub fn overwrite(&self, measured: &Measurement) -> Result<(), Error> {
+        let failed = |source| Error::File { file: self.file.clone(), source };
+        let text = std::fs::read_to_string(&self.file).map_err(failed)?;
+        let bad = |error: toml_edit::TomlError| Error::Content {
+            file: self.file.clone(),
+            what: error.message().to_owned(),
+        };
+        let mut document: DocumentMut = text.parse().map_err(bad)?;
+        self.update(&mut document, measured);
+        std::fs::write(&self.file, document.to_string()).map_err(failed)
+    }
+
+    fn update(&self, document: &mut DocumentMut, measured: &Measurement) {
+        set(document, "compiler", value(measured.compiler.as_str()));
+        let image = table(document, "image");
+        set(image, "flash", self.bound(u64::from(measured.sizes.flash)));
+        set(image, "ram", self.bound(u64::from(measured.sizes.ram)));
+        set(image, "stack", self.bound(u64::from(measured.stack.total)));
+        for (name, counts) in &measured.counts {
+            let block = match name.as_str() {
+                CONTROL_STEP => table(document, CONTROL_STEP),
+                part => table(table(document, "blocks"), part),
+            };
+            set(block, "instructions", self.bound(counts.instructions.max));
+            set(block, "cycles", self.bound(counts.cycles.max));
+        }
+    }
+
+    /// The bound for a measured value.
+    fn bound(&self, measured: u64) -> Item {
+        value((measured as f64 * (1.0 + self.headroom)).ceil() as i64)
+    }
+
+    fn figure(&self, name: &str, measured: f64, unit: &str, bound: Option<u64>) -> Figure {
+        let name = format!("budget.{}.{name}", self.board);
+        let Some(bound) = bound else { return Figure::reported(name, measured, unit) };
+        let figure = Figure::bounded(name, measured, unit, bound as f64);
+        Figure { holds: figure.holds && bound as f64 <= STALE * measured, ..figure }
+    }
+}
+
+/// The name of the control step among the blocks.
+pub const CONTROL_STEP: &str = "control_step";
+
+fn table<'d>(parent: &'d mut Table, key: &str) -> &'d mut Table {
+    let item = parent.entry(key).or_insert_with(|| Item::Table(Table::new()));
+    if !item.is_table() {
+        *item = std::mem::take(item).into_table().map_or_else(|_| Item::Table(Table::new()), Item::Table);
+    }
+    item.as_table_mut().expect("made a table above")
+}
+
+/// Replaces a value and keeps the spaces and comments around it.
+fn set(table: &mut Table, key: &str, mut new: Item) {
+    let Some(old) = table.get_mut(key) else {
+        table.insert(key, new);
+        return;
+    };
+    if let (Some(old), Some(new)) = (old.as_value(), new.as_value_mut()) {
+        *new.decor_mut() = old.decor().clone();
+    }
+    *old = new;
+}
+
+fn one_line(text: &str, error: &toml::de::Error) -> String {
+    let line = error.span().map(|span| text[..span.start].matches('\n').count() + 1);
+    let message = error.message().lines().next().unwrap_or("");
+    line.map_or_else(|| message.to_owned(), |line| format!("line {line}: {message}"))
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::artifact::{Sizes, StackBound, stack::Chain};
+    use crate::counting::{Counts, Spread};
+
+    const FILE: &str = "# A board.\ncompiler = \"rustc 1\"\nheadroom = 0.1 # a tenth\nemulated = true\n\n\
+        [control_step]\nsymbol = \"control_step\"\ncycles = 10 # by the model\n\n\
+        [blocks.observer]\nsymbol = \"a::Observer::step\"\n";
+
+    fn read(text: &str) -> Result<Budget, Error> {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("budget.toml");
+        std::fs::write(&file, text).unwrap();
+        Budget::read_file("b", &file)
+    }
+
+    fn refusal(text: &str) -> String {
+        read(text).unwrap_err().to_string().rsplit("budget.toml: ").next().unwrap().to_owned()
+    }
+
+    fn counts(max: u64) -> Counts {
+        let spread = |max: u64| Spread { min: 1, max, mean: 2.0 };
+        Counts { calls: 3, instructions: spread(max), cycles: spread(2 * max) }
+    }
+
+    pub fn budget() -> Budget {
+        read(FILE).unwrap()
+    }
+
+    pub fn measurement() -> Measurement {
+        let chain = Chain { depth: 100, path: vec!["Reset".to_owned()] };
+        Measurement {
+            compiler: "rustc 2".to_owned(),
+            sizes: Sizes { flash: 1000, ram: 200 },
+            stack: StackBound { total: 300, thread: chain, handlers: Vec::new() },
+            panics: Vec::new(),
+            allocators: Vec::new(),
+            doubles: Vec::new(),
+            counts: vec![(CONTROL_STEP.to_owned(), counts(500)), ("observer".to_owned(), counts(40))],
+            stack_mark: None,
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_budget_is_named() {
+        assert!(read(FILE).is_ok());
+        let unknown = refusal(&FILE.replace("cycles = 10", "cyclse = 10"));
+        assert!(unknown.starts_with("line 8: unknown field `cyclse`"), "{unknown}");
+        assert!(
+            refusal(&FILE.replace("headroom = 0.1", "headroom = 1.5"))
+                .starts_with("headroom = 1.5, allowed: 0 to 1")
+        );
+        let missing = refusal(&FILE.replace("emulated = true\n", ""));
+        assert!(missing.contains("missing field `emulated`"), "{missing}");
+        assert!(refusal(&FILE.replace("cycles = 10", "cycles = -1")).starts_with("line 8: "));
+    }
+
+    #[test]
+    fn overwriting_changes_the_bounds_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("budget.toml");
+        std::fs::write(&file, FILE).unwrap();
+        Budget::read_file("b", &file).unwrap().overwrite(&measurement()).unwrap();
+        let written = std::fs::read_to_string(&file).unwrap();
+        for line in [
+            "# A board.",
+            "compiler = \"rustc 2\"",
+            "headroom = 0.1 # a tenth",
+            "cycles = 1100 # by the model",
+            "instructions = 44",
+            "flash = 1100",
+            "stack = 330",
+        ] {
+            assert!(written.lines().any(|l| l == line), "{line}: {written}");
+        }
+        let budget = Budget::read_file("b", &file).unwrap();
+        assert_eq!(budget.blocks["observer"].cycles, Some(88));
+        assert!(measurement().figures(&budget).iter().all(|f| f.holds));
+        budget.overwrite(&measurement()).unwrap();
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), written);
+    }
+
+    #[test]
+    fn a_bound_fails_when_it_is_exceeded_and_when_it_guards_nothing() {
+        let budget = read(FILE).unwrap();
+        let holds = |bound| budget.figure("x", 100.0, "1", Some(bound)).holds;
+        assert!(holds(100) && holds(1000));
+        assert!(!holds(99) && !holds(1001));
+        assert!(budget.figure("x", 100.0, "1", None).holds);
+    }
+
+    #[test]
+    fn every_figure_has_its_stable_name() {
+        let measured = Measurement { stack_mark: Some(250), ..measurement() };
+        let figures = measured.figures(&read(FILE).unwrap());
+        let names: Vec<&str> = figures.iter().map(|f| f.name.as_str()).collect();
+        let expected = [
+            "budget.b.control_step.instructions_max",
+            "budget.b.control_step.instructions_mean",
+            "budget.b.control_step.cycles_max",
+            "budget.b.control_step.cycles_mean",
+            "budget.b.observer.instructions_max",
+            "budget.b.observer.instructions_mean",
+            "budget.b.observer.cycles_max",
+            "budget.b.observer.cycles_mean",
+            "budget.b.flash",
+            "budget.b.ram",
+            "budget.b.stack",
+            "budget.b.stack_mark",
+            "budget.b.panics",
+            "budget.b.allocators",
+            "budget.b.doubles",
+        ];
+        assert_eq!(names, expected);
+        let cycles = &figures[2];
+        assert_eq!((cycles.value, cycles.bound, cycles.holds), (1000.0, Some(10.0), false));
+    }
+}

@@ -1,0 +1,153 @@
+//! Measures an image against its budget.
+
+use std::path::Path;
+
+use strainwave_desktop::Figure;
+
+use super::{Block, Budget, Error, table};
+use crate::artifact::{CallGraph, Image, Sizes, StackBound, Violation, proofs};
+use crate::counting::{Counting, Counts, Outcome, merge};
+
+/// What an image costs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// The compiler that built it.
+    pub compiler: String,
+    /// Its size.
+    pub sizes: Sizes,
+    /// The deepest that its stack can get.
+    pub stack: StackBound,
+    /// Panics in it.
+    pub panics: Vec<Violation>,
+    /// Parts of an allocator in it.
+    pub allocators: Vec<Violation>,
+    /// Double precision in what its control step reaches.
+    pub doubles: Vec<Violation>,
+    /// What the control step and its parts cost, in the budget's order; empty when it was not run.
+    pub counts: Vec<(String, Counts)>,
+    /// The deepest stack that a run has seen [byte].
+    pub stack_mark: Option<u32>,
+}
+
+/// What a workload comes back with: the deepest stack that the firmware reports, if it does [byte].
+pub type Workload = Result<Option<u32>, Box<dyn std::error::Error + Send + Sync>>;
+
+/// Judges the image at `elf` without running it.
+pub fn inspect(budget: &Budget, elf: &Path) -> Result<Measurement, Error> {
+    examine(budget, &Image::read(elf)?)
+}
+
+/// Judges the image at `elf`, and counts it while `workload` runs it in the emulator, once or several times;
+/// what `workload` is given goes to the emulator's command line.
+///
+/// The image of a board that cannot be emulated is judged without running it.
+pub fn measure(
+    budget: &Budget,
+    elf: &Path,
+    workload: impl FnOnce(&[String]) -> Workload,
+) -> Result<Measurement, Error> {
+    let image = Image::read(elf)?;
+    let mut measured = examine(budget, &image)?;
+    if budget.emulated {
+        let found = budget.blocks().map(|(_, block)| image.find(&block.symbol));
+        let functions: Vec<Vec<usize>> = found.collect::<Result<_, _>>()?;
+        let counting = Counting::prepare(&image, &distinct(&functions))?;
+        measured.stack_mark = workload(&counting.arguments()).map_err(Error::Workload)?;
+        measured.counts = by_block(budget, &functions, &counting.finish(&image)?)?;
+    }
+    Ok(measured)
+}
+
+fn examine(budget: &Budget, image: &Image) -> Result<Measurement, Error> {
+    let handlers = image.vectors()?;
+    let graph = CallGraph::of(image, &handlers, &budget.indirect_call)?;
+    let control_step = image.find(&budget.control_step.symbol)?;
+    Ok(Measurement {
+        compiler: image.compiler().to_owned(),
+        sizes: Sizes::of(image),
+        stack: StackBound::of(image, &graph)?,
+        panics: proofs::panics(image.symbols(), &graph, &handlers),
+        allocators: proofs::allocators(image.symbols(), &graph, &handlers),
+        doubles: proofs::doubles(&graph, &control_step),
+        counts: Vec::new(),
+        stack_mark: None,
+    })
+}
+
+/// Every function once: two blocks may name the same one.
+fn distinct(functions: &[Vec<usize>]) -> Vec<usize> {
+    let mut all = functions.concat();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+fn by_block(
+    budget: &Budget,
+    functions: &[Vec<usize>],
+    outcome: &Outcome,
+) -> Result<Vec<(String, Counts)>, Error> {
+    let tracked = distinct(functions);
+    let of = |function: &usize| outcome.counts[tracked.binary_search(function).ok()?];
+    let blocks = budget.blocks().zip(functions);
+    let counted = blocks.map(|((name, block), functions)| {
+        let counts = merge(functions.iter().filter_map(of));
+        let never = || Error::NotCalled { block: name.to_owned(), symbol: block.symbol.clone() };
+        Ok((name.to_owned(), counts.ok_or_else(never)?))
+    });
+    counted.collect()
+}
+
+impl Measurement {
+    /// Every figure beside its bound in `budget`.
+    pub fn figures(&self, budget: &Budget) -> Vec<Figure> {
+        let mut figures = Vec::new();
+        for (name, counts) in &self.counts {
+            let block = self.block(budget, name);
+            let max = |what: &str, unit, value: u64, bound| {
+                budget.figure(&format!("{name}.{what}_max"), value as f64, unit, bound)
+            };
+            let mean =
+                |what: &str, unit, value| budget.figure(&format!("{name}.{what}_mean"), value, unit, None);
+            let (instructions, cycles) = (counts.instructions, counts.cycles);
+            let bound = block.and_then(|b| b.instructions);
+            figures.push(max("instructions", "instruction", instructions.max, bound));
+            figures.push(mean("instructions", "instruction", instructions.mean));
+            figures.push(max("cycles", "cycle", cycles.max, block.and_then(|b| b.cycles)));
+            figures.push(mean("cycles", "cycle", cycles.mean));
+        }
+        figures.extend(self.image_figures(budget));
+        figures
+    }
+
+    fn image_figures(&self, budget: &Budget) -> Vec<Figure> {
+        let byte = |name, value: u32, bound| budget.figure(name, f64::from(value), "byte", bound);
+        let mut figures = vec![
+            byte("flash", self.sizes.flash, budget.image.flash),
+            byte("ram", self.sizes.ram, budget.image.ram),
+            byte("stack", self.stack.total, budget.image.stack),
+        ];
+        // What a run has seen must not be deeper than what no run can exceed.
+        let bound = Some(u64::from(self.stack.total));
+        figures.extend(self.stack_mark.map(|mark| byte("stack_mark", mark, bound)));
+        for (name, found) in self.proofs() {
+            let name = format!("budget.{}.{name}", budget.board);
+            figures.push(Figure::bounded(name, found.len() as f64, "1", 0.0));
+        }
+        figures
+    }
+
+    fn block<'b>(&self, budget: &'b Budget, name: &str) -> Option<&'b Block> {
+        budget.blocks().find(|(n, _)| *n == name).map(|(_, block)| block)
+    }
+
+    /// What must not be in the image, by name.
+    pub fn proofs(&self) -> [(&'static str, &[Violation]); 3] {
+        [("panics", &self.panics), ("allocators", &self.allocators), ("doubles", &self.doubles)]
+    }
+
+    /// A table for people.
+    pub fn table(&self, budget: &Budget) -> String {
+        table::print(self, budget)
+    }
+}

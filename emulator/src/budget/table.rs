@@ -1,0 +1,150 @@
+//! The budget as a table for people.
+
+use std::fmt::Write as _;
+
+use comfy_table::{CellAlignment, Table, presets};
+use strainwave_desktop::Figure;
+
+use super::{Budget, Measurement};
+
+/// Block by block, then the image, then what must not be in it.
+pub fn print(measured: &Measurement, budget: &Budget) -> String {
+    let mut text = header(measured, budget);
+    let figures = measured.figures(budget);
+    if !measured.counts.is_empty() {
+        let _ = writeln!(text, "{}\n", counts(measured, budget, &figures));
+    }
+    let _ = writeln!(text, "{}", image(budget, &figures));
+    for (name, found) in measured.proofs() {
+        for violation in found {
+            let _ = writeln!(text, "{name}: {violation}");
+        }
+    }
+    text
+}
+
+fn header(measured: &Measurement, budget: &Budget) -> String {
+    let mut text = format!("{}, built with {}", budget.board, measured.compiler);
+    if measured.compiler != budget.compiler {
+        let _ = write!(text, " (bounds are for {})", budget.compiler);
+    }
+    text += if measured.counts.is_empty() {
+        "; judged from the image, not run\n"
+    } else {
+        "\nInstructions are exact. Cycles are a model of the Cortex-M4F (emulator/src/counting/cycle_table.rs):\n\
+         pessimistic end, zero wait states, emulated, not silicon.\n"
+    };
+    text
+}
+
+fn empty() -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table
+}
+
+fn align_numbers(table: &mut Table) {
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+}
+
+fn counts(measured: &Measurement, budget: &Budget, figures: &[Figure]) -> Table {
+    let mut table = empty();
+    table.set_header([
+        "block",
+        "calls",
+        "instr. max",
+        "mean",
+        "bound",
+        "cycles max",
+        "mean",
+        "bound",
+        "holds",
+    ]);
+    for (name, counts) in &measured.counts {
+        let find = |what: &str| {
+            let full = format!("budget.{}.{name}.{what}", budget.board);
+            figures.iter().find(|f| f.name == full)
+        };
+        let (instructions, cycles) = (find("instructions_max"), find("cycles_max"));
+        let holds = [instructions, cycles].into_iter().flatten().all(|f| f.holds);
+        table.add_row([
+            name.clone(),
+            counts.calls.to_string(),
+            counts.instructions.max.to_string(),
+            format!("{:.0}", counts.instructions.mean),
+            bound(instructions),
+            counts.cycles.max.to_string(),
+            format!("{:.0}", counts.cycles.mean),
+            bound(cycles),
+            yes(holds),
+        ]);
+    }
+    align_numbers(&mut table);
+    table
+}
+
+fn image(budget: &Budget, figures: &[Figure]) -> Table {
+    let mut table = empty();
+    table.set_header(["image", "value", "unit", "bound", "holds"]);
+    let prefix = format!("budget.{}.", budget.board);
+    for figure in figures {
+        // The blocks' figures have one more segment.
+        let Some(name) = figure.name.strip_prefix(&prefix).filter(|name| !name.contains('.')) else {
+            continue;
+        };
+        let value = figure.value.to_string();
+        let unit = figure.unit.clone();
+        table.add_row([name.to_owned(), value, unit, bound(Some(figure)), yes(figure.holds)]);
+    }
+    align_numbers(&mut table);
+    table
+}
+
+fn bound(figure: Option<&Figure>) -> String {
+    figure.and_then(|f| f.bound).map_or_else(|| "-".to_owned(), |b| b.to_string())
+}
+
+fn yes(holds: bool) -> String {
+    if holds { "yes" } else { "NO" }.to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{budget, measurement};
+    use super::*;
+    use crate::artifact::Violation;
+
+    #[test]
+    fn the_header_says_what_the_figures_are() {
+        let text = print(&measurement(), &budget());
+        for part in
+            ["rustc 2", "bounds are for rustc 1", "pessimistic end", "zero wait states", "not silicon"]
+        {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+        let not_run = Measurement { counts: Vec::new(), ..measurement() };
+        assert!(print(&not_run, &budget()).contains("not run"));
+    }
+
+    #[test]
+    fn a_row_shows_what_is_exceeded() {
+        let text = print(&measurement(), &budget());
+        let row: Vec<&str> = text
+            .lines()
+            .find(|l| l.trim_start().starts_with("control_step"))
+            .unwrap()
+            .split_whitespace()
+            .collect();
+        assert_eq!(row, ["control_step", "3", "500", "2", "-", "1000", "2", "10", "NO"]);
+    }
+
+    #[test]
+    fn a_failed_proof_shows_its_path() {
+        let path = Some(vec!["step".to_owned(), "__aeabi_dmul".to_owned()]);
+        let doubles = vec![Violation { what: "__aeabi_dmul".to_owned(), path }];
+        let text = print(&Measurement { doubles, ..measurement() }, &budget());
+        assert!(text.contains("doubles: __aeabi_dmul: step -> __aeabi_dmul"), "{text}");
+    }
+}

@@ -1,0 +1,154 @@
+//! The real image: what its budget promises can be shown of it, and its counts agree with QEMU's own log.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use strainwave::compensator::{Input, Sensors, Shares};
+use strainwave_app::frame::encode_input;
+use strainwave_emulator::artifact::{CallGraph, Image};
+use strainwave_emulator::budget::{self, Budget};
+use strainwave_emulator::counting::{Counting, Outcome};
+use strainwave_emulator::{Machine, firmware, setup};
+
+const BOARD: &str = "mps2-an386";
+
+/// The image of a board, unless the machine has no compiler for it: a test installs none.
+fn image(board: &str) -> Option<PathBuf> {
+    if setup::present_compiler(&setup::ThisHost).is_none() {
+        println!("skipped: no cross target");
+        return None;
+    }
+    Some(firmware::build(board, None).expect("the board builds").elf)
+}
+
+/// The image of the board that the emulator has, unless there is no emulator.
+fn runnable() -> Option<PathBuf> {
+    if setup::present_emulator(&setup::ThisHost).is_none() {
+        println!("skipped: no emulator");
+        return None;
+    }
+    image(BOARD)
+}
+
+#[test]
+fn every_boards_image_is_within_its_budget_without_panic_allocator_or_doubles() {
+    for board in firmware::boards().expect("the boards are there") {
+        let Some(elf) = image(&board) else { return };
+        let budget = Budget::read(&board).expect("the budget is sound");
+        let measured = budget::inspect(&budget, &elf).expect("the image can be judged");
+        let figures = measured.figures(&budget);
+        assert!(figures.iter().all(|f| f.holds), "{}", measured.table(&budget));
+        assert!(figures.iter().filter(|f| f.bound.is_some()).count() >= 6, "{}", measured.table(&budget));
+    }
+}
+
+#[test]
+fn the_way_from_the_interrupt_to_the_control_step_is_found() {
+    let Some(elf) = image(BOARD) else { return };
+    let image = Image::read(&elf).expect("is readable");
+    let handlers = image.vectors().expect("has vectors");
+    let graph = CallGraph::of(&image, &handlers, &[]).expect("is closed");
+    let step = image.find("control_step").expect("is linked")[0];
+    let path = graph.path(&handlers, step).expect("is called from a handler");
+    assert!(path[0].ends_with("control_interrupt") && path.len() >= 2, "{path:?}");
+    assert_eq!(graph.path(&handlers[..1], step), None, "the thread does not call it");
+    let error = image.find("control_stepp").expect_err("is not there").to_string();
+    assert!(error.starts_with("no function control_stepp in the image"), "{error}");
+}
+
+/// A moving joint, for `periods` control periods.
+fn run(elf: &Path, periods: u32, arguments: &[String]) {
+    let mut machine = Machine::boot(elf, arguments).expect("boots");
+    for period in 0..periods {
+        let sensors = Sensors { motor_encoder: period * 70_000, motor_torque: 0.1, ..Sensors::default() };
+        let shares =
+            Shares { feedback: 1.0, inertia: 1.0, friction: 0.8, wind_up: 1.0, kinematic_error: 1.0 };
+        let input = Input { sensors, shares, ..Input::default() };
+        machine.exchange(&encode_input(&input)).expect("answers");
+    }
+    machine.finish().expect("ends");
+}
+
+fn counted(image: &Image, tracked: &[usize], periods: u32, more: &[String]) -> Outcome {
+    let counting = Counting::prepare(image, tracked).expect("the plugin builds");
+    run(image.path(), periods, &[&counting.arguments()[..], more].concat());
+    counting.finish(image).expect("the counts are there")
+}
+
+#[test]
+fn counts_are_repeatable_to_the_instruction() {
+    let Some(elf) = runnable() else { return };
+    let image = Image::read(&elf).expect("is readable");
+    let budget = Budget::read(BOARD).expect("the budget is sound");
+    let tracked: Vec<usize> =
+        budget.blocks().flat_map(|(_, block)| image.find(&block.symbol).expect("is linked")).collect();
+    let once = counted(&image, &tracked, 100, &[]);
+    assert_eq!(once.counts, counted(&image, &tracked, 100, &[]).counts);
+    let step = once.counts[0].expect("was called");
+    assert_eq!(step.calls, 100);
+    for (part, function) in once.counts.iter().zip(&tracked).skip(1) {
+        let part = part.unwrap_or_else(|| panic!("{} was called", image.functions()[*function].name()));
+        assert!(part.instructions.max < step.instructions.max && part.cycles.max < step.cycles.max);
+        assert!(part.instructions.min <= part.cycles.min);
+    }
+}
+
+/// QEMU's own log of every instruction executed, as its switches are called in this version.
+fn log_switches(log: &Path, ranges: &str) -> Vec<String> {
+    let version = setup::present_emulator(&setup::ThisHost).unwrap_or_default();
+    let old = ["7.", "8.0."].iter().any(|v| version.contains(&format!("version {v}")));
+    let single: &[&str] = if old { &["-singlestep"] } else { &["-accel", "tcg,one-insn-per-tb=on"] };
+    let log = log.display().to_string();
+    let rest = ["-d", "exec,nochain", "-dfilter", ranges, "-D", &log];
+    single.iter().chain(&rest).map(|s| (*s).to_owned()).collect()
+}
+
+/// The instructions of each call of `start`, from the addresses executed: a call ends where its caller goes on.
+fn calls(addresses: &[u32], start: u32, next: &HashMap<u32, u32>) -> Vec<u64> {
+    let mut calls = Vec::new();
+    let mut open: Option<(u32, u64)> = None;
+    for pair in addresses.windows(2) {
+        if let Some((back, count)) = open.as_mut() {
+            if pair[1] == *back {
+                calls.push(*count);
+                open = None;
+            } else {
+                *count += 1;
+            }
+        } else if pair[1] == start {
+            open = Some((next[&pair[0]], 1));
+        }
+    }
+    calls
+}
+
+#[test]
+fn counts_agree_with_the_emulators_own_log() {
+    const PERIODS: u32 = 10;
+    let Some(elf) = runnable() else { return };
+    let image = Image::read(&elf).expect("is readable");
+    let handlers = image.vectors().expect("has vectors");
+    let graph = CallGraph::of(&image, &handlers, &[]).expect("is closed");
+    let step = image.find("control_step").expect("is linked");
+    // Only the step, what it calls and who calls it: a log of the whole run takes gigabytes.
+    let callers = (0..graph.nodes().len()).filter(|k| graph.callees(*k).any(|c| c == step[0]));
+    let logged = graph.reachable(&step).into_iter().chain(callers).map(|k| &image.functions()[k]);
+    let ranges: Vec<String> = logged.map(|f| format!("{:#x}+{:#x}", f.address, f.size)).collect();
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let log = folder.path().join("log.txt");
+    let outcome = counted(&image, &step, PERIODS, &log_switches(&log, &ranges.join(",")));
+
+    let text = std::fs::read_to_string(log).expect("the log is there");
+    // `Trace 0: 0x7f97fc000100 [00800408/000000c0/00000110/ff020201] Reset`: the second is the address.
+    let address = |line: &str| u32::from_str_radix(line.split_once('[')?.1.split('/').nth(1)?, 16).ok();
+    let addresses: Vec<u32> = text.lines().filter(|l| l.starts_with("Trace")).filter_map(address).collect();
+    let next = image.instructions().iter().map(|i| (i.address, i.next())).collect();
+    let logged = calls(&addresses, image.functions()[step[0]].address, &next);
+
+    let counts = outcome.counts[0].expect("was called");
+    assert_eq!((logged.len(), counts.calls), (PERIODS as usize, u64::from(PERIODS)));
+    assert_eq!(logged.iter().max(), Some(&counts.instructions.max));
+    assert_eq!(logged.iter().min(), Some(&counts.instructions.min));
+    let mean = logged.iter().sum::<u64>() as f64 / f64::from(PERIODS);
+    assert_eq!(mean, counts.instructions.mean);
+}
