@@ -3,6 +3,7 @@
 //! Exit code 0 when every figure holds, 1 when one misses its bound, 2 when the command could not be
 //! carried out: then one line on the error stream says why, and nothing has been written.
 
+mod budget;
 mod files;
 mod pil;
 mod pil_plots;
@@ -37,6 +38,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Budget(budget::Arguments),
     Pil(pil::Arguments),
     Sim(sim::Arguments),
     Verify(verify::Arguments),
@@ -44,6 +46,7 @@ enum Command {
 
 fn run(command: Command) -> Result<Report, BadInput> {
     match command {
+        Command::Budget(arguments) => budget::run(&arguments),
         Command::Pil(arguments) => pil::run(&arguments),
         Command::Sim(arguments) => sim::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),

@@ -1,6 +1,5 @@
 //! `pil`: processor in the loop.
 
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -14,7 +13,7 @@ use strainwave_emulator::pil::{self, Replay, ScenarioRun};
 use crate::files;
 use crate::pil_plots;
 use crate::progress::Progress;
-use crate::report::{Report, ReportArguments};
+use crate::report::{Report, ReportArguments, say};
 
 /// Run a board's firmware in the emulator, in lockstep with the reference plant or on a measured log
 ///
@@ -159,9 +158,4 @@ fn replay_figures(replay: &Replay) -> Vec<Figure> {
             replay.agreement.different as f64,
         ),
     ]
-}
-
-/// A line for people; a reader that closed the pipe changes nothing.
-fn say(line: std::fmt::Arguments<'_>) {
-    let _ = writeln!(io::stdout(), "{line}");
 }

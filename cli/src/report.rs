@@ -22,12 +22,20 @@ pub struct Report {
     figures: Vec<Figure>,
     #[serde(skip)]
     json: Option<PathBuf>,
+    /// The subcommand has printed a table of its own.
+    #[serde(skip)]
+    printed: bool,
 }
 
 impl Report {
     /// Figures to be published as `arguments` ask.
     pub fn new(figures: Vec<Figure>, arguments: &ReportArguments) -> Self {
-        Self { figures, json: arguments.json.clone() }
+        Self { figures, json: arguments.json.clone(), printed: false }
+    }
+
+    /// The same of a subcommand that prints its figures itself.
+    pub fn silent(figures: Vec<Figure>, arguments: &ReportArguments) -> Self {
+        Self { printed: true, ..Self::new(figures, arguments) }
     }
 
     /// Writes the JSON file, prints the table, and tells whether every figure holds.
@@ -35,8 +43,9 @@ impl Report {
         if let Some(path) = &self.json {
             self.write_json(path)?;
         }
-        // A reader that has seen enough and closed the pipe changes nothing.
-        let _ = writeln!(io::stdout(), "{}", table(&self.figures));
+        if !self.printed {
+            say(format_args!("{}", table(&self.figures)));
+        }
         Ok(self.figures.iter().all(|figure| figure.holds))
     }
 
@@ -46,6 +55,11 @@ impl Report {
             Ok(writeln!(out)?)
         })
     }
+}
+
+/// A line for people; a reader that has seen enough and closed the pipe changes nothing.
+pub fn say(line: std::fmt::Arguments<'_>) {
+    let _ = writeln!(io::stdout(), "{line}");
 }
 
 /// One row a figure.

@@ -62,13 +62,29 @@ pub fn run(
             let b1 = closed_loop::run(file, scenario, seed, &mut Baseline::b1(file)?, |_| ())?;
             Ok((b0, b1))
         });
-        let mut target = Target::new(Machine::boot(elf, qemu_arguments)?, &joint_params(file)?)?;
-        let compensated = closed_loop::run(file, scenario, seed, &mut target, progress)?;
-        let agreement = target.agreement();
-        let ending = target.finish()?;
+        let (compensated, agreement, ending) =
+            compensated(elf, qemu_arguments, file, scenario, seed, progress)?;
         let (b0, b1) = baselines.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
         Ok(ScenarioRun { scenario, compensated, b0, b1, agreement, ending })
     })
+}
+
+/// Runs a scenario on the plant of `seed` with the firmware alone.
+///
+/// # Errors
+/// As [`run`].
+pub fn compensated(
+    elf: &Path,
+    qemu_arguments: &[String],
+    file: &GearFile,
+    scenario: Scenario,
+    seed: u64,
+    progress: impl FnMut(f64),
+) -> Result<(Run, Agreement, Ending), Error> {
+    let mut target = Target::new(Machine::boot(elf, qemu_arguments)?, &joint_params(file)?)?;
+    let run = closed_loop::run(file, scenario, seed, &mut target, progress)?;
+    let agreement = target.agreement();
+    Ok((run, agreement, target.finish()?))
 }
 
 /// One control period of a replay.

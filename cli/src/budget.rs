@@ -1,0 +1,67 @@
+//! `budget`: what the control step costs on the target, against the boards' budget files.
+
+use clap::Args;
+use strainwave_desktop::scenario::Scenario;
+use strainwave_desktop::{BadInput, Figure, GearFile};
+use strainwave_emulator::budget::{self, Budget, Measurement};
+use strainwave_emulator::{firmware, pil};
+
+use crate::files;
+use crate::progress::Progress;
+use crate::report::{Report, ReportArguments, say};
+
+/// Count instructions and cycles of the control step and of each block in it; flash, RAM and stack
+///
+/// Runs the firmware through S1-S6 in the emulator with a plugin that counts. Instructions are exact;
+/// cycles are a model of a Cortex-M4F with zero wait states, at the pessimistic end, not silicon. Proves
+/// on the linked image that no panic and no allocator is in it and that the control step reaches no
+/// double-precision routine. Bounds are those of boards/BOARD/budget.toml.
+#[derive(Args)]
+pub struct Arguments {
+    /// Only this board; every board when left out
+    #[arg(long, value_name = "BOARD")]
+    board: Option<String>,
+    /// Write what was measured, plus the headroom, as the new bounds
+    #[arg(long)]
+    overwrite: bool,
+    #[command(flatten)]
+    report: ReportArguments,
+}
+
+/// Builds, counts and judges.
+pub fn run(arguments: &Arguments) -> Result<Report, BadInput> {
+    files::require_writable(arguments.report.json.as_deref())?;
+    let boards = match &arguments.board {
+        Some(board) => vec![board.clone()],
+        None => firmware::boards().map_err(BadInput::message)?,
+    };
+    let mut figures = Vec::new();
+    for board in boards {
+        figures.extend(judge(&board, arguments.overwrite)?);
+    }
+    Ok(Report::silent(figures, &arguments.report))
+}
+
+fn judge(board: &str, overwrite: bool) -> Result<Vec<Figure>, BadInput> {
+    let gear = GearFile::default_gear();
+    let firmware = pil::build(board, &gear).map_err(BadInput::message)?;
+    let mut budget = Budget::read(board).map_err(BadInput::message)?;
+    let measured: Measurement = budget::measure(&budget, &firmware.elf, |arguments| {
+        let mut deepest = None;
+        for scenario in Scenario::ALL {
+            let mut progress = Progress::new(1000, scenario.title());
+            let (_, _, ending) = pil::compensated(&firmware.elf, arguments, &gear, scenario, 1, |share| {
+                progress.set((share * 1e3) as u64)
+            })?;
+            deepest = deepest.max(Some(ending.stack));
+        }
+        Ok(deepest)
+    })
+    .map_err(BadInput::message)?;
+    if overwrite {
+        budget.overwrite(&measured).map_err(BadInput::message)?;
+        budget = Budget::read(board).map_err(BadInput::message)?;
+    }
+    say(format_args!("{}", measured.table(&budget)));
+    Ok(measured.figures(&budget))
+}
