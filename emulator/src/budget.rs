@@ -40,11 +40,11 @@ pub struct Block {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImageBounds {
-    /// Flash [byte].
+    /// Flash, in bytes.
     pub flash: Option<u64>,
-    /// RAM without stack [byte].
+    /// RAM without stack, in bytes.
     pub ram: Option<u64>,
-    /// Stack [byte].
+    /// Stack, in bytes.
     pub stack: Option<u64>,
 }
 

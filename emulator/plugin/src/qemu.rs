@@ -56,20 +56,20 @@ unsafe extern "C" {
     fn qemu_plugin_insn_vaddr(instruction: *const BlockInstruction) -> u64;
 }
 
-struct Session {
+struct Run {
     plan: &'static Plan,
     counter: Counter<'static>,
     out: PathBuf,
 }
 
-struct Slot(UnsafeCell<Option<Session>>);
+struct Slot(UnsafeCell<Option<Run>>);
 
 // SAFETY: QEMU calls the plugin from the thread that loads it, and then, `install` having refused more
 // than one CPU, from the one thread that emulates it; the callback at exit runs when that thread has stopped
 // or is itself the one that exits.
 unsafe impl Sync for Slot {}
 
-static SESSION: Slot = Slot(UnsafeCell::new(None));
+static RUN: Slot = Slot(UnsafeCell::new(None));
 
 /// QEMU's call when it has loaded the plugin; not 0 makes QEMU refuse to start.
 ///
@@ -90,8 +90,8 @@ pub unsafe extern "C" fn qemu_plugin_install(
         text.to_string_lossy().into_owned()
     });
     match open(info, texts) {
-        Ok(session) => {
-            start(id, session);
+        Ok(run) => {
+            start(id, run);
             0
         }
         Err(message) => {
@@ -101,7 +101,7 @@ pub unsafe extern "C" fn qemu_plugin_install(
     }
 }
 
-fn open(info: &Info, arguments: impl Iterator<Item = String>) -> Result<Session, String> {
+fn open(info: &Info, arguments: impl Iterator<Item = String>) -> Result<Run, String> {
     if !info.system_emulation || info.cpus != 1 {
         return Err(format!("{} CPUs, allowed: a machine with 1", info.cpus));
     }
@@ -119,12 +119,12 @@ fn open(info: &Info, arguments: impl Iterator<Item = String>) -> Result<Session,
     let plan: &'static Plan = Box::leak(Box::new(Plan::parse(&text)?));
     // Several emulators may run with the same arguments: each has a result of its own.
     let out = out.ok_or("argument out=FOLDER is missing")?.join(std::process::id().to_string());
-    Ok(Session { plan, counter: Counter::new(plan), out })
+    Ok(Run { plan, counter: Counter::new(plan), out })
 }
 
-fn start(id: Id, session: Session) {
+fn start(id: Id, run: Run) {
     // SAFETY: called once, from the thread that loads the plugin, before any callback is registered.
-    unsafe { *SESSION.0.get() = Some(session) };
+    unsafe { *RUN.0.get() = Some(run) };
     // SAFETY: `id` is what QEMU gave, and the callbacks have the types that qemu-plugin.h asks for.
     unsafe {
         qemu_plugin_register_vcpu_tb_trans_cb(id, translated);
@@ -132,20 +132,20 @@ fn start(id: Id, session: Session) {
     }
 }
 
-fn with_session(act: impl FnOnce(&mut Session)) {
+fn with_run(act: impl FnOnce(&mut Run)) {
     // SAFETY: one thread at a time (see `Slot`), and no callback calls another.
-    if let Some(session) = unsafe { (*SESSION.0.get()).as_mut() } {
-        act(session);
+    if let Some(run) = unsafe { (*RUN.0.get()).as_mut() } {
+        act(run);
     }
 }
 
 /// QEMU has translated a block: every instruction of it reports when it is executed.
 extern "C" fn translated(_: Id, block: *mut Block) {
-    with_session(|session| {
+    with_run(|run| {
         // SAFETY: `block` and the instructions in it are valid during this callback.
         unsafe {
             for index in 0..qemu_plugin_tb_n_insns(block) {
-                instrument(qemu_plugin_tb_get_insn(block, index), session.plan);
+                instrument(qemu_plugin_tb_get_insn(block, index), run.plan);
             }
         }
     });
@@ -174,17 +174,17 @@ unsafe fn instrument(instruction: *mut BlockInstruction, plan: &'static Plan) {
 extern "C" fn executed(_: c_uint, data: *mut c_void) {
     // SAFETY: `data` is the reference into the leaked plan that `instrument` registered.
     let instruction: &'static Instruction = unsafe { &*data.cast::<Instruction>().cast_const() };
-    with_session(|session| session.counter.execute(instruction));
+    with_run(|run| run.counter.execute(instruction));
 }
 
 extern "C" fn unplanned(_: c_uint, data: *mut c_void) {
-    with_session(|session| session.counter.unplanned(data.addr() as u32));
+    with_run(|run| run.counter.unplanned(data.addr() as u32));
 }
 
 extern "C" fn exited(_: Id, _: *mut c_void) {
-    with_session(|session| {
-        if let Err(error) = std::fs::write(&session.out, report(&session.counter)) {
-            eprintln!("counting plugin: {}: {error}", session.out.display());
+    with_run(|run| {
+        if let Err(error) = std::fs::write(&run.out, report(&run.counter)) {
+            eprintln!("counting plugin: {}: {error}", run.out.display());
         }
     });
 }

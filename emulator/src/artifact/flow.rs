@@ -32,14 +32,14 @@ pub struct IndirectCall {
 pub struct Call {
     /// The called function, by its index.
     pub callee: usize,
-    /// The caller's stack [byte].
+    /// The caller's stack, in bytes.
     pub depth: u32,
 }
 
 /// What a function's code does.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Summary {
-    /// Its own deepest stack [byte].
+    /// Its own deepest stack, in bytes.
     pub depth: u32,
     /// Its calls, tail calls included, each callee once with the deepest stack.
     pub calls: Vec<Call>,
@@ -365,13 +365,13 @@ fn forget_written(instruction: &Instruction, after: &mut State) {
     }
 }
 
-/// What a register list takes in memory [byte].
+/// What a register list takes in memory, in bytes.
 fn register_bytes(instruction: &Instruction) -> i32 {
     let double = ArmReg::ARM_REG_D0..=ArmReg::ARM_REG_D31;
     instruction.registers().map(|r| if double.contains(&r) { 8 } else { 4 }).sum()
 }
 
-/// How far `[sp, #x]!` or `[sp], #x` moves the stack pointer [byte].
+/// How far `[sp, #x]!` or `[sp], #x` moves the stack pointer, in bytes.
 fn indexed_by(instruction: &Instruction) -> i32 {
     let after = instruction.operands.len().checked_sub(1).and_then(|last| instruction.immediate(last));
     after.unwrap_or_else(|| instruction.memory().map_or(0, |m| m.2))

@@ -8,9 +8,9 @@ use super::image::{Image, Section};
 /// Flash and RAM of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sizes {
-    /// Flash [byte].
+    /// Flash, in bytes.
     pub flash: u32,
-    /// RAM without stack [byte].
+    /// RAM without stack, in bytes.
     pub ram: u32,
 }
 

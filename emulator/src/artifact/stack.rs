@@ -18,7 +18,7 @@ pub const EXCEPTION_FRAME: u32 = 4 * (26 + 1);
 /// One chain of calls and the stack it takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Chain {
-    /// Stack [byte].
+    /// Stack, in bytes.
     pub depth: u32,
     /// The functions on it, the outermost first.
     pub path: Vec<String>,
@@ -27,7 +27,7 @@ pub struct Chain {
 /// The deepest that the stack can get.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StackBound {
-    /// Stack [byte].
+    /// Stack, in bytes.
     pub total: u32,
     /// The deepest chain of the program outside of handlers.
     pub thread: Chain,

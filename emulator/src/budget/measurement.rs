@@ -25,11 +25,11 @@ pub struct Measurement {
     pub doubles: Vec<Violation>,
     /// What the control step and its parts cost, in the budget's order; empty when it was not run.
     pub counts: Vec<(String, Counts)>,
-    /// The deepest stack that a run has seen [byte].
+    /// The deepest stack that a run has seen, in bytes.
     pub stack_mark: Option<u32>,
 }
 
-/// What a workload comes back with: the deepest stack that the firmware reports, if it does [byte].
+/// What a workload comes back with: the deepest stack that the firmware reports, if it does, in bytes.
 pub type Workload = Result<Option<u32>, Box<dyn std::error::Error + Send + Sync>>;
 
 /// Judges the image at `elf` without running it.
