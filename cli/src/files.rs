@@ -19,7 +19,7 @@ pub fn require_distinct(named: &[(&str, Option<&Path>)]) -> Result<(), BadInput>
 /// The file itself, or where it would be.
 fn same(path: &Path) -> PathBuf {
     let made = || {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = file::folder_of(path);
         Some(folder.canonicalize().ok()?.join(path.file_name()?))
     };
     path.canonicalize().ok().or_else(made).unwrap_or_else(|| path.to_path_buf())
@@ -32,7 +32,8 @@ pub fn require_writable(path: Option<&Path>) -> Result<(), BadInput> {
 
 /// Makes a folder that results go to, unless it is there.
 pub fn require_folder(path: &Path) -> Result<(), BadInput> {
-    std::fs::create_dir_all(path).map_err(|error| BadInput::new(path, format_args!("cannot be made: {error}")))
+    std::fs::create_dir_all(path)
+        .map_err(|error| BadInput::new(path, format_args!("cannot be made: {error}")))
 }
 
 #[cfg(test)]

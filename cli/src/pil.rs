@@ -119,9 +119,9 @@ fn scenario_figures(run: &ScenarioRun) -> Vec<Figure> {
         Figure::reported(name("compensated.max"), run.compensated.max, "rad"),
         Figure::reported(name("b0.max"), run.b0.max, "rad"),
         Figure::reported(name("b1.max"), run.b1.max, "rad"),
-        bounds::figure(&name("power_balance"), run.compensated.imbalance),
+        bounds::figure_as(name("power_balance"), "plant.power_balance", run.compensated.imbalance),
         Figure::reported(name("steps"), run.agreement.steps as f64, "1"),
-        Figure::bounded(name("steps_unlike_host"), run.agreement.different as f64, "1", 0.0),
+        bounds::figure_as(name("steps_unlike_host"), "pil.steps_unlike_host", run.agreement.different as f64),
         Figure::reported(name("stack"), f64::from(run.ending.stack), "byte"),
     ]
 }
@@ -153,7 +153,11 @@ fn replay_figures(replay: &Replay) -> Vec<Figure> {
         Figure::bounded("pil.replay.predicted.rms", replay.rms, "rad", replay.rigid_rms),
         Figure::reported("pil.replay.rigid.rms", replay.rigid_rms, "rad"),
         Figure::reported("pil.replay.steps", replay.agreement.steps as f64, "1"),
-        Figure::bounded("pil.replay.steps_unlike_host", replay.agreement.different as f64, "1", 0.0),
+        bounds::figure_as(
+            "pil.replay.steps_unlike_host",
+            "pil.steps_unlike_host",
+            replay.agreement.different as f64,
+        ),
     ]
 }
 

@@ -81,11 +81,17 @@ const STALE: f64 = 10.0;
 
 impl Budget {
     /// Reads the budget of a board.
+    ///
+    /// # Errors
+    /// [`Error::File`], or [`Error::Content`] with the line.
     pub fn read(board: &str) -> Result<Self, Error> {
         Self::read_file(board, &firmware::folder().join(board).join("budget.toml"))
     }
 
     /// Reads the budget of `board` from `file`.
+    ///
+    /// # Errors
+    /// As [`Budget::read`].
     pub fn read_file(board: &str, file: &Path) -> Result<Self, Error> {
         let text =
             std::fs::read_to_string(file).map_err(|source| Error::File { file: file.to_owned(), source })?;
@@ -104,6 +110,9 @@ impl Budget {
     }
 
     /// Writes what was measured, plus the headroom, as the new bounds; everything else in the file stays.
+    ///
+    /// # Errors
+    /// [`Error::File`] or [`Error::Content`].
     pub fn overwrite(&self, measured: &Measurement) -> Result<(), Error> {
         let failed = |source| Error::File { file: self.file.clone(), source };
         let text = std::fs::read_to_string(&self.file).map_err(failed)?;

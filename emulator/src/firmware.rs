@@ -88,7 +88,8 @@ pub fn build(board: &str, joint: Option<&Path>) -> Result<Firmware, Error> {
     // Two joints share one cargo output: it is locked from the build until the image is out of its way.
     let lock = File::create(images.join("lock"))?;
     lock.lock()?;
-    run(&compiler, board, joint.as_ref(), &target)?;
+    let joint_file = joint.as_ref().map(|joint| joint.keep(&images)).transpose()?;
+    run(&compiler, board, joint_file.as_deref(), &target)?;
     let name = format!("strainwave-{board}");
     let built = target.join(setup::TARGET).join("release").join(&name);
     let elf = images.join(match &joint {
@@ -113,20 +114,30 @@ fn known(board: &str) -> Result<(), Error> {
 
 /// The generated file of a joint.
 struct Joint {
-    path: PathBuf,
+    source: Vec<u8>,
     digest: u64,
 }
 
 impl Joint {
     fn read(path: &Path) -> Result<Self, Error> {
-        let named = |error| Error::Joint { path: path.display().to_string(), error };
+        let source =
+            fs::read(path).map_err(|error| Error::Joint { path: path.display().to_string(), error })?;
         let mut hasher = DefaultHasher::new();
-        fs::read(path).map_err(named)?.hash(&mut hasher);
-        Ok(Self { path: path.canonicalize().map_err(named)?, digest: hasher.finish() })
+        source.hash(&mut hasher);
+        Ok(Self { source, digest: hasher.finish() })
+    }
+
+    /// Puts the file where the same joint is found again: cargo then has nothing to do the second time.
+    fn keep(&self, folder: &Path) -> io::Result<PathBuf> {
+        let path = folder.join(format!("joint-{:016x}.rs", self.digest));
+        if fs::read(&path).ok().as_ref() != Some(&self.source) {
+            fs::write(&path, &self.source)?;
+        }
+        Ok(path)
     }
 }
 
-fn run(compiler: &Compiler, board: &str, joint: Option<&Joint>, target: &Path) -> Result<(), Error> {
+fn run(compiler: &Compiler, board: &str, joint: Option<&Path>, target: &Path) -> Result<(), Error> {
     let mut command = compiler.build_command();
     without_host_settings(&mut command);
     command.current_dir(folder()).stdin(Stdio::null());
@@ -134,7 +145,7 @@ fn run(compiler: &Compiler, board: &str, joint: Option<&Joint>, target: &Path) -
         .args(["--quiet", "--locked", "--package", &format!("strainwave-{board}"), "--target-dir"])
         .arg(target);
     if let Some(joint) = joint {
-        command.env("STRAINWAVE_JOINT", &joint.path);
+        command.env("STRAINWAVE_JOINT", joint);
     }
     let output = command.output()?;
     if output.status.success() {

@@ -27,6 +27,9 @@ impl CallGraph {
     }
 
     /// Follows every function that `roots` reach; `indirect` says where calls through pointers can go.
+    ///
+    /// # Errors
+    /// [`Error::Indirect`] or [`Error::StackPointer`].
     pub fn of(image: &Image, roots: &[usize], indirect: &[IndirectCall]) -> Result<Self, Error> {
         let names = image.functions().iter().map(|f| f.name().to_owned());
         let mut graph = Self::new(names.map(|name| Node { name, ..Node::default() }).collect());

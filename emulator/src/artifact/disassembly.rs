@@ -1,6 +1,6 @@
 //! Thumb-2 machine code of a Cortex-M with FPv4-SP, decoded by capstone into what the analyses ask for.
 
-use capstone::arch::arm::{ArchExtraMode, ArchMode, ArmCC, ArmInsn, ArmOperand, ArmOperandType, ArmReg};
+use capstone::arch::arm::{ArchExtraMode, ArchMode, ArmCC, ArmOperand, ArmOperandType, ArmReg};
 use capstone::prelude::*;
 
 use super::Error;
@@ -12,8 +12,8 @@ pub struct Instruction {
     pub address: u32,
     /// Its size in bytes, 2 or 4.
     pub size: u32,
-    /// capstone's number for it, an [`ArmInsn`].
-    pub id: u32,
+    /// Its mnemonic without condition and width, as capstone groups them: `sub` for `subw` and `subs.w`.
+    pub name: String,
     /// As an assembler would write it.
     pub text: String,
     /// It is executed under a condition, its own or that of an IT block.
@@ -51,11 +51,6 @@ impl Instruction {
         self.address.wrapping_add(self.size)
     }
 
-    /// Whether it is this one of capstone's instructions.
-    pub fn is(&self, id: ArmInsn) -> bool {
-        self.id == id as u32
-    }
-
     /// The register that is operand number `index`.
     pub fn register(&self, index: usize) -> Option<u32> {
         register_of(self.operands.get(index)?)
@@ -87,38 +82,30 @@ impl Instruction {
 
     /// How control leaves it.
     pub fn flow(&self) -> Flow {
-        use ArmInsn::{
-            ARM_INS_B, ARM_INS_BL, ARM_INS_BLX, ARM_INS_BX, ARM_INS_CBNZ, ARM_INS_CBZ, ARM_INS_LDM,
-            ARM_INS_LDR, ARM_INS_MOV, ARM_INS_POP, ARM_INS_TBB, ARM_INS_TBH, ARM_INS_UDF,
-        };
         let target =
             |index| self.immediate(index).map_or(Flow::Indirect, |a| Flow::Branch(a.cast_unsigned()));
         let to_pc = self.register(0) == Some(PC);
-        match self.id {
-            id if id == ARM_INS_B as u32 => target(0),
-            id if id == ARM_INS_CBZ as u32 || id == ARM_INS_CBNZ as u32 => target(1),
-            id if id == ARM_INS_BL as u32 || id == ARM_INS_BLX as u32 => {
-                self.immediate(0).map_or(Flow::CallIndirect, |a| Flow::Call(a.cast_unsigned()))
-            }
-            id if id == ARM_INS_BX as u32 && self.register(0) == Some(LR) => Flow::Return,
-            id if id == ARM_INS_MOV as u32 && to_pc && self.register(1) == Some(LR) => Flow::Return,
-            id if id == ARM_INS_POP as u32 && self.registers().any(|r| r == PC) => Flow::Return,
-            id if id == ARM_INS_LDM as u32 && self.registers().any(|r| r == PC) => Flow::Return,
-            id if id == ARM_INS_LDR as u32 && to_pc && self.pops() => Flow::Return,
-            id if id == ARM_INS_TBB as u32 => Flow::Table(1),
-            id if id == ARM_INS_TBH as u32 => Flow::Table(2),
-            id if id == ARM_INS_UDF as u32 => Flow::Trap,
-            id if id == ARM_INS_BX as u32 || to_pc => Flow::Indirect,
+        match self.name.as_str() {
+            "b" => target(0),
+            "cbz" | "cbnz" => target(1),
+            "bl" | "blx" => self.immediate(0).map_or(Flow::CallIndirect, |a| Flow::Call(a.cast_unsigned())),
+            "bx" if self.register(0) == Some(LR) => Flow::Return,
+            "mov" if to_pc && self.register(1) == Some(LR) => Flow::Return,
+            "pop" | "ldm" if self.registers().any(|r| r == PC) => Flow::Return,
+            "ldr" if to_pc && self.pops() => Flow::Return,
+            "tbb" => Flow::Table(1),
+            "tbh" => Flow::Table(2),
+            "udf" => Flow::Trap,
+            "bx" => Flow::Indirect,
+            _ if to_pc => Flow::Indirect,
             _ => Flow::Straight,
         }
     }
 
     /// Whether control may also go on to the next address.
     pub fn may_fall_through(&self) -> bool {
-        let tests = self.is(ArmInsn::ARM_INS_CBZ) || self.is(ArmInsn::ARM_INS_CBNZ);
-        self.conditional
-            || tests
-            || matches!(self.flow(), Flow::Straight | Flow::Call(_) | Flow::CallIndirect)
+        let tests = self.conditional || matches!(self.name.as_str(), "cbz" | "cbnz");
+        tests || matches!(self.flow(), Flow::Straight | Flow::Call(_) | Flow::CallIndirect)
     }
 
     fn pops(&self) -> bool {
@@ -164,14 +151,14 @@ fn instruction(engine: &Capstone, decoded: &capstone::Insn) -> Result<Instructio
     let detail = engine.insn_detail(decoded)?;
     let architecture = detail.arch_detail();
     let arm = architecture.arm().ok_or(capstone::Error::UnsupportedArch)?;
+    let name = engine.insn_name(decoded.id()).unwrap_or_default();
     let (mnemonic, operands) = (decoded.mnemonic().unwrap_or(""), decoded.op_str().unwrap_or(""));
     Ok(Instruction {
         address: decoded.address() as u32,
         size: decoded.len() as u32,
-        id: decoded.id().0,
         text: format!("{mnemonic} {operands}").trim_end().to_owned(),
-        conditional: !matches!(arm.cc(), ArmCC::ARM_CC_AL | ArmCC::ARM_CC_INVALID)
-            && decoded.id().0 != ArmInsn::ARM_INS_IT as u32,
+        conditional: !matches!(arm.cc(), ArmCC::ARM_CC_AL | ArmCC::ARM_CC_INVALID) && name != "it",
+        name,
         writeback: arm.writeback(),
         operands: arm.operands().collect(),
     })

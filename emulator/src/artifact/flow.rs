@@ -8,7 +8,7 @@
 
 use std::collections::BTreeMap;
 
-use capstone::arch::arm::{ArmInsn, ArmReg};
+use capstone::arch::arm::{ArmOperandType, ArmReg, ArmShift};
 use serde::{Deserialize, Serialize};
 
 use super::disassembly::{Flow, Instruction, LR, PC, SP};
@@ -252,7 +252,7 @@ impl<'i> Walk<'i> {
 
     /// What `bx r`, `mov pc, r` and `ldr pc, [pc, #x]` jump to.
     fn pointer(&self, instruction: &Instruction, before: &State) -> Value {
-        if instruction.is(ArmInsn::ARM_INS_LDR) {
+        if instruction.name == "ldr" {
             return self.literal(instruction);
         }
         before.get(instruction.registers().last())
@@ -323,27 +323,19 @@ impl<'i> Walk<'i> {
 
     /// The registers behind `instruction`.
     fn execute(&self, instruction: &Instruction, before: &State) -> State {
-        use ArmInsn::{
-            ARM_INS_ADD, ARM_INS_BFC, ARM_INS_LDR, ARM_INS_MOV, ARM_INS_MOVT, ARM_INS_MSR, ARM_INS_POP,
-            ARM_INS_PUSH, ARM_INS_SUB, ARM_INS_VPOP, ARM_INS_VPUSH,
-        };
         let mut after = before.clone();
         forget_written(instruction, &mut after);
         let destination = instruction.register(0).unwrap_or(0);
-        match instruction.id {
-            id if id == ARM_INS_PUSH as u32 || id == ARM_INS_VPUSH as u32 => {
-                after.push(register_bytes(instruction));
-            }
-            id if id == ARM_INS_POP as u32 || id == ARM_INS_VPOP as u32 => {
-                after.push(-register_bytes(instruction));
-            }
-            id if id == ARM_INS_ADD as u32 => after.set(destination, sum(instruction, before, 1)),
-            id if id == ARM_INS_SUB as u32 => after.set(destination, sum(instruction, before, -1)),
-            id if id == ARM_INS_MOV as u32 => after.set(destination, moved(instruction, before)),
-            id if id == ARM_INS_MOVT as u32 => after.set(destination, high_half(instruction, before)),
-            id if id == ARM_INS_BFC as u32 => after.set(destination, aligned(instruction, before)),
-            id if id == ARM_INS_LDR as u32 => after.set(destination, self.literal(instruction)),
-            id if id == ARM_INS_MSR as u32 && instruction.text.contains("sp,") => {
+        match instruction.name.as_str() {
+            "push" | "vpush" => after.push(register_bytes(instruction)),
+            "pop" | "vpop" => after.push(-register_bytes(instruction)),
+            "add" => after.set(destination, sum(instruction, before, 1)),
+            "sub" => after.set(destination, sum(instruction, before, -1)),
+            "mov" => after.set(destination, moved(instruction, before)),
+            "movt" => after.set(destination, high_half(instruction, before)),
+            "bfc" => after.set(destination, aligned(instruction, before)),
+            "ldr" => after.set(destination, self.literal(instruction)),
+            "msr" if instruction.text.contains("sp,") => {
                 after.values[13] = if self.starts_the_stack { Value::Below(0) } else { Value::Unknown };
             }
             _ => {}
@@ -361,7 +353,7 @@ impl<'i> Walk<'i> {
 fn forget_written(instruction: &Instruction, after: &mut State) {
     for operand in &instruction.operands {
         let register = match operand.op_type {
-            capstone::arch::arm::ArmOperandType::Reg(register) => u32::from(register.0),
+            ArmOperandType::Reg(register) => u32::from(register.0),
             _ => continue,
         };
         if operand.access.is_none_or(capstone::AccessType::is_writable) {
@@ -393,7 +385,7 @@ fn sum(instruction: &Instruction, before: &State, sign: i32) -> Value {
         Some(value) => Value::Constant(value.cast_unsigned()),
         None => before.get(instruction.register(last)),
     };
-    let shifted = instruction.operands.iter().any(|o| o.shift != capstone::arch::arm::ArmShift::Invalid);
+    let shifted = instruction.operands.iter().any(|o| o.shift != ArmShift::Invalid);
     match (first, second) {
         (_, Value::Constant(c)) if !shifted => offset(first, c.cast_signed().wrapping_mul(sign)),
         (Value::Constant(c), _) if !shifted && sign > 0 => offset(second, c.cast_signed()),

@@ -64,6 +64,9 @@ pub struct Image {
 
 impl Image {
     /// Reads and decodes the image at `path`.
+    ///
+    /// # Errors
+    /// [`Error::Read`], [`Error::NotAnImage`] or [`Error::NotDecoded`].
     pub fn read(path: &Path) -> Result<Self, Error> {
         let bytes = std::fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
         let wrong = |what: &str| Error::NotAnImage { path: path.to_owned(), what: what.to_owned() };
@@ -177,6 +180,9 @@ impl Image {
     }
 
     /// The functions that `pattern` names, by their index.
+    ///
+    /// # Errors
+    /// [`Error::NoFunction`].
     pub fn find(&self, pattern: &str) -> Result<Vec<usize>, Error> {
         let named = |f: &Function| f.paths.iter().any(|path| symbol::matches(pattern, path));
         let found: Vec<usize> = (0..self.functions.len()).filter(|k| named(&self.functions[*k])).collect();
@@ -216,6 +222,9 @@ impl Image {
     }
 
     /// The functions in the vector table, by their index: the reset handler, then every other handler once.
+    ///
+    /// # Errors
+    /// [`Error::Vector`], or [`Error::NotAnImage`] without a vector table.
     pub fn vectors(&self) -> Result<Vec<usize>, Error> {
         let table = self.sections.iter().find(|s| s.name == ".vector_table");
         let words = table.map_or(&[][..], |s| &s.data).chunks_exact(4);

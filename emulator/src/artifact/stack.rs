@@ -37,12 +37,18 @@ pub struct StackBound {
 
 impl StackBound {
     /// The bound for an image whose call graph is `graph`.
+    ///
+    /// # Errors
+    /// [`Error::Recursion`].
     pub fn of(image: &Image, graph: &CallGraph) -> Result<Self, Error> {
         let vectors = image.vectors()?;
         Self::from_roots(graph, vectors[0], &vectors[1..])
     }
 
     /// The bound for a program that starts at `reset` and is interrupted by `handlers`.
+    ///
+    /// # Errors
+    /// [`Error::Recursion`].
     pub fn from_roots(graph: &CallGraph, reset: usize, handlers: &[usize]) -> Result<Self, Error> {
         let thread = deepest(graph, reset)?;
         let handlers = handlers.iter().map(|h| deepest(graph, *h)).collect::<Result<Vec<_>, _>>()?;
@@ -52,6 +58,9 @@ impl StackBound {
 }
 
 /// The deepest chain from `root`.
+///
+/// # Errors
+/// [`Error::Recursion`].
 pub fn deepest(graph: &CallGraph, root: usize) -> Result<Chain, Error> {
     let mut search = Search { graph, done: vec![None; graph.nodes().len()], open: Vec::new() };
     let depth = search.visit(root)?;

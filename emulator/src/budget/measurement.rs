@@ -33,6 +33,9 @@ pub struct Measurement {
 pub type Workload = Result<Option<u32>, Box<dyn std::error::Error + Send + Sync>>;
 
 /// Judges the image at `elf` without running it.
+///
+/// # Errors
+/// [`Error::Image`] when the image is none, or its stack has no bound.
 pub fn inspect(budget: &Budget, elf: &Path) -> Result<Measurement, Error> {
     examine(budget, &Image::read(elf)?)
 }
@@ -41,6 +44,10 @@ pub fn inspect(budget: &Budget, elf: &Path) -> Result<Measurement, Error> {
 /// what `workload` is given goes to the emulator's command line.
 ///
 /// The image of a board that cannot be emulated is judged without running it.
+///
+/// # Errors
+/// As [`inspect`]; [`Error::Workload`]; [`Error::Counting`]; [`Error::NotCalled`] for a block that the workload
+/// leaves out.
 pub fn measure(
     budget: &Budget,
     elf: &Path,

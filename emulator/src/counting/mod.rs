@@ -34,6 +34,9 @@ pub struct Counting {
 
 impl Counting {
     /// Builds the plugin and writes the plan for the functions of `image` with these indices.
+    ///
+    /// # Errors
+    /// [`Error::Setup`] without an emulator, [`Error::PluginBuild`].
     pub fn prepare(image: &Image, tracked: &[usize]) -> Result<Self, Error> {
         let plugin = plugin::build(&setup::emulator(&setup::ThisHost)?)?;
         let text = plan::plan(image, tracked)?;
@@ -52,6 +55,10 @@ impl Counting {
     }
 
     /// The results of every emulator that was started with the arguments and has ended by itself.
+    ///
+    /// # Errors
+    /// [`Error::NoResult`], or what kept the plugin from counting: [`Error::NoCost`], [`Error::NotInImage`],
+    /// [`Error::LostTrack`].
     pub fn finish(self, image: &Image) -> Result<Outcome, Error> {
         let mut outcome: Option<Outcome> = None;
         for file in std::fs::read_dir(self.folder.path().join(RESULTS))? {
