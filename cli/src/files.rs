@@ -19,7 +19,7 @@ pub fn require_distinct(named: &[(&str, Option<&Path>)]) -> Result<(), BadInput>
 /// The file itself, or where it would be.
 fn same(path: &Path) -> PathBuf {
     let made = || {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = file::folder_of(path);
         Some(folder.canonicalize().ok()?.join(path.file_name()?))
     };
     path.canonicalize().ok().or_else(made).unwrap_or_else(|| path.to_path_buf())

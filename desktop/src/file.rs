@@ -89,6 +89,13 @@ pub fn require_writable(path: &Path) -> Result<(), BadInput> {
         return Err(BadInput::new(path, "cannot be written: it is a folder"));
     }
     let target = resolve(path);
+    let folder = folder_of(&target);
+    if !folder.is_dir() {
+        return Err(BadInput::new(
+            path,
+            format_args!("cannot be written: there is no folder {}", folder.display()),
+        ));
+    }
     let tried =
         if is_special(&target) { open_special(&target).map(drop) } else { temporary(&target).map(drop) };
     tried.map_err(|error| unwritable(path, &error))
@@ -169,12 +176,17 @@ fn is_special(target: &Path) -> bool {
 
 /// A new file beside `target`, with the permissions that a plain `File::create` would give.
 fn temporary(target: &Path) -> io::Result<NamedTempFile> {
-    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = Builder::new();
     builder.prefix(".strainwave-");
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
+    // The library's own error names the temporary file, which is none of the reader's business.
+    builder.tempfile_in(folder_of(target)).map_err(|error| error.kind().into())
+}
+
+/// The folder that a file stands in.
+pub fn folder_of(target: &Path) -> &Path {
+    target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 #[cfg(test)]
@@ -199,7 +211,7 @@ mod tests {
     fn a_missing_folder_is_refused_before_the_work() {
         let folder = tempfile::tempdir().unwrap();
         let error = require_writable(&folder.path().join("none/out.csv")).unwrap_err().to_string();
-        assert!(error.contains("none/out.csv: cannot be written"), "{error}");
+        assert!(error.contains("none/out.csv: cannot be written: there is no folder "), "{error}");
         assert!(require_writable(folder.path()).unwrap_err().to_string().contains("it is a folder"));
     }
 

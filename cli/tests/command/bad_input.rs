@@ -113,10 +113,17 @@ fn files_that_cannot_be_read_or_written_are_named() {
         (SIM.replace("g.toml", "folder"), "folder: cannot be read: it is a folder"),
         (SIM.replace("in.csv", "none.csv"), "none.csv: cannot be read: No such file"),
         (SIM.replace("in.csv", "folder"), "folder: cannot be read: it is a folder"),
-        (SIM.replace("out.csv", "none/out.csv"), "none/out.csv: cannot be written: No such file"),
+        (SIM.replace("out.csv", "none/out.csv"), "none/out.csv: cannot be written: there is no folder none"),
         (SIM.replace("out.csv", "folder"), "folder: cannot be written: it is a folder"),
-        (SIM.replace("out.json", "none/out.json"), "none/out.json: cannot be written: No such file"),
-        ("verify --json none/out.json".into(), "none/out.json: cannot be written: No such file"),
+        (
+            SIM.replace("out.json", "none/out.json"),
+            "none/out.json: cannot be written: there is no folder none",
+        ),
+        ("pil --gear none.toml".into(), "none.toml: cannot be read: No such file"),
+        ("pil --gear g.toml --replay none.csv".into(), "none.csv: cannot be read: No such file"),
+        ("pil --gear g.toml --replay in.csv".into(), "in.csv: row 1, column \"theta_wg_rad\": unknown"),
+        ("pil --json none/out.json".into(), "none/out.json: cannot be written: there is no folder none"),
+        ("verify --json none/out.json".into(), "none/out.json: cannot be written: there is no folder none"),
     ] {
         let line = bench.refused(&words);
         assert!(line.starts_with(&format!("error: {wanted}")), "{line}\n{wanted}");
@@ -144,6 +151,8 @@ fn mistakes_on_the_command_line_are_one_line_too() {
         ("sim --gears g.toml", "error: unexpected argument '--gears' found"),
         ("sim --gear", "error: a value is required for '--gear <G.toml>' but none was supplied"),
         ("verify everything", "error: invalid value 'everything' for '[PART]'"),
+        ("pil --scenario S9", "error: invalid value 'S9' for '--scenario <S1..S6|all>'"),
+        ("pil --replay in.csv", "error: the following required arguments were not provided: --gear <G.toml>"),
         (&format!("{SIM} --build fast"), "error: invalid value 'fast' for '--build <BUILD>'"),
     ] {
         let line = bench.refused(words);
