@@ -33,7 +33,7 @@ impl<R: Real> Angle<R> {
         Self { counts, rest: R::ZERO }
     }
 
-    /// An angle of at most half a turn either way [rad]; larger ones saturate there.
+    /// An angle of at most half a turn either way (rad); larger ones saturate there.
     #[inline]
     pub fn from_radians(angle: R) -> Self {
         Self::default().plus(angle)
@@ -60,7 +60,7 @@ impl<R: Real> Angle<R> {
         self.counts as u32
     }
 
-    /// `self + delta` [rad]; a `delta` beyond half a turn saturates there, NaN counts as 0.
+    /// `self + delta` (rad); a `delta` beyond half a turn saturates there, NaN counts as 0.
     #[inline]
     #[must_use]
     pub fn plus(self, delta: R) -> Self {
@@ -70,7 +70,7 @@ impl<R: Real> Angle<R> {
         Self { counts: self.counts.wrapping_add(i64::from(whole)), rest: rest.limit(R::ONE) }
     }
 
-    /// `self - other` [rad]; saturates at 2^15 turns either way.
+    /// `self - other` (rad); saturates at 2^15 turns either way.
     #[inline]
     pub fn minus(self, other: Self) -> R {
         let counts = self.counts.wrapping_sub(other.counts);
@@ -87,12 +87,12 @@ impl<R: Real> Angle<R> {
         Self { counts: self.counts.wrapping_sub(other.counts), rest: self.rest - other.rest }
     }
 
-    /// The whole angle [rad], in f64: for files and plots, not for the control step.
+    /// The whole angle (rad), in f64: for files and plots, not for the control step.
     pub fn to_radians(self) -> f64 {
         (self.counts as f64 + self.rest.to_f64()) * RADIANS_PER_COUNT
     }
 
-    /// An angle of any size [rad], from f64: for files and tests, not for the control step.
+    /// An angle of any size (rad), from f64: for files and tests, not for the control step.
     pub fn from_radians_f64(angle: f64) -> Self {
         let counts = angle / RADIANS_PER_COUNT;
         let whole = counts as i64;

@@ -34,11 +34,11 @@ pub const KINEMATIC_TERMS: usize = 8;
 pub struct GearParams<R> {
     /// n of the signed ratio r = 1/n: -N with the circular spline fixed, N + 1 with the flexspline fixed.
     pub ratio: i32,
-    /// Rated torque at the output: the hysteresis loop closes there [N m].
+    /// Rated torque at the output: the hysteresis loop closes there (N m).
     pub rated_torque: R,
     /// Cup, stiffness line and damping.
     pub flexspline: FlexsplineParams<R>,
-    /// Full width of the hysteresis loop at zero torque after +-rated torque; 0 for none [rad].
+    /// Full width of the hysteresis loop at zero torque after +-rated torque; 0 for none (rad).
     pub hysteresis_width: R,
     /// Kinematic error.
     pub kinematic_error: KinematicErrorParams<R, KINEMATIC_TERMS>,
@@ -46,18 +46,18 @@ pub struct GearParams<R> {
     pub input_friction: JointFrictionParams<R>,
     /// Friction at the flexspline.
     pub output_friction: JointFrictionParams<R>,
-    /// Inertia of wave generator and motor J_wg [kg m^2].
+    /// Inertia of wave generator and motor J_wg (kg m^2).
     pub wave_generator_inertia: R,
-    /// Inertia of flexspline and load J_fs [kg m^2].
+    /// Inertia of flexspline and load J_fs (kg m^2).
     pub flexspline_inertia: R,
 }
 
-/// An angle and its rate [rad/s].
+/// An angle and its rate (rad/s).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion<R> {
     /// Angle.
     pub angle: Angle<R>,
-    /// Rate [rad/s].
+    /// Rate (rad/s).
     pub velocity: R,
 }
 
@@ -93,12 +93,12 @@ pub struct GearState<R: Real, S, const CAP: usize> {
     output_friction: JointFrictionState<R>,
 }
 
-/// Torques inside a gear [N m], and what they follow from.
+/// Torques inside a gear (N m), and what they follow from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Torques<R> {
-    /// Torsion phi [rad].
+    /// Torsion phi (rad).
     pub torsion: R,
-    /// Rate of the drive r*theta_wg + e [rad/s].
+    /// Rate of the drive r*theta_wg + e (rad/s).
     pub drive_rate: R,
     /// Ratio r + de/dtheta_wg by which the transmitted torque loads the wave generator.
     pub slope: R,
@@ -112,12 +112,12 @@ pub struct Torques<R> {
     pub hysteresis: R,
     /// All that resists the wave generator but its inertia: tau_wg - J_wg*d2theta_wg.
     pub wave_generator: R,
-    /// Power that the flexspline's damping turns into heat [W].
+    /// Power that the flexspline's damping turns into heat (W).
     pub damping_loss: R,
 }
 
 impl<R: Real> GearParams<R> {
-    /// Builds the gear around a flexspline model of the same time step dt [s].
+    /// Builds the gear around a flexspline model of the same time step dt (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the first parameter that is out of its range, as in the
@@ -240,13 +240,13 @@ impl<R: Real, F: Flexspline<R>, const L: usize, const CAP: usize> Gear<R, F, L, 
         }
     }
 
-    /// Acceleration of the output flange [rad/s^2].
+    /// Acceleration of the output flange (rad/s^2).
     #[inline(always)]
     pub fn flange_acceleration(&self, torques: &Torques<R>, load: R) -> R {
         (torques.transmitted - torques.output_friction + load) * self.inverse_flexspline_inertia
     }
 
-    /// The two-port: moves the flange by one dt under `load` [N m], the wave generator as prescribed.
+    /// The two-port: moves the flange by one dt under `load` (N m), the wave generator as prescribed.
     pub fn step(
         &self,
         state: &mut GearState<R, F::State, CAP>,
@@ -259,7 +259,7 @@ impl<R: Real, F: Flexspline<R>, const L: usize, const CAP: usize> Gear<R, F, L, 
         torques
     }
 
-    /// Energy stored in the flexspline [J].
+    /// Energy stored in the flexspline (J).
     pub fn flexspline_energy(
         &self,
         state: &GearState<R, F::State, CAP>,

@@ -9,7 +9,7 @@
 //! of the wave generator relative to the case, the second per turn relative to the flexspline: with
 //! r = +1/n order k of the second is order k - k/n of theta. Both rims show in measured gears.
 //!
-//! Sign: e adds to r*theta, torsion = r*theta + e - theta_fs. Units: e [rad] at the output,
+//! Sign: e adds to r*theta, torsion = r*theta + e - theta_fs. Units: e (rad) at the output,
 //! de/dtheta without unit. Memoryless.
 //!
 //! Precision: theta and r*theta are integer phases, so an order times a phase wraps exactly and
@@ -28,9 +28,9 @@ use crate::real::Real;
 pub struct Term<R> {
     /// k, periods per turn; 0..=1000.
     pub order: u32,
-    /// A [rad] at the output; within +-0.1.
+    /// A (rad) at the output; within +-0.1.
     pub amplitude: R,
-    /// p [rad]; within +-pi.
+    /// p (rad); within +-pi.
     pub phase: R,
 }
 
@@ -108,7 +108,7 @@ impl<R: Real> Sine<R> {
 /// The kinematic error at one angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deviation<R> {
-    /// e [rad] at the output.
+    /// e (rad) at the output.
     pub error: R,
     /// de/dtheta.
     pub slope: R,

@@ -56,7 +56,7 @@ impl Baseline {
         Ok(Self { feed_forward: Some(gear_params(file)), ..Self::b0(file)? })
     }
 
-    /// Torque command for one control period [N m].
+    /// Torque command for one control period (N m).
     pub fn step(&mut self, input: &Input<f32>) -> f64 {
         let (motor, _) = self.encoder.step(&mut self.encoder_state, input.sensors.motor_encoder);
         let setpoint = &input.setpoint;

@@ -74,17 +74,17 @@ impl Controller for Baseline {
 /// One row of a trace.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Row {
-    /// [s]
+    /// (s)
     pub time: f64,
     /// What was asked.
     pub demand: Demand,
-    /// True output angle [rad].
+    /// True output angle (rad).
     pub output: f64,
-    /// True motor angle [rad].
+    /// True motor angle (rad).
     pub motor: f64,
-    /// True torsion [rad].
+    /// True torsion (rad).
     pub torsion: f64,
-    /// True torque through the flexspline [N m].
+    /// True torque through the flexspline (N m).
     pub transmitted: f64,
     /// What the controller answered.
     pub answer: Output<f32>,
@@ -95,11 +95,11 @@ pub struct Row {
 pub struct Run {
     /// Decimated rows.
     pub trace: Vec<Row>,
-    /// Output error over the judged part, rms [rad].
+    /// Output error over the judged part, rms (rad).
     pub rms: f64,
-    /// Largest output error over the judged part [rad].
+    /// Largest output error over the judged part (rad).
     pub max: f64,
-    /// Output error at the end of the run [rad].
+    /// Output error at the end of the run (rad).
     pub last: f64,
     /// Power balance of the plant: what is missing, as a share of the energy moved.
     pub imbalance: f64,

@@ -80,7 +80,7 @@ fn unwritable(path: &Path, error: &io::Error) -> BadInput {
     BadInput::new(path, format_args!("cannot be written: {error}"))
 }
 
-/// Refuses a `path` that [`write`] could not write, before the work whose result goes there.
+/// Refuses a `path` that [`write()`] could not write, before the work whose result goes there.
 ///
 /// # Errors
 /// The folder is missing or closed, or `path` is a folder.

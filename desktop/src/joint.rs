@@ -16,7 +16,7 @@ use strainwave::{Error, Real};
 use crate::gear_file::{Friction, FrictionModel, GearFile, Harmonic};
 use crate::observer_design;
 
-/// Control period [s].
+/// Control period (s).
 pub const CONTROL_PERIOD: f64 = 1e-4;
 
 /// The gear that a file describes.

@@ -35,7 +35,7 @@ pub type ReferenceState =
 pub struct Reference {
     /// The gear, stepped by `dt`.
     pub gear: ReferenceGear,
-    /// Micro-step [s].
+    /// Micro-step (s).
     pub dt: f64,
     /// Micro-steps in a control period.
     pub steps: usize,
@@ -56,7 +56,7 @@ impl Reference {
     }
 }
 
-/// Where the energy went since the start [J].
+/// Where the energy went since the start (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
     /// In through the motor shaft.
@@ -109,7 +109,7 @@ impl Plant {
         Ok(plant)
     }
 
-    /// One control period under a motor torque and an external torque on the output [N m].
+    /// One control period under a motor torque and an external torque on the output (N m).
     pub fn step(&mut self, motor_torque: f64, load: f64) {
         for _ in 0..self.reference.steps {
             let torques = self.torques();
@@ -149,7 +149,7 @@ impl Plant {
         energy.hysteresis += torques.hysteresis * (torques.slope * motor - output);
     }
 
-    /// Energy stored now, elastic and kinetic [J]; the hysteresis' own is part of [`Energy::hysteresis`].
+    /// Energy stored now, elastic and kinetic (J); the hysteresis' own is part of [`Energy::hysteresis`].
     fn stored(&self) -> f64 {
         let kinetic = self.wave_generator_inertia * self.wave_generator.velocity.powi(2)
             + self.flexspline_inertia * self.flange.velocity.powi(2);

@@ -25,15 +25,15 @@ pub enum Scenario {
 /// What one instant of a scenario asks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Demand {
-    /// Output angle [rad].
+    /// Output angle (rad).
     pub position: f64,
-    /// [rad/s]
+    /// (rad/s)
     pub velocity: f64,
-    /// [rad/s^2]
+    /// (rad/s^2)
     pub acceleration: f64,
-    /// [rad/s^3]
+    /// (rad/s^3)
     pub jerk: f64,
-    /// External torque on the output [N m].
+    /// External torque on the output (N m).
     pub load: f64,
 }
 
@@ -70,7 +70,7 @@ impl Scenario {
         }
     }
 
-    /// Length [s].
+    /// Length (s).
     pub fn duration(self) -> f64 {
         match self {
             Self::S1 => 1.0,
@@ -82,7 +82,7 @@ impl Scenario {
         }
     }
 
-    /// From here on the error counts: the approach is over [s].
+    /// From here on the error counts: the approach is over (s).
     pub fn judged_from(self) -> f64 {
         match self {
             Self::S1 => 0.3,
@@ -99,7 +99,7 @@ impl Scenario {
         self == Self::S6
     }
 
-    /// What is asked at `time` [s]; `rated_torque` [N m] sets the loop of S6.
+    /// What is asked at `time` (s); `rated_torque` (N m) sets the loop of S6.
     pub fn at(self, time: f64, rated_torque: f64) -> Demand {
         match self {
             Self::S1 => steps(time),
@@ -158,7 +158,7 @@ fn crawl(time: f64) -> Demand {
     }
 }
 
-/// A move of `distance` [rad] in `duration` [s] with continuous jerk, then rest.
+/// A move of `distance` (rad) in `duration` (s) with continuous jerk, then rest.
 fn rest_to_rest(time: f64, distance: f64, duration: f64) -> Demand {
     let (w, w1, w2, w3) = smooth(time / duration);
     Demand {

@@ -24,7 +24,7 @@ use embedded_hal::spi::{MODE_1, Mode, Operation, SpiDevice};
 /// The bus mode that the encoder needs.
 pub const MODE: Mode = MODE_1;
 
-/// The fastest clock that the encoder follows [Hz].
+/// The fastest clock that the encoder follows (Hz).
 pub const FASTEST: u32 = 10_000_000;
 
 /// Resolution: `2^BITS` counts a turn.

@@ -90,13 +90,13 @@ pub fn compensated(
 /// One control period of a replay.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReplayRow {
-    /// [s]
+    /// (s)
     pub time: f64,
-    /// Measured output encoder, from the first sample [rad].
+    /// Measured output encoder, from the first sample (rad).
     pub measured: f64,
-    /// Output that the observer predicts from the motor side [rad].
+    /// Output that the observer predicts from the motor side (rad).
     pub predicted: f64,
-    /// Output of a rigid gear [rad].
+    /// Output of a rigid gear (rad).
     pub rigid: f64,
 }
 
@@ -104,7 +104,7 @@ pub struct ReplayRow {
 pub struct Replay {
     /// One row a control period.
     pub rows: Vec<ReplayRow>,
-    /// Predicted against measured output, mean removed, rms [rad].
+    /// Predicted against measured output, mean removed, rms (rad).
     pub rms: f64,
     /// The same of a rigid gear.
     pub rigid_rms: f64,

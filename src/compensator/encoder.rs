@@ -13,7 +13,7 @@ use crate::real::{RADIANS_PER_COUNT, Real};
 pub struct EncoderParams<R> {
     /// Resolution, counts in a turn = 2^bits, 10..=32.
     pub bits: u32,
-    /// Fastest believable speed [rad/s]; below a quarter turn per step.
+    /// Fastest believable speed (rad/s); below a quarter turn per step.
     pub speed_limit: R,
 }
 

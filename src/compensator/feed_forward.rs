@@ -66,7 +66,7 @@ impl<R: Real> Default for FeedForwardState<R> {
 pub struct Demand<R> {
     /// Where the motor should be, and how fast it should turn.
     pub motor: Motion<R>,
-    /// Torque at the motor shaft [N m].
+    /// Torque at the motor shaft (N m).
     pub torque: R,
 }
 
@@ -88,7 +88,7 @@ impl<R: Real> FeedForward<R> {
         })
     }
 
-    /// Demand for a setpoint; `external_torque` [N m] is what the observer believes acts on the output.
+    /// Demand for a setpoint; `external_torque` (N m) is what the observer believes acts on the output.
     #[inline(never)] // The timing budget counts blocks by their symbols.
     pub fn step(
         &self,

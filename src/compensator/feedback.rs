@@ -21,15 +21,15 @@ use crate::real::Real;
 /// Parameters of the cascade.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeedbackParams<R> {
-    /// k_p [1/s].
+    /// k_p (1/s).
     pub position_gain: R,
-    /// k_v [N m s/rad].
+    /// k_v (N m s/rad).
     pub velocity_gain: R,
-    /// T_i [s].
+    /// T_i (s).
     pub integral_time: R,
-    /// omega_f [rad/s].
+    /// omega_f (rad/s).
     pub filter_corner: R,
-    /// tau_max [N m].
+    /// tau_max (N m).
     pub torque_limit: R,
 }
 
@@ -53,7 +53,7 @@ pub struct FeedbackState<R> {
 }
 
 impl<R: Real> FeedbackParams<R> {
-    /// Prepares the cascade for the control period dt [s].
+    /// Prepares the cascade for the control period dt (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the first gain that is not finite and positive.

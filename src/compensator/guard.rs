@@ -11,7 +11,7 @@ use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::Real;
 
-/// Time in which a share goes from 0 to 1 [s].
+/// Time in which a share goes from 0 to 1 (s).
 const SHARE_RAMP: f64 = 0.01;
 
 /// The built guard.
@@ -32,7 +32,7 @@ pub struct InputGuardState<R> {
 }
 
 impl<R: Real> InputGuard<R> {
-    /// Prepares the guard for the control period dt [s].
+    /// Prepares the guard for the control period dt (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `dt` or `flexspline_inertia` unless finite and positive.
@@ -99,7 +99,7 @@ impl<R: Real> InputGuard<R> {
     }
 }
 
-/// Path that the motor may be asked to move while its encoder stands still [rad].
+/// Path that the motor may be asked to move while its encoder stands still (rad).
 const FROZEN_PATH: f64 = 0.5;
 
 /// Notices an encoder that stands still while the motor is asked to move.
@@ -109,7 +109,7 @@ pub struct FrozenEncoder<R> {
 }
 
 impl<R: Real> FrozenEncoder<R> {
-    /// For the control period dt [s].
+    /// For the control period dt (s).
     pub fn build(dt: R) -> Self {
         Self { dt }
     }

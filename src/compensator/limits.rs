@@ -6,11 +6,11 @@ use crate::real::Real;
 /// Limits of a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits<R> {
-    /// Peak torque of the motor at its shaft, > 0 [N m].
+    /// Peak torque of the motor at its shaft, > 0 (N m).
     pub motor_torque: R,
-    /// Fastest speed of the motor, > 0 [rad/s].
+    /// Fastest speed of the motor, > 0 (rad/s).
     pub motor_speed: R,
-    /// Peak torque of the gear at its output, > 0 [N m].
+    /// Peak torque of the gear at its output, > 0 (N m).
     pub output_torque: R,
 }
 
@@ -24,7 +24,7 @@ impl<R: Real> Limits<R> {
         require(positive(self.output_torque), "output_torque")
     }
 
-    /// Fastest speed of the output behind a ratio 1/n [rad/s].
+    /// Fastest speed of the output behind a ratio 1/n (rad/s).
     pub fn output_speed(&self, n: i32) -> R {
         self.motor_speed / R::from_i32(n).abs()
     }

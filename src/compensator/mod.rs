@@ -45,9 +45,9 @@ pub struct Sensors<R> {
     pub motor_encoder: u32,
     /// Output (flexspline) encoder, raw count within the turn.
     pub output_encoder: Option<u32>,
-    /// Torque of the motor at its shaft [N m].
+    /// Torque of the motor at its shaft (N m).
     pub motor_torque: R,
-    /// Torque through the flexspline from a strain gauge [N m].
+    /// Torque through the flexspline from a strain gauge (N m).
     pub output_torque: Option<R>,
 }
 
@@ -56,11 +56,11 @@ pub struct Sensors<R> {
 pub struct Setpoint<R> {
     /// Output angle.
     pub position: Angle<R>,
-    /// Output speed [rad/s].
+    /// Output speed (rad/s).
     pub velocity: R,
-    /// Output acceleration [rad/s^2].
+    /// Output acceleration (rad/s^2).
     pub acceleration: R,
-    /// Output jerk [rad/s^3].
+    /// Output jerk (rad/s^3).
     pub jerk: R,
 }
 
@@ -95,26 +95,26 @@ pub struct Input<R> {
 pub struct Estimate<R> {
     /// Output angle.
     pub output_position: Angle<R>,
-    /// Output speed [rad/s].
+    /// Output speed (rad/s).
     pub output_velocity: R,
-    /// Torsion of the flexspline [rad].
+    /// Torsion of the flexspline (rad).
     pub torsion: R,
-    /// Torque through the flexspline [N m].
+    /// Torque through the flexspline (N m).
     pub transmitted_torque: R,
-    /// Friction at the wave generator [N m].
+    /// Friction at the wave generator (N m).
     pub input_friction: R,
-    /// Friction at the flexspline [N m].
+    /// Friction at the flexspline (N m).
     pub output_friction: R,
-    /// External torque on the flexspline [N m].
+    /// External torque on the flexspline (N m).
     pub external_torque: R,
 }
 
 /// What one step writes: finite and bounded for any input bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Output<R> {
-    /// Torque command to the motor [N m].
+    /// Torque command to the motor (N m).
     pub motor_torque: R,
-    /// The part of it that is feed-forward [N m].
+    /// The part of it that is feed-forward (N m).
     pub feed_forward_torque: R,
     /// Where the motor should be.
     pub motor_reference: Angle<R>,
@@ -127,7 +127,7 @@ pub struct Output<R> {
 /// Everything that a joint's compensator is built from; generated from a gear file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointParams<R> {
-    /// Control period [s].
+    /// Control period (s).
     pub dt: R,
     /// The gear.
     pub gear: GearParams<R>,

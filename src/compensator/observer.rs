@@ -74,14 +74,14 @@ pub struct Measurement<R> {
     pub motor: Angle<R>,
     /// Unbounded angle of the output.
     pub output: Option<Angle<R>>,
-    /// Torque of the motor [N m].
+    /// Torque of the motor (N m).
     pub motor_torque: R,
-    /// Torque through the flexspline [N m].
+    /// Torque through the flexspline (N m).
     pub output_torque: Option<R>,
 }
 
 impl<R: Real> ObserverParams<R> {
-    /// Prepares the observer of a gear for the control period dt [s].
+    /// Prepares the observer of a gear for the control period dt (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `gains` unless all are finite, or as [`Limits::check`] and the gear's parts.
@@ -213,7 +213,7 @@ impl<R: Real> Observer<R> {
             faults.raise_if(limited != *value, Faults::ESTIMATE_LIMITED);
             *value = limited;
         }
-        let lost = !(torques.torsion.abs() <= limits.torsion);
+        let lost = !torques.torsion.is_finite() || torques.torsion.abs() > limits.torsion;
         faults.raise_if(lost, Faults::OBSERVER_RESET);
         if lost {
             self.start(gear, state, measured);

@@ -31,19 +31,19 @@ pub const DIRECTIONS: [(i32, usize); 8] = [(1, 0), (0, 1), (1, 1), (-1, 1), (2, 
 /// The flexspline's cup.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cup<R> {
-    /// Mean radius R [m].
+    /// Mean radius R (m).
     pub radius: R,
-    /// Length l from rim to diaphragm [m].
+    /// Length l from rim to diaphragm (m).
     pub length: R,
-    /// Wall thickness h [m].
+    /// Wall thickness h (m).
     pub wall: R,
-    /// Radial displacement w0 by the wave generator [m].
+    /// Radial displacement w0 by the wave generator (m).
     pub ellipse: R,
-    /// Young's modulus E [Pa].
+    /// Young's modulus E (Pa).
     pub youngs_modulus: R,
     /// Poisson's ratio nu.
     pub poisson_ratio: R,
-    /// Density rho [kg/m^3].
+    /// Density rho (kg/m^3).
     pub density: R,
 }
 
@@ -56,7 +56,7 @@ pub struct FlexsplineParams<R> {
     pub line: StiffnessLineParams<R>,
     /// Damping ratio zeta of the torsion mode, wave generator held, 0..1.
     pub damping_ratio: R,
-    /// Inertia J_fs that the damping ratio refers to [kg m^2].
+    /// Inertia J_fs that the damping ratio refers to (kg m^2).
     pub inertia: R,
 }
 
@@ -76,19 +76,19 @@ impl<R: Real> Cup<R> {
         require(positive(self.density), "density")
     }
 
-    /// Mass of the cylinder 2*pi*R*l*h*rho [kg].
+    /// Mass of the cylinder 2*pi*R*l*h*rho (kg).
     pub fn mass(&self) -> R {
         R::lit(core::f64::consts::TAU) * self.radius * self.length * self.wall * self.density
     }
 
-    /// Torsional stiffness G*J/l of the tube [N m/rad].
+    /// Torsional stiffness G*J/l of the tube (N m/rad).
     pub fn stiffness(&self) -> R {
         let shear_modulus = self.youngs_modulus / (R::lit(2.0) * (R::ONE + self.poisson_ratio));
         let polar = R::lit(core::f64::consts::TAU) * self.radius * self.radius * self.radius * self.wall;
         shear_modulus * polar / self.length
     }
 
-    /// Lowest torsional angular frequency of the tube with both ends held, (pi/l)*sqrt(G/rho) [rad/s].
+    /// Lowest torsional angular frequency of the tube with both ends held, (pi/l)*sqrt(G/rho) (rad/s).
     pub fn torsion_frequency(&self) -> R {
         let shear_modulus = self.youngs_modulus / (R::lit(2.0) * (R::ONE + self.poisson_ratio));
         R::lit(core::f64::consts::PI) / self.length * (shear_modulus / self.density).sqrt()
@@ -113,7 +113,7 @@ impl<R: Real> FlexsplineParams<R> {
         self.line.without_series(self.cup.stiffness())
     }
 
-    /// The tooth contact's dashpot [N m s/rad].
+    /// The tooth contact's dashpot (N m s/rad).
     pub fn contact_damping(&self) -> R {
         let k1 = self.line.stiffness[0];
         let share = self.contact_line().stiffness[0] / k1;
@@ -131,7 +131,7 @@ pub fn link_geometry<R: Real>(cup: &Cup<R>, n: usize, spacing: R, around: i32, a
     (length, chord * cosine / length)
 }
 
-/// Torsional stiffness of an n x M mesh whose links all have the constant 1 N/m [N m/rad].
+/// Torsional stiffness of an n x M mesh whose links all have the constant 1 N/m (N m/rad).
 pub fn unit_stiffness<R: Real, const M: usize>(cup: &Cup<R>, n: usize) -> R {
     let spacing = cup.length / R::from_i32(M as i32 - 1);
     let mut chain = [[R::ZERO; M]; M];
@@ -152,10 +152,11 @@ pub fn unit_stiffness<R: Real, const M: usize>(cup: &Cup<R>, n: usize) -> R {
 /// Eliminates the inner angles of a chain; what is left between its ends is one spring.
 fn condense_to_ends<R: Real, const M: usize>(mut chain: [[R; M]; M]) -> R {
     for pivot in 1..M - 1 {
-        for row in (0..M).filter(|row| *row == 0 || *row > pivot) {
-            let factor = chain[row][pivot] / chain[pivot][pivot];
-            for column in 0..M {
-                chain[row][column] = chain[row][column] - factor * chain[pivot][column];
+        let eliminated = chain[pivot];
+        for (_, row) in chain.iter_mut().enumerate().filter(|(row, _)| *row == 0 || *row > pivot) {
+            let factor = row[pivot] / eliminated[pivot];
+            for (entry, other) in row.iter_mut().zip(eliminated) {
+                *entry -= factor * other;
             }
         }
     }

@@ -20,7 +20,7 @@
 //!
 //! Discretisation: semi-implicit (symplectic) Euler, velocities first; the contact's dashpot implicit,
 //! because it is stiff against the rim's small inertia. Stable while dt < 2/omega_max;
-//! [`MeshParams::stable_step`] bounds omega_max by Gershgorin's circles, so it errs on the safe side.
+//! [`Mesh::stable_step`] bounds omega_max by Gershgorin's circles, so it errs on the safe side.
 
 use crate::angle::Angle;
 use crate::error::{Error, require};
@@ -115,7 +115,7 @@ pub struct MeshState<R, const N: usize, const M: usize> {
 }
 
 impl<R: Real, const N: usize, const M: usize> MeshState<R, N, M> {
-    /// Takes all velocities away; answers with the kinetic energy that is left, 0 [J].
+    /// Takes all velocities away; answers with the kinetic energy that is left, 0 (J).
     fn stop(&mut self) -> R {
         self.velocity = [Slice::ZERO; M];
         self.rim_rate = R::ZERO;
@@ -163,23 +163,23 @@ struct RimShape<R, const N: usize> {
     by_wave_generator: Slice<R, N>,
 }
 
-/// Link constant k that gives an n x m mesh the stiffness of the cup [N/m].
+/// Link constant k that gives an n x m mesh the stiffness of the cup (N/m).
 fn link_stiffness<R: Real, const M: usize>(params: &FlexsplineParams<R>, n: usize) -> R {
     params.cup.stiffness() / unit_stiffness::<R, M>(&params.cup, n)
 }
 
-/// Mass of an inner node; the end slices carry half of it [kg].
+/// Mass of an inner node; the end slices carry half of it (kg).
 fn node_mass<R: Real>(params: &FlexsplineParams<R>, n: usize, m: usize) -> R {
     params.cup.mass() / R::from_i32((n * (m - 1)) as i32)
 }
 
-/// mu of eq. (6): gives the tube's first torsion mode the joint's damping ratio [N s/m].
+/// mu of eq. (6): gives the tube's first torsion mode the joint's damping ratio (N s/m).
 fn link_damping<R: Real>(params: &FlexsplineParams<R>, k: R) -> R {
     R::lit(2.0) * params.damping_ratio / params.cup.torsion_frequency() * k
 }
 
 impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
-    /// Largest stable time step of this mesh [s].
+    /// Largest stable time step of this mesh (s).
     ///
     /// A node's row of the stiffness matrix has the sum of its 16 links' constants on the diagonal and
     /// at most as much beside it: omega_max^2 <= 2*16*k/m (Gershgorin). Damping of ratio z at omega_max
@@ -197,7 +197,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
         R::lit(2.0) * ((R::ONE + ratio * ratio).sqrt() - ratio) / omega
     }
 
-    /// Calibrates the links (see [`super::calibration`]) for a time step dt [s].
+    /// Calibrates the links (see [`super::calibration`]) for a time step dt (s).
     ///
     /// # Errors
     /// As [`FlexsplineParams::check`]; `n` below 5 or above 1000, `m` below 3 or above 1000;
@@ -248,7 +248,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
         DIRECTIONS.iter().map(|(_, along)| N * (M - along)).sum()
     }
 
-    /// Torsional stiffness of the shell between rim and flange, without the contact [N m/rad].
+    /// Torsional stiffness of the shell between rim and flange, without the contact (N m/rad).
     pub fn shell_stiffness(&self, cup: &super::Cup<R>) -> R {
         self.link_stiffness * unit_stiffness::<R, M>(cup, N)
     }
@@ -320,7 +320,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
         (rim, by_flange)
     }
 
-    /// Sum of the 16 links' forces on every node [N], and the power lost in the links [W].
+    /// Sum of the 16 links' forces on every node (N), and the power lost in the links (W).
     fn link_forces(&self, state: &MeshState<R, N, M>) -> ([Slice<R, N>; M], R) {
         let mut force = [Slice::ZERO; M];
         let mut loss = [R::ZERO; N];
@@ -381,10 +381,11 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
 
     /// Moves the free nodes by one step.
     fn advance_nodes(&self, state: &mut MeshState<R, N, M>, force: &[Slice<R, N>; M]) {
-        for j in 1..M - 1 {
-            state.velocity[j].add(&force[j], self.dt_over_mass);
-            let velocity = state.velocity[j];
-            state.position[j].add(&velocity, self.dt);
+        let MeshState { position, velocity, .. } = state;
+        let nodes = position.iter_mut().zip(velocity).zip(force);
+        for ((position, velocity), force) in nodes.take(M - 1).skip(1) {
+            velocity.add(force, self.dt_over_mass);
+            position.add(velocity, self.dt);
         }
     }
 
@@ -398,7 +399,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
         (elastic + self.contact_damping * slip, self.contact_damping * slip * slip)
     }
 
-    /// Elastic energy of all links [J].
+    /// Elastic energy of all links (J).
     fn link_energy(&self, state: &MeshState<R, N, M>) -> R {
         let mut energy = R::ZERO;
         for direction in &self.directions {
@@ -417,7 +418,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
         energy
     }
 
-    /// Kinetic energy of the free nodes and the rim [J]; the flange's belongs to J_fs.
+    /// Kinetic energy of the free nodes and the rim (J); the flange's belongs to J_fs.
     fn kinetic_energy(&self, state: &MeshState<R, N, M>) -> R {
         let nodes = state.velocity[1..M - 1]
             .iter()
@@ -433,12 +434,9 @@ fn turned_by<R: Real, const N: usize>(vectors: &[(R, R); N], (sine, cosine): (R,
     vectors.map(|(c, s)| (c * cosine - s * sine, s * cosine + c * sine))
 }
 
-/// Sum of force times displacement per unit of the angle that moves the slice: a torque [N m].
+/// Sum of force times displacement per unit of the angle that moves the slice: a torque (N m).
 fn virtual_work<R: Real, const N: usize>(force: &Slice<R, N>, derivative: &Slice<R, N>) -> R {
-    let mut work = [R::ZERO; N];
-    for i in 0..N {
-        work[i] = force.x[i] * derivative.x[i] + force.y[i] * derivative.y[i];
-    }
+    let work: [R; N] = core::array::from_fn(|i| force.x[i] * derivative.x[i] + force.y[i] * derivative.y[i]);
     sum(&work)
 }
 

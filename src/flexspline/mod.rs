@@ -27,19 +27,19 @@ use crate::real::Real;
 pub struct Ends<R> {
     /// Ideal output angle r*theta_wg + e(theta_wg): where the tooth contact drives the rim.
     pub drive: Angle<R>,
-    /// Its rate [rad/s].
+    /// Its rate (rad/s).
     pub drive_rate: R,
     /// Wave-generator angle, which orients the ellipse.
     pub wave_generator: Angle<R>,
-    /// Its rate [rad/s].
+    /// Its rate (rad/s).
     pub wave_generator_rate: R,
     /// Output flange angle theta_fs.
     pub flange: Angle<R>,
-    /// Its rate [rad/s].
+    /// Its rate (rad/s).
     pub flange_rate: R,
 }
 
-/// Torques of the flexspline on what holds it [N m].
+/// Torques of the flexspline on what holds it (N m).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reaction<R> {
     /// Through the tooth contact, positive when the drive is ahead: it loads the wave generator by r + de/dtheta.
@@ -48,7 +48,7 @@ pub struct Reaction<R> {
     pub flange: R,
     /// On the wave generator, from turning the ellipse; zero on average.
     pub ellipse: R,
-    /// Power that the flexspline's damping turns into heat [W].
+    /// Power that the flexspline's damping turns into heat (W).
     pub loss: R,
 }
 
@@ -63,6 +63,6 @@ pub trait Flexspline<R: Real> {
     /// Advances by the model's time step and answers with the torques of that step.
     fn step(&self, state: &mut Self::State, ends: &Ends<R>) -> Reaction<R>;
 
-    /// Energy stored in `state`, elastic and kinetic [J], with its ends at `ends`.
+    /// Energy stored in `state`, elastic and kinetic (J), with its ends at `ends`.
     fn energy(&self, state: &Self::State, ends: &Ends<R>) -> R;
 }

@@ -28,7 +28,7 @@ use crate::real::Real;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reduced<R> {
     line: StiffnessLine<R>,
-    /// Dashpot of each piece of the line [N m s/rad].
+    /// Dashpot of each piece of the line (N m s/rad).
     damping: [R; 3],
 }
 
@@ -49,19 +49,19 @@ impl<R: Real> Reduced<R> {
         Ok(Self { line: whole.build()?, damping })
     }
 
-    /// Torque at a torsion and its rate [N m].
+    /// Torque at a torsion and its rate (N m).
     #[inline(never)] // The timing budget counts blocks by their symbols.
     pub fn torque(&self, torsion: R, rate: R) -> R {
         self.line.torque(torsion) + self.damping(torsion) * rate
     }
 
-    /// Torsion that carries a torque at rest [rad].
+    /// Torsion that carries a torque at rest (rad).
     #[inline(always)]
     pub fn torsion(&self, torque: R) -> R {
         self.line.torsion(torque)
     }
 
-    /// Slope of that torsion over the torque [rad/(N m)].
+    /// Slope of that torsion over the torque (rad/(N m)).
     #[inline(always)]
     pub fn compliance(&self, torque: R) -> R {
         self.line.compliance(torque)

@@ -15,9 +15,9 @@ use crate::real::Real;
 /// Parameters of a three-piece line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StiffnessLineParams<R> {
-    /// Slopes of the pieces, each > 0 [N m/rad].
+    /// Slopes of the pieces, each > 0 (N m/rad).
     pub stiffness: [R; 3],
-    /// Torques at which the slope changes, 0 < T1 < T2 [N m].
+    /// Torques at which the slope changes, 0 < T1 < T2 (N m).
     pub knee_torque: [R; 2],
 }
 
@@ -112,25 +112,25 @@ impl<R: Real> StiffnessLineParams<R> {
 }
 
 impl<R: Real> StiffnessLine<R> {
-    /// Torque for a torsion [N m].
+    /// Torque for a torsion (N m).
     #[inline(always)]
     pub fn torque(&self, torsion: R) -> R {
         self.by_torsion.value(torsion)
     }
 
-    /// Torsion for a torque [rad].
+    /// Torsion for a torque (rad).
     #[inline(always)]
     pub fn torsion(&self, torque: R) -> R {
         self.by_torque.value(torque)
     }
 
-    /// Slope of the torsion over the torque [rad/(N m)].
+    /// Slope of the torsion over the torque (rad/(N m)).
     #[inline(always)]
     pub fn compliance(&self, torque: R) -> R {
         self.by_torque.slope_at(torque)
     }
 
-    /// Stored energy [J].
+    /// Stored energy (J).
     pub fn energy(&self, torsion: R) -> R {
         self.by_torsion.integral(torsion)
     }

@@ -4,9 +4,9 @@
 //! s = integral |v| dt        dx_i/ds = (f_i*sign(v) - x_i)/eps_i,   i = 1..P        F = sum x_i
 //! ```
 //!
-//! That is eq. (8) with A = diag(-1/eps_i), B = [f_i/eps_i], C = [1 .. 1]. The levels f_i [N] or
-//! [N m] carry a sign; their sum is the kinetic level, which one-way motion tends to. The distances
-//! eps_i [m] or [rad] are those over which the force builds up.
+//! That is eq. (8) with A = diag(-1/eps_i), B = [f_i/eps_i], C = [1 .. 1]. The levels f_i (N) or
+//! (N m) carry a sign; their sum is the kinetic level, which one-way motion tends to. The distances
+//! eps_i (m) or (rad) are those over which the force builds up.
 //!
 //! | order | levels | distances | |
 //! | --- | --- | --- | --- |
@@ -36,9 +36,9 @@ use crate::real::Real;
 /// Levels and distances of order `P`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlimanSorineParams<R, const P: usize> {
-    /// Signed levels f_i [N] or [N m]; finite, within +-1e6, with a sum that is not negative.
+    /// Signed levels f_i (N) or (N m); finite, within +-1e6, with a sum that is not negative.
     pub levels: [R; P],
-    /// Distances eps_i [m] or [rad], 1e-12..=1e6.
+    /// Distances eps_i (m) or (rad), 1e-12..=1e6.
     pub distances: [R; P],
 }
 
@@ -70,7 +70,7 @@ impl<R: Real, const P: usize> Default for BlimanSorineState<R, P> {
 }
 
 impl<R: Real, const P: usize> BlimanSorineState<R, P> {
-    /// F = sum x_i [N] or [N m].
+    /// F = sum x_i (N) or (N m).
     #[inline(always)]
     pub fn force(&self) -> R {
         self.forces.iter().fold(R::ZERO, |sum, &force| sum + force)
@@ -86,7 +86,7 @@ pub struct BlimanSorine<R, const P: usize> {
 }
 
 impl<R: Real> BlimanSorine<R, 1> {
-    /// A = -1/eps, B = f1/eps: Dahl's model. `f1` > 0 [N] or [N m], `eps` > 0 [m] or [rad].
+    /// A = -1/eps, B = f1/eps: Dahl's model. `f1` > 0 (N) or (N m), `eps` > 0 (m) or (rad).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `f1` or `eps`.
@@ -97,8 +97,8 @@ impl<R: Real> BlimanSorine<R, 1> {
 }
 
 impl<R: Real> BlimanSorine<R, 2> {
-    /// A = diag(-1/(eta*eps), -1/eps), B = [f1/(eta*eps), -f2/eps]; `f1` > `f2` > 0 [N] or [N m],
-    /// `eps` > 0 [m] or [rad], 0 < `eta` < 1.
+    /// A = diag(-1/(eta*eps), -1/eps), B = [f1/(eta*eps), -f2/eps]; `f1` > `f2` > 0 (N) or (N m),
+    /// `eps` > 0 (m) or (rad), 0 < `eta` < 1.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `f1`, `f2`, `eps` or `eta`.
@@ -113,7 +113,7 @@ impl<R: Real> BlimanSorine<R, 2> {
 }
 
 impl<R: Real, const P: usize> BlimanSorine<R, P> {
-    /// Moves by `displacement` = v*dt [m] or [rad] and returns F; a displacement that is not
+    /// Moves by `displacement` = v*dt (m) or (rad) and returns F; a displacement that is not
     /// finite leaves the state as it is and returns `None`.
     #[inline(always)]
     pub fn step(&self, state: &mut BlimanSorineState<R, P>, displacement: R) -> Option<R> {
@@ -136,7 +136,7 @@ impl<R: Real, const P: usize> BlimanSorine<R, P> {
         }
     }
 
-    /// dF/dx of a further motion along `direction` (-1 or 1) [N/m] or [N m/rad]; 0 gives the mean
+    /// dF/dx of a further motion along `direction` (-1 or 1) (N/m) or (N m/rad); 0 gives the mean
     /// of the two directions.
     #[inline]
     pub fn slope(&self, state: &BlimanSorineState<R, P>, direction: R) -> R {

@@ -11,7 +11,7 @@
 //! A slow break-away from rest therefore passes Fs by that peak: for eta = 0.3 it needs 1.107 Fs.
 //!
 //! Sign: F has the sign of the velocity that it opposes and is subtracted in the equation of
-//! motion; F*v > 0 is power lost. Units: [N m], [rad], [rad/s].
+//! motion; F*v > 0 is power lost. Units: (N m), (rad), (rad/s).
 //!
 //! Discretisation: z is exact over a step of constant velocity, g is taken at that velocity.
 //!
@@ -43,24 +43,24 @@ pub enum Order {
 pub struct JointFrictionParams<R> {
     /// Order of the presliding dynamics.
     pub order: Order,
-    /// Fc [N m]; 0..=1e6.
+    /// Fc (N m); 0..=1e6.
     pub coulomb: R,
-    /// Fs [N m]; `coulomb`..=1e6.
+    /// Fs (N m); `coulomb`..=1e6.
     pub static_level: R,
-    /// vs [rad/s]; 1e-9..=1e6.
+    /// vs (rad/s); 1e-9..=1e6.
     pub stribeck_velocity: R,
     /// delta; 1 or 2.
     pub stribeck_exponent: R,
-    /// Fv [N m s/rad]; 0..=1e6.
+    /// Fv (N m s/rad); 0..=1e6.
     pub viscous: R,
-    /// eps [rad]; 1e-9..=1e6.
+    /// eps (rad); 1e-9..=1e6.
     pub presliding: R,
     /// eta; 0.01..=0.99, unused with order 1.
     pub presliding_ratio: R,
 }
 
 impl<R: Real> JointFrictionParams<R> {
-    /// Checks and precomputes for steps of `step_time` [s], above 0 and up to 1.
+    /// Checks and precomputes for steps of `step_time` (s), above 0 and up to 1.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the field, or `step_time`.
@@ -109,7 +109,7 @@ impl<R: Real> Default for JointFrictionState<R> {
 }
 
 impl<R: Real> JointFrictionState<R> {
-    /// Torque of the last step [N m].
+    /// Torque of the last step (N m).
     #[inline]
     pub fn torque(&self) -> R {
         self.force
@@ -131,14 +131,14 @@ pub struct JointFriction<R> {
 }
 
 impl<R: Real> JointFriction<R> {
-    /// Torque [N m] after one step time at `velocity` [rad/s].
+    /// Torque (N m) after one step time at `velocity` (rad/s).
     // Never inlined: the timing budget counts this block by its symbol.
     #[inline(never)]
     pub fn step(&self, state: &mut JointFrictionState<R>, velocity: R) -> Friction<R> {
         self.advance(state, velocity * self.step_time, velocity)
     }
 
-    /// Torque [N m] after a `displacement` [rad] at `velocity` [rad/s], for steps of another
+    /// Torque (N m) after a `displacement` (rad) at `velocity` (rad/s), for steps of another
     /// length than the built one. The two have one sign, or are zero.
     pub fn step_displacement(
         &self,
@@ -152,7 +152,7 @@ impl<R: Real> JointFriction<R> {
         self.advance(state, displacement, velocity)
     }
 
-    /// dF/dx of presliding [N m/rad] for a further motion along the sign of `velocity`, at the
+    /// dF/dx of presliding (N m/rad) for a further motion along the sign of `velocity`, at the
     /// level of the last step; at zero velocity the mean of both directions. Without the slopes of
     /// g and of the viscous part, which are over the velocity.
     #[inline]
@@ -160,7 +160,7 @@ impl<R: Real> JointFriction<R> {
         state.level * self.presliding.slope(&state.presliding, velocity.sign())
     }
 
-    /// g(v) [N m].
+    /// g(v) (N m).
     #[inline]
     pub fn level(&self, velocity: R) -> R {
         self.contact.level(velocity)

@@ -5,8 +5,8 @@
 //! g(v) = Fc + (Fs - Fc) * exp(-|v/vs|^delta)        F = g(v)*sign(v) + Fv*v,   F = 0 at v = 0
 //! ```
 //!
-//! Sign: F has the sign of v and is subtracted in the equation of motion. Units: Fc, Fs [N] or
-//! [N m], v, vs [m/s] or [rad/s], Fv [N s/m] or [N m s/rad]. Memoryless: there is nothing to
+//! Sign: F has the sign of v and is subtracted in the equation of motion. Units: Fc, Fs (N) or
+//! (N m), v, vs (m/s) or (rad/s), Fv (N s/m) or (N m s/rad). Memoryless: there is nothing to
 //! discretise. Only delta = 1 and 2 exist, because a power has no place in the control step and
 //! measured curves don't tell other exponents apart.
 //!
@@ -22,15 +22,15 @@ const GREATEST: f64 = 1e6;
 /// Level over speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LubricatedContactParams<R> {
-    /// Fc, the level that fast sliding tends to [N] or [N m]; 0..=1e6.
+    /// Fc, the level that fast sliding tends to (N) or (N m); 0..=1e6.
     pub coulomb: R,
-    /// Fs, the level at standstill [N] or [N m]; `coulomb`..=1e6.
+    /// Fs, the level at standstill (N) or (N m); `coulomb`..=1e6.
     pub static_level: R,
-    /// vs [m/s] or [rad/s]; 1e-9..=1e6.
+    /// vs (m/s) or (rad/s); 1e-9..=1e6.
     pub stribeck_velocity: R,
     /// delta; 1 or 2.
     pub stribeck_exponent: R,
-    /// Fv [N s/m] or [N m s/rad]; 0..=1e6.
+    /// Fv (N s/m) or (N m s/rad); 0..=1e6.
     pub viscous: R,
 }
 

@@ -15,7 +15,7 @@ pub use lubricated_contact::{LubricatedContact, LubricatedContactParams};
 /// Friction of one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Friction<R> {
-    /// Force [N] or torque [N m]; finite for any input.
+    /// Force (N) or torque (N m); finite for any input.
     pub force: R,
     /// The input was not finite: `force` is that of the step before and the state is untouched.
     pub held: bool,

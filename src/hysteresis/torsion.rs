@@ -18,7 +18,7 @@
 //! and over any path from the demagnetised state back to phi = 0 it is >= 0.
 //!
 //! Sign: tau_hyst is part of tau_t, positive when it turns the flexspline forwards, as a spring
-//! does at phi > 0. Units: phi [rad], tau_hyst [N m], slope [N m/rad]. No time in it: nothing to
+//! does at phi > 0. Units: phi (rad), tau_hyst (N m), slope (N m/rad). No time in it: nothing to
 //! discretise. The default state is demagnetised: tau_hyst = 0 at phi = 0.
 //!
 //! Standard shape, half range U and total weight S, at the cell edges (x = phi/U):
@@ -38,8 +38,8 @@ use super::weights::Weights;
 use crate::error::{Error, require};
 use crate::real::Real;
 
-/// The gap S [N m] that gives a loop of +-`half_range` [rad] the full `width` w [rad] at zero
-/// torque, next to a line of `stiffness` K1 [N m/rad] that passes through zero: S = K1*w/(1 - (w/(2U))^2).
+/// The gap S (N m) that gives a loop of +-`half_range` (rad) the full `width` w (rad) at zero
+/// torque, next to a line of `stiffness` K1 (N m/rad) that passes through zero: S = K1*w/(1 - (w/(2U))^2).
 ///
 /// # Errors
 /// [`Error::OutOfRange`] `stiffness` or `half_range` when not positive, `width` when not within
@@ -55,9 +55,9 @@ pub fn gap_for_width<R: Real>(stiffness: R, width: R, half_range: R) -> Result<R
 /// Loop of the standard shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorsionHysteresisParams<R> {
-    /// U [rad], torsion at which the loop closes; 1e-9..=1e6.
+    /// U (rad), torsion at which the loop closes; 1e-9..=1e6.
     pub half_range: R,
-    /// S [N m], torque between the branches at zero torsion; 0..=1e6.
+    /// S (N m), torque between the branches at zero torsion; 0..=1e6.
     pub gap: R,
 }
 
@@ -75,9 +75,9 @@ impl<R: Real> TorsionHysteresisParams<R> {
 /// Hysteresis torque of one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HysteresisTorque<R> {
-    /// tau_hyst [N m]; finite for any input.
+    /// tau_hyst (N m); finite for any input.
     pub torque: R,
-    /// dtau_hyst/dphi along the branch [N m/rad]; 0 beyond the range, and when held.
+    /// dtau_hyst/dphi along the branch (N m/rad); 0 beyond the range, and when held.
     pub slope: R,
     /// The torsion is beyond +-U, where the loop is closed: torque 0.
     pub saturated: bool,
@@ -93,7 +93,7 @@ pub struct TorsionHysteresisState<R: Real, const CAP: usize> {
 }
 
 impl<R: Real, const CAP: usize> TorsionHysteresisState<R, CAP> {
-    /// tau_hyst of the last step [N m].
+    /// tau_hyst of the last step (N m).
     #[inline]
     pub fn torque(&self) -> R {
         self.torque
@@ -113,7 +113,7 @@ pub struct TorsionHysteresis<R, const L: usize, const CAP: usize> {
 }
 
 impl<R: Real, const L: usize, const CAP: usize> TorsionHysteresis<R, L, CAP> {
-    /// From identified weights [N m] over torsions of +-`half_range` [rad].
+    /// From identified weights (N m) over torsions of +-`half_range` (rad).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `half_range` or `capacity`.
@@ -127,7 +127,7 @@ impl<R: Real, const L: usize, const CAP: usize> TorsionHysteresis<R, L, CAP> {
         Ok(Self { staircase, mean })
     }
 
-    /// tau_hyst at the next torsion [rad]; between two steps the torsion counts as monotone.
+    /// tau_hyst at the next torsion (rad); between two steps the torsion counts as monotone.
     // Never inlined: the timing budget counts this block by its symbol.
     #[inline(never)]
     pub fn step(&self, state: &mut TorsionHysteresisState<R, CAP>, torsion: R) -> HysteresisTorque<R> {

@@ -5,7 +5,7 @@ use crate::{Compensator, JOINT, State};
 use strainwave::Error;
 use strainwave::compensator::{Input, Output};
 
-/// Control periods in a second [Hz].
+/// Control periods in a second (Hz).
 pub const RATE: u32 = 10_000;
 
 /// What the control needs from a board, once a period.

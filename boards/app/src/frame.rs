@@ -13,9 +13,9 @@ const WORD: usize = 4;
 const ANGLE: usize = 8 + WORD;
 const OPTION: usize = 1 + WORD;
 
-/// Length of an input frame [bytes]: sensors, setpoint, shares.
+/// Length of an input frame (bytes): sensors, setpoint, shares.
 pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + (ANGLE + 3 * WORD) + 5 * WORD;
-/// Length of an output frame [bytes]: torques and reference, estimate, faults.
+/// Length of an output frame (bytes): torques and reference, estimate, faults.
 pub const OUTPUT_BYTES: usize = (2 * WORD + ANGLE) + (ANGLE + 6 * WORD) + WORD;
 
 /// The bytes of an input.

@@ -8,18 +8,18 @@
 //! the polynomial of least jerk between two points at rest (Flash and Hogan 1985). Speed peaks at
 //! 1.875*d/T; T is the shortest whole number of control periods that keeps it within [`SPEED`] and
 //! is no shorter than [`SHORTEST`]. A target that moves during a move is taken up when that has ended.
-//! Angles of the output, from the origin [rad].
+//! Angles of the output, from the origin (rad).
 
 use strainwave::Angle;
 use strainwave::compensator::Setpoint;
 
-/// Largest speed of a move [rad/s].
+/// Largest speed of a move (rad/s).
 pub const SPEED: f32 = 0.5;
 
-/// Shortest move [s].
+/// Shortest move (s).
 pub const SHORTEST: f32 = 0.25;
 
-/// Farthest target either way [rad].
+/// Farthest target either way (rad).
 pub const FARTHEST: f32 = 1.5;
 
 /// The least-jerk polynomial's peak of s'.
@@ -29,18 +29,18 @@ const PEAK: f32 = 1.875;
 #[derive(Clone, Copy, Debug)]
 pub struct Jog {
     origin: Angle<f32>,
-    /// Control period [s].
+    /// Control period (s).
     period: f32,
     start: f32,
     distance: f32,
-    /// 1/T [1/s].
+    /// 1/T (1/s).
     rate: f32,
     elapsed: u32,
     duration: u32,
 }
 
 impl Jog {
-    /// At rest at `origin`; `period` is the control period [s].
+    /// At rest at `origin`; `period` is the control period (s).
     pub fn at(origin: Angle<f32>, period: f32) -> Self {
         Self { origin, period, start: 0.0, distance: 0.0, rate: 1.0 / SHORTEST, elapsed: 0, duration: 0 }
     }

@@ -21,11 +21,11 @@ pub struct Record {
     pub overruns: u32,
     /// Motor encoder, raw count within the turn.
     pub motor_encoder: u32,
-    /// Torque command to the motor [N m].
+    /// Torque command to the motor (N m).
     pub motor_torque: f32,
-    /// Torsion of the flexspline [rad].
+    /// Torsion of the flexspline (rad).
     pub torsion: f32,
-    /// External torque on the flexspline [N m].
+    /// External torque on the flexspline (N m).
     pub external_torque: f32,
     /// What is wrong, by bit.
     pub faults: u32,

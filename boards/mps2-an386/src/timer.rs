@@ -6,7 +6,7 @@ use crate::vectors::Timer0;
 use cortex_m::peripheral::NVIC;
 use strainwave_app::control::RATE;
 
-/// Clock of every peripheral on the board [Hz].
+/// Clock of every peripheral on the board (Hz).
 pub const CLOCK: u32 = 25_000_000;
 
 /// Clock cycles in a control period: exact.

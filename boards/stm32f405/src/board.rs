@@ -49,7 +49,7 @@ pub fn start() -> Option<(Board, Hardware)> {
 pub struct Board {
     encoder: MotorEncoder,
     drive: Drive,
-    /// The last torque command [N m].
+    /// The last torque command (N m).
     torque: f32,
     watched: u32,
     /// Absent while the observer only watches.

@@ -7,9 +7,9 @@
 use stm32f4xx_hal::pac::FLASH;
 use stm32f4xx_hal::rcc::Rcc;
 
-/// Core clock [Hz].
+/// Core clock (Hz).
 pub const FULL: u32 = 168_000_000;
-/// Core clock without the crystal, and what the HAL believes in [Hz].
+/// Core clock without the crystal, and what the HAL believes in (Hz).
 pub const INTERNAL: u32 = 16_000_000;
 /// What the timers of APB1 and all of APB2 get of the core clock at [`FULL`].
 pub const PERIPHERAL_DIVISOR: u32 = 2;
@@ -26,7 +26,7 @@ const WAIT_STATES: u8 = 5;
 /// The crystal is granted about 100 ms of polling at 16 MHz.
 const POLLS: u32 = 200_000;
 
-/// Runs the core from the crystal; its clock [Hz], [`INTERNAL`] when the crystal does not start.
+/// Runs the core from the crystal; its clock (Hz), [`INTERNAL`] when the crystal does not start.
 pub fn start(rcc: &Rcc, flash: &FLASH) -> u32 {
     rcc.cr().modify(|_, w| w.hseon().on());
     if !within(POLLS, || rcc.cr().read().hserdy().bit_is_set()) {

@@ -32,7 +32,7 @@ impl Drive {
         drive
     }
 
-    /// Commands a torque at the motor's shaft [N m].
+    /// Commands a torque at the motor's shaft (N m).
     pub fn command(&mut self, torque: f32) {
         // The conversion to an integer saturates, and takes NaN as 0.
         let steps = (torque * (SPAN as f32 / JOINT.limits.motor_torque)) as i32;

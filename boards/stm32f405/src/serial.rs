@@ -24,12 +24,12 @@ const PRIORITY: u8 = 0x80;
 /// Where the operator wants the output, from where it started [mrad].
 static TARGET: AtomicI32 = AtomicI32::new(0);
 
-/// Where the operator wants the output, from where it started [rad].
+/// Where the operator wants the output, from where it started (rad).
 pub fn target() -> f32 {
     TARGET.load(Ordering::Relaxed) as f32 * 1e-3
 }
 
-/// Switches the USART on; `clock` is the core's [Hz].
+/// Switches the USART on; `clock` is the core's (Hz).
 pub fn start(usart: USART1, transmit: PA9, receive: PA10, clock: u32, rcc: &mut Rcc) {
     let _pins = (transmit.into_alternate::<7>(), receive.into_alternate::<7>().internal_pull_up(true));
     USART1::enable(rcc);

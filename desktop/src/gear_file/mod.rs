@@ -24,7 +24,7 @@ pub use keys::{Allowed, KEYS, Key, RELATIONS, Relation};
 /// The default gear `hd25-100`, as a file.
 pub const DEFAULT: &str = include_str!("../../../gears/hd25-100.toml");
 
-/// Longest gear file [bytes].
+/// Longest gear file (bytes).
 const LONGEST_FILE: u64 = 1 << 20;
 
 /// What the gear file says.
@@ -78,10 +78,10 @@ pub struct Gear {
     pub ratio: i32,
     /// Which part stands still.
     pub arrangement: Arrangement,
-    /// Rated torque at the output [N m].
+    /// Rated torque at the output (N m).
     #[serde(rename = "rated_torque_nm")]
     pub rated_torque: f64,
-    /// Peak torque at the output [N m].
+    /// Peak torque at the output (N m).
     #[serde(rename = "peak_torque_nm")]
     pub peak_torque: f64,
 }
@@ -101,19 +101,19 @@ impl Gear {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stiffness {
-    /// K1 [N m/rad].
+    /// K1 (N m/rad).
     #[serde(rename = "k1_nm_per_rad")]
     pub k1: f64,
-    /// K2 >= K1 [N m/rad].
+    /// K2 >= K1 (N m/rad).
     #[serde(rename = "k2_nm_per_rad")]
     pub k2: f64,
-    /// K3 >= K2 [N m/rad].
+    /// K3 >= K2 (N m/rad).
     #[serde(rename = "k3_nm_per_rad")]
     pub k3: f64,
-    /// T1 [N m].
+    /// T1 (N m).
     #[serde(rename = "t1_nm")]
     pub t1: f64,
-    /// T2 > T1 [N m].
+    /// T2 > T1 (N m).
     #[serde(rename = "t2_nm")]
     pub t2: f64,
 }
@@ -122,12 +122,12 @@ pub struct Stiffness {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hysteresis {
-    /// Full width of the loop at zero torque after +-rated torque, in the catalogue's unit [arcmin].
+    /// Full width of the loop at zero torque after +-rated torque, in the catalogue's unit (arcmin).
     pub width_arcmin: f64,
 }
 
 impl Hysteresis {
-    /// Full width of the loop at zero torque after +-rated torque [rad].
+    /// Full width of the loop at zero torque after +-rated torque (rad).
     pub fn width(&self) -> f64 {
         (self.width_arcmin / 60.0).to_radians()
     }
@@ -155,10 +155,10 @@ impl KinematicError {
 pub struct Harmonic {
     /// k, periods a turn.
     pub order: u32,
-    /// A_k at the output [rad].
+    /// A_k at the output (rad).
     #[serde(rename = "amplitude_rad")]
     pub amplitude: f64,
-    /// p_k [rad].
+    /// p_k (rad).
     #[serde(rename = "phase_rad")]
     pub phase: f64,
 }
@@ -167,24 +167,24 @@ pub struct Harmonic {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Flexspline {
-    /// R [m].
+    /// R (m).
     #[serde(rename = "radius_m")]
     pub radius: f64,
-    /// l [m].
+    /// l (m).
     #[serde(rename = "length_m")]
     pub length: f64,
-    /// h [m].
+    /// h (m).
     #[serde(rename = "wall_m")]
     pub wall: f64,
-    /// w0, radial displacement at the ellipse's major axis [m].
+    /// w0, radial displacement at the ellipse's major axis (m).
     #[serde(rename = "ellipse_m")]
     pub ellipse: f64,
-    /// E [Pa].
+    /// E (Pa).
     #[serde(rename = "youngs_modulus_pa")]
     pub youngs_modulus: f64,
     /// nu.
     pub poisson_ratio: f64,
-    /// rho [kg/m^3].
+    /// rho (kg/m^3).
     #[serde(rename = "density_kg_per_m3")]
     pub density: f64,
 }
@@ -193,10 +193,10 @@ pub struct Flexspline {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Inertia {
-    /// J_wg, with the motor's rotor [kg m^2].
+    /// J_wg, with the motor's rotor (kg m^2).
     #[serde(rename = "wave_generator_kg_m2")]
     pub wave_generator: f64,
-    /// J_fs, with the load [kg m^2].
+    /// J_fs, with the load (kg m^2).
     #[serde(rename = "flexspline_kg_m2")]
     pub flexspline: f64,
 }
@@ -236,21 +236,21 @@ pub enum FrictionModel {
 pub struct Friction {
     /// Presliding model.
     pub model: FrictionModel,
-    /// Fc [N m].
+    /// Fc (N m).
     #[serde(rename = "coulomb_nm")]
     pub coulomb: f64,
-    /// Fs >= Fc [N m].
+    /// Fs >= Fc (N m).
     #[serde(rename = "static_nm")]
     pub static_level: f64,
-    /// vs [rad/s].
+    /// vs (rad/s).
     #[serde(rename = "stribeck_rad_per_s")]
     pub stribeck_velocity: f64,
     /// delta, 1 or 2.
     pub stribeck_exponent: u32,
-    /// Fv [N m s/rad].
+    /// Fv (N m s/rad).
     #[serde(rename = "viscous_nm_s_per_rad")]
     pub viscous: f64,
-    /// eps, presliding distance [rad].
+    /// eps, presliding distance (rad).
     #[serde(rename = "presliding_rad")]
     pub presliding: f64,
     /// eta, ratio of the two presliding distances of the second order.
@@ -261,10 +261,10 @@ pub struct Friction {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Motor {
-    /// Peak torque at the shaft [N m].
+    /// Peak torque at the shaft (N m).
     #[serde(rename = "peak_torque_nm")]
     pub peak_torque: f64,
-    /// Limit of the rotor's speed [rad/s].
+    /// Limit of the rotor's speed (rad/s).
     #[serde(rename = "rotor_speed_limit_rad_per_s")]
     pub rotor_speed_limit: f64,
 }
@@ -283,7 +283,7 @@ pub struct Sensors {
     /// Standard deviation of the motor torque's noise [N m at the shaft].
     #[serde(rename = "motor_torque_noise_nm")]
     pub motor_torque_noise: f64,
-    /// Standard deviation of the output torque's noise [N m].
+    /// Standard deviation of the output torque's noise (N m).
     #[serde(rename = "output_torque_noise_nm")]
     pub output_torque_noise: f64,
 }
@@ -292,13 +292,13 @@ pub struct Sensors {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Feedback {
-    /// Bandwidth of the position loop [Hz].
+    /// Bandwidth of the position loop (Hz).
     #[serde(rename = "position_bandwidth_hz")]
     pub position_bandwidth: f64,
-    /// Bandwidth of the velocity loop [Hz].
+    /// Bandwidth of the velocity loop (Hz).
     #[serde(rename = "velocity_bandwidth_hz")]
     pub velocity_bandwidth: f64,
-    /// Integral time of the velocity loop [s].
+    /// Integral time of the velocity loop (s).
     #[serde(rename = "integral_time_s")]
     pub integral_time: f64,
 }

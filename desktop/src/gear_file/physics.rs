@@ -10,7 +10,7 @@ use strainwave::flexspline::stiffness_line::StiffnessLineParams;
 
 use super::GearFile;
 
-/// Control period of the real-time build [s].
+/// Control period of the real-time build (s).
 const CONTROL_PERIOD: f64 = 1e-4;
 
 pub(super) fn check(gear: &GearFile) -> Result<(), String> {
@@ -51,7 +51,7 @@ fn cup(gear: &GearFile) -> Cup<f64> {
     }
 }
 
-/// Torsion at rated torque by the catalogue's line [rad].
+/// Torsion at rated torque by the catalogue's line (rad).
 fn rated_torsion(gear: &GearFile) -> Result<f64, String> {
     let stiffness = &gear.stiffness;
     let line = StiffnessLineParams {

@@ -29,15 +29,15 @@ const SCHEMA: Schema = Schema {
 pub struct MeasuredLog {
     /// Time stamps.
     pub time: Time,
-    /// Motor angle [rad].
+    /// Motor angle (rad).
     pub motor_position: Vec<f64>,
-    /// Motor torque at its shaft [N m].
+    /// Motor torque at its shaft (N m).
     pub motor_torque: Vec<f64>,
-    /// Output angle [rad].
+    /// Output angle (rad).
     pub output_position: Option<Vec<f64>>,
-    /// Torque at the output [N m].
+    /// Torque at the output (N m).
     pub output_torque: Option<Vec<f64>>,
-    /// Torque at the output that the joint's controller expects [N m].
+    /// Torque at the output that the joint's controller expects (N m).
     pub model_torque: Option<Vec<f64>>,
 }
 

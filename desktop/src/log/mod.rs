@@ -13,11 +13,11 @@ pub use measured::MeasuredLog;
 pub use open_loop::{Drive, DriveSample, OpenLoop, OpenLoopRow, write_open_loop};
 pub use time::{GAP_LEAST, GAP_RATIO, Instant, Jitter, LONGEST, STEP, Time};
 
-/// Longest file [bytes].
+/// Longest file (bytes).
 const LONGEST_FILE: u64 = 1 << 30;
-/// Largest angle [rad]: 10^8 turns.
+/// Largest angle (rad): 10^8 turns.
 const ANGLE_LIMIT: f64 = 6.3e8;
-/// Largest speed [rad/s].
+/// Largest speed (rad/s).
 const SPEED_LIMIT: f64 = 1e5;
-/// Largest torque [N m].
+/// Largest torque (N m).
 const TORQUE_LIMIT: f64 = 1e6;

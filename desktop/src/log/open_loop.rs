@@ -20,18 +20,18 @@ const SCHEMA: Schema = Schema { one_of: &[&[TIME], &[POSITION, VELOCITY], &[LOAD
 /// What drives the wave generator.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Drive {
-    /// Its angle [rad].
+    /// Its angle (rad).
     Position(Vec<f64>),
-    /// Its speed [rad/s].
+    /// Its speed (rad/s).
     Velocity(Vec<f64>),
 }
 
 /// What drives the wave generator at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DriveSample {
-    /// Its angle [rad].
+    /// Its angle (rad).
     Position(f64),
-    /// Its speed [rad/s].
+    /// Its speed (rad/s).
     Velocity(f64),
 }
 
@@ -52,7 +52,7 @@ pub struct OpenLoop {
     pub time: Time,
     /// What drives the wave generator.
     pub drive: Drive,
-    /// External torque on the flexspline [N m].
+    /// External torque on the flexspline (N m).
     pub load_torque: Vec<f64>,
 }
 
@@ -83,22 +83,22 @@ impl OpenLoop {
 /// One row of the open-loop output.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OpenLoopRow {
-    /// Time [s].
+    /// Time (s).
     #[serde(rename = "t_s")]
     pub time: f64,
-    /// Flexspline angle [rad].
+    /// Flexspline angle (rad).
     #[serde(rename = "theta_fs_rad")]
     pub output_position: f64,
-    /// Flexspline speed [rad/s].
+    /// Flexspline speed (rad/s).
     #[serde(rename = "omega_fs_rad_s")]
     pub output_velocity: f64,
-    /// What the motor must supply [N m].
+    /// What the motor must supply (N m).
     #[serde(rename = "tau_wg_nm")]
     pub input_torque: f64,
-    /// Torsion of the flexspline [rad].
+    /// Torsion of the flexspline (rad).
     #[serde(rename = "torsion_rad")]
     pub torsion: f64,
-    /// Torque through the flexspline [N m].
+    /// Torque through the flexspline (N m).
     #[serde(rename = "tau_t_nm")]
     pub transmitted_torque: f64,
 }

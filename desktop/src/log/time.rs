@@ -11,23 +11,23 @@
 use super::columns::{Column, row_of};
 use crate::figure::Figure;
 
-/// Interval of the control step [s].
+/// Interval of the control step (s).
 pub const STEP: f64 = 1e-4;
-/// Longest log [s].
+/// Longest log (s).
 pub const LONGEST: f64 = 3600.0;
 /// A pause is a gap above this many median intervals ...
 pub const GAP_RATIO: f64 = 10.0;
-/// ... and above this duration [s].
+/// ... and above this duration (s).
 pub const GAP_LEAST: f64 = 0.05;
 
 /// The time column. Stamps may count from 1970.
 pub(super) const TIME: Column = Column { name: "t_s", limit: 1e10 };
 
-/// Strictly increasing time stamps [s] without a gap.
+/// Strictly increasing time stamps (s) without a gap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Time(Vec<f64>);
 
-/// The intervals between time stamps [s].
+/// The intervals between time stamps (s).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jitter {
     /// The median, the lower one of an even number.
@@ -78,7 +78,7 @@ impl Time {
         }
     }
 
-    /// The stamps [s].
+    /// The stamps (s).
     pub fn stamps(&self) -> &[f64] {
         &self.0
     }
@@ -91,7 +91,7 @@ impl Time {
         Some(Jitter { nominal: intervals[(intervals.len() - 1) / 2], least, most })
     }
 
-    /// Instants every `interval` [s] from the first stamp to the last.
+    /// Instants every `interval` (s) from the first stamp to the last.
     pub fn resampled(&self, interval: f64) -> impl ExactSizeIterator<Item = Instant> {
         let span = self.0[self.0.len() - 1] - self.0[0];
         // A log that ends on the grid keeps its last point, whatever the rounding of its stamps.
@@ -99,7 +99,7 @@ impl Time {
         (0..steps + 1).map(move |step| self.at(step as f64 * interval))
     }
 
-    /// The instant `elapsed` [s] after the first stamp; the ends of the log outside it.
+    /// The instant `elapsed` (s) after the first stamp; the ends of the log outside it.
     pub fn at(&self, elapsed: f64) -> Instant {
         let since = |stamp: f64| stamp - self.0[0];
         let after = self.0.partition_point(|stamp| since(*stamp) <= elapsed).min(self.0.len() - 1);
@@ -113,7 +113,7 @@ impl Time {
 /// One instant of a resampled log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instant {
-    /// Time since the first stamp [s].
+    /// Time since the first stamp (s).
     pub elapsed: f64,
     before: usize,
     after: usize,

@@ -36,7 +36,7 @@ use crate::log::{Drive, Instant, OpenLoop, OpenLoopRow, STEP};
 use crate::plant::Reference;
 use trajectory::Trajectory;
 
-/// How long the gear is led before the start [s]: several times what the mesh's transient takes.
+/// How long the gear is led before the start (s): several times what the mesh's transient takes.
 pub const RUN_IN: f64 = 20.0 * STEP;
 
 /// Which build of the models.
@@ -78,7 +78,7 @@ pub fn run<'a>(file: &GearFile, input: &'a OpenLoop, build: Build) -> Result<Row
     }
 }
 
-/// The same gear, its wave-generator angle counted from `start` [rad].
+/// The same gear, its wave-generator angle counted from `start` (rad).
 fn counted_from(file: &GearFile, start: f64) -> GearFile {
     let mut counted = file.clone();
     let advance = |terms: &mut [Harmonic], angle: f64| {
@@ -92,7 +92,7 @@ fn counted_from(file: &GearFile, start: f64) -> GearFile {
     counted
 }
 
-/// Within half a turn either way [rad].
+/// Within half a turn either way (rad).
 fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
@@ -108,7 +108,7 @@ fn rows<'a, R: Real, F: Flexspline<R> + 'a, const L: usize, const CAP: usize>(
 struct Inputs<'a> {
     trajectory: Trajectory,
     log: &'a OpenLoop,
-    /// Where the run-in starts, and the wave generator is counted from [rad].
+    /// Where the run-in starts, and the wave generator is counted from (rad).
     start: f64,
     wave_generator_inertia: f64,
 }

@@ -5,25 +5,25 @@
 //!   (A method for constructing local monotone piecewise cubic interpolants, SIAM J. Sci. Stat.
 //!   Comput. 5, 1984): the speed is continuous, and a step does not overshoot.
 //!
-//! Angles count from the first row's, so that they stay exact however large that is. [rad], [s].
+//! Angles count from the first row's, so that they stay exact however large that is. (rad), (s).
 
 use crate::log::Drive;
 
 /// Where the wave generator is and how it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sample {
-    /// Angle from the first row's [rad].
+    /// Angle from the first row's (rad).
     pub angle: f64,
-    /// [rad/s]
+    /// (rad/s)
     pub velocity: f64,
-    /// [rad/s^2]
+    /// (rad/s^2)
     pub acceleration: f64,
 }
 
 /// Angle and speed at every stamp.
 #[derive(Debug)]
 pub(super) struct Trajectory {
-    /// From the first stamp [s].
+    /// From the first stamp (s).
     time: Vec<f64>,
     angle: Vec<f64>,
     velocity: Vec<f64>,

@@ -9,7 +9,7 @@ use crate::figure::Figure;
 /// Ratios r = 1/n that are measured: both arrangements, both ends of the range.
 const RATIOS: [i32; 5] = [-100, 101, -30, 31, -320];
 const TURNS: i64 = 1_000_000;
-/// Torsion at rated torque of the default gear [rad].
+/// Torsion at rated torque of the default gear (rad).
 const LARGEST_TORSION: f64 = 1.5e-3;
 
 pub(super) fn measure() -> Vec<Figure> {

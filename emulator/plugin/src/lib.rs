@@ -1,6 +1,6 @@
 //! QEMU TCG plugin that counts the instructions and cycles of the control step.
 //!
-//! Loaded with `-plugin FILE,plan=PLAN,out=FOLDER`; [`plan`] says what to count, [`counter`] counts, and
+//! Loaded with `-plugin FILE,plan=PLAN,out=FOLDER`; `plan` says what to count, `counter` counts, and
 //! this file is the plugin interface of `qemu-plugin.h` as far as it is used: only functions that are the
 //! same in interface version 1 (QEMU up to 8.2.3) and 2 and later. QEMU loads a plugin only when
 //! the version that it declares is one that it supports; it comes from `STRAINWAVE_QEMU_PLUGIN_API` at
