@@ -10,6 +10,7 @@ mod process;
 pub mod setup;
 pub mod target;
 pub mod telemetry;
+pub mod verify;
 
 pub use firmware::Firmware;
 pub use machine::{Ending, Machine};
