@@ -103,16 +103,8 @@ fn scenarios(arguments: &Arguments, elf: &Path, gear: &GearFile) -> Result<Vec<F
 
 fn scenario_figures(run: &ScenarioRun) -> Vec<Figure> {
     let name = |rest: &str| format!("pil.{}.{rest}", run.scenario.name());
-    let compensated = match run.scenario {
-        // What this scenario must show: better than both baselines on the same plant.
-        Scenario::S2 => {
-            let bound = run.b0.rms.min(run.b1.rms);
-            Figure::bounded(name("compensated.rms"), run.compensated.rms, "rad", bound)
-        }
-        _ => Figure::reported(name("compensated.rms"), run.compensated.rms, "rad"),
-    };
     vec![
-        compensated,
+        run.beside_baselines(),
         Figure::reported(name("b0.rms"), run.b0.rms, "rad"),
         Figure::reported(name("b1.rms"), run.b1.rms, "rad"),
         Figure::reported(name("compensated.max"), run.compensated.max, "rad"),
@@ -120,7 +112,7 @@ fn scenario_figures(run: &ScenarioRun) -> Vec<Figure> {
         Figure::reported(name("b1.max"), run.b1.max, "rad"),
         bounds::figure_as(name("power_balance"), "plant.power_balance", run.compensated.imbalance),
         Figure::reported(name("steps"), run.agreement.steps as f64, "1"),
-        bounds::figure_as(name("steps_unlike_host"), "pil.steps_unlike_host", run.agreement.different as f64),
+        run.agreement.figure(name("steps_unlike_host")),
         Figure::reported(name("stack"), f64::from(run.ending.stack), "byte"),
     ]
 }
@@ -152,10 +144,6 @@ fn replay_figures(replay: &Replay) -> Vec<Figure> {
         Figure::bounded("pil.replay.predicted.rms", replay.rms, "rad", replay.rigid_rms),
         Figure::reported("pil.replay.rigid.rms", replay.rigid_rms, "rad"),
         Figure::reported("pil.replay.steps", replay.agreement.steps as f64, "1"),
-        bounds::figure_as(
-            "pil.replay.steps_unlike_host",
-            "pil.steps_unlike_host",
-            replay.agreement.different as f64,
-        ),
+        replay.agreement.figure("pil.replay.steps_unlike_host"),
     ]
 }

@@ -3,6 +3,7 @@
 pub mod baseline;
 pub mod bounds;
 pub mod closed_loop;
+pub mod data;
 pub mod draw;
 pub mod figure;
 pub mod file;

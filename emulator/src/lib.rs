@@ -12,6 +12,7 @@ mod scratch;
 pub mod setup;
 pub mod target;
 pub mod telemetry;
+pub mod verify;
 
 pub use firmware::Firmware;
 pub use machine::{Ending, Machine};

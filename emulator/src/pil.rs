@@ -6,11 +6,11 @@ use strainwave::Angle;
 use strainwave::compensator::{Input, Sensors, Setpoint, Shares};
 use strainwave_desktop::baseline::Baseline;
 use strainwave_desktop::closed_loop::{self, Controller, Run};
-use strainwave_desktop::gear_file::GearFile;
 use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params, source};
 use strainwave_desktop::log::MeasuredLog;
 use strainwave_desktop::plant::encoder_count;
 use strainwave_desktop::scenario::Scenario;
+use strainwave_desktop::{Figure, GearFile};
 
 use crate::firmware::{self, Firmware};
 use crate::machine::{Ending, Machine};
@@ -31,6 +31,17 @@ pub struct ScenarioRun {
     pub agreement: Agreement,
     /// The firmware's report.
     pub ending: Ending,
+}
+
+impl ScenarioRun {
+    /// The compensated output error; in S2 it must be below both baselines on the same plant.
+    pub fn beside_baselines(&self) -> Figure {
+        let name = format!("pil.{}.compensated.rms", self.scenario.name());
+        match self.scenario {
+            Scenario::S2 => Figure::bounded(name, self.compensated.rms, "rad", self.b0.rms.min(self.b1.rms)),
+            _ => Figure::reported(name, self.compensated.rms, "rad"),
+        }
+    }
 }
 
 /// Builds a board's firmware for the joint of a gear file.
@@ -58,16 +69,20 @@ pub fn run(
     progress: impl FnMut(f64),
 ) -> Result<ScenarioRun, Error> {
     std::thread::scope(|scope| {
-        let baselines = scope.spawn(|| -> Result<_, strainwave::Error> {
-            let b0 = closed_loop::run(file, scenario, seed, &mut Baseline::b0(file)?, |_| ())?;
-            let b1 = closed_loop::run(file, scenario, seed, &mut Baseline::b1(file)?, |_| ())?;
-            Ok((b0, b1))
-        });
+        let baseline = |build: fn(&GearFile) -> Result<Baseline, strainwave::Error>| {
+            scope.spawn(move || closed_loop::run(file, scenario, seed, &mut build(file)?, |_| ()))
+        };
+        let (b0, b1) = (baseline(Baseline::b0), baseline(Baseline::b1));
         let (compensated, agreement, ending) =
             compensated(elf, qemu_arguments, file, scenario, seed, progress)?;
-        let (b0, b1) = baselines.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        let (b0, b1) = (joined(b0)?, joined(b1)?);
         Ok(ScenarioRun { scenario, compensated, b0, b1, agreement, ending })
     })
+}
+
+/// What a thread came back with; its panic goes on here.
+fn joined<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
+    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 /// Runs a scenario on the plant of `seed` with the firmware alone.

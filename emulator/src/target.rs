@@ -3,6 +3,7 @@
 use strainwave::compensator::{Input, JointParams, Output};
 use strainwave_app::frame::{decode_output, encode_input, encode_output};
 use strainwave_desktop::closed_loop::{Controller, HostCompensator};
+use strainwave_desktop::{Figure, bounds};
 
 use crate::machine::{self, Ending, Machine};
 
@@ -20,6 +21,13 @@ pub struct Agreement {
     pub steps: u64,
     /// Steps in which any bit of the output differed.
     pub different: u64,
+}
+
+impl Agreement {
+    /// The steps that differed, of which there must be none.
+    pub fn figure(&self, name: impl Into<String>) -> Figure {
+        bounds::figure_as(name, "pil.steps_unlike_host", self.different as f64)
+    }
 }
 
 /// Why a run on the target ended.

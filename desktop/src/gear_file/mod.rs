@@ -24,6 +24,9 @@ pub use keys::{Allowed, KEYS, Key, RELATIONS, Relation};
 /// The default gear `hd25-100`, as a file.
 pub const DEFAULT: &str = include_str!("../../../gears/hd25-100.toml");
 
+/// The gear of a measured joint, size 17 by its catalogue line, as a file.
+pub const LARA8_J5: &str = include_str!("../../../gears/lara8-j5.toml");
+
 /// Longest gear file (bytes).
 const LONGEST_FILE: u64 = 1 << 20;
 

@@ -1,41 +1,49 @@
 //! Measures the figures that the project claims, each beside its row in [`crate::bounds`].
+//!
+//! These parts need no emulator; what is measured on the firmware image stands with the emulator.
 
 mod angle;
+mod flexspline;
+mod friction;
 mod gear;
+mod hysteresis;
 
 use crate::figure::Figure;
 
 /// A part of the project whose figures are measured together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// Unbounded angles in f32.
-    Angle,
-    /// The real-time build of the gear against the reference.
-    Gear,
+    /// The mesh against the catalogue, the real-time gear against the reference.
+    Flexspline,
+    /// Bliman-Sorine against its closed form, f32 against f64.
+    Friction,
+    /// The staircase against the relays, the default gear's loop.
+    Hysteresis,
+    /// What the compensator rests on: unbounded angles in f32.
+    Compensator,
 }
 
 impl Part {
     /// Every part.
-    pub const ALL: [Self; 2] = [Self::Angle, Self::Gear];
+    pub const ALL: [Self; 4] = [Self::Flexspline, Self::Friction, Self::Hysteresis, Self::Compensator];
 
     /// As the command names it.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Angle => "angle",
-            Self::Gear => "gear",
+            Self::Flexspline => "flexspline",
+            Self::Friction => "friction",
+            Self::Hysteresis => "hysteresis",
+            Self::Compensator => "compensator",
         }
-    }
-
-    /// The part of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|part| part.name() == name)
     }
 
     /// Measures the part's figures.
     pub fn measure(self) -> Vec<Figure> {
         match self {
-            Self::Angle => angle::measure(),
-            Self::Gear => gear::measure(),
+            Self::Flexspline => [flexspline::measure(), gear::measure()].concat(),
+            Self::Friction => friction::measure(),
+            Self::Hysteresis => hysteresis::measure(),
+            Self::Compensator => angle::measure(),
         }
     }
 }

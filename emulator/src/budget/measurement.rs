@@ -137,11 +137,16 @@ impl Measurement {
         // What a run has seen must not be deeper than what no run can exceed.
         let bound = Some(u64::from(self.stack.total));
         figures.extend(self.stack_mark.map(|mark| byte("stack_mark", mark, bound)));
-        for (name, found) in self.proofs() {
-            let name = format!("budget.{}.{name}", budget.board);
-            figures.push(Figure::bounded(name, found.len() as f64, "1", 0.0));
-        }
+        figures.extend(self.proof_figures(budget));
         figures
+    }
+
+    /// How much of what must not be in the image is there: none.
+    pub fn proof_figures(&self, budget: &Budget) -> Vec<Figure> {
+        let none = |(name, found): (&str, &[Violation])| {
+            Figure::bounded(format!("budget.{}.{name}", budget.board), found.len() as f64, "1", 0.0)
+        };
+        self.proofs().map(none).to_vec()
     }
 
     fn block<'b>(&self, budget: &'b Budget, name: &str) -> Option<&'b Block> {
