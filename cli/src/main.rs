@@ -1,7 +1,8 @@
 //! The `strainwave` command, thin over the desktop and emulator libraries.
 //!
 //! Exit code 0 when every figure holds, 1 when one misses its bound, 2 when the command could not be
-//! carried out: then one line on the error stream says why, and nothing has been written.
+//! carried out: then one line on the error stream says why, and nothing has been written. 130 when it was
+//! interrupted.
 
 mod budget;
 mod files;
@@ -18,6 +19,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use strainwave_desktop::BadInput;
+use strainwave_emulator::interrupt;
 
 use crate::report::Report;
 
@@ -55,6 +57,7 @@ fn run(command: Command) -> Result<Report, BadInput> {
 
 fn main() -> ExitCode {
     panic::set_hook(Box::new(internal_error));
+    interrupt::end_in_order();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => return usage::answer(&error),
@@ -63,6 +66,7 @@ fn main() -> ExitCode {
         Ok(Ok(true)) => ExitCode::SUCCESS,
         Ok(Ok(false)) => ExitCode::from(MISSED),
         Ok(Err(error)) => {
+            interrupt::hold_if_ending();
             eprintln!("error: {error}");
             ExitCode::from(REFUSED)
         }

@@ -6,6 +6,7 @@
 //! then never blocks, on either side, whichever dies first.
 
 use crate::process::Process;
+use crate::scratch::Scratch;
 use crate::{setup, telemetry};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{CWD, Mode, OFlags, mkfifoat};
@@ -118,7 +119,7 @@ impl Machine {
     pub fn boot_with(elf: &Path, options: &Options) -> Result<Self, Error> {
         setup::emulator(&setup::ThisHost)?;
         let elf = elf.canonicalize().map_err(|error| named(elf, &error))?;
-        let directory = tempfile::Builder::new().prefix("strainwave-").tempdir()?;
+        let directory = Scratch::new("machine")?;
         let sensors = fifo(&directory.path().join("sensors.fifo"))?;
         let command = fifo(&directory.path().join("command.fifo"))?;
         let process = Process::start(setup::EMULATOR, &arguments(&elf, options), directory)?;

@@ -1,6 +1,5 @@
 //! Processor in the loop: a board's firmware against the reference plant, or against a measured log.
 
-use std::io::Write;
 use std::path::Path;
 
 use strainwave::Angle;
@@ -15,6 +14,7 @@ use strainwave_desktop::{Figure, GearFile};
 
 use crate::firmware::{self, Firmware};
 use crate::machine::{Ending, Machine};
+use crate::scratch::Scratch;
 use crate::target::{Agreement, Error, Target};
 
 /// What came of one scenario.
@@ -50,9 +50,10 @@ impl ScenarioRun {
 /// As [`firmware::build`]; a gear that no compensator can be built from.
 pub fn build(board: &str, file: &GearFile) -> Result<Firmware, firmware::Error> {
     let joint = joint_params(file).map_err(std::io::Error::other)?;
-    let mut generated = tempfile::Builder::new().prefix("strainwave-joint-").suffix(".rs").tempfile()?;
-    generated.write_all(source(&joint, &file.gear.name).as_bytes())?;
-    firmware::build(board, Some(generated.path()))
+    let folder = Scratch::new("joint")?;
+    let generated = folder.path().join("joint.rs");
+    std::fs::write(&generated, source(&joint, &file.gear.name))?;
+    firmware::build(board, Some(&generated))
 }
 
 /// Runs a scenario on the plant of `seed`, the firmware and both baselines side by side.

@@ -1,33 +1,37 @@
 //! A QEMU process that never outlives us.
 //!
 //! It is killed and waited for when its [`Process`] is dropped; on Ctrl-C and on SIGTERM, whose
-//! handler ends every live one; and by the kernel when this process dies in any other way, because
-//! it asked for that at its birth (`setpriv --pdeathsig`). The kernel's "parent" is the thread that
-//! started the child, so all are started by one thread, which lives as long as this process.
+//! [handler](crate::interrupt) ends every live one; and by the kernel when this process dies in any
+//! other way, because it asked for that at its birth (`setpriv --pdeathsig`). The kernel's "parent" is
+//! the thread that started the child, so all are started by one thread, which lives as long as this
+//! process.
 
 use std::io;
+use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Sender, channel};
-use std::sync::{Arc, LazyLock, Mutex, MutexGuard, Once, PoisonError, Weak};
+use std::sync::{Arc, LazyLock, Mutex, Weak};
 use std::time::{Duration, Instant};
 
-use tempfile::TempDir;
+use crate::interrupt::locked;
+use crate::scratch::Scratch;
 
 /// A running child, and the private directory that it works in.
 pub struct Process {
     child: Mutex<Child>,
-    directory: TempDir,
+    directory: Scratch,
 }
 
 impl Process {
     /// Starts `program` in `directory`.
-    pub fn start(program: &str, arguments: &[String], directory: TempDir) -> io::Result<Arc<Self>> {
+    pub fn start(program: &str, arguments: &[String], directory: Scratch) -> io::Result<Arc<Self>> {
         let mut command = tied_to_us(program);
         command.args(arguments).current_dir(directory.path());
         let said = std::fs::File::create(directory.path().join("emulator.log"))?;
         command.stdin(Stdio::null()).stdout(said.try_clone()?).stderr(said);
-        end_all_when_interrupted();
+        // A terminal's Ctrl-C is for us alone: a child that dies of it first would look like a failure.
+        command.process_group(0);
         let child = spawn_from_keeper(command)?;
         let process = Arc::new(Self { child: Mutex::new(child), directory });
         let mut live = locked(&LIVE);
@@ -85,9 +89,11 @@ impl Drop for Process {
 
 static LIVE: Mutex<Vec<Weak<Process>>> = Mutex::new(Vec::new());
 
-/// A lock whose data stay whole when a holder panics.
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+/// Kills every live process, for a program that ends here.
+pub fn kill_all() {
+    for process in locked(&LIVE).drain(..).filter_map(|process| process.upgrade()) {
+        process.kill();
+    }
 }
 
 /// `program`, which the kernel is to kill when its parent dies, where the system can do that.
@@ -126,19 +132,4 @@ fn spawn_from_keeper(command: Command) -> io::Result<Child> {
     let gone = |_| io::Error::other("the thread that starts the emulator is gone");
     locked(&KEEPER).send((command, answer)).map_err(|_| gone(()))?;
     answered.recv().map_err(|_| gone(()))?
-}
-
-/// Ctrl-C reaches QEMU too, but not its directory, and SIGTERM reaches us alone.
-fn end_all_when_interrupted() {
-    static HANDLER: Once = Once::new();
-    HANDLER.call_once(|| {
-        // A program that has its own handler keeps it: the kernel still ends the children.
-        let _ = ctrlc::try_set_handler(|| {
-            for process in locked(&LIVE).drain(..).filter_map(|process| process.upgrade()) {
-                process.kill();
-                let _ = std::fs::remove_dir_all(process.directory());
-            }
-            std::process::exit(130);
-        });
-    });
 }

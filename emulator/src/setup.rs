@@ -9,6 +9,7 @@ mod host;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::Duration;
 
 pub use host::{Host, ThisHost};
 
@@ -23,6 +24,10 @@ pub const OLDEST_EMULATOR: (u32, u32) = (7, 2);
 
 /// The emulator's program.
 pub const EMULATOR: &str = "qemu-system-arm";
+
+/// How long rustup may take for a download of some megabytes. A server that accepts and then says nothing
+/// would hold it for ever.
+const RUSTUP_PATIENCE: Duration = Duration::from_secs(120);
 
 const COMPILER_PACKAGES: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "lld"];
 
@@ -159,7 +164,9 @@ fn usable(host: &dyn Host, (cargo, rustc): (&'static str, &'static str)) -> Opti
 fn add_target(host: &dyn Host) -> Option<Compiler> {
     host.output("rustup", &["--version"])?;
     host.announce(&format!("installing {TARGET} with rustup: the boards' firmware is compiled for it"));
-    host.succeeds("rustup", &["target", "add", TARGET]).then(|| with_target(host, PAIRS[0])).flatten()
+    host.succeeds("rustup", &["target", "add", TARGET], Some(RUSTUP_PATIENCE))
+        .then(|| with_target(host, PAIRS[0]))
+        .flatten()
 }
 
 fn install_compiler(host: &dyn Host) -> Option<Compiler> {
@@ -179,7 +186,8 @@ fn install(host: &dyn Host, packages: &[&str], why: &str) -> bool {
         return false;
     }
     host.announce(&format!("installing {} with apt-get: {why}", packages.join(" ")));
-    let install = [&["install", "--yes", "--no-install-recommends"], packages].concat();
+    // Nothing that the user has installed makes way for ours.
+    let install = [&["install", "--yes", "--no-install-recommends", "--no-remove"], packages].concat();
     // Outdated lists are no reason not to try.
     privileged(host, prefix, &["update"]);
     privileged(host, prefix, &install)
@@ -187,7 +195,8 @@ fn install(host: &dyn Host, packages: &[&str], why: &str) -> bool {
 
 fn privileged(host: &dyn Host, prefix: &[&str], arguments: &[&str]) -> bool {
     let command = [prefix, &["apt-get"], arguments].concat();
-    host.succeeds(command[0], &command[1..])
+    // No limit: apt has its own for each server, and must not be stopped half-way through a package.
+    host.succeeds(command[0], &command[1..], None)
 }
 
 /// What to put before a command that only root may run; `None` when we may not.

@@ -20,16 +20,15 @@ pub use result::{Counts, Outcome, Spread, merge};
 
 use std::path::{Path, PathBuf};
 
-use tempfile::TempDir;
-
 use crate::artifact::Image;
+use crate::scratch::Scratch;
 use crate::setup;
 
 /// A run to be counted: from its preparation to its result.
 #[derive(Debug)]
 pub struct Counting {
     plugin: PathBuf,
-    folder: TempDir,
+    folder: Scratch,
 }
 
 impl Counting {
@@ -40,7 +39,7 @@ impl Counting {
     pub fn prepare(image: &Image, tracked: &[usize]) -> Result<Self, Error> {
         let plugin = plugin::build(&setup::emulator(&setup::ThisHost)?)?;
         let text = plan::plan(image, tracked)?;
-        let folder = tempfile::Builder::new().prefix("strainwave-counting-").tempdir()?;
+        let folder = Scratch::new("counting")?;
         std::fs::write(folder.path().join(PLAN), text)?;
         std::fs::create_dir(folder.path().join(RESULTS))?;
         Ok(Self { plugin, folder })

@@ -92,7 +92,7 @@ impl Host for Played {
         self.answers.borrow().get(&[&[program], arguments].concat().join(" ")).cloned()
     }
 
-    fn succeeds(&self, program: &str, arguments: &[&str]) -> bool {
+    fn succeeds(&self, program: &str, arguments: &[&str], _: Option<Duration>) -> bool {
         let command = [&[program], arguments].concat().join(" ");
         self.log.borrow_mut().push(format!("run {command}"));
         let Some(effects) = self.effects.get(&command) else { return false };
@@ -113,8 +113,8 @@ impl Host for Played {
 
 const TARGET_FOLDER: &str = "/rustup/lib/rustlib/thumbv7em-none-eabihf/lib";
 const APT_COMPILER: &str =
-    "apt-get install --yes --no-install-recommends rustc-web cargo-web rust-web-src lld";
-const APT_EMULATOR: &str = "apt-get install --yes --no-install-recommends qemu-system-arm";
+    "apt-get install --yes --no-install-recommends --no-remove rustc-web cargo-web rust-web-src lld";
+const APT_EMULATOR: &str = "apt-get install --yes --no-install-recommends --no-remove qemu-system-arm";
 
 #[test]
 fn a_target_in_the_sysroot_needs_plain_cargo() {
