@@ -1,8 +1,8 @@
 //! The `strainwave` command, thin over the desktop and emulator libraries.
 //!
 //! Exit code 0 when every figure holds, 1 when one misses its bound, 2 when the command could not be
-//! carried out: then one line on the error stream says why, and nothing has been written. 130 when it was
-//! interrupted.
+//! carried out: then one line on the error stream says why, and nothing has been written. 128 + the signal
+//! when it was interrupted.
 
 mod budget;
 mod files;
