@@ -267,8 +267,9 @@ impl<R: Real> Compensator<R> {
             faults.contains(Faults::MOTOR_ENCODER_JUMP) || faults.contains(Faults::MOTOR_ENCODER_FROZEN);
         let wanted = if blind { R::ZERO } else { wanted };
         let limited = wanted.limit(self.limits.motor_torque);
-        state.limited = limited != wanted;
-        faults.raise_if(state.limited, Faults::TORQUE_LIMITED);
+        faults.raise_if(limited != wanted, Faults::TORQUE_LIMITED);
+        // The feedback's integral must not run while its torque does not reach the motor.
+        state.limited = blind || limited != wanted;
         limited
     }
 }

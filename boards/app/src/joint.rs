@@ -252,10 +252,10 @@ pub const JOINT: JointParams<f32> = JointParams {
         ],
     },
     feedback: FeedbackParams {
-        position_gain: 31.415926,
-        velocity_gain: 0.022619467,
-        integral_time: 0.05,
-        filter_corner: 1256.6371,
+        position_gain: 94.24778,
+        velocity_gain: 0.0678584,
+        integral_time: 0.02,
+        filter_corner: 3769.9111,
         torque_limit: 2.4,
     },
 };
