@@ -62,6 +62,11 @@ pub fn say(line: std::fmt::Arguments<'_>) {
     let _ = writeln!(io::stdout(), "{line}");
 }
 
+/// A line about what went wrong; without an error stream there is nobody to tell.
+pub fn complain(line: std::fmt::Arguments<'_>) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
 /// One row a figure.
 fn table(figures: &[Figure]) -> String {
     let mut table = Table::new();

@@ -1,5 +1,6 @@
 //! Ctrl-C, SIGTERM and SIGHUP: no emulator and no folder is left behind, and one line is printed.
 
+use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 
@@ -17,9 +18,10 @@ pub fn end_in_order() {
         // A program that has its own handler keeps it: the kernel still ends the emulators.
         let _ = ctrlc::try_set_handler(|| {
             ENDING.store(true, Ordering::SeqCst);
-            eprintln!("error: interrupted");
             process::kill_all();
             scratch::remove_all();
+            // Not `eprintln`: it panics when the terminal has gone, which is what SIGHUP tells.
+            let _ = writeln!(io::stderr(), "error: interrupted");
             std::process::exit(INTERRUPTED);
         });
     });
