@@ -7,8 +7,8 @@
 //!
 //! Torsion phi (rad), transmitted torque tau (N m). Hysteresis takes energy from every loop: the falling
 //! branch lies at the greater torsion, and the width is positive. Between two samples the torsion is taken
-//! to be linear in the torque. The first rise from rest is the virgin curve and no part of the loop: the branches
-//! judged are the last one that falls to the lower tip and the one that rises from it.
+//! to be linear in the torque. A branch leads from beyond half of one tip's torque to beyond half of the other's:
+//! the first rise from rest, which is the virgin curve, and the way back to rest are none.
 
 use strainwave::flexspline::stiffness_line::StiffnessLine;
 
@@ -31,15 +31,15 @@ pub struct TorqueLoop {
 }
 
 impl TorqueLoop {
-    /// The loop in a course of samples; `None` when the torque does not pass through zero on the way to its
-    /// minimum and again on the way back.
+    /// The loop in a course of samples; `None` when it lacks a falling or a rising branch.
     pub fn of(samples: &[Sample]) -> Option<Self> {
-        let lowest = (0..samples.len()).min_by(|a, b| samples[*a].torque.total_cmp(&samples[*b].torque))?;
-        let (before, after) = (&samples[..=lowest], &samples[lowest..]);
-        let falling = before.windows(2).filter_map(|pair| at_zero_torque(pair[1], pair[0])).next_back()?;
-        let rising = after.windows(2).find_map(|pair| at_zero_torque(pair[0], pair[1]))?;
-        let upper = after.iter().max_by(|a, b| a.torque.total_cmp(&b.torque))?;
-        Some(Self { width: falling - rising, lower: samples[lowest], upper: *upper })
+        let lower = *samples.iter().min_by(|a, b| a.torque.total_cmp(&b.torque))?;
+        let upper = *samples.iter().max_by(|a, b| a.torque.total_cmp(&b.torque))?;
+        let mut branches = Branches::default();
+        for pair in samples.windows(2) {
+            branches.follow(pair[0], pair[1], lower.torque / 2.0, upper.torque / 2.0);
+        }
+        Some(Self { width: branches.falling? - branches.rising?, lower, upper })
     }
 
     /// Stiffness from tip to tip (N m/rad).
@@ -54,11 +54,40 @@ impl TorqueLoop {
     }
 }
 
-/// The torsion where the torque passes through zero, from negative to not negative.
-fn at_zero_torque(negative: Sample, other: Sample) -> Option<f64> {
-    let crosses = negative.torque < 0.0 && other.torque >= 0.0;
-    let share = negative.torque / (negative.torque - other.torque);
-    crosses.then_some(negative.torsion + share * (other.torsion - negative.torsion))
+/// A course of samples, branch by branch.
+#[derive(Default)]
+struct Branches {
+    /// The sign of the tip that was left last.
+    from: Option<f64>,
+    /// Torsion at the last passage through zero torque.
+    crossing: Option<f64>,
+    /// The same of the last falling branch that is complete.
+    falling: Option<f64>,
+    /// The same of the last rising one.
+    rising: Option<f64>,
+}
+
+impl Branches {
+    /// The next sample: beyond `low` or `high` (N m) a branch is complete.
+    fn follow(&mut self, before: Sample, now: Sample, low: f64, high: f64) {
+        self.crossing = at_zero_torque(before, now).or(self.crossing);
+        if low < now.torque && now.torque < high {
+            return;
+        }
+        let tip = now.torque.signum();
+        match self.from.replace(tip) {
+            Some(from) if from > tip => self.falling = self.crossing,
+            Some(from) if from < tip => self.rising = self.crossing,
+            _ => {}
+        }
+    }
+}
+
+/// The torsion where the torque passes through zero between two samples.
+fn at_zero_torque(before: Sample, now: Sample) -> Option<f64> {
+    let crosses = (before.torque < 0.0) != (now.torque < 0.0);
+    let share = before.torque / (before.torque - now.torque);
+    crosses.then_some(before.torsion + share * (now.torsion - before.torsion))
 }
 
 #[cfg(test)]
@@ -88,12 +117,17 @@ mod tests {
     #[test]
     fn width_and_chord_of_a_known_loop_are_found_between_its_samples() {
         // An odd number of steps: no sample stands at zero torque.
-        let found = TorqueLoop::of(&course(1001)).unwrap();
-        assert!((found.width - WIDTH).abs() < 1e-5 * WIDTH, "{}", found.width);
+        let course = course(1001);
         let line = LINE.build().unwrap();
         let chord = TIP / line.torsion(TIP);
-        for stiffness in [found.chord_stiffness(), found.chord_stiffness_of(&line)] {
-            assert!((stiffness - chord).abs() < 1e-9 * chord, "{stiffness}");
+        // Whichever way it sets out.
+        let mirrored = course.iter().map(|s| Sample { torsion: -s.torsion, torque: -s.torque }).collect();
+        for course in [course, mirrored] {
+            let found = TorqueLoop::of(&course).unwrap();
+            assert!((found.width - WIDTH).abs() < 1e-5 * WIDTH, "{}", found.width);
+            for stiffness in [found.chord_stiffness(), found.chord_stiffness_of(&line)] {
+                assert!((stiffness - chord).abs() < 1e-9 * chord, "{stiffness}");
+            }
         }
     }
 
