@@ -124,6 +124,16 @@ mod tests {
     }
 
     #[test]
+    fn one_missed_bound_is_enough() {
+        let published = |figures| Report::silent(figures, &ReportArguments { json: None }).publish().unwrap();
+        let (kept, missed) = (Figure::bounded("a", 1.0, "1", 1.0), Figure::bounded("b", 1.1, "1", 1.0));
+        let not_measured = Figure::bounded("c", f64::NAN, "1", 1.0);
+        assert!(published(vec![kept.clone(), Figure::reported("d", 9.0, "1")]));
+        assert!(!published(vec![kept.clone(), missed]));
+        assert!(!published(vec![not_measured, kept]));
+    }
+
+    #[test]
     fn the_table_lines_up() {
         let figures = [
             Figure::bounded("a.long.name", 0.5, "rad", 0.25),
