@@ -10,7 +10,7 @@
 //! let torsion: Vec<f64> = time.iter().map(|t| 1e-3 * (20.0 * t).sin()).collect();
 //! let panel = Panel::new("time", "s", "torsion", "rad").with(Series::line("model", &time, &torsion));
 //! let svg = Page::new("Wind-up").with(panel).to_svg();
-//! assert!(svg.starts_with("<svg") && svg.contains("torsion (rad)"));
+//! assert!(svg.starts_with("<svg") && svg.contains("torsion [rad]"));
 //! ```
 
 mod decimate;
