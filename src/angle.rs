@@ -4,15 +4,17 @@
 //! word the turns), plus the fraction of a count that has not yet become a whole one:
 //!
 //! ```text
-//! theta = (counts + rest) * 2*pi/2^32,   -1 <= rest <= 1      1 count = 1.46e-9 rad
+//! theta = (counts + rest) * 2*pi/2^32      1 count = 1.46e-9 rad
 //! ```
+//!
+//! After [`Angle::plus`] |rest| <= 1. The exact operations leave what theirs add up to, a few counts.
 //!
 //! so a difference of two angles is as exact after 10^6 turns as after none, in f32 too. Counts
 //! wrap after 2^31 turns (248 days at 100 turns a second); differences stay right across the wrap.
 //!
 //! The signed ratio r = 1/n is applied as a 64-bit binary fraction. After 10^6
 //! wave-generator turns (2^52 counts) its rounding is below 2^-12 counts.
-//! Turning back, n is an integer and nothing is rounded.
+//! Turning back, n is an integer: no count is rounded, only the fraction of one.
 
 use crate::error::{Error, require};
 use crate::real::{RADIANS_PER_COUNT, Real};
@@ -39,7 +41,7 @@ impl<R: Real> Angle<R> {
         Self::default().plus(angle)
     }
 
-    /// The fraction numerator/denominator of a turn.
+    /// The fraction numerator/denominator of a turn; the denominator is not 0. For `build` only.
     pub fn from_turn_fraction(numerator: i32, denominator: i32) -> Self {
         let (numerator, denominator) = (i64::from(numerator) << 32, i64::from(denominator));
         let rest = R::from_i32((numerator % denominator) as i32) / R::from_i32(denominator as i32);
@@ -60,7 +62,7 @@ impl<R: Real> Angle<R> {
         self.counts as u32
     }
 
-    /// `self + delta` (rad); a `delta` beyond half a turn saturates there, NaN counts as 0.
+    /// `self + delta` (rad); a `delta` beyond half a turn saturates there, NaN moves by a few counts at most.
     #[inline]
     #[must_use]
     pub fn plus(self, delta: R) -> Self {
@@ -238,6 +240,8 @@ mod tests {
         fn any_input_is_total(counts: i64, bits: u32) {
             let angle = Angle::<f32>::from_counts(counts).plus(f32::from_bits(bits));
             prop_assert!(angle.rest.abs() <= 1.0);
+            let not_a_number = angle.plus(f32::NAN);
+            prop_assert!(not_a_number.counts == angle.counts && not_a_number.rest.abs() <= 1.0);
             prop_assert!(angle.minus(Angle::default()).is_finite());
         }
     }

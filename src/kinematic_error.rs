@@ -13,8 +13,8 @@
 //! de/dtheta without unit. Memoryless.
 //!
 //! Precision: theta and r*theta are integer phases, so an order times a phase wraps exactly and
-//! e does not lose accuracy over any number of turns; the fraction of a count that a phase leaves
-//! out is below 1.5e-9 rad of theta.
+//! e does not lose accuracy over any number of turns; the fractions of a count that the phases leave
+//! out are below 5e-9 rad of theta.
 //!
 //! F. Ghorbel, P. Gandhi, F. Alpeter, "On the kinematic error in harmonic drive gears", Journal of
 //! Mechanical Design 123 (2001).

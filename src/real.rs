@@ -6,7 +6,9 @@
 //!
 //! This file holds every square root, exponential and trigonometric call of the library. The f64
 //! functions are libm's. The f32 functions of the control step are polynomials of our own, because
-//! libm's `sinf` reduces its argument in f64, which a Cortex-M4F only has in software:
+//! libm's `sinf` reduces its argument in f64, which a Cortex-M4F only has in software. micromath's,
+//! which do without, are off by 1.1e-3 (sine), 2.4e-3 (e^-x) and 2.9e-2 (1 - e^-x from 1e-6 on), too much
+//! for torsion and presliding (measured in `host-tests/tests/elementary_functions.rs`):
 //!
 //! | function | range | max error, f32 |
 //! | --- | --- | --- |
@@ -18,11 +20,11 @@ use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// Largest absolute error of the f32 [`Real::sin_cos_phase`].
-pub const SIN_COS_ERROR: f64 = 1.2e-7;
+pub const SIN_COS_ERROR: f64 = 1.25e-7;
 /// Largest relative error of the f32 [`Real::exp_neg`] where its result is a normal number.
-pub const EXP_NEG_ERROR: f64 = 4.0e-7;
+pub const EXP_NEG_ERROR: f64 = 1.1e-7;
 /// Largest relative error of the f32 [`Real::one_minus_exp_neg`].
-pub const ONE_MINUS_EXP_NEG_ERROR: f64 = 6.0e-7;
+pub const ONE_MINUS_EXP_NEG_ERROR: f64 = 1.4e-7;
 
 /// Radians in one count of a phase of 2^32 counts a turn.
 pub const RADIANS_PER_COUNT: f64 = core::f64::consts::TAU / 4_294_967_296.0;
@@ -245,15 +247,15 @@ mod tests {
 
     #[test]
     fn f32_sine_and_cosine_stay_within_their_stated_error() {
-        let worst = (0..1 << 20)
+        let worst = (0..1 << 22)
             .map(|k: u32| {
-                let phase = k.wrapping_mul(4099);
+                let phase = k.wrapping_mul(1021);
                 let (s, c) = f32::sin_cos_phase(phase);
                 let (exact_s, exact_c) = f64::sin_cos_phase(phase);
                 (f64::from(s) - exact_s).abs().max((f64::from(c) - exact_c).abs())
             })
             .fold(0.0, f64::max);
-        assert!(worst <= SIN_COS_ERROR && worst > 0.1 * SIN_COS_ERROR, "{worst:e}");
+        assert!(worst <= SIN_COS_ERROR && worst > 0.9 * SIN_COS_ERROR, "{worst:e}");
     }
 
     fn worst_relative(f: fn(f32) -> f32, exact: fn(f64) -> f64, top: f32) -> f64 {
@@ -269,9 +271,9 @@ mod tests {
     #[test]
     fn f32_exponentials_stay_within_their_stated_error() {
         let worst = worst_relative(Real::exp_neg, Real::exp_neg, 87.0);
-        assert!(worst <= EXP_NEG_ERROR && worst > 0.1 * EXP_NEG_ERROR, "{worst:e}");
+        assert!(worst <= EXP_NEG_ERROR && worst > 0.7 * EXP_NEG_ERROR, "{worst:e}");
         let worst = worst_relative(Real::one_minus_exp_neg, Real::one_minus_exp_neg, 100.0);
-        assert!(worst <= ONE_MINUS_EXP_NEG_ERROR && worst > 0.1 * ONE_MINUS_EXP_NEG_ERROR, "{worst:e}");
+        assert!(worst <= ONE_MINUS_EXP_NEG_ERROR && worst > 0.7 * ONE_MINUS_EXP_NEG_ERROR, "{worst:e}");
     }
 
     #[test]

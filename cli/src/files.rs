@@ -30,8 +30,18 @@ pub fn require_writable(path: Option<&Path>) -> Result<(), BadInput> {
     path.map_or(Ok(()), file::require_writable)
 }
 
-/// Makes a folder that results go to, unless it is there.
+/// Refuses a folder for results in which none could be written. Makes nothing yet.
 pub fn require_folder(path: &Path) -> Result<(), BadInput> {
+    let to_be_made = |part: &&Path| !part.as_os_str().is_empty() && !part.exists();
+    match path.ancestors().take_while(to_be_made).last() {
+        Some(missing) => file::require_writable(missing),
+        None if path.is_dir() => file::require_writable(&path.join("result")),
+        None => Err(BadInput::new(path, "is a file; a folder is needed")),
+    }
+}
+
+/// Makes a folder that results go to, unless it is there.
+pub fn make_folder(path: &Path) -> Result<(), BadInput> {
     std::fs::create_dir_all(path)
         .map_err(|error| BadInput::new(path, format_args!("cannot be made: {error}")))
 }
@@ -39,6 +49,21 @@ pub fn require_folder(path: &Path) -> Result<(), BadInput> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_folder_is_checked_before_it_is_made() {
+        let root = tempfile::tempdir().unwrap();
+        std::fs::write(root.path().join("file"), "").unwrap();
+        let check = |name: &str| require_folder(&root.path().join(name)).map_err(|error| error.to_string());
+        assert!(check("").is_ok() && check("new").is_ok() && check("new/below").is_ok());
+        assert!(!root.path().join("new").exists());
+        assert!(check("file").unwrap_err().ends_with("file: is a file; a folder is needed"));
+        assert!(
+            check("file/below").unwrap_err().contains("file/below: cannot be written: there is no folder")
+        );
+        make_folder(&root.path().join("new/below")).unwrap();
+        assert!(check("new/below").is_ok());
+    }
 
     #[test]
     fn one_file_by_two_names_is_refused() {

@@ -21,7 +21,7 @@ use clap::{Parser, Subcommand};
 use strainwave_desktop::BadInput;
 use strainwave_emulator::interrupt;
 
-use crate::report::Report;
+use crate::report::{Report, complain};
 
 /// A figure misses its bound.
 const MISSED: u8 = 1;
@@ -67,7 +67,7 @@ fn main() -> ExitCode {
         Ok(Ok(false)) => ExitCode::from(MISSED),
         Ok(Err(error)) => {
             interrupt::hold_if_ending();
-            eprintln!("error: {error}");
+            complain(format_args!("error: {error}"));
             ExitCode::from(REFUSED)
         }
         // The hook has said what and where.
@@ -82,5 +82,6 @@ fn internal_error(panic: &PanicHookInfo) {
     let literal = payload.downcast_ref::<&str>().copied();
     let message =
         literal.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message");
-    eprintln!("{}", BadInput::message(format_args!("error: internal: {message}{place}")));
+    let line = BadInput::message(format_args!("error: internal: {message}{place}"));
+    complain(format_args!("{line}"));
 }

@@ -20,7 +20,8 @@ use crate::report::{Report, ReportArguments, say};
 /// Builds the firmware for the joint of the gear file, boots it, and closes the loop every 0.1 ms: sensors
 /// in, torque command out. The same scenario runs with two baselines: B0 is the motor-side cascade
 /// alone, B1 adds a rigid joint's feed-forward. Every output of the firmware is compared bit for bit with the
-/// host's f32 build. With --replay a measured log goes through the firmware's observer instead, and the
+/// host's f32 build, and the instructions (exact) and cycles (a model of a Cortex-M4F with zero wait states,
+/// not silicon) of the control step are counted. With --replay a measured log goes through the firmware's observer instead, and the
 /// output that it predicts is compared with the output encoder. Gets the cross compiler and the emulator
 /// when they are missing, and says so first.
 #[derive(Args)]
@@ -69,15 +70,24 @@ pub fn run(arguments: &Arguments) -> Result<Report, BadInput> {
         ("--json", json),
     ])?;
     let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
-    let log = arguments.replay.as_deref().map(MeasuredLog::read).transpose()?;
+    let log = arguments.replay.as_deref().map(replayable).transpose()?;
     files::require_writable(json)?;
     files::require_folder(&arguments.plots)?;
-    let firmware = pil::build(&arguments.board, &gear).map_err(BadInput::message)?;
+    let firmware = pil::prepare(&arguments.board, &gear).map_err(BadInput::message)?;
     let figures = match &log {
         Some(log) => replay(arguments, &firmware.elf, &gear, log)?,
         None => scenarios(arguments, &firmware.elf, &gear)?,
     };
     Ok(Report::new(figures, &arguments.report))
+}
+
+/// A log that has what a replay compares with.
+fn replayable(path: &Path) -> Result<MeasuredLog, BadInput> {
+    let log = MeasuredLog::read(path)?;
+    if log.output_position.is_none() {
+        return Err(BadInput::new(path, "column theta_out_rad is missing; a replay compares with it"));
+    }
+    Ok(log)
 }
 
 fn scenarios(arguments: &Arguments, elf: &Path, gear: &GearFile) -> Result<Vec<Figure>, BadInput> {
@@ -89,20 +99,22 @@ fn scenarios(arguments: &Arguments, elf: &Path, gear: &GearFile) -> Result<Vec<F
     let mut figures = Vec::new();
     for scenario in &arguments.scenario.0 {
         let mut progress = Progress::new(1000, scenario.title());
-        let run =
-            pil::run(elf, &[], gear, *scenario, arguments.seed, |share| progress.set((share * 1e3) as u64))
-                .map_err(BadInput::message)?;
+        let run = pil::run(elf, gear, *scenario, arguments.seed, |share| progress.set((share * 1e3) as u64))
+            .map_err(BadInput::message)?;
         drop(progress);
         let path = arguments.plots.join(format!("pil.{}.svg", scenario.name()));
+        files::make_folder(&arguments.plots)?;
         pil_plots::scenario(&run, gear).write(&path)?;
         say(format_args!("{}: {}; plot {}", scenario.name(), scenario.title(), path.display()));
         figures.extend(scenario_figures(&run));
+        figures.extend(run.loop_figures().map_err(BadInput::message)?);
     }
     Ok(figures)
 }
 
 fn scenario_figures(run: &ScenarioRun) -> Vec<Figure> {
     let name = |rest: &str| format!("pil.{}.{rest}", run.scenario.name());
+    let (estimate, cost) = (&run.compensated.estimate, &run.control_step);
     vec![
         run.beside_baselines(),
         Figure::reported(name("b0.rms"), run.b0.rms, "rad"),
@@ -110,6 +122,10 @@ fn scenario_figures(run: &ScenarioRun) -> Vec<Figure> {
         Figure::reported(name("compensated.max"), run.compensated.max, "rad"),
         Figure::reported(name("b0.max"), run.b0.max, "rad"),
         Figure::reported(name("b1.max"), run.b1.max, "rad"),
+        Figure::reported(name("estimate.output.rms"), estimate.output, "rad"),
+        Figure::reported(name("estimate.external_torque.rms"), estimate.external_torque, "N m"),
+        Figure::reported(name("control_step.instructions_max"), cost.instructions.max as f64, "instruction"),
+        Figure::reported(name("control_step.cycles_max"), cost.cycles.max as f64, "cycle"),
         bounds::figure_as(name("power_balance"), "plant.power_balance", run.compensated.imbalance),
         Figure::reported(name("steps"), run.agreement.steps as f64, "1"),
         run.agreement.figure(name("steps_unlike_host")),
@@ -123,14 +139,11 @@ fn replay(
     gear: &GearFile,
     log: &MeasuredLog,
 ) -> Result<Vec<Figure>, BadInput> {
-    if log.output_position.is_none() {
-        let path = arguments.replay.as_deref().unwrap_or(Path::new("log"));
-        return Err(BadInput::new(path, "column theta_out_rad is missing; a replay compares with it"));
-    }
     let mut progress = Progress::new(1000, "replay");
-    let replay = pil::replay(elf, &[], gear, log, |share| progress.set((share * 1e3) as u64))
-        .map_err(BadInput::message)?;
+    let replay =
+        pil::replay(elf, gear, log, |share| progress.set((share * 1e3) as u64)).map_err(BadInput::message)?;
     drop(progress);
+    files::make_folder(&arguments.plots)?;
     let path = arguments.plots.join("pil.replay.svg");
     pil_plots::replay(&replay).write(&path)?;
     say(format_args!("replay through the observer; plot {}", path.display()));

@@ -62,6 +62,11 @@ pub fn say(line: std::fmt::Arguments<'_>) {
     let _ = writeln!(io::stdout(), "{line}");
 }
 
+/// A line about what went wrong; without an error stream there is nobody to tell.
+pub fn complain(line: std::fmt::Arguments<'_>) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
 /// One row a figure.
 fn table(figures: &[Figure]) -> String {
     let mut table = Table::new();
@@ -116,6 +121,16 @@ mod tests {
             (number(123.456), number(99_999.9), number(f64::NAN)),
             ("123.5".into(), "100000".into(), "NaN".into())
         );
+    }
+
+    #[test]
+    fn one_missed_bound_is_enough() {
+        let published = |figures| Report::silent(figures, &ReportArguments { json: None }).publish().unwrap();
+        let (kept, missed) = (Figure::bounded("a", 1.0, "1", 1.0), Figure::bounded("b", 1.1, "1", 1.0));
+        let not_measured = Figure::bounded("c", f64::NAN, "1", 1.0);
+        assert!(published(vec![kept.clone(), Figure::reported("d", 9.0, "1")]));
+        assert!(!published(vec![kept.clone(), missed]));
+        assert!(!published(vec![not_measured, kept]));
     }
 
     #[test]

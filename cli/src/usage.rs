@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 
 use crate::REFUSED;
+use crate::report::complain;
 
 /// Prints help and version as they are, and a mistake as one line.
 pub fn answer(error: &clap::Error) -> ExitCode {
@@ -15,11 +16,11 @@ pub fn answer(error: &clap::Error) -> ExitCode {
             ExitCode::SUCCESS
         }
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            eprintln!("error: no subcommand was given; `strainwave --help` lists them");
+            complain(format_args!("error: no subcommand was given; `strainwave --help` lists them"));
             ExitCode::from(REFUSED)
         }
         _ => {
-            eprintln!("{}", one_line(&error.to_string()));
+            complain(format_args!("{}", one_line(&error.to_string())));
             ExitCode::from(REFUSED)
         }
     }

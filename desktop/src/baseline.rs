@@ -81,3 +81,57 @@ impl Baseline {
             + (gear.input_friction.viscous * n + r * gear.output_friction.viscous) * velocity
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gear_file::Arrangement;
+
+    fn file(arrangement: Arrangement) -> GearFile {
+        let mut file = GearFile::default_gear();
+        file.gear.arrangement = arrangement;
+        file
+    }
+
+    /// At the motor's shaft the feed-forward supplies what inertia and friction take, at either sign of r.
+    #[test]
+    fn the_rigid_joints_torque_supplies_its_power() {
+        for arrangement in [Arrangement::CircularSplineFixed, Arrangement::FlexsplineFixed] {
+            let file = file(arrangement);
+            let (baseline, n) = (Baseline::b1(&file).unwrap(), f64::from(file.gear.signed_ratio().n()));
+            let (input, output) = (&file.friction.input, &file.friction.output);
+            for (velocity, acceleration) in [(0.3, 0.0), (-0.3, 0.0), (0.3, 5.0), (-0.3, 5.0)] {
+                let motor_velocity = n * velocity;
+                let kinetic = (file.inertia.wave_generator * n * n + file.inertia.flexspline) * acceleration;
+                let friction = input.coulomb * motor_velocity.abs()
+                    + input.viscous * motor_velocity.powi(2)
+                    + output.coulomb * f64::abs(velocity)
+                    + output.viscous * f64::powi(velocity, 2);
+                let supplied = baseline.rigid_body(velocity, acceleration) * motor_velocity;
+                let wanted = kinetic * velocity + friction;
+                assert!((supplied - wanted).abs() < 1e-12, "{supplied} W, wanted {wanted} W");
+            }
+        }
+    }
+
+    #[test]
+    fn b0_feeds_nothing_forward_and_b1_nothing_at_rest() {
+        let file = file(Arrangement::CircularSplineFixed);
+        assert_eq!(Baseline::b0(&file).unwrap().rigid_body(0.3, 5.0), 0.0);
+        assert_eq!(Baseline::b1(&file).unwrap().rigid_body(0.0, 0.0), 0.0);
+    }
+
+    /// The cascade turns the motor against the setpoint's sign when r is negative.
+    #[test]
+    fn the_motor_is_driven_to_where_the_output_should_be() {
+        for (arrangement, sign) in
+            [(Arrangement::CircularSplineFixed, -1.0), (Arrangement::FlexsplineFixed, 1.0)]
+        {
+            let mut baseline = Baseline::b0(&file(arrangement)).unwrap();
+            let mut input = Input::default();
+            input.setpoint.position = Angle::from_radians(1e-4);
+            let torque = baseline.step(&input);
+            assert!(torque * sign > 0.0, "{torque}");
+        }
+    }
+}

@@ -7,7 +7,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use strainwave::Error;
-use strainwave::compensator::{Compensator, Input, JointParams, Output, Sensors, Shares, State};
+use strainwave::compensator::{Compensator, Estimate, Input, JointParams, Output, Sensors, Shares, State};
 
 use crate::baseline::Baseline;
 use crate::draw::Draw;
@@ -101,8 +101,19 @@ pub struct Run {
     pub max: f64,
     /// Output error at the end of the run (rad).
     pub last: f64,
+    /// What the controller's estimates miss; of no meaning for one that estimates nothing.
+    pub estimate: EstimateErrors,
     /// Power balance of the plant: what is missing, as a share of the energy moved.
     pub imbalance: f64,
+}
+
+/// What the estimates of a controller miss over the judged part of a run, rms.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EstimateErrors {
+    /// Of the output angle (rad).
+    pub output: f64,
+    /// Of the external torque on the output (N m).
+    pub external_torque: f64,
 }
 
 /// The joint's sensors, with noise that repeats for the same seed.
@@ -168,7 +179,7 @@ where
     let mut plant = Plant::build(&Draw::from_seed(seed).apply(&gear_params(file)))?;
     let mut sensors = SensorModel::new(file, seed);
     let steps = (scenario.duration() / CONTROL_PERIOD).round() as usize;
-    let mut score = Score::default();
+    let mut judge = Judge::default();
     let mut trace = Vec::with_capacity(steps / TRACE_EVERY + 1);
     let mut torque = 0.0;
     for k in 0..steps {
@@ -178,7 +189,7 @@ where
         let input = Input { sensors, setpoint: demand.setpoint(), shares: all_shares(file) };
         let answer = controller.step(&input)?;
         if time >= scenario.judged_from() {
-            score.add(plant.output().angle.to_radians() - demand.position);
+            judge.add(plant.output().angle.to_radians(), &demand, &answer.estimate);
         }
         if k % TRACE_EVERY == 0 {
             trace.push(row(time, demand, &plant, answer));
@@ -192,7 +203,33 @@ where
             plant.step(torque, demand.load);
         }
     }
-    Ok(Run { trace, rms: score.rms(), max: score.max, last: score.last, imbalance: plant.imbalance() })
+    Ok(judge.run(trace, plant.imbalance()))
+}
+
+/// The scores of a run.
+#[derive(Default)]
+struct Judge {
+    output: Score,
+    estimated_output: Score,
+    estimated_external_torque: Score,
+}
+
+impl Judge {
+    /// Counts one control period: the true output angle (rad), what was asked and what was estimated.
+    fn add(&mut self, output: f64, demand: &Demand, estimate: &Estimate<f32>) {
+        self.output.add(output - demand.position);
+        self.estimated_output.add(estimate.output_position.to_radians() - output);
+        self.estimated_external_torque.add(f64::from(estimate.external_torque) - demand.load);
+    }
+
+    fn run(&self, trace: Vec<Row>, imbalance: f64) -> Run {
+        let Score { max, last, .. } = self.output;
+        let estimate = EstimateErrors {
+            output: self.estimated_output.rms(),
+            external_torque: self.estimated_external_torque.rms(),
+        };
+        Run { trace, rms: self.output.rms(), max, last, estimate, imbalance }
+    }
 }
 
 fn row(time: f64, demand: Demand, plant: &Plant, answer: Output<f32>) -> Row {

@@ -4,11 +4,11 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use strainwave::gear::GearParams;
 
-/// Largest deviation of friction, stiffness and load inertia.
+/// Largest relative deviation of the friction of either side.
 pub const FRICTION: f64 = 0.2;
-/// See [`FRICTION`].
+/// Largest relative deviation of K1, K2, K3, by one factor.
 pub const STIFFNESS: f64 = 0.1;
-/// See [`FRICTION`].
+/// Largest relative deviation of J_fs.
 pub const INERTIA: f64 = 0.3;
 
 /// Factors on the plant's parameters.
@@ -54,5 +54,52 @@ impl Draw {
         off.flexspline_inertia *= self.inertia;
         off.flexspline.inertia *= self.inertia;
         off
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gear_file::GearFile;
+    use crate::joint::gear_params;
+
+    fn factors(draw: &Draw) -> [(f64, f64); 4] {
+        let [input, output] = draw.friction;
+        [(input, FRICTION), (output, FRICTION), (draw.stiffness, STIFFNESS), (draw.inertia, INERTIA)]
+    }
+
+    #[test]
+    fn draws_fill_their_box_and_stay_inside() {
+        let draws: Vec<_> = (1..=500).map(|seed| factors(&Draw::from_seed(seed))).collect();
+        for place in 0..4 {
+            let shares = draws.iter().map(|draw| (draw[place].0 - 1.0) / draw[place].1);
+            let (least, greatest) = shares.fold((0.0f64, 0.0f64), |(a, b), x| (a.min(x), b.max(x)));
+            assert!(-1.0 - 1e-12 <= least && least < -0.95, "{place}: {least}");
+            assert!(0.95 < greatest && greatest <= 1.0 + 1e-12, "{place}: {greatest}");
+        }
+    }
+
+    #[test]
+    fn a_seed_repeats_and_seed_0_is_nominal() {
+        assert_eq!(Draw::from_seed(7), Draw::from_seed(7));
+        assert_ne!(Draw::from_seed(7), Draw::from_seed(8));
+        let params = gear_params(&GearFile::default_gear());
+        assert_eq!(Draw::from_seed(0).apply(&params), params);
+    }
+
+    #[test]
+    fn each_factor_acts_on_its_own_parameters() {
+        let params: GearParams<f64> = gear_params(&GearFile::default_gear());
+        let draw = Draw { friction: [0.5, 2.0], stiffness: 3.0, inertia: 4.0 };
+        let mut wanted = params;
+        for (side, factor) in [(&mut wanted.input_friction, 0.5), (&mut wanted.output_friction, 2.0)] {
+            side.coulomb *= factor;
+            side.static_level *= factor;
+            side.viscous *= factor;
+        }
+        wanted.flexspline.line.stiffness = params.flexspline.line.stiffness.map(|k| 3.0 * k);
+        wanted.flexspline_inertia *= 4.0;
+        wanted.flexspline.inertia *= 4.0;
+        assert_eq!(draw.apply(&params), wanted);
     }
 }

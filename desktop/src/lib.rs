@@ -14,6 +14,7 @@ pub mod observer_design;
 pub mod plant;
 pub mod plot;
 pub mod scenario;
+pub mod torque_loop;
 pub mod two_port;
 pub mod verify;
 

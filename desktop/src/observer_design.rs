@@ -11,9 +11,9 @@
 //! of filter steps with every iteration.
 //!
 //! Noise: encoders by their resolution (q/sqrt(12)) plus 2 counts of jitter of a 19-bit encoder; motor
-//! torque and strain gauge by the gear file; what the model does not know: a fifth of the friction at
-//! the wave generator, renewed every control period, and an external torque that wanders by the
-//! rated torque in a second.
+//! torque and strain gauge by the gear file; what the model does not know: a fifth of the Coulomb friction
+//! of either side, renewed every control period, and an external torque that wanders by the rated torque
+//! in a second. Units: rad, rad/s, N m; signs as in [`strainwave::gear`].
 
 use nalgebra::{Matrix5, RowVector5};
 use strainwave::compensator::observer::{Correction, Gains};
@@ -22,7 +22,7 @@ use strainwave::{Error, Real};
 use crate::gear_file::GearFile;
 use crate::joint::CONTROL_PERIOD;
 
-/// Share of the wave generator's friction that the model does not know.
+/// Share of the Coulomb friction that the model does not know.
 const UNKNOWN_FRICTION: f64 = 0.2;
 /// Doublings: 2^40 filter steps, far beyond steady state.
 const DOUBLINGS: usize = 40;
@@ -139,4 +139,65 @@ fn riccati(mut a: Matrix5<f64>, mut g: Matrix5<f64>, mut h: Matrix5<f64>) -> Opt
         }
     }
     h.iter().all(|x| x.is_finite()).then_some(h)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every set of sensors, as [`gains`] combines them.
+    fn sensor_sets(file: &GearFile) -> Vec<Vec<Sensor>> {
+        let [motor, output, torque] = sensors(file);
+        vec![vec![motor], vec![motor, output], vec![motor, torque], vec![motor, output, torque]]
+    }
+
+    fn information(sensors: &[Sensor]) -> Matrix5<f64> {
+        sensors.iter().map(|s| s.row.transpose() * s.row / s.variance).sum()
+    }
+
+    /// Entries of X span 20 decades, so each is compared on the scale of its own two states.
+    #[test]
+    fn the_riccati_solution_satisfies_its_equation() {
+        let file = GearFile::default_gear();
+        let (a, h) = (transition(&file).transpose(), process_noise(&file));
+        for sensors in sensor_sets(&file) {
+            let g = information(&sensors);
+            let x = riccati(a, g, h).unwrap();
+            let again = a.transpose() * x * (Matrix5::identity() + g * x).try_inverse().unwrap() * a + h;
+            for row in 0..5 {
+                for column in 0..5 {
+                    let scale = (x[(row, row)] * x[(column, column)]).sqrt();
+                    let residual = (again - x)[(row, column)].abs() / scale;
+                    assert!(residual < 1e-6, "{residual:e} at {row}, {column}");
+                }
+            }
+            assert!(x.cholesky().is_some(), "a covariance is positive definite");
+        }
+    }
+
+    /// The error of the observer obeys e(k+1) = (1 - L C) A e(k).
+    #[test]
+    fn the_observer_forgets_its_errors() {
+        let file = GearFile::default_gear();
+        let all: [Gains<f64>; 4] = gains(&file).unwrap();
+        for (k, set) in all.iter().enumerate() {
+            let [motor, output, torque] = sensors(&file);
+            let correction = [(motor, set.motor), (output, set.output), (torque, set.torque)]
+                .into_iter()
+                .map(|(sensor, column)| nalgebra::Vector5::from(column) * sensor.row)
+                .sum::<Matrix5<f64>>();
+            let error = (Matrix5::identity() - correction) * transition(&file);
+            let slowest = error.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max);
+            // Within 0.1 s an error is below a thousandth.
+            assert!(slowest.powi(1000) < 1e-3, "set {k}: {slowest}");
+        }
+    }
+
+    /// Alone, the linearised gear forgets neither its angle nor the external torque.
+    #[test]
+    fn without_correction_nothing_is_forgotten() {
+        let a = transition(&GearFile::default_gear());
+        let slowest = a.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max);
+        assert!(slowest > 1.0 - 1e-6, "{slowest}");
+    }
 }

@@ -199,24 +199,76 @@ fn smooth(x: f64) -> (f64, f64, f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gear_file::GearFile;
 
-    /// Each derivative is the slope of the one before, everywhere but at the corners of S1 and S5.
+    /// Largest magnitude of a quantity over a scenario.
+    fn largest(scenario: Scenario, of: fn(&Demand) -> f64) -> f64 {
+        (0..=5000)
+            .map(|k| scenario.duration() * f64::from(k) / 5000.0)
+            .map(|time| of(&scenario.at(time, 67.0)).abs())
+            .fold(0.0, f64::max)
+    }
+
+    /// Each derivative is the slope of the one before.
     #[test]
     fn derivatives_are_consistent() {
+        type Of = fn(&Demand) -> f64;
+        let pairs: [(Of, Of); 3] = [
+            (|d| d.position, |d| d.velocity),
+            (|d| d.velocity, |d| d.acceleration),
+            (|d| d.acceleration, |d| d.jerk),
+        ];
         let h = 1e-6;
         for scenario in Scenario::ALL {
-            for k in 1..1000 {
-                let t = scenario.duration() * (f64::from(k) + 0.37) / 1001.0;
-                let [before, now, after] = [t - h, t, t + h].map(|t| scenario.at(t, 67.0));
-                let near =
-                    |a: f64, b: f64, c: f64, scale: f64| ((a - b) / (2.0 * h) - c).abs() < 1e-3 * scale;
-                let moving = [
-                    near(after.position, before.position, now.velocity, 1.0),
-                    near(after.velocity, before.velocity, now.acceleration, 100.0),
-                    near(after.acceleration, before.acceleration, now.jerk, 1e5),
-                ];
-                assert_eq!(moving, [true; 3], "{scenario:?} at {t}");
+            for (of, derivative) in pairs {
+                let scale = largest(scenario, derivative);
+                for k in 1..1000 {
+                    let t = scenario.duration() * (f64::from(k) + 0.37) / 1001.0;
+                    let [before, now, after] = [t - h, t, t + h].map(|t| scenario.at(t, 67.0));
+                    let slope = (of(&after) - of(&before)) / (2.0 * h);
+                    let error = (slope - derivative(&now)).abs();
+                    assert!(error <= 1e-4 * scale, "{scenario:?} at {t}: {error} of {scale}");
+                }
             }
+        }
+    }
+
+    /// The default joint can do what is asked: speed, torque through the gear and at the motor.
+    #[test]
+    fn the_default_joint_can_follow() {
+        let file = GearFile::default_gear();
+        let (n, inertia) = (f64::from(file.gear.ratio), &file.inertia);
+        for scenario in Scenario::ALL {
+            let speed = n * largest(scenario, |d| d.velocity);
+            assert!(speed < file.motor.rotor_speed_limit, "{scenario:?}: {speed} rad/s");
+            let acceleration = largest(scenario, |d| d.acceleration);
+            let friction = &file.friction.output;
+            let output = inertia.flexspline * acceleration
+                + largest(scenario, |d| d.load)
+                + friction.static_level
+                + friction.viscous * speed / n;
+            assert!(output < file.gear.peak_torque, "{scenario:?}: {output} N m");
+            let motor = inertia.wave_generator * n * acceleration
+                + file.friction.input.static_level
+                + file.friction.input.viscous * speed
+                + output / n;
+            assert!(motor < file.motor.peak_torque, "{scenario:?}: {motor} N m");
+        }
+    }
+
+    /// What each scenario is for: its title's numbers, and something to judge.
+    #[test]
+    fn scenarios_ask_what_their_titles_say() {
+        assert!((largest(Scenario::S1, |d| d.load) - 50.0).abs() < 1e-9);
+        assert!((largest(Scenario::S2, |d| d.position) - 0.05).abs() < 1e-6);
+        assert!((Scenario::S3.at(0.25, 67.0).position - 0.5).abs() < 1e-12);
+        assert!((Scenario::S4.at(1.0, 67.0).velocity - 0.1).abs() < 1e-12);
+        assert_eq!([0.29, 0.31].map(|time| Scenario::S5.at(time, 67.0).load), [0.0, 40.0]);
+        let loads = (0..=4000).map(|k| Scenario::S6.at(f64::from(k) * 1e-3, 67.0).load);
+        let (least, greatest) = loads.fold((0.0f64, 0.0f64), |(a, b), x| (a.min(x), b.max(x)));
+        assert!((least + 67.0).abs() < 1e-3 && (greatest - 67.0).abs() < 1e-3);
+        for scenario in Scenario::ALL {
+            assert!(scenario.judged_from() < scenario.duration());
         }
     }
 }

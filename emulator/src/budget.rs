@@ -154,7 +154,22 @@ impl Budget {
     }
 }
 
-/// The name of the control step among the blocks.
+/// The boards that can be run in the emulator.
+///
+/// # Errors
+/// As [`Budget::read`], and when the folder of the boards cannot be read.
+pub fn emulated_boards() -> Result<Vec<String>, Error> {
+    let folder = |source| Error::File { file: firmware::folder(), source };
+    let mut emulated = Vec::new();
+    for board in firmware::boards().map_err(folder)? {
+        if Budget::read(&board)?.emulated {
+            emulated.push(board);
+        }
+    }
+    Ok(emulated)
+}
+
+/// The name of the control step among the blocks, and its symbol in every image.
 pub const CONTROL_STEP: &str = "control_step";
 
 fn table<'d>(parent: &'d mut Table, key: &str) -> &'d mut Table {

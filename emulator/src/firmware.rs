@@ -79,7 +79,7 @@ pub fn boards() -> io::Result<Vec<String>> {
 /// # Errors
 /// [`Error::UnknownBoard`], [`Error::Joint`], [`Error::Setup`], or [`Error::Build`].
 pub fn build(board: &str, joint: Option<&Path>) -> Result<Firmware, Error> {
-    known(board)?;
+    require_known(board)?;
     let joint = joint.map(Joint::read).transpose()?;
     let compiler = setup::compiler(&setup::ThisHost)?;
     let target = folder().join("target");
@@ -103,7 +103,11 @@ pub fn build(board: &str, joint: Option<&Path>) -> Result<Firmware, Error> {
     Ok(Firmware { elf, compiler: compiler.version })
 }
 
-fn known(board: &str) -> Result<(), Error> {
+/// Refuses a name that no board has.
+///
+/// # Errors
+/// [`Error::UnknownBoard`].
+pub fn require_known(board: &str) -> Result<(), Error> {
     let boards = boards()?;
     if boards.iter().any(|known| known == board) {
         Ok(())

@@ -3,6 +3,7 @@
 //! A signal that whoever started us had ignored stays ignored: `nohup` means it, and so does a script
 //! that starts us in the background.
 
+use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 
@@ -30,9 +31,10 @@ pub fn end_in_order() {
 
 fn end(signal: i32) {
     ENDING.store(true, Ordering::SeqCst);
-    eprintln!("error: interrupted");
     process::kill_all();
     scratch::remove_all();
+    // Not `eprintln`: it panics when the terminal has gone, which is what SIGHUP tells.
+    let _ = writeln!(io::stderr(), "error: interrupted");
     std::process::exit(SHELL_OFFSET + signal);
 }
 

@@ -1,26 +1,68 @@
 //! Processor in the loop: a board's firmware against the reference plant, or against a measured log.
 
+use std::panic::resume_unwind;
 use std::path::Path;
+use std::thread::ScopedJoinHandle;
 
 use strainwave::Angle;
 use strainwave::compensator::{Input, Sensors, Setpoint, Shares};
+use strainwave::gear::GearParams;
 use strainwave_desktop::baseline::Baseline;
-use strainwave_desktop::closed_loop::{self, Controller, Run};
-use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params, source};
+use strainwave_desktop::closed_loop::{self, Controller, Row, Run};
+use strainwave_desktop::draw::Draw;
+use strainwave_desktop::joint::{CONTROL_PERIOD, gear_params, joint_params, source};
 use strainwave_desktop::log::MeasuredLog;
 use strainwave_desktop::plant::encoder_count;
 use strainwave_desktop::scenario::Scenario;
+use strainwave_desktop::torque_loop::{Sample, TorqueLoop};
 use strainwave_desktop::{Figure, GearFile};
 
+use crate::artifact::{self, Image};
+use crate::budget::{self, CONTROL_STEP};
+use crate::counting::{self, Counting, Counts};
 use crate::firmware::{self, Firmware};
 use crate::machine::{Ending, Machine};
 use crate::scratch::Scratch;
-use crate::target::{Agreement, Error, Target};
+use crate::setup;
+use crate::target::{self, Agreement, Target};
+
+/// Why a firmware could not be run.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The board is real only.
+    #[error("board {board}: the emulator has no such machine, the boards that it has are {}", emulated.join(", "))]
+    NotEmulated {
+        /// What was asked for.
+        board: String,
+        /// What there is.
+        emulated: Vec<String>,
+    },
+    /// No board of that name, or no image.
+    #[error(transparent)]
+    Firmware(#[from] firmware::Error),
+    /// No emulator.
+    #[error(transparent)]
+    Setup(#[from] setup::Error),
+    /// The budget file, which says whether a board is emulated.
+    #[error(transparent)]
+    Budget(#[from] budget::Error),
+    /// The run failed.
+    #[error(transparent)]
+    Run(#[from] target::Error),
+    /// The image cannot be read.
+    #[error(transparent)]
+    Image(#[from] artifact::Error),
+    /// The control step could not be counted.
+    #[error(transparent)]
+    Counting(#[from] counting::Error),
+}
 
 /// What came of one scenario.
 pub struct ScenarioRun {
     /// Which.
     pub scenario: Scenario,
+    /// The plant that it ran on.
+    pub plant: GearParams<f64>,
     /// The firmware's compensator.
     pub compensated: Run,
     /// B0, the cascade alone.
@@ -29,6 +71,8 @@ pub struct ScenarioRun {
     pub b1: Run,
     /// Target against host.
     pub agreement: Agreement,
+    /// Cost of the control step on the target.
+    pub control_step: Counts,
     /// The firmware's report.
     pub ending: Ending,
 }
@@ -42,6 +86,44 @@ impl ScenarioRun {
             _ => Figure::reported(name, self.compensated.rms, "rad"),
         }
     }
+
+    /// Width and stiffness of the loop of S6, each beside what the plant's parameters ask; of others none.
+    ///
+    /// # Errors
+    /// A plant whose stiffness line is none.
+    pub fn loop_figures(&self) -> Result<Vec<Figure>, strainwave::Error> {
+        let sample = |row: &Row| Sample { torsion: row.torsion, torque: row.transmitted };
+        let samples: Vec<_> = self.compensated.trace.iter().map(sample).collect();
+        let (Scenario::S6, Some(found)) = (self.scenario, TorqueLoop::of(&samples)) else {
+            return Ok(Vec::new());
+        };
+        let asked = found.chord_stiffness_of(&self.plant.flexspline.line.build()?);
+        Ok(vec![
+            Figure::reported("pil.s6.loop.width", found.width, "rad"),
+            Figure::reported("pil.s6.loop.width_asked", self.plant.hysteresis_width, "rad"),
+            Figure::reported("pil.s6.chord_stiffness", found.chord_stiffness(), "N m/rad"),
+            Figure::reported("pil.s6.chord_stiffness_asked", asked, "N m/rad"),
+        ])
+    }
+}
+
+/// Makes everything ready for runs of a board's firmware: the emulator, and the image for the joint of a gear
+/// file. A board that cannot be run is refused before anything is installed or built.
+///
+/// # Errors
+/// [`Error::Firmware`], [`Error::NotEmulated`], [`Error::Setup`].
+pub fn prepare(board: &str, file: &GearFile) -> Result<Firmware, Error> {
+    require_emulated(board)?;
+    setup::emulator(&setup::ThisHost)?;
+    Ok(build(board, file)?)
+}
+
+fn require_emulated(board: &str) -> Result<(), Error> {
+    firmware::require_known(board)?;
+    if budget::Budget::read(board)?.emulated {
+        return Ok(());
+    }
+    Err(Error::NotEmulated { board: board.into(), emulated: budget::emulated_boards()? })
 }
 
 /// Builds a board's firmware for the joint of a gear file.
@@ -56,13 +138,13 @@ pub fn build(board: &str, file: &GearFile) -> Result<Firmware, firmware::Error> 
     firmware::build(board, Some(&generated))
 }
 
-/// Runs a scenario on the plant of `seed`, the firmware and both baselines side by side.
+/// Runs a scenario on the plant of `seed`, the firmware and both baselines side by side, and counts what the
+/// control step costs on the target.
 ///
 /// # Errors
-/// When the machine fails, or a parameter is out of range.
+/// When the machine or the count fails, or a parameter is out of range.
 pub fn run(
     elf: &Path,
-    qemu_arguments: &[String],
     file: &GearFile,
     scenario: Scenario,
     seed: u64,
@@ -72,23 +154,28 @@ pub fn run(
         let baseline = |build: fn(&GearFile) -> Result<Baseline, strainwave::Error>| {
             scope.spawn(move || closed_loop::run(file, scenario, seed, &mut build(file)?, |_| ()))
         };
+        let image = Image::read(elf)?;
+        let counting = Counting::prepare(&image, &image.find(CONTROL_STEP)?)?;
         let (b0, b1) = (baseline(Baseline::b0), baseline(Baseline::b1));
         let (compensated, agreement, ending) =
-            compensated(elf, qemu_arguments, file, scenario, seed, progress)?;
+            compensated(elf, &counting.arguments(), file, scenario, seed, progress)?;
+        let control_step = counting.finish(&image)?.counts.into_iter().next().flatten();
         let (b0, b1) = (joined(b0)?, joined(b1)?);
-        Ok(ScenarioRun { scenario, compensated, b0, b1, agreement, ending })
+        let control_step = control_step.ok_or(counting::Error::NoResult)?;
+        let plant = Draw::from_seed(seed).apply(&gear_params(file));
+        Ok(ScenarioRun { scenario, plant, compensated, b0, b1, agreement, control_step, ending })
     })
 }
 
 /// What a thread came back with; its panic goes on here.
-fn joined<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
-    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+fn joined<T>(thread: ScopedJoinHandle<'_, Result<T, strainwave::Error>>) -> Result<T, target::Error> {
+    Ok(thread.join().unwrap_or_else(|panic| resume_unwind(panic))?)
 }
 
 /// Runs a scenario on the plant of `seed` with the firmware alone.
 ///
 /// # Errors
-/// As [`run`].
+/// When the machine fails, or a parameter is out of range.
 pub fn compensated(
     elf: &Path,
     qemu_arguments: &[String],
@@ -96,7 +183,7 @@ pub fn compensated(
     scenario: Scenario,
     seed: u64,
     progress: impl FnMut(f64),
-) -> Result<(Run, Agreement, Ending), Error> {
+) -> Result<(Run, Agreement, Ending), target::Error> {
     let mut target = Target::new(Machine::boot(elf, qemu_arguments)?, &joint_params(file)?)?;
     let run = closed_loop::run(file, scenario, seed, &mut target, progress)?;
     let agreement = target.agreement();
@@ -136,12 +223,11 @@ pub struct Replay {
 /// When the machine fails, or a parameter is out of range.
 pub fn replay(
     elf: &Path,
-    qemu_arguments: &[String],
     file: &GearFile,
     log: &MeasuredLog,
     mut progress: impl FnMut(f64),
-) -> Result<Replay, Error> {
-    let mut target = Target::new(Machine::boot(elf, qemu_arguments)?, &joint_params(file)?)?;
+) -> Result<Replay, target::Error> {
+    let mut target = Target::new(Machine::boot(elf, &[])?, &joint_params(file)?)?;
     let ratio = file.gear.signed_ratio();
     let instants = log.time.resampled(CONTROL_PERIOD);
     let count = instants.len() as f64;

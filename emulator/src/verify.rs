@@ -24,7 +24,10 @@ pub enum Error {
     Firmware(#[from] firmware::Error),
     /// A run that failed.
     #[error(transparent)]
-    Run(#[from] target::Error),
+    Run(#[from] pil::Error),
+    /// The same without baselines.
+    #[error(transparent)]
+    Target(#[from] target::Error),
     /// An image that cannot be judged.
     #[error(transparent)]
     Budget(#[from] budget::Error),
@@ -70,7 +73,7 @@ fn scenarios(mut progress: impl FnMut(f64)) -> Result<Vec<Figure>, Error> {
         let name = |rest: &str| format!("pil.{}.{rest}", scenario.name());
         let mut part = |share: f64| progress((done as f64 + share) / Scenario::ALL.len() as f64);
         let (run, agreement) = if scenario == Scenario::S2 {
-            let run = pil::run(&elf, &[], &gear, scenario, SEED, &mut part)?;
+            let run = pil::run(&elf, &gear, scenario, SEED, &mut part)?;
             figures.push(run.beside_baselines());
             (run.compensated, run.agreement)
         } else {
@@ -87,7 +90,7 @@ fn scenarios(mut progress: impl FnMut(f64)) -> Result<Vec<Figure>, Error> {
 fn replay(log: &MeasuredLog) -> Result<Vec<Figure>, Error> {
     let gear = GearFile::parse("gears/lara8-j5.toml".as_ref(), gear_file::LARA8_J5.as_bytes())?;
     let elf = pil::build(BOARD, &gear)?.elf;
-    let replay = pil::replay(&elf, &[], &gear, log, |_| ())?;
+    let replay = pil::replay(&elf, &gear, log, |_| ())?;
     Ok(vec![
         bounds::figure("pil.replay.size_17.rms", replay.rms),
         Figure::reported("pil.replay.size_17.rigid.rms", replay.rigid_rms, "rad"),

@@ -39,6 +39,8 @@ pub struct EncoderState {
 const MOST_REFUSED: u32 = 1 << 12;
 
 impl<R: Real> EncoderParams<R> {
+    /// Prepares the encoder for the control period dt (s).
+    ///
     /// # Errors
     /// [`Error::OutOfRange`] `encoder_bits` outside 10..=32, `speed_limit` unless positive and below a
     /// quarter turn per dt.

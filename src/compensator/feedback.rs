@@ -10,6 +10,8 @@
 //! differences and explicit Euler with the control period dt. The integral is limited to the motor's
 //! peak torque and stands still while the command is limited (conditional anti-windup).
 //!
+//! K. Astrom, T. Hagglund, "PID Controllers", 1995, section 3.5 (windup).
+//!
 //! Baselines and compensated runs share this cascade, so that what differs between them is the
 //! compensation alone.
 

@@ -1,9 +1,16 @@
-//! What stands between the outside and the control step: inputs are finite, bounded and smooth.
+//! What stands between the outside and the control step: its inputs are finite and bounded.
 //!
-//! A value that is not finite is replaced by its last finite one. The setpoint's derivatives are limited
-//! to what the joint can do: speed by the motor, acceleration by twice the motor's torque on the
-//! inertia of the whole joint, jerk by that acceleration within one control period. The shares are limited
-//! to 0..=1 and follow their command at 1 per 10 ms, so that switching one makes no step in the output.
+//! A value that is not finite is replaced by its last finite one; the setpoint's fraction of a count by 0.
+//! The setpoint's derivatives are limited to what the joint can do, and reported:
+//!
+//! ```text
+//! |dq| <= motor_speed/|n|,   |ddq| <= 2*motor_torque*|n|/(J_fs + n^2*J_wg),   |dddq| <= that/dt,   n = 1/r
+//! ```
+//!
+//! Measured torques are limited to twice the peak torque of motor and gear: a torque sensor that says
+//! more is off its range. The shares are limited to 0..=1 and follow their command at 1 per 10 ms, so that
+//! switching one makes no step in the output. The setpoint's position may be any angle; the feedback's
+//! answer to a jump of it ends at the motor's torque. Units: rad, N m, s; signs as in [`crate::gear`].
 
 use crate::compensator::faults::Faults;
 use crate::compensator::{Input, Limits, Sensors, Setpoint, Shares};

@@ -15,6 +15,8 @@ pub struct Limits<R> {
 }
 
 impl<R: Real> Limits<R> {
+    /// Every limit is finite and positive.
+    ///
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the limit that is not finite and positive.
     pub fn check(&self) -> Result<(), Error> {

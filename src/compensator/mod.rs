@@ -90,7 +90,8 @@ pub struct Input<R> {
     pub shares: Shares<R>,
 }
 
-/// What the observer believes.
+/// What the observer believes: motion and external torque at the end of the control period, torsion
+/// and torques at its beginning.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimate<R> {
     /// Output angle.
@@ -185,7 +186,7 @@ impl<R: Real> JointParams<R> {
             gear: self.gear.build(Reduced::build(&self.gear.flexspline)?, self.dt)?,
             guard: InputGuard::build(&self.gear, &self.limits, self.dt)?,
             motor_encoder: encoder(self.motor_encoder_bits, self.limits.motor_speed)?,
-            output_encoder: encoder(self.output_encoder_bits, self.limits.motor_speed)?,
+            output_encoder: encoder(self.output_encoder_bits, self.limits.output_speed(self.gear.ratio))?,
             frozen_encoder: FrozenEncoder::build(self.dt),
             observer: self.observer.build(&self.gear, &self.limits, self.dt)?,
             feed_forward: FeedForward::build(&self.gear)?,
@@ -247,11 +248,14 @@ impl<R: Real> Compensator<R> {
         let (motor, believed) = self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder);
         faults.raise_if(!believed, Faults::MOTOR_ENCODER_JUMP);
         let output = sensors.output_encoder.and_then(|raw| {
-            let (angle, believed) = self.output_encoder.step::<R>(&mut state.output_encoder, raw);
-            faults.raise_if(!believed, Faults::OUTPUT_ENCODER_JUMP);
-            // The two encoders are mounted at any angle to each other: the first reading is their zero.
-            let zero = *state.output_zero.get_or_insert_with(|| angle.less(self.gear.drive(motor)));
-            believed.then_some(angle.less(zero))
+            let (angle, output_believed) = self.output_encoder.step::<R>(&mut state.output_encoder, raw);
+            faults.raise_if(!output_believed, Faults::OUTPUT_ENCODER_JUMP);
+            // The two encoders are mounted at any angle to each other: the first readings that are both
+            // believed are their zero, with the torsion of that moment.
+            if state.output_zero.is_none() && believed && output_believed {
+                state.output_zero = Some(angle.less(self.gear.drive(motor)));
+            }
+            state.output_zero.filter(|_| output_believed).map(|zero| angle.less(zero))
         });
         Measurement {
             motor,

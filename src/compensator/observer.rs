@@ -2,20 +2,28 @@
 //!
 //! ```text
 //! state   theta_wg, omega_wg, theta_fs, omega_fs, d (external torque on the flexspline)
-//! predict omega_wg += dt*(tau_motor - tau_wg)/J_wg,              theta_wg += dt*omega_wg
+//! predict omega_wg += dt*(tau_motor - tau_res)/J_wg,             theta_wg += dt*omega_wg
 //!         omega_fs += dt*(tau_t - tau_fric_out + d)/J_fs,        theta_fs += dt*omega_fs
 //! correct state += l_m*(theta_m - theta_wg) + l_o*(theta_o - theta_fs) + l_t*(tau_s - tau_t)
 //! ```
 //!
-//! tau_wg, tau_t and the frictions come from [`crate::gear::Gear`], the two-port in its real-time build: the
-//! observer carries hysteresis, presliding and kinematic error along. theta_m, theta_o are the
-//! encoders, tau_s a strain gauge; each of the last two may be absent, at any step. The gains l are those of
+//! tau_res = tau_wg - J_wg*domega_wg, tau_t and the frictions come from [`crate::gear::Gear`], the two-port
+//! in its real-time build, at the motion before the prediction: the observer carries hysteresis,
+//! presliding and kinematic error along. Angles are compared after the prediction, where they are at the
+//! time of the reading; the gauge with a torque that is one control period older. theta_m, theta_o
+//! are the encoders, tau_s a strain gauge; each of the last two may be absent, at any step. The gains l are those of
 //! the steady-state Kalman filter of the linearised model, one set for each combination of sensors,
 //! computed off line. Units: rad, rad/s, N m.
 //!
-//! Discretisation: semi-implicit Euler, one step per control period. Bounds: speeds and external
-//! torque are limited to what the joint can do; a torsion beyond the gear's range starts the observer again
-//! at the motor's angle. Both are reported as faults.
+//! Discretisation: semi-implicit Euler, one step per control period.
+//!
+//! Bounds: speeds are limited to twice what the joint can do, the external torque to the gear's peak
+//! torque; a torsion beyond that of four times the peak torque starts the observer again at the motor's
+//! angle. Both are reported as faults. The reported torsion and transmitted torque end at those four times.
+//!
+//! H. Taghirad, P. Belanger, "Modeling and parameter identification of harmonic drive systems", Journal of
+//! Dynamic Systems, Measurement, and Control 120 (1998) for the two masses; R. Kalman, "A new approach to
+//! linear filtering and prediction problems", Journal of Basic Engineering 82 (1960).
 
 use crate::angle::Angle;
 use crate::compensator::faults::Faults;

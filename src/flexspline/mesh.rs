@@ -248,11 +248,6 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
         DIRECTIONS.iter().map(|(_, along)| N * (M - along)).sum()
     }
 
-    /// Torsional stiffness of the shell between rim and flange, without the contact (N m/rad).
-    pub fn shell_stiffness(&self, cup: &super::Cup<R>) -> R {
-        self.link_stiffness * unit_stiffness::<R, M>(cup, N)
-    }
-
     /// Lets the nodes settle with the ends held: `steps` steps, all motion stopped whenever the kinetic
     /// energy has peaked (dynamic relaxation with kinetic damping, P. Cundall, 1976).
     pub fn relax(&self, state: &mut MeshState<R, N, M>, ends: &Ends<R>, steps: usize) {

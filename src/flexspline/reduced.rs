@@ -15,7 +15,7 @@
 //! squared, `c_piece = c_contact*(K_piece/K_contact,piece)^2`.
 //!
 //! Torque in N m, torsion in rad, positive when the drive is ahead of the flange. No state. What is
-//! neglected: the inertia of the shell (1e-5 of J_fs), the time constants of the shell (4 us) and of
+//! neglected: the inertia of the shell (2e-5 of J_fs), the time constants of the shell (4 us) and of
 //! the dashpot against the shell (c/K_shell, below 0.1 ms).
 
 use crate::error::Error;

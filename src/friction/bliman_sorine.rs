@@ -135,14 +135,6 @@ impl<R: Real, const P: usize> BlimanSorine<R, P> {
             *force += (path * rate).one_minus_exp_neg() * (target - *force);
         }
     }
-
-    /// dF/dx of a further motion along `direction` (-1 or 1) (N/m) or (N m/rad); 0 gives the mean
-    /// of the two directions.
-    #[inline]
-    pub fn slope(&self, state: &BlimanSorineState<R, P>, direction: R) -> R {
-        let terms = state.forces.iter().zip(&self.levels).zip(&self.rates);
-        terms.fold(R::ZERO, |sum, ((&force, &level), &rate)| sum + (level - force * direction) * rate)
-    }
 }
 
 #[cfg(test)]
@@ -277,21 +269,6 @@ mod tests {
             let k4 = slope(dahl + d * k3);
             dahl += d / 6.0 * (k1 + 2.0 * (k2 + k3) + k4);
             assert!((model.step(&mut state, d).unwrap() - dahl).abs() < 1e-10);
-        }
-    }
-
-    #[test]
-    fn the_slope_is_the_derivative_along_the_direction() {
-        let model = order_2();
-        let mut state = BlimanSorineState::default();
-        for &d in &[0.003, -0.001, 0.0004, 0.01, -0.02] {
-            model.step(&mut state, d);
-            for direction in [-1.0, 1.0] {
-                let (h, mut moved) = (1e-9, state);
-                let after = model.step(&mut moved, direction * h).unwrap();
-                let difference = (after - state.force()) / (direction * h);
-                assert!((difference / model.slope(&state, direction) - 1.0).abs() < 1e-5);
-            }
         }
     }
 

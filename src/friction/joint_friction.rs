@@ -97,14 +97,12 @@ impl<R: Real> JointFrictionParams<R> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointFrictionState<R> {
     presliding: BlimanSorineState<R, 2>,
-    /// g(v) of the last step; 0 before the first.
-    level: R,
     force: R,
 }
 
 impl<R: Real> Default for JointFrictionState<R> {
     fn default() -> Self {
-        Self { presliding: BlimanSorineState::default(), level: R::ZERO, force: R::ZERO }
+        Self { presliding: BlimanSorineState::default(), force: R::ZERO }
     }
 }
 
@@ -152,14 +150,6 @@ impl<R: Real> JointFriction<R> {
         self.advance(state, displacement, velocity)
     }
 
-    /// dF/dx of presliding (N m/rad) for a further motion along the sign of `velocity`, at the
-    /// level of the last step; at zero velocity the mean of both directions. Without the slopes of
-    /// g and of the viscous part, which are over the velocity.
-    #[inline]
-    pub fn presliding_slope(&self, state: &JointFrictionState<R>, velocity: R) -> R {
-        state.level * self.presliding.slope(&state.presliding, velocity.sign())
-    }
-
     /// g(v) (N m).
     #[inline]
     pub fn level(&self, velocity: R) -> R {
@@ -175,8 +165,7 @@ impl<R: Real> JointFriction<R> {
             return Friction { force: state.force, held: true };
         }
         self.presliding.slide(&mut state.presliding, displacement);
-        state.level = self.contact.level(velocity);
-        state.force = state.level * state.normalised() + viscous;
+        state.force = self.contact.level(velocity) * state.normalised() + viscous;
         Friction { force: state.force, held: false }
     }
 }
@@ -354,21 +343,6 @@ mod tests {
         for velocity in [1.0, -3.0, 0.0, 20.0] {
             let step = model.step(&mut a, velocity);
             assert_eq!(step, model.step_displacement(&mut b, velocity * STEP, velocity));
-        }
-    }
-
-    #[test]
-    fn the_presliding_slope_is_the_derivative_of_the_torque() {
-        let params = JointFrictionParams { viscous: 0.0, ..wave_generator(Order::Two) };
-        let model = params.build(STEP).unwrap();
-        let mut state = JointFrictionState::default();
-        for velocity in [3.0, -1.0, 0.5, -40.0] {
-            model.step(&mut state, velocity);
-            let mut moved = state;
-            let displacement = 1e-9 * velocity.signum();
-            let force = model.step_displacement(&mut moved, displacement, velocity).force;
-            let difference = (force - state.torque()) / displacement;
-            assert!((difference / model.presliding_slope(&state, velocity) - 1.0).abs() < 1e-5);
         }
     }
 

@@ -19,7 +19,7 @@ pub trait Board {
     fn output(&mut self, output: &Output<f32>);
     /// Takes the torque off the motor: there is no input to control it with.
     fn release(&mut self);
-    /// Tells the watchdog that this period was completed.
+    /// Tells the watchdog that this period was completed: the command is out, or the motor released.
     fn feed_watchdog(&mut self);
     /// Whether the next period has already begun.
     fn overran(&mut self) -> bool;

@@ -2,8 +2,8 @@
 //!
 //! Fields in the order of their declaration, little-endian, no padding; f32 as its raw bits, so
 //! that NaNs and signed zeros survive; a set of faults as its bits, of which those without a name are
-//! ignored; an `Option` as a flag byte
-//! (0 absent, 1 present) followed by the value, which is sent as zero and ignored when absent.
+//! ignored; an `Option` as a flag byte (0 absent, 1 present) followed by the value, which is sent as zero and
+//! ignored when absent.
 //! Any other flag byte makes the whole frame invalid: the two sides do not speak the same frame.
 
 use strainwave::Angle;

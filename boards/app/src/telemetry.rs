@@ -7,7 +7,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use heapless::spsc::{Consumer, Producer, Queue};
 use strainwave::compensator::{Input, Output};
 
-/// Records that the queue holds before it drops: 3.1 ms of control.
+/// Records that the queue holds before it drops: 3.1 ms of control when every period is reported.
 pub const CAPACITY: usize = SLOTS - 1;
 /// One slot of a ring stays empty.
 const SLOTS: usize = 32;

@@ -66,7 +66,7 @@ impl Board {
 }
 
 impl strainwave_app::Board for Board {
-    // 1000 reports a second fit through the USART three times over.
+    // 1000 reports a second, of 40 bytes at most, fit through the USART twice over.
     const REPORT_EVERY: u32 = 10;
 
     fn input(&mut self) -> Option<Input<f32>> {

@@ -1,6 +1,6 @@
 //! Bad input through the real command: exit code 2, one line that names the thing, nothing written.
 
-use crate::bench::{Bench, GEAR, INPUT};
+use crate::bench::{Bench, GEAR, INPUT, LOG};
 
 const SIM: &str = "sim --gear g.toml --input in.csv --output out.csv --json out.json";
 
@@ -108,6 +108,7 @@ fn bad_inputs_are_refused_by_row_and_column() {
 fn files_that_cannot_be_read_or_written_are_named() {
     let bench = Bench::new();
     std::fs::create_dir(bench.path("folder")).unwrap();
+    bench.write("log.csv", LOG);
     for (words, wanted) in [
         (SIM.replace("g.toml", "none.toml"), "none.toml: cannot be read: No such file"),
         (SIM.replace("g.toml", "folder"), "folder: cannot be read: it is a folder"),
@@ -123,10 +124,75 @@ fn files_that_cannot_be_read_or_written_are_named() {
         ("pil --gear g.toml --replay none.csv".into(), "none.csv: cannot be read: No such file"),
         ("pil --gear g.toml --replay in.csv".into(), "in.csv: row 1, column \"theta_wg_rad\": unknown"),
         ("pil --json none/out.json".into(), "none/out.json: cannot be written: there is no folder none"),
+        (
+            "pil --gear g.toml --replay log.csv --json none/out.json".into(),
+            "none/out.json: cannot be written: there is no folder none",
+        ),
+        ("pil --json folder".into(), "folder: cannot be written: it is a folder"),
+        ("pil --plots in.csv".into(), "in.csv: is a file; a folder is needed"),
+        ("pil --plots in.csv/out".into(), "in.csv/out: cannot be written: there is no folder in.csv"),
+        ("budget --json none/out.json".into(), "none/out.json: cannot be written: there is no folder none"),
         ("verify --json none/out.json".into(), "none/out.json: cannot be written: there is no folder none"),
     ] {
         let line = bench.refused(&words);
         assert!(line.starts_with(&format!("error: {wanted}")), "{line}\n{wanted}");
+    }
+}
+
+#[test]
+fn logs_that_cannot_be_replayed_are_refused_before_anything_is_built() {
+    let bench = Bench::new();
+    let replay = "pil --gear g.toml --replay log.csv --json out.json";
+    for (from, to, wanted) in [
+        (
+            ",theta_out_rad",
+            ",tau_out_nm",
+            "log.csv: column theta_out_rad is missing; a replay compares with it",
+        ),
+        (LOG, "", "log.csv: empty file"),
+        ("tau_motor_nm", "current_a", "log.csv: row 1, column \"current_a\": unknown"),
+        ("0.004,", "0.004,x", "log.csv: row 3, column theta_motor_rad: \"x0.0\" is not a number"),
+        ("0.004,", "0.004,nan", "log.csv: row 3, column theta_motor_rad: \"nan0.0\" is not a number"),
+        ("0.004,", "0,", "log.csv: row 3, column t_s: time 0 does not come after 0, the row before"),
+        ("0.008,", "9,", "log.csv: row 4, column t_s: a gap of 8.996000 s before this row"),
+    ] {
+        assert!(LOG.contains(from));
+        bench.write("log.csv", LOG.replacen(from, to, 1));
+        let line = bench.refused(replay);
+        assert!(line.starts_with(&format!("error: {wanted}")), "{line}\n{wanted}");
+    }
+    bench.write("log.csv", LOG);
+    bench.write("g.toml", GEAR.replacen("ratio = 100", "ratio = 0", 1));
+    let line = bench.refused(replay);
+    assert!(line.starts_with("error: g.toml: gear.ratio = 0 is out of range"), "{line}");
+}
+
+#[test]
+fn boards_that_are_not_there_or_cannot_be_run_are_refused_by_name() {
+    let bench = Bench::new();
+    let unknown = "unknown, the boards are mps2-an386, stm32f405";
+    for (words, wanted) in [
+        ("pil --board nucleo", format!("board nucleo: {unknown}")),
+        ("pil --board ../boards/app", format!("board ../boards/app: {unknown}")),
+        ("budget --board nucleo", format!("board nucleo: {unknown}")),
+        (
+            "pil --board stm32f405",
+            "board stm32f405: the emulator has no such machine, the boards that it has are mps2-an386".into(),
+        ),
+    ] {
+        assert_eq!(bench.refused(words), format!("error: {wanted}"));
+    }
+}
+
+#[test]
+fn a_missing_emulator_with_no_way_to_install_it_is_one_line() {
+    let bench = Bench::new();
+    let nothing = bench.path("nothing");
+    std::fs::create_dir(&nothing).unwrap();
+    for words in ["pil", "pil --scenario all --json out.json"] {
+        let line = bench.refuses(words, bench.command(words).env("PATH", &nothing));
+        let wanted = "error: emulator missing with no way to install it: qemu-system-arm 7.2 or newer is needed on PATH";
+        assert_eq!(line, wanted);
     }
 }
 
@@ -152,6 +218,8 @@ fn mistakes_on_the_command_line_are_one_line_too() {
         ("sim --gear", "error: a value is required for '--gear <G.toml>' but none was supplied"),
         ("verify everything", "error: invalid value 'everything' for '[PART]'"),
         ("pil --scenario S9", "error: invalid value 'S9' for '--scenario <S1..S6|all>'"),
+        ("pil --seed -1", "error: unexpected argument '-1' found"),
+        ("pil --seed many", "error: invalid value 'many' for '--seed <SEED>'"),
         ("pil --replay in.csv", "error: the following required arguments were not provided: --gear <G.toml>"),
         (&format!("{SIM} --build fast"), "error: invalid value 'fast' for '--build <BUILD>'"),
     ] {

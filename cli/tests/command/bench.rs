@@ -11,6 +11,10 @@ pub const GEAR: &str = include_str!("../../../gears/hd25-100.toml");
 /// A short open-loop input.
 pub const INPUT: &str = "t_s,theta_wg_rad,tau_load_nm\n0,0,0\n0.001,0.1,-50\n0.002,0.2,-50\n";
 
+/// A short measured log of a joint at rest.
+pub const LOG: &str =
+    "t_s,theta_motor_rad,tau_motor_nm,theta_out_rad\n0,0.0,0.0,0.0\n0.004,0.0,0.0,0.0\n0.008,0.0,0.0,0.0\n";
+
 /// A folder with files, in which the command runs.
 pub struct Bench {
     folder: TempDir,
@@ -54,22 +58,33 @@ impl Bench {
             .collect()
     }
 
-    /// Runs the command with words separated by spaces, a backtrace being asked for.
+    /// The command with words separated by spaces, a backtrace being asked for.
+    pub fn command(&self, words: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_strainwave"));
+        command.args(words.split_whitespace()).current_dir(self.folder.path()).env("RUST_BACKTRACE", "full");
+        command
+    }
+
+    /// Runs the command.
     pub fn run(&self, words: &str) -> Answer {
-        let command = Command::new(env!("CARGO_BIN_EXE_strainwave"))
-            .args(words.split_whitespace())
-            .current_dir(self.folder.path())
-            .env("RUST_BACKTRACE", "full")
-            .output();
-        let Output { status, stdout, stderr } = command.unwrap();
+        Self::answer(&mut self.command(words))
+    }
+
+    fn answer(command: &mut Command) -> Answer {
+        let Output { status, stdout, stderr } = command.output().unwrap();
         let text = |bytes| String::from_utf8(bytes).unwrap();
         Answer { code: status.code(), output: text(stdout), error: text(stderr) }
     }
 
     /// Runs the command, which must refuse with one line and leave the folder as it was.
     pub fn refused(&self, words: &str) -> String {
+        self.refuses(words, &mut self.command(words))
+    }
+
+    /// The same of a command in an environment of its own, called `words` when it does not refuse.
+    pub fn refuses(&self, words: &str, command: &mut Command) -> String {
         let before = self.files();
-        let answer = self.run(words);
+        let answer = Self::answer(command);
         assert_eq!(answer.code, Some(2), "{words}: {}", answer.error);
         assert_eq!(answer.output, "", "{words}");
         let line = answer.error.strip_suffix('\n').expect("a line ends");

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! in:  theta_wg(t) or omega_wg(t), tau_load(t)
-//! out: theta_fs, domega_fs, tau_wg = J_wg*d2theta_wg + tau_fric_in + (r + de/dtheta_wg)*tau_t,  phi, tau_t
+//! out: theta_fs, omega_fs, tau_wg = J_wg*d2theta_wg + tau_fric_in + (r + de/dtheta_wg)*tau_t,  phi, tau_t
 //! ```
 //!
 //! Units and signs as in [`strainwave::gear`]; tau_load is the external torque ON the flexspline.

@@ -1,0 +1,39 @@
+//! Figures that miss their bounds: exit code 1.
+
+use std::fmt::Write as _;
+
+use strainwave_emulator::setup::{self, ThisHost};
+
+use crate::bench::Bench;
+
+/// Half a second of an output held against a load of 40 N m that swings three times a second.
+fn log_of_a_gear_without_torsion() -> String {
+    let mut log = String::from("t_s,theta_motor_rad,tau_motor_nm,theta_out_rad,tau_out_nm\n");
+    for k in 0..=125 {
+        let time = f64::from(k) * 0.004;
+        let torque = 40.0 * (std::f64::consts::TAU * 3.0 * time).sin();
+        let _ = writeln!(log, "{time},0,0,0,{torque}");
+    }
+    log
+}
+
+#[test]
+fn a_replay_that_predicts_worse_than_a_rigid_gear_is_told_by_the_exit_code() {
+    if setup::present_emulator(&ThisHost).is_none() {
+        println!("skipped: no emulator");
+        return;
+    }
+    let bench = Bench::new();
+    bench.write("log.csv", log_of_a_gear_without_torsion());
+    let answer = bench.run("pil --gear g.toml --replay log.csv --json out.json");
+    assert_eq!((answer.code, answer.error.as_str()), (Some(1), ""), "{}", answer.output);
+    let text = std::fs::read_to_string(bench.path("out.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let figures = json["figures"].as_array().unwrap();
+    let missed: Vec<_> = figures.iter().filter(|figure| figure["holds"] == false).collect();
+    assert_eq!(missed.len(), 1, "{missed:?}");
+    assert_eq!(missed[0]["name"], "pil.replay.predicted.rms");
+    // The joint's wind-up under the load is predicted, and this gear has none.
+    assert!(missed[0]["value"].as_f64() > Some(1e-4) && missed[0]["bound"].as_f64() < Some(1e-6));
+    assert!(bench.path("out/pil.replay.svg").is_file());
+}

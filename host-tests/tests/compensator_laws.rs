@@ -1,0 +1,137 @@
+//! Laws of the compensator: the observer's error contracts, and feed-forward at rest does nothing new.
+
+use strainwave::compensator::observer::{Measurement, Observer, ObserverState};
+use strainwave::compensator::{Faults, Input, JointParams, RealTimeGear, Sensors, Shares};
+use strainwave::flexspline::Reduced;
+use strainwave::gear::Motion;
+use strainwave_desktop::GearFile;
+use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
+use strainwave_desktop::scenario::Scenario;
+
+fn joint() -> JointParams<f64> {
+    joint_params(&GearFile::default_gear()).unwrap()
+}
+
+/// The observer beside a gear that is the very model it runs, wound up by a load of which it knows nothing.
+struct Twins {
+    joint: JointParams<f64>,
+    gear: RealTimeGear<f64>,
+    observer: Observer<f64>,
+    state: ObserverState<f64>,
+    with_output_encoder: bool,
+}
+
+impl Twins {
+    fn new(with_output_encoder: bool) -> Self {
+        let joint = joint();
+        let reduced = Reduced::build(&joint.gear.flexspline).unwrap();
+        let gear: RealTimeGear<f64> = joint.gear.build(reduced, joint.dt).unwrap();
+        let observer = joint.observer.build(&joint.gear, &joint.limits, joint.dt).unwrap();
+        let state = observer.rest(&gear);
+        Self { joint, gear, observer, state, with_output_encoder }
+    }
+
+    /// Errors of output angle (rad) and external torque (N m) at every step of a swinging motor.
+    fn errors(&mut self, load: f64) -> Vec<(f64, f64)> {
+        let (mut plant, mut flange) = (self.gear.rest(), Motion::default());
+        for _ in 0..10_000 {
+            self.gear.step(&mut plant, &mut flange, &Motion::default(), load);
+        }
+        let mut motor = Motion::default();
+        let mut errors = Vec::new();
+        for k in 0..20_000 {
+            let acceleration = 300.0 * (10.0 * f64::from(k) * CONTROL_PERIOD).cos();
+            let torques = self.gear.torques(&mut plant, &motor, &flange);
+            let motor_torque = torques.wave_generator + self.joint.gear.wave_generator_inertia * acceleration;
+            motor.advance(acceleration, CONTROL_PERIOD);
+            flange.advance(self.gear.flange_acceleration(&torques, load), CONTROL_PERIOD);
+            let measured = Measurement {
+                motor: motor.angle,
+                output: self.with_output_encoder.then_some(flange.angle),
+                motor_torque,
+                output_torque: None,
+            };
+            let mut faults = Faults::NONE;
+            let estimate = self.observer.step(&self.gear, &mut self.state, &measured, &mut faults);
+            // The start from a wrong torsion may reach a limit; a second later none is near.
+            assert!(k < 10_000 || faults == Faults::NONE, "step {k}: {faults:?}");
+            let angle = estimate.output_position.minus(flange.angle);
+            errors.push((angle.abs(), (estimate.external_torque - load).abs()));
+        }
+        errors
+    }
+}
+
+fn largest(errors: &[(f64, f64)]) -> (f64, f64) {
+    errors.iter().fold((0.0, 0.0), |(a, b), &(x, y)| (f64::max(a, x), f64::max(b, y)))
+}
+
+#[test]
+fn the_observers_error_contracts() {
+    for with_output_encoder in [false, true] {
+        for load in [-50.0, 30.0] {
+            let errors = Twins::new(with_output_encoder).errors(load);
+            let (first, last) = (largest(&errors[..100]), largest(&errors[15_000..]));
+            println!("{with_output_encoder} {load}: {first:?} -> {last:?}");
+            assert!(last.0 < 0.1 * first.0, "angle {first:?} -> {last:?}");
+            assert!(last.1 < 0.1 * first.1, "external torque {first:?} -> {last:?}");
+        }
+    }
+}
+
+/// Feed-forward torques along the fast move, from 50 ms before it to 0.5 s after.
+fn fast_move() -> (Vec<f32>, Vec<f32>) {
+    let compensator = joint_params::<f32>(&GearFile::default_gear()).unwrap().build().unwrap();
+    let mut state = compensator.rest();
+    let shares = Shares { feedback: 0.0, inertia: 1.0, friction: 0.8, wind_up: 1.0, kinematic_error: 1.0 };
+    let torques: Vec<f32> = (-500..7_500)
+        .map(|k| {
+            let setpoint = Scenario::S3.at(f64::from(k) * CONTROL_PERIOD, 67.0).setpoint();
+            let input = Input { sensors: Sensors::default(), setpoint, shares };
+            compensator.step(&mut state, &input).feed_forward_torque
+        })
+        .collect();
+    (torques[..500].to_vec(), torques[3_010..].to_vec())
+}
+
+#[test]
+fn feed_forward_at_rest_neither_drives_nor_hunts() {
+    let (before, after) = fast_move();
+    assert!(before.iter().all(|torque| *torque == 0.0), "nothing was asked yet");
+    assert!(after.iter().all(|torque| torque.to_bits() == after[0].to_bits()), "it stays as it is");
+    let friction = GearFile::default_gear().friction;
+    let held = friction.input.static_level + friction.output.static_level / 100.0;
+    let share = f64::from(after[0].abs()) / held;
+    assert!(share > 0.5 && share < 0.8 + 1e-6, "{share} of what static friction holds");
+}
+
+/// The zero between the two encoders is taken from readings that are believed.
+#[test]
+fn a_bad_first_reading_does_not_become_the_zero_of_the_output_encoder() {
+    let compensator = joint_params::<f32>(&GearFile::default_gear()).unwrap().build().unwrap();
+    for (bad_motor, bad_output) in [(0, 1 << 19), (1 << 19, 300_000)] {
+        let mut state = compensator.rest();
+        let mut input = Input::<f32>::default();
+        input.sensors.motor_encoder = bad_motor;
+        input.sensors.output_encoder = Some(bad_output);
+        assert_ne!(compensator.step(&mut state, &input).faults, Faults::NONE);
+        input.sensors.motor_encoder = 100_000;
+        input.sensors.output_encoder = Some(300_000);
+        let settled = (0..5_000).map(|_| compensator.step(&mut state, &input)).last().unwrap();
+        assert_eq!(settled.faults, Faults::NONE, "{settled:?}");
+        assert!(settled.estimate.torsion.abs() < 1e-5, "{settled:?}");
+    }
+}
+
+/// 0.05 rad in 0.1 ms is 500 rad/s: the motor's speed, but no output's.
+#[test]
+fn an_output_encoder_jump_is_judged_by_the_outputs_speed() {
+    let compensator = joint_params::<f32>(&GearFile::default_gear()).unwrap().build().unwrap();
+    let mut state = compensator.rest();
+    let mut input = Input::<f32>::default();
+    input.sensors.output_encoder = Some(0);
+    assert_eq!(compensator.step(&mut state, &input).faults, Faults::NONE);
+    input.sensors.output_encoder = Some(4_172);
+    let jumped = compensator.step(&mut state, &input);
+    assert!(jumped.faults.contains(Faults::OUTPUT_ENCODER_JUMP), "{jumped:?}");
+}
