@@ -70,14 +70,14 @@ impl<R: Real> Motion<R> {
     }
 }
 
-/// A gear around a flexspline model, stepped by a fixed dt, with `L` levels of hysteresis and a memory of `CAP` turning points.
+/// A gear around a flexspline model, stepped by a fixed dt, with `L` levels of hysteresis and a memory of `MEMORY` turning points.
 #[derive(Clone, Debug)]
-pub struct Gear<R, F, const L: usize, const CAP: usize> {
+pub struct Gear<R, F, const L: usize, const MEMORY: usize> {
     ratio: Ratio,
     ratio_value: R,
     kinematic_error: KinematicError<R, KINEMATIC_TERMS>,
     flexspline: F,
-    hysteresis: TorsionHysteresis<R, L, CAP>,
+    hysteresis: TorsionHysteresis<R, L, MEMORY>,
     input_friction: JointFriction<R>,
     output_friction: JointFriction<R>,
     inverse_flexspline_inertia: R,
@@ -86,9 +86,9 @@ pub struct Gear<R, F, const L: usize, const CAP: usize> {
 
 /// What a gear remembers besides the motion of its ends.
 #[derive(Clone, Debug)]
-pub struct GearState<R: Real, S, const CAP: usize> {
+pub struct GearState<R: Real, S, const MEMORY: usize> {
     flexspline: S,
-    hysteresis: TorsionHysteresisState<R, CAP>,
+    hysteresis: TorsionHysteresisState<R, MEMORY>,
     input_friction: JointFrictionState<R>,
     output_friction: JointFrictionState<R>,
 }
@@ -124,11 +124,11 @@ impl<R: Real> GearParams<R> {
     /// blocks' own `build`; `wave_generator_inertia`, `flexspline_inertia`, `rated_torque` unless finite and
     /// positive; `width` unless the loop is narrower than the torsion at rated torque; `dt` unless below
     /// half the period's radian of the torsion mode.
-    pub fn build<F: Flexspline<R>, const L: usize, const CAP: usize>(
+    pub fn build<F: Flexspline<R>, const L: usize, const MEMORY: usize>(
         &self,
         flexspline: F,
         dt: R,
-    ) -> Result<Gear<R, F, L, CAP>, Error> {
+    ) -> Result<Gear<R, F, L, MEMORY>, Error> {
         let positive = |value: R| value.is_finite() && value > R::ZERO;
         self.flexspline.check()?;
         require(positive(self.rated_torque), "rated_torque")?;
@@ -154,9 +154,9 @@ impl<R: Real> GearParams<R> {
     }
 }
 
-impl<R: Real, F: Flexspline<R>, const L: usize, const CAP: usize> Gear<R, F, L, CAP> {
+impl<R: Real, F: Flexspline<R>, const L: usize, const MEMORY: usize> Gear<R, F, L, MEMORY> {
     /// At rest, both ends at the zero angle, never loaded before.
-    pub fn rest(&self) -> GearState<R, F::State, CAP> {
+    pub fn rest(&self) -> GearState<R, F::State, MEMORY> {
         GearState {
             flexspline: self.flexspline.rest(),
             hysteresis: TorsionHysteresisState::default(),
@@ -181,7 +181,7 @@ impl<R: Real, F: Flexspline<R>, const L: usize, const CAP: usize> Gear<R, F, L, 
     }
 
     /// The hysteresis of the torsion.
-    pub fn hysteresis(&self) -> &TorsionHysteresis<R, L, CAP> {
+    pub fn hysteresis(&self) -> &TorsionHysteresis<R, L, MEMORY> {
         &self.hysteresis
     }
 
@@ -215,7 +215,7 @@ impl<R: Real, F: Flexspline<R>, const L: usize, const CAP: usize> Gear<R, F, L, 
     /// Advances the memories by dt for the motion of both ends, and answers with the torques.
     pub fn torques(
         &self,
-        state: &mut GearState<R, F::State, CAP>,
+        state: &mut GearState<R, F::State, MEMORY>,
         wave_generator: &Motion<R>,
         flange: &Motion<R>,
     ) -> Torques<R> {
@@ -249,7 +249,7 @@ impl<R: Real, F: Flexspline<R>, const L: usize, const CAP: usize> Gear<R, F, L, 
     /// The two-port: moves the flange by one dt under `load` (N m), the wave generator as prescribed.
     pub fn step(
         &self,
-        state: &mut GearState<R, F::State, CAP>,
+        state: &mut GearState<R, F::State, MEMORY>,
         flange: &mut Motion<R>,
         wave_generator: &Motion<R>,
         load: R,
@@ -262,7 +262,7 @@ impl<R: Real, F: Flexspline<R>, const L: usize, const CAP: usize> Gear<R, F, L, 
     /// Energy stored in the flexspline (J).
     pub fn flexspline_energy(
         &self,
-        state: &GearState<R, F::State, CAP>,
+        state: &GearState<R, F::State, MEMORY>,
         wave_generator: &Motion<R>,
         flange: &Motion<R>,
     ) -> R {

@@ -25,6 +25,7 @@
 use crate::angle::Angle;
 use crate::error::{Error, require};
 use crate::flexspline::calibration::{DIRECTIONS, FlexsplineParams, link_geometry, unit_stiffness};
+use crate::flexspline::slice::{Nodes, Slice, between, segments, sum, turned_by, virtual_work};
 use crate::flexspline::stiffness_line::StiffnessLine;
 use crate::flexspline::{Ends, Flexspline, Reaction};
 use crate::real::Real;
@@ -35,44 +36,6 @@ const RELAXATION_STEPS: usize = 4000;
 /// Newton steps for 1/L: a strain e starts with a relative error e, each step makes 1.5*e^2 of it, so
 /// three leave 1e-16 at 1 % and 1e-9 at 10 %.
 const NEWTON_STEPS: usize = 3;
-
-/// A value per node of a slice, for each Cartesian axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Slice<R, const N: usize> {
-    x: [R; N],
-    y: [R; N],
-    z: [R; N],
-}
-
-impl<R: Real, const N: usize> Slice<R, N> {
-    const ZERO: Self = Self { x: [R::ZERO; N], y: [R::ZERO; N], z: [R::ZERO; N] };
-
-    fn add(&mut self, other: &Self, factor: R) {
-        for i in 0..N {
-            self.x[i] += factor * other.x[i];
-            self.y[i] += factor * other.y[i];
-            self.z[i] += factor * other.z[i];
-        }
-    }
-
-    /// Takes entry i of `pull` from node i + around.
-    fn take_turned(&mut self, pull: &Self, around: i32) {
-        for (mine, theirs) in [(&mut self.x, &pull.x), (&mut self.y, &pull.y), (&mut self.z, &pull.z)] {
-            for [near, far] in segments(N, around) {
-                for (mine, theirs) in mine[far].iter_mut().zip(&theirs[near]) {
-                    *mine -= *theirs;
-                }
-            }
-        }
-    }
-}
-
-/// The ring of n nodes and the same ring turned by `around`, as two pairs of equally long ranges.
-#[inline(always)]
-fn segments(n: usize, around: i32) -> [[core::ops::Range<usize>; 2]; 2] {
-    let shift = around.rem_euclid(n as i32) as usize;
-    [[0..n - shift, shift..n], [n - shift..n, 0..shift]]
-}
 
 /// One of the 8 link directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,40 +86,7 @@ impl<R: Real, const N: usize, const M: usize> MeshState<R, N, M> {
     }
 }
 
-/// Neighbouring nodes of one slice.
-#[derive(Clone, Copy)]
-struct Nodes<'a, R> {
-    position: [&'a [R]; 3],
-    velocity: [&'a [R]; 3],
-}
-
-impl<'a, R: Real> Nodes<'a, R> {
-    #[inline(always)]
-    fn of<const N: usize, const M: usize>(
-        state: &'a MeshState<R, N, M>,
-        slice: usize,
-        range: core::ops::Range<usize>,
-    ) -> Self {
-        let part = |slice: &'a Slice<R, N>| {
-            [&slice.x[range.clone()], &slice.y[range.clone()], &slice.z[range.clone()]]
-        };
-        Self { position: part(&state.position[slice]), velocity: part(&state.velocity[slice]) }
-    }
-
-    #[inline(always)]
-    fn first(self, count: usize) -> Self {
-        let cut = |[x, y, z]: [&'a [R]; 3]| [&x[..count], &y[..count], &z[..count]];
-        Self { position: cut(self.position), velocity: cut(self.velocity) }
-    }
-}
-
-/// From one node to another, a component an axis.
-#[inline(always)]
-fn between<R: Real>(near: [&[R]; 3], far: [&[R]; 3], i: usize) -> [R; 3] {
-    [far[0][i] - near[0][i], far[1][i] - near[1][i], far[2][i] - near[2][i]]
-}
-
-/// Positions of the rim nodes and their partial derivatives' positions.
+/// Positions of the rim nodes and their partial derivatives by the two angles that move them.
 struct RimShape<R, const N: usize> {
     position: Slice<R, N>,
     by_rim: Slice<R, N>,
@@ -326,8 +256,8 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
                 for [here, there] in segments(N, direction.around) {
                     self.pull_of_links(
                         direction.rest_length,
-                        Nodes::of(state, near, here.clone()),
-                        Nodes::of(state, far, there),
+                        Nodes::of(&state.position[near], &state.velocity[near], &here),
+                        Nodes::of(&state.position[far], &state.velocity[far], &there),
                         [&mut pull.x[here.clone()], &mut pull.y[here.clone()], &mut pull.z[here.clone()]],
                         &mut loss[here],
                     );
@@ -421,27 +351,6 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
             .fold(R::ZERO, |sum, v| sum + *v * *v);
         R::lit(0.5) * (self.node_mass * nodes + self.rim_inertia * state.rim_rate * state.rim_rate)
     }
-}
-
-/// Unit vectors (cosine, sine) turned by the angle whose sine and cosine are given.
-#[inline(always)]
-fn turned_by<R: Real, const N: usize>(vectors: &[(R, R); N], (sine, cosine): (R, R)) -> [(R, R); N] {
-    vectors.map(|(c, s)| (c * cosine - s * sine, s * cosine + c * sine))
-}
-
-/// Sum of force times displacement per unit of the angle that moves the slice: a torque (N m).
-fn virtual_work<R: Real, const N: usize>(force: &Slice<R, N>, derivative: &Slice<R, N>) -> R {
-    let work: [R; N] = core::array::from_fn(|i| force.x[i] * derivative.x[i] + force.y[i] * derivative.y[i]);
-    sum(&work)
-}
-
-/// Sum in four interleaved parts, so that one addition need not wait for the last.
-fn sum<R: Real, const N: usize>(terms: &[R; N]) -> R {
-    let mut parts = [R::ZERO; 4];
-    for (k, term) in terms.iter().enumerate() {
-        parts[k % 4] += *term;
-    }
-    (parts[0] + parts[1]) + (parts[2] + parts[3])
 }
 
 impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Mesh<R, N, M> {

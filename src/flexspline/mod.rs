@@ -12,6 +12,7 @@
 pub mod calibration;
 pub mod mesh;
 pub mod reduced;
+mod slice;
 pub mod stiffness_line;
 
 pub use calibration::{Cup, FlexsplineParams};

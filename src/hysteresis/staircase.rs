@@ -67,19 +67,19 @@ struct Turn<R> {
     output: R,
 }
 
-/// Memory of at most `CAP` turning points; the default is demagnetised at input 0.
+/// Memory of at most `MEMORY` turning points; the default is demagnetised at input 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StaircaseState<R, const CAP: usize> {
-    turns: [Turn<R>; CAP],
+pub struct StaircaseState<R, const MEMORY: usize> {
+    turns: [Turn<R>; MEMORY],
     /// Turning points in use.
     depth: usize,
     /// Where the last step left off.
     now: Turn<R>,
 }
 
-impl<R: Real, const CAP: usize> Default for StaircaseState<R, CAP> {
+impl<R: Real, const MEMORY: usize> Default for StaircaseState<R, MEMORY> {
     fn default() -> Self {
-        Self { turns: [Turn::default(); CAP], depth: 0, now: Turn::default() }
+        Self { turns: [Turn::default(); MEMORY], depth: 0, now: Turn::default() }
     }
 }
 
@@ -92,13 +92,13 @@ struct Branch {
     turned: bool,
 }
 
-impl<R: Real, const CAP: usize> StaircaseState<R, CAP> {
+impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
     /// y after the last step.
     pub fn output(&self) -> R {
         self.now.output
     }
 
-    /// Turning points stored, up to `CAP`.
+    /// Turning points stored, up to `MEMORY`.
     pub fn depth(&self) -> usize {
         self.depth
     }
@@ -174,7 +174,7 @@ impl<R: Real, const CAP: usize> StaircaseState<R, CAP> {
     /// so that a call costs that path no registers.
     #[inline(always)]
     pub(crate) fn make_room(&mut self) {
-        if self.depth >= CAP {
+        if self.depth >= MEMORY {
             self.forget();
         }
     }
@@ -184,7 +184,7 @@ impl<R: Real, const CAP: usize> StaircaseState<R, CAP> {
     #[cold]
     #[inline(never)]
     fn forget(&mut self) {
-        let newest = CAP.saturating_sub(3);
+        let newest = MEMORY.saturating_sub(3);
         let (mut chosen, mut least) = (newest, R::MAX);
         for back in 0..WINDOW {
             let k = newest.saturating_sub(back);
@@ -195,33 +195,33 @@ impl<R: Real, const CAP: usize> StaircaseState<R, CAP> {
                 (chosen, least) = (k, area);
             }
         }
-        for k in chosen..CAP.saturating_sub(2) {
+        for k in chosen..MEMORY.saturating_sub(2) {
             let moved = self.turn(k + 2);
             if let Some(place) = self.turns.get_mut(k) {
                 *place = moved;
             }
         }
-        self.depth = CAP.saturating_sub(2);
+        self.depth = MEMORY.saturating_sub(2);
     }
 }
 
-/// Built operator: `L` levels, memory of `CAP` turning points.
+/// Built operator: `L` levels, memory of `MEMORY` turning points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Staircase<R, const L: usize, const CAP: usize> {
+pub struct Staircase<R, const L: usize, const MEMORY: usize> {
     everett: Everett<R, L>,
     half_range: R,
     /// 1/h.
     cells_per_unit: R,
 }
 
-impl<R: Real, const L: usize, const CAP: usize> Staircase<R, L, CAP> {
+impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
     /// Sums the weights for inputs of +-`half_range` U, 1e-9..=1e6.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `half_range`, or `capacity` when `CAP` is not in 8..=1000.
+    /// [`Error::OutOfRange`] `half_range`, or `capacity` when `MEMORY` is not in 8..=1000.
     pub fn build(half_range: R, weights: &Weights<R, L>) -> Result<Self, Error> {
         require((R::lit(1e-9)..=R::lit(1e6)).contains(&half_range), "half_range")?;
-        require((WINDOW + 4..=1000).contains(&CAP), "capacity")?;
+        require((WINDOW + 4..=1000).contains(&MEMORY), "capacity")?;
         let cells_per_unit = R::from_i32(L as i32) / (half_range + half_range);
         Ok(Self { everett: Everett::build(weights), half_range, cells_per_unit })
     }
@@ -229,7 +229,7 @@ impl<R: Real, const L: usize, const CAP: usize> Staircase<R, L, CAP> {
     /// y at the next input; the input between two steps counts as monotone.
     // Never inlined: the timing budget counts this block by its symbol.
     #[inline(never)]
-    pub fn step(&self, state: &mut StaircaseState<R, CAP>, input: R) -> Response<R> {
+    pub fn step(&self, state: &mut StaircaseState<R, MEMORY>, input: R) -> Response<R> {
         if !input.is_finite() {
             return held(state);
         }
@@ -240,7 +240,7 @@ impl<R: Real, const L: usize, const CAP: usize> Staircase<R, L, CAP> {
 
     /// What [`Self::step`] would return, with the state left as it is.
     #[inline]
-    pub fn peek(&self, state: &StaircaseState<R, CAP>, input: R) -> Response<R> {
+    pub fn peek(&self, state: &StaircaseState<R, MEMORY>, input: R) -> Response<R> {
         if !input.is_finite() {
             return held(state);
         }
@@ -269,7 +269,7 @@ impl<R: Real, const L: usize, const CAP: usize> Staircase<R, L, CAP> {
     #[inline(always)]
     pub(crate) fn advance(
         &self,
-        state: &mut StaircaseState<R, CAP>,
+        state: &mut StaircaseState<R, MEMORY>,
         at: Located<R>,
         input: R,
     ) -> Response<R> {
@@ -281,12 +281,18 @@ impl<R: Real, const L: usize, const CAP: usize> Staircase<R, L, CAP> {
 
     /// [`Self::peek`] for a finite input.
     #[inline(always)]
-    pub(crate) fn peek_at(&self, state: &StaircaseState<R, CAP>, at: Located<R>, input: R) -> Response<R> {
+    pub(crate) fn peek_at(&self, state: &StaircaseState<R, MEMORY>, at: Located<R>, input: R) -> Response<R> {
         self.read(state, state.branch(at.cells), at, input)
     }
 
     #[inline(always)]
-    fn read(&self, state: &StaircaseState<R, CAP>, branch: Branch, at: Located<R>, input: R) -> Response<R> {
+    fn read(
+        &self,
+        state: &StaircaseState<R, MEMORY>,
+        branch: Branch,
+        at: Located<R>,
+        input: R,
+    ) -> Response<R> {
         let (start, change) = if branch.depth == 0 && !branch.turned {
             (R::ZERO, self.virgin(at))
         } else {
@@ -307,7 +313,7 @@ impl<R: Real, const L: usize, const CAP: usize> Staircase<R, L, CAP> {
     }
 }
 
-fn held<R: Real, const CAP: usize>(state: &StaircaseState<R, CAP>) -> Response<R> {
+fn held<R: Real, const MEMORY: usize>(state: &StaircaseState<R, MEMORY>) -> Response<R> {
     Response { output: state.output(), slope: R::ZERO, saturated: false, held: true }
 }
 
@@ -321,13 +327,13 @@ mod tests {
     const U: f64 = 1.5e-3;
     const S: f64 = 9.0;
 
-    fn staircase<R: Real, const L: usize, const CAP: usize>() -> Staircase<R, L, CAP> {
+    fn staircase<R: Real, const L: usize, const MEMORY: usize>() -> Staircase<R, L, MEMORY> {
         Staircase::build(R::lit(U), &Weights::uniform(R::lit(S)).unwrap()).unwrap()
     }
 
     /// Outputs along inputs in units of U.
-    fn outputs<const CAP: usize>(inputs: &[f64]) -> Vec<f64> {
-        let (model, mut state) = (staircase::<f64, 24, CAP>(), StaircaseState::default());
+    fn outputs<const MEMORY: usize>(inputs: &[f64]) -> Vec<f64> {
+        let (model, mut state) = (staircase::<f64, 24, MEMORY>(), StaircaseState::default());
         inputs.iter().map(|u| model.step(&mut state, u * U).output).collect()
     }
 
@@ -509,13 +515,13 @@ mod tests {
         /// The bound of the header, with a memory that is too small for the path.
         #[test]
         fn a_full_memory_errs_within_its_bound(decays in prop::collection::vec(0.3..0.999f64, 10..60), after in path(20)) {
-            const CAP: usize = 9;
-            let (full, short) = (staircase::<f64, 24, 128>(), staircase::<f64, 24, CAP>());
+            const MEMORY: usize = 9;
+            let (full, short) = (staircase::<f64, 24, 128>(), staircase::<f64, 24, MEMORY>());
             let (mut a, mut b) = (StaircaseState::default(), StaircaseState::default());
             let mut amplitude = 1.0;
             let spiral: Vec<f64> = decays.iter().map(|decay| { amplitude *= -decay; amplitude }).collect();
-            let bound = if spiral.len() >= CAP {
-                2.0 * S * (0.5 * (spiral[CAP - 8] - spiral[CAP - 7]).abs()).powi(2) * 1.01 + 1e-9
+            let bound = if spiral.len() >= MEMORY {
+                2.0 * S * (0.5 * (spiral[MEMORY - 8] - spiral[MEMORY - 7]).abs()).powi(2) * 1.01 + 1e-9
             } else {
                 1e-9
             };
@@ -532,12 +538,12 @@ mod tests {
     }
 
     /// Largest error, relative to the output at saturation, when the input leaves a ring-down.
-    fn ring_down_error<const CAP: usize>() -> f64 {
+    fn ring_down_error<const MEMORY: usize>() -> f64 {
         let spiral: Vec<f64> = (0..112).map(|k: i32| (-0.94f64).powi(k)).collect();
         let errors = [1.0, -1.0].map(|side| {
             let out: Vec<f64> = (0..=2000).map(|k| side * f64::from(k) / 2000.0).collect();
             let inputs = [&spiral[..], &out].concat();
-            let pairs = outputs::<128>(&inputs).into_iter().zip(outputs::<CAP>(&inputs));
+            let pairs = outputs::<128>(&inputs).into_iter().zip(outputs::<MEMORY>(&inputs));
             pairs.map(|(exact, found)| (exact - found).abs() / S).fold(0.0, f64::max)
         });
         errors[0].max(errors[1])

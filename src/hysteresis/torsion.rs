@@ -66,7 +66,9 @@ impl<R: Real> TorsionHysteresisParams<R> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `half_range`, `gap`, `levels` or `capacity`.
-    pub fn build<const L: usize, const CAP: usize>(&self) -> Result<TorsionHysteresis<R, L, CAP>, Error> {
+    pub fn build<const L: usize, const MEMORY: usize>(
+        &self,
+    ) -> Result<TorsionHysteresis<R, L, MEMORY>, Error> {
         require((R::ZERO..=R::lit(1e6)).contains(&self.gap), "gap")?;
         TorsionHysteresis::from_weights(self.half_range, &Weights::uniform(self.gap)?)
     }
@@ -87,12 +89,12 @@ pub struct HysteresisTorque<R> {
 
 /// Memory of the operator, and the last output.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TorsionHysteresisState<R: Real, const CAP: usize> {
-    staircase: StaircaseState<R, CAP>,
+pub struct TorsionHysteresisState<R: Real, const MEMORY: usize> {
+    staircase: StaircaseState<R, MEMORY>,
     torque: R,
 }
 
-impl<R: Real, const CAP: usize> TorsionHysteresisState<R, CAP> {
+impl<R: Real, const MEMORY: usize> TorsionHysteresisState<R, MEMORY> {
     /// tau_hyst of the last step (N m).
     #[inline]
     pub fn torque(&self) -> R {
@@ -104,15 +106,15 @@ impl<R: Real, const CAP: usize> TorsionHysteresisState<R, CAP> {
     }
 }
 
-/// Built model: `L` levels, memory of `CAP` turning points.
+/// Built model: `L` levels, memory of `MEMORY` turning points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TorsionHysteresis<R, const L: usize, const CAP: usize> {
-    staircase: Staircase<R, L, CAP>,
+pub struct TorsionHysteresis<R, const L: usize, const MEMORY: usize> {
+    staircase: Staircase<R, L, MEMORY>,
     /// A at the upper edge of every cell, and its rise over the cell.
     mean: [(R, R); L],
 }
 
-impl<R: Real, const L: usize, const CAP: usize> TorsionHysteresis<R, L, CAP> {
+impl<R: Real, const L: usize, const MEMORY: usize> TorsionHysteresis<R, L, MEMORY> {
     /// From identified weights (N m) over torsions of +-`half_range` (rad).
     ///
     /// # Errors
@@ -130,7 +132,7 @@ impl<R: Real, const L: usize, const CAP: usize> TorsionHysteresis<R, L, CAP> {
     /// tau_hyst at the next torsion (rad); between two steps the torsion counts as monotone.
     // Never inlined: the timing budget counts this block by its symbol.
     #[inline(never)]
-    pub fn step(&self, state: &mut TorsionHysteresisState<R, CAP>, torsion: R) -> HysteresisTorque<R> {
+    pub fn step(&self, state: &mut TorsionHysteresisState<R, MEMORY>, torsion: R) -> HysteresisTorque<R> {
         if !torsion.is_finite() {
             return state.held();
         }
@@ -143,7 +145,7 @@ impl<R: Real, const L: usize, const CAP: usize> TorsionHysteresis<R, L, CAP> {
 
     /// What [`Self::step`] would return, with the state left as it is.
     #[inline]
-    pub fn peek(&self, state: &TorsionHysteresisState<R, CAP>, torsion: R) -> HysteresisTorque<R> {
+    pub fn peek(&self, state: &TorsionHysteresisState<R, MEMORY>, torsion: R) -> HysteresisTorque<R> {
         if !torsion.is_finite() {
             return state.held();
         }
@@ -180,9 +182,9 @@ mod tests {
     const U: f64 = 1.5e-3;
     const S: f64 = 9.0;
     const L: usize = 24;
-    const CAP: usize = 64;
+    const MEMORY: usize = 64;
 
-    fn model<R: Real>() -> TorsionHysteresis<R, L, CAP> {
+    fn model<R: Real>() -> TorsionHysteresis<R, L, MEMORY> {
         TorsionHysteresisParams { half_range: R::lit(U), gap: R::lit(S) }.build().unwrap()
     }
 
@@ -220,7 +222,7 @@ mod tests {
     fn the_width_at_zero_torque_is_the_wanted_one() {
         let (k1, width) = (3.1e4, 2.908_882e-4);
         let gap = gap_for_width(k1, width, U).unwrap();
-        let model: TorsionHysteresis<f64, L, CAP> =
+        let model: TorsionHysteresis<f64, L, MEMORY> =
             TorsionHysteresisParams { half_range: U, gap }.build().unwrap();
         let crossing = |start: f64| {
             let mut state = TorsionHysteresisState::default();
@@ -244,8 +246,8 @@ mod tests {
     struct Walk<'a> {
         relays: &'a Relays<f64, L>,
         memory: RelaysState<f64, L>,
-        model: &'a TorsionHysteresis<f64, L, CAP>,
-        state: TorsionHysteresisState<f64, CAP>,
+        model: &'a TorsionHysteresis<f64, L, MEMORY>,
+        state: TorsionHysteresisState<f64, MEMORY>,
         at: usize,
         torque: f64,
         work: f64,

@@ -97,8 +97,8 @@ fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
 
-fn rows<'a, R: Real, F: Flexspline<R> + 'a, const L: usize, const CAP: usize>(
-    mut simulation: Simulation<'a, R, F, L, CAP>,
+fn rows<'a, R: Real, F: Flexspline<R> + 'a, const L: usize, const MEMORY: usize>(
+    mut simulation: Simulation<'a, R, F, L, MEMORY>,
 ) -> Rows<'a> {
     let instants = simulation.inputs.log.time.resampled(STEP);
     Box::new(instants.map(move |instant| simulation.row(instant)))
@@ -126,9 +126,9 @@ impl Inputs<'_> {
 }
 
 /// A gear on its way through its inputs.
-struct Simulation<'a, R: Real, F: Flexspline<R>, const L: usize, const CAP: usize> {
-    gear: Gear<R, F, L, CAP>,
-    state: GearState<R, F::State, CAP>,
+struct Simulation<'a, R: Real, F: Flexspline<R>, const L: usize, const MEMORY: usize> {
+    gear: Gear<R, F, L, MEMORY>,
+    state: GearState<R, F::State, MEMORY>,
     flange: Motion<R>,
     dt: f64,
     /// Steps of dt in a control period.
@@ -136,8 +136,8 @@ struct Simulation<'a, R: Real, F: Flexspline<R>, const L: usize, const CAP: usiz
     inputs: Inputs<'a>,
 }
 
-impl<'a, R: Real, F: Flexspline<R>, const L: usize, const CAP: usize> Simulation<'a, R, F, L, CAP> {
-    fn new(gear: Gear<R, F, L, CAP>, dt: f64, steps: usize, inputs: Inputs<'a>) -> Self {
+impl<'a, R: Real, F: Flexspline<R>, const L: usize, const MEMORY: usize> Simulation<'a, R, F, L, MEMORY> {
+    fn new(gear: Gear<R, F, L, MEMORY>, dt: f64, steps: usize, inputs: Inputs<'a>) -> Self {
         let mut simulation = Self { state: gear.rest(), flange: Motion::default(), gear, dt, steps, inputs };
         simulation.run_in();
         simulation
