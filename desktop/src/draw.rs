@@ -75,7 +75,7 @@ mod tests {
             let shares = draws.iter().map(|draw| (draw[place].0 - 1.0) / draw[place].1);
             let (least, greatest) = shares.fold((0.0f64, 0.0f64), |(a, b), x| (a.min(x), b.max(x)));
             assert!((-1.0 - 1e-12..-0.95).contains(&least), "{place}: {least}");
-            assert!(0.95 < greatest && greatest <= 1.0 + 1e-12, "{place}: {greatest}");
+            assert!((0.95..=1.0 + 1e-12).contains(&greatest), "{place}: {greatest}");
         }
     }
 
