@@ -1,21 +1,7 @@
-//! Puts this board's memory map where the linker looks.
+//! Puts this board's memory map where the linker looks; the vectors come with the device crate.
 
-use std::path::PathBuf;
-use std::{env, fs, io};
+include!("../linker.rs");
 
-fn main() -> io::Result<()> {
-    let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
-    // The vectors come with the device crate.
-    fs::copy("memory.x", out.join("memory.x"))?;
-    println!("cargo:rustc-link-search={}", out.display());
-    println!("cargo:rustc-link-arg-bins=-Tlink.x");
-    println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
-    if env::var_os("RUSTC_LINKER").is_some() {
-        // A linker that is not rustc's own. Those before LLVM 15 or so keep whatever a script names, used or not:
-        // here defmt's own panic, which the application replaces, and with it `core::panic!`.
-        println!("cargo:rustc-link-arg-bins=--defsym=__defmt_default_panic=0");
-    }
-    println!("cargo:rerun-if-changed=memory.x");
-    println!("cargo:rerun-if-changed=build.rs");
-    Ok(())
+fn main() -> std::io::Result<()> {
+    link("memory.x").map(|_| ())
 }

@@ -52,3 +52,31 @@ fn in_thread_mode() -> bool {
     let state = unsafe { (*cortex_m::peripheral::SCB::PTR).icsr.read() };
     state & 0x1ff == 0
 }
+
+/// The board's defmt logger: frames go out through `$put`, a `fn(&[u8])`, from thread mode only.
+#[macro_export]
+macro_rules! global_logger {
+    ($put:path) => {
+        static FRAMES: $crate::logger::Frames = $crate::logger::Frames::new();
+
+        #[defmt::global_logger]
+        struct Logger;
+
+        // SAFETY: `Frames` discards whatever does not come from the one thread, so calls cannot interleave.
+        unsafe impl defmt::Logger for Logger {
+            fn acquire() {
+                FRAMES.start($put);
+            }
+
+            unsafe fn flush() {}
+
+            unsafe fn release() {
+                FRAMES.end($put);
+            }
+
+            unsafe fn write(bytes: &[u8]) {
+                FRAMES.write(bytes, $put);
+            }
+        }
+    };
+}
