@@ -227,6 +227,8 @@ fn a_dying_host_takes_the_emulator_along() {
         kill_process(pid(victim.id()), signal).expect("can be killed");
         let status = victim.wait().expect("ends");
         assert_eq!(status.code(), handled.then_some(143), "{status}");
+        let said = std::io::read_to_string(victim.stderr.take().expect("is piped")).expect("is text");
+        assert_eq!(said, if handled { "error: interrupted\n" } else { "" });
         assert!(gone(emulator), "{signal:?}");
         let left = directory.path().read_dir().expect("is readable").count();
         assert_eq!(left, usize::from(!handled), "{signal:?}");
@@ -247,6 +249,7 @@ fn victim(directory: &Path) -> (Child, Pid) {
         .env(VICTIM, "1")
         .env("TMPDIR", directory)
         .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
         .spawn()
         .expect("starts");
     let output = BufReader::new(child.stdout.take().expect("is piped"));
