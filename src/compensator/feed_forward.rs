@@ -16,10 +16,12 @@
 //! differential equation. Friction is the gear's own model driven along the setpoint, so its
 //! presliding before a reversal is contained. At rest the setpoint covers no path: the friction torque
 //! stays as it is, zero before the first move and after one at most s_f times the static level, so it does
-//! not hunt, and with s_f < 1 the joint's own static friction holds it. Hysteresis and kinematic error are implicit equations; both are solved by one
-//! fixed-point step per control period: the hysteresis torque follows the torsion of the step before
-//! (contraction: its slope over K1, about 0.2), e follows the motor reference of the step before
-//! (contraction: N*de/dtheta, below 0.03 for the default gear).
+//! not hunt, and with s_f < 1 the joint's own static friction holds it.
+//!
+//! Hysteresis and kinematic error are implicit equations; both are solved by one fixed-point step per
+//! control period: the hysteresis torque follows the torsion of the step before (contraction: its slope
+//! over K1, about 0.2), e follows the motor reference of the step before (contraction: N*de/dtheta, below
+//! 0.03 for the default gear).
 //!
 //! The external torque winds the gear up but is left to the feedback's integral as a torque: it is
 //! estimated from that very torque.
