@@ -18,7 +18,8 @@ pub enum Scenario {
     S4,
     /// Hold, load 0 -> 40 N m at once.
     S5,
-    /// Quasi-static torque loop, wave generator blocked.
+    /// Quasi-static torque loop, wave generator held by a brake: it shows the plant. A joint with a motor encoder alone
+    /// sees nothing of this load, and its estimates stay where they were.
     S6,
 }
 
