@@ -122,19 +122,19 @@ pub fn present_compiler(host: &dyn Host) -> Option<Compiler> {
 
 fn with_target(host: &dyn Host, pair: (&'static str, &'static str)) -> Option<Compiler> {
     let found = usable(host, pair)?;
-    host.exists(&found.library.join(TARGET).join("lib")).then_some(found.compiler)
+    host.exists(&found.rustlib.join(TARGET).join("lib")).then_some(found.compiler)
 }
 
 fn with_sources(host: &dyn Host, pair: (&'static str, &'static str)) -> Option<Compiler> {
     let found = usable(host, pair)?;
-    let sources = found.library.join("src/rust/library/Cargo.lock");
+    let sources = found.rustlib.join("src/rust/library/Cargo.lock");
     host.exists(&sources).then_some(Compiler { build_core: true, ..found.compiler })
 }
 
 /// A compiler that is new enough and has a linker, and its `lib/rustlib`.
 struct Usable {
     compiler: Compiler,
-    library: PathBuf,
+    rustlib: PathBuf,
 }
 
 fn usable(host: &dyn Host, (cargo, rustc): (&'static str, &'static str)) -> Option<Usable> {
@@ -146,8 +146,8 @@ fn usable(host: &dyn Host, (cargo, rustc): (&'static str, &'static str)) -> Opti
     }
     let triple = said.lines().find_map(|line| line.strip_prefix("host: "))?;
     let sysroot = host.output(rustc, &["--print", "sysroot"])?;
-    let library = Path::new(sysroot.trim()).join("lib/rustlib");
-    let linker = if host.exists(&library.join(triple).join("bin/rust-lld")) {
+    let rustlib = Path::new(sysroot.trim()).join("lib/rustlib");
+    let linker = if host.exists(&rustlib.join(triple).join("bin/rust-lld")) {
         None
     } else {
         Some(
@@ -158,7 +158,7 @@ fn usable(host: &dyn Host, (cargo, rustc): (&'static str, &'static str)) -> Opti
         )
     };
     let compiler = Compiler { cargo, rustc, version, build_core: false, linker };
-    Some(Usable { compiler, library })
+    Some(Usable { compiler, rustlib })
 }
 
 fn add_target(host: &dyn Host) -> Option<Compiler> {
