@@ -152,7 +152,7 @@ impl SensorModel {
 }
 
 /// All corrections on, friction by the gear file's share.
-pub fn all_shares(file: &GearFile) -> Shares<f32> {
+fn all_shares(file: &GearFile) -> Shares<f32> {
     Shares {
         feedback: 1.0,
         inertia: 1.0,
@@ -247,7 +247,7 @@ fn row(time: f64, demand: Demand, plant: &Plant, answer: Output<f32>) -> Row {
 
 /// Root mean square, largest and last of a sequence of errors.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Score {
+struct Score {
     squares: f64,
     count: f64,
     max: f64,
@@ -256,7 +256,7 @@ pub struct Score {
 
 impl Score {
     /// Counts one error.
-    pub fn add(&mut self, error: f64) {
+    fn add(&mut self, error: f64) {
         self.squares += error * error;
         self.count += 1.0;
         self.max = self.max.max(error.abs());
@@ -264,7 +264,7 @@ impl Score {
     }
 
     /// Root mean square.
-    pub fn rms(&self) -> f64 {
+    fn rms(&self) -> f64 {
         (self.squares / self.count).sqrt()
     }
 }
