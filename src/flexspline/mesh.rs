@@ -378,6 +378,7 @@ impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Mesh<R, N, M> {
             flange: virtual_work(&force[M - 1], &by_flange),
             ellipse: virtual_work(&force[0], &rim.by_wave_generator),
             loss: link_loss + contact_loss,
+            saturated: false,
         }
     }
 
