@@ -46,7 +46,7 @@ fn judge(board: &str, overwrite: bool) -> Result<Vec<Figure>, BadInput> {
     let gear = GearFile::default_gear();
     let firmware = pil::build(board, &gear).map_err(BadInput::message)?;
     let mut budget = Budget::read(board).map_err(BadInput::message)?;
-    let measured: Measurement = budget::measure(&budget, &firmware.elf, |arguments| {
+    let mut measured: Measurement = budget::measure(&budget, &firmware.elf, |arguments| {
         let mut deepest = None;
         for scenario in Scenario::ALL {
             let mut progress = Progress::new(1000, scenario.title());
@@ -58,6 +58,10 @@ fn judge(board: &str, overwrite: bool) -> Result<Vec<Figure>, BadInput> {
         Ok(deepest)
     })
     .map_err(BadInput::message)?;
+    if let Some(mesh) = budget.literal_mesh.as_ref().filter(|_| budget.emulated) {
+        let program = pil::build_program(board, &mesh.program, &gear).map_err(BadInput::message)?;
+        mesh.measure(&program.elf, &mut measured).map_err(BadInput::message)?;
+    }
     if overwrite {
         budget.overwrite(&measured).map_err(BadInput::message)?;
         budget = Budget::read(board).map_err(BadInput::message)?;

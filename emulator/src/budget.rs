@@ -8,10 +8,12 @@
 //! exceeded.
 
 mod error;
+mod literal_mesh;
 mod measurement;
 mod table;
 
 pub use error::Error;
+pub use literal_mesh::LiteralMesh;
 pub use measurement::{Measurement, Workload, inspect, measure};
 
 use std::collections::BTreeMap;
@@ -71,6 +73,8 @@ pub struct Budget {
     /// Its parts, by name.
     #[serde(default)]
     pub blocks: BTreeMap<String, Block>,
+    /// What one of them is the reduction of.
+    pub literal_mesh: Option<LiteralMesh>,
     /// Where calls through pointers can go.
     #[serde(default)]
     pub indirect_call: Vec<IndirectCall>,
@@ -100,6 +104,9 @@ impl Budget {
         if !(0.0..=1.0).contains(&budget.headroom) {
             return Err(bad(format!("headroom = {}, allowed: 0 to 1", budget.headroom)));
         }
+        if let Some(what) = budget.literal_mesh.as_ref().and_then(|mesh| mesh.fault(&budget.blocks)) {
+            return Err(bad(what));
+        }
         Ok(Self { board: board.to_owned(), file: file.to_owned(), ..budget })
     }
 
@@ -107,6 +114,11 @@ impl Budget {
     pub fn blocks(&self) -> impl Iterator<Item = (&str, &Block)> {
         let parts = self.blocks.iter().map(|(name, block)| (name.as_str(), block));
         std::iter::once((CONTROL_STEP, &self.control_step)).chain(parts)
+    }
+
+    /// The same, and the literal mesh, which is in an image of its own.
+    pub fn rows(&self) -> impl Iterator<Item = (&str, &Block)> {
+        self.blocks().chain(self.literal_mesh.iter().map(|mesh| (LITERAL_MESH, &mesh.period)))
     }
 
     /// Writes what was measured, plus the headroom, as the new bounds; everything else in the file stays.
@@ -134,6 +146,7 @@ impl Budget {
         for (name, counts) in &measured.counts {
             let block = match name.as_str() {
                 CONTROL_STEP => table(document, CONTROL_STEP),
+                LITERAL_MESH => table(table(document, LITERAL_MESH), "period"),
                 part => table(table(document, "blocks"), part),
             };
             set(block, "instructions", self.bound(counts.instructions.max));
@@ -171,6 +184,9 @@ pub fn emulated_boards() -> Result<Vec<String>, Error> {
 
 /// The name of the control step among the blocks, and its symbol in every image.
 pub const CONTROL_STEP: &str = "control_step";
+
+/// The name of the literal mesh's control period beside the blocks.
+pub const LITERAL_MESH: &str = "literal_mesh";
 
 fn table<'d>(parent: &'d mut Table, key: &str) -> &'d mut Table {
     let item = parent.entry(key).or_insert_with(|| Item::Table(Table::new()));

@@ -103,7 +103,7 @@ fn image(budget: &Budget, figures: &[Figure]) -> Table {
 }
 
 fn bound(figure: Option<&Figure>) -> String {
-    figure.and_then(|f| f.bound).map_or_else(|| "-".to_owned(), |b| b.to_string())
+    figure.map_or_else(|| "-".to_owned(), |f| f.bound_text(|bound| bound.to_string()))
 }
 
 fn yes(holds: bool) -> String {
