@@ -147,10 +147,7 @@ mod tests {
             let keys = json.as_object().unwrap().keys().cloned();
             (keys.collect::<Vec<_>>().join(" "), json["at_least"].as_bool())
         };
-        assert_eq!(
-            keys(Figure::bounded("a", 1.0, "1", 2.0)),
-            ("bound holds name unit value".into(), None)
-        );
+        assert_eq!(keys(Figure::bounded("a", 1.0, "1", 2.0)), ("bound holds name unit value".into(), None));
         assert_eq!(
             keys(Figure::at_least("a", 1.0, "1", 2.0)),
             ("at_least bound holds name unit value".into(), Some(true))

@@ -28,7 +28,12 @@ impl Figure {
 
     /// A figure that must not be below `bound`; NaN never holds.
     pub fn at_least(name: impl Into<String>, value: f64, unit: impl Into<String>, bound: f64) -> Self {
-        Self { bound: Some(bound), at_least: true, holds: value >= bound, ..Self::reported(name, value, unit) }
+        Self {
+            bound: Some(bound),
+            at_least: true,
+            holds: value >= bound,
+            ..Self::reported(name, value, unit)
+        }
     }
 
     /// A figure without a bound.

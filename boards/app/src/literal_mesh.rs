@@ -20,11 +20,12 @@ type CoarseMesh = Mesh<f32, 8, 3>;
 /// Largest micro-step as a share of the mesh's stable step.
 pub const STEP_SHARE: f32 = 0.7;
 
-/// Control periods of the wind-up.
-pub const RISE: u32 = 30;
+/// Control periods of the whole run.
+pub const PERIODS: u32 = 50;
 
-/// Control periods in which what still rings dies away: several of the contact's and the links' time constants.
-const HOLD: u32 = 20;
+/// Of these, those of the motion. In the rest the contact and the links come to rest, whose time constants are
+/// some control periods.
+const RISE: u32 = 30;
 
 /// Torque at the end, in torques of the second knee.
 const WIND_UP: f32 = 1.25;
@@ -60,7 +61,7 @@ pub fn wind_up(joint: &JointParams<f32>) -> Result<WindUp, Error> {
     let mut mesh = LiteralMesh::build(params, joint.dt)?;
     let mut ends = Ends::default();
     let mut literal = 0.0;
-    for period in 0..RISE + HOLD {
+    for period in 0..PERIODS {
         let next = torsion * share(period + 1);
         ends.drive_rate = (next - ends.drive.minus(ends.flange)) / joint.dt;
         ends.wave_generator_rate = ends.drive_rate * ratio.n() as f32;

@@ -33,7 +33,8 @@ impl LiteralMesh {
     /// What is wrong with it, if anything, beside these blocks.
     pub(super) fn fault(&self, blocks: &BTreeMap<String, Block>) -> Option<String> {
         let missing = !blocks.contains_key(&self.reduced);
-        missing.then(|| format!("literal_mesh.reduced = \"{}\", allowed: a name among [blocks]", self.reduced))
+        missing
+            .then(|| format!("literal_mesh.reduced = \"{}\", allowed: a name among [blocks]", self.reduced))
     }
 
     /// Runs the program at `elf` and adds what its mesh costs to the other blocks.
@@ -43,8 +44,7 @@ impl LiteralMesh {
     /// [`Error::NotCalled`].
     pub fn measure(&self, elf: &Path, measured: &mut Measurement) -> Result<(), Error> {
         let (counts, _) = count(&Image::read(elf)?, &[(LITERAL_MESH, &self.period)], |arguments| {
-            let options =
-                Options { patience: PATIENCE, arguments: arguments.to_vec(), ..Options::default() };
+            let options = Options { patience: PATIENCE, arguments: arguments.to_vec(), ..Options::default() };
             Machine::boot_with(elf, &options)?.end()?;
             Ok(None)
         })?;

@@ -141,6 +141,14 @@ mod tests {
     }
 
     #[test]
+    fn a_floor_is_told_from_a_ceiling() {
+        let text = print(&measurement(), &budget());
+        let row = text.lines().find(|l| l.trim_start().starts_with("literal_over_reduced")).unwrap();
+        let cells: Vec<&str> = row.split_whitespace().collect();
+        assert_eq!(cells, ["literal_over_reduced", "308", "1", ">=", "300", "yes"]);
+    }
+
+    #[test]
     fn a_failed_proof_shows_its_path() {
         let path = Some(vec!["step".to_owned(), "__aeabi_dmul".to_owned()]);
         let doubles = vec![Violation { what: "__aeabi_dmul".to_owned(), path }];

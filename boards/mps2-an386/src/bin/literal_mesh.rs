@@ -13,7 +13,7 @@ mod register;
 #[path = "../uart.rs"]
 mod uart;
 
-use strainwave_app::literal_mesh::wind_up;
+use strainwave_app::literal_mesh::{AGREEMENT, wind_up};
 use strainwave_app::{Error, JOINT};
 
 #[cortex_m_rt::entry]
@@ -21,7 +21,12 @@ fn main() -> ! {
     uart::enable();
     match wind_up(&JOINT) {
         Ok(end) => {
-            defmt::info!("torque {=f32}, of the reduced flexspline {=f32}", end.literal, end.reduced);
+            defmt::info!(
+                "literal mesh {=f32} N m, reduced {=f32} N m, allowed: {=f32} of it apart",
+                end.literal,
+                end.reduced,
+                AGREEMENT
+            );
             if end.agrees() {
                 fault::succeed();
             }
