@@ -43,10 +43,10 @@ impl LiteralMesh {
     /// [`Error::Image`]; [`Error::Workload`] when the program does not end well; [`Error::Counting`];
     /// [`Error::NotCalled`].
     pub fn measure(&self, elf: &Path, measured: &mut Measurement) -> Result<(), Error> {
-        let (counts, _) = count(&Image::read(elf)?, &[(LITERAL_MESH, &self.period)], |arguments| {
+        let counts = count(&Image::read(elf)?, &[(LITERAL_MESH, &self.period)], |arguments| {
             let options = Options { patience: PATIENCE, arguments: arguments.to_vec(), ..Options::default() };
             Machine::boot_with(elf, &options)?.end()?;
-            Ok(None)
+            Ok(())
         })?;
         measured.counts.extend(counts);
         Ok(())

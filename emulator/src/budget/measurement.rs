@@ -30,7 +30,10 @@ pub struct Measurement {
 }
 
 /// What a workload comes back with: the deepest stack that the firmware reports, if it does, in bytes.
-pub type Workload = Result<Option<u32>, Box<dyn std::error::Error + Send + Sync>>;
+pub type Workload = Result<Option<u32>, Failure>;
+
+/// Why a workload failed.
+pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 /// Judges the image at `elf` without running it.
 ///
@@ -57,22 +60,25 @@ pub fn measure(
     let mut measured = examine(budget, &image)?;
     if budget.emulated {
         let blocks: Vec<_> = budget.blocks().collect();
-        (measured.counts, measured.stack_mark) = count(&image, &blocks, workload)?;
+        measured.counts = count(&image, &blocks, |arguments| {
+            measured.stack_mark = workload(arguments)?;
+            Ok(())
+        })?;
     }
     Ok(measured)
 }
 
-/// Counts `blocks` of `image` while `workload` runs it; gives back what that came back with, too.
+/// Counts `blocks` of `image` while `workload` runs it.
 pub(super) fn count(
     image: &Image,
     blocks: &[(&str, &Block)],
-    workload: impl FnOnce(&[String]) -> Workload,
-) -> Result<(Vec<(String, Counts)>, Option<u32>), Error> {
+    workload: impl FnOnce(&[String]) -> Result<(), Failure>,
+) -> Result<Vec<(String, Counts)>, Error> {
     let found = blocks.iter().map(|(_, block)| image.find(&block.symbol));
     let functions: Vec<Vec<usize>> = found.collect::<Result<_, _>>()?;
     let counting = Counting::prepare(image, &distinct(&functions))?;
-    let stack_mark = workload(&counting.arguments()).map_err(Error::Workload)?;
-    Ok((by_block(blocks, &functions, &counting.finish(image)?)?, stack_mark))
+    workload(&counting.arguments()).map_err(Error::Workload)?;
+    by_block(blocks, &functions, &counting.finish(image)?)
 }
 
 fn examine(budget: &Budget, image: &Image) -> Result<Measurement, Error> {
