@@ -23,6 +23,7 @@
 use crate::angle::Angle;
 use crate::error::{Error, require};
 pub use crate::flexspline::condensation::unit_stiffness;
+use crate::flexspline::shell::Bend;
 use crate::flexspline::stiffness_line::StiffnessLineParams;
 use crate::real::Real;
 
@@ -59,6 +60,8 @@ pub struct FlexsplineParams<R> {
     pub damping_ratio: R,
     /// Inertia J_fs that the damping ratio refers to (kg m^2).
     pub inertia: R,
+    /// Hardening of the mesh's bend links.
+    pub bend: Bend<R>,
 }
 
 impl<R: Real> Cup<R> {
@@ -150,5 +153,6 @@ pub(crate) mod tests {
         line: StiffnessLineParams { stiffness: [3.1e4, 5.0e4, 5.7e4], knee_torque: [14.0, 48.0] },
         damping_ratio: 0.02,
         inertia: 1.2,
+        bend: Bend::LINEAR,
     };
 }

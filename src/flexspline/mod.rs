@@ -13,13 +13,14 @@ pub mod calibration;
 mod condensation;
 pub mod mesh;
 pub mod reduced;
-mod slice;
+pub mod shell;
 pub mod stiffness_line;
 pub mod strain_gauge;
 
 pub use calibration::{Cup, FlexsplineParams};
 pub use mesh::Mesh;
 pub use reduced::Reduced;
+pub use shell::{Bend, Shell, ShellParams, Strained};
 pub use stiffness_line::StiffnessLine;
 pub use strain_gauge::StrainGauge;
 
@@ -68,6 +69,11 @@ pub trait Flexspline<R: Real> {
 
     /// Advances by the model's time step and answers with the torques of that step.
     fn step(&self, state: &mut Self::State, ends: &Ends<R>) -> Reaction<R>;
+
+    /// The most strained link of a model that has links; beyond [`Strained::is_valid`] the run has diverged.
+    fn largest_strain(&self, _state: &Self::State) -> Option<Strained<R>> {
+        None
+    }
 
     /// Energy stored in `state`, elastic and kinetic (J), with its ends at `ends`.
     fn energy(&self, state: &Self::State, ends: &Ends<R>) -> R;

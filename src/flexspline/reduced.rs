@@ -39,7 +39,8 @@
 //! | the dashpot against both springs, c_contact/(K_contact + K_shell) = 60 us, at sqrt(K1/J_fs) = 161 rad/s | (161*6e-5)^2 = 9e-5 of the damping |
 //! | the ellipse's tension in the links, second order in w0/R | 7.1e-4 of K1 (8 x 3), 3.4e-5 (36 x 4): `verify flexspline` |
 //! | the ellipse's reaction on the wave generator, zero on average | 5e-5 N m (8 x 3), below 1e-10 (36 x 4) |
-//! | inner slices' second-order displacement, harmonics 0 and 4 | strain 2.5e-5 (8 x 3), 5.0e-5 (36 x 4): [`super::StrainGauge`] |
+//! | the hardening of the bend links, none by default | hardening*(4.8e-3)^2 of their stiffness |
+//! | inner slices' second-order displacement, harmonics 0 and 4 | strain 2.7e-5 (8 x 3), 5.0e-5 (36 x 4): [`super::StrainGauge`] |
 //!
 //! # Range
 //!
@@ -158,16 +159,17 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
         Ok([radial, tangential + torque * self.twist[j][1], axial])
     }
 
-    /// Strain L/L0 - 1 of the link that leaves `node` = (i, j) in one of the [`DIRECTIONS`]: exact in the
-    /// ellipse's displacement of its ends, to first order in the torque's; `wave_generator` is
+    /// Strain L/L0 - 1 of the link from `node` (i, j) that spans `direction` (around, along), either way: exact
+    /// in the ellipse's displacement of its ends, to first order in the torque's; `wave_generator` is
     /// theta_wg - theta_fs. For one place that is read in every control step build a [`super::StrainGauge`].
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `node` unless i < N and j < M, `direction` when the mesh has no such link.
+    /// [`Error::OutOfRange`] `node` unless i < N and j < M; `direction` unless it is one of the 16 and ends
+    /// within the cup.
     pub fn strain(
         &self,
         node: (usize, usize),
-        direction: (i32, usize),
+        direction: (i32, i32),
         torque: R,
         wave_generator: Angle<R>,
     ) -> Result<R, Error> {
@@ -180,23 +182,33 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
     ///
     /// # Errors
     /// As [`Reduced::strain`].
-    pub fn strain_per_torque(&self, node: (usize, usize), direction: (i32, usize)) -> Result<R, Error> {
+    pub fn strain_per_torque(&self, node: (usize, usize), direction: (i32, i32)) -> Result<R, Error> {
         let (link, ends) = self.link(node, direction)?;
         let [near, far] = ends.map(|(_, j)| self.twist[j]);
         Ok(link.linear_strain(near, far))
     }
 
-    /// A link and the two nodes that it joins.
+    /// A link and the two nodes that it joins, near one first.
     fn link(
         &self,
         (i, j): (usize, usize),
-        direction: (i32, usize),
+        (around, along): (i32, i32),
     ) -> Result<(Link<R>, [(usize, usize); 2]), Error> {
         require(i < N && j < M, "node")?;
-        let (around, along) = direction;
-        require(DIRECTIONS.contains(&direction) && j + along < M, "direction")?;
-        let far = (i as i32 + around).rem_euclid(N as i32) as usize;
-        Ok((Link::new(&self.cup, N, M, direction), [(i, j), (far, j + along)]))
+        let of = |sign: i32| {
+            let links = |(a, s): &&(i32, usize)| (sign * a, sign * *s as i32) == (around, along);
+            DIRECTIONS.iter().find(links)
+        };
+        let (direction, backward) = match (of(1), of(-1)) {
+            (Some(forward), _) => (*forward, false),
+            (_, Some(backward)) => (*backward, true),
+            _ => return Err(Error::OutOfRange("direction")),
+        };
+        let other = (i as i32 + around).rem_euclid(N as i32) as usize;
+        let slice = j.checked_add_signed(along as isize).filter(|slice| *slice < M);
+        let slice = slice.ok_or(Error::OutOfRange("direction"))?;
+        let link = Link::new(&self.cup, N, M, direction);
+        Ok((link, if backward { [(other, slice), (i, j)] } else { [(i, j), (other, slice)] }))
     }
 
     /// Displacement of a node that exists, by the ellipse.
@@ -276,6 +288,7 @@ mod tests {
             },
             damping_ratio: SIZE_25.damping_ratio as f32,
             inertia: SIZE_25.inertia as f32,
+            bend: crate::flexspline::Bend::LINEAR,
         };
         Reduced::build(&params, RATED as f32).unwrap()
     }
