@@ -202,6 +202,7 @@ fn condense<R: Real, const M: usize>(mut stiffness: Stiffness<R, M>, rim: Displa
 }
 
 /// Adds `factor` times `other`.
+#[inline(never)] // As `settled`.
 fn add<R: Real, const M: usize>(sum: &mut Shape<R, M>, factor: R, other: &Shape<R, M>) {
     for (entry, added) in sum.as_flattened_mut().iter_mut().zip(other.as_flattened()) {
         *entry += factor * *added;
