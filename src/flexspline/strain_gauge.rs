@@ -28,6 +28,7 @@
 use crate::angle::Angle;
 use crate::error::Error;
 use crate::flexspline::Reduced;
+use crate::flexspline::reduced::{Direction, Node};
 use crate::real::Real;
 
 /// Angles of the Fourier series over one period of the ellipse, half a turn.
@@ -57,8 +58,8 @@ impl<R: Real> StrainGauge<R> {
     /// As [`Reduced::strain`].
     pub fn build<const N: usize, const M: usize>(
         cup: &Reduced<R, N, M>,
-        node: (usize, usize),
-        direction: (i32, i32),
+        node: Node,
+        direction: Direction,
     ) -> Result<Self, Error> {
         let mut gauge = Self {
             constant: R::ZERO,
