@@ -127,6 +127,7 @@ fn links<R: Real>(cup: &Cup<R>, n: usize, m: usize) -> [Link<R>; 8] {
 }
 
 /// Amplitudes of every slice at rest in a harmonic, the rim displaced by `rim`, the flange not.
+#[inline(never)] // For two harmonics, once at start-up: small rather than fast.
 pub(super) fn settled<R: Real, const M: usize>(
     cup: &Cup<R>,
     n: usize,
@@ -155,29 +156,25 @@ pub(super) fn stiffness<R: Real, const M: usize>(cup: &Cup<R>, n: usize, order: 
     let mut stiffness = [[[[R::ZERO; 3]; M]; 3]; M];
     for link in links(cup, n, M) {
         for row in link.rows(n, order) {
-            for (near, far) in (0..M).zip(link.along..M) {
-                add_square(&mut stiffness, [near, far], &row);
+            for ends in (0..M).zip(link.along..M) {
+                let gains = gains(ends, row);
+                for (force, gain) in stiffness.as_flattened_mut().iter_mut().zip(gains.as_flattened()) {
+                    add(force, *gain, &gains);
+                }
             }
         }
     }
     stiffness
 }
 
-/// Adds the stiffness of a link that gains `row` times the amplitudes of the slices `at`.
-fn add_square<R: Real, const M: usize>(
-    stiffness: &mut Stiffness<R, M>,
-    at: [usize; 2],
-    row: &[Displacement<R>; 2],
-) {
-    for (slice, gains) in at.into_iter().zip(row) {
-        for (force, gain) in stiffness[slice].iter_mut().zip(gains) {
-            for (other, other_gains) in at.into_iter().zip(row) {
-                for (entry, other_gain) in force[other].iter_mut().zip(other_gains) {
-                    *entry += *gain * *other_gain;
-                }
-            }
-        }
-    }
+/// Elongation per amplitude of every slice, of a link that joins two of them.
+fn gains<R: Real, const M: usize>((near, far): (usize, usize), row: [Displacement<R>; 2]) -> Shape<R, M> {
+    core::array::from_fn(|slice| {
+        core::array::from_fn(|c| {
+            let of = |end, part: &Displacement<R>| if slice == end { part[c] } else { R::ZERO };
+            of(near, &row[0]) + of(far, &row[1])
+        })
+    })
 }
 
 /// Solves for the inner slices: no force is left on them. The matrix is positive definite: no pivoting.
@@ -188,7 +185,7 @@ fn condense<R: Real, const M: usize>(mut stiffness: Stiffness<R, M>, rim: Displa
             let inverse = R::ONE / pivot[j][c];
             for (slice, rows) in stiffness.iter_mut().enumerate().take(M - 1).skip(1) {
                 for (_, row) in rows.iter_mut().enumerate().filter(|(k, _)| (slice, *k) != (j, c)) {
-                    subtract(row, row[j][c] * inverse, &pivot);
+                    add(row, -(row[j][c] * inverse), &pivot);
                 }
             }
         }
@@ -204,9 +201,11 @@ fn condense<R: Real, const M: usize>(mut stiffness: Stiffness<R, M>, rim: Displa
     shape
 }
 
-fn subtract<R: Real, const M: usize>(row: &mut Shape<R, M>, factor: R, other: &Shape<R, M>) {
-    for (entry, taken) in row.as_flattened_mut().iter_mut().zip(other.as_flattened()) {
-        *entry -= factor * *taken;
+/// Adds `factor` times `other`.
+#[inline(never)] // As `settled`.
+fn add<R: Real, const M: usize>(sum: &mut Shape<R, M>, factor: R, other: &Shape<R, M>) {
+    for (entry, added) in sum.as_flattened_mut().iter_mut().zip(other.as_flattened()) {
+        *entry += factor * *added;
     }
 }
 

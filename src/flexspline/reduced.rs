@@ -39,7 +39,8 @@
 //! | the dashpot against both springs, c_contact/(K_contact + K_shell) = 60 us, at sqrt(K1/J_fs) = 161 rad/s | (161*6e-5)^2 = 9e-5 of the damping |
 //! | the ellipse's tension in the links, second order in w0/R | 7.1e-4 of K1 (8 x 3), 3.4e-5 (36 x 4): `verify flexspline` |
 //! | the ellipse's reaction on the wave generator, zero on average | 5e-5 N m (8 x 3), below 1e-10 (36 x 4) |
-//! | inner slices' second-order displacement, harmonics 0 and 4 | strain 2.5e-5 (8 x 3), 5.0e-5 (36 x 4): [`super::StrainGauge`] |
+//! | the hardening of the bend links, none by default | hardening*(4.8e-3)^2 of their stiffness |
+//! | inner slices' second-order displacement, harmonics 0 and 4 | strain 2.7e-5 (8 x 3), 5.0e-5 (36 x 4): [`super::StrainGauge`] |
 //!
 //! # Range
 //!
@@ -57,11 +58,17 @@ use crate::real::Real;
 
 /// Largest torque that the law gives, in rated torques.
 ///
-/// Past it a gear is no spring any more: the makers let size 25, ratio 100, rated at 67 N m, ratchet at 500 N m
-/// (Harmonic Drive CSF catalogue, table 4: 7.5 times), and the stronger CSG series, sizes 17, 20 and 25 of
-/// rated torques 31, 52 and 87 N m, at 200, 330 and 610 N m (table 6: 6.3 to 7.0 times). The peak torque in
-/// operation is 2.3 times.
+/// Past it a gear is no spring any more, its teeth ratchet: size 25, ratio 100, rated at 67 N m, at 500 N m
+/// (Harmonic Drive CSF catalogue, table 4), 7.5 times; sizes 17, 20 and 25 of the stronger CSG series at 200,
+/// 330 and 610 N m (table 6), 6.3 to 7.0 times the 31, 52 and 87 N m that gears of that class are rated at
+/// (Schaeffler RT1-H-CS). The peak torque in operation, 157 N m of the default gear, is 2.3 times.
 pub const RANGE: f64 = 5.0;
+
+/// Node i of slice j, slice 0 the rim.
+pub type Node = (usize, usize);
+
+/// Steps around and along that a link spans, one of the 16.
+pub type Direction = (i32, i32);
 
 /// The condensed N x M mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -147,27 +154,23 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `node` unless i < N and j < M.
-    pub fn displacement(
-        &self,
-        (i, j): (usize, usize),
-        torque: R,
-        wave_generator: Angle<R>,
-    ) -> Result<[R; 3], Error> {
+    pub fn displacement(&self, (i, j): Node, torque: R, wave_generator: Angle<R>) -> Result<[R; 3], Error> {
         require(i < N && j < M, "node")?;
         let [radial, tangential, axial] = self.pressed(i, j, wave_generator);
         Ok([radial, tangential + torque * self.twist[j][1], axial])
     }
 
-    /// Strain L/L0 - 1 of the link that leaves `node` = (i, j) in one of the [`DIRECTIONS`]: exact in the
-    /// ellipse's displacement of its ends, to first order in the torque's; `wave_generator` is
+    /// Strain L/L0 - 1 of the link from `node` (i, j) that spans `direction` (around, along), either way: exact
+    /// in the ellipse's displacement of its ends, to first order in the torque's; `wave_generator` is
     /// theta_wg - theta_fs. For one place that is read in every control step build a [`super::StrainGauge`].
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `node` unless i < N and j < M, `direction` when the mesh has no such link.
+    /// [`Error::OutOfRange`] `node` unless i < N and j < M; `direction` unless it is one of the 16 and ends
+    /// within the cup.
     pub fn strain(
         &self,
-        node: (usize, usize),
-        direction: (i32, usize),
+        node: Node,
+        direction: Direction,
         torque: R,
         wave_generator: Angle<R>,
     ) -> Result<R, Error> {
@@ -180,23 +183,24 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
     ///
     /// # Errors
     /// As [`Reduced::strain`].
-    pub fn strain_per_torque(&self, node: (usize, usize), direction: (i32, usize)) -> Result<R, Error> {
+    pub fn strain_per_torque(&self, node: Node, direction: Direction) -> Result<R, Error> {
         let (link, ends) = self.link(node, direction)?;
         let [near, far] = ends.map(|(_, j)| self.twist[j]);
         Ok(link.linear_strain(near, far))
     }
 
-    /// A link and the two nodes that it joins.
-    fn link(
-        &self,
-        (i, j): (usize, usize),
-        direction: (i32, usize),
-    ) -> Result<(Link<R>, [(usize, usize); 2]), Error> {
+    /// A link and the two nodes that it joins, near one first.
+    fn link(&self, (i, j): Node, (around, along): Direction) -> Result<(Link<R>, [Node; 2]), Error> {
         require(i < N && j < M, "node")?;
-        let (around, along) = direction;
-        require(DIRECTIONS.contains(&direction) && j + along < M, "direction")?;
-        let far = (i as i32 + around).rem_euclid(N as i32) as usize;
-        Ok((Link::new(&self.cup, N, M, direction), [(i, j), (far, j + along)]))
+        let spans = |sign: i32| move |(a, s): &(i32, usize)| (sign * a, sign * *s as i32) == (around, along);
+        let forward = DIRECTIONS.into_iter().find(spans(1));
+        let direction =
+            forward.or(DIRECTIONS.into_iter().find(spans(-1))).ok_or(Error::OutOfRange("direction"))?;
+        let slice = j.checked_add_signed(along as isize).filter(|slice| *slice < M);
+        let other =
+            ((i as i32 + around).rem_euclid(N as i32) as usize, slice.ok_or(Error::OutOfRange("direction"))?);
+        let link = Link::new(&self.cup, N, M, direction);
+        Ok((link, if forward.is_some() { [(i, j), other] } else { [other, (i, j)] }))
     }
 
     /// Displacement of a node that exists, by the ellipse.

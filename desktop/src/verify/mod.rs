@@ -7,13 +7,14 @@ mod flexspline;
 mod friction;
 mod gear;
 mod hysteresis;
+mod strain;
 
 use crate::figure::Figure;
 
 /// A part of the project whose figures are measured together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// The mesh against the catalogue, the real-time gear against the reference.
+    /// The mesh against the catalogue, its reduction against the mesh, the real-time gear against the reference.
     Flexspline,
     /// Bliman-Sorine against its closed form, f32 against f64.
     Friction,
@@ -40,7 +41,7 @@ impl Part {
     /// Measures the part's figures.
     pub fn measure(self) -> Vec<Figure> {
         match self {
-            Self::Flexspline => [flexspline::measure(), gear::measure()].concat(),
+            Self::Flexspline => [flexspline::measure(), strain::measure(), gear::measure()].concat(),
             Self::Friction => friction::measure(),
             Self::Hysteresis => hysteresis::measure(),
             Self::Compensator => angle::measure(),
