@@ -17,9 +17,9 @@
 use crate::angle::Angle;
 use crate::error::{Error, require};
 use crate::flexspline::calibration::{FlexsplineParams, unit_stiffness};
+use crate::flexspline::shell::ring::Ring;
 use crate::flexspline::shell::{
-    Force, Shell, ShellParams, ShellState, Slice, Strained, UnitVectors, check_nodes, close, sum,
-    unit_vectors,
+    Shell, ShellParams, ShellState, Slice, Strained, UnitVectors, check_nodes, close, sum, unit_vectors,
 };
 use crate::flexspline::spectrum;
 use crate::flexspline::stiffness_line::StiffnessLine;
@@ -263,8 +263,9 @@ fn move_with<R: Real, const N: usize, const K: usize>(
 
 /// Sum of force times displacement per unit of the angle that moves the slice: a torque (N m).
 #[inline(always)]
-fn virtual_work<R: Real, const N: usize>(force: &Force<R, N>, by: &Displacement<R, N>) -> R {
-    let work: [R; N] = core::array::from_fn(|i| force[0][i] * by[0][i] + force[1][i] * by[1][i]);
+fn virtual_work<R: Real, const N: usize>(force: &Slice<R, N>, by: &Displacement<R, N>) -> R {
+    let [x, y, _] = force.each_ref().map(Ring::entries);
+    let work: [R; N] = core::array::from_fn(|i| x[i] * by[0][i] + y[i] * by[1][i]);
     sum(&work)
 }
 
@@ -281,7 +282,7 @@ impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Mesh<R, N, M> {
     #[inline(always)]
     fn step(&self, state: &mut Self::State, ends: &Ends<R>) -> Reaction<R> {
         let shapes = self.place_ends(state, ends);
-        let mut force = [[[R::ZERO; N]; 3]; M];
+        let mut force = [[Ring::ZERO; 3]; M];
         let link_loss = self.shell.pull(&state.shell, &mut force);
         self.shell.advance(&mut state.shell, &force, 1..M - 1);
         let links = virtual_work(&force[0], &shapes.by_rim);
@@ -405,11 +406,12 @@ mod tests {
         let mut state = mesh.rest();
         for _ in 0..50 {
             mesh.step(&mut state, &ends);
-            let mut force = [[[0.0; 8]; 3]; 3];
+            let mut force = [[Ring::ZERO; 3]; 3];
             mesh.shell.pull(&state.shell, &mut force);
-            let largest = force.iter().flat_map(|slice| slice[0]).fold(0.0, |m: f64, f| m.max(f.abs()));
+            let largest =
+                force.iter().flat_map(|slice| *slice[0].entries()).fold(0.0, |m: f64, f| m.max(f.abs()));
             for axis in 0..3 {
-                let total: f64 = force.iter().flat_map(|slice| slice[axis]).sum();
+                let total: f64 = force.iter().flat_map(|slice| *slice[axis].entries()).sum();
                 assert!(total.abs() < 1e-12 * largest, "{total} N left over of {largest} N");
             }
         }
