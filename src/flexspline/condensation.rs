@@ -36,7 +36,7 @@ pub(super) type Displacement<R> = [R; 3];
 pub(super) type Shape<R, const M: usize> = [Displacement<R>; M];
 
 /// Force on a slice, by component, per displacement of every slice, by component; in units of k.
-type Stiffness<R, const M: usize> = [[Shape<R, M>; 3]; M];
+pub(super) type Stiffness<R, const M: usize> = [[Shape<R, M>; 3]; M];
 
 /// A link of the round, unloaded ring.
 #[derive(Clone, Copy, Debug)]
@@ -152,7 +152,7 @@ pub fn unit_stiffness<R: Real, const M: usize>(cup: &Cup<R>, n: usize) -> R {
 }
 
 /// Stiffness of a harmonic's amplitudes, in units of k*n/2 (of k*n for harmonic 0).
-fn stiffness<R: Real, const M: usize>(cup: &Cup<R>, n: usize, order: i32) -> Stiffness<R, M> {
+pub(super) fn stiffness<R: Real, const M: usize>(cup: &Cup<R>, n: usize, order: i32) -> Stiffness<R, M> {
     let mut stiffness = [[[[R::ZERO; 3]; M]; 3]; M];
     for link in links(cup, n, M) {
         for row in link.rows(n, order) {

@@ -14,6 +14,7 @@ mod condensation;
 pub mod mesh;
 pub mod reduced;
 pub mod shell;
+mod spectrum;
 pub mod stiffness_line;
 pub mod strain_gauge;
 

@@ -252,6 +252,7 @@ impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Reduced<R, N, M>
 mod tests {
     use super::*;
     use crate::flexspline::calibration::tests::SIZE_25;
+    use crate::flexspline::shell::Bend;
     use proptest::prelude::*;
 
     const RATED: f64 = 67.0;
@@ -280,7 +281,7 @@ mod tests {
             },
             damping_ratio: SIZE_25.damping_ratio as f32,
             inertia: SIZE_25.inertia as f32,
-            bend: crate::flexspline::Bend::LINEAR,
+            bend: Bend::LINEAR,
         };
         Reduced::build(&params, RATED as f32).unwrap()
     }
