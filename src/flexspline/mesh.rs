@@ -79,7 +79,7 @@ struct EndShapes<R, const N: usize> {
 
 /// The shell of these parameters: one k for all links that gives the n x M mesh the stiffness of the cup.
 fn shell_params<R: Real, const M: usize>(params: &FlexsplineParams<R>, n: usize) -> ShellParams<R> {
-    let link_stiffness = params.cup.stiffness() / unit_stiffness::<R, M>(&params.cup, n);
+    let link_stiffness = params.cup.stiffness() / unit_stiffness::<R, M>(&params.cup, n, &params.bend);
     // Gives the tube's first torsion mode the joint's damping ratio.
     let time = R::lit(2.0) * params.damping_ratio / params.cup.torsion_frequency();
     ShellParams { cup: params.cup, link_stiffness, link_damping: time * link_stiffness, bend: params.bend }
@@ -310,6 +310,7 @@ impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Mesh<R, N, M> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::flexspline::Bend;
     use crate::flexspline::calibration::tests::SIZE_25;
 
     /// Torque on the flange with the ends held at a torsion, after settling.
@@ -331,6 +332,23 @@ mod tests {
         for torque in [settled_torque::<8, 3>(1e-5, 0.0), settled_torque::<36, 4>(1e-5, 0.0)] {
             let stiffness = torque / 1e-5;
             assert!((stiffness / 3.1e4 - 1.0).abs() < 1e-4, "{stiffness}");
+        }
+    }
+
+    /// Bend links that are up to 2.5 times as stiff where the ellipse strains them leave K1 where it was.
+    #[test]
+    fn hardening_bend_links_are_calibrated_where_the_ellipse_holds_them() {
+        fn stiffness<const N: usize, const M: usize>(params: &FlexsplineParams<f64>) -> f64 {
+            let dt = 0.9 * Mesh::<f64, N, M>::stable_step(params);
+            let mesh = Mesh::<f64, N, M>::build(params, dt).unwrap();
+            let ends = Ends { drive: Angle::from_radians(1e-5), ..Ends::default() };
+            let mut state = mesh.rest();
+            mesh.relax(&mut state, &ends, 20_000);
+            mesh.step(&mut state, &ends).flange / 1e-5
+        }
+        let hard = FlexsplineParams { bend: Bend { hardening: 1e5, saturation: 4e-3 }, ..SIZE_25 };
+        for stiffness in [stiffness::<8, 3>(&hard), stiffness::<36, 4>(&hard)] {
+            assert!((stiffness / 3.1e4 - 1.0).abs() < 5e-3, "{stiffness}");
         }
     }
 

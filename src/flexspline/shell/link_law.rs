@@ -57,6 +57,13 @@ impl<R: Real> Bend<R> {
         R::ONE + self.hardening * strain * strain
     }
 
+    /// Slope of a bend link's tension over its strain, over that of a linear one, to first order in the strain.
+    pub(in crate::flexspline) fn slope(&self, strain: R) -> R {
+        let inside = strain.abs() < self.saturation;
+        let (bound, share) = if inside { (strain, R::lit(3.0)) } else { (self.saturation, R::ONE) };
+        R::ONE + share * self.hardening * bound * bound
+    }
+
     /// Energy of a link of constant 1 N/m and rest length 1 m, at u (J).
     pub(super) fn potential(&self, u: R) -> R {
         let inside = u.limit(R::lit(2.0) * self.saturation);

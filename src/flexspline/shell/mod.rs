@@ -27,7 +27,7 @@ use core::ops::{Range, RangeInclusive};
 
 use crate::angle::Angle;
 use crate::error::{Error, require};
-use crate::flexspline::calibration::{Cup, DIRECTIONS, link_geometry};
+use crate::flexspline::calibration::{Cup, DIRECTIONS, link_length};
 use crate::flexspline::spectrum;
 use crate::real::Real;
 use link_law::shortening;
@@ -203,7 +203,7 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
         let spacing = params.spacing(M);
         let node_mass = params.node_mass(N, M);
         let direction = |(around, along)| {
-            let rest_length = link_geometry(&params.cup, N, spacing, around, along).0;
+            let rest_length = link_length(&params.cup, N, spacing, (around, along));
             let inverse_square = R::ONE / (rest_length * rest_length);
             let damping = params.link_damping * inverse_square;
             Direction { around, along, rest_length, inverse_square, damping }
