@@ -17,9 +17,9 @@
 use crate::angle::Angle;
 use crate::error::{Error, require};
 use crate::flexspline::calibration::{FlexsplineParams, unit_stiffness};
-use crate::flexspline::shell::ring::node_at;
 use crate::flexspline::shell::{
-    Force, Shell, ShellParams, ShellState, Slice, Strained, check_nodes, close, sum,
+    Force, Shell, ShellParams, ShellState, Slice, Strained, UnitVectors, check_nodes, close, sum,
+    unit_vectors,
 };
 use crate::flexspline::spectrum;
 use crate::flexspline::stiffness_line::StiffnessLine;
@@ -37,8 +37,8 @@ pub struct Mesh<R, const N: usize, const M: usize> {
     contact_damping: R,
     radius: R,
     ellipse: R,
-    /// Cosine and sine of twice each node's angle, by entry of the ring.
-    twice: [(R, R); N],
+    /// Cosine and sine of twice each node's angle.
+    twice: UnitVectors<R, N>,
     rim_inertia: R,
     dt: R,
     dt_over_rim_inertia: R,
@@ -121,11 +121,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
             contact_damping: params.contact_damping(),
             radius: params.cup.radius,
             ellipse: params.cup.ellipse,
-            twice: core::array::from_fn(|entry| {
-                let (sine, cosine) =
-                    Angle::from_turn_fraction(2 * node_at(entry, N) as i32, N as i32).sin_cos();
-                (cosine, sine)
-            }),
+            twice: unit_vectors(2),
             rim_inertia: rim_inertia(&shell_params, N, M),
             dt,
             dt_over_rim_inertia: R::ZERO,
@@ -190,8 +186,8 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
         let (mut by_rim, mut by_wave_generator) = ([[R::ZERO; N]; 2], [[R::ZERO; N]; 2]);
         let [x, y, _] = state.shell.position[0].each_mut().map(|axis| axis.entries_mut());
         for i in 0..N {
-            let (cosine, sine) = turned_by(self.shell.angles()[i], turn);
-            let (c, s) = turned_by(self.twice[i], twice);
+            let (cosine, sine) = turned_by(self.shell.angles(), i, turn);
+            let (c, s) = turned_by(&self.twice, i, twice);
             let (c, s) = (self.ellipse * c, self.ellipse * s);
             let place = |radial: R, tangential: R| {
                 (radial * cosine - tangential * sine, radial * sine + tangential * cosine)
@@ -213,7 +209,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
         let mut by_flange = [[R::ZERO; N]; 2];
         let [x, y, _] = shell.position[M - 1].each_mut().map(|axis| axis.entries_mut());
         for i in 0..N {
-            let (cosine, sine) = turned_by(self.shell.angles()[i], turn);
+            let (cosine, sine) = turned_by(self.shell.angles(), i, turn);
             (x[i], y[i]) = (self.radius * cosine, self.radius * sine);
             (by_flange[0][i], by_flange[1][i]) = (-y[i], x[i]);
         }
@@ -240,10 +236,14 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
     }
 }
 
-/// A unit vector (cosine, sine) turned by the angle whose sine and cosine are given.
+/// Cosine and sine of a node's angle plus the angle whose sine and cosine are given.
 #[inline(always)]
-fn turned_by<R: Real>((c, s): (R, R), (sine, cosine): (R, R)) -> (R, R) {
-    (c * cosine - s * sine, s * cosine + c * sine)
+fn turned_by<R: Real, const N: usize>(
+    [c, s]: &UnitVectors<R, N>,
+    entry: usize,
+    (sine, cosine): (R, R),
+) -> (R, R) {
+    (c[entry] * cosine - s[entry] * sine, s[entry] * cosine + c[entry] * sine)
 }
 
 /// Velocities of a slice that moves with some angles, each with its rate (rad/s).

@@ -74,8 +74,8 @@ pub struct Shell<R, const N: usize, const M: usize> {
     node_mass: R,
     dt: R,
     dt_over_mass: R,
-    /// Cosine and sine of every node's angle, by entry of the ring.
-    angles: [(R, R); N],
+    /// Cosine and sine of every node's angle.
+    angles: UnitVectors<R, N>,
 }
 
 /// Positions (m) and velocities (m/s) of the nodes.
@@ -112,6 +112,18 @@ impl<R: Real, const N: usize, const M: usize> ShellState<R, N, M> {
 /// Mass of a node of slice j of m in inner nodes, and its inverse.
 fn mass_share<R: Real>(j: usize, m: usize) -> (R, R) {
     if j == 0 || j == m - 1 { (R::lit(0.5), R::lit(2.0)) } else { (R::ONE, R::ONE) }
+}
+
+/// Cosines and sines, by entry of the ring.
+pub(super) type UnitVectors<R, const N: usize> = [[R; N]; 2];
+
+/// Cosine and sine of `order` times every node's angle.
+pub(super) fn unit_vectors<R: Real, const N: usize>(order: i32) -> UnitVectors<R, N> {
+    let angle = |entry| Angle::from_turn_fraction(order * node_at(entry, N) as i32, N as i32);
+    [
+        core::array::from_fn(|entry| angle(entry).sin_cos().1),
+        core::array::from_fn(|entry| angle(entry).sin_cos().0),
+    ]
 }
 
 /// Closes the rings of all three axes.
@@ -217,10 +229,7 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
             node_mass,
             dt,
             dt_over_mass: dt / node_mass,
-            angles: core::array::from_fn(|entry| {
-                let (sine, cosine) = Angle::from_turn_fraction(node_at(entry, N) as i32, N as i32).sin_cos();
-                (cosine, sine)
-            }),
+            angles: unit_vectors(1),
         })
     }
 
@@ -229,9 +238,9 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
         Self { dt, dt_over_mass: dt / self.node_mass, ..self.clone() }
     }
 
-    /// Cosine and sine of every node's angle, by entry of the ring.
+    /// Cosine and sine of every node's angle.
     #[inline(always)]
-    pub(super) fn angles(&self) -> &[(R, R); N] {
+    pub(super) fn angles(&self) -> &UnitVectors<R, N> {
         &self.angles
     }
 
@@ -247,8 +256,9 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
         let mut state = ShellState { position: [zero; M], velocity: [zero; M] };
         for (j, slice) in state.position.iter_mut().enumerate() {
             let [x, y, z] = slice.each_mut().map(Ring::entries_mut);
-            for (i, (cosine, sine)) in self.angles.iter().enumerate() {
-                (x[i], y[i], z[i]) = (self.radius * *cosine, self.radius * *sine, height(j));
+            let [cosine, sine] = &self.angles;
+            for i in 0..N {
+                (x[i], y[i], z[i]) = (self.radius * cosine[i], self.radius * sine[i], height(j));
             }
             close(slice);
         }
