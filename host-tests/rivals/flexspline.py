@@ -121,7 +121,8 @@ def run_within(environment):
         if reason := install(python, COMMON + requirements):
             print(f"{module}: {', '.join(requirements)} cannot be installed: {reason}", flush=True)
     settings = dict.fromkeys(THREADS, "1")
-    settings |= {"WARP_CACHE_PATH": str(environment.parent / "warp"), "ENABLE_TAICHI_HEADER_PRINT": "0"}
+    settings["ENABLE_TAICHI_HEADER_PRINT"] = "0"
+    settings["WARP_CACHE_PATH"] = str(environment.parent / "warp")
     return subprocess.run([python, "-B", __file__, *sys.argv[1:]], env=os.environ | settings).returncode
 
 
@@ -151,7 +152,7 @@ def measure_rivals(count):
             distance = abs(rival.positions() - oracle).max()
             bound = AGREEMENT[rival.precision]
             if not distance <= bound:
-                problems.append(f"{rival.name}, {rival.precision}: {distance:.1e} m off the oracle, at most {bound:.0e}")
+                problems.append(f"{rival.name}, {rival.precision}: {distance:.1e} m off the oracle, at most {bound}")
             rows.append((module, rival.name, rival.precision, best(rival, count) / len(shell.near)))
     return rows, problems
 

@@ -12,7 +12,6 @@ def rivals(shell):
 
 
 def rival(shell, precision, scalar, number):
-    ti.set_logging_level(ti.ERROR)
     ti.init(arch=ti.cpu, cpu_max_num_threads=1, default_fp=scalar, fast_math=True, offline_cache=False)
     nodes, links = len(shell.mass), len(shell.near)
     position, velocity, force = (ti.Vector.field(3, scalar, nodes) for _ in range(3))
