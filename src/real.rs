@@ -53,6 +53,8 @@ pub trait Real:
     const ONE: Self;
     /// Largest finite value.
     const MAX: Self;
+    /// Bits of the significand.
+    const MANTISSA_DIGITS: u32;
 
     /// The nearest value to a literal; folded at compile time.
     fn lit(value: f64) -> Self;
@@ -115,6 +117,7 @@ impl Real for f64 {
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
     const MAX: Self = Self::MAX;
+    const MANTISSA_DIGITS: u32 = Self::MANTISSA_DIGITS;
 
     #[inline(always)]
     fn lit(value: f64) -> Self {
@@ -158,6 +161,7 @@ impl Real for f32 {
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
     const MAX: Self = Self::MAX;
+    const MANTISSA_DIGITS: u32 = Self::MANTISSA_DIGITS;
 
     #[inline(always)]
     fn lit(value: f64) -> Self {

@@ -7,7 +7,7 @@ use strainwave::compensator::feedback::FeedbackParams;
 use strainwave::compensator::observer::ObserverParams;
 use strainwave::compensator::{JointParams, Limits};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
-use strainwave::flexspline::{Cup, FlexsplineParams};
+use strainwave::flexspline::{Bend, Cup, FlexsplineParams};
 use strainwave::friction::{JointFrictionParams, Order};
 use strainwave::gear::{GearParams, KINEMATIC_TERMS};
 use strainwave::kinematic_error::{KinematicErrorParams, Term};
@@ -41,6 +41,7 @@ pub fn gear_params<R: Real>(file: &GearFile) -> GearParams<R> {
             },
             damping_ratio: R::lit(file.damping.torsion_mode_ratio),
             inertia: R::lit(file.inertia.flexspline),
+            bend: Bend { hardening: R::lit(cup.bend_hardening), saturation: R::lit(cup.bend_saturation) },
         },
         hysteresis_width: R::lit(file.hysteresis.width()),
         kinematic_error: KinematicErrorParams {
@@ -128,7 +129,7 @@ pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
          use strainwave::compensator::observer::{{Gains, ObserverParams}};\n\
          use strainwave::compensator::{{JointParams, Limits}};\n\
          use strainwave::flexspline::stiffness_line::StiffnessLineParams;\n\
-         use strainwave::flexspline::{{Cup, FlexsplineParams}};\n\
+         use strainwave::flexspline::{{Bend, Cup, FlexsplineParams}};\n\
          use strainwave::friction::{{JointFrictionParams, Order::*}};\n\
          use strainwave::gear::GearParams;\n\
          use strainwave::kinematic_error::{{KinematicErrorParams, Term}};\n\n\

@@ -16,6 +16,7 @@ pub mod plot;
 pub mod scenario;
 pub mod torque_loop;
 pub mod two_port;
+pub mod vectorised;
 pub mod verify;
 
 pub use figure::Figure;

@@ -13,6 +13,7 @@ use strainwave::gear::{Gear, GearParams, GearState, Motion, Torques};
 use strainwave::{Angle, Error};
 
 use crate::joint::CONTROL_PERIOD;
+use crate::vectorised::Vectorised;
 
 /// Nodes around and along the axis of the reference mesh.
 pub const NODES: (usize, usize) = (36, 4);
@@ -25,8 +26,10 @@ pub const STEP_SHARE: f64 = 0.7;
 
 /// The reference flexspline: f64, 36 x 4, literal eq. (6).
 pub type ReferenceMesh = Mesh<f64, { NODES.0 }, { NODES.1 }>;
+/// The same, with this processor's vector instructions.
+pub type FastMesh = Vectorised<ReferenceMesh>;
 /// The reference gear.
-pub type ReferenceGear = Gear<f64, ReferenceMesh, LEVELS, MEMORY>;
+pub type ReferenceGear = Gear<f64, FastMesh, LEVELS, MEMORY>;
 /// Its state.
 pub type ReferenceState =
     GearState<f64, <ReferenceMesh as strainwave::flexspline::Flexspline<f64>>::State, MEMORY>;
@@ -51,7 +54,8 @@ impl Reference {
         let stable = ReferenceMesh::stable_step(&params.flexspline);
         let steps = (CONTROL_PERIOD / (STEP_SHARE * stable)).ceil();
         let dt = CONTROL_PERIOD / steps;
-        let gear = params.build(ReferenceMesh::build(&params.flexspline, dt)?, dt)?;
+        let mesh = Vectorised::new(ReferenceMesh::build(&params.flexspline, dt)?);
+        let gear = params.build(mesh, dt)?;
         Ok(Self { gear, dt, steps: steps as usize })
     }
 }

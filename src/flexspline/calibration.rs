@@ -22,6 +22,7 @@
 
 use crate::angle::Angle;
 use crate::error::{Error, require};
+use crate::flexspline::shell::Bend;
 use crate::flexspline::stiffness_line::StiffnessLineParams;
 use crate::real::Real;
 
@@ -58,6 +59,8 @@ pub struct FlexsplineParams<R> {
     pub damping_ratio: R,
     /// Inertia J_fs that the damping ratio refers to (kg m^2).
     pub inertia: R,
+    /// Hardening of the mesh's bend links.
+    pub bend: Bend<R>,
 }
 
 impl<R: Real> Cup<R> {
@@ -181,6 +184,7 @@ pub(crate) mod tests {
         line: StiffnessLineParams { stiffness: [3.1e4, 5.0e4, 5.7e4], knee_torque: [14.0, 48.0] },
         damping_ratio: 0.02,
         inertia: 1.2,
+        bend: Bend::LINEAR,
     };
 
     #[test]

@@ -12,12 +12,13 @@
 pub mod calibration;
 pub mod mesh;
 pub mod reduced;
-mod slice;
+pub mod shell;
 pub mod stiffness_line;
 
 pub use calibration::{Cup, FlexsplineParams};
 pub use mesh::Mesh;
 pub use reduced::Reduced;
+pub use shell::{Bend, Shell, ShellParams, Strained};
 pub use stiffness_line::StiffnessLine;
 
 use crate::angle::Angle;
@@ -63,6 +64,11 @@ pub trait Flexspline<R: Real> {
 
     /// Advances by the model's time step and answers with the torques of that step.
     fn step(&self, state: &mut Self::State, ends: &Ends<R>) -> Reaction<R>;
+
+    /// The most strained link of a model that has links; beyond [`Strained::is_valid`] the run has diverged.
+    fn largest_strain(&self, _state: &Self::State) -> Option<Strained<R>> {
+        None
+    }
 
     /// Energy stored in `state`, elastic and kinetic (J), with its ends at `ends`.
     fn energy(&self, state: &Self::State, ends: &Ends<R>) -> R;

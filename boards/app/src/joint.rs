@@ -3,7 +3,7 @@ use strainwave::compensator::feedback::FeedbackParams;
 use strainwave::compensator::observer::{Gains, ObserverParams};
 use strainwave::compensator::{JointParams, Limits};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
-use strainwave::flexspline::{Cup, FlexsplineParams};
+use strainwave::flexspline::{Bend, Cup, FlexsplineParams};
 use strainwave::friction::{JointFrictionParams, Order::*};
 use strainwave::gear::GearParams;
 use strainwave::kinematic_error::{KinematicErrorParams, Term};
@@ -37,6 +37,10 @@ pub const JOINT: JointParams<f32> = JointParams {
             },
             damping_ratio: 0.02,
             inertia: 1.2,
+            bend: Bend {
+                hardening: 0.0,
+                saturation: 0.0,
+            },
         },
         hysteresis_width: 0.00029088822,
         kinematic_error: KinematicErrorParams {

@@ -4,6 +4,8 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::ops::{Bound, RangeBounds};
 
+use strainwave::flexspline::shell::link_law::VALID_STRAIN;
+
 /// What a key may hold.
 #[derive(Clone, Copy, Debug)]
 pub enum Allowed {
@@ -85,6 +87,8 @@ pub const KEYS: &[Key] = &[
     key("flexspline.youngs_modulus_pa", within(1e8, 1e12, "Pa")),
     key("flexspline.poisson_ratio", within(0.0, 0.49, "1")),
     key("flexspline.density_kg_per_m3", within(100.0, 3e4, "kg/m^3")),
+    optional("flexspline.bend_hardening", within(0.0, 1e6, "1")),
+    optional("flexspline.bend_saturation", within(0.0, VALID_STRAIN, "1")),
     key("inertia.wave_generator_kg_m2", within(1e-9, 10.0, "kg m^2")),
     key("inertia.flexspline_kg_m2", within(1e-6, 1e5, "kg m^2")),
     key("damping.torsion_mode_ratio", Allowed::Number(Bound::Included(0.0), Bound::Excluded(1.0), "1")),

@@ -190,6 +190,12 @@ pub struct Flexspline {
     /// rho (kg/m^3).
     #[serde(rename = "density_kg_per_m3")]
     pub density: f64,
+    /// Gain of the mesh's bend links per strain squared; 0 when the key is left out.
+    #[serde(default)]
+    pub bend_hardening: f64,
+    /// Strain from which on they gain no more.
+    #[serde(default)]
+    pub bend_saturation: f64,
 }
 
 /// `[inertia]`

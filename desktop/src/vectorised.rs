@@ -1,0 +1,71 @@
+//! A flexspline stepped with the widest vector instructions that this processor has.
+//!
+//! The model's own code, compiled once more for each instruction set (AVX2, AVX-512 on x86) and chosen when the
+//! program runs; without one of them, as the compiler's target has it. Nothing is fused or reordered, so
+//! every processor gives the same bits.
+
+use pulp::{Arch, NullaryFnOnce};
+use strainwave::Real;
+use strainwave::flexspline::{Ends, Flexspline, Reaction, Strained};
+
+/// A flexspline model, and what this processor can do.
+#[derive(Clone, Debug)]
+pub struct Vectorised<F> {
+    model: F,
+    processor: Arch,
+}
+
+impl<F> Vectorised<F> {
+    /// The same model.
+    pub fn new(model: F) -> Self {
+        Self { model, processor: Arch::new() }
+    }
+
+    /// The model as it is elsewhere.
+    pub fn model(&self) -> &F {
+        &self.model
+    }
+
+    /// Runs a piece of work, inlined, with these instructions.
+    #[inline]
+    pub fn run<W: NullaryFnOnce>(&self, work: W) -> W::Output {
+        self.processor.dispatch(work)
+    }
+}
+
+/// One step, to be compiled for each instruction set.
+struct Step<'a, R: Real, F: Flexspline<R>> {
+    model: &'a F,
+    state: &'a mut F::State,
+    ends: &'a Ends<R>,
+}
+
+impl<R: Real, F: Flexspline<R>> NullaryFnOnce for Step<'_, R, F> {
+    type Output = Reaction<R>;
+
+    #[inline(always)]
+    fn call(self) -> Reaction<R> {
+        self.model.step(self.state, self.ends)
+    }
+}
+
+impl<R: Real, F: Flexspline<R>> Flexspline<R> for Vectorised<F> {
+    type State = F::State;
+
+    fn rest(&self) -> Self::State {
+        self.model.rest()
+    }
+
+    #[inline]
+    fn step(&self, state: &mut Self::State, ends: &Ends<R>) -> Reaction<R> {
+        self.processor.dispatch(Step { model: &self.model, state, ends })
+    }
+
+    fn energy(&self, state: &Self::State, ends: &Ends<R>) -> R {
+        self.model.energy(state, ends)
+    }
+
+    fn largest_strain(&self, state: &Self::State) -> Option<Strained<R>> {
+        self.model.largest_strain(state)
+    }
+}

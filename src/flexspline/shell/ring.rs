@@ -1,0 +1,142 @@
+//! Values of a ring's n nodes, stored so that the neighbours of all nodes are one contiguous range.
+//!
+//! The ring is cut into `lanes` equal arcs, stored interleaved: entry s holds node
+//! `(s % lanes)*(n/lanes) + s/lanes`. The neighbour k nodes on then stands k*lanes entries on, for every entry
+//! alike. Behind the last entry stand the first ones of each next arc once more ([`Ring::close`]), so that
+//! neither a loop over links nor vector code in it ever meets the end of the ring.
+
+use crate::real::Real;
+
+/// How far a link reaches around, in nodes.
+const REACH: usize = 2;
+
+/// One value a node, and behind them those that the last nodes' links reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub(in crate::flexspline) struct Ring<R, const N: usize>([[R; N]; 2]);
+
+/// Arcs of a ring of n nodes: at most 4, each of the same length and no shorter than a link's reach.
+const fn lanes(n: usize) -> usize {
+    let mut lanes = 4;
+    while lanes > 1 && (!n.is_multiple_of(lanes) || n / lanes < REACH) {
+        lanes -= 1;
+    }
+    lanes
+}
+
+/// The node that entry s of a ring of n nodes holds.
+pub(in crate::flexspline) const fn node_at(entry: usize, n: usize) -> usize {
+    entry % lanes(n) * (n / lanes(n)) + entry / lanes(n)
+}
+
+/// The entry that holds node i of a ring of n nodes.
+pub(in crate::flexspline) const fn entry_of(node: usize, n: usize) -> usize {
+    let arc = n / lanes(n);
+    node % arc * lanes(n) + node / arc
+}
+
+impl<R: Real, const N: usize> Ring<R, N> {
+    pub(in crate::flexspline) const ZERO: Self = Self([[R::ZERO; N]; 2]);
+
+    /// Values by entry, in the order that [`node_at`] states.
+    #[inline(always)]
+    pub(in crate::flexspline) fn entries(&self) -> &[R; N] {
+        &self.0[0]
+    }
+
+    /// Values by entry; to be closed after a change.
+    #[inline(always)]
+    pub(in crate::flexspline) fn entries_mut(&mut self) -> &mut [R; N] {
+        &mut self.0[0]
+    }
+
+    /// The value at node i.
+    pub(in crate::flexspline) fn node(&self, i: usize) -> R {
+        self.0[0][entry_of(i, N)]
+    }
+
+    /// Sets the value at node i and closes the ring.
+    pub(in crate::flexspline) fn set_node(&mut self, i: usize, value: R) {
+        self.0[0][entry_of(i, N)] = value;
+        self.close();
+    }
+
+    /// Entry by entry, the value `around` nodes on: 0, 1 or 2.
+    #[inline(always)]
+    pub(in crate::flexspline) fn turned(&self, around: usize) -> &[R] {
+        &self.0.as_flattened()[around * lanes(N)..][..N]
+    }
+
+    /// As [`Ring::turned`], to add to; to be folded after that.
+    #[inline(always)]
+    pub(in crate::flexspline) fn turned_mut(&mut self, around: usize) -> &mut [R] {
+        &mut self.0.as_flattened_mut()[around * lanes(N)..][..N]
+    }
+
+    /// Repeats the first nodes of each next arc behind the last entry.
+    #[inline(always)]
+    pub(in crate::flexspline) fn close(&mut self) {
+        let [ring, behind] = &mut self.0;
+        for (to, from) in Self::overlap() {
+            behind[to] = ring[from];
+        }
+    }
+
+    /// Adds what has gathered behind the last entry to the nodes that it belongs to.
+    #[inline(always)]
+    pub(in crate::flexspline) fn fold(&mut self) {
+        let [ring, behind] = &mut self.0;
+        for (from, to) in Self::overlap() {
+            ring[to] += behind[from];
+        }
+    }
+
+    /// Entries behind the last one, each with the entry of the same node.
+    #[inline(always)]
+    fn overlap() -> impl Iterator<Item = (usize, usize)> {
+        let lanes = lanes(N);
+        (0..REACH * lanes).map(move |k| (k, k / lanes * lanes + (k + 1) % lanes))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbered<const N: usize>() -> Ring<f64, N> {
+        let mut ring = Ring::ZERO;
+        for i in 0..N {
+            ring.set_node(i, i as f64);
+        }
+        ring
+    }
+
+    fn check<const N: usize>() {
+        let ring = numbered::<N>();
+        for around in 0..=REACH {
+            for (here, there) in ring.entries().iter().zip(ring.turned(around)) {
+                assert_eq!(*there as usize, (*here as usize + around) % N, "{around} nodes on of {N}");
+            }
+        }
+        let mut gathered = Ring::<f64, N>::ZERO;
+        for (sum, value) in gathered.turned_mut(REACH).iter_mut().zip(ring.entries()) {
+            *sum += *value;
+        }
+        gathered.fold();
+        for i in 0..N {
+            assert_eq!(gathered.node((i + REACH) % N), i as f64);
+            assert_eq!(node_at(entry_of(i, N), N), i);
+        }
+    }
+
+    #[test]
+    fn a_neighbour_is_the_same_number_of_entries_on_for_every_node() {
+        check::<4>();
+        check::<5>();
+        check::<6>();
+        check::<7>();
+        check::<8>();
+        check::<9>();
+        check::<36>();
+    }
+}
