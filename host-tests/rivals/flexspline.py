@@ -3,7 +3,8 @@
 
 The problem is desktop/oracle/free_shell.toml: 36 x 4 nodes, 828 damped links, explicit steps of 1 us. Every rival's
 nodes must stand, after 1000 steps, where MuJoCo's stand in free_shell.csv, to its precision; then its best of 100
-batches counts. Ours is the best of criterion's 100 (`cargo bench -p strainwave-host-tests --bench flexspline`).
+batches counts. Ours is the best of criterion's 100 (`cargo bench -p strainwave-host-tests --bench flexspline`), of the
+same links with driven rim, rigid flange and tooth contact.
 
 Needs Python 3.11 or later with venv, and cargo. Makes a virtual environment in target/rivals, installs the rivals
 there from PyPI, each pinned (about 1 GB), and runs itself in it. A rival that cannot be installed is named and left

@@ -13,10 +13,13 @@ use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
 use serde::Deserialize;
-use strainwave::flexspline::shell::{BendLaw, Shell, ShellParams, ShellState};
+use strainwave::flexspline::shell::{Shell, ShellParams, ShellState};
+use strainwave::flexspline::{Bend, Cup};
 
 use crate::bounds;
 use crate::figure::Figure;
+use crate::gear_file::GearFile;
+use crate::joint::gear_params;
 
 const PROBLEM: &str = include_str!("../../oracle/free_shell.toml");
 const TABLE: &str = include_str!("../../oracle/free_shell.csv");
@@ -124,12 +127,10 @@ impl Problem {
 
     fn params(&self) -> ShellParams<f64> {
         ShellParams {
-            radius: self.shell.radius_m,
-            length: self.shell.length_m,
+            cup: self.shell.cup(),
             link_stiffness: self.shell.link_stiffness_n_per_m,
             link_damping: self.shell.link_damping_n_s_per_m,
-            mass: self.shell.mass_kg,
-            bend: BendLaw::LINEAR,
+            bend: Bend::LINEAR,
         }
     }
 
@@ -140,6 +141,15 @@ impl Problem {
             state.set_velocity(i, j, self.velocity.at(angle, height, state.position(i, j)));
         }
         state
+    }
+}
+
+impl ShellFacts {
+    /// The default gear's cup with this radius and length, and a density that gives it this mass.
+    fn cup(&self) -> Cup<f64> {
+        let cup = gear_params(&GearFile::default_gear()).flexspline.cup;
+        let sized = Cup { radius: self.radius_m, length: self.length_m, ..cup };
+        Cup { density: sized.density * self.mass_kg / sized.mass(), ..sized }
     }
 }
 
