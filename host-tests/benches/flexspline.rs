@@ -6,6 +6,7 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use strainwave::flexspline::shell::Shell;
 use strainwave::flexspline::{Ends, Flexspline, Mesh};
 use strainwave::{Angle, Real};
 use strainwave_desktop::GearFile;
@@ -26,7 +27,7 @@ fn step<R: Real, const N: usize, const M: usize>(criterion: &mut Criterion, prec
     let wave_generator_rate = R::lit(-100.0 * DRIVE_RATE);
     let mut ends = Ends { drive_rate, flange_rate: drive_rate, wave_generator_rate, ..Ends::default() };
     let mut group = criterion.benchmark_group("flexspline");
-    group.throughput(Throughput::Elements(Mesh::<R, N, M>::links() as u64));
+    group.throughput(Throughput::Elements(Shell::<R, N, M>::links() as u64));
     group.bench_function(BenchmarkId::new(precision, format_args!("{N}x{M}")), |bencher| {
         bencher.iter(|| {
             let turn = |angle: Angle<R>, rate: R| angle.plus(rate * dt);
