@@ -114,6 +114,8 @@ pub struct Torques<R> {
     pub wave_generator: R,
     /// Power that the flexspline's damping turns into heat (W).
     pub damping_loss: R,
+    /// The flexspline's torque is at the end of its range.
+    pub saturated: bool,
 }
 
 impl<R: Real> GearParams<R> {
@@ -220,7 +222,7 @@ impl<R: Real, F: Flexspline<R>, const L: usize, const MEMORY: usize> Gear<R, F, 
         flange: &Motion<R>,
     ) -> Torques<R> {
         let (ends, slope) = self.ends(wave_generator, flange);
-        let Reaction { contact, flange: on_flange, ellipse, loss } =
+        let Reaction { contact, flange: on_flange, ellipse, loss, saturated } =
             self.flexspline.step(&mut state.flexspline, &ends);
         let torsion = ends.drive.minus(ends.flange);
         let hysteresis = self.hysteresis.step(&mut state.hysteresis, torsion).torque;
@@ -237,6 +239,7 @@ impl<R: Real, F: Flexspline<R>, const L: usize, const MEMORY: usize> Gear<R, F, 
             hysteresis,
             wave_generator: input_friction + slope * (contact + hysteresis) - ellipse,
             damping_loss: loss,
+            saturated,
         }
     }
 
@@ -279,7 +282,7 @@ mod tests {
     use crate::kinematic_error::Term;
     use proptest::prelude::*;
 
-    type TestGear<R> = Gear<R, Reduced<R>, 24, 24>;
+    type TestGear<R> = Gear<R, Reduced<R, 8, 3>, 24, 24>;
     const DT: f64 = 1e-5;
 
     fn friction(
@@ -319,7 +322,7 @@ mod tests {
     }
 
     fn gear(params: &GearParams<f64>) -> TestGear<f64> {
-        params.build(Reduced::build(&params.flexspline).unwrap(), DT).unwrap()
+        params.build(Reduced::build(&params.flexspline, params.rated_torque).unwrap(), DT).unwrap()
     }
 
     /// Torsion after the wave generator was held and a load put on and waited for.
@@ -369,7 +372,7 @@ mod tests {
         let refused = |change: fn(&mut GearParams<f64>)| {
             let mut params = params();
             change(&mut params);
-            let flexspline = Reduced::build(&SIZE_25).unwrap();
+            let flexspline = Reduced::<f64, 8, 3>::build(&SIZE_25, 67.0).unwrap();
             params.build::<_, 24, 24>(flexspline, DT).err()
         };
         assert_eq!(refused(|p| p.ratio = 0), Some(Error::OutOfRange("ratio")));

@@ -12,6 +12,8 @@ use strainwave_desktop::{BadInput, Figure, file};
 #[derive(Args)]
 pub struct ReportArguments {
     /// Also write the figures to this file, as {"figures": [{"name", "value", "unit", "bound", "holds"}, ...]}
+    ///
+    /// A bound is the largest allowed value; beside "at_least": true it is the smallest.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
 }
@@ -72,7 +74,7 @@ fn table(figures: &[Figure]) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_header(["name", "value", "unit", "bound", "holds"]);
     for figure in figures {
-        let bound = figure.bound.map_or("-".into(), number);
+        let bound = figure.bound_text(number);
         let holds = match (figure.bound, figure.holds) {
             (None, _) => "-",
             (Some(_), true) => "yes",
@@ -130,7 +132,26 @@ mod tests {
         let not_measured = Figure::bounded("c", f64::NAN, "1", 1.0);
         assert!(published(vec![kept.clone(), Figure::reported("d", 9.0, "1")]));
         assert!(!published(vec![kept.clone(), missed]));
-        assert!(!published(vec![not_measured, kept]));
+        assert!(!published(vec![not_measured, kept.clone()]));
+        let floor = |value| Figure::at_least("e", value, "1", 300.0);
+        assert!(published(vec![floor(300.0)]));
+        assert!(!published(vec![kept.clone(), floor(299.0)]));
+        assert!(!published(vec![kept, floor(f64::NAN)]));
+    }
+
+    /// The smallest allowed value is marked as such; the others keep the keys that they have always had.
+    #[test]
+    fn a_floor_is_told_from_a_ceiling_in_json() {
+        let keys = |figure: Figure| {
+            let json = serde_json::to_value(figure).unwrap();
+            let keys = json.as_object().unwrap().keys().cloned();
+            (keys.collect::<Vec<_>>().join(" "), json["at_least"].as_bool())
+        };
+        assert_eq!(keys(Figure::bounded("a", 1.0, "1", 2.0)), ("bound holds name unit value".into(), None));
+        assert_eq!(
+            keys(Figure::at_least("a", 1.0, "1", 2.0)),
+            ("at_least bound holds name unit value".into(), Some(true))
+        );
     }
 
     #[test]
@@ -139,12 +160,14 @@ mod tests {
             Figure::bounded("a.long.name", 0.5, "rad", 0.25),
             Figure::reported("b", 12.0, "1"),
             Figure::bounded("c.d", 1.0, "s", 2.0),
+            Figure::at_least("e", 1.0, "1", 2.0),
         ];
         let wanted = "\
  name         value  unit  bound   holds
  a.long.name  0.5000 rad   0.2500  NO
  b                12 1          -  -
- c.d               1 s          2  yes";
+ c.d               1 s          2  yes
+ e                 1 1       >= 2  NO";
         assert_eq!(
             table(&figures).split_whitespace().collect::<Vec<_>>(),
             wanted.split_whitespace().collect::<Vec<_>>()

@@ -8,10 +8,12 @@
 //! exceeded.
 
 mod error;
+mod literal_mesh;
 mod measurement;
 mod table;
 
 pub use error::Error;
+pub use literal_mesh::LiteralMesh;
 pub use measurement::{Measurement, Workload, inspect, measure};
 
 use std::collections::BTreeMap;
@@ -71,6 +73,8 @@ pub struct Budget {
     /// Its parts, by name.
     #[serde(default)]
     pub blocks: BTreeMap<String, Block>,
+    /// What one of them is the reduction of.
+    pub literal_mesh: Option<LiteralMesh>,
     /// Where calls through pointers can go.
     #[serde(default)]
     pub indirect_call: Vec<IndirectCall>,
@@ -100,6 +104,9 @@ impl Budget {
         if !(0.0..=1.0).contains(&budget.headroom) {
             return Err(bad(format!("headroom = {}, allowed: 0 to 1", budget.headroom)));
         }
+        if let Some(what) = budget.literal_mesh.as_ref().and_then(|mesh| mesh.fault(&budget.blocks)) {
+            return Err(bad(what));
+        }
         Ok(Self { board: board.to_owned(), file: file.to_owned(), ..budget })
     }
 
@@ -107,6 +114,11 @@ impl Budget {
     pub fn blocks(&self) -> impl Iterator<Item = (&str, &Block)> {
         let parts = self.blocks.iter().map(|(name, block)| (name.as_str(), block));
         std::iter::once((CONTROL_STEP, &self.control_step)).chain(parts)
+    }
+
+    /// The same, and the literal mesh, which is in an image of its own.
+    pub fn rows(&self) -> impl Iterator<Item = (&str, &Block)> {
+        self.blocks().chain(self.literal_mesh.iter().map(|mesh| (LITERAL_MESH, &mesh.period)))
     }
 
     /// Writes what was measured, plus the headroom, as the new bounds; everything else in the file stays.
@@ -134,6 +146,7 @@ impl Budget {
         for (name, counts) in &measured.counts {
             let block = match name.as_str() {
                 CONTROL_STEP => table(document, CONTROL_STEP),
+                LITERAL_MESH => table(table(document, LITERAL_MESH), "period"),
                 part => table(table(document, "blocks"), part),
             };
             set(block, "instructions", self.bound(counts.instructions.max));
@@ -172,6 +185,9 @@ pub fn emulated_boards() -> Result<Vec<String>, Error> {
 /// The name of the control step among the blocks, and its symbol in every image.
 pub const CONTROL_STEP: &str = "control_step";
 
+/// The name of the literal mesh's control period beside the blocks.
+pub const LITERAL_MESH: &str = "literal_mesh";
+
 fn table<'d>(parent: &'d mut Table, key: &str) -> &'d mut Table {
     let item = parent.entry(key).or_insert_with(|| Item::Table(Table::new()));
     if !item.is_table() {
@@ -206,7 +222,9 @@ pub(crate) mod tests {
 
     const FILE: &str = "# A board.\ncompiler = \"rustc 1\"\nheadroom = 0.1 # a tenth\nemulated = true\n\n\
         [control_step]\nsymbol = \"control_step\"\ncycles = 10 # by the model\n\n\
-        [blocks.observer]\nsymbol = \"a::Observer::step\"\n";
+        [blocks.observer]\nsymbol = \"a::Observer::step\"\n\n\
+        [literal_mesh]\nprogram = \"mesh\"\nreduced = \"observer\"\nat_least = 300 # times\n\n\
+        [literal_mesh.period]\nsymbol = \"a::Mesh::period\"\n";
 
     fn read(text: &str) -> Result<Budget, Error> {
         let folder = tempfile::tempdir().unwrap();
@@ -237,7 +255,9 @@ pub(crate) mod tests {
             panics: Vec::new(),
             allocators: Vec::new(),
             doubles: Vec::new(),
-            counts: vec![(CONTROL_STEP.to_owned(), counts(500)), ("observer".to_owned(), counts(40))],
+            counts: [(CONTROL_STEP, 500), ("observer", 40), (LITERAL_MESH, 12_352)]
+                .map(|(name, max)| (name.to_owned(), counts(max)))
+                .to_vec(),
             stack_mark: None,
         }
     }
@@ -254,6 +274,10 @@ pub(crate) mod tests {
         let missing = refusal(&FILE.replace("emulated = true\n", ""));
         assert!(missing.contains("missing field `emulated`"), "{missing}");
         assert!(refusal(&FILE.replace("cycles = 10", "cycles = -1")).starts_with("line 8: "));
+        assert_eq!(
+            refusal(&FILE.replace("reduced = \"observer\"", "reduced = \"x\"")),
+            "literal_mesh.reduced = \"x\", allowed: a name among [blocks]"
+        );
     }
 
     #[test]
@@ -271,11 +295,14 @@ pub(crate) mod tests {
             "instructions = 44",
             "flash = 1100",
             "stack = 330",
+            "at_least = 300 # times",
+            "instructions = 13588",
         ] {
             assert!(written.lines().any(|l| l == line), "{line}: {written}");
         }
         let budget = Budget::read_file("b", &file).unwrap();
         assert_eq!(budget.blocks["observer"].cycles, Some(88));
+        assert_eq!(budget.literal_mesh.as_ref().and_then(|mesh| mesh.period.cycles), Some(27_175));
         assert!(measurement().figures(&budget).iter().all(|f| f.holds));
         budget.overwrite(&measurement()).unwrap();
         assert_eq!(std::fs::read_to_string(&file).unwrap(), written);
@@ -288,6 +315,21 @@ pub(crate) mod tests {
         assert!(holds(100) && holds(1000));
         assert!(!holds(99) && !holds(1001));
         assert!(budget.figure("x", 100.0, "1", None).holds);
+    }
+
+    #[test]
+    fn a_literal_mesh_that_is_not_dear_enough_misses_its_floor() {
+        let ratio = |floor: &str| {
+            let budget = read(&FILE.replace("at_least = 300", &format!("at_least = {floor}"))).unwrap();
+            let figures = measurement().figures(&budget);
+            figures.into_iter().find(|f| f.name == "budget.b.literal_over_reduced").unwrap()
+        };
+        // 12 352 instructions over 40, rounded down.
+        let (kept, missed) = (ratio("308"), ratio("309"));
+        assert_eq!((kept.value, kept.bound, kept.at_least, kept.holds), (308.0, Some(308.0), true, true));
+        assert_eq!((missed.value, missed.bound, missed.holds), (308.0, Some(309.0), false));
+        let not_run = Measurement { counts: Vec::new(), ..measurement() };
+        assert!(!not_run.figures(&budget()).iter().any(|f| f.name.contains("literal")));
     }
 
     #[test]
@@ -304,6 +346,11 @@ pub(crate) mod tests {
             "budget.b.observer.instructions_mean",
             "budget.b.observer.cycles_max",
             "budget.b.observer.cycles_mean",
+            "budget.b.literal_mesh.instructions_max",
+            "budget.b.literal_mesh.instructions_mean",
+            "budget.b.literal_mesh.cycles_max",
+            "budget.b.literal_mesh.cycles_mean",
+            "budget.b.literal_over_reduced",
             "budget.b.flash",
             "budget.b.ram",
             "budget.b.stack",

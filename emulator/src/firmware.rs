@@ -79,6 +79,19 @@ pub fn boards() -> io::Result<Vec<String>> {
 /// # Errors
 /// [`Error::UnknownBoard`], [`Error::Joint`], [`Error::Setup`], or [`Error::Build`].
 pub fn build(board: &str, joint: Option<&Path>) -> Result<Firmware, Error> {
+    build_program(board, &control(board), joint)
+}
+
+/// The program of a board that controls the joint.
+pub fn control(board: &str) -> String {
+    format!("strainwave-{board}")
+}
+
+/// Builds one of the programs of `board`; all else as [`build`].
+///
+/// # Errors
+/// As [`build`].
+pub fn build_program(board: &str, program: &str, joint: Option<&Path>) -> Result<Firmware, Error> {
     require_known(board)?;
     let joint = joint.map(Joint::read).transpose()?;
     let compiler = setup::compiler(&setup::ThisHost)?;
@@ -89,15 +102,14 @@ pub fn build(board: &str, joint: Option<&Path>) -> Result<Firmware, Error> {
     let lock = File::create(images.join("lock"))?;
     lock.lock()?;
     let joint_file = joint.as_ref().map(|joint| joint.keep(&images)).transpose()?;
-    run(&compiler, board, joint_file.as_deref(), &target)?;
-    let name = format!("strainwave-{board}");
-    let built = target.join(setup::TARGET).join("release").join(&name);
+    run(&compiler, board, program, joint_file.as_deref(), &target)?;
+    let built = target.join(setup::TARGET).join("release").join(program);
     let elf = images.join(match &joint {
-        Some(joint) => format!("{name}-{:016x}.elf", joint.digest),
-        None => format!("{name}.elf"),
+        Some(joint) => format!("{program}-{:016x}.elf", joint.digest),
+        None => format!("{program}.elf"),
     });
     // Renamed into place: a machine that runs the old image keeps it.
-    let fresh = images.join(format!("{name}.new"));
+    let fresh = images.join(format!("{program}.new"));
     fs::copy(&built, &fresh)?;
     fs::rename(&fresh, &elf)?;
     Ok(Firmware { elf, compiler: compiler.version })
@@ -141,12 +153,18 @@ impl Joint {
     }
 }
 
-fn run(compiler: &Compiler, board: &str, joint: Option<&Path>, target: &Path) -> Result<(), Error> {
+fn run(
+    compiler: &Compiler,
+    board: &str,
+    program: &str,
+    joint: Option<&Path>,
+    target: &Path,
+) -> Result<(), Error> {
     let mut command = compiler.build_command();
     without_host_settings(&mut command);
     command.current_dir(folder()).stdin(Stdio::null());
     command
-        .args(["--quiet", "--locked", "--package", &format!("strainwave-{board}"), "--target-dir"])
+        .args(["--quiet", "--locked", "--package", &control(board), "--bin", program, "--target-dir"])
         .arg(target);
     if let Some(joint) = joint {
         command.env("STRAINWAVE_JOINT", joint);

@@ -151,12 +151,26 @@ impl Machine {
     /// # Errors
     /// [`Error`] when it does not end as it should.
     pub fn finish(self) -> Result<Ending, Error> {
+        let (elf, process) = self.wait_for_end()?;
+        report(&elf, &process)
+    }
+
+    /// Waits for a program that ends by itself, and reads its telemetry.
+    ///
+    /// # Errors
+    /// [`Error`] when it does not end as it should.
+    pub fn end(self) -> Result<Vec<String>, Error> {
+        let (elf, process) = self.wait_for_end()?;
+        Ok(telemetry::decode(&elf, &uart(&process))?)
+    }
+
+    fn wait_for_end(self) -> Result<(PathBuf, Arc<Process>), Error> {
         let Self { sensors, command, process, elf, patience } = self;
         drop(sensors);
         let status = process.wait(patience);
         drop(command);
         match status {
-            Some(status) if status.success() => report(&elf, &process),
+            Some(status) if status.success() => Ok((elf, process)),
             Some(status) => Err(Error::Ended { status, said: last_words(&elf, &process) }),
             None => Err(Error::Hung { patience, said: last_words(&elf, &process) }),
         }

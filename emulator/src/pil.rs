@@ -131,11 +131,19 @@ fn require_emulated(board: &str) -> Result<(), Error> {
 /// # Errors
 /// As [`firmware::build`]; a gear that no compensator can be built from.
 pub fn build(board: &str, file: &GearFile) -> Result<Firmware, firmware::Error> {
+    build_program(board, &firmware::control(board), file)
+}
+
+/// Builds one of a board's programs for the joint of a gear file.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_program(board: &str, program: &str, file: &GearFile) -> Result<Firmware, firmware::Error> {
     let joint = joint_params(file).map_err(std::io::Error::other)?;
     let folder = Scratch::new("joint")?;
     let generated = folder.path().join("joint.rs");
     std::fs::write(&generated, source(&joint, &file.gear.name))?;
-    firmware::build(board, Some(&generated))
+    firmware::build_program(board, program, Some(&generated))
 }
 
 /// Runs a scenario on the plant of `seed`, the firmware and both baselines side by side, and counts what the

@@ -4,9 +4,12 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use strainwave::compensator::{Input, Sensors, Shares};
+use strainwave_app::JOINT;
 use strainwave_app::frame::encode_input;
+use strainwave_app::literal_mesh::PERIODS;
+use strainwave_desktop::joint;
 use strainwave_emulator::artifact::{CallGraph, Image};
-use strainwave_emulator::budget::{self, Budget};
+use strainwave_emulator::budget::{self, Budget, LiteralMesh};
 use strainwave_emulator::counting::{Counting, Outcome};
 use strainwave_emulator::{Machine, firmware, setup};
 
@@ -91,6 +94,55 @@ fn counts_are_repeatable_to_the_instruction() {
         assert!(part.instructions.max < step.instructions.max && part.cycles.max < step.cycles.max);
         assert!(part.instructions.min <= part.cycles.min);
     }
+}
+
+/// The counted control period of the literal mesh, and the figures of the board's budget that it has.
+#[test]
+fn the_literal_mesh_costs_hundreds_of_times_its_reduction() {
+    let Some(control) = runnable() else { return };
+    let mut budget = Budget::read(BOARD).expect("the budget is sound");
+    let mesh = budget.literal_mesh.clone().expect("the board has a literal mesh");
+    let elf = firmware::build_program(BOARD, &mesh.program, None).expect("the program builds").elf;
+    let mut measured = budget::inspect(&budget, &control).expect("the image can be judged");
+    let image = Image::read(&control).expect("is readable");
+    let reduced = image.find(&budget.blocks[&mesh.reduced].symbol).expect("is linked");
+    let reduced = counted(&image, &reduced, 100, &[]).counts[0].expect("was called");
+    measured.counts = vec![(mesh.reduced.clone(), reduced)];
+    mesh.measure(&elf, &mut measured).expect("the mesh agrees with its reduction");
+
+    let (name, period) = &measured.counts[1];
+    assert_eq!((name.as_str(), period.calls), (budget::LITERAL_MESH, u64::from(PERIODS)));
+    // Two dozen nodes of 16 links, some ten micro-steps: no shortcut is that cheap.
+    assert!(period.instructions.min > 100_000 && period.instructions.max < 10_000_000, "{period:?}");
+    let figures = measured.figures(&budget);
+    let missed: Vec<_> = figures.iter().filter(|f| !f.holds).collect();
+    assert!(missed.is_empty(), "{missed:?}");
+
+    budget.literal_mesh = Some(LiteralMesh { at_least: 1_000_000, ..mesh });
+    let figures = measured.figures(&budget);
+    let missed: Vec<_> = figures.iter().filter(|f| !f.holds).map(|f| f.name.as_str()).collect();
+    assert_eq!(missed, ["budget.mps2-an386.literal_over_reduced"]);
+}
+
+/// An ellipse that strains the coarse mesh so much that it is no longer the catalogue's gear.
+#[test]
+fn a_literal_mesh_unlike_its_reduction_is_not_counted() {
+    if runnable().is_none() {
+        return;
+    }
+    let mut joint = JOINT;
+    joint.gear.flexspline.cup.ellipse = 2.9e-3;
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let file = folder.path().join("joint.rs");
+    std::fs::write(&file, joint::source(&joint, "strained")).expect("is written");
+    let budget = Budget::read(BOARD).expect("the budget is sound");
+    let mesh = budget.literal_mesh.as_ref().expect("the board has a literal mesh");
+    let elf = firmware::build_program(BOARD, &mesh.program, Some(&file)).expect("the program builds").elf;
+    let mut measured = budget::inspect(&budget, &image(BOARD).expect("builds")).expect("can be judged");
+    let error = mesh.measure(&elf, &mut measured).expect_err("is no such gear").to_string();
+    let wanted = "the emulator ended with exit status: 1: last telemetry: literal mesh 62.";
+    assert!(error.starts_with(wanted), "{error}");
+    assert!(measured.counts.is_empty());
 }
 
 /// QEMU's own log of every instruction executed, as its switches are called in this version.

@@ -149,6 +149,26 @@ fn a_frozen_encoder_is_named_while_the_joint_is_asked_to_move() {
     assert_eq!(faults.names().filter(|name| *name == "motor encoder frozen").count(), 1);
 }
 
+/// The motor is turned away from an output that stands still, as if the teeth had ratcheted.
+#[test]
+fn a_torsion_beyond_the_gears_range_is_named() {
+    let (compensator, mut state) = settled();
+    let mut torsion_at_fault = None;
+    for k in 0..1000 {
+        let mut input = resting(k * 80);
+        input.sensors.output_encoder = Some(0);
+        let output = compensator.step(&mut state, &input);
+        assert_bounded(&output);
+        if output.faults.contains(Faults::TORSION_BEYOND_RANGE) {
+            torsion_at_fault.get_or_insert(output.estimate.torsion.abs());
+            assert!(output.faults.names().any(|name| name == "torsion beyond range"));
+        }
+    }
+    // Five times the rated 67 N m: 14/3.1e4 + 34/5.0e4 + 287/5.7e4 rad, less what the dashpot adds.
+    let torsion = torsion_at_fault.expect("the fault is raised");
+    assert!((5.5e-3..6.2e-3).contains(&torsion), "{torsion}");
+}
+
 #[test]
 fn switching_a_share_makes_no_step_in_the_torque() {
     let (compensator, mut state) = settled();

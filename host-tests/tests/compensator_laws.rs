@@ -24,7 +24,7 @@ struct Twins {
 impl Twins {
     fn new(with_output_encoder: bool) -> Self {
         let joint = joint();
-        let reduced = Reduced::build(&joint.gear.flexspline).unwrap();
+        let reduced = Reduced::build(&joint.gear.flexspline, joint.gear.rated_torque).unwrap();
         let gear: RealTimeGear<f64> = joint.gear.build(reduced, joint.dt).unwrap();
         let observer = joint.observer.build(&joint.gear, &joint.limits, joint.dt).unwrap();
         let state = observer.rest(&gear);

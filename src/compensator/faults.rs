@@ -24,6 +24,7 @@ faults! {
     5 TORQUE_LIMITED "torque limited": "The torque command was beyond the motor's peak torque; it was limited.";
     6 OBSERVER_RESET "observer reset": "The observer's torsion left the range of the gear; it starts again from the motor's angle.";
     7 ESTIMATE_LIMITED "estimate limited": "An estimate was beyond what the joint can do; it was limited.";
+    8 TORSION_BEYOND_RANGE "torsion beyond range": "The observed torsion or its rate asks for more torque than the gear can carry; the model's torque ends there.";
 }
 
 impl Faults {

@@ -35,8 +35,14 @@ pub const HYSTERESIS_LEVELS: usize = 24;
 /// Turning points that it remembers.
 pub const HYSTERESIS_MEMORY: usize = 24;
 
+/// Nodes around and slices along of the mesh whose reduction runs in real time.
+pub const MESH: (usize, usize) = (8, 3);
+
+/// The flexspline as it runs in real time.
+pub type RealTimeFlexspline<R> = Reduced<R, { MESH.0 }, { MESH.1 }>;
+
 /// The gear as it runs in real time.
-pub type RealTimeGear<R> = Gear<R, Reduced<R>, HYSTERESIS_LEVELS, HYSTERESIS_MEMORY>;
+pub type RealTimeGear<R> = Gear<R, RealTimeFlexspline<R>, HYSTERESIS_LEVELS, HYSTERESIS_MEMORY>;
 
 /// What the joint's sensors report to one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -183,7 +189,7 @@ impl<R: Real> JointParams<R> {
         self.limits.check()?;
         let encoder = |bits, speed| EncoderParams { bits, speed_limit: R::lit(2.0) * speed }.build(self.dt);
         Ok(Compensator {
-            gear: self.gear.build(Reduced::build(&self.gear.flexspline)?, self.dt)?,
+            gear: self.gear.build(Reduced::build(&self.gear.flexspline, self.gear.rated_torque)?, self.dt)?,
             guard: InputGuard::build(&self.gear, &self.limits, self.dt)?,
             motor_encoder: encoder(self.motor_encoder_bits, self.limits.motor_speed)?,
             output_encoder: encoder(self.output_encoder_bits, self.limits.output_speed(self.gear.ratio))?,

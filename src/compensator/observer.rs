@@ -19,7 +19,8 @@
 //!
 //! Bounds: speeds are limited to twice what the joint can do, the external torque to the gear's peak
 //! torque; a torsion beyond that of four times the peak torque starts the observer again at the motor's
-//! angle. Both are reported as faults. The reported torsion and transmitted torque end at those four times.
+//! angle. Both are reported as faults, as is a torsion past the range of the gear's law
+//! ([`crate::flexspline::reduced::RANGE`]), which goes on at its largest torque. The reported torsion and transmitted torque end at those four times.
 //!
 //! H. Taghirad, P. Belanger, "Modeling and parameter identification of harmonic drive systems", Journal of
 //! Dynamic Systems, Measurement, and Control 120 (1998) for the two masses; R. Kalman, "A new approach to
@@ -150,6 +151,7 @@ impl<R: Real> Observer<R> {
             self.start(gear, state, measured);
         }
         let torques = gear.torques(&mut state.gear, &state.wave_generator, &state.flange);
+        faults.raise_if(torques.saturated, Faults::TORSION_BEYOND_RANGE);
         self.predict(gear, state, &torques, measured.motor_torque);
         self.correct(state, measured, &torques);
         self.keep_in_range(gear, state, measured, &torques, faults);

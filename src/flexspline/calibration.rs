@@ -22,6 +22,7 @@
 
 use crate::angle::Angle;
 use crate::error::{Error, require};
+pub use crate::flexspline::condensation::unit_stiffness;
 use crate::flexspline::shell::Bend;
 use crate::flexspline::stiffness_line::StiffnessLineParams;
 use crate::real::Real;
@@ -134,38 +135,6 @@ pub fn link_geometry<R: Real>(cup: &Cup<R>, n: usize, spacing: R, around: i32, a
     (length, chord * cosine / length)
 }
 
-/// Torsional stiffness of an n x M mesh whose links all have the constant 1 N/m (N m/rad).
-pub fn unit_stiffness<R: Real, const M: usize>(cup: &Cup<R>, n: usize) -> R {
-    let spacing = cup.length / R::from_i32(M as i32 - 1);
-    let mut chain = [[R::ZERO; M]; M];
-    for (around, along) in DIRECTIONS {
-        let (_, cosine) = link_geometry(cup, n, spacing, around, along);
-        let arm = cup.radius * cosine;
-        let stiffness = R::from_i32(n as i32) * arm * arm;
-        for (a, b) in (0..M).zip(along..M).filter(|_| along > 0) {
-            chain[a][a] += stiffness;
-            chain[b][b] += stiffness;
-            chain[a][b] -= stiffness;
-            chain[b][a] -= stiffness;
-        }
-    }
-    condense_to_ends(chain)
-}
-
-/// Eliminates the inner angles of a chain; what is left between its ends is one spring.
-fn condense_to_ends<R: Real, const M: usize>(mut chain: [[R; M]; M]) -> R {
-    for pivot in 1..M - 1 {
-        let eliminated = chain[pivot];
-        for (_, row) in chain.iter_mut().enumerate().filter(|(row, _)| *row == 0 || *row > pivot) {
-            let factor = row[pivot] / eliminated[pivot];
-            for (entry, other) in row.iter_mut().zip(eliminated) {
-                *entry -= factor * other;
-            }
-        }
-    }
-    chain[0][0]
-}
-
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
@@ -186,16 +155,4 @@ pub(crate) mod tests {
         inertia: 1.2,
         bend: Bend::LINEAR,
     };
-
-    #[test]
-    fn a_chain_of_equal_springs_condenses_to_their_series() {
-        let mut chain = [[0.0; 4]; 4];
-        for j in 0..3 {
-            chain[j][j] += 3.0;
-            chain[j + 1][j + 1] += 3.0;
-            chain[j][j + 1] -= 3.0;
-            chain[j + 1][j] -= 3.0;
-        }
-        assert!((condense_to_ends(chain) - 1.0f64).abs() < 1e-12);
-    }
 }

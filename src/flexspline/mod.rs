@@ -10,16 +10,20 @@
 //! 0.1 %) and smear the catalogue's knees.
 
 pub mod calibration;
+mod condensation;
 pub mod mesh;
 pub mod reduced;
 pub mod shell;
+mod spectrum;
 pub mod stiffness_line;
+pub mod strain_gauge;
 
 pub use calibration::{Cup, FlexsplineParams};
 pub use mesh::Mesh;
 pub use reduced::Reduced;
 pub use shell::{Bend, Shell, ShellParams, Strained};
 pub use stiffness_line::StiffnessLine;
+pub use strain_gauge::StrainGauge;
 
 use crate::angle::Angle;
 use crate::real::Real;
@@ -52,6 +56,8 @@ pub struct Reaction<R> {
     pub ellipse: R,
     /// Power that the flexspline's damping turns into heat (W).
     pub loss: R,
+    /// The model has reached the end of its range: its torque is limited there.
+    pub saturated: bool,
 }
 
 /// A flexspline model.

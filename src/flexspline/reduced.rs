@@ -1,44 +1,103 @@
-//! The mesh in real time: one law and one dashpot for 0.1 ms.
+//! The mesh in real time: the same N x M links, condensed to one law and two shapes.
 //!
 //! ```text
-//! tau = line(phi) + c_piece * dphi
+//! tau = limit(line(phi) + c_piece*dphi, 5*tau_rated)
+//! displacement(i, j) = tau*twist_j + ellipse_j at b,    b = a_i + theta_fs - theta_wg,    a_i = 2*pi*i/N
 //! ```
 //!
-//! Derivation from eq. (6). (1) Torque and torsion are axisymmetric, so of the ring's harmonics only
-//! harmonic 0 of the tangential displacement couples to them; the ellipse excites harmonic 2, which
-//! carries no torque. What is left of an n x m mesh is a chain of m angles. (2) The chain's lowest
-//! frequency is that of the steel tube, (pi/l)*sqrt(G/rho) = 43 kHz for size 25: against a 0.1 ms step
-//! it is quasi-static, and the inner angles condense into one spring K_shell, whatever n and m are
-//! ([`super::calibration::unit_stiffness`] does this for the calibration). (3) The rim between shell
-//! and tooth contact carries no mass that matters at these frequencies, so the two are in series:
-//! compliances add, which gives the line, and the contact's dashpot acts with its share of the motion
-//! squared, `c_piece = c_contact*(K_piece/K_contact,piece)^2`.
+//! Torque in N m, torsion phi in rad, positive when the drive is ahead of the flange. No state.
 //!
-//! Torque in N m, torsion in rad, positive when the drive is ahead of the flange. No state. What is
-//! neglected: the inertia of the shell (2e-5 of J_fs), the time constants of the shell (4 us) and of
-//! the dashpot against the shell (c/K_shell, below 0.1 ms).
+//! # Derivation from eq. (6)
+//!
+//! 1. About the round, unloaded shape the link forces are linear in the displacements, and the same all around: the
+//!    stiffness is block-circulant and a Fourier transform around the ring decouples its harmonics
+//!    (`condensation.rs`). What drives the mesh lies in two of them: the torque in harmonic 0, the ellipse
+//!    w0*cos(2b), -(w0/2)*sin(2b) in harmonic 2. The ellipse carries no torque, and a mirror keeps the
+//!    tangential part of harmonic 0 apart from the rest: a chain of M angles.
+//! 2. The shell is so light that at 0.1 ms it is at rest in its shape: acceleration and mu drop out of
+//!    eq. (6), the inner slices follow from the ends, once, at build. What is left is `twist`, the angle of
+//!    every slice per torque, `ellipse`, three amplitudes a slice, and the chain's stiffness, which the
+//!    calibration of k makes that of the tube, G*J/l, for every N x M ([`super::calibration`]).
+//! 3. The rim between shell and tooth contact has no inertia that matters, so the two are in series: compliances
+//!    add, which gives `line`, and the contact's dashpot sees its share of the motion, and acts back through it:
+//!    `c_piece = c_contact*(K_piece/K_contact,piece)^2`.
+//!
+//! Nothing is integrated, so no time step is too long: of the two limits of the explicit mesh, 2/omega of the
+//! links (2 to 6 us) has gone with their inertia, and the dashpot's with the rim's. The joint's own mode is
+//! left, which the gear steps: dt*sqrt(K3/J_fs) = 0.022 where the scheme allows 2.
+//!
+//! # What is neglected
+//!
+//! Size 25, K_shell = 1.603e5 N m/rad, K_contact,1 = 3.84e4 N m/rad, c_contact = 11.9 N m s/rad:
+//!
+//! | term | size |
+//! | --- | --- |
+//! | inertia of the shell m*R^2 = 0.0226*0.031^2 = 2.2e-5 kg m^2 | 1.8e-5 of J_fs |
+//! | its modes: torsion, (pi/l)*sqrt(G/rho) = 2.7e5 rad/s, under the joint's sqrt(K3/J_fs) = 218 rad/s | (218/2.7e5)^2 = 6.5e-7 of the twist |
+//! | the same of the ellipse, lowest mode 8.6e4 (8 x 3), 7.4e4 rad/s (36 x 4), under 2*586 rad/s | 1.8e-4, 2.5e-4 of its inner slices |
+//! | the shell's own damping mu: as zeta = 0.02 of those modes | 0.02*218/2.7e5 = 1.6e-5 of the damping |
+//! | the dashpot against both springs, c_contact/(K_contact + K_shell) = 60 us, at sqrt(K1/J_fs) = 161 rad/s | (161*6e-5)^2 = 9e-5 of the damping |
+//! | the ellipse's tension in the links, second order in w0/R | 7.1e-4 of K1 (8 x 3), 3.4e-5 (36 x 4): `verify flexspline` |
+//! | the ellipse's reaction on the wave generator, zero on average | 5e-5 N m (8 x 3), below 1e-10 (36 x 4) |
+//! | the hardening of the bend links, none by default | hardening*(4.8e-3)^2 of their stiffness |
+//! | inner slices' second-order displacement, harmonics 0 and 4 | strain 2.7e-5 (8 x 3), 5.0e-5 (36 x 4): [`super::StrainGauge`] |
+//!
+//! # Range
+//!
+//! Up to [`RANGE`] times the rated torque. There the law ends: torque is limited and the step says
+//! `saturated`. Energy and loss are those of the limited line, so what is limited stays passive: limiting is
+//! monotone, hence `limit(line + c*dphi) - limit(line)` never has the sign against dphi.
 
-use crate::error::Error;
-use crate::flexspline::calibration::FlexsplineParams;
+use crate::angle::Angle;
+use crate::error::{Error, require};
+use crate::flexspline::calibration::{Cup, DIRECTIONS, FlexsplineParams};
+use crate::flexspline::condensation::{Displacement, Link, Shape, settled};
 use crate::flexspline::stiffness_line::StiffnessLine;
 use crate::flexspline::{Ends, Flexspline, Reaction};
 use crate::real::Real;
 
-/// The condensed mesh.
+/// Largest torque that the law gives, in rated torques.
+///
+/// Past it a gear is no spring any more, its teeth ratchet: size 25, ratio 100, rated at 67 N m, at 500 N m
+/// (Harmonic Drive CSF catalogue, table 4), 7.5 times; sizes 17, 20 and 25 of the stronger CSG series at 200,
+/// 330 and 610 N m (table 6), 6.3 to 7.0 times the 31, 52 and 87 N m that gears of that class are rated at
+/// (Schaeffler RT1-H-CS). The peak torque in operation, 157 N m of the default gear, is 2.3 times.
+pub const RANGE: f64 = 5.0;
+
+/// Node i of slice j, slice 0 the rim.
+pub type Node = (usize, usize);
+
+/// Steps around and along that a link spans, one of the 16.
+pub type Direction = (i32, i32);
+
+/// The condensed N x M mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reduced<R> {
+pub struct Reduced<R, const N: usize, const M: usize> {
     line: StiffnessLine<R>,
     /// Dashpot of each piece of the line (N m s/rad).
     damping: [R; 3],
+    /// Where the law ends, as a torque (N m) and as a torsion at rest (rad).
+    largest_torque: R,
+    largest_torsion: R,
+    cup: Cup<R>,
+    /// Displacement of every slice per torque (m/(N m)).
+    twist: Shape<R, M>,
+    /// Amplitudes of harmonic 2 of every slice (m).
+    ellipse: Shape<R, M>,
 }
 
-impl<R: Real> Reduced<R> {
-    /// Condenses the mesh that these parameters describe.
+impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
+    /// Condenses the N x M mesh that these parameters describe, for a gear of this rated torque (N m).
     ///
     /// # Errors
-    /// As [`FlexsplineParams::check`].
-    pub fn build(params: &FlexsplineParams<R>) -> Result<Self, Error> {
+    /// As [`FlexsplineParams::check`]; `n` outside 5..=1000, `m` outside 3..=32; `rated_torque` unless it is
+    /// positive and [`RANGE`] times it is finite.
+    pub fn build(params: &FlexsplineParams<R>, rated_torque: R) -> Result<Self, Error> {
         params.check()?;
+        require((5..=1000).contains(&N), "n")?;
+        require((3..=32).contains(&M), "m")?;
+        let largest_torque = R::lit(RANGE) * rated_torque;
+        require(largest_torque.is_finite() && largest_torque > R::ZERO, "rated_torque")?;
         let contact = params.contact_line();
         let whole = contact.in_series(params.cup.stiffness());
         let mut damping = [params.contact_damping(); 3];
@@ -46,16 +105,28 @@ impl<R: Real> Reduced<R> {
         {
             *c *= (k / k_contact) * (k / k_contact);
         }
-        Ok(Self { line: whole.build()?, damping })
+        let line = whole.build()?;
+        let cup = params.cup;
+        let turn_per_torque = cup.radius / cup.stiffness();
+        Ok(Self {
+            line,
+            damping,
+            largest_torque,
+            largest_torsion: line.torsion(largest_torque),
+            cup,
+            twist: settled(&cup, N, 0, [R::ZERO, turn_per_torque, R::ZERO]),
+            ellipse: settled(&cup, N, 2, [cup.ellipse, R::lit(-0.5) * cup.ellipse, R::ZERO]),
+        })
     }
 
-    /// Torque at a torsion and its rate (N m).
+    /// Torque at a torsion and its rate (N m), within +-[`RANGE`] times the rated torque; for NaN it is that
+    /// bound too.
     #[inline(never)] // The timing budget counts blocks by their symbols.
     pub fn torque(&self, torsion: R, rate: R) -> R {
-        self.line.torque(torsion) + self.damping(torsion) * rate
+        (self.line.torque(torsion) + self.damping(torsion) * rate).limit(self.largest_torque)
     }
 
-    /// Torsion that carries a torque at rest (rad).
+    /// Torsion that carries a torque at rest (rad); the line goes on past its range.
     #[inline(always)]
     pub fn torsion(&self, torque: R) -> R {
         self.line.torsion(torque)
@@ -65,6 +136,79 @@ impl<R: Real> Reduced<R> {
     #[inline(always)]
     pub fn compliance(&self, torque: R) -> R {
         self.line.compliance(torque)
+    }
+
+    /// Angle by which each slice is ahead of the flange, per torque (rad/(N m)); rim first.
+    pub fn twist(&self) -> [R; M] {
+        self.twist.map(|[_, tangential, _]| tangential / self.cup.radius)
+    }
+
+    /// Radial, tangential and axial amplitude of each slice under the ellipse (m): at the angle b from the wave
+    /// generator's major axis radial*cos(2b), tangential*sin(2b), axial*cos(2b); rim first.
+    pub fn ellipse(&self) -> [[R; 3]; M] {
+        self.ellipse
+    }
+
+    /// Radial, tangential and axial displacement of node i of slice j from the round, unloaded cup (m), seen from
+    /// the flange: `wave_generator` is theta_wg - theta_fs.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `node` unless i < N and j < M.
+    pub fn displacement(&self, (i, j): Node, torque: R, wave_generator: Angle<R>) -> Result<[R; 3], Error> {
+        require(i < N && j < M, "node")?;
+        let [radial, tangential, axial] = self.pressed(i, j, wave_generator);
+        Ok([radial, tangential + torque * self.twist[j][1], axial])
+    }
+
+    /// Strain L/L0 - 1 of the link from `node` (i, j) that spans `direction` (around, along), either way: exact
+    /// in the ellipse's displacement of its ends, to first order in the torque's; `wave_generator` is
+    /// theta_wg - theta_fs. For one place that is read in every control step build a [`super::StrainGauge`].
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `node` unless i < N and j < M; `direction` unless it is one of the 16 and ends
+    /// within the cup.
+    pub fn strain(
+        &self,
+        node: Node,
+        direction: Direction,
+        torque: R,
+        wave_generator: Angle<R>,
+    ) -> Result<R, Error> {
+        let (link, ends) = self.link(node, direction)?;
+        let [near, far] = ends.map(|(i, j)| self.pressed(i, j, wave_generator));
+        Ok(link.strain(near, far) + torque * self.strain_per_torque(node, direction)?)
+    }
+
+    /// Strain of the same link per torque (1/(N m)).
+    ///
+    /// # Errors
+    /// As [`Reduced::strain`].
+    pub fn strain_per_torque(&self, node: Node, direction: Direction) -> Result<R, Error> {
+        let (link, ends) = self.link(node, direction)?;
+        let [near, far] = ends.map(|(_, j)| self.twist[j]);
+        Ok(link.linear_strain(near, far))
+    }
+
+    /// A link and the two nodes that it joins, near one first.
+    fn link(&self, (i, j): Node, (around, along): Direction) -> Result<(Link<R>, [Node; 2]), Error> {
+        require(i < N && j < M, "node")?;
+        let spans = |sign: i32| move |(a, s): &(i32, usize)| (sign * a, sign * *s as i32) == (around, along);
+        let forward = DIRECTIONS.into_iter().find(spans(1));
+        let direction =
+            forward.or(DIRECTIONS.into_iter().find(spans(-1))).ok_or(Error::OutOfRange("direction"))?;
+        let slice = j.checked_add_signed(along as isize).filter(|slice| *slice < M);
+        let other =
+            ((i as i32 + around).rem_euclid(N as i32) as usize, slice.ok_or(Error::OutOfRange("direction"))?);
+        let link = Link::new(&self.cup, N, M, direction);
+        Ok((link, if forward.is_some() { [(i, j), other] } else { [other, (i, j)] }))
+    }
+
+    /// Displacement of a node that exists, by the ellipse.
+    fn pressed(&self, i: usize, j: usize, wave_generator: Angle<R>) -> Displacement<R> {
+        let around: Angle<R> = Angle::from_turn_fraction(i as i32, N as i32);
+        let (sine, cosine) = R::sin_cos_phase(around.less(wave_generator).phase().wrapping_mul(2));
+        let [radial, tangential, axial] = self.ellipse[j];
+        [radial * cosine, tangential * sine, axial * cosine]
     }
 
     #[inline(always)]
@@ -78,7 +222,7 @@ impl<R: Real> Reduced<R> {
     }
 }
 
-impl<R: Real> Flexspline<R> for Reduced<R> {
+impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Reduced<R, N, M> {
     type State = ();
 
     fn rest(&self) -> Self::State {}
@@ -87,15 +231,168 @@ impl<R: Real> Flexspline<R> for Reduced<R> {
         let torsion = ends.drive.minus(ends.flange);
         let rate = ends.drive_rate - ends.flange_rate;
         let torque = self.torque(torsion, rate);
+        let elastic = self.line.torque(torsion).limit(self.largest_torque);
         Reaction {
             contact: torque,
             flange: torque,
             ellipse: R::ZERO,
-            loss: self.damping(torsion) * rate * rate,
+            loss: (torque - elastic) * rate,
+            saturated: torque.abs() >= self.largest_torque,
         }
     }
 
     fn energy(&self, _state: &Self::State, ends: &Ends<R>) -> R {
-        self.line.energy(ends.drive.minus(ends.flange))
+        let torsion = ends.drive.minus(ends.flange);
+        let beyond = (torsion.abs() - self.largest_torsion).max(R::ZERO);
+        self.line.energy(torsion.limit(self.largest_torsion)) + self.largest_torque * beyond
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flexspline::calibration::tests::SIZE_25;
+    use crate::flexspline::shell::Bend;
+    use proptest::prelude::*;
+
+    const RATED: f64 = 67.0;
+    const LARGEST: f64 = RANGE * RATED;
+
+    fn reduced() -> Reduced<f64, 8, 3> {
+        Reduced::build(&SIZE_25, RATED).unwrap()
+    }
+
+    /// The same in the firmware's precision.
+    fn single() -> Reduced<f32, 8, 3> {
+        let cup = SIZE_25.cup;
+        let params = FlexsplineParams {
+            cup: Cup {
+                radius: cup.radius as f32,
+                length: cup.length as f32,
+                wall: cup.wall as f32,
+                ellipse: cup.ellipse as f32,
+                youngs_modulus: cup.youngs_modulus as f32,
+                poisson_ratio: cup.poisson_ratio as f32,
+                density: cup.density as f32,
+            },
+            line: crate::flexspline::stiffness_line::StiffnessLineParams {
+                stiffness: SIZE_25.line.stiffness.map(|k| k as f32),
+                knee_torque: SIZE_25.line.knee_torque.map(|torque| torque as f32),
+            },
+            damping_ratio: SIZE_25.damping_ratio as f32,
+            inertia: SIZE_25.inertia as f32,
+            bend: Bend::LINEAR,
+        };
+        Reduced::build(&params, RATED as f32).unwrap()
+    }
+
+    fn ends(torsion: f64, rate: f64) -> Ends<f64> {
+        Ends { drive: Angle::from_radians(torsion), drive_rate: rate, ..Ends::default() }
+    }
+
+    fn step(torsion: f64, rate: f64) -> Reaction<f64> {
+        reduced().step(&mut (), &ends(torsion, rate))
+    }
+
+    proptest! {
+        #[test]
+        fn any_bits_give_a_torque_within_the_range(torsion: u32, rate: u32) {
+            let (reduced, largest) = (single(), LARGEST as f32);
+            let (torsion, rate) = (f32::from_bits(torsion), f32::from_bits(rate));
+            let torque = reduced.torque(torsion, rate);
+            prop_assert!(torque.abs() <= largest, "{} at {}, {}", torque, torsion, rate);
+            let ends = Ends { flange: Angle { counts: 0, rest: torsion }, drive_rate: rate, ..Ends::default() };
+            let reaction = reduced.step(&mut (), &ends);
+            prop_assert!(reaction.flange.abs() <= largest && reaction.contact == reaction.flange);
+            prop_assert!(reaction.saturated || (torsion.is_finite() && rate.is_finite()));
+        }
+
+        #[test]
+        fn within_the_range_it_is_line_and_dashpot(torsion in -8e-3..8e-3f64, rate in -40.0..40.0f64) {
+            let reduced = reduced();
+            let whole = reduced.line.torque(torsion) + reduced.damping(torsion) * rate;
+            prop_assert_eq!(reduced.torque(torsion, rate), whole.clamp(-LARGEST, LARGEST));
+            // An angle holds the torsion to 1e-16 rad.
+            prop_assume!((whole.abs() - LARGEST).abs() > 1e-9);
+            let reaction = step(torsion, rate);
+            prop_assert_eq!(reaction.saturated, whole.abs() > LARGEST);
+            prop_assert!((reaction.flange - whole.clamp(-LARGEST, LARGEST)).abs() < 1e-9);
+        }
+
+        /// At rest everywhere, and at a rate within each piece; from one to the next the dashpot steps.
+        #[test]
+        fn torque_rises_with_torsion(a in -0.1..0.1f64, b in -0.1..0.1f64, rate in -1e3..1e3f64) {
+            let (low, high) = (a.min(b), a.max(b));
+            let reduced = reduced();
+            prop_assert!(reduced.torque(low, 0.0) <= reduced.torque(high, 0.0));
+            if reduced.line.piece(low) == reduced.line.piece(high) {
+                prop_assert!(reduced.torque(low, rate) <= reduced.torque(high, rate));
+            }
+        }
+
+        /// What is not elastic never drives.
+        #[test]
+        fn it_is_passive(torsion in -0.1..0.1f64, rate in -1e4..1e4f64) {
+            let dashpot = step(torsion, rate).flange - step(torsion, 0.0).flange;
+            prop_assert!(dashpot * rate >= 0.0);
+            prop_assert!((step(torsion, rate).loss - dashpot * rate).abs() <= 1e-9 * (1.0 + (dashpot * rate).abs()));
+        }
+
+        #[test]
+        fn torque_at_rest_is_the_slope_of_the_energy(torsion in -0.02..0.02f64) {
+            let energy = |torsion| reduced().energy(&(), &ends(torsion, 0.0));
+            let slope = (energy(torsion + 1e-7) - energy(torsion - 1e-7)) / 2e-7;
+            prop_assert!((slope - step(torsion, 0.0).flange).abs() < 5e-3);
+        }
+
+        /// The rim follows the wave generator's inextensional ellipse, turned by the torque; the flange stays.
+        #[test]
+        fn the_ends_stand_where_they_are_held(i in 0..8usize, torque in -300.0..300.0f64, counts: u32) {
+            let (cup, angle) = (SIZE_25.cup, Angle::from_counts(i64::from(counts)));
+            let b = core::f64::consts::TAU * i as f64 / 8.0 - angle.to_radians();
+            let [radial, tangential, axial] = reduced().displacement((i, 0), torque, angle).unwrap();
+            let turned = torque / cup.stiffness() * cup.radius;
+            prop_assert!((radial - cup.ellipse * (2.0 * b).cos()).abs() < 1e-11);
+            prop_assert!((tangential - turned + 0.5 * cup.ellipse * (2.0 * b).sin()).abs() < 1e-11);
+            prop_assert_eq!(axial, 0.0);
+            prop_assert_eq!(reduced().displacement((i, 2), torque, angle), Ok([0.0; 3]));
+        }
+    }
+
+    #[test]
+    fn not_a_number_is_beyond_the_range() {
+        for (torsion, rate) in [(f64::NAN, 0.0), (0.0, f64::NAN), (f64::INFINITY, f64::NEG_INFINITY)] {
+            assert!(reduced().torque(torsion, rate).abs() <= LARGEST);
+        }
+        assert!(step(0.0, f64::NAN).saturated && step(0.0, f64::INFINITY).saturated);
+    }
+
+    #[test]
+    fn the_twist_falls_from_the_shells_compliance_to_none() {
+        let twist = Reduced::<f64, 36, 4>::build(&SIZE_25, RATED).unwrap().twist();
+        assert!((twist[0] * SIZE_25.cup.stiffness() - 1.0).abs() < 1e-12);
+        assert!(twist.is_sorted_by(|a, b| a > b) && twist[3] == 0.0, "{twist:?}");
+    }
+
+    #[test]
+    fn single_precision_has_the_same_shapes() {
+        let (double, single) = (reduced(), single());
+        for (a, b) in double.twist().iter().zip(single.twist()) {
+            assert!((a - f64::from(b)).abs() < 1e-6 * double.twist()[0]);
+        }
+        for (a, b) in double.ellipse().as_flattened().iter().zip(single.ellipse().as_flattened()) {
+            assert!((a - f64::from(*b)).abs() < 1e-6 * SIZE_25.cup.ellipse);
+        }
+    }
+
+    #[test]
+    fn what_is_no_mesh_is_refused_by_name() {
+        let refused = |torque| Reduced::<f64, 8, 3>::build(&SIZE_25, torque).err();
+        for torque in [0.0, -1.0, f64::NAN, f64::INFINITY, f64::MAX] {
+            assert_eq!(refused(torque), Some(Error::OutOfRange("rated_torque")));
+        }
+        assert_eq!(Reduced::<f64, 4, 3>::build(&SIZE_25, RATED).err(), Some(Error::OutOfRange("n")));
+        assert_eq!(Reduced::<f64, 8, 2>::build(&SIZE_25, RATED).err(), Some(Error::OutOfRange("m")));
+        assert_eq!(reduced().displacement((0, 3), 0.0, Angle::default()), Err(Error::OutOfRange("node")));
     }
 }

@@ -8,6 +8,7 @@
 pub mod control;
 pub mod frame;
 pub mod jog;
+pub mod literal_mesh;
 #[cfg(target_os = "none")]
 pub mod logger;
 #[cfg(target_os = "none")]

@@ -15,7 +15,7 @@ pub fn fail() -> ! {
 }
 
 /// Something is wrong amid anything: it is said on the emulator's console.
-fn fail_because(why: &CStr) -> ! {
+pub fn fail_because(why: &CStr) -> ! {
     // SAFETY: SYS_WRITE0 takes the address of a string that ends with a zero byte.
     unsafe { syscall1!(WRITE0, why.as_ptr()) };
     fail()

@@ -72,7 +72,8 @@ pub fn run<'a>(file: &GearFile, input: &'a OpenLoop, build: Build) -> Result<Row
         }
         Build::RealTime => {
             let params = gear_params::<f32>(&counted);
-            let gear: RealTimeGear<f32> = params.build(Reduced::build(&params.flexspline)?, STEP as f32)?;
+            let flexspline = Reduced::build(&params.flexspline, params.rated_torque)?;
+            let gear: RealTimeGear<f32> = params.build(flexspline, STEP as f32)?;
             Ok(rows(Simulation::new(gear, STEP, 1, inputs)))
         }
     }

@@ -8,13 +8,14 @@ pub mod flexspline_oracle;
 mod friction;
 mod gear;
 mod hysteresis;
+mod strain;
 
 use crate::figure::Figure;
 
 /// A part of the project whose figures are measured together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// The mesh against the catalogue, the real-time gear against the reference.
+    /// The mesh against the catalogue, its reduction against the mesh, the real-time gear against the reference.
     Flexspline,
     /// Bliman-Sorine against its closed form, f32 against f64.
     Friction,
@@ -42,7 +43,8 @@ impl Part {
     pub fn measure(self) -> Vec<Figure> {
         match self {
             Self::Flexspline => {
-                [flexspline::measure(), flexspline_oracle::measure(), gear::measure()].concat()
+                [flexspline::measure(), flexspline_oracle::measure(), strain::measure(), gear::measure()]
+                    .concat()
             }
             Self::Friction => friction::measure(),
             Self::Hysteresis => hysteresis::measure(),

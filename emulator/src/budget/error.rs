@@ -32,7 +32,7 @@ pub enum Error {
     Counting(#[from] counting::Error),
     /// The workload failed.
     #[error(transparent)]
-    Workload(Box<dyn std::error::Error + Send + Sync>),
+    Workload(super::measurement::Failure),
     /// A block was never executed.
     #[error("block {block}: the workload never calls {symbol}, allowed: at least once")]
     NotCalled {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use strainwave_desktop::Figure;
 
-use super::{Block, Budget, Error, table};
+use super::{Block, Budget, Error, LITERAL_MESH, table};
 use crate::artifact::{CallGraph, Image, Sizes, StackBound, Violation, proofs};
 use crate::counting::{Counting, Counts, Outcome, merge};
 
@@ -23,14 +23,17 @@ pub struct Measurement {
     pub allocators: Vec<Violation>,
     /// Double precision in what its control step reaches.
     pub doubles: Vec<Violation>,
-    /// What the control step and its parts cost, in the budget's order; empty when it was not run.
+    /// What the control step, its parts and the literal mesh cost, in the budget's order; empty when nothing was run.
     pub counts: Vec<(String, Counts)>,
     /// The deepest stack that a run has seen, in bytes.
     pub stack_mark: Option<u32>,
 }
 
 /// What a workload comes back with: the deepest stack that the firmware reports, if it does, in bytes.
-pub type Workload = Result<Option<u32>, Box<dyn std::error::Error + Send + Sync>>;
+pub type Workload = Result<Option<u32>, Failure>;
+
+/// Why a workload failed.
+pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 /// Judges the image at `elf` without running it.
 ///
@@ -56,13 +59,26 @@ pub fn measure(
     let image = Image::read(elf)?;
     let mut measured = examine(budget, &image)?;
     if budget.emulated {
-        let found = budget.blocks().map(|(_, block)| image.find(&block.symbol));
-        let functions: Vec<Vec<usize>> = found.collect::<Result<_, _>>()?;
-        let counting = Counting::prepare(&image, &distinct(&functions))?;
-        measured.stack_mark = workload(&counting.arguments()).map_err(Error::Workload)?;
-        measured.counts = by_block(budget, &functions, &counting.finish(&image)?)?;
+        let blocks: Vec<_> = budget.blocks().collect();
+        measured.counts = count(&image, &blocks, |arguments| {
+            measured.stack_mark = workload(arguments)?;
+            Ok(())
+        })?;
     }
     Ok(measured)
+}
+
+/// Counts `blocks` of `image` while `workload` runs it.
+pub(super) fn count(
+    image: &Image,
+    blocks: &[(&str, &Block)],
+    workload: impl FnOnce(&[String]) -> Result<(), Failure>,
+) -> Result<Vec<(String, Counts)>, Error> {
+    let found = blocks.iter().map(|(_, block)| image.find(&block.symbol));
+    let functions: Vec<Vec<usize>> = found.collect::<Result<_, _>>()?;
+    let counting = Counting::prepare(image, &distinct(&functions))?;
+    workload(&counting.arguments()).map_err(Error::Workload)?;
+    by_block(blocks, &functions, &counting.finish(image)?)
 }
 
 fn examine(budget: &Budget, image: &Image) -> Result<Measurement, Error> {
@@ -90,17 +106,16 @@ fn distinct(functions: &[Vec<usize>]) -> Vec<usize> {
 }
 
 fn by_block(
-    budget: &Budget,
+    blocks: &[(&str, &Block)],
     functions: &[Vec<usize>],
     outcome: &Outcome,
 ) -> Result<Vec<(String, Counts)>, Error> {
     let tracked = distinct(functions);
     let of = |function: &usize| outcome.counts[tracked.binary_search(function).ok()?];
-    let blocks = budget.blocks().zip(functions);
-    let counted = blocks.map(|((name, block), functions)| {
+    let counted = blocks.iter().zip(functions).map(|((name, block), functions)| {
         let counts = merge(functions.iter().filter_map(of));
-        let never = || Error::NotCalled { block: name.to_owned(), symbol: block.symbol.clone() };
-        Ok((name.to_owned(), counts.ok_or_else(never)?))
+        let never = || Error::NotCalled { block: (*name).to_owned(), symbol: block.symbol.clone() };
+        Ok(((*name).to_owned(), counts.ok_or_else(never)?))
     });
     counted.collect()
 }
@@ -123,8 +138,19 @@ impl Measurement {
             figures.push(max("cycles", "cycle", cycles.max, block.and_then(|b| b.cycles)));
             figures.push(mean("cycles", "cycle", cycles.mean));
         }
+        figures.extend(self.ratio_figure(budget));
         figures.extend(self.image_figures(budget));
         figures
+    }
+
+    /// How many times the instructions of its reduction the literal mesh takes, rounded down.
+    fn ratio_figure(&self, budget: &Budget) -> Option<Figure> {
+        let mesh = budget.literal_mesh.as_ref()?;
+        let most =
+            |name| self.counts.iter().find(|(n, _)| n == name).map(|(_, counts)| counts.instructions.max);
+        let ratio = most(LITERAL_MESH)? / most(&mesh.reduced)?;
+        let name = format!("budget.{}.literal_over_reduced", budget.board);
+        Some(Figure::at_least(name, ratio as f64, "1", mesh.at_least as f64))
     }
 
     fn image_figures(&self, budget: &Budget) -> Vec<Figure> {
@@ -150,7 +176,7 @@ impl Measurement {
     }
 
     fn block<'b>(&self, budget: &'b Budget, name: &str) -> Option<&'b Block> {
-        budget.blocks().find(|(n, _)| *n == name).map(|(_, block)| block)
+        budget.rows().find(|(n, _)| *n == name).map(|(_, block)| block)
     }
 
     /// What must not be in the image, by name.

@@ -103,7 +103,7 @@ fn image(budget: &Budget, figures: &[Figure]) -> Table {
 }
 
 fn bound(figure: Option<&Figure>) -> String {
-    figure.and_then(|f| f.bound).map_or_else(|| "-".to_owned(), |b| b.to_string())
+    figure.map_or_else(|| "-".to_owned(), |f| f.bound_text(|bound| bound.to_string()))
 }
 
 fn yes(holds: bool) -> String {
@@ -138,6 +138,14 @@ mod tests {
             .split_whitespace()
             .collect();
         assert_eq!(row, ["control_step", "3", "500", "2", "-", "1000", "2", "10", "NO"]);
+    }
+
+    #[test]
+    fn a_floor_is_told_from_a_ceiling() {
+        let text = print(&measurement(), &budget());
+        let row = text.lines().find(|l| l.trim_start().starts_with("literal_over_reduced")).unwrap();
+        let cells: Vec<&str> = row.split_whitespace().collect();
+        assert_eq!(cells, ["literal_over_reduced", "308", "1", ">=", "300", "yes"]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use super::{Shell, ShellState, Slice};
+use super::{Shell, ShellState, Slice, mass_share};
 use crate::real::Real;
 
 impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
@@ -21,7 +21,7 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
         slices.fold(R::ZERO, |energy, j| {
             let squares =
                 entries(&state.velocity[j]).fold(R::ZERO, |sum, [x, y, z]| sum + x * x + y * y + z * z);
-            energy + R::lit(0.5) * self.node_mass * self.mass_share(j).0 * squares
+            energy + R::lit(0.5) * self.node_mass * mass_share::<R>(j, M).0 * squares
         })
     }
 
@@ -53,7 +53,7 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
     fn moments(&self, state: &ShellState<R, N, M>, of: impl Fn([R; 3], [R; 3]) -> [R; 3]) -> [R; 3] {
         let mut total = [R::ZERO; 3];
         for (j, (position, velocity)) in state.position.iter().zip(&state.velocity).enumerate() {
-            let mass = self.node_mass * self.mass_share(j).0;
+            let mass = self.node_mass * mass_share::<R>(j, M).0;
             for (position, velocity) in entries(position).zip(entries(velocity)) {
                 for (total, part) in total.iter_mut().zip(of(position, velocity)) {
                     *total += mass * part;

@@ -16,7 +16,7 @@
 //! | f32 | 8e-12 | 5e-9 | 8e-8 | 1e-3 |
 //!
 //! Odd in the strain to first order, monotone and hardening; beyond `saturation` a bend link is a linear
-//! spring again, stiffer by 1 + hardening*saturation^2. The law is the derivative of [`Bend::potential`], exactly,
+//! spring again, stiffer by 1 + hardening*saturation^2. The law is the derivative of its potential, exactly,
 //! so a mesh of such links keeps its energy. Beyond [`VALID_STRAIN`] it is no longer eq. (6).
 
 use crate::error::{Error, require};

@@ -10,7 +10,7 @@
 //! angular momentum are kept to rounding. A node carries mass/(n*(m - 1)), one of the end slices half of it.
 //!
 //! Discretisation: semi-implicit (symplectic) Euler, velocities first. Stable while dt < 2/omega_max;
-//! [`ShellParams::stable_step`] finds omega_max from the mesh.
+//! [`Shell::stable_step`] finds omega_max from the mesh.
 //!
 //! For vector code: one array an axis, `Ring`s (see `ring.rs`), and the forces of near and far ends
 //! in arrays of their own, so that no sum waits for one that was just written elsewhere.
@@ -28,6 +28,7 @@ use core::ops::{Range, RangeInclusive};
 use crate::angle::Angle;
 use crate::error::{Error, require};
 use crate::flexspline::calibration::{Cup, DIRECTIONS, link_geometry};
+use crate::flexspline::spectrum;
 use crate::real::Real;
 use link_law::shortening;
 use ring::{Ring, node_at};
@@ -108,6 +109,11 @@ impl<R: Real, const N: usize, const M: usize> ShellState<R, N, M> {
     }
 }
 
+/// Mass of a node of slice j of m in inner nodes, and its inverse.
+fn mass_share<R: Real>(j: usize, m: usize) -> (R, R) {
+    if j == 0 || j == m - 1 { (R::lit(0.5), R::lit(2.0)) } else { (R::ONE, R::ONE) }
+}
+
 /// Closes the rings of all three axes.
 #[inline(always)]
 pub(super) fn close<R: Real, const N: usize>(slice: &mut Slice<R, N>) {
@@ -149,6 +155,17 @@ impl<R: Real> ShellParams<R> {
         self.cup.mass() / R::from_i32((n * (m - 1)) as i32)
     }
 
+    /// Largest stable step of links that swing at omega^2 = `square`*k/m at most (s): damping of ratio z there
+    /// shortens the step of the semi-implicit scheme to 2*(sqrt(1 + z^2) - z)/omega.
+    pub(super) fn step_below(&self, square: R, n: usize, m: usize) -> R {
+        let saturation = self.bend.saturation;
+        let hardest = R::ONE + R::lit(3.0) * self.bend.hardening * saturation * saturation;
+        let square = square * hardest * spectrum::assembled(&self.cup);
+        let omega = (square * self.link_stiffness / self.node_mass(n, m)).sqrt();
+        let ratio = R::lit(0.5) * omega * self.link_damping / self.link_stiffness;
+        R::lit(2.0) * ((R::ONE + ratio * ratio).sqrt() - ratio) / omega
+    }
+
     /// Distance of the slices (m).
     fn spacing(&self, m: usize) -> R {
         self.cup.length / R::from_i32(m as i32 - 1)
@@ -168,6 +185,12 @@ pub(super) fn check_nodes(n: usize, m: usize) -> Result<(), Error> {
 }
 
 impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
+    /// Largest stable time step of the free shell (s).
+    pub fn stable_step(params: &ShellParams<R>) -> R {
+        let inverse_mass: [R; M] = core::array::from_fn(|j| mass_share::<R>(j, M).1);
+        params.step_below(spectrum::largest(&params.cup, N, inverse_mass), N, M)
+    }
+
     /// The shell with a time step dt (s), which is not compared with any stability bound.
     ///
     /// # Errors
@@ -199,6 +222,11 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
                 (cosine, sine)
             }),
         })
+    }
+
+    /// The same shell, stepped by dt.
+    pub(super) fn with_step(&self, dt: R) -> Self {
+        Self { dt, dt_over_mass: dt / self.node_mass, ..self.clone() }
     }
 
     /// Cosine and sine of every node's angle, by entry of the ring.
@@ -247,7 +275,7 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
         let ShellState { position, velocity } = state;
         let moved = position.iter_mut().zip(velocity).zip(force).enumerate();
         for (j, ((position, velocity), force)) in moved.take(slices.end).skip(slices.start) {
-            let gain = self.dt_over_mass * self.mass_share(j).1;
+            let gain = self.dt_over_mass * mass_share::<R>(j, M).1;
             for ((position, velocity), force) in position.iter_mut().zip(velocity).zip(force) {
                 let (p, v) = (position.entries_mut(), velocity.entries_mut());
                 for i in 0..N {
@@ -258,11 +286,6 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
                 velocity.close();
             }
         }
-    }
-
-    /// Mass of a node of slice j in inner nodes, and its inverse.
-    fn mass_share(&self, j: usize) -> (R, R) {
-        if j == 0 || j == M - 1 { (R::lit(0.5), R::lit(2.0)) } else { (R::ONE, R::ONE) }
     }
 
     /// Adds the links' forces to `force` (N); answers with the power lost in them (W).

@@ -1,0 +1,108 @@
+//! Strain gauges on the reduced mesh, as they run in real time (f32), against the settled literal mesh (f64).
+//!
+//! Every link of the mesh is a gauge, at wave-generator angles that lie anywhere between the nodes and at torques
+//! up to rated, both signs.
+
+use strainwave::flexspline::calibration::DIRECTIONS;
+use strainwave::flexspline::{Ends, Flexspline, Mesh, Reduced, StrainGauge};
+use strainwave::{Angle, Error};
+
+use crate::bounds;
+use crate::figure::Figure;
+use crate::gear_file::GearFile;
+use crate::joint::gear_params;
+
+/// Steps in which a mesh settles; twice as many change no strain by 1e-10.
+const SETTLING: usize = 20_000;
+/// Wave-generator angles (rad).
+const ANGLES: [f64; 4] = [0.0, 0.3, 0.7, 2.5];
+/// Torsion, in torsions at rated torque.
+const TORSIONS: [f64; 4] = [-1.0, 0.0, 0.4, 1.0];
+
+/// A link: its near node and its direction.
+type Place = ((usize, usize), (i32, i32));
+
+pub(super) fn measure() -> Vec<Figure> {
+    let file = GearFile::default_gear();
+    let coarse = worst::<8, 3>(&file).expect("the default gear can be built");
+    let reference = worst::<36, 4>(&file).expect("the default gear can be built");
+    vec![
+        bounds::figure("flexspline.8x3.reduced.strain", coarse.whole),
+        bounds::figure("flexspline.36x4.reduced.strain", reference.whole),
+        bounds::figure("flexspline.8x3.reduced.strain_by_torque", coarse.by_torque),
+        bounds::figure("flexspline.36x4.reduced.strain_by_torque", reference.by_torque),
+    ]
+}
+
+/// Largest differences of strain between gauge and mesh.
+#[derive(Default)]
+struct Worst {
+    whole: f64,
+    /// Of what a torque adds to the strain without it, at the same angle.
+    by_torque: f64,
+}
+
+impl Worst {
+    fn take(&mut self, whole: f64, by_torque: f64) {
+        self.whole = self.whole.max(whole.abs());
+        self.by_torque = self.by_torque.max(by_torque.abs());
+    }
+}
+
+/// A mesh at rest: torque, and the strain of every link.
+struct Settled {
+    torque: f64,
+    strains: Vec<f64>,
+}
+
+fn worst<const N: usize, const M: usize>(file: &GearFile) -> Result<Worst, Error> {
+    let (double, single) = (gear_params::<f64>(file), gear_params::<f32>(file));
+    let params = &double.flexspline;
+    let mesh = Mesh::<f64, N, M>::build(params, 0.7 * Mesh::<f64, N, M>::stable_step(params))?;
+    let reduced = Reduced::<f32, N, M>::build(&single.flexspline, single.rated_torque)?;
+    let places = places::<N, M>();
+    let gauges: Vec<_> = places
+        .iter()
+        .map(|(node, direction)| StrainGauge::build(&reduced, *node, *direction))
+        .collect::<Result<_, _>>()?;
+    let largest = params.line.build()?.torsion(file.gear.rated_torque);
+    let mut worst = Worst::default();
+    for angle in ANGLES {
+        let unloaded = settled(&mesh, &places, angle, 0.0)?;
+        for torsion in TORSIONS {
+            let loaded = settled(&mesh, &places, angle, torsion * largest)?;
+            for ((gauge, strain), unloaded) in gauges.iter().zip(&loaded.strains).zip(&unloaded.strains) {
+                let of = |torque: f64| f64::from(gauge.strain(torque as f32, Angle::from_radians_f64(angle)));
+                let by_torque = f64::from(gauge.per_torque) * loaded.torque;
+                worst.take(of(loaded.torque) - strain, by_torque - (strain - unloaded));
+            }
+        }
+    }
+    Ok(worst)
+}
+
+/// Every link of an N x M mesh.
+fn places<const N: usize, const M: usize>() -> Vec<Place> {
+    let nodes = (0..M).flat_map(|j| (0..N).map(move |i| (i, j)));
+    let links = nodes.flat_map(|node| DIRECTIONS.map(|(around, along)| (node, (around, along as i32))));
+    links.filter(|((_, j), (_, along))| j + (*along as usize) < M).collect()
+}
+
+fn settled<const N: usize, const M: usize>(
+    mesh: &Mesh<f64, N, M>,
+    places: &[Place],
+    angle: f64,
+    torsion: f64,
+) -> Result<Settled, Error> {
+    let ends = Ends {
+        drive: Angle::from_radians(torsion),
+        wave_generator: Angle::from_radians(angle),
+        ..Ends::default()
+    };
+    let mut state = mesh.rest();
+    mesh.relax(&mut state, &ends, SETTLING);
+    let torque = mesh.step(&mut state, &ends).flange;
+    let strains =
+        places.iter().map(|(node, direction)| mesh.shell().strain(state.shell(), *node, *direction));
+    Ok(Settled { torque, strains: strains.collect::<Result<_, _>>()? })
+}

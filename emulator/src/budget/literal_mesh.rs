@@ -1,0 +1,54 @@
+//! The mesh of eq. (6), stepped literally on the target, beside the block that is its reduction.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Duration;
+
+use serde::Deserialize;
+
+use super::measurement::count;
+use super::{Block, Error, LITERAL_MESH, Measurement};
+use crate::artifact::Image;
+use crate::machine::{Machine, Options};
+
+/// How long the program may take on the host, counted: it settles the mesh first, 10^8 instructions.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// The literal mesh, and how many times its reduction it must at least cost.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LiteralMesh {
+    /// The board's program that steps it and ends by itself, well only when the mesh agrees with its reduction.
+    pub program: String,
+    /// The block of the control step that is its reduction.
+    pub reduced: String,
+    /// Least ratio of the two, in instructions. A demand, not a measured value: it neither follows the
+    /// measurement nor becomes stale.
+    pub at_least: u64,
+    /// One control period of the mesh.
+    pub period: Block,
+}
+
+impl LiteralMesh {
+    /// What is wrong with it, if anything, beside these blocks.
+    pub(super) fn fault(&self, blocks: &BTreeMap<String, Block>) -> Option<String> {
+        let missing = !blocks.contains_key(&self.reduced);
+        missing
+            .then(|| format!("literal_mesh.reduced = \"{}\", allowed: a name among [blocks]", self.reduced))
+    }
+
+    /// Runs the program at `elf` and adds what its mesh costs to the other blocks.
+    ///
+    /// # Errors
+    /// [`Error::Image`]; [`Error::Workload`] when the program does not end well; [`Error::Counting`];
+    /// [`Error::NotCalled`].
+    pub fn measure(&self, elf: &Path, measured: &mut Measurement) -> Result<(), Error> {
+        let counts = count(&Image::read(elf)?, &[(LITERAL_MESH, &self.period)], |arguments| {
+            let options = Options { patience: PATIENCE, arguments: arguments.to_vec(), ..Options::default() };
+            Machine::boot_with(elf, &options)?.end()?;
+            Ok(())
+        })?;
+        measured.counts.extend(counts);
+        Ok(())
+    }
+}
