@@ -111,12 +111,11 @@ mod tests {
             let before = state;
             shell.step(&mut state);
             let mut norm = 0.0;
-            for i in 0..N {
-                for j in 0..M {
+            for (i, column) in direction.iter_mut().enumerate() {
+                for (j, node) in column.iter_mut().enumerate() {
                     let (now, then) = (state.velocity(i, j), before.velocity(i, j));
-                    direction[i][j] =
-                        core::array::from_fn(|axis| (then[axis] - now[axis]) / (dt * dt * 1e-3));
-                    norm += direction[i][j].iter().map(|a| a * a).sum::<f64>();
+                    *node = core::array::from_fn(|axis| (then[axis] - now[axis]) / (dt * dt * 1e-3));
+                    norm += node.iter().map(|a| a * a).sum::<f64>();
                 }
             }
             largest = norm.sqrt();

@@ -7,11 +7,11 @@
 //! The output is held; the motor winds the flexspline up over both knees of its stiffness line, stops and
 //! holds it. Within a control period the ends move evenly. The mesh takes as many micro-steps in it as keep
 //! each below [`STEP_SHARE`] of the stable one, like the desktop's plant. In the end its torque must be
-//! the [`Reduced`] one: what is counted is a mesh that works. Torsion in rad, torque in N m, positive when the
+//! the [`RealTimeFlexspline`]'s: what is counted is a mesh that works. Torsion in rad, torque in N m, positive when the
 //! drive is ahead of the flange.
 
-use strainwave::compensator::JointParams;
-use strainwave::flexspline::{Ends, Flexspline, FlexsplineParams, Mesh, Reduced};
+use strainwave::compensator::{JointParams, RealTimeFlexspline};
+use strainwave::flexspline::{Ends, Flexspline, FlexsplineParams, Mesh};
 use strainwave::{Angle, Error, Ratio};
 
 /// The coarsest mesh that is calibrated: 8 nodes around, 3 along the axis.
@@ -56,7 +56,7 @@ impl WindUp {
 pub fn wind_up(joint: &JointParams<f32>) -> Result<WindUp, Error> {
     let params = &joint.gear.flexspline;
     let ratio = Ratio::one_over(joint.gear.ratio)?;
-    let reduced = Reduced::build(params)?;
+    let reduced = RealTimeFlexspline::build(params, joint.gear.rated_torque)?;
     let torsion = reduced.torsion(WIND_UP * params.line.knee_torque[1]);
     let mut mesh = LiteralMesh::build(params, joint.dt)?;
     let mut ends = Ends::default();
