@@ -2,9 +2,9 @@
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use strainwave_desktop::BadInput;
 use strainwave_desktop::verify::flexspline::speed;
 use strainwave_desktop::verify::{self, Measured};
-use strainwave_desktop::BadInput;
 use strainwave_emulator::verify::{self as emulated, Parts};
 
 use crate::files;

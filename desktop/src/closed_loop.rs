@@ -212,7 +212,11 @@ where
         speed.push(plant.motor().velocity);
         load_torque.push(demand.load);
     })?;
-    Ok(OpenLoop { time: Time::every(CONTROL_PERIOD, speed.len()), drive: Drive::Velocity(speed), load_torque })
+    Ok(OpenLoop {
+        time: Time::every(CONTROL_PERIOD, speed.len()),
+        drive: Drive::Velocity(speed),
+        load_torque,
+    })
 }
 
 /// Control periods of a scenario.

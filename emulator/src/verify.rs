@@ -68,7 +68,8 @@ pub fn measure(parts: Parts, mut progress: impl FnMut(f64)) -> Result<Measured, 
         runs = scenarios(&elf, arguments, |share| progress(0.9 * share))?;
         Ok(())
     };
-    let costs = if parts == Parts::Firmware { run(&[]).map(|()| Vec::new())? } else { flexspline(&elf, run)? };
+    let costs =
+        if parts == Parts::Firmware { run(&[]).map(|()| Vec::new())? } else { flexspline(&elf, run)? };
     if parts == Parts::Flexspline {
         return Ok(costs.into());
     }

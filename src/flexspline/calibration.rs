@@ -125,14 +125,16 @@ impl<R: Real> FlexsplineParams<R> {
     }
 }
 
-/// Length and tangential cosine of a link that spans `around` of `n` and `along` slices of `spacing`.
-pub fn link_geometry<R: Real>(cup: &Cup<R>, n: usize, spacing: R, around: i32, along: usize) -> (R, R) {
-    let (sine, cosine) = Angle::from_turn_fraction(around, 2 * n as i32).sin_cos();
-    let chord = R::lit(2.0) * cup.radius * sine;
+/// Length of a link that spans `around` of `n` nodes and `along` slices of `spacing` (m).
+pub fn link_length<R: Real>(cup: &Cup<R>, n: usize, spacing: R, (around, along): (i32, usize)) -> R {
+    let chord = R::lit(2.0) * cup.radius * Angle::from_turn_fraction(around, 2 * n as i32).sin_cos().0;
     let axial = spacing * R::from_i32(along as i32);
-    let length = (chord * chord + axial * axial).sqrt();
-    // A chord leans from the tangents at both its ends by half its angle.
-    (length, chord * cosine / length)
+    (chord * chord + axial * axial).sqrt()
+}
+
+/// Whether a direction is one of the bend links', to the next neighbours but one.
+pub fn is_bend((around, along): (i32, usize)) -> bool {
+    around.abs() == 2 || along == 2
 }
 
 #[cfg(test)]

@@ -26,7 +26,8 @@
 //! Gauss-Jordan, (3*(m - 2))^2*3*m multiplications and a matrix of 9*m^2 values; m here counts slices.
 
 use crate::angle::Angle;
-use crate::flexspline::calibration::{Cup, DIRECTIONS, link_geometry};
+use crate::flexspline::calibration::{Cup, DIRECTIONS, is_bend, link_length};
+use crate::flexspline::shell::Bend;
 use crate::real::Real;
 
 /// Radial, tangential and axial displacement (m), or its amplitudes A, B, C.
@@ -55,14 +56,14 @@ impl<R: Real> Link<R> {
     /// A link of one of the [`DIRECTIONS`] in a mesh of n nodes around and m slices.
     pub(super) fn new(cup: &Cup<R>, n: usize, m: usize, (around, along): (i32, usize)) -> Self {
         let spacing = cup.length / R::from_i32(m as i32 - 1);
-        let (length, from_tangent) = link_geometry(cup, n, spacing, around, along);
+        let length = link_length(cup, n, spacing, (around, along));
         let half = Angle::from_turn_fraction(around, 2 * n as i32).sin_cos();
         Self {
             around,
             along,
             length,
             half,
-            tangential: from_tangent / half.1,
+            tangential: R::lit(2.0) * cup.radius * half.0 / length,
             axial: spacing * R::from_i32(along as i32) / length,
         }
     }
@@ -106,6 +107,15 @@ impl<R: Real> Link<R> {
         ]
     }
 
+    /// Largest elongation, around the ring, of these links in a harmonic of these amplitudes (m).
+    fn amplitude(&self, n: usize, order: i32, near: Displacement<R>, far: Displacement<R>) -> R {
+        let square = |[near_row, far_row]: [Displacement<R>; 2]| {
+            let sum = (0..3).fold(R::ZERO, |sum, c| sum + near_row[c] * near[c] + far_row[c] * far[c]);
+            sum * sum
+        };
+        self.rows(n, order).map(square).into_iter().fold(R::ZERO, |sum, part| sum + part).sqrt()
+    }
+
     /// Elongation per amplitude when the two ends are displaced by these shares of it.
     fn row(&self, near: Displacement<R>, far: Displacement<R>) -> [Displacement<R>; 2] {
         let still = [R::ZERO; 3];
@@ -139,27 +149,53 @@ pub(super) fn settled<R: Real, const M: usize>(
 
 /// Torsional stiffness of an n x M mesh whose links all have the constant 1 N/m (N m/rad): twice the energy
 /// of its shape when the rim is turned by 1 rad.
-pub fn unit_stiffness<R: Real, const M: usize>(cup: &Cup<R>, n: usize) -> R {
-    let shape: Shape<R, M> = settled(cup, n, 0, [R::ZERO, cup.radius, R::ZERO]);
+///
+/// Bend links that harden stand at the ellipse's strain, which is several times that of torsion: each counts with
+/// its mean slope there.
+pub fn unit_stiffness<R: Real, const M: usize>(cup: &Cup<R>, n: usize, bend: &Bend<R>) -> R {
+    let oval: Shape<R, M> = settled(cup, n, 2, [cup.ellipse, R::lit(-0.5) * cup.ellipse, R::ZERO]);
+    let slope = |link: &Link<R>, near: usize| {
+        let strain = link.amplitude(n, 2, oval[near], oval[near + link.along]) / link.length;
+        if is_bend((link.around, link.along)) { mean_slope(bend, strain) } else { R::ONE }
+    };
+    let shape: Shape<R, M> = condense(weighted(cup, n, 0, slope), [R::ZERO, cup.radius, R::ZERO]);
     let mut squares = R::ZERO;
     for link in links(cup, n, M) {
-        for (near, far) in shape.iter().zip(shape.iter().skip(link.along)) {
-            let elongation = link.elongation(*near, *far);
-            squares += elongation * elongation;
+        for (near, ends) in shape.iter().zip(shape.iter().skip(link.along)).enumerate() {
+            let elongation = link.elongation(*ends.0, *ends.1);
+            squares += slope(&link, near) * elongation * elongation;
         }
     }
     R::from_i32(n as i32) * squares
 }
 
+/// Slope of a bend link's law, the mean over a wave of strain of this amplitude; 1 without hardening.
+fn mean_slope<R: Real>(bend: &Bend<R>, amplitude: R) -> R {
+    const POINTS: i32 = 16;
+    let strain = |k| amplitude * Angle::from_turn_fraction(k, POINTS).sin_cos().0;
+    (0..POINTS).fold(R::ZERO, |sum, k| sum + bend.slope(strain(k))) / R::from_i32(POINTS)
+}
+
 /// Stiffness of a harmonic's amplitudes, in units of k*n/2 (of k*n for harmonic 0).
 pub(super) fn stiffness<R: Real, const M: usize>(cup: &Cup<R>, n: usize, order: i32) -> Stiffness<R, M> {
+    weighted(cup, n, order, |_, _| R::ONE)
+}
+
+/// The same with a factor for each link, by its near slice.
+fn weighted<R: Real, const M: usize>(
+    cup: &Cup<R>,
+    n: usize,
+    order: i32,
+    factor: impl Fn(&Link<R>, usize) -> R,
+) -> Stiffness<R, M> {
     let mut stiffness = [[[[R::ZERO; 3]; M]; 3]; M];
     for link in links(cup, n, M) {
         for row in link.rows(n, order) {
             for ends in (0..M).zip(link.along..M) {
                 let gains = gains(ends, row);
+                let factor = factor(&link, ends.0);
                 for (force, gain) in stiffness.as_flattened_mut().iter_mut().zip(gains.as_flattened()) {
-                    add(force, *gain, &gains);
+                    add(force, factor * *gain, &gains);
                 }
             }
         }
@@ -268,7 +304,7 @@ mod tests {
         let cup = &SIZE_25.cup;
         let shape: Shape<f64, M> = settled(cup, N, 0, [0.0, cup.radius, 0.0]);
         let (left, torque) = forces::<N, M>(|_, j| shape[j]);
-        let stiffness: f64 = unit_stiffness::<f64, M>(cup, N);
+        let stiffness: f64 = unit_stiffness::<f64, M>(cup, N, &Bend::LINEAR);
         assert!(left * cup.radius < 1e-12 * stiffness, "{N} x {M}: {left}");
         assert!((torque / stiffness - 1.0).abs() < 1e-12, "{N} x {M}: {torque} against {stiffness}");
         assert!(shape.iter().all(|[radial, _, axial]| (*radial, *axial) == (0.0, 0.0)));

@@ -11,6 +11,7 @@
 
 pub mod calibration;
 mod condensation;
+pub mod end_forces;
 pub mod mesh;
 pub mod reduced;
 pub mod shell;
@@ -19,6 +20,7 @@ pub mod stiffness_line;
 pub mod strain_gauge;
 
 pub use calibration::{Cup, FlexsplineParams};
+pub use end_forces::NodeForce;
 pub use mesh::Mesh;
 pub use reduced::Reduced;
 pub use shell::{Bend, Shell, ShellParams, Strained};

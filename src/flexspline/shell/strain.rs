@@ -6,6 +6,7 @@ use super::link_law::{Bend, VALID_STRAIN};
 use super::ring::{entry_of, node_at};
 use super::{Direction, Shell, ShellState};
 use crate::error::{Error, require};
+use crate::flexspline::calibration::is_bend;
 use crate::real::Real;
 
 /// A link's near node (i around, j along) and its strain.
@@ -88,7 +89,7 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
 
     /// The hardening of a direction's links.
     pub(super) fn bend_of(&self, direction: &Direction<R>) -> Bend<R> {
-        if direction.around.abs() == 2 || direction.along == 2 { self.bend } else { Bend::LINEAR }
+        if is_bend((direction.around, direction.along)) { self.bend } else { Bend::LINEAR }
     }
 }
 

@@ -122,8 +122,10 @@ impl Catalogue {
     }
 
     fn rated_torque(&self, size: u32, default: f64) -> f64 {
-        let rows = self.torques.iter().filter(|row| row.quantity == "rated_torque" && row.series == "RT1-H-CS");
-        let listed = rows.filter(|row| row.ratio == RATIO && size != DEFAULT_SIZE).find_map(|row| row.of(size));
+        let rows =
+            self.torques.iter().filter(|row| row.quantity == "rated_torque" && row.series == "RT1-H-CS");
+        let listed =
+            rows.filter(|row| row.ratio == RATIO && size != DEFAULT_SIZE).find_map(|row| row.of(size));
         listed.unwrap_or(default * share(size).powi(3))
     }
 }
@@ -150,8 +152,10 @@ mod tests {
     use super::*;
 
     fn line(k3: &str) -> String {
-        format!("series,size,ratio,T1_Nm,K1_Nm_per_rad,T2_Nm,K2_Nm_per_rad,K3_Nm_per_rad,status,source\n\
-                 X,17C,100,1,2,3,4,5,READ,x\nX,17,50,1,2,3,4,5,READ,x\nX,17,100,3.9,1e4,12,14e3,{k3},READ,x\n")
+        format!(
+            "series,size,ratio,T1_Nm,K1_Nm_per_rad,T2_Nm,K2_Nm_per_rad,K3_Nm_per_rad,status,source\n\
+                 X,17C,100,1,2,3,4,5,READ,x\nX,17,50,1,2,3,4,5,READ,x\nX,17,100,3.9,1e4,12,14e3,{k3},READ,x\n"
+        )
     }
 
     fn parsed<T: for<'de> Deserialize<'de>>(text: &str) -> Result<Vec<T>, BadInput> {

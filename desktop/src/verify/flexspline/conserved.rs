@@ -86,7 +86,7 @@ struct FreeShell {
 impl FreeShell {
     fn build(params: &FlexsplineParams<f64>) -> Result<Self, Error> {
         let cup = params.cup;
-        let link_stiffness = cup.stiffness() / unit_stiffness::<f64, M>(&cup, N);
+        let link_stiffness = cup.stiffness() / unit_stiffness::<f64, M>(&cup, N, &params.bend);
         let params = ShellParams { cup, link_stiffness, link_damping: 0.0, bend: params.bend };
         let shell = Shell::build(&params, SHARE * Shell::<f64, N, M>::stable_step(&params))?;
         let mut masses = [params.node_mass(N, M); M];

@@ -4,6 +4,7 @@ mod catalogue;
 mod conserved;
 mod gear;
 mod mode;
+pub mod oracle;
 mod real_time;
 mod ripple;
 mod settled;
@@ -21,6 +22,7 @@ pub(super) fn measure() -> Result<Measured, BadInput> {
     let figures = [
         stiffness::measure(&gear),
         conserved::measure(&gear),
+        Ok(oracle::measure()),
         strain::measure(&gear),
         gear::measure(&gear),
         real_time::measure(&gear),

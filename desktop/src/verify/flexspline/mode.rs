@@ -105,7 +105,8 @@ mod tests {
     #[test]
     fn frequency_and_damping_of_a_known_ringing_are_found() {
         let (omega, zeta) = (160.0, 0.03);
-        let torsion = |t: f64| 1e-4 * (-zeta * omega * t).exp() * (omega * (1.0f64 - zeta * zeta).sqrt() * t).cos();
+        let torsion =
+            |t: f64| 1e-4 * (-zeta * omega * t).exp() * (omega * (1.0f64 - zeta * zeta).sqrt() * t).cos();
         let samples: Vec<f64> = (0..5000).map(|k| torsion(1e-4 * f64::from(k))).collect();
         let Mode { frequency, damping_ratio } = Mode::found_in(&samples, 1e-4);
         let wanted = omega * (1.0 - zeta * zeta).sqrt() / (2.0 * PI);

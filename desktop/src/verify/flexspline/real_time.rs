@@ -33,7 +33,9 @@ pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, Error> {
     let mut figures = vec![bounds::figure("flexspline.real_time.size", size as f64)];
     let runs: Vec<_> = thread::scope(|scope| {
         let runs = SCENARIOS.map(|(scenario, _, _)| scope.spawn(move || Difference::over(scenario, file)));
-        runs.into_iter().map(|run| run.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
+        runs.into_iter()
+            .map(|run| run.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            .collect()
     });
     for ((_, rms, max), difference) in SCENARIOS.into_iter().zip(runs) {
         let difference = difference?;

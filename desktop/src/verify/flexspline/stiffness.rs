@@ -53,6 +53,7 @@ pub(super) fn worst_off_line<const N: usize, const M: usize>(
     let knees = params.line.knee_torque.into_iter().flat_map(|knee| [-knee, knee]);
     let mut torques: Vec<f64> = grid.chain(knees.filter(|knee| knee.abs() < rated)).collect();
     torques.sort_unstable_by(f64::total_cmp);
-    let off = torques.into_iter().map(|torque| (mesh.torque(line.torsion(torque), BETWEEN_NODES) - torque).abs());
+    let off =
+        torques.into_iter().map(|torque| (mesh.torque(line.torsion(torque), BETWEEN_NODES) - torque).abs());
     Ok(off.fold(0.0, f64::max) / rated)
 }
