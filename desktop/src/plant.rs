@@ -22,7 +22,7 @@ pub const LEVELS: usize = 64;
 /// Turning points that it remembers.
 pub const MEMORY: usize = 128;
 /// Largest micro-step as a share of the mesh's stable step.
-pub const STEP_SHARE: f64 = 0.9;
+pub const STEP_SHARE: f64 = 0.95;
 
 /// The reference flexspline: f64, 36 x 4, literal eq. (6).
 pub type ReferenceMesh = Mesh<f64, { NODES.0 }, { NODES.1 }>;
