@@ -5,11 +5,11 @@
 //! when it was interrupted.
 
 mod budget;
+mod figures;
 mod files;
 mod pil;
 mod pil_plots;
 mod progress;
-mod report;
 mod sim;
 mod usage;
 mod verify;
@@ -21,7 +21,7 @@ use clap::{Parser, Subcommand};
 use strainwave_desktop::BadInput;
 use strainwave_emulator::interrupt;
 
-use crate::report::{Report, complain};
+use crate::figures::{Figures, complain};
 
 /// A figure misses its bound.
 const MISSED: u8 = 1;
@@ -46,7 +46,7 @@ enum Command {
     Verify(verify::Arguments),
 }
 
-fn run(command: Command) -> Result<Report, BadInput> {
+fn run(command: Command) -> Result<Figures, BadInput> {
     match command {
         Command::Budget(arguments) => budget::run(&arguments),
         Command::Pil(arguments) => pil::run(&arguments),
@@ -62,7 +62,7 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return usage::answer(&error),
     };
-    match panic::catch_unwind(|| run(cli.command).and_then(Report::publish)) {
+    match panic::catch_unwind(|| run(cli.command).and_then(Figures::publish)) {
         Ok(Ok(true)) => ExitCode::SUCCESS,
         Ok(Ok(false)) => ExitCode::from(MISSED),
         Ok(Err(error)) => {

@@ -5,9 +5,9 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use strainwave_desktop::{BadInput, Figure, verify};
 use strainwave_emulator::verify as firmware;
 
+use crate::figures::{Figures, FiguresArguments, say};
 use crate::files;
 use crate::progress::Progress;
-use crate::report::{Report, ReportArguments, say};
 
 /// The part that needs the emulator.
 const FIRMWARE: &str = "firmware";
@@ -21,7 +21,7 @@ pub struct Arguments {
     #[arg(value_name = "PART", value_parser = part_parser())]
     part: Option<String>,
     #[command(flatten)]
-    report: ReportArguments,
+    figures: FiguresArguments,
 }
 
 fn part_parser() -> impl TypedValueParser<Value = String> {
@@ -30,8 +30,8 @@ fn part_parser() -> impl TypedValueParser<Value = String> {
 }
 
 /// Measures the parts asked for.
-pub fn run(arguments: &Arguments) -> Result<Report, BadInput> {
-    files::require_writable(arguments.report.json.as_deref())?;
+pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
+    files::require_writable(arguments.figures.json.as_deref())?;
     let wanted = |name: &str| arguments.part.as_ref().is_none_or(|part| part == name);
     let mut figures: Vec<Figure> = Vec::new();
     let parts: Vec<_> = verify::Part::ALL.into_iter().filter(|part| wanted(part.name())).collect();
@@ -44,7 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, BadInput> {
     if wanted(FIRMWARE) {
         figures.extend(measure_firmware()?);
     }
-    Ok(Report::new(figures, &arguments.report))
+    Ok(Figures::new(figures, &arguments.figures))
 }
 
 fn measure_firmware() -> Result<Vec<Figure>, BadInput> {

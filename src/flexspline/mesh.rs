@@ -151,6 +151,14 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
         &self.shell
     }
 
+    /// The assembled shape without torsion, both ends at the zero angle: round slices, the rim pressed into its
+    /// ellipse by a wave generator at this angle, the nodes settled.
+    pub fn rest_at(&self, wave_generator: Angle<R>) -> MeshState<R, N, M> {
+        let mut state = MeshState { shell: self.shell.round(), rim: Angle::default(), rim_rate: R::ZERO };
+        self.relax(&mut state, &Ends { wave_generator, ..Ends::default() }, RELAXATION_STEPS);
+        state
+    }
+
     /// Lets the nodes settle with the ends held: `steps` steps of dt/2, all motion stopped whenever the kinetic
     /// energy has peaked (dynamic relaxation with kinetic damping, P. Cundall, 1976).
     ///
@@ -165,6 +173,13 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
             last = if kinetic < last { state.stop() } else { kinetic };
         }
         state.stop();
+    }
+
+    /// The same with both ends where `ends` has them: a step leaves them where it found them.
+    pub fn placed(&self, state: &MeshState<R, N, M>, ends: &Ends<R>) -> MeshState<R, N, M> {
+        let mut placed = *state;
+        self.place_ends(&mut placed, ends);
+        placed
     }
 
     /// Puts the end slices where their angles say.
@@ -271,11 +286,8 @@ fn virtual_work<R: Real, const N: usize>(force: &Force<R, N>, by: &Displacement<
 impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Mesh<R, N, M> {
     type State = MeshState<R, N, M>;
 
-    /// The assembled shape: round slices, the rim pressed into its ellipse, the nodes settled.
     fn rest(&self) -> Self::State {
-        let mut state = MeshState { shell: self.shell.round(), rim: Angle::default(), rim_rate: R::ZERO };
-        self.relax(&mut state, &Ends::default(), RELAXATION_STEPS);
-        state
+        self.rest_at(Angle::default())
     }
 
     #[inline(always)]
@@ -296,8 +308,7 @@ impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Mesh<R, N, M> {
     }
 
     fn energy(&self, state: &Self::State, ends: &Ends<R>) -> R {
-        let mut placed = *state;
-        self.place_ends(&mut placed, ends);
+        let placed = self.placed(state, ends);
         let contact = self.contact.energy(ends.drive.minus(placed.rim));
         self.shell.elastic_energy(&placed.shell) + self.kinetic_energy(&placed) + contact
     }

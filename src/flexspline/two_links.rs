@@ -9,7 +9,7 @@
 //! dx is the node's displacement along the base (m), F_x the force that holds it there (N): positive with dx while
 //! the links pull back. Lengths in m, k in N/m. No state.
 //!
-//! The links are linear and the curve is not. It is odd, its slope falls from 2*k, far out, to
+//! The links are linear and the curve is not. It is odd, its slope 2*k far out and
 //! `2*k*(1 - L0*b^2/L^3)` at rest, L = sqrt(a^2 + b^2). Links that are free of tension at rest, L0 = L, have 2*k*a^2/L^2
 //! there, and from there the curve hardens where b > 2*a: d3F/ddx3 = 6*k*L0*b^2*(b^2 - 4*a^2)/L^7.
 //!

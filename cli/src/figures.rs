@@ -1,4 +1,4 @@
-//! What a subcommand answers with: figures, as a table and as JSON.
+//! The figures that a subcommand answers with, as a table and as JSON.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use strainwave_desktop::{BadInput, Figure, file};
 
 /// Options of every subcommand.
 #[derive(Args)]
-pub struct ReportArguments {
+pub struct FiguresArguments {
     /// Also write the figures to this file, as {"figures": [{"name", "value", "unit", "bound", "holds"}, ...]}
     ///
     /// A bound is the largest allowed value; beside "at_least": true it is the smallest.
@@ -20,7 +20,7 @@ pub struct ReportArguments {
 
 /// The figures of a subcommand.
 #[derive(Serialize)]
-pub struct Report {
+pub struct Figures {
     figures: Vec<Figure>,
     #[serde(skip)]
     json: Option<PathBuf>,
@@ -29,14 +29,14 @@ pub struct Report {
     printed: bool,
 }
 
-impl Report {
+impl Figures {
     /// Figures to be published as `arguments` ask.
-    pub fn new(figures: Vec<Figure>, arguments: &ReportArguments) -> Self {
+    pub fn new(figures: Vec<Figure>, arguments: &FiguresArguments) -> Self {
         Self { figures, json: arguments.json.clone(), printed: false }
     }
 
     /// The same of a subcommand that prints its figures itself.
-    pub fn silent(figures: Vec<Figure>, arguments: &ReportArguments) -> Self {
+    pub fn silent(figures: Vec<Figure>, arguments: &FiguresArguments) -> Self {
         Self { printed: true, ..Self::new(figures, arguments) }
     }
 
@@ -127,7 +127,8 @@ mod tests {
 
     #[test]
     fn one_missed_bound_is_enough() {
-        let published = |figures| Report::silent(figures, &ReportArguments { json: None }).publish().unwrap();
+        let published =
+            |figures| Figures::silent(figures, &FiguresArguments { json: None }).publish().unwrap();
         let (kept, missed) = (Figure::bounded("a", 1.0, "1", 1.0), Figure::bounded("b", 1.1, "1", 1.0));
         let not_measured = Figure::bounded("c", f64::NAN, "1", 1.0);
         assert!(published(vec![kept.clone(), Figure::reported("d", 9.0, "1")]));
