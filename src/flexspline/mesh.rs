@@ -17,9 +17,9 @@
 use crate::angle::Angle;
 use crate::error::{Error, require};
 use crate::flexspline::calibration::{FlexsplineParams, unit_stiffness};
-use crate::flexspline::shell::ring::node_at;
+use crate::flexspline::shell::ring::Ring;
 use crate::flexspline::shell::{
-    Force, Shell, ShellParams, ShellState, Slice, Strained, check_nodes, close, sum,
+    Shell, ShellParams, ShellState, Slice, Strained, UnitVectors, check_nodes, close, sum, unit_vectors,
 };
 use crate::flexspline::spectrum;
 use crate::flexspline::stiffness_line::StiffnessLine;
@@ -37,8 +37,8 @@ pub struct Mesh<R, const N: usize, const M: usize> {
     contact_damping: R,
     radius: R,
     ellipse: R,
-    /// Cosine and sine of twice each node's angle, by entry of the ring.
-    twice: [(R, R); N],
+    /// Cosine and sine of twice each node's angle.
+    twice: UnitVectors<R, N>,
     rim_inertia: R,
     dt: R,
     dt_over_rim_inertia: R,
@@ -121,11 +121,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
             contact_damping: params.contact_damping(),
             radius: params.cup.radius,
             ellipse: params.cup.ellipse,
-            twice: core::array::from_fn(|entry| {
-                let (sine, cosine) =
-                    Angle::from_turn_fraction(2 * node_at(entry, N) as i32, N as i32).sin_cos();
-                (cosine, sine)
-            }),
+            twice: unit_vectors(2),
             rim_inertia: rim_inertia(&shell_params, N, M),
             dt,
             dt_over_rim_inertia: R::ZERO,
@@ -205,8 +201,8 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
         let (mut by_rim, mut by_wave_generator) = ([[R::ZERO; N]; 2], [[R::ZERO; N]; 2]);
         let [x, y, _] = state.shell.position[0].each_mut().map(|axis| axis.entries_mut());
         for i in 0..N {
-            let (cosine, sine) = turned_by(self.shell.angles()[i], turn);
-            let (c, s) = turned_by(self.twice[i], twice);
+            let (cosine, sine) = turned_by(self.shell.angles(), i, turn);
+            let (c, s) = turned_by(&self.twice, i, twice);
             let (c, s) = (self.ellipse * c, self.ellipse * s);
             let place = |radial: R, tangential: R| {
                 (radial * cosine - tangential * sine, radial * sine + tangential * cosine)
@@ -228,7 +224,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
         let mut by_flange = [[R::ZERO; N]; 2];
         let [x, y, _] = shell.position[M - 1].each_mut().map(|axis| axis.entries_mut());
         for i in 0..N {
-            let (cosine, sine) = turned_by(self.shell.angles()[i], turn);
+            let (cosine, sine) = turned_by(self.shell.angles(), i, turn);
             (x[i], y[i]) = (self.radius * cosine, self.radius * sine);
             (by_flange[0][i], by_flange[1][i]) = (-y[i], x[i]);
         }
@@ -255,10 +251,14 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
     }
 }
 
-/// A unit vector (cosine, sine) turned by the angle whose sine and cosine are given.
+/// Cosine and sine of a node's angle plus the angle whose sine and cosine are given.
 #[inline(always)]
-fn turned_by<R: Real>((c, s): (R, R), (sine, cosine): (R, R)) -> (R, R) {
-    (c * cosine - s * sine, s * cosine + c * sine)
+fn turned_by<R: Real, const N: usize>(
+    [c, s]: &UnitVectors<R, N>,
+    entry: usize,
+    (sine, cosine): (R, R),
+) -> (R, R) {
+    (c[entry] * cosine - s[entry] * sine, s[entry] * cosine + c[entry] * sine)
 }
 
 /// Velocities of a slice that moves with some angles, each with its rate (rad/s).
@@ -278,8 +278,9 @@ fn move_with<R: Real, const N: usize, const K: usize>(
 
 /// Sum of force times displacement per unit of the angle that moves the slice: a torque (N m).
 #[inline(always)]
-fn virtual_work<R: Real, const N: usize>(force: &Force<R, N>, by: &Displacement<R, N>) -> R {
-    let work: [R; N] = core::array::from_fn(|i| force[0][i] * by[0][i] + force[1][i] * by[1][i]);
+fn virtual_work<R: Real, const N: usize>(force: &Slice<R, N>, by: &Displacement<R, N>) -> R {
+    let [x, y, _] = force.each_ref().map(Ring::entries);
+    let work: [R; N] = core::array::from_fn(|i| x[i] * by[0][i] + y[i] * by[1][i]);
     sum(&work)
 }
 
@@ -293,7 +294,7 @@ impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Mesh<R, N, M> {
     #[inline(always)]
     fn step(&self, state: &mut Self::State, ends: &Ends<R>) -> Reaction<R> {
         let shapes = self.place_ends(state, ends);
-        let mut force = [[[R::ZERO; N]; 3]; M];
+        let mut force = [[Ring::ZERO; 3]; M];
         let link_loss = self.shell.pull(&state.shell, &mut force);
         self.shell.advance(&mut state.shell, &force, 1..M - 1);
         let links = virtual_work(&force[0], &shapes.by_rim);
@@ -416,11 +417,12 @@ mod tests {
         let mut state = mesh.rest();
         for _ in 0..50 {
             mesh.step(&mut state, &ends);
-            let mut force = [[[0.0; 8]; 3]; 3];
+            let mut force = [[Ring::ZERO; 3]; 3];
             mesh.shell.pull(&state.shell, &mut force);
-            let largest = force.iter().flat_map(|slice| slice[0]).fold(0.0, |m: f64, f| m.max(f.abs()));
+            let largest =
+                force.iter().flat_map(|slice| *slice[0].entries()).fold(0.0, |m: f64, f| m.max(f.abs()));
             for axis in 0..3 {
-                let total: f64 = force.iter().flat_map(|slice| slice[axis]).sum();
+                let total: f64 = force.iter().flat_map(|slice| *slice[axis].entries()).sum();
                 assert!(total.abs() < 1e-12 * largest, "{total} N left over of {largest} N");
             }
         }

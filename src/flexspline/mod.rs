@@ -11,6 +11,7 @@
 
 pub mod calibration;
 mod condensation;
+pub mod end_forces;
 pub mod mesh;
 pub mod reduced;
 pub mod shell;
@@ -20,6 +21,7 @@ pub mod strain_gauge;
 pub mod two_links;
 
 pub use calibration::{Cup, FlexsplineParams};
+pub use end_forces::NodeForce;
 pub use mesh::Mesh;
 pub use reduced::Reduced;
 pub use shell::{Bend, Shell, ShellParams, Strained};

@@ -4,6 +4,7 @@
 
 mod angle;
 mod flexspline;
+pub mod flexspline_oracle;
 mod friction;
 mod gear;
 mod hysteresis;
@@ -41,7 +42,10 @@ impl Part {
     /// Measures the part's figures.
     pub fn measure(self) -> Vec<Figure> {
         match self {
-            Self::Flexspline => [flexspline::measure(), strain::measure(), gear::measure()].concat(),
+            Self::Flexspline => {
+                [flexspline::measure(), flexspline_oracle::measure(), strain::measure(), gear::measure()]
+                    .concat()
+            }
             Self::Friction => friction::measure(),
             Self::Hysteresis => hysteresis::measure(),
             Self::Compensator => angle::measure(),

@@ -2,6 +2,7 @@
 
 use core::ops::Range;
 
+use super::ring::Ring;
 use super::{Shell, ShellState, Slice, mass_share};
 use crate::real::Real;
 
@@ -28,12 +29,12 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
     /// What the semi-implicit scheme keeps of a linear mesh, exactly: the energy less dt/2 times the power of
     /// the links, dV/dt. The energy itself swings about it, by omega*dt of itself.
     pub fn scheme_energy(&self, state: &ShellState<R, N, M>) -> R {
-        let mut force = [[[R::ZERO; N]; 3]; M];
+        let mut force = [[Ring::ZERO; 3]; M];
         self.pull(state, &mut force);
         let power =
             force.iter().zip(&state.velocity).flat_map(|(force, velocity)| force.iter().zip(velocity));
         let power = power.fold(R::ZERO, |sum, (force, velocity)| {
-            force.iter().zip(velocity.entries()).fold(sum, |sum, (f, v)| sum + *f * *v)
+            force.entries().iter().zip(velocity.entries()).fold(sum, |sum, (f, v)| sum + *f * *v)
         });
         let energy = self.elastic_energy(state) + self.kinetic_energy(state, 0..M);
         energy + R::lit(0.5) * self.dt * power

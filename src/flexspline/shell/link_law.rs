@@ -161,10 +161,11 @@ mod tests {
 
         #[test]
         fn tension_is_the_slope_of_the_potential(strain in -9e-3..9e-3f64) {
-            let step = 1e-6;
+            // At the saturation the slope has a kink: half its change times the step.
+            let step = 1e-7;
             let energy = |strain| HARD.potential(square_of(strain));
             let slope = (energy(strain + step) - energy(strain - step)) / (2.0 * step);
-            prop_assert!((slope - tension(&HARD, strain)).abs() < 1e-8, "{} against {}", slope, tension(&HARD, strain));
+            prop_assert!((slope - tension(&HARD, strain)).abs() < 2e-7, "{} against {}", slope, tension(&HARD, strain));
         }
     }
 

@@ -36,9 +36,6 @@ use ring::{Ring, node_at};
 /// A value a node of a slice, an axis each.
 pub(super) type Slice<R, const N: usize> = [Ring<R, N>; 3];
 
-/// Force on the nodes of a slice by entry of the ring, an axis each (N).
-pub(super) type Force<R, const N: usize> = [[R; N]; 3];
-
 /// Everything that a shell is built from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShellParams<R> {
@@ -74,8 +71,8 @@ pub struct Shell<R, const N: usize, const M: usize> {
     node_mass: R,
     dt: R,
     dt_over_mass: R,
-    /// Cosine and sine of every node's angle, by entry of the ring.
-    angles: [(R, R); N],
+    /// Cosine and sine of every node's angle.
+    angles: UnitVectors<R, N>,
 }
 
 /// Positions (m) and velocities (m/s) of the nodes.
@@ -114,6 +111,18 @@ fn mass_share<R: Real>(j: usize, m: usize) -> (R, R) {
     if j == 0 || j == m - 1 { (R::lit(0.5), R::lit(2.0)) } else { (R::ONE, R::ONE) }
 }
 
+/// Cosines and sines, by entry of the ring.
+pub(super) type UnitVectors<R, const N: usize> = [[R; N]; 2];
+
+/// Cosine and sine of `order` times every node's angle.
+pub(super) fn unit_vectors<R: Real, const N: usize>(order: i32) -> UnitVectors<R, N> {
+    let angle = |entry| Angle::from_turn_fraction(order * node_at(entry, N) as i32, N as i32);
+    [
+        core::array::from_fn(|entry| angle(entry).sin_cos().1),
+        core::array::from_fn(|entry| angle(entry).sin_cos().0),
+    ]
+}
+
 /// Closes the rings of all three axes.
 #[inline(always)]
 pub(super) fn close<R: Real, const N: usize>(slice: &mut Slice<R, N>) {
@@ -134,9 +143,11 @@ pub(super) fn sum<R: Real, const N: usize>(terms: &[R; N]) -> R {
 
 /// What the links of a shell do in one step, gathered row by row.
 struct Sums<'a, R, const N: usize, const M: usize> {
-    near: &'a mut [Force<R, N>; M],
-    far: &'a mut [Slice<R, N>; M],
-    loss: &'a mut [R; N],
+    /// Forces on near nodes, and on far ones that stand straight ahead.
+    near: &'a mut [Slice<R, N>; M],
+    /// Forces against far nodes one and two nodes on.
+    far: &'a mut [[Slice<R, N>; M]; 2],
+    loss: &'a mut Ring<R, N>,
 }
 
 impl<R: Real> ShellParams<R> {
@@ -217,10 +228,7 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
             node_mass,
             dt,
             dt_over_mass: dt / node_mass,
-            angles: core::array::from_fn(|entry| {
-                let (sine, cosine) = Angle::from_turn_fraction(node_at(entry, N) as i32, N as i32).sin_cos();
-                (cosine, sine)
-            }),
+            angles: unit_vectors(1),
         })
     }
 
@@ -229,9 +237,9 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
         Self { dt, dt_over_mass: dt / self.node_mass, ..self.clone() }
     }
 
-    /// Cosine and sine of every node's angle, by entry of the ring.
+    /// Cosine and sine of every node's angle.
     #[inline(always)]
-    pub(super) fn angles(&self) -> &[(R, R); N] {
+    pub(super) fn angles(&self) -> &UnitVectors<R, N> {
         &self.angles
     }
 
@@ -247,8 +255,9 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
         let mut state = ShellState { position: [zero; M], velocity: [zero; M] };
         for (j, slice) in state.position.iter_mut().enumerate() {
             let [x, y, z] = slice.each_mut().map(Ring::entries_mut);
-            for (i, (cosine, sine)) in self.angles.iter().enumerate() {
-                (x[i], y[i], z[i]) = (self.radius * *cosine, self.radius * *sine, height(j));
+            let [cosine, sine] = &self.angles;
+            for i in 0..N {
+                (x[i], y[i], z[i]) = (self.radius * cosine[i], self.radius * sine[i], height(j));
             }
             close(slice);
         }
@@ -258,7 +267,7 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
     /// Moves every node freely by one step; answers with the power lost in the links (W).
     #[inline(always)]
     pub fn step(&self, state: &mut ShellState<R, N, M>) -> R {
-        let mut force = [[[R::ZERO; N]; 3]; M];
+        let mut force = [[Ring::ZERO; 3]; M];
         let loss = self.pull(state, &mut force);
         self.advance(state, &force, 0..M);
         loss
@@ -269,7 +278,7 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
     pub(super) fn advance(
         &self,
         state: &mut ShellState<R, N, M>,
-        force: &[Force<R, N>; M],
+        force: &[Slice<R, N>; M],
         slices: Range<usize>,
     ) {
         let ShellState { position, velocity } = state;
@@ -277,7 +286,7 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
         for (j, ((position, velocity), force)) in moved.take(slices.end).skip(slices.start) {
             let gain = self.dt_over_mass * mass_share::<R>(j, M).1;
             for ((position, velocity), force) in position.iter_mut().zip(velocity).zip(force) {
-                let (p, v) = (position.entries_mut(), velocity.entries_mut());
+                let (p, v, force) = (position.entries_mut(), velocity.entries_mut(), force.entries());
                 for i in 0..N {
                     v[i] += gain * force[i];
                     p[i] += self.dt * v[i];
@@ -290,7 +299,7 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
 
     /// Adds the links' forces to `force` (N); answers with the power lost in them (W).
     #[inline(always)]
-    pub(super) fn pull(&self, state: &ShellState<R, N, M>, force: &mut [Force<R, N>; M]) -> R {
+    pub(super) fn pull(&self, state: &ShellState<R, N, M>, force: &mut [Slice<R, N>; M]) -> R {
         if self.bend.hardening > R::ZERO {
             self.pull_with::<true>(state, force)
         } else {
@@ -302,10 +311,10 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
     fn pull_with<const HARDENING: bool>(
         &self,
         state: &ShellState<R, N, M>,
-        force: &mut [Force<R, N>; M],
+        force: &mut [Slice<R, N>; M],
     ) -> R {
-        let mut far = [[Ring::ZERO; 3]; M];
-        let mut loss = [R::ZERO; N];
+        let mut far = [[[Ring::ZERO; 3]; M]; 2];
+        let mut loss = Ring::ZERO;
         let mut sums = Sums { near: force, far: &mut far, loss: &mut loss };
         let [ring, axial, shear, shear_back, bend, bend_axial, bend_shear, bend_shear_back] =
             &self.directions;
@@ -314,26 +323,28 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
             self.row::<1, false>(ring, state, [j, j], &mut sums);
             self.row::<2, HARDENING>(bend, state, [j, j], &mut sums);
             if j + 1 < M {
-                self.row::<0, false>(axial, state, [j, j + 1], &mut sums);
+                self.straight_row::<false>(axial, state, [j, j + 1], &mut sums);
                 self.row::<1, false>(shear, state, [j, j + 1], &mut sums);
                 self.row::<1, false>(shear_back, state, [j + 1, j], &mut sums);
             }
             if j + 2 < M {
-                self.row::<0, HARDENING>(bend_axial, state, [j, j + 2], &mut sums);
+                self.straight_row::<HARDENING>(bend_axial, state, [j, j + 2], &mut sums);
                 self.row::<2, HARDENING>(bend_shear, state, [j, j + 2], &mut sums);
                 self.row::<2, HARDENING>(bend_shear_back, state, [j + 2, j], &mut sums);
             }
         }
-        for (near, far) in force.iter_mut().flatten().zip(far.iter_mut().flatten()) {
-            far.fold();
-            for (near, far) in near.iter_mut().zip(far.entries()) {
-                *near -= *far;
+        for (around, far) in far.iter_mut().enumerate() {
+            for (near, far) in force.as_flattened_mut().iter_mut().zip(far.as_flattened_mut()) {
+                far.fold(around + 1);
+                for (near, far) in near.entries_mut().iter_mut().zip(far.entries()) {
+                    *near -= *far;
+                }
             }
         }
-        sum(&loss)
+        sum(loss.entries())
     }
 
-    /// Pull of the links from every node of slice `near` to the node `AROUND` on in slice `far`.
+    /// Pull of the links from every node of slice `near` to the node 1 or 2 `AROUND` on in slice `far`.
     #[inline(always)]
     fn row<const AROUND: usize, const HARDENING: bool>(
         &self,
@@ -342,30 +353,73 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
         [near, far]: [usize; 2],
         sums: &mut Sums<'_, R, N, M>,
     ) {
-        let [px, py, pz] = state.position[near].each_ref().map(Ring::entries);
-        let [vx, vy, vz] = state.velocity[near].each_ref().map(Ring::entries);
+        let [px, py, pz] = state.position[near].each_ref().map(|axis| axis.turned(0));
+        let [vx, vy, vz] = state.velocity[near].each_ref().map(|axis| axis.turned(0));
         let [qx, qy, qz] = state.position[far].each_ref().map(|axis| axis.turned(AROUND));
         let [wx, wy, wz] = state.velocity[far].each_ref().map(|axis| axis.turned(AROUND));
-        let [near_x, near_y, near_z] = &mut sums.near[near];
-        let [far_x, far_y, far_z] = sums.far[far].each_mut().map(|axis| axis.turned_mut(AROUND));
-        for i in 0..N {
-            let (dx, dy, dz) = (qx[i] - px[i], qy[i] - py[i], qz[i] - pz[i]);
-            let (ex, ey, ez) = (wx[i] - vx[i], wy[i] - vy[i], wz[i] - vz[i]);
-            let u = R::ONE - (dx * dx + dy * dy + dz * dz) * direction.inverse_square;
-            let g = shortening(u);
-            let elastic = if HARDENING { g * self.bend.factor(u) } else { g };
-            // mu*dL/dt*l = mu/L^2*(d . e)*d, and 1/L^2 = (1 + g)^2/L0^2.
-            let along = dx * ex + dy * ey + dz * ez;
-            let damping = (R::ONE + g) * (R::ONE + g) * (direction.damping * along);
-            let pull = damping - self.stiffness * elastic;
-            let (x, y, z) = (pull * dx, pull * dy, pull * dz);
+        let [near_x, near_y, near_z] = sums.near[near].each_mut().map(|axis| axis.turned_mut(0));
+        let [far_x, far_y, far_z] = sums.far[AROUND - 1][far].each_mut().map(|axis| axis.turned_mut(AROUND));
+        let loss = sums.loss.turned_mut(0);
+        for i in 0..px.len() {
+            let link = [qx[i] - px[i], qy[i] - py[i], qz[i] - pz[i]];
+            let rate = [wx[i] - vx[i], wy[i] - vy[i], wz[i] - vz[i]];
+            let ([x, y, z], lost) = self.link::<HARDENING>(direction, link, rate);
             near_x[i] += x;
             near_y[i] += y;
             near_z[i] += z;
             far_x[i] += x;
             far_y[i] += y;
             far_z[i] += z;
-            sums.loss[i] += damping * along;
+            loss[i] += lost;
         }
+    }
+
+    /// The same of links that run straight along the axis.
+    #[inline(always)]
+    fn straight_row<const HARDENING: bool>(
+        &self,
+        direction: &Direction<R>,
+        state: &ShellState<R, N, M>,
+        [near, far]: [usize; 2],
+        sums: &mut Sums<'_, R, N, M>,
+    ) {
+        let [px, py, pz] = state.position[near].each_ref().map(|axis| axis.turned(0));
+        let [vx, vy, vz] = state.velocity[near].each_ref().map(|axis| axis.turned(0));
+        let [qx, qy, qz] = state.position[far].each_ref().map(|axis| axis.turned(0));
+        let [wx, wy, wz] = state.velocity[far].each_ref().map(|axis| axis.turned(0));
+        let loss = sums.loss.turned_mut(0);
+        let (before, after) = sums.near.split_at_mut(far);
+        let [near_x, near_y, near_z] = before[near].each_mut().map(|axis| axis.turned_mut(0));
+        let [far_x, far_y, far_z] = after[0].each_mut().map(|axis| axis.turned_mut(0));
+        for i in 0..px.len() {
+            let link = [qx[i] - px[i], qy[i] - py[i], qz[i] - pz[i]];
+            let rate = [wx[i] - vx[i], wy[i] - vy[i], wz[i] - vz[i]];
+            let ([x, y, z], lost) = self.link::<HARDENING>(direction, link, rate);
+            near_x[i] += x;
+            near_y[i] += y;
+            near_z[i] += z;
+            far_x[i] -= x;
+            far_y[i] -= y;
+            far_z[i] -= z;
+            loss[i] += lost;
+        }
+    }
+
+    /// Pull on the near end (N) of a link vector (m) that changes at a rate (m/s), and the power lost in it (W).
+    #[inline(always)]
+    fn link<const HARDENING: bool>(
+        &self,
+        direction: &Direction<R>,
+        [dx, dy, dz]: [R; 3],
+        [ex, ey, ez]: [R; 3],
+    ) -> ([R; 3], R) {
+        let u = R::ONE - (dx * dx + dy * dy + dz * dz) * direction.inverse_square;
+        let g = shortening(u);
+        let elastic = if HARDENING { g * self.bend.factor(u) } else { g };
+        // mu*dL/dt*l = mu/L^2*(d . e)*d, and 1/L^2 = (1 + g)^2/L0^2.
+        let along = dx * ex + dy * ey + dz * ez;
+        let damping = (R::ONE + g) * (R::ONE + g) * (direction.damping * along);
+        let pull = damping - self.stiffness * elastic;
+        ([pull * dx, pull * dy, pull * dz], damping * along)
     }
 }

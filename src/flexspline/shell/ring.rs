@@ -3,12 +3,17 @@
 //! The ring is cut into `lanes` equal arcs, stored interleaved: entry s holds node
 //! `(s % lanes)*(n/lanes) + s/lanes`. The neighbour k nodes on then stands k*lanes entries on, for every entry
 //! alike. Behind the last entry stand the first ones of each next arc once more ([`Ring::close`]), so that
-//! neither a loop over links nor vector code in it ever meets the end of the ring.
+//! neither a loop over links nor vector code in it ever meets the end of the ring. Loops run over whole
+//! cache lines, [`padded`]: what they find behind the last entry are true links once more, and what they add there
+//! is left out.
 
 use crate::real::Real;
 
 /// How far a link reaches around, in nodes.
 const REACH: usize = 2;
+
+/// Bytes of a cache line, and of the widest vector.
+const LINE: usize = 64;
 
 /// One value a node, and behind them those that the last nodes' links reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +27,12 @@ const fn lanes(n: usize) -> usize {
         lanes -= 1;
     }
     lanes
+}
+
+/// Entries of a loop over a ring of n: whole lines, where they add less than half of it.
+const fn padded<R>(n: usize) -> usize {
+    let whole = n.next_multiple_of(LINE / size_of::<R>());
+    if whole - n <= n / 2 && whole + REACH * lanes(n) <= 2 * n { whole } else { n }
 }
 
 /// The node that entry s of a ring of n nodes holds.
@@ -61,41 +72,41 @@ impl<R: Real, const N: usize> Ring<R, N> {
         self.close();
     }
 
-    /// Entry by entry, the value `around` nodes on: 0, 1 or 2.
+    /// Entry by entry over whole lines, the value `around` nodes on: 0, 1 or 2.
     #[inline(always)]
     pub(in crate::flexspline) fn turned(&self, around: usize) -> &[R] {
-        &self.0.as_flattened()[around * lanes(N)..][..N]
+        &self.0.as_flattened()[around * lanes(N)..][..padded::<R>(N)]
     }
 
-    /// As [`Ring::turned`], to add to; to be folded after that.
+    /// As [`Ring::turned`], to add to; to be folded by the same `around` after that.
     #[inline(always)]
     pub(in crate::flexspline) fn turned_mut(&mut self, around: usize) -> &mut [R] {
-        &mut self.0.as_flattened_mut()[around * lanes(N)..][..N]
+        &mut self.0.as_flattened_mut()[around * lanes(N)..][..padded::<R>(N)]
     }
 
     /// Repeats the first nodes of each next arc behind the last entry.
     #[inline(always)]
     pub(in crate::flexspline) fn close(&mut self) {
         let [ring, behind] = &mut self.0;
-        for (to, from) in Self::overlap() {
+        for (to, from) in Self::overlap(padded::<R>(N) - N + REACH * lanes(N)) {
             behind[to] = ring[from];
         }
     }
 
-    /// Adds what has gathered behind the last entry to the nodes that it belongs to.
+    /// Adds what the ring's own nodes, turned by `around`, have added behind the last entry to where it belongs.
     #[inline(always)]
-    pub(in crate::flexspline) fn fold(&mut self) {
+    pub(in crate::flexspline) fn fold(&mut self, around: usize) {
         let [ring, behind] = &mut self.0;
-        for (from, to) in Self::overlap() {
+        for (from, to) in Self::overlap(around * lanes(N)) {
             ring[to] += behind[from];
         }
     }
 
-    /// Entries behind the last one, each with the entry of the same node.
+    /// The first `count` entries behind the last one, each with the entry of the same node.
     #[inline(always)]
-    fn overlap() -> impl Iterator<Item = (usize, usize)> {
+    fn overlap(count: usize) -> impl Iterator<Item = (usize, usize)> {
         let lanes = lanes(N);
-        (0..REACH * lanes).map(move |k| (k, k / lanes * lanes + (k + 1) % lanes))
+        (0..count).map(move |k| (k, k / lanes * lanes + (k + 1) % lanes))
     }
 }
 
@@ -114,19 +125,20 @@ mod tests {
     fn check<const N: usize>() {
         let ring = numbered::<N>();
         for around in 0..=REACH {
-            for (here, there) in ring.entries().iter().zip(ring.turned(around)) {
+            assert!(ring.turned(around).len() >= N);
+            for (here, there) in ring.turned(0).iter().zip(ring.turned(around)) {
                 assert_eq!(*there as usize, (*here as usize + around) % N, "{around} nodes on of {N}");
             }
+            let mut gathered = Ring::<f64, N>::ZERO;
+            for (sum, value) in gathered.turned_mut(around).iter_mut().zip(ring.turned(0)) {
+                *sum += *value;
+            }
+            gathered.fold(around);
+            for i in 0..N {
+                assert_eq!(gathered.node((i + around) % N), i as f64, "{around} nodes on of {N}");
+            }
         }
-        let mut gathered = Ring::<f64, N>::ZERO;
-        for (sum, value) in gathered.turned_mut(REACH).iter_mut().zip(ring.entries()) {
-            *sum += *value;
-        }
-        gathered.fold();
-        for i in 0..N {
-            assert_eq!(gathered.node((i + REACH) % N), i as f64);
-            assert_eq!(node_at(entry_of(i, N), N), i);
-        }
+        assert!((0..N).all(|i| node_at(entry_of(i, N), N) == i));
     }
 
     #[test]
