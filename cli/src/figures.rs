@@ -72,15 +72,9 @@ pub fn complain(line: std::fmt::Arguments<'_>) {
 /// One row a figure.
 fn table(figures: &[Figure]) -> String {
     let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_header(["name", "value", "unit", "bound", "holds"]);
+    table.load_style(presets::NOTHING).set_header(Figure::HEADER);
     for figure in figures {
-        let bound = figure.bound_text(number);
-        let holds = match (figure.bound, figure.holds) {
-            (None, _) => "-",
-            (Some(_), true) => "yes",
-            (Some(_), false) => "NO",
-        };
-        table.add_row([&figure.name, &number(figure.value), &figure.unit, &bound, holds]);
+        table.add_row(figure.cells());
     }
     for column in [1, 3] {
         if let Some(column) = table.column_mut(column) {
@@ -90,40 +84,9 @@ fn table(figures: &[Figure]) -> String {
     table.lines().map(|line| line.trim().to_owned()).collect::<Vec<_>>().join("\n")
 }
 
-/// Four digits, in powers of ten when far from 1; whole numbers as they are.
-fn number(value: f64) -> String {
-    let size = value.abs();
-    if value.fract() == 0.0 && size < 1e9 {
-        format!("{value}")
-    } else if (1e-2..1e5).contains(&size) {
-        let decimals = (3.0 - size.log10().floor()).clamp(0.0, 5.0) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.3e}")
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_have_four_digits() {
-        let cases = [
-            (0.0, "0"),
-            (828.0, "828"),
-            (1.23456, "1.235"),
-            (-0.0123456, "-0.01235"),
-            (1.2e-10, "1.200e-10"),
-        ];
-        for (value, wanted) in cases {
-            assert_eq!(number(value), wanted);
-        }
-        assert_eq!(
-            (number(123.456), number(99_999.9), number(f64::NAN)),
-            ("123.5".into(), "100000".into(), "NaN".into())
-        );
-    }
 
     #[test]
     fn one_missed_bound_is_enough() {

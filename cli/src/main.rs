@@ -10,6 +10,7 @@ mod files;
 mod pil;
 mod pil_plots;
 mod progress;
+mod report;
 mod sim;
 mod usage;
 mod verify;
@@ -42,6 +43,7 @@ struct Cli {
 enum Command {
     Budget(budget::Arguments),
     Pil(pil::Arguments),
+    Report(report::Arguments),
     Sim(sim::Arguments),
     Verify(verify::Arguments),
 }
@@ -50,6 +52,7 @@ fn run(command: Command) -> Result<Figures, BadInput> {
     match command {
         Command::Budget(arguments) => budget::run(&arguments),
         Command::Pil(arguments) => pil::run(&arguments),
+        Command::Report(arguments) => report::run(&arguments),
         Command::Sim(arguments) => sim::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
     }

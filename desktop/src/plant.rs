@@ -59,7 +59,7 @@ impl<const N: usize, const M: usize> Reference<N, M> {
 
 /// The fewest equal steps of a control period that are no longer than `longest` (s), which a period that is a
 /// multiple of it may exceed by its rounding.
-fn micro_steps(longest: f64) -> f64 {
+pub fn micro_steps(longest: f64) -> f64 {
     (CONTROL_PERIOD / longest * (1.0 - 1e-12)).ceil()
 }
 

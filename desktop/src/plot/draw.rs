@@ -33,7 +33,7 @@ type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorTy
 type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 pub(super) fn svg(page: &Page) -> String {
-    let height = TITLE_HEIGHT + PANEL_HEIGHT * page.panels.len().max(1) as u32;
+    let height = title_height(page) + PANEL_HEIGHT * page.panels.len().max(1) as u32;
     let mut text = String::new();
     {
         let area = SVGBackend::with_string(&mut text, (WIDTH, height)).into_drawing_area();
@@ -44,6 +44,11 @@ pub(super) fn svg(page: &Page) -> String {
     text.replacen(&drawn, &format!("width=\"{}\" height=\"{}\"", WIDTH / PIXEL, height / PIXEL), 1)
 }
 
+/// A page without a title has no room for one.
+fn title_height(page: &Page) -> u32 {
+    if page.title.is_empty() { 0 } else { TITLE_HEIGHT }
+}
+
 /// The viewer's sans-serif, `size` in pixels.
 fn font(size: u32) -> FontDesc<'static> {
     ("sans-serif", size * PIXEL).into_font()
@@ -51,13 +56,14 @@ fn font(size: u32) -> FontDesc<'static> {
 
 fn draw_page<DB: DrawingBackend>(page: &Page, area: &Area<DB>) -> Drawn<DB> {
     area.fill(&WHITE)?;
-    let (top, below) = area.split_vertically(TITLE_HEIGHT);
+    let title_height = title_height(page);
+    let (top, below) = area.split_vertically(title_height);
     let style = font(20).color(&BLACK);
     let centre = plotters::style::text_anchor::Pos::new(
         plotters::style::text_anchor::HPos::Center,
         plotters::style::text_anchor::VPos::Center,
     );
-    top.draw(&Text::new(page.title.clone(), (WIDTH as i32 / 2, TITLE_HEIGHT as i32 / 2), style.pos(centre)))?;
+    top.draw(&Text::new(page.title.clone(), (WIDTH as i32 / 2, title_height as i32 / 2), style.pos(centre)))?;
     for (panel, area) in page.panels.iter().zip(below.split_evenly((page.panels.len().max(1), 1))) {
         draw_panel(panel, &area)?;
     }

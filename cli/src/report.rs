@@ -1,0 +1,52 @@
+//! `report`: one HTML page with the paper's figures and ours.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use strainwave_desktop::{BadInput, GearFile, file, report};
+
+use crate::figures::{Figures, FiguresArguments, say};
+use crate::files;
+use crate::progress::Progress;
+
+/// Write one self-contained HTML page: the paper's figures and ours, drawn from a gear
+///
+/// The flexspline's chapter has eq. (1) and its curve, the assembled mesh, torque over torsion of both builds against
+/// the catalogue's line, strain at a gauge over a turn, the mesh sizes, and the figures of `verify flexspline` beside
+/// their bounds. The page needs no other file and no network; it prints, and follows a dark screen.
+#[derive(Args)]
+pub struct Arguments {
+    /// Gear file; the default gear hd25-100 when left out
+    #[arg(long, value_name = "G.toml")]
+    gear: Option<PathBuf>,
+    /// The page; written complete or not at all, its folder made when missing
+    #[arg(long, value_name = "FILE", default_value = "out/report.html")]
+    output: PathBuf,
+    #[command(flatten)]
+    figures: FiguresArguments,
+}
+
+/// Measures, draws and writes.
+pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
+    let (output, json) = (arguments.output.as_path(), arguments.figures.json.as_deref());
+    files::require_distinct(&[
+        ("--gear", arguments.gear.as_deref()),
+        ("--output", Some(output)),
+        ("--json", json),
+    ])?;
+    let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
+    files::require_writable(json)?;
+    let folder = file::folder_of(output);
+    files::require_folder(folder)?;
+    if folder.is_dir() {
+        files::require_writable(Some(output))?;
+    }
+    let mut progress = Progress::new(1000, "measuring and drawing");
+    let report = report::build(&gear, |share| progress.set((share * 1e3) as u64))
+        .map_err(|error| BadInput::message(format_args!("{}: {error}", gear.gear.name)))?;
+    drop(progress);
+    files::make_folder(folder)?;
+    file::write(output, |out| Ok(out.write_all(report.html.as_bytes())?))?;
+    say(format_args!("report: {}", output.display()));
+    Ok(Figures::new(report.figures, &arguments.figures))
+}

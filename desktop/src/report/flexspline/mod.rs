@@ -1,0 +1,50 @@
+//! The flexspline's chapter: eq. (1), the mesh, torque, strain, natural frequencies, figures.
+
+mod cup;
+mod links;
+mod sizes;
+mod strain;
+mod torsion;
+
+use maud::{Markup, html};
+
+use super::{Chapter, figure_table};
+use crate::divergence::RunError;
+use crate::gear_file::GearFile;
+use crate::joint::gear_params;
+use crate::verify::Part;
+
+/// Nodes of the reference mesh.
+const N: usize = 36;
+const M: usize = 4;
+
+pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<Chapter, RunError> {
+    let params = gear_params::<f64>(gear);
+    let links = links::section(&params.flexspline)?;
+    let cup = cup::section(&params.flexspline)?;
+    let torsion = torsion::section(gear, |share| progress(0.4 * share))?;
+    let strain = strain::section(gear, |share| progress(0.4 + 0.3 * share))?;
+    let sizes = sizes::section(&params.flexspline);
+    progress(0.7);
+    let figures = Part::Flexspline.measure();
+    let body = html! {
+        (introduction(gear)) (links) (cup) (torsion) (strain) (sizes)
+        h3 { "Figures beside their bounds" }
+        p { "Measured now, on the default gear, by " code { "strainwave verify flexspline" } "." }
+        (figure_table(&figures))
+    };
+    Ok(Chapter { id: "flexspline", title: "Flexspline", body, figures })
+}
+
+fn introduction(gear: &GearFile) -> Markup {
+    let cup = &gear.flexspline;
+    let millimetres = |metres: f64| format!("{:.3}", metres * 1e3);
+    html! {
+        p {
+            "A cup of radius " (millimetres(cup.radius)) " mm, length " (millimetres(cup.length)) " mm and wall "
+            (millimetres(cup.wall)) " mm, pressed by the wave generator into an ellipse of "
+            (millimetres(cup.ellipse)) " mm. It is a shell of point masses and 16 links a node (eq. (6)), driven at the "
+            "rim through the tooth contact, in which the catalogue's hardening sits, and held by the output flange."
+        }
+    }
+}

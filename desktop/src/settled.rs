@@ -1,0 +1,44 @@
+//! A mesh at rest under torsion.
+
+use strainwave::flexspline::mesh::MeshState;
+use strainwave::flexspline::reduced::{Direction, Node};
+use strainwave::flexspline::{Ends, Flexspline, FlexsplineParams, Mesh};
+use strainwave::{Angle, Error};
+
+/// Share of the stable step that it settles by.
+const STEP_SHARE: f64 = 0.9;
+
+/// A mesh that settles from one torsion to the next.
+pub(crate) struct Settled<const N: usize, const M: usize> {
+    mesh: Mesh<f64, N, M>,
+    state: MeshState<f64, N, M>,
+    steps: usize,
+}
+
+impl<const N: usize, const M: usize> Settled<N, M> {
+    /// The assembled mesh, which takes `steps` to settle.
+    pub fn build(params: &FlexsplineParams<f64>, steps: usize) -> Result<Self, Error> {
+        params.check()?;
+        let mesh = Mesh::build(params, STEP_SHARE * Mesh::<f64, N, M>::stable_step(params))?;
+        Ok(Self { state: mesh.rest(), mesh, steps })
+    }
+
+    /// Torque on the flange (N m), its angle 0, at a torsion and an angle of the wave generator (rad).
+    pub fn torque(&mut self, torsion: f64, wave_generator: f64) -> f64 {
+        let ends = Ends {
+            drive: Angle::from_radians(torsion),
+            wave_generator: Angle::from_radians(wave_generator),
+            ..Ends::default()
+        };
+        self.mesh.relax(&mut self.state, &ends, self.steps);
+        self.mesh.step(&mut self.state, &ends).flange
+    }
+
+    /// Strain L/L0 - 1 of the link from a node that spans `direction`.
+    ///
+    /// # Errors
+    /// As [`strainwave::flexspline::Shell::strain`].
+    pub fn strain(&self, node: Node, direction: Direction) -> Result<f64, Error> {
+        self.mesh.shell().strain(self.state.shell(), node, direction)
+    }
+}
