@@ -27,7 +27,7 @@ impl<const N: usize, const M: usize> Settled<N, M> {
     pub fn torque(&mut self, torsion: f64, wave_generator: f64) -> f64 {
         let ends = Ends {
             drive: Angle::from_radians(torsion),
-            wave_generator: Angle::from_radians(wave_generator),
+            wave_generator: Angle::from_radians_f64(wave_generator),
             ..Ends::default()
         };
         self.mesh.relax(&mut self.state, &ends, self.steps);

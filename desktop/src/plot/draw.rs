@@ -3,6 +3,7 @@
 use plotters::chart::SeriesLabelPosition;
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
+use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 
 use super::decimate::thin;
@@ -13,6 +14,9 @@ const PIXEL: u32 = 4;
 const WIDTH: u32 = 900 * PIXEL;
 const TITLE_HEIGHT: u32 = 36 * PIXEL;
 const PANEL_HEIGHT: u32 = 300 * PIXEL;
+
+/// Lengths of a dash and of the space behind it.
+const DASH: (u32, u32) = (6 * PIXEL, 4 * PIXEL);
 
 /// Length of a line's sample in the legend.
 const KEY: i32 = 20 * PIXEL as i32;
@@ -130,19 +134,20 @@ fn draw_series<'a, DB: DrawingBackend + 'a>(
     let thinned = thin(series.finite_points(), column);
     let drawn = match series.style {
         Style::Line => chart.draw_series(LineSeries::new(thinned, style))?,
-        Style::Dashed => chart.draw_series(DashedLineSeries::new(thinned, 6 * PIXEL, 4 * PIXEL, style))?,
+        Style::Dashed => chart.draw_series(DashedLineSeries::new(thinned, DASH.0, DASH.1, style))?,
         Style::Points => chart
             .draw_series(thinned.into_iter().map(|point| Circle::new(point, 3 * PIXEL, colour.filled())))?,
     };
     if series.name.is_empty() {
         return Ok(());
     }
-    let points = series.style == Style::Points;
+    let sample = series.style;
     drawn.label(&series.name).legend(move |(x, y)| {
-        if points {
-            Circle::new((x + KEY / 2, y), 3 * PIXEL, colour.filled()).into_dyn()
-        } else {
-            PathElement::new([(x, y), (x + KEY, y)], style).into_dyn()
+        let ends = [(x, y), (x + KEY, y)];
+        match sample {
+            Style::Line => PathElement::new(ends, style).into_dyn(),
+            Style::Dashed => DashedPathElement::new(ends, DASH.0, DASH.1, style).into_dyn(),
+            Style::Points => Circle::new((x + KEY / 2, y), 3 * PIXEL, colour.filled()).into_dyn(),
         }
     });
     Ok(())

@@ -119,3 +119,35 @@ fn figure_table(figures: &[Figure]) -> Markup {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn written(gear: &GearFile, figures: Vec<Figure>) -> String {
+        let body =
+            html! { (figure_table(&figures)) (table(["mesh", "links"], &[["8x3".into(), "120".into()]])) };
+        page(gear, &[Chapter { id: "one", title: "Chapter one", body, figures }]).into_string()
+    }
+
+    #[test]
+    fn a_page_has_its_chapters_and_marks_what_is_missed() {
+        let figures =
+            vec![Figure::bounded("a.kept", 1.0, "m", 1.0), Figure::bounded("a.missed", 2.0, "m", 1.0)];
+        let page = written(&GearFile::default_gear(), figures);
+        assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>"));
+        assert!(page.contains("<a href=\"#one\">Chapter one</a>") && page.contains("<section id=\"one\">"));
+        assert!(
+            page.contains("<tr class=\"missed\"><td>a.missed</td><td>2</td><td>m</td><td>1</td><td>NO</td>")
+        );
+        assert!(page.contains("<tr><td>a.kept</td>") && page.contains("<tr><td>8x3</td><td>120</td></tr>"));
+    }
+
+    #[test]
+    fn a_name_is_text_whatever_it_is() {
+        let mut gear = GearFile::default_gear();
+        gear.gear.name = "<script>alert(\"1\")</script>&".into();
+        let page = written(&gear, Vec::new());
+        assert!(!page.contains("<script") && page.contains("&lt;script&gt;"), "{page}");
+    }
+}

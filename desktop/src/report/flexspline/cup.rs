@@ -18,7 +18,7 @@ const EXAGGERATION: f64 = 20.0;
 const ELEVATION: f64 = 0.5;
 const TURN: f64 = 0.35;
 /// Width of the picture, in radii of the cup and in pixels.
-const RADII: f64 = 2.7;
+const RADII: f64 = 3.0;
 const WIDTH: f64 = 560.0;
 
 /// The three kinds of links, as the style sheet names them.
@@ -97,8 +97,18 @@ fn cup(point: &impl Fn(usize, usize) -> [f64; 3], length: f64) -> Markup {
                     @for kind in KINDS { path class={ "link " (kind) } d=(paths(kind, behind)) {} }
                 }
             }
+            @for (name, j) in [("rim", 0), ("flange", M - 1)] {
+                text x=(0.5 * WIDTH) y=(format!("{:.0}", scale * middle_of(point, j))) text-anchor="end" font-size="13" {
+                    (name)
+                }
+            }
         }
     }
+}
+
+/// How deep the middle of a slice is drawn.
+fn middle_of(point: &impl Fn(usize, usize) -> [f64; 3], j: usize) -> f64 {
+    (0..N).map(|i| point(i, j)[1]).sum::<f64>() / N as f64
 }
 
 /// One node and its neighbours on a flat grid.

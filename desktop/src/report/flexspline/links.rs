@@ -56,8 +56,8 @@ fn curve(pair: &TwoLinksParams<f64>, links: &TwoLinks<f64>) -> Panel {
     };
     Panel::new("displacement dx", "mm", "force along the base", "kN")
         .with(Series::line("both links, eq. (1)", &millimetres, &kilonewtons(&|dx| links.force(dx))))
-        .with(Series::line("first link", &millimetres, &kilonewtons(&|dx| links.forces(dx)[0])))
-        .with(Series::line("second link", &millimetres, &kilonewtons(&|dx| links.forces(dx)[1])))
+        .with(Series::line("link L1", &millimetres, &kilonewtons(&|dx| links.forces(dx)[0])))
+        .with(Series::line("link L2", &millimetres, &kilonewtons(&|dx| links.forces(dx)[1])))
         .with(Series::dashed("slope at rest", &millimetres, &kilonewtons(&|dx| links.stiffness() * dx)))
 }
 

@@ -20,15 +20,15 @@ const M: usize = 4;
 
 pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<Chapter, RunError> {
     let params = gear_params::<f64>(gear);
-    let links = links::section(&params.flexspline)?;
     let cup = cup::section(&params.flexspline)?;
-    let torsion = torsion::section(gear, |share| progress(0.4 * share))?;
-    let strain = strain::section(gear, |share| progress(0.4 + 0.3 * share))?;
+    let links = links::section(&params.flexspline)?;
+    let torsion = torsion::section(gear, |share| progress(0.12 * share))?;
+    let strain = strain::section(gear, |share| progress(0.12 + 0.12 * share))?;
     let sizes = sizes::section(&params.flexspline);
-    progress(0.7);
+    progress(0.24);
     let figures = Part::Flexspline.measure();
     let body = html! {
-        (introduction(gear)) (links) (cup) (torsion) (strain) (sizes)
+        (introduction(gear)) (cup) (links) (torsion) (strain) (sizes)
         h3 { "Figures beside their bounds" }
         p { "Measured now, on the default gear, by " code { "strainwave verify flexspline" } "." }
         (figure_table(&figures))
@@ -38,7 +38,7 @@ pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<
 
 fn introduction(gear: &GearFile) -> Markup {
     let cup = &gear.flexspline;
-    let millimetres = |metres: f64| format!("{:.3}", metres * 1e3);
+    let millimetres = |metres: f64| (metres * 1e6).round() / 1e3;
     html! {
         p {
             "A cup of radius " (millimetres(cup.radius)) " mm, length " (millimetres(cup.length)) " mm and wall "

@@ -14,8 +14,8 @@ const HEADER: [&str; 7] = [
     "torsion, lowest (kHz)",
     "ellipse, lowest (kHz)",
     "all, highest (kHz)",
-    "stable step (us)",
-    "steps in 0.1 ms",
+    "stable step (µs)",
+    "steps in 0.1\u{a0}ms",
 ];
 
 pub(super) fn section(params: &FlexsplineParams<f64>) -> Markup {
@@ -111,7 +111,7 @@ mod tests {
         let off = |frequencies: Frequencies| (frequencies.torsion / tube - 1.0).abs();
         let [coarse, fine] =
             [off(Frequencies::of::<8, 3>(&params())), off(Frequencies::of::<72, 8>(&params()))];
-        assert!(fine < coarse && fine < 0.05, "{coarse} {fine}");
+        assert!(fine < 0.15 && 2.0 * fine < coarse, "{coarse} {fine}");
     }
 
     /// A mode swings stably with dt < 2/omega, and the bound is not far below that of the stiffest.

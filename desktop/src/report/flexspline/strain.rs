@@ -29,7 +29,7 @@ pub(super) fn section(gear: &GearFile, mut progress: impl FnMut(f64)) -> Result<
     let mut mesh = Settled::<N, M>::build(&double.flexspline, SETTLING)?;
     let rated_torsion = double.flexspline.line.build()?.torsion(double.rated_torque);
     let mut panel = Panel::new("wave generator's angle", "degree", "strain", "um/m");
-    for (index, (name, torsion)) in [("0", 0.0), ("rated", rated_torsion)].into_iter().enumerate() {
+    for (index, (name, torsion)) in [("no", 0.0), ("rated", rated_torsion)].into_iter().enumerate() {
         let (mut strains, mut torque) = (Vec::new(), 0.0);
         for k in 0..=ANGLES {
             progress(0.5 * (index as f64 + f64::from(k) / f64::from(ANGLES)));
@@ -48,7 +48,7 @@ pub(super) fn section(gear: &GearFile, mut progress: impl FnMut(f64)) -> Result<
         p {
             "A gauge along the shear link that leaves node (" (i) ", " (j) ") at the rim, over one turn of the wave "
             "generator. The ellipse comes by twice a turn; the torque shifts the curve by "
-            (format!("{:.3}", f64::from(gauge.per_torque) * 1e6)) " um/m for each N m."
+            (format!("{:.3}", f64::from(gauge.per_torque) * 1e6)) " µm/m for each N m."
         }
         (figure(&plot(&Page::new("").with(panel)), &html! {
             "Strain over the wave generator's angle at no and at rated torque: points of the settled mesh (f64), curves "

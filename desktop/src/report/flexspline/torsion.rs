@@ -12,7 +12,9 @@ use crate::report::{figure, plot};
 use crate::settled::Settled;
 
 /// Points of the curves either side of zero.
-const POINTS: i32 = 24;
+const POINTS: i32 = 40;
+/// Every how many of them one is marked.
+const MARKED: usize = 4;
 /// Largest torque, in rated torques.
 const SPAN: f64 = 1.1;
 /// Steps in which the mesh settles from one point to the next.
@@ -55,10 +57,12 @@ fn column<const K: usize>(rows: &[[f64; K]], of: impl Fn(&[f64; K]) -> f64, scal
 fn torques(rows: &[[f64; 4]], knees: &[[f64; 2]]) -> Panel {
     let torsion = column(rows, |row| row[0], 1e3);
     let knee_torsion = column(knees, |knee| knee[0], 1e3);
+    let marked: Vec<_> = rows.iter().step_by(MARKED).copied().collect();
+    let marked_torsion = column(&marked, |row| row[0], 1e3);
     Panel::new("torsion", "mrad", "torque", "N m")
-        .with(Series::line("reference", &torsion, &column(rows, |row| row[2], 1.0)))
+        .with(Series::line("catalogue", &torsion, &column(rows, |row| row[1], 1.0)))
+        .with(Series::points("reference", &marked_torsion, &column(&marked, |row| row[2], 1.0)))
         .with(Series::dashed("real time", &torsion, &column(rows, |row| row[3], 1.0)))
-        .with(Series::points("catalogue", &torsion, &column(rows, |row| row[1], 1.0)))
         .with(Series::points("knees T1, T2", &knee_torsion, &column(knees, |knee| knee[1], 1.0)))
 }
 
@@ -66,5 +70,5 @@ fn differences(rows: &[[f64; 4]]) -> Panel {
     let torsion = column(rows, |row| row[0], 1e3);
     Panel::new("torsion", "mrad", "torque less the line's", "mN m")
         .with(Series::line("reference", &torsion, &column(rows, |row| row[2] - row[1], 1e3)))
-        .with(Series::line("real time", &torsion, &column(rows, |row| row[3] - row[1], 1e3)))
+        .with(Series::dashed("real time", &torsion, &column(rows, |row| row[3] - row[1], 1e3)))
 }
