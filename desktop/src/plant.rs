@@ -17,13 +17,13 @@ use crate::joint::CONTROL_PERIOD;
 use crate::vectorised::Vectorised;
 
 /// Nodes around and along the axis of the plant's mesh.
-const NODES: (usize, usize) = (36, 4);
+pub const NODES: (usize, usize) = (36, 4);
 /// Levels of the reference hysteresis.
 pub const LEVELS: usize = 64;
 /// Turning points that it remembers.
 pub const MEMORY: usize = 128;
 /// Largest micro-step as a share of the mesh's stable step.
-pub const STEP_SHARE: f64 = 0.9;
+pub const STEP_SHARE: f64 = 0.95;
 
 /// A reference flexspline, f64 and literal eq. (6), with this processor's vector instructions.
 pub type FastMesh<const N: usize, const M: usize> = Vectorised<Mesh<f64, N, M>>;

@@ -1,16 +1,17 @@
 //! A mesh at rest under torsion.
 
 use strainwave::flexspline::mesh::MeshState;
-use strainwave::flexspline::reduced::{Direction, Node};
 use strainwave::flexspline::{Ends, Flexspline, FlexsplineParams, Mesh};
 use strainwave::{Angle, Error};
+
+use crate::vectorised::Vectorised;
 
 /// Share of the stable step that it settles by.
 const STEP_SHARE: f64 = 0.9;
 
 /// A mesh that settles from one torsion to the next.
 pub(crate) struct Settled<const N: usize, const M: usize> {
-    mesh: Mesh<f64, N, M>,
+    mesh: Vectorised<Mesh<f64, N, M>>,
     state: MeshState<f64, N, M>,
     steps: usize,
 }
@@ -19,8 +20,10 @@ impl<const N: usize, const M: usize> Settled<N, M> {
     /// The assembled mesh, which takes `steps` to settle.
     pub fn build(params: &FlexsplineParams<f64>, steps: usize) -> Result<Self, Error> {
         params.check()?;
-        let mesh = Mesh::build(params, STEP_SHARE * Mesh::<f64, N, M>::stable_step(params))?;
-        Ok(Self { state: mesh.rest(), mesh, steps })
+        let stable = Mesh::<f64, N, M>::stable_step(params);
+        let mesh = Vectorised::new(Mesh::build(params, STEP_SHARE * stable)?);
+        let state = mesh.rest();
+        Ok(Self { mesh, state, steps })
     }
 
     /// Torque on the flange (N m), its angle 0, at a torsion and an angle of the wave generator (rad).
@@ -34,11 +37,11 @@ impl<const N: usize, const M: usize> Settled<N, M> {
         self.mesh.step(&mut self.state, &ends).flange
     }
 
-    /// Strain L/L0 - 1 of the link from a node that spans `direction`.
+    /// Strain L/L0 - 1 of the link from node (i, j) that spans `direction`.
     ///
     /// # Errors
     /// As [`strainwave::flexspline::Shell::strain`].
-    pub fn strain(&self, node: Node, direction: Direction) -> Result<f64, Error> {
-        self.mesh.shell().strain(self.state.shell(), node, direction)
+    pub fn strain(&self, node: (usize, usize), direction: (i32, i32)) -> Result<f64, Error> {
+        self.mesh.model().shell().strain(self.state.shell(), node, direction)
     }
 }
