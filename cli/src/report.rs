@@ -42,11 +42,13 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         files::require_writable(Some(output))?;
     }
     let mut progress = Progress::new(1000, "measuring and drawing");
-    let report = report::build(&gear, |share| progress.set((share * 1e3) as u64))
-        .map_err(|error| BadInput::message(format_args!("{}: {error}", gear.gear.name)))?;
+    let report = report::build(&gear, |share| progress.set((share * 1e3) as u64))?;
     drop(progress);
     files::make_folder(folder)?;
     file::write(output, |out| Ok(out.write_all(report.html.as_bytes())?))?;
+    for note in &report.measured.notes {
+        say(format_args!("{note}"));
+    }
     say(format_args!("report: {}", output.display()));
-    Ok(Figures::new(report.figures, &arguments.figures))
+    Ok(Figures::new(report.measured.figures, &arguments.figures))
 }

@@ -41,7 +41,7 @@ pub struct Arguments {
     /// Longest micro-step of the reference build (s); 0.9 of the mesh's stable step when left out
     ///
     /// Below the stable step, from 1e-9 s; it is rounded down to divide 0.1 ms.
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     step: Option<f64>,
     /// Add the strain of a link as the column strain_I_J_AROUND_ALONG; may be given several times
     ///

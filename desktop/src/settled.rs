@@ -1,7 +1,6 @@
 //! A mesh at rest under torsion.
 
 use strainwave::flexspline::mesh::MeshState;
-use strainwave::flexspline::reduced::{Direction, Node};
 use strainwave::flexspline::{Ends, Flexspline, FlexsplineParams, Mesh};
 use strainwave::{Angle, Error};
 
@@ -23,7 +22,8 @@ impl<const N: usize, const M: usize> Settled<N, M> {
         params.check()?;
         let stable = Mesh::<f64, N, M>::stable_step(params);
         let mesh = Vectorised::new(Mesh::build(params, STEP_SHARE * stable)?);
-        Ok(Self { state: mesh.rest(), mesh, steps })
+        let state = mesh.rest();
+        Ok(Self { mesh, state, steps })
     }
 
     /// Torque on the flange (N m), its angle 0, at a torsion and an angle of the wave generator (rad).
@@ -37,11 +37,11 @@ impl<const N: usize, const M: usize> Settled<N, M> {
         self.mesh.step(&mut self.state, &ends).flange
     }
 
-    /// Strain L/L0 - 1 of the link from a node that spans `direction`.
+    /// Strain L/L0 - 1 of the link from node (i, j) that spans `direction`.
     ///
     /// # Errors
     /// As [`strainwave::flexspline::Shell::strain`].
-    pub fn strain(&self, node: Node, direction: Direction) -> Result<f64, Error> {
+    pub fn strain(&self, node: (usize, usize), direction: (i32, i32)) -> Result<f64, Error> {
         self.mesh.model().shell().strain(self.state.shell(), node, direction)
     }
 }

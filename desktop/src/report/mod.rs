@@ -11,6 +11,7 @@ use crate::figure::Figure;
 use crate::file::BadInput;
 use crate::gear_file::GearFile;
 use crate::plot;
+use crate::verify::Measured;
 
 const STYLE: &str = include_str!("style.css");
 
@@ -27,21 +28,21 @@ struct Chapter {
     title: &'static str,
     body: Markup,
     /// What was measured for it.
-    figures: Vec<Figure>,
+    measured: Measured,
 }
 
 /// The finished report.
 pub struct Report {
     /// The page.
     pub html: String,
-    /// The figures of all chapters.
-    pub figures: Vec<Figure>,
+    /// What was measured for all chapters.
+    pub measured: Measured,
 }
 
 /// Measures, draws and writes every chapter; `progress` is called with the share done.
 ///
 /// # Errors
-/// A gear that no model can be built from, or a run that diverges.
+/// A gear that no model can be built from, or data that are there and cannot be used.
 pub fn build(gear: &GearFile, mut progress: impl FnMut(f64)) -> Result<Report, BadInput> {
     let mut chapters = Vec::new();
     for (done, make) in CHAPTERS.iter().enumerate() {
@@ -49,7 +50,9 @@ pub fn build(gear: &GearFile, mut progress: impl FnMut(f64)) -> Result<Report, B
         chapters.push(make(gear, &mut part)?);
     }
     let html = page(gear, &chapters).into_string();
-    Ok(Report { html, figures: chapters.into_iter().flat_map(|chapter| chapter.figures).collect() })
+    let mut measured = Measured::default();
+    chapters.into_iter().for_each(|chapter| measured.add(chapter.measured));
+    Ok(Report { html, measured })
 }
 
 fn page(gear: &GearFile, chapters: &[Chapter]) -> Markup {
@@ -104,19 +107,20 @@ fn table<const K: usize>(header: [&str; K], rows: &[[String; K]]) -> Markup {
     }
 }
 
-/// Figures beside their bounds; one that misses is marked.
-fn figure_table(figures: &[Figure]) -> Markup {
+/// Figures beside their bounds, one that misses marked, and what was skipped.
+fn figure_table(measured: &Measured) -> Markup {
     html! {
         div.wide {
             table.figures {
                 thead { tr { @for name in Figure::HEADER { th { (name) } } } }
                 tbody {
-                    @for figure in figures {
+                    @for figure in &measured.figures {
                         tr.missed[!figure.holds] { @for cell in figure.cells() { td { (cell) } } }
                     }
                 }
             }
         }
+        @for note in &measured.notes { p { (note) } }
     }
 }
 
@@ -125,9 +129,10 @@ mod tests {
     use super::*;
 
     fn written(gear: &GearFile, figures: Vec<Figure>) -> String {
+        let measured = Measured { figures, notes: vec!["b: skipped & said".into()] };
         let body =
-            html! { (figure_table(&figures)) (table(["mesh", "links"], &[["8x3".into(), "120".into()]])) };
-        page(gear, &[Chapter { id: "one", title: "Chapter one", body, figures }]).into_string()
+            html! { (figure_table(&measured)) (table(["mesh", "links"], &[["8x3".into(), "120".into()]])) };
+        page(gear, &[Chapter { id: "one", title: "Chapter one", body, measured }]).into_string()
     }
 
     #[test]
@@ -140,6 +145,7 @@ mod tests {
         assert!(
             page.contains("<tr class=\"missed\"><td>a.missed</td><td>2</td><td>m</td><td>1</td><td>NO</td>")
         );
+        assert!(page.contains("<p>b: skipped &amp; said</p>"));
         assert!(page.contains("<tr><td>a.kept</td>") && page.contains("<tr><td>8x3</td><td>120</td></tr>"));
     }
 

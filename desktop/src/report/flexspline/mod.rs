@@ -7,9 +7,9 @@ mod strain;
 mod torsion;
 
 use maud::{Markup, html};
+use strainwave::Error;
 
 use super::{Chapter, figure_table};
-use crate::divergence::RunError;
 use crate::file::BadInput;
 use crate::gear_file::GearFile;
 use crate::joint::gear_params;
@@ -20,18 +20,20 @@ const N: usize = 36;
 const M: usize = 4;
 
 pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<Chapter, BadInput> {
-    let sections = sections(gear, progress).map_err(BadInput::message)?;
-    let figures = Part::Flexspline.measure()?.figures;
+    let drawn = sections(gear, progress)
+        .map_err(|error| BadInput::message(format_args!("{}: {error}", gear.gear.name)))?;
+    let measured = Part::Flexspline.measure()?;
     let body = html! {
-        (sections)
+        (introduction(gear)) (drawn)
         h3 { "Figures beside their bounds" }
-        p { "Measured now, on the default gear, by " code { "strainwave verify flexspline" } "." }
-        (figure_table(&figures))
+        p { "Measured now, on the default gear: part of " code { "strainwave verify flexspline" } "." }
+        (figure_table(&measured))
     };
-    Ok(Chapter { id: "flexspline", title: "Flexspline", body, figures })
+    Ok(Chapter { id: "flexspline", title: "Flexspline", body, measured })
 }
 
-fn sections(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<Markup, RunError> {
+/// What is drawn from the gear.
+fn sections(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<Markup, Error> {
     let params = gear_params::<f64>(gear);
     let cup = cup::section(&params.flexspline)?;
     let links = links::section(&params.flexspline)?;
@@ -39,7 +41,7 @@ fn sections(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<Markup, Ru
     let strain = strain::section(gear, |share| progress(0.12 + 0.12 * share))?;
     let sizes = sizes::section(&params.flexspline);
     progress(0.24);
-    Ok(html! { (introduction(gear)) (cup) (links) (torsion) (strain) (sizes) })
+    Ok(html! { (cup) (links) (torsion) (strain) (sizes) })
 }
 
 fn introduction(gear: &GearFile) -> Markup {

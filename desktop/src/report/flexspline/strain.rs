@@ -1,12 +1,11 @@
 //! Strain at a gauge over one turn of the wave generator, of the settled mesh and of the condensed one.
 
 use maud::{Markup, html};
-use strainwave::Angle;
 use strainwave::flexspline::reduced::{Direction, Node};
 use strainwave::flexspline::{Reduced, StrainGauge};
+use strainwave::{Angle, Error};
 
 use super::{M, N};
-use crate::divergence::RunError;
 use crate::gear_file::GearFile;
 use crate::joint::gear_params;
 use crate::plot::{Page, Panel, Series};
@@ -22,7 +21,7 @@ const FINE_ANGLES: i32 = 360;
 /// Steps in which the mesh settles from one angle to the next.
 const SETTLING: usize = 6_000;
 
-pub(super) fn section(gear: &GearFile, mut progress: impl FnMut(f64)) -> Result<Markup, RunError> {
+pub(super) fn section(gear: &GearFile, mut progress: impl FnMut(f64)) -> Result<Markup, Error> {
     let (double, single) = (gear_params::<f64>(gear), gear_params::<f32>(gear));
     let reduced = Reduced::<f32, N, M>::build(&single.flexspline, single.rated_torque)?;
     let gauge = StrainGauge::build(&reduced, NODE, DIRECTION)?;

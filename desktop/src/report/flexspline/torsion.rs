@@ -1,10 +1,10 @@
 //! Torque over torsion of both builds, against the catalogue's line.
 
 use maud::{Markup, html};
+use strainwave::Error;
 use strainwave::compensator::RealTimeFlexspline;
 
 use super::{M, N};
-use crate::divergence::RunError;
 use crate::gear_file::GearFile;
 use crate::joint::gear_params;
 use crate::plot::{Page, Panel, Series};
@@ -22,7 +22,7 @@ const SETTLING: usize = 8_000;
 /// Where the wave generator stands, between two nodes (rad).
 const WAVE_GENERATOR: f64 = 0.3;
 
-pub(super) fn section(gear: &GearFile, mut progress: impl FnMut(f64)) -> Result<Markup, RunError> {
+pub(super) fn section(gear: &GearFile, mut progress: impl FnMut(f64)) -> Result<Markup, Error> {
     let (double, single) = (gear_params::<f64>(gear), gear_params::<f32>(gear));
     let line = double.flexspline.line.build()?;
     let real_time = RealTimeFlexspline::<f32>::build(&single.flexspline, single.rated_torque)?;

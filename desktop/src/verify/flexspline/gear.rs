@@ -15,9 +15,8 @@ use crate::two_port::{self, Build};
 
 pub(super) fn measure(gear: &GearFile) -> Result<Vec<Figure>, RunError> {
     let input = input();
-    let run = |build| -> Result<Vec<OpenLoopRow>, RunError> {
-        two_port::run(gear, &input, build, &[])?.collect()
-    };
+    let run =
+        |build| -> Result<Vec<OpenLoopRow>, RunError> { two_port::run(gear, &input, build, &[])?.collect() };
     let (reference, real_time) = (run(Build::REFERENCE)?, run(Build::RealTime)?);
     let worst = |of: fn(&OpenLoopRow) -> f64| {
         reference.iter().zip(&real_time).map(|(a, b)| (of(a) - of(b)).abs()).fold(0.0, f64::max)

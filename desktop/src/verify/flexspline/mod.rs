@@ -12,21 +12,25 @@ mod stiffness;
 mod strain;
 
 use super::Measured;
+use crate::divergence::RunError;
 use crate::file::BadInput;
 use crate::gear_file::GearFile;
 
 /// Every figure but those of the clock, see [`speed`].
 pub(super) fn measure() -> Result<Measured, BadInput> {
     let gear = GearFile::default_gear();
-    let built = [stiffness::measure, conserved::measure, strain::measure, mode::measure, ripple::measure];
-    let run = [gear::measure, real_time::measure];
-    let mut measured = Measured::from(oracle::measure());
-    for measure in built {
-        measured.add(measure(&gear).map_err(BadInput::message)?.into());
-    }
-    for measure in run {
-        measured.add(measure(&gear).map_err(BadInput::message)?.into());
-    }
+    let figures = [
+        stiffness::measure(&gear).map_err(RunError::from),
+        conserved::measure(&gear).map_err(RunError::from),
+        Ok(oracle::measure()),
+        strain::measure(&gear).map_err(RunError::from),
+        gear::measure(&gear),
+        real_time::measure(&gear),
+        mode::measure(&gear).map_err(RunError::from),
+        ripple::measure(&gear).map_err(RunError::from),
+    ];
+    let figures = figures.into_iter().collect::<Result<Vec<_>, _>>().map_err(BadInput::message)?;
+    let mut measured = Measured::from(figures.concat());
     measured.add(catalogue::measure(&gear)?);
     Ok(measured)
 }

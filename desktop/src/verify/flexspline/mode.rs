@@ -30,7 +30,7 @@ const HELD: f64 = 0.02;
 const RINGING: f64 = 0.5;
 
 pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, Error> {
-    let params = frictionless(gear_params(file));
+    let params: GearParams<f64> = frictionless(gear_params(file));
     let Reference { mesh, dt, .. } = Reference::<{ NODES.0 }, { NODES.1 }>::build(&params.flexspline, None)?;
     let gear: ReferenceGear<_> = params.build(mesh, dt)?;
     let reference = Mode::of(&gear, dt);
