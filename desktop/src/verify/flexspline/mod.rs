@@ -7,7 +7,6 @@ mod mode;
 pub mod oracle;
 mod real_time;
 mod ripple;
-mod settled;
 pub mod speed;
 mod stiffness;
 mod strain;
@@ -19,18 +18,15 @@ use crate::gear_file::GearFile;
 /// Every figure but those of the clock, see [`speed`].
 pub(super) fn measure() -> Result<Measured, BadInput> {
     let gear = GearFile::default_gear();
-    let figures = [
-        stiffness::measure(&gear),
-        conserved::measure(&gear),
-        Ok(oracle::measure()),
-        strain::measure(&gear),
-        gear::measure(&gear),
-        real_time::measure(&gear),
-        mode::measure(&gear),
-        ripple::measure(&gear),
-    ];
-    let figures = figures.into_iter().collect::<Result<Vec<_>, _>>().map_err(BadInput::message)?;
-    let mut measured = Measured::from(figures.concat());
+    let built = [stiffness::measure, conserved::measure, strain::measure, mode::measure, ripple::measure];
+    let run = [gear::measure, real_time::measure];
+    let mut measured = Measured::from(oracle::measure());
+    for measure in built {
+        measured.add(measure(&gear).map_err(BadInput::message)?.into());
+    }
+    for measure in run {
+        measured.add(measure(&gear).map_err(BadInput::message)?.into());
+    }
     measured.add(catalogue::measure(&gear)?);
     Ok(measured)
 }

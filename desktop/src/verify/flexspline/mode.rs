@@ -22,7 +22,7 @@ use crate::bounds;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, gear_params};
-use crate::plant::Reference;
+use crate::plant::{NODES, Reference, ReferenceGear};
 
 /// Torsion at first (rad).
 const RELEASED_FROM: f64 = 4e-5;
@@ -32,7 +32,9 @@ const HELD: f64 = 0.02;
 const RINGING: f64 = 0.5;
 
 pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, Error> {
-    let Reference { gear, dt, .. } = Reference::build(&frictionless(gear_params(file)))?;
+    let params = frictionless(gear_params(file));
+    let Reference { mesh, dt, .. } = Reference::<{ NODES.0 }, { NODES.1 }>::build(&params.flexspline, None)?;
+    let gear: ReferenceGear<_> = params.build(mesh, dt)?;
     let reference = Mode::of(&gear, dt);
     let params: GearParams<f32> = frictionless(gear_params(file));
     let flexspline = Reduced::build(&params.flexspline, params.rated_torque)?;

@@ -6,12 +6,12 @@
 
 use std::thread;
 
-use strainwave::Error;
 use strainwave::flexspline::{Flexspline, Reduced};
 
 use crate::baseline::Baseline;
 use crate::bounds;
 use crate::closed_loop;
+use crate::divergence::RunError;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::scenario::Scenario;
@@ -30,7 +30,7 @@ const SCENARIOS: [(Scenario, &str, &str); 3] = [
 /// The flexspline of the real-time gear.
 type RealTime = Reduced<f32, 8, 3>;
 
-pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, Error> {
+pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, RunError> {
     let size = size_of::<RealTime>() + size_of::<<RealTime as Flexspline<f32>>::State>();
     let mut figures = vec![bounds::figure("flexspline.real_time.size", size as f64)];
     let runs: Vec<_> = thread::scope(|scope| {
@@ -54,14 +54,14 @@ struct Difference {
 }
 
 impl Difference {
-    fn over(scenario: Scenario, file: &GearFile) -> Result<Self, Error> {
+    fn over(scenario: Scenario, file: &GearFile) -> Result<Self, RunError> {
         let record = closed_loop::record(file, scenario, NOMINAL, &mut Baseline::b0(file)?)?;
-        let reference = two_port::run(file, &record, Build::Reference)?;
-        let real_time = two_port::run(file, &record, Build::RealTime)?;
+        let reference = two_port::run(file, &record, Build::REFERENCE, &[])?;
+        let real_time = two_port::run(file, &record, Build::RealTime, &[])?;
         let off: Vec<f64> = reference
             .zip(real_time)
-            .map(|(a, b)| (a.transmitted_torque - b.transmitted_torque) / file.gear.rated_torque)
-            .collect();
+            .map(|(a, b)| Ok((a?.transmitted_torque - b?.transmitted_torque) / file.gear.rated_torque))
+            .collect::<Result<_, RunError>>()?;
         let squares: f64 = off.iter().map(|off| off * off).sum();
         Ok(Self { rms: (squares / off.len() as f64).sqrt(), max: largest(off) })
     }

@@ -17,11 +17,11 @@ use strainwave::gear::{GearParams, Motion};
 use strainwave::kinematic_error::KinematicErrorParams;
 use strainwave::{Angle, Error};
 
-use super::settled::Settled;
 use crate::bounds;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, gear_params};
+use crate::settled::Settled;
 use crate::verify::largest;
 
 /// Steps of the turn in real time.

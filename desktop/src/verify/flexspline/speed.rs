@@ -12,6 +12,7 @@ use strainwave::{Error, Real};
 use crate::baseline::Baseline;
 use crate::bounds;
 use crate::closed_loop;
+use crate::divergence::RunError;
 use crate::figure::Figure;
 use crate::file::BadInput;
 use crate::gear_file::GearFile;
@@ -38,7 +39,7 @@ pub fn measure() -> Result<Measured, BadInput> {
     of(&file).map_err(BadInput::message)
 }
 
-fn of(file: &GearFile) -> Result<Measured, Error> {
+fn of(file: &GearFile) -> Result<Measured, RunError> {
     let second = bounds::figure("flexspline.36x4.second_of_s1", second_of_plant(file)?);
     let steps = [step::<f64>(file)?, step::<f32>(file)?];
     let figures = STEP.into_iter().zip(steps).map(|(name, time)| bounds::figure(name, time));
@@ -76,7 +77,7 @@ fn step<R: Real>(file: &GearFile) -> Result<f64, Error> {
 }
 
 /// Seconds that a second of plant takes.
-fn second_of_plant(file: &GearFile) -> Result<f64, Error> {
+fn second_of_plant(file: &GearFile) -> Result<f64, RunError> {
     let mut best = f64::MAX;
     for _ in 0..RUNS {
         let started = Instant::now();

@@ -5,11 +5,11 @@
 use strainwave::Error;
 use strainwave::flexspline::FlexsplineParams;
 
-use super::settled::Settled;
 use crate::bounds;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::joint::gear_params;
+use crate::settled::Settled;
 use crate::verify::largest;
 
 /// Torsion small enough for K1 alone (rad).

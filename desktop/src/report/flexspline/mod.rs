@@ -1,0 +1,56 @@
+//! The flexspline's chapter: eq. (1), the mesh, torque, strain, natural frequencies, figures.
+
+mod cup;
+mod links;
+mod sizes;
+mod strain;
+mod torsion;
+
+use maud::{Markup, html};
+
+use super::{Chapter, figure_table};
+use crate::divergence::RunError;
+use crate::file::BadInput;
+use crate::gear_file::GearFile;
+use crate::joint::gear_params;
+use crate::verify::Part;
+
+/// Nodes of the reference mesh.
+const N: usize = 36;
+const M: usize = 4;
+
+pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<Chapter, BadInput> {
+    let sections = sections(gear, progress).map_err(BadInput::message)?;
+    let figures = Part::Flexspline.measure()?.figures;
+    let body = html! {
+        (sections)
+        h3 { "Figures beside their bounds" }
+        p { "Measured now, on the default gear, by " code { "strainwave verify flexspline" } "." }
+        (figure_table(&figures))
+    };
+    Ok(Chapter { id: "flexspline", title: "Flexspline", body, figures })
+}
+
+fn sections(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<Markup, RunError> {
+    let params = gear_params::<f64>(gear);
+    let cup = cup::section(&params.flexspline)?;
+    let links = links::section(&params.flexspline)?;
+    let torsion = torsion::section(gear, |share| progress(0.12 * share))?;
+    let strain = strain::section(gear, |share| progress(0.12 + 0.12 * share))?;
+    let sizes = sizes::section(&params.flexspline);
+    progress(0.24);
+    Ok(html! { (introduction(gear)) (cup) (links) (torsion) (strain) (sizes) })
+}
+
+fn introduction(gear: &GearFile) -> Markup {
+    let cup = &gear.flexspline;
+    let millimetres = |metres: f64| (metres * 1e6).round() / 1e3;
+    html! {
+        p {
+            "A cup of radius " (millimetres(cup.radius)) " mm, length " (millimetres(cup.length)) " mm and wall "
+            (millimetres(cup.wall)) " mm, pressed by the wave generator into an ellipse of "
+            (millimetres(cup.ellipse)) " mm. It is a shell of point masses and 16 links a node (eq. (6)), driven at the "
+            "rim through the tooth contact, in which the catalogue's hardening sits, and held by the output flange."
+        }
+    }
+}
