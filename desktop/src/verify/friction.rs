@@ -10,6 +10,7 @@ use crate::bounds;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, gear_params};
+use crate::verify::largest;
 
 /// Levels and lengths of the measured model: f1, f2, eps, eta.
 const MODEL: (f64, f64, f64, f64) = (1.5, 0.5, 0.02, 0.3);
@@ -28,13 +29,13 @@ fn worst_against_closed_form() -> f64 {
     let (f1, f2, eps, eta) = MODEL;
     let model = BlimanSorine::order_2(f1, f2, eps, eta).expect("the levels are in range");
     let closed = |s: f64| -f1 * (-s / (eta * eps)).exp_m1() + f2 * (-s / eps).exp_m1();
-    let mut worst = 0.0f64;
+    let mut worst = 0.0;
     for step in [1e-6, 1e-4, 1e-2, 0.3, 1.0, 10.0].map(|share| share * eps) {
         let mut state = BlimanSorineState::default();
         for k in 1..=1000 {
             let force = model.step(&mut state, step).expect("the step is finite");
             let wanted = closed(f64::from(k) * step);
-            worst = worst.max((force / wanted - 1.0).abs());
+            worst = largest([worst, force / wanted - 1.0]);
         }
     }
     worst
@@ -47,12 +48,12 @@ fn worst_of_f32() -> f64 {
     let (mut double_state, mut single_state) = (JointFrictionState::default(), JointFrictionState::default());
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let mut velocity = 0.0f32;
-    let mut worst = 0.0f64;
+    let mut worst = 0.0;
     for _ in 0..STEPS {
         velocity = 0.999 * velocity + random.random_range(-1.0..1.0f32);
         let exact = double.step(&mut double_state, f64::from(velocity)).force;
         let rounded = single.step(&mut single_state, velocity).force;
-        worst = worst.max((f64::from(rounded) - exact).abs());
+        worst = largest([worst, f64::from(rounded) - exact]);
     }
     worst / file.friction.input.coulomb
 }
