@@ -1,6 +1,6 @@
 //! The report: one HTML page that needs nothing but itself, with a chapter for each part of the model.
 //!
-//! A chapter is a file (or folder) here with one function of the gear file; [`CHAPTERS`] lists them. Pictures are
+//! A chapter is a file (or folder) here with one function of the gear file; `CHAPTERS` lists them. Pictures are
 //! inline SVG, drawn for paper; the style sheet turns their black and white around on a dark screen.
 
 mod flexspline;
@@ -115,7 +115,7 @@ fn figure_table(measured: &Measured) -> Markup {
                 thead { tr { @for name in Figure::HEADER { th { (name) } } } }
                 tbody {
                     @for figure in &measured.figures {
-                        tr.missed[!figure.holds] { @for cell in figure.cells() { td { (cell) } } }
+                        tr class=[(!figure.holds).then_some("missed")] { @for cell in figure.cells() { td { (cell) } } }
                     }
                 }
             }
