@@ -13,6 +13,7 @@ use crate::baseline::Baseline;
 use crate::draw::Draw;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, gear_params};
+use crate::log::{Drive, OpenLoop, Time};
 use crate::plant::{Plant, encoder_count};
 use crate::scenario::{Demand, Scenario};
 
@@ -176,25 +177,73 @@ pub fn run<C: Controller>(
 where
     C::Error: From<Error>,
 {
-    let mut plant = Plant::build(&Draw::from_seed(seed).apply(&gear_params(file)))?;
-    let mut sensors = SensorModel::new(file, seed);
-    let steps = (scenario.duration() / CONTROL_PERIOD).round() as usize;
+    let steps = periods(scenario);
     let mut judge = Judge::default();
     let mut trace = Vec::with_capacity(steps / TRACE_EVERY + 1);
-    let mut torque = 0.0;
-    for k in 0..steps {
+    let plant = each_period(file, scenario, seed, controller, |k, demand, plant, answer| {
         let time = k as f64 * CONTROL_PERIOD;
-        let demand = scenario.at(time, file.gear.rated_torque);
-        let sensors = sensors.read(&plant, torque);
-        let input = Input { sensors, setpoint: demand.setpoint(), shares: all_shares(file) };
-        let answer = controller.step(&input)?;
         if time >= scenario.judged_from() {
             judge.add(plant.output().angle.to_radians(), &demand, &answer.estimate);
         }
         if k % TRACE_EVERY == 0 {
-            trace.push(row(time, demand, &plant, answer));
+            trace.push(row(time, demand, plant, answer));
             progress(k as f64 / steps as f64);
         }
+    })?;
+    Ok(judge.run(trace, plant.imbalance()))
+}
+
+/// Runs a scenario as [`run`], and records what drives the plant's gear, a row each control period: the motor's speed
+/// and the load.
+///
+/// # Errors
+/// As [`run`].
+pub fn record<C: Controller>(
+    file: &GearFile,
+    scenario: Scenario,
+    seed: u64,
+    controller: &mut C,
+) -> Result<OpenLoop, C::Error>
+where
+    C::Error: From<Error>,
+{
+    let (mut speed, mut load_torque) = (Vec::new(), Vec::new());
+    each_period(file, scenario, seed, controller, |_, demand, plant, _| {
+        speed.push(plant.motor().velocity);
+        load_torque.push(demand.load);
+    })?;
+    Ok(OpenLoop {
+        time: Time::every(CONTROL_PERIOD, speed.len()),
+        drive: Drive::Velocity(speed),
+        load_torque,
+    })
+}
+
+/// Control periods of a scenario.
+fn periods(scenario: Scenario) -> usize {
+    (scenario.duration() / CONTROL_PERIOD).round() as usize
+}
+
+/// Closes the loop; `visit` sees the plant at the start of each period with the controller's answer to it.
+fn each_period<C: Controller>(
+    file: &GearFile,
+    scenario: Scenario,
+    seed: u64,
+    controller: &mut C,
+    mut visit: impl FnMut(usize, Demand, &Plant, Output<f32>),
+) -> Result<Plant, C::Error>
+where
+    C::Error: From<Error>,
+{
+    let mut plant = Plant::build(&Draw::from_seed(seed).apply(&gear_params(file)))?;
+    let mut sensors = SensorModel::new(file, seed);
+    let mut torque = 0.0;
+    for k in 0..periods(scenario) {
+        let demand = scenario.at(k as f64 * CONTROL_PERIOD, file.gear.rated_torque);
+        let sensors = sensors.read(&plant, torque);
+        let input = Input { sensors, setpoint: demand.setpoint(), shares: all_shares(file) };
+        let answer = controller.step(&input)?;
+        visit(k, demand, &plant, answer);
         torque = f64::from(answer.motor_torque);
         if scenario.blocked() {
             torque = 0.0;
@@ -203,7 +252,7 @@ where
             plant.step(torque, demand.load);
         }
     }
-    Ok(judge.run(trace, plant.imbalance()))
+    Ok(plant)
 }
 
 /// The scores of a run.

@@ -6,7 +6,9 @@
 
 use pulp::{Arch, NullaryFnOnce};
 use strainwave::Real;
-use strainwave::flexspline::{Ends, Flexspline, Reaction, Strained};
+use strainwave::flexspline::mesh::MeshState;
+use strainwave::flexspline::shell::ShellState;
+use strainwave::flexspline::{Ends, Flexspline, Mesh, Reaction, Shell, Strained};
 
 /// A flexspline model, and what this processor can do.
 #[derive(Clone, Debug)]
@@ -68,4 +70,61 @@ impl<R: Real, F: Flexspline<R>> Flexspline<R> for Vectorised<F> {
     fn largest_strain(&self, state: &Self::State) -> Option<Strained<R>> {
         self.model.largest_strain(state)
     }
+}
+
+/// [`Mesh::relax`], to be compiled for each instruction set.
+struct Relaxation<'a, R, const N: usize, const M: usize> {
+    mesh: &'a Mesh<R, N, M>,
+    state: &'a mut MeshState<R, N, M>,
+    ends: &'a Ends<R>,
+    steps: usize,
+}
+
+impl<R: Real, const N: usize, const M: usize> NullaryFnOnce for Relaxation<'_, R, N, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.mesh.relax(self.state, self.ends, self.steps);
+    }
+}
+
+impl<R: Real, const N: usize, const M: usize> Vectorised<Mesh<R, N, M>> {
+    /// As [`Mesh::relax`].
+    pub fn relax(&self, state: &mut MeshState<R, N, M>, ends: &Ends<R>, steps: usize) {
+        self.processor.dispatch(Relaxation { mesh: &self.model, state, ends, steps });
+    }
+}
+
+/// Steps of a free shell, to be compiled for each instruction set.
+struct FreeSteps<'a, R, const N: usize, const M: usize> {
+    shell: &'a Shell<R, N, M>,
+    state: &'a mut ShellState<R, N, M>,
+    steps: usize,
+}
+
+impl<R: Real, const N: usize, const M: usize> NullaryFnOnce for FreeSteps<'_, R, N, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for _ in 0..self.steps {
+            self.shell.step(self.state);
+        }
+    }
+}
+
+impl<R: Real, const N: usize, const M: usize> Vectorised<Shell<R, N, M>> {
+    /// So many of [`Shell::step`].
+    pub fn steps(&self, state: &mut ShellState<R, N, M>, steps: usize) {
+        self.processor.dispatch(FreeSteps { shell: &self.model, state, steps });
+    }
+}
+
+/// Whether this processor has AVX2.
+pub fn has_avx2() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return std::arch::is_x86_feature_detected!("avx2");
+    #[cfg(not(target_arch = "x86_64"))]
+    false
 }

@@ -78,13 +78,9 @@ pub struct ScenarioRun {
 }
 
 impl ScenarioRun {
-    /// The compensated output error; in S2 it must be below both baselines on the same plant.
+    /// The output error beside the baselines'.
     pub fn beside_baselines(&self) -> Figure {
-        let name = format!("pil.{}.compensated.rms", self.scenario.name());
-        match self.scenario {
-            Scenario::S2 => Figure::bounded(name, self.compensated.rms, "rad", self.b0.rms.min(self.b1.rms)),
-            _ => Figure::reported(name, self.compensated.rms, "rad"),
-        }
+        beside_baselines(self.scenario, &self.compensated, [&self.b0, &self.b1])
     }
 
     /// Width and stiffness of the loop of S6, each beside what the plant's parameters ask; of others none.
@@ -104,6 +100,15 @@ impl ScenarioRun {
             Figure::reported("pil.s6.chord_stiffness", found.chord_stiffness(), "N m/rad"),
             Figure::reported("pil.s6.chord_stiffness_asked", asked, "N m/rad"),
         ])
+    }
+}
+
+/// The compensated output error; in S2 it must be below both baselines on the same plant.
+pub fn beside_baselines(scenario: Scenario, compensated: &Run, [b0, b1]: [&Run; 2]) -> Figure {
+    let name = format!("pil.{}.compensated.rms", scenario.name());
+    match scenario {
+        Scenario::S2 => Figure::bounded(name, compensated.rms, "rad", b0.rms.min(b1.rms)),
+        _ => Figure::reported(name, compensated.rms, "rad"),
     }
 }
 

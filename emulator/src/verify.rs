@@ -1,16 +1,23 @@
 //! The figures that are measured on the firmware image, each beside its bound.
 
 use std::io;
+use std::path::Path;
 
+use strainwave_desktop::baseline::Baseline;
+use strainwave_desktop::closed_loop::{self, Run};
 use strainwave_desktop::log::MeasuredLog;
 use strainwave_desktop::scenario::Scenario;
+use strainwave_desktop::verify::Measured;
 use strainwave_desktop::{BadInput, Figure, GearFile, bounds, data, gear_file};
 
 use crate::budget::{self, Budget};
-use crate::{firmware, pil, target};
+use crate::target::{self, Agreement};
+use crate::{firmware, pil};
 
 /// Board that the emulator has.
 const BOARD: &str = "mps2-an386";
+/// The real-time flexspline among the blocks of its budget.
+const FLEXSPLINE: &str = "flexspline";
 /// Log of a held joint that winds up under another one's swinging payload.
 const LOG: &str = "lara8/joint/jog_j2_mass.j5.csv";
 /// Plant of the runs.
@@ -39,18 +46,59 @@ pub enum Error {
     Boards(#[from] io::Error),
 }
 
-/// Every figure of the firmware, and what was skipped and why.
+/// The parts of the project that have figures here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parts {
+    /// The whole control step.
+    Firmware,
+    /// The real-time flexspline on the target.
+    Flexspline,
+    /// Both, over one run of S1-S6.
+    Both,
+}
+
+/// Every figure of the parts.
 ///
 /// # Errors
 /// When an image cannot be built, booted or judged.
-pub fn measure(mut progress: impl FnMut(f64)) -> Result<(Vec<Figure>, Option<String>), Error> {
-    let mut figures = proofs()?;
-    figures.extend(scenarios(|share| progress(0.95 * share))?);
-    let Some(log) = data::find(LOG) else {
-        return Ok((figures, Some(format!("pil.replay.size_17: skipped: no data ({LOG})"))));
+pub fn measure(parts: Parts, mut progress: impl FnMut(f64)) -> Result<Measured, Error> {
+    let elf = pil::build(BOARD, &GearFile::default_gear())?.elf;
+    let mut runs = Vec::new();
+    let mut run = |arguments: &[String]| -> Result<(), Error> {
+        runs = scenarios(&elf, arguments, |share| progress(0.9 * share))?;
+        Ok(())
     };
-    figures.extend(replay(&MeasuredLog::read(&log)?)?);
-    Ok((figures, None))
+    let costs =
+        if parts == Parts::Firmware { run(&[]).map(|()| Vec::new())? } else { flexspline(&elf, run)? };
+    if parts == Parts::Flexspline {
+        return Ok(costs.into());
+    }
+    let mut measured = Measured::from([proofs()?, control_step(&runs)?, costs].concat());
+    match data::find(LOG) {
+        Some(log) => measured.figures.extend(replay(&MeasuredLog::read(&log)?)?),
+        None => measured.notes.push(format!("pil.replay.size_17: skipped: no data ({LOG})")),
+    }
+    Ok(measured)
+}
+
+/// Cost of the real-time flexspline over `workload`, and of the literal mesh that it replaces; NaN without one.
+fn flexspline(
+    elf: &Path,
+    workload: impl FnOnce(&[String]) -> Result<(), Error>,
+) -> Result<Vec<Figure>, Error> {
+    let budget = Budget::read(BOARD)?;
+    let mut measured = budget::measure(&budget, elf, |arguments| Ok(workload(arguments).map(|()| None)?))?;
+    if let Some(mesh) = &budget.literal_mesh {
+        let program = pil::build_program(BOARD, &mesh.program, &GearFile::default_gear())?;
+        mesh.measure(&program.elf, &mut measured)?;
+    }
+    let cycles = measured.counts_of(FLEXSPLINE).map(|counts| counts.cycles.max);
+    let ratio = measured.literal_over_reduced(&budget);
+    let [cycles, ratio] = [cycles, ratio].map(|count| count.map_or(f64::NAN, |count| count as f64));
+    Ok(vec![
+        bounds::figure("flexspline.target.cycles", cycles),
+        bounds::figure("flexspline.target.literal_over_reduced", ratio),
+    ])
 }
 
 /// Panics, allocators and double precision in the images of all boards.
@@ -64,26 +112,49 @@ fn proofs() -> Result<Vec<Figure>, Error> {
     Ok(figures)
 }
 
-/// All scenarios on the target; S2 beside its baselines.
-fn scenarios(mut progress: impl FnMut(f64)) -> Result<Vec<Figure>, Error> {
+/// A scenario on the target.
+struct TargetRun {
+    scenario: Scenario,
+    run: Run,
+    agreement: Agreement,
+}
+
+/// All scenarios on the target.
+fn scenarios(
+    elf: &Path,
+    arguments: &[String],
+    mut progress: impl FnMut(f64),
+) -> Result<Vec<TargetRun>, Error> {
     let gear = GearFile::default_gear();
-    let elf = pil::build(BOARD, &gear)?.elf;
-    let mut figures = Vec::new();
+    let mut runs = Vec::new();
     for (done, scenario) in Scenario::ALL.into_iter().enumerate() {
+        let part = |share: f64| progress((done as f64 + share) / Scenario::ALL.len() as f64);
+        let (run, agreement, _) = pil::compensated(elf, arguments, &gear, scenario, SEED, part)?;
+        runs.push(TargetRun { scenario, run, agreement });
+    }
+    Ok(runs)
+}
+
+/// What the runs show of the control step; S2 beside its baselines.
+fn control_step(runs: &[TargetRun]) -> Result<Vec<Figure>, Error> {
+    let mut figures = Vec::new();
+    for TargetRun { scenario, run, agreement } in runs {
         let name = |rest: &str| format!("pil.{}.{rest}", scenario.name());
-        let mut part = |share: f64| progress((done as f64 + share) / Scenario::ALL.len() as f64);
-        let (run, agreement) = if scenario == Scenario::S2 {
-            let run = pil::run(&elf, &gear, scenario, SEED, &mut part)?;
-            figures.push(run.beside_baselines());
-            (run.compensated, run.agreement)
-        } else {
-            let (run, agreement, _) = pil::compensated(&elf, &[], &gear, scenario, SEED, &mut part)?;
-            (run, agreement)
-        };
+        if *scenario == Scenario::S2 {
+            let [b0, b1] = baselines(*scenario)?;
+            figures.push(pil::beside_baselines(*scenario, run, [&b0, &b1]));
+        }
         figures.push(agreement.figure(name("steps_unlike_host")));
         figures.push(bounds::figure_as(name("power_balance"), "plant.power_balance", run.imbalance));
     }
     Ok(figures)
+}
+
+/// B0 and B1.
+fn baselines(scenario: Scenario) -> Result<[Run; 2], target::Error> {
+    let gear = GearFile::default_gear();
+    let run = |mut baseline| closed_loop::run(&gear, scenario, SEED, &mut baseline, |_| ());
+    Ok([run(Baseline::b0(&gear)?)?, run(Baseline::b1(&gear)?)?])
 }
 
 /// The size 17 gear's catalogue line, unfitted, against the measured output encoder.

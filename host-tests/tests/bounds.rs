@@ -3,13 +3,13 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use strainwave_desktop::bounds::{self, BOUNDS};
+use strainwave_desktop::bounds::{self, BOUNDS, FLOORS};
 use strainwave_desktop::verify::Part;
 
 #[test]
 fn rows_are_unique_and_complete() {
     let mut names = HashSet::new();
-    for bound in BOUNDS {
+    for bound in BOUNDS.iter().chain(FLOORS) {
         assert!(names.insert(bound.name), "{} stands there twice", bound.name);
         let parts: Vec<_> = bound.name.split('.').collect();
         let plain = |part: &&str| {
@@ -39,14 +39,14 @@ fn every_row_is_measured_somewhere() {
     let mut files = vec![];
     sources(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/..")), &mut files);
     let text: String = files.iter().map(|path| std::fs::read_to_string(path).unwrap()).collect();
-    for bound in BOUNDS {
+    for bound in BOUNDS.iter().chain(FLOORS) {
         assert!(text.contains(&format!("\"{}\"", bound.name)), "nothing measures {}", bound.name);
     }
 }
 
 #[test]
 fn every_quick_figure_holds_and_its_bound_is_tight() {
-    for figure in Part::ALL.into_iter().flat_map(Part::measure) {
+    for figure in Part::ALL.into_iter().flat_map(|part| part.measure().unwrap().figures) {
         assert!(figure.holds, "{figure:?}");
         let bound = bounds::find(&figure.name).unwrap();
         assert!(!bound.is_loose(figure.value), "{figure:?} is far below its bound");
@@ -58,4 +58,12 @@ fn a_figure_holds_up_to_its_bound_and_nan_never() {
     let bound = bounds::Bound { name: "a.b", value: 2.0, unit: "1", why: "an example" };
     assert!(bound.figure(2.0).holds && !bound.figure(2.1).holds && !bound.figure(f64::NAN).holds);
     assert!(bound.is_loose(0.19) && !bound.is_loose(0.21));
+}
+
+#[test]
+fn a_floor_holds_from_its_value_on_and_nan_never() {
+    let [floor, ..] = FLOORS else { panic!("no floor") };
+    let holds = |value| bounds::figure(floor.name, value).holds;
+    assert!(holds(floor.value) && holds(2.0 * floor.value));
+    assert!(!holds(0.99 * floor.value) && !holds(f64::NAN));
 }

@@ -1,6 +1,6 @@
 //! The free shell against an engine that shares no code with it: MuJoCo's positions, stored in `desktop/oracle`.
 
-use strainwave_desktop::verify::flexspline_oracle::Problem;
+use strainwave_desktop::verify::flexspline::oracle::Problem;
 
 /// Largest distance that is asked (m); the table of bounds holds a tighter one.
 const ASKED: f64 = 1e-12;

@@ -152,6 +152,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
     ///
     /// After a stop the nodes set out with a whole step's velocity where the scheme has half of it: stopped every
     /// time, x' = (1 - (omega*dt)^2)*x, which would grow beyond omega*dt = sqrt(2). Hence dt/2.
+    #[inline(always)]
     pub fn relax(&self, state: &mut MeshState<R, N, M>, ends: &Ends<R>, steps: usize) {
         let slowed = self.with_step(R::lit(0.5) * self.dt);
         let mut last = R::ZERO;

@@ -78,6 +78,11 @@ impl Time {
         }
     }
 
+    /// `count` stamps every `interval` (s), from 0.
+    pub fn every(interval: f64, count: usize) -> Self {
+        Self((0..count).map(|k| k as f64 * interval).collect())
+    }
+
     /// The stamps (s).
     pub fn stamps(&self) -> &[f64] {
         &self.0

@@ -3,14 +3,40 @@
 //! These parts need no emulator; what is measured on the firmware image stands with the emulator.
 
 mod angle;
-mod flexspline;
-pub mod flexspline_oracle;
+pub mod flexspline;
 mod friction;
-mod gear;
 mod hysteresis;
-mod strain;
 
 use crate::figure::Figure;
+use crate::file::BadInput;
+
+/// What was measured.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// The figures.
+    pub figures: Vec<Figure>,
+    /// What was skipped or not judged, and why, a line each.
+    pub notes: Vec<String>,
+}
+
+impl Measured {
+    /// Nothing, for this reason.
+    fn skipped(why: String) -> Self {
+        Self { notes: vec![why], ..Self::default() }
+    }
+
+    /// Takes what else was measured.
+    pub fn add(&mut self, other: Self) {
+        self.figures.extend(other.figures);
+        self.notes.extend(other.notes);
+    }
+}
+
+impl From<Vec<Figure>> for Measured {
+    fn from(figures: Vec<Figure>) -> Self {
+        Self { figures, ..Self::default() }
+    }
+}
 
 /// A part of the project whose figures are measured together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,16 +65,16 @@ impl Part {
         }
     }
 
-    /// Measures the part's figures.
-    pub fn measure(self) -> Vec<Figure> {
+    /// Measures the part's figures, but for those of the clock ([`flexspline::speed`]).
+    ///
+    /// # Errors
+    /// Catalogue data that are there and cannot be used.
+    pub fn measure(self) -> Result<Measured, BadInput> {
         match self {
-            Self::Flexspline => {
-                [flexspline::measure(), flexspline_oracle::measure(), strain::measure(), gear::measure()]
-                    .concat()
-            }
-            Self::Friction => friction::measure(),
-            Self::Hysteresis => hysteresis::measure(),
-            Self::Compensator => angle::measure(),
+            Self::Flexspline => flexspline::measure(),
+            Self::Friction => Ok(friction::measure().into()),
+            Self::Hysteresis => Ok(hysteresis::measure().into()),
+            Self::Compensator => Ok(angle::measure().into()),
         }
     }
 }

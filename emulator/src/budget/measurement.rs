@@ -143,14 +143,21 @@ impl Measurement {
         figures
     }
 
+    /// What the control step, one of its parts or the literal mesh costs.
+    pub fn counts_of(&self, block: &str) -> Option<&Counts> {
+        self.counts.iter().find(|(name, _)| name == block).map(|(_, counts)| counts)
+    }
+
     /// How many times the instructions of its reduction the literal mesh takes, rounded down.
+    pub fn literal_over_reduced(&self, budget: &Budget) -> Option<u64> {
+        let most = |block| Some(self.counts_of(block)?.instructions.max);
+        Some(most(LITERAL_MESH)? / most(&budget.literal_mesh.as_ref()?.reduced)?)
+    }
+
     fn ratio_figure(&self, budget: &Budget) -> Option<Figure> {
-        let mesh = budget.literal_mesh.as_ref()?;
-        let most =
-            |name| self.counts.iter().find(|(n, _)| n == name).map(|(_, counts)| counts.instructions.max);
-        let ratio = most(LITERAL_MESH)? / most(&mesh.reduced)?;
         let name = format!("budget.{}.literal_over_reduced", budget.board);
-        Some(Figure::at_least(name, ratio as f64, "1", mesh.at_least as f64))
+        let least = budget.literal_mesh.as_ref()?.at_least;
+        Some(Figure::at_least(name, self.literal_over_reduced(budget)? as f64, "1", least as f64))
     }
 
     fn image_figures(&self, budget: &Budget) -> Vec<Figure> {

@@ -12,11 +12,11 @@
 //! Discretisation: semi-implicit (symplectic) Euler, velocities first. Stable while dt < 2/omega_max;
 //! [`Shell::stable_step`] finds omega_max from the mesh.
 //!
-//! For vector code: one array an axis, `Ring`s (see `ring.rs`), and the forces of near and far ends
-//! in arrays of their own, so that no sum waits for one that was just written elsewhere.
+//! For vector code: one array an axis, `Ring`s (see `ring.rs`); the links themselves are in `pull.rs`.
 
 mod conserved;
 pub mod link_law;
+mod pull;
 pub(super) mod ring;
 mod strain;
 
@@ -30,7 +30,6 @@ use crate::error::{Error, require};
 use crate::flexspline::calibration::{Cup, DIRECTIONS, link_length};
 use crate::flexspline::spectrum;
 use crate::real::Real;
-use link_law::shortening;
 use ring::{Ring, node_at};
 
 /// A value a node of a slice, an axis each.
@@ -93,6 +92,16 @@ impl<R: Real, const N: usize, const M: usize> ShellState<R, N, M> {
         self.velocity[j].each_ref().map(|axis| axis.node(i))
     }
 
+    /// Positions and velocities of a slice, an axis each, entry by entry the node `around` nodes on.
+    #[inline(always)]
+    fn turned(&self, slice: usize, around: usize) -> ([&[R]; 3], [&[R]; 3]) {
+        let (position, velocity) = (&self.position[slice], &self.velocity[slice]);
+        (
+            position.each_ref().map(|axis| axis.turned(around)),
+            velocity.each_ref().map(|axis| axis.turned(around)),
+        )
+    }
+
     /// Takes all velocities away.
     pub(super) fn stop(&mut self) {
         self.velocity = [[Ring::ZERO; 3]; M];
@@ -139,15 +148,6 @@ pub(super) fn sum<R: Real, const N: usize>(terms: &[R; N]) -> R {
         parts[k % 4] += *term;
     }
     (parts[0] + parts[1]) + (parts[2] + parts[3])
-}
-
-/// What the links of a shell do in one step, gathered row by row.
-struct Sums<'a, R, const N: usize, const M: usize> {
-    /// Forces on near nodes, and on far ones that stand straight ahead.
-    near: &'a mut [Slice<R, N>; M],
-    /// Forces against far nodes one and two nodes on.
-    far: &'a mut [[Slice<R, N>; M]; 2],
-    loss: &'a mut Ring<R, N>,
 }
 
 impl<R: Real> ShellParams<R> {
@@ -295,131 +295,5 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
                 velocity.close();
             }
         }
-    }
-
-    /// Adds the links' forces to `force` (N); answers with the power lost in them (W).
-    #[inline(always)]
-    pub(super) fn pull(&self, state: &ShellState<R, N, M>, force: &mut [Slice<R, N>; M]) -> R {
-        if self.bend.hardening > R::ZERO {
-            self.pull_with::<true>(state, force)
-        } else {
-            self.pull_with::<false>(state, force)
-        }
-    }
-
-    #[inline(always)]
-    fn pull_with<const HARDENING: bool>(
-        &self,
-        state: &ShellState<R, N, M>,
-        force: &mut [Slice<R, N>; M],
-    ) -> R {
-        let mut far = [[[Ring::ZERO; 3]; M]; 2];
-        let mut loss = Ring::ZERO;
-        let mut sums = Sums { near: force, far: &mut far, loss: &mut loss };
-        let [ring, axial, shear, shear_back, bend, bend_axial, bend_shear, bend_shear_back] =
-            &self.directions;
-        // A link that goes back around is one that goes forward from its other end.
-        for j in 0..M {
-            self.row::<1, false>(ring, state, [j, j], &mut sums);
-            self.row::<2, HARDENING>(bend, state, [j, j], &mut sums);
-            if j + 1 < M {
-                self.straight_row::<false>(axial, state, [j, j + 1], &mut sums);
-                self.row::<1, false>(shear, state, [j, j + 1], &mut sums);
-                self.row::<1, false>(shear_back, state, [j + 1, j], &mut sums);
-            }
-            if j + 2 < M {
-                self.straight_row::<HARDENING>(bend_axial, state, [j, j + 2], &mut sums);
-                self.row::<2, HARDENING>(bend_shear, state, [j, j + 2], &mut sums);
-                self.row::<2, HARDENING>(bend_shear_back, state, [j + 2, j], &mut sums);
-            }
-        }
-        for (around, far) in far.iter_mut().enumerate() {
-            for (near, far) in force.as_flattened_mut().iter_mut().zip(far.as_flattened_mut()) {
-                far.fold(around + 1);
-                for (near, far) in near.entries_mut().iter_mut().zip(far.entries()) {
-                    *near -= *far;
-                }
-            }
-        }
-        sum(loss.entries())
-    }
-
-    /// Pull of the links from every node of slice `near` to the node 1 or 2 `AROUND` on in slice `far`.
-    #[inline(always)]
-    fn row<const AROUND: usize, const HARDENING: bool>(
-        &self,
-        direction: &Direction<R>,
-        state: &ShellState<R, N, M>,
-        [near, far]: [usize; 2],
-        sums: &mut Sums<'_, R, N, M>,
-    ) {
-        let [px, py, pz] = state.position[near].each_ref().map(|axis| axis.turned(0));
-        let [vx, vy, vz] = state.velocity[near].each_ref().map(|axis| axis.turned(0));
-        let [qx, qy, qz] = state.position[far].each_ref().map(|axis| axis.turned(AROUND));
-        let [wx, wy, wz] = state.velocity[far].each_ref().map(|axis| axis.turned(AROUND));
-        let [near_x, near_y, near_z] = sums.near[near].each_mut().map(|axis| axis.turned_mut(0));
-        let [far_x, far_y, far_z] = sums.far[AROUND - 1][far].each_mut().map(|axis| axis.turned_mut(AROUND));
-        let loss = sums.loss.turned_mut(0);
-        for i in 0..px.len() {
-            let link = [qx[i] - px[i], qy[i] - py[i], qz[i] - pz[i]];
-            let rate = [wx[i] - vx[i], wy[i] - vy[i], wz[i] - vz[i]];
-            let ([x, y, z], lost) = self.link::<HARDENING>(direction, link, rate);
-            near_x[i] += x;
-            near_y[i] += y;
-            near_z[i] += z;
-            far_x[i] += x;
-            far_y[i] += y;
-            far_z[i] += z;
-            loss[i] += lost;
-        }
-    }
-
-    /// The same of links that run straight along the axis.
-    #[inline(always)]
-    fn straight_row<const HARDENING: bool>(
-        &self,
-        direction: &Direction<R>,
-        state: &ShellState<R, N, M>,
-        [near, far]: [usize; 2],
-        sums: &mut Sums<'_, R, N, M>,
-    ) {
-        let [px, py, pz] = state.position[near].each_ref().map(|axis| axis.turned(0));
-        let [vx, vy, vz] = state.velocity[near].each_ref().map(|axis| axis.turned(0));
-        let [qx, qy, qz] = state.position[far].each_ref().map(|axis| axis.turned(0));
-        let [wx, wy, wz] = state.velocity[far].each_ref().map(|axis| axis.turned(0));
-        let loss = sums.loss.turned_mut(0);
-        let (before, after) = sums.near.split_at_mut(far);
-        let [near_x, near_y, near_z] = before[near].each_mut().map(|axis| axis.turned_mut(0));
-        let [far_x, far_y, far_z] = after[0].each_mut().map(|axis| axis.turned_mut(0));
-        for i in 0..px.len() {
-            let link = [qx[i] - px[i], qy[i] - py[i], qz[i] - pz[i]];
-            let rate = [wx[i] - vx[i], wy[i] - vy[i], wz[i] - vz[i]];
-            let ([x, y, z], lost) = self.link::<HARDENING>(direction, link, rate);
-            near_x[i] += x;
-            near_y[i] += y;
-            near_z[i] += z;
-            far_x[i] -= x;
-            far_y[i] -= y;
-            far_z[i] -= z;
-            loss[i] += lost;
-        }
-    }
-
-    /// Pull on the near end (N) of a link vector (m) that changes at a rate (m/s), and the power lost in it (W).
-    #[inline(always)]
-    fn link<const HARDENING: bool>(
-        &self,
-        direction: &Direction<R>,
-        [dx, dy, dz]: [R; 3],
-        [ex, ey, ez]: [R; 3],
-    ) -> ([R; 3], R) {
-        let u = R::ONE - (dx * dx + dy * dy + dz * dz) * direction.inverse_square;
-        let g = shortening(u);
-        let elastic = if HARDENING { g * self.bend.factor(u) } else { g };
-        // mu*dL/dt*l = mu/L^2*(d . e)*d, and 1/L^2 = (1 + g)^2/L0^2.
-        let along = dx * ex + dy * ey + dz * ez;
-        let damping = (R::ONE + g) * (R::ONE + g) * (direction.damping * along);
-        let pull = damping - self.stiffness * elastic;
-        ([pull * dx, pull * dy, pull * dz], damping * along)
     }
 }

@@ -4,9 +4,10 @@
 //! up to rated, both signs.
 
 use strainwave::flexspline::calibration::DIRECTIONS;
-use strainwave::flexspline::{Ends, Flexspline, Mesh, Reduced, StrainGauge};
+use strainwave::flexspline::{Reduced, StrainGauge};
 use strainwave::{Angle, Error};
 
+use super::settled::Settled;
 use crate::bounds;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
@@ -22,16 +23,15 @@ const TORSIONS: [f64; 4] = [-1.0, 0.0, 0.4, 1.0];
 /// A link: its near node and its direction.
 type Place = ((usize, usize), (i32, i32));
 
-pub(super) fn measure() -> Vec<Figure> {
-    let file = GearFile::default_gear();
-    let coarse = worst::<8, 3>(&file).expect("the default gear can be built");
-    let reference = worst::<36, 4>(&file).expect("the default gear can be built");
-    vec![
+pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, Error> {
+    let coarse = worst::<8, 3>(file)?;
+    let reference = worst::<36, 4>(file)?;
+    Ok(vec![
         bounds::figure("flexspline.8x3.reduced.strain", coarse.whole),
         bounds::figure("flexspline.36x4.reduced.strain", reference.whole),
         bounds::figure("flexspline.8x3.reduced.strain_by_torque", coarse.by_torque),
         bounds::figure("flexspline.36x4.reduced.strain_by_torque", reference.by_torque),
-    ]
+    ])
 }
 
 /// Largest differences of strain between gauge and mesh.
@@ -49,16 +49,10 @@ impl Worst {
     }
 }
 
-/// A mesh at rest: torque, and the strain of every link.
-struct Settled {
-    torque: f64,
-    strains: Vec<f64>,
-}
-
 fn worst<const N: usize, const M: usize>(file: &GearFile) -> Result<Worst, Error> {
     let (double, single) = (gear_params::<f64>(file), gear_params::<f32>(file));
     let params = &double.flexspline;
-    let mesh = Mesh::<f64, N, M>::build(params, 0.7 * Mesh::<f64, N, M>::stable_step(params))?;
+    let mut mesh = Settled::<N, M>::build(params, SETTLING)?;
     let reduced = Reduced::<f32, N, M>::build(&single.flexspline, single.rated_torque)?;
     let places = places::<N, M>();
     let gauges: Vec<_> = places
@@ -68,13 +62,14 @@ fn worst<const N: usize, const M: usize>(file: &GearFile) -> Result<Worst, Error
     let largest = params.line.build()?.torsion(file.gear.rated_torque);
     let mut worst = Worst::default();
     for angle in ANGLES {
-        let unloaded = settled(&mesh, &places, angle, 0.0)?;
+        mesh.torque(0.0, angle);
+        let unloaded = strains(&mesh, &places)?;
         for torsion in TORSIONS {
-            let loaded = settled(&mesh, &places, angle, torsion * largest)?;
-            for ((gauge, strain), unloaded) in gauges.iter().zip(&loaded.strains).zip(&unloaded.strains) {
+            let loaded = mesh.torque(torsion * largest, angle);
+            for ((gauge, strain), unloaded) in gauges.iter().zip(strains(&mesh, &places)?).zip(&unloaded) {
                 let of = |torque: f64| f64::from(gauge.strain(torque as f32, Angle::from_radians_f64(angle)));
-                let by_torque = f64::from(gauge.per_torque) * loaded.torque;
-                worst.take(of(loaded.torque) - strain, by_torque - (strain - unloaded));
+                let by_torque = f64::from(gauge.per_torque) * loaded;
+                worst.take(of(loaded) - strain, by_torque - (strain - unloaded));
             }
         }
     }
@@ -88,21 +83,10 @@ fn places<const N: usize, const M: usize>() -> Vec<Place> {
     links.filter(|((_, j), (_, along))| j + (*along as usize) < M).collect()
 }
 
-fn settled<const N: usize, const M: usize>(
-    mesh: &Mesh<f64, N, M>,
+/// Strains of the links at these places.
+fn strains<const N: usize, const M: usize>(
+    mesh: &Settled<N, M>,
     places: &[Place],
-    angle: f64,
-    torsion: f64,
-) -> Result<Settled, Error> {
-    let ends = Ends {
-        drive: Angle::from_radians(torsion),
-        wave_generator: Angle::from_radians(angle),
-        ..Ends::default()
-    };
-    let mut state = mesh.rest();
-    mesh.relax(&mut state, &ends, SETTLING);
-    let torque = mesh.step(&mut state, &ends).flange;
-    let strains =
-        places.iter().map(|(node, direction)| mesh.shell().strain(state.shell(), *node, *direction));
-    Ok(Settled { torque, strains: strains.collect::<Result<_, _>>()? })
+) -> Result<Vec<f64>, Error> {
+    places.iter().map(|(node, direction)| mesh.strain(*node, *direction)).collect()
 }

@@ -6,27 +6,28 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use strainwave::Error;
+
 use crate::bounds;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::log::{OpenLoop, OpenLoopRow};
 use crate::two_port::{self, Build};
 
-pub(super) fn measure() -> Vec<Figure> {
-    let (gear, input) = (GearFile::default_gear(), input());
-    let run = |build| -> Vec<OpenLoopRow> {
-        two_port::run(&gear, &input, build).expect("the default gear can be built").collect()
-    };
-    let (reference, real_time) = (run(Build::Reference), run(Build::RealTime));
+pub(super) fn measure(gear: &GearFile) -> Result<Vec<Figure>, Error> {
+    let input = input();
+    let run =
+        |build| -> Result<Vec<OpenLoopRow>, Error> { Ok(two_port::run(gear, &input, build)?.collect()) };
+    let (reference, real_time) = (run(Build::Reference)?, run(Build::RealTime)?);
     let worst = |of: fn(&OpenLoopRow) -> f64| {
         reference.iter().zip(&real_time).map(|(a, b)| (of(a) - of(b)).abs()).fold(0.0, f64::max)
     };
-    vec![
+    Ok(vec![
         bounds::figure("gear.real_time.output_position.max", worst(|row| row.output_position)),
         bounds::figure("gear.real_time.torsion.max", worst(|row| row.torsion)),
         bounds::figure("gear.real_time.transmitted_torque.max", worst(|row| row.transmitted_torque)),
         bounds::figure("gear.real_time.wave_generator_torque.max", worst(|row| row.input_torque)),
-    ]
+    ])
 }
 
 fn input() -> OpenLoop {

@@ -21,8 +21,8 @@ use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::joint::gear_params;
 
-const PROBLEM: &str = include_str!("../../oracle/free_shell.toml");
-const TABLE: &str = include_str!("../../oracle/free_shell.csv");
+const PROBLEM: &str = include_str!("../../../oracle/free_shell.toml");
+const TABLE: &str = include_str!("../../../oracle/free_shell.csv");
 
 /// Nodes around and slices of the stored problem.
 const N: usize = 36;

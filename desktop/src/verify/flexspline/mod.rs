@@ -1,0 +1,36 @@
+//! The flexspline: mesh against catalogue, what a free shell keeps, real time against the reference.
+
+mod catalogue;
+mod conserved;
+mod gear;
+mod mode;
+pub mod oracle;
+mod real_time;
+mod ripple;
+mod settled;
+pub mod speed;
+mod stiffness;
+mod strain;
+
+use super::Measured;
+use crate::file::BadInput;
+use crate::gear_file::GearFile;
+
+/// Every figure but those of the clock, see [`speed`].
+pub(super) fn measure() -> Result<Measured, BadInput> {
+    let gear = GearFile::default_gear();
+    let figures = [
+        stiffness::measure(&gear),
+        conserved::measure(&gear),
+        Ok(oracle::measure()),
+        strain::measure(&gear),
+        gear::measure(&gear),
+        real_time::measure(&gear),
+        mode::measure(&gear),
+        ripple::measure(&gear),
+    ];
+    let figures = figures.into_iter().collect::<Result<Vec<_>, _>>().map_err(BadInput::message)?;
+    let mut measured = Measured::from(figures.concat());
+    measured.add(catalogue::measure(&gear)?);
+    Ok(measured)
+}

@@ -1,0 +1,116 @@
+//! The torsion mode, wave generator held, flange let go from a small torsion: real time against reference.
+//!
+//! Default gear without friction and hysteresis, stepped by [`Gear::step`]: f32 every 0.1 ms, and f64 with the 36 x 4
+//! mesh in micro-steps. Frequency from the zero crossings of the torsion, damping ratio zeta from the peaks p between them:
+//!
+//! ```text
+//! f = (crossings - 1)/(2*(t_last - t_first)),   delta = ln(p_first/p_last)/(peaks - 1),   zeta = delta/sqrt(pi^2 + delta^2)
+//! ```
+//!
+//! Both over half turns of the mode, 1 s long. What is small is a tenth of the first knee's torsion.
+
+use std::f64::consts::PI;
+
+use strainwave::compensator::RealTimeGear;
+use strainwave::flexspline::{Flexspline, Reduced};
+use strainwave::gear::{Gear, GearParams, Motion};
+use strainwave::{Error, Real};
+
+use crate::bounds;
+use crate::figure::Figure;
+use crate::gear_file::GearFile;
+use crate::joint::{CONTROL_PERIOD, gear_params};
+use crate::plant::Reference;
+
+/// Torsion at first (rad).
+const RELEASED_FROM: f64 = 4e-5;
+/// How long the flange is held there, for the mesh to settle (s).
+const HELD: f64 = 0.02;
+/// How long it rings (s).
+const RINGING: f64 = 0.5;
+
+pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, Error> {
+    let Reference { gear, dt, .. } = Reference::build(&frictionless(gear_params(file)))?;
+    let reference = Mode::of(&gear, dt);
+    let params: GearParams<f32> = frictionless(gear_params(file));
+    let flexspline = Reduced::build(&params.flexspline, params.rated_torque)?;
+    let gear: RealTimeGear<f32> = params.build(flexspline, CONTROL_PERIOD as f32)?;
+    let real_time = Mode::of(&gear, CONTROL_PERIOD);
+    let off = |of: fn(&Mode) -> f64| (of(&real_time) / of(&reference) - 1.0).abs();
+    Ok(vec![
+        bounds::figure("flexspline.torsion_mode.frequency", off(|mode| mode.frequency)),
+        bounds::figure("flexspline.torsion_mode.damping_ratio", off(|mode| mode.damping_ratio)),
+    ])
+}
+
+fn frictionless<R: Real>(mut params: GearParams<R>) -> GearParams<R> {
+    params.hysteresis_width = R::ZERO;
+    for friction in [&mut params.input_friction, &mut params.output_friction] {
+        (friction.coulomb, friction.static_level, friction.viscous) = (R::ZERO, R::ZERO, R::ZERO);
+    }
+    params
+}
+
+/// Frequency (Hz) and damping ratio.
+#[derive(Clone, Copy, Debug)]
+struct Mode {
+    frequency: f64,
+    damping_ratio: f64,
+}
+
+impl Mode {
+    /// Lets the flange of a gear that is stepped by dt (s) go.
+    fn of<R: Real, F: Flexspline<R>, const L: usize, const MEMORY: usize>(
+        gear: &Gear<R, F, L, MEMORY>,
+        dt: f64,
+    ) -> Self {
+        let mut state = gear.rest();
+        let wave_generator = Motion::default();
+        // Behind the kinematic error at this angle.
+        let drive = gear.drive(wave_generator.angle);
+        let mut flange = Motion { angle: drive.plus(R::lit(-RELEASED_FROM)), velocity: R::ZERO };
+        for _ in 0..(HELD / dt) as usize {
+            gear.torques(&mut state, &wave_generator, &flange);
+        }
+        let torsions = (0..(RINGING / dt) as usize)
+            .map(|_| gear.step(&mut state, &mut flange, &wave_generator, R::ZERO).torsion.to_f64());
+        Self::found_in(&torsions.collect::<Vec<_>>(), dt)
+    }
+
+    /// From the torsion, sampled every dt (s).
+    fn found_in(torsions: &[f64], dt: f64) -> Self {
+        let mut crossings = Vec::new();
+        let mut peaks = Vec::new();
+        let mut peak = 0.0f64;
+        for (k, pair) in torsions.windows(2).enumerate() {
+            peak = peak.max(pair[0].abs());
+            if (pair[0] < 0.0) != (pair[1] < 0.0) {
+                crossings.push(dt * (k as f64 + pair[0] / (pair[0] - pair[1])));
+                peaks.push(std::mem::take(&mut peak));
+            }
+        }
+        let half_turns = crossings.len() as f64 - 1.0;
+        let decrement = (peaks[0] / peaks[peaks.len() - 1]).ln() / half_turns;
+        Self {
+            frequency: half_turns / (2.0 * (crossings[crossings.len() - 1] - crossings[0])),
+            damping_ratio: decrement / (PI * PI + decrement * decrement).sqrt(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frequency_and_damping_of_a_known_ringing_are_found() {
+        let (omega, zeta) = (160.0, 0.03);
+        let torsion =
+            |t: f64| 1e-4 * (-zeta * omega * t).exp() * (omega * (1.0f64 - zeta * zeta).sqrt() * t).cos();
+        let samples: Vec<f64> = (0..5000).map(|k| torsion(1e-4 * f64::from(k))).collect();
+        let Mode { frequency, damping_ratio } = Mode::found_in(&samples, 1e-4);
+        let wanted = omega * (1.0 - zeta * zeta).sqrt() / (2.0 * PI);
+        assert!((frequency / wanted - 1.0).abs() < 1e-6, "{frequency} Hz, wanted {wanted}");
+        assert!((damping_ratio / zeta - 1.0).abs() < 1e-2, "{damping_ratio}");
+    }
+}

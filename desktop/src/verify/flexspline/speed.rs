@@ -1,0 +1,87 @@
+//! What the reference costs on this machine, one thread, by the clock.
+//!
+//! A step of the 36 x 4 mesh: the best of [`BATCHES`] batches, over its links. A second of plant: S1 under B0, the best of
+//! [`RUNS`]. Other work on the machine makes them slower, never faster: no test reads them.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use strainwave::flexspline::{Ends, Flexspline, Mesh, Shell};
+use strainwave::{Error, Real};
+
+use crate::baseline::Baseline;
+use crate::bounds;
+use crate::closed_loop;
+use crate::figure::Figure;
+use crate::file::BadInput;
+use crate::gear_file::GearFile;
+use crate::joint::gear_params;
+use crate::plant::{NODES, STEP_SHARE};
+use crate::scenario::Scenario;
+use crate::vectorised::{self, Vectorised};
+use crate::verify::Measured;
+
+/// Batches of steps.
+const BATCHES: usize = 5000;
+/// Steps of a batch: a tenth of a millisecond, which is seldom interrupted.
+const STEPS: usize = 100;
+/// Runs of the plant.
+const RUNS: usize = 5;
+const STEP: [&str; 2] = ["flexspline.36x4.step.f64", "flexspline.36x4.step.f32"];
+
+/// The figures of the clock; those of a step are only reported where the processor lacks AVX2, which they need.
+///
+/// # Errors
+/// None with the default gear.
+pub fn measure() -> Result<Measured, BadInput> {
+    let file = GearFile::default_gear();
+    of(&file).map_err(BadInput::message)
+}
+
+fn of(file: &GearFile) -> Result<Measured, Error> {
+    let second = bounds::figure("flexspline.36x4.second_of_s1", second_of_plant(file)?);
+    let steps = [step::<f64>(file)?, step::<f32>(file)?];
+    let figures = STEP.into_iter().zip(steps).map(|(name, time)| bounds::figure(name, time));
+    if vectorised::has_avx2() {
+        return Ok(Measured::from(figures.chain([second]).collect::<Vec<_>>()));
+    }
+    let reported = figures.map(|figure| Figure::reported(figure.name, figure.value, figure.unit));
+    let figures = reported.chain([second]).collect();
+    let note = "flexspline.36x4.step.*: not judged: this processor lacks AVX2".to_owned();
+    Ok(Measured { figures, notes: vec![note] })
+}
+
+/// Time of a step per link (ns).
+fn step<R: Real>(file: &GearFile) -> Result<f64, Error> {
+    const N: usize = NODES.0;
+    const M: usize = NODES.1;
+    let params = &gear_params::<R>(file).flexspline;
+    let dt = R::lit(STEP_SHARE) * Mesh::<R, N, M>::stable_step(params);
+    let mesh = Vectorised::new(Mesh::<R, N, M>::build(params, dt)?);
+    // All turns at one speed, so that no node rests.
+    let rate = R::lit(10.0);
+    let mut ends = Ends { drive_rate: rate, flange_rate: rate, wave_generator_rate: rate, ..Ends::default() };
+    let mut state = mesh.rest();
+    let mut best = f64::MAX;
+    for _ in 0..BATCHES {
+        let started = Instant::now();
+        for _ in 0..STEPS {
+            ends.drive = ends.drive.plus(dt * rate);
+            (ends.flange, ends.wave_generator) = (ends.drive, ends.drive);
+            black_box(mesh.step(&mut state, &ends));
+        }
+        best = best.min(started.elapsed().as_secs_f64());
+    }
+    Ok(best * 1e9 / (STEPS * Shell::<R, N, M>::links()) as f64)
+}
+
+/// Seconds that a second of plant takes.
+fn second_of_plant(file: &GearFile) -> Result<f64, Error> {
+    let mut best = f64::MAX;
+    for _ in 0..RUNS {
+        let started = Instant::now();
+        closed_loop::run(file, Scenario::S1, 0, &mut Baseline::b0(file)?, |_| ())?;
+        best = best.min(started.elapsed().as_secs_f64());
+    }
+    Ok(best / Scenario::S1.duration())
+}
