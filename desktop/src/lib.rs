@@ -13,6 +13,7 @@ pub mod log;
 pub mod observer_design;
 pub mod plant;
 pub mod plot;
+pub mod ripple_fit;
 pub mod scenario;
 pub mod torque_loop;
 pub mod two_port;

@@ -1,4 +1,5 @@
-//! Armstrong's model of seven parameters: presliding, Stribeck effect with frictional memory, rising static friction.
+//! Armstrong's model of seven parameters: presliding, Stribeck effect with frictional memory, rising static
+//! friction.
 //!
 //! ```text
 //! sticking:  F = sigma0 * x                                      until |F| passes Fc + F_S(gamma, t_d)
@@ -6,31 +7,33 @@
 //! F_S(gamma, t_d) = F_Sa + (F_Sinf - F_Sa) * t_d/(t_d + gamma)
 //! ```
 //!
-//! x is the presliding deflection, t_d the time stuck before the slip, F_Sa what the Stribeck term had come to when
-//! the last slip ended. A slip ends where v reaches zero or changes its sign; the spring then takes over with the
-//! tension that sliding left, x = (Fc + F_Sa)/sigma0, so that F is continuous but for Fv*v. (The paper's table has
-//! F_Sinf three times, and a dwell law that falls; this is Olsson's.)
+//! x is the presliding deflection, t_d the time stuck before the slip, F_Sa what the Stribeck term had come
+//! to when the last slip ended. A slip ends where v reaches zero or changes its sign; the spring then takes
+//! over with the tension that sliding left, x = (Fc + F_Sa)/sigma0, so that F is continuous but for Fv*v.
+//! (The paper's table has F_Sinf three times, and a dwell law that falls; this is Olsson's.)
 //!
-//! Frictional memory: v(t - tau_L) is a first-order lag of v, dw/dt = (v - w)/tau_L, not a delay line. It delays by the
-//! same tau_L on average, needs one number instead of tau_L/dt of them, and is exact for any step length, so
-//! that one built model serves steps of different length. What is lost is the sharp onset of a pure delay.
+//! Frictional memory: v(t - tau_L) is a first-order lag of v, dw/dt = (v - w)/tau_L, not a delay line. It
+//! delays by the same tau_L on average, needs one number instead of tau_L/dt of them, and is exact for any
+//! step length, so that one built model serves steps of different length. What is lost is the sharp onset
+//! of a pure delay.
 //!
-//! Sign: F has the sign of the velocity that it opposes or of the deflection, and is subtracted in the equation
-//! of motion. Units: sigma0 (N/m) or (N m/rad), Fc, F_S (N) or (N m), Fv (N s/m) or (N m s/rad), vs (m/s) or (rad/s),
-//! tau_L, gamma (s).
+//! Sign: F has the sign of the velocity that it opposes or of the deflection, and is subtracted in the
+//! equation of motion. Units: sigma0 (N/m) or (N m/rad), Fc, F_S (N) or (N m), Fv (N s/m) or (N m s/rad),
+//! vs (m/s) or (rad/s), tau_L, gamma (s).
 //!
-//! Discretisation: spring, dwell and lag are exact over a step of constant velocity; which branch holds is decided
-//! once a step, at its end, so that a break-away is late by less than a step.
+//! Discretisation: spring, dwell and lag are exact over a step of constant velocity; which branch holds is
+//! decided once a step, at its end, so that a break-away is late by less than a step.
 //!
 //! It loses work over any closed motion: what the spring gets back at the end of a slip is at most what it
 //! lost when that slip began.
 //!
-//! Known weakness: two models and a switch. F jumps by Fv*v at a reversal that a step jumps over; the dwell time
-//! of a joint that creeps is not defined by anything physical; seven parameters that no single
+//! Known weakness: two models and a switch. F jumps by Fv*v at a reversal that a step jumps over; the dwell
+//! time of a joint that creeps is not defined by anything physical; seven parameters that no single
 //! experiment tells apart.
 //!
-//! B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, "A survey of models, analysis tools and compensation methods for
-//! the control of machines with friction", Automatica 30 (1994); H. Olsson et al., European Journal of Control 4 (1998).
+//! B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, "A survey of models, analysis tools and
+//! compensation methods for the control of machines with friction", Automatica 30 (1994); H. Olsson et al.,
+//! European Journal of Control 4 (1998).
 
 use super::{FrictionModel, Slip, require_divisor, require_level};
 use crate::error::{Error, require};
@@ -217,7 +220,8 @@ mod tests {
     fn sliding_lies_on_the_stribeck_curve_and_lags_behind_a_change_of_speed() {
         let mut state = ArmstrongState::default();
         run(&mut state, 1.0, 1.0);
-        let level = |lagged: f64, velocity: f64| 1.0 + 0.6 / (1.0 + (lagged / 0.1f64).powi(2)) + 0.5 * velocity;
+        let level =
+            |lagged: f64, velocity: f64| 1.0 + 0.6 / (1.0 + (lagged / 0.1f64).powi(2)) + 0.5 * velocity;
         assert!((run(&mut state, 1.0, 0.5).0 - level(1.0, 1.0)).abs() < 1e-12);
         let force = run(&mut state, 0.05, 0.02).0;
         let lagged = 0.05 + 0.95 * (-1.0f64).exp();

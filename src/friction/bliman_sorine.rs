@@ -25,11 +25,11 @@
 //! too long. In f32 a step shorter than about 2^-24 eps is lost to rounding.
 //!
 //! From rest the force is dissipative where its transfer function from sign(v) to F is positive real, which
-//! `build` checks ([`super::positive_real`]). That of order 2, f1/(1 + eta*eps*p) - f2/(1 + eps*p), is for f1 > f2 and
-//! eta < 1. A general A, B, C is [`super::StateSpace`].
+//! `build` checks ([`super::positive_real`]). That of order 2, f1/(1 + eta*eps*p) - f2/(1 + eps*p), is for
+//! f1 > f2 and eta < 1. A general A, B, C is [`super::StateSpace`].
 //!
-//! Known weakness: static friction is a peak over the path, not a level that a rest restores: after a stop and a start in
-//! the same direction there is none. No effect of speed.
+//! Known weakness: static friction is a peak over the path, not a level that a rest restores: after a stop
+//! and a start in the same direction there is none. No effect of speed.
 //!
 //! P.-A. Bliman, M. Sorine, "Easy-to-use realistic dry friction models for automatic control",
 //! European Control Conference, 1995; P. Dahl, "A solid friction model", 1968.
@@ -140,7 +140,8 @@ impl<R: Real, const P: usize> BlimanSorine<R, P> {
         self.slide_at(state, displacement, R::ONE);
     }
 
-    /// Moves by `displacement` with levels and distances both at a `share` of theirs, 0..=1: stiffness is as ever.
+    /// Moves by `displacement` with levels and distances both at a `share` of theirs, 0..=1: stiffness is
+    /// as ever.
     #[inline(always)]
     pub(super) fn slide_at(&self, state: &mut BlimanSorineState<R, P>, displacement: R, share: R) {
         // No motion has no direction either, but then the path length is 0 and nothing changes.

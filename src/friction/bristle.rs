@@ -4,10 +4,11 @@
 //! F = sum sigma0 * (x - b_k),  k = 1..B          a bond snaps at |x - b_k| = delta_s, and forms again
 //! ```
 //!
-//! x is the position of one surface on the other, b_k where bond k took hold. Haessig and Friedland let it take hold
-//! anew at a random place. Here it takes hold, without tension, where its bristle then is, and at rest the B
-//! tensions are spread evenly over (-delta_s/2, delta_s/2): every bond snaps each delta_s of one-way sliding, and evenly spread
-//! bonds stay evenly spread for ever, so that nothing is left to chance. One-way sliding then runs at
+//! x is the position of one surface on the other, b_k where bond k took hold. Haessig and Friedland let it
+//! take hold anew at a random place. Here it takes hold, without tension, where its bristle then is, and at
+//! rest the B tensions are spread evenly over (-delta_s/2, delta_s/2): every bond snaps each delta_s of
+//! one-way sliding, and evenly spread bonds stay evenly spread for ever, so that nothing is left to chance.
+//! One-way sliding then runs at
 //!
 //! ```text
 //! B*sigma0*delta_s/2,  within +-sigma0*delta_s/2 around it
@@ -15,18 +16,18 @@
 //!
 //! and from rest the slope is B*sigma0.
 //!
-//! Sign: F has the sign of v in steady sliding and is subtracted in the equation of motion. Units: sigma0 (N/m) or (N m/rad)
-//! a bond, delta_s (m) or (rad).
+//! Sign: F has the sign of v in steady sliding and is subtracted in the equation of motion. Units: sigma0
+//! (N/m) or (N m/rad) a bond, delta_s (m) or (rad).
 //!
-//! Discretisation: exact for any step: bonds that snap several times within a step are folded by whole delta_s. It loses
-//! work over any closed motion, because a bond only loses tension when it snaps.
+//! Discretisation: exact for any step: bonds that snap several times within a step are folded by whole
+//! delta_s. It loses work over any closed motion, because a bond only loses tension when it snaps.
 //!
-//! Known weakness: B states for one force, 20 to 25 by its authors, too many for a control step; a force that jumps by
-//! sigma0*delta_s at each snap, so that simulation is slow and f32 and f64 differ by a jump after long
-//! motion; no Stribeck effect, no viscous part, bonds without damping.
+//! Known weakness: B states for one force, 20 to 25 by its authors, too many for a control step; a force
+//! that jumps by sigma0*delta_s at each snap, so that simulation is slow and f32 and f64 differ by a jump
+//! after long motion; no Stribeck effect, no viscous part, bonds without damping.
 //!
-//! D. A. Haessig, B. Friedland, "On the modeling and simulation of friction", Journal of Dynamic Systems, Measurement, and
-//! Control 113 (1991); H. Olsson et al., European Journal of Control 4 (1998).
+//! D. A. Haessig, B. Friedland, "On the modeling and simulation of friction", Journal of Dynamic Systems,
+//! Measurement, and Control 113 (1991); H. Olsson et al., European Journal of Control 4 (1998).
 
 use super::{FrictionModel, GREATEST, Slip, require_divisor};
 use crate::error::{Error, require};

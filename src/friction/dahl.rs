@@ -4,11 +4,11 @@
 //! dF/dx = sigma * (1 - F/Fc * sign(v))^i
 //! ```
 //!
-//! Sign: F has the sign of v in steady sliding and is subtracted in the equation of motion. Units: sigma (N/m) or
-//! (N m/rad), Fc (N) or (N m).
+//! Sign: F has the sign of v in steady sliding and is subtracted in the equation of motion. Units: sigma
+//! (N/m) or (N m/rad), Fc (N) or (N m).
 //!
-//! Discretisation: exact. With u = 1 - F/Fc*sign(v), 0..=2, the equation is du/ds = -(sigma/Fc)*u^i in the path length s,
-//! and over a step of constant direction and length ds, with q = sigma*ds/Fc,
+//! Discretisation: exact. With u = 1 - F/Fc*sign(v), 0..=2, the equation is du/ds = -(sigma/Fc)*u^i in the
+//! path length s, and over a step of constant direction and length ds, with q = sigma*ds/Fc,
 //!
 //! | i | shape | u becomes |
 //! | --- | --- | --- |
@@ -16,15 +16,16 @@
 //! | 1 | exponential: [`super::BlimanSorine`] of order 1 with eps = Fc/sigma | u*e^-q |
 //! | 2 | long tail | u/(1 + q*u) |
 //!
-//! Other exponents take a power, which has no place in the control step, and measured loops don't tell them apart.
-//! The force is independent of the rate and of how a stroke is cut into steps. It loses work over any closed motion:
-//! F^2/(2*sigma) is stored at most.
+//! Other exponents take a power, which has no place in the control step, and measured loops don't tell them
+//! apart. The force is independent of the rate and of how a stroke is cut into steps. It loses work over
+//! any closed motion: F^2/(2*sigma) is stored at most.
 //!
-//! Known weakness: no Stribeck effect, static friction is no higher than sliding friction, so no stick-slip; under a
-//! load that oscillates below Fc the body creeps (drift), because presliding is never purely elastic (but for i = 0).
+//! Known weakness: no Stribeck effect, static friction is no higher than sliding friction, so no
+//! stick-slip; under a load that oscillates below Fc the body creeps (drift), because presliding is never
+//! purely elastic (but for i = 0).
 //!
-//! P. Dahl, "A solid friction model", Aerospace Corporation TOR-0158(3107-18)-1, 1968; H. Olsson et al., European Journal
-//! of Control 4 (1998).
+//! P. Dahl, "A solid friction model", Aerospace Corporation TOR-0158(3107-18)-1, 1968; H. Olsson et al.,
+//! European Journal of Control 4 (1998).
 
 use super::{FrictionModel, GREATEST, LEAST, Slip, require_divisor};
 use crate::error::{Error, require};

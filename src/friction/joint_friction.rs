@@ -22,9 +22,9 @@
 //! it. At the default gear that leaves at most 0.0005 Fc at the wave generator and nothing at the
 //! flexspline. Equal strokes longer than 0.6 eps always lose.
 
-use super::{Friction, FrictionModel, Slip};
 use super::bliman_sorine::{BlimanSorine, BlimanSorineParams, BlimanSorineState};
 use super::lubricated_contact::{LubricatedContact, LubricatedContactParams};
+use super::{Friction, FrictionModel, Slip};
 use crate::error::{Error, require};
 use crate::real::Real;
 

@@ -7,9 +7,9 @@
 //!
 //! The switch is on |v|; the paper's table lost the bars. F_e is what everything else applies to the body.
 //!
-//! Sign: within the band F has the sign of F_e, outside that of v; it is subtracted in the equation of motion.
-//! Units: DV (m/s) or (rad/s), the others as in [`LubricatedContactParams`]. Memoryless: there is nothing to
-//! discretise.
+//! Sign: within the band F has the sign of F_e, outside that of v; it is subtracted in the equation of
+//! motion. Units: DV (m/s) or (rad/s), the others as in [`LubricatedContactParams`]. Memoryless: there is
+//! nothing to discretise.
 //!
 //! Known weakness: the band is a trick of simulation. Within it there is no presliding stiffness; a body that
 //! enters it with v != 0 drifts on unless the simulation sets v to 0; F may push along v there, so that the
@@ -83,7 +83,10 @@ mod tests {
         let force = |velocity: f64, applied| {
             model.step(&mut LastForce::default(), &Slip { velocity, applied, duration: 1e-3 }).force
         };
-        assert_eq!([(0.009, 0.3), (-0.009, 0.3), (0.0, 9.0), (0.0, -9.0)].map(|(v, f)| force(v, f)), [0.3, 0.3, 1.5, -1.5]);
+        assert_eq!(
+            [(0.009, 0.3), (-0.009, 0.3), (0.0, 9.0), (0.0, -9.0)].map(|(v, f)| force(v, f)),
+            [0.3, 0.3, 1.5, -1.5]
+        );
         let sliding = 1.0 + 0.5 * (-0.1f64).exp() + 0.004;
         assert!((force(0.01, 0.3) - sliding).abs() < 1e-15 && (force(-0.01, 0.3) + sliding).abs() < 1e-15);
         let named = |contact, dead_band| KarnoppParams { contact, dead_band }.build().unwrap_err();

@@ -10,8 +10,9 @@
 //! discretise. Only delta = 1 and 2 exist, because a power has no place in the control step and
 //! measured curves don't tell other exponents apart.
 //!
-//! Known weakness: no friction at v = 0 and a jump beside it, as Coulomb's, unless it is used as the level of a model with
-//! presliding; the slope below vs is negative damping; measured friction lags behind speed, this does not.
+//! Known weakness: no friction at v = 0 and a jump beside it, as Coulomb's, unless it is used as the level
+//! of a model with presliding; the slope below vs is negative damping; measured friction lags behind speed,
+//! this does not.
 //!
 //! H. Olsson et al., "Friction models and friction compensation", European Journal of Control 4
 //! (1998), eq. (5).

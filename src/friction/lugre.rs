@@ -5,12 +5,12 @@
 //! F = sigma0*z + sigma1*dz/dt + sigma2*v
 //! ```
 //!
-//! Sign: F has the sign of v in steady sliding and is subtracted in the equation of motion. Units: z (m) or (rad), sigma0
-//! (N/m) or (N m/rad), sigma1, sigma2 (N s/m) or (N m s/rad), levels (N) or (N m), vs (m/s) or (rad/s). sigma2 is the contact's
-//! `viscous`.
+//! Sign: F has the sign of v in steady sliding and is subtracted in the equation of motion. Units: z (m) or
+//! (rad), sigma0 (N/m) or (N m/rad), sigma1, sigma2 (N s/m) or (N m s/rad), levels (N) or (N m), vs (m/s)
+//! or (rad/s). sigma2 is the contact's `viscous`.
 //!
-//! Discretisation: exact over a step of constant velocity, because dz/ds = sign(v) - sigma0/g(v)*z is linear in the path
-//! length s = |v|*dt:
+//! Discretisation: exact over a step of constant velocity, because dz/ds = sign(v) - sigma0/g(v)*z is
+//! linear in the path length s = |v|*dt:
 //!
 //! ```text
 //! z <- z + (1 - e^(-sigma0*s/g)) * (g/sigma0*sign(v) - z)          dz/dt at the end of the step
@@ -18,16 +18,18 @@
 //!
 //! so that no step is too long; an explicit step of this equation diverges past sigma0*|v|*dt/g = 2.
 //!
-//! Work: sigma0*z + sigma2*v alone loses work over any closed motion, with the storage sigma0*z^2/2 and whatever g does in
-//! time. sigma1*dz/dt keeps that where |z| <= g/sigma0, so always with Fs = Fc, and else where
-//! sigma1 <= 4*g(v)/|v| at every speed (Olsson's thesis); the canonical sigma1 = sqrt(sigma0*M) passes that bound at high speed.
+//! Work: sigma0*z + sigma2*v alone loses work over any closed motion, with the storage sigma0*z^2/2 and
+//! whatever g does in time. sigma1*dz/dt keeps that where |z| <= g/sigma0, so always with Fs = Fc, and else
+//! where sigma1 <= 4*g(v)/|v| at every speed (Olsson's thesis); the canonical sigma1 = sqrt(sigma0*M)
+//! passes that bound at high speed.
 //!
-//! Known weakness: sigma1 is no measured quantity, and one that damps presliding well makes fast sliding after rest gain work
-//! (above); presliding loops don't close on their own turning points (no reversal memory), and under a load that oscillates
-//! below Fs the body creeps.
+//! Known weakness: sigma1 is no measured quantity, and one that damps presliding well makes fast sliding
+//! after rest gain work (above); presliding loops don't close on their own turning points (no reversal
+//! memory), and under a load that oscillates below Fs the body creeps.
 //!
-//! C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, "A new model for control of systems with friction", IEEE
-//! Transactions on Automatic Control 40 (1995); H. Olsson, "Control systems with friction", thesis, Lund 1996.
+//! C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, "A new model for control of systems with
+//! friction", IEEE Transactions on Automatic Control 40 (1995); H. Olsson, "Control systems with friction",
+//! thesis, Lund 1996.
 
 use super::lubricated_contact::{LubricatedContact, LubricatedContactParams};
 use super::{FrictionModel, GREATEST, LEAST, Slip, require_divisor, require_level};
@@ -117,7 +119,8 @@ mod tests {
         let model = params::<f64>().build().unwrap();
         for velocity in [-1.0f64, -1e-3, 2e-4, 0.02] {
             let mut state = LuGreState::default();
-            let force = (0..10).map(|_| model.step(&mut state, &Slip::new(velocity, 0.5)).force).last().unwrap();
+            let force =
+                (0..10).map(|_| model.step(&mut state, &Slip::new(velocity, 0.5)).force).last().unwrap();
             let level = 1.0 + 0.5 * (-(velocity / 1e-3).powi(2)).exp();
             assert!((force - level * velocity.signum() - 0.4 * velocity).abs() < 1e-12, "{velocity}");
         }

@@ -27,11 +27,13 @@ pub mod coulomb;
 pub mod dahl;
 pub mod joint_friction;
 pub mod karnopp;
+pub mod load_dependence;
 pub mod lubricated_contact;
 pub mod lugre;
 pub mod passive;
 pub mod positive_real;
 pub mod reset_integrator;
+pub mod ripple;
 pub mod state_space;
 pub mod stiction;
 pub mod stribeck;
@@ -44,10 +46,12 @@ pub use coulomb::{Coulomb, CoulombParams};
 pub use dahl::{Dahl, DahlParams};
 pub use joint_friction::{JointFriction, JointFrictionParams, JointFrictionState, Order};
 pub use karnopp::{Karnopp, KarnoppParams};
+pub use load_dependence::{LoadDependence, LoadDependenceParams, LoadedLevel};
 pub use lubricated_contact::{LubricatedContact, LubricatedContactParams};
 pub use lugre::{LuGre, LuGreParams};
 pub use passive::PassiveFriction;
 pub use reset_integrator::{ResetIntegrator, ResetIntegratorParams};
+pub use ripple::{Harmonics, Ripple, RippleParams};
 pub use state_space::{StateSpace, StateSpaceParams};
 pub use stiction::{Static, StaticParams};
 pub use stribeck::{Stribeck, StribeckParams};
@@ -68,8 +72,8 @@ const LIMIT: f64 = 1e12;
 pub struct Slip<R> {
     /// v, constant over the step (m/s) or (rad/s).
     pub velocity: R,
-    /// F_e: all other forces on the body together (N) or (N m), in the sense of v. Only friction at standstill
-    /// reads it.
+    /// F_e: all other forces on the body together (N) or (N m), in the sense of v. Only friction at
+    /// standstill reads it.
     pub applied: R,
     /// Time that the step takes (s); 0..=1, limited to that.
     pub duration: R,
@@ -111,8 +115,8 @@ pub trait FrictionModel<R: Real> {
     /// Moves `state` on by a step of finite input within the limits of [`Slip`].
     fn advance(&self, state: &mut Self::State, slip: &Slip<R>);
 
-    /// Force at the end of the step, finite for any input bits. Input that is not finite leaves the state as it
-    /// is: the force is that of the step before, and says so.
+    /// Force at the end of the step, finite for any input bits. Input that is not finite leaves the state
+    /// as it is: the force is that of the step before, and says so.
     #[inline]
     fn step(&self, state: &mut Self::State, slip: &Slip<R>) -> Friction<R> {
         let slip = slip.limited();

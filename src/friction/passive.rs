@@ -4,26 +4,28 @@
 //! dx_i/ds = (f_i*g(v)*sign(v) - x_i) / (eps_i*g(v)/Fs)          F = sum x_i + Fv*v
 //! ```
 //!
-//! g(v) is the lubricated contact's level, f_i and eps_i the normalised Bliman-Sorine levels and distances of
-//! [`super::joint_friction`], whose parameters it shares. Steady sliding lies on the same curve, g(v)*sign(v) + Fv*v, and at
-//! v -> 0 both are the same model. In fast sliding presliding is shorter, by g/Fs, so that its stiffness Fs/eps, not
-//! its distance, is the same at every speed, as in LuGre.
+//! g(v) is the lubricated contact's level, f_i and eps_i the normalised Bliman-Sorine levels and distances
+//! of [`super::joint_friction`], whose parameters it shares. Steady sliding lies on the same curve,
+//! g(v)*sign(v) + Fv*v, and at v -> 0 both are the same model. In fast sliding presliding is shorter, by
+//! g/Fs, so that its stiffness Fs/eps, not its distance, is the same at every speed, as in LuGre.
 //!
-//! Sign: F has the sign of the velocity that it opposes and is subtracted in the equation of motion; F*v > 0 is
-//! power lost. Units: (N m), (rad), (rad/s).
+//! Sign: F has the sign of the velocity that it opposes and is subtracted in the equation of motion; F*v >
+//! 0 is power lost. Units: (N m), (rad), (rad/s).
 //!
 //! Discretisation: exact over a step of constant velocity.
 //!
-//! Work: never negative from rest, so over any closed motion. In the stretched path dq = Fs/g ds the equation is that of
-//! Bliman and Sorine, dx_i/dq = (f_i*u - x_i)/eps_i, with the input u = g/Fs*sign(v) (times Fs) instead of sign(v). Their
-//! transfer function is positive real, so that the integral of F*u dq is not negative for any u whatever; and u dq = sign(v) ds = dx.
+//! Work: never negative from rest, so over any closed motion. In the stretched path dq = Fs/g ds the
+//! equation is that of Bliman and Sorine, dx_i/dq = (f_i*u - x_i)/eps_i, with the input u = g/Fs*sign(v)
+//! (times Fs) instead of sign(v). Their transfer function is positive real, so that the integral of F*u dq
+//! is not negative for any u whatever; and u dq = sign(v) ds = dx.
 //!
-//! Two other ways to let the level vary do not have this. The product g(v)*z of [`super::JointFriction`] and
-//! dx_i/ds = (f_i*g*sign(v) - x_i)/eps_i both have a stiffness that follows g(v): loaded fast and unloaded slowly, or the
-//! other way round, they return more than they stored, to second order in the stroke, while the loss is of third order.
+//! Two other ways to let the level vary do not have this. The product g(v)*z of [`super::JointFriction`]
+//! and dx_i/ds = (f_i*g*sign(v) - x_i)/eps_i both have a stiffness that follows g(v): loaded fast and
+//! unloaded slowly, or the other way round, they return more than they stored, to second order in the
+//! stroke, while the loss is of third order.
 //!
-//! Known weakness: one division more a step than the product; presliding length depends on speed, which nobody has
-//! measured on a strain-wave gear.
+//! Known weakness: one division more a step than the product; presliding length depends on speed, which
+//! nobody has measured on a strain-wave gear.
 //!
 //! P.-A. Bliman, M. Sorine, European Control Conference, 1995; the proof is the one of LuGre's sigma0*z.
 
@@ -44,7 +46,12 @@ impl<R: Real> JointFrictionParams<R> {
         let static_level = self.static_level;
         require(static_level > R::ZERO, "static_level")?;
         let inverse_static_level = R::ONE / static_level;
-        Ok(PassiveFriction { presliding: self.normalised_presliding()?, contact, static_level, inverse_static_level })
+        Ok(PassiveFriction {
+            presliding: self.normalised_presliding()?,
+            contact,
+            static_level,
+            inverse_static_level,
+        })
     }
 }
 
@@ -128,6 +135,72 @@ mod tests {
             let slip = Slip::new(100.0 * (f64::from(k) * 0.003).sin(), 1e-4);
             let (one, two) = (passive.step(&mut a, &slip), FrictionModel::step(&product, &mut b, &slip));
             assert!((one.force - two.force).abs() < 1e-15);
+        }
+    }
+
+    /// Forces by the path, a step at a time, at a level and +-displacement.
+    type Form = fn(&mut f64, f64, f64) -> f64;
+
+    const FORMS: [Form; 3] = [
+        // The product: z, and F = g*z.
+        |z, level, way| {
+            *z += (way.abs() / 0.02).one_minus_exp_neg() * (way.signum() - *z);
+            level * *z
+        },
+        // The level as the target.
+        |force, level, way| {
+            *force += (way.abs() / 0.02).one_minus_exp_neg() * (level * way.signum() - *force);
+            *force
+        },
+        // The level as the target, and the distance shorter with it.
+        |force, level, way| {
+            *force +=
+                (way.abs() * 0.05 / (0.02 * level)).one_minus_exp_neg() * (level * way.signum() - *force);
+            *force
+        },
+    ];
+
+    /// Mean force, over Fc, that drives strokes of a tenth of eps, at one level up to the middle of each
+    /// and at the other from there: above zero, the form gives work.
+    fn gain(form: Form, levels: [f64; 2]) -> f64 {
+        const CUTS: usize = 500;
+        let (length, mut state, mut given) = (0.1 * 0.02, 0.0, 0.0);
+        form(&mut state, levels[1], 0.5 * length);
+        for k in 0..400 {
+            let way = length / (2 * CUTS) as f64 * if k % 2 == 0 { -1.0 } else { 1.0 };
+            for level in levels {
+                let mut before = form(&mut state.clone(), level, 0.0 * way);
+                for _ in 0..CUTS {
+                    let after = form(&mut state, level, way);
+                    given -= if k < 200 { 0.0 } else { 0.5 * (before + after) * way };
+                    before = after;
+                }
+            }
+        }
+        given / (200.0 * length * 0.035)
+    }
+
+    /// What the header says of the three forms, at Fs/Fc = 10/7.
+    #[test]
+    fn only_the_form_of_constant_stiffness_never_gives_work() {
+        let (slow, fast) = (0.05, 0.035);
+        let both = |form| [gain(form, [slow, fast]), gain(form, [fast, slow])];
+        let [product, target, passive] = FORMS.map(both);
+        assert!(product[0] > 1e-3 && product[1] < 0.0, "{product:?}");
+        assert!(target[0] < 0.0 && target[1] > 1e-3, "{target:?}");
+        assert!(passive[0] < 0.0 && passive[1] < 0.0, "{passive:?}");
+    }
+
+    /// The third form is this file's model.
+    #[test]
+    fn order_1_is_the_form_of_constant_stiffness() {
+        let model = JointFrictionParams { viscous: 0.0, ..params(Order::One) }.build_passive().unwrap();
+        let (mut state, mut force) = (PassiveFrictionState::default(), 0.0);
+        for k in 0..20_000 {
+            let slip = Slip::new(10.0 * (f64::from(k) * 0.003).sin() + 0.1, 1e-4);
+            let level = 0.035 + 0.015 * (-slip.velocity.abs() / 2.0).exp();
+            let wanted = FORMS[2](&mut force, level, slip.displacement());
+            assert!((model.step(&mut state, &slip).force - wanted).abs() < 1e-15);
         }
     }
 

@@ -4,15 +4,17 @@
 //! G(p) = C (p*I - A)^-1 B = N(p)/D(p)           positive real:  Re G(j*w) >= 0 for all w >= 0
 //! ```
 //!
-//! In the path length s, eq. (8) is a linear system from u = sign(v) to F, and the work lost is the integral of F*u ds.
-//! With A Hurwitz, it is not negative from rest for any u exactly where G is positive real (Parseval; Bliman and
-//! Sorine 1995). So a model that passes loses work over any motion that starts at rest.
+//! In the path length s, eq. (8) is a linear system from u = sign(v) to F, and the work lost is the
+//! integral of F*u ds. With A Hurwitz, it is not negative from rest for any u exactly where G is positive
+//! real (Parseval; Bliman and Sorine 1995). So a model that passes loses work over any motion that starts
+//! at rest.
 //!
-//! N and D follow by Faddeev and LeVerrier's recursion; Re G has the sign of the polynomial
-//! q(w^2) = Re N(j*w) D(-j*w) of degree P - 1. With w^2 = t/(1 - t), q >= 0 on 0..=1 is decided in Bernstein form: coefficients that are all
-//! at least 0 prove it, a negative end value disproves it, and else the interval is halved. Each coefficient of q is
-//! first raised by [`TOLERANCE`] of its terms' magnitude, so that a system that just touches zero passes; what is certified
-//! is therefore Re G >= 0 to that share of rounding. All in f64.
+//! N and D follow by Faddeev and LeVerrier's recursion; Re G has the sign of the polynomial q(w^2) = Re
+//! N(j*w) D(-j*w) of degree P - 1. With w^2 = t/(1 - t), q >= 0 on 0..=1 is decided in Bernstein form:
+//! coefficients that are all at least 0 prove it, a negative end value disproves it, and else the interval
+//! is halved. Each coefficient of q is first raised by [`TOLERANCE`] of its terms' magnitude, so that a
+//! system that just touches zero passes; what is certified is therefore Re G >= 0 to that share of
+//! rounding. All in f64.
 
 /// Share of the magnitude of a coefficient's terms that is taken for rounding.
 pub const TOLERANCE: f64 = 1e-9;
@@ -89,13 +91,13 @@ fn bernstein<const P: usize>(mut q: [f64; P]) -> [f64; P] {
 
 /// Halves of a polynomial in Bernstein form, by de Casteljau.
 fn halves<const P: usize>(mut right: [f64; P]) -> [[f64; P]; 2] {
-    let mut left = right;
-    for k in 1..P {
-        for i in 0..P - k {
-            right[i] = f64::midpoint(right[i], right[i + 1]);
-        }
-        left[k] = right[0];
-    }
+    let mut rest = P;
+    let left = core::array::from_fn(|_| {
+        let first = right[0];
+        rest -= 1;
+        (0..rest).for_each(|i| right[i] = f64::midpoint(right[i], right[i + 1]));
+        first
+    });
     [left, right]
 }
 
@@ -153,10 +155,10 @@ mod tests {
         #[test]
         fn order_3_agrees_with_a_search(levels in prop::array::uniform3(-2.0..2.0f64)) {
             let distances = [1.0, 0.1, 0.01];
-            let least = (-400..400)
-                .map(|k| 10f64.powf(f64::from(k) / 80.0))
-                .map(|w| (0..3).map(|i| levels[i] / (1.0 + (w * distances[i]).powi(2))).sum::<f64>() * (1.0 + w * w))
-                .fold(levels.iter().sum(), f64::min);
+            let lag = |i: usize, w: f64| levels[i] / (1.0 + (w * distances[i]).powi(2));
+            let frequencies = (-400..400).map(|k| 10f64.powf(f64::from(k) / 80.0));
+            let real = frequencies.map(|w| (0..3).map(|i| lag(i, w)).sum::<f64>() * (1.0 + w * w));
+            let least = real.fold(levels.iter().sum(), f64::min);
             prop_assume!(least.abs() > 1e-3);
             prop_assert_eq!(diagonal(distances, levels), least > 0.0);
         }

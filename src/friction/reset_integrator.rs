@@ -7,17 +7,18 @@
 //!
 //! The factor 1 + a makes static friction, (1 + a)*sigma0*z0, higher than sliding friction, sigma0*z0.
 //!
-//! Sign: F has the sign of v in steady sliding and is subtracted in the equation of motion. Units: sigma0 (N/m) or (N m/rad),
-//! sigma1 (N s/m) or (N m s/rad), z0 (m) or (rad); a has none.
+//! Sign: F has the sign of v in steady sliding and is subtracted in the equation of motion. Units: sigma0
+//! (N/m) or (N m/rad), sigma1 (N s/m) or (N m s/rad), z0 (m) or (rad); a has none.
 //!
-//! Discretisation: z is exact for any step; dz/dt is its mean over the step. It loses work over any closed motion:
-//! sticking is a spring with a damper, sliding gives nothing back.
+//! Discretisation: z is exact for any step; dz/dt is its mean over the step. It loses work over any closed
+//! motion: sticking is a spring with a damper, sliding gives nothing back.
 //!
-//! Known weakness: the force drops from static to sliding all at once, at a place (z0) and not at a speed, so there is no
-//! Stribeck curve; at a reversal after sliding it jumps up by a*sigma0*z0 before it falls; sticking without sigma1 rings.
+//! Known weakness: the force drops from static to sliding all at once, at a place (z0) and not at a speed,
+//! so there is no Stribeck curve; at a reversal after sliding it jumps up by a*sigma0*z0 before it falls;
+//! sticking without sigma1 rings.
 //!
-//! D. A. Haessig, B. Friedland, "On the modeling and simulation of friction", Journal of Dynamic Systems, Measurement, and
-//! Control 113 (1991); H. Olsson et al., European Journal of Control 4 (1998).
+//! D. A. Haessig, B. Friedland, "On the modeling and simulation of friction", Journal of Dynamic Systems,
+//! Measurement, and Control 113 (1991); H. Olsson et al., European Journal of Control 4 (1998).
 
 use super::{FrictionModel, Slip, require_divisor, require_level};
 use crate::error::Error;
@@ -115,7 +116,10 @@ mod tests {
         let params = ResetIntegratorParams { stiffness: 1.0, stick_gain: 1.0, damping: 1.0, reach: 1.0 };
         let name = |params: ResetIntegratorParams<f64>| params.build().unwrap_err();
         assert_eq!(name(ResetIntegratorParams { stiffness: -1.0, ..params }), Error::OutOfRange("stiffness"));
-        assert_eq!(name(ResetIntegratorParams { stick_gain: -1.0, ..params }), Error::OutOfRange("stick_gain"));
+        assert_eq!(
+            name(ResetIntegratorParams { stick_gain: -1.0, ..params }),
+            Error::OutOfRange("stick_gain")
+        );
         assert_eq!(name(ResetIntegratorParams { damping: -1.0, ..params }), Error::OutOfRange("damping"));
         assert_eq!(name(ResetIntegratorParams { reach: 0.0, ..params }), Error::OutOfRange("reach"));
     }

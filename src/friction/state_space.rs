@@ -1,18 +1,20 @@
-//! Eq. (8) of any order with general A, B, C: Bliman and Sorine's "great number of configuration possibilities".
+//! Eq. (8) of any order with general A, B, C: Bliman and Sorine's "great number of configuration
+//! possibilities".
 //!
 //! ```text
 //! s = integral |v| dt        dx/ds = A x + B sign(v),        F = C x
 //! ```
 //!
-//! A (1/m) or (1/rad), B likewise times the unit of x; F (N) or (N m). [`super::BlimanSorine`] is the case of a diagonal A, and
-//! cheaper. Sign: F opposes the motion when subtracted, F*v > 0 in steady sliding, where F = -C A^-1 B.
+//! A (1/m) or (1/rad), B likewise times the unit of x; F (N) or (N m). [`super::BlimanSorine`] is the case
+//! of a diagonal A, and cheaper. Sign: F opposes the motion when subtracted, F*v > 0 in steady sliding,
+//! where F = -C A^-1 B.
 //!
 //! Checked at build:
 //!
-//! - A is stable (Hurwitz): e^(A*T) vanishes, to 1e-12, over the path T = 2^27/|A|, |A| its largest row sum. A mode slower
-//!   than 2e-7 of |A| is refused with the unstable ones.
-//! - The model is dissipative: its transfer function from sign(v) to F is positive real ([`super::positive_real`]), so that no motion
-//!   from rest gains work, in exact arithmetic.
+//! - A is stable (Hurwitz): e^(A*T) vanishes, to 1e-12, over the path T = 2^27/|A|, |A| its largest row
+//!   sum. A mode slower than 2e-7 of |A| is refused with the unstable ones.
+//! - The model is dissipative: its transfer function from sign(v) to F is positive real
+//!   ([`super::positive_real`]), so that no motion from rest gains work, in exact arithmetic.
 //!
 //! Discretisation: exact. Over a step of constant direction and length ds, with x' = -A^-1 B sign(v),
 //!
@@ -20,15 +22,18 @@
 //! x <- x' + e^(A*ds) (x - x')
 //! ```
 //!
-//! ds is split into n*h, h = 2^-4/|A|, and a rest. e^(A*rest) - 1 acts by the Taylor series, 9 terms in f64, 5 in f32, so that its
-//! remainder is below rounding; e^(A*n*h) by the binary digits of n, one stored matrix e^(A*h*2^k) - 1 each, 31 of them. No loop depends
-//! on the step: 9*P^2 multiplications in presliding, at most 31*P^2 more in a long step. The matrices are stored minus 1, and doubled as
-//! (1 + E)^2 - 1 = 2E + E^2, so that slow modes keep their digits.
+//! ds is split into n*h, h = 2^-4/|A|, and a rest. e^(A*rest) - 1 acts by the Taylor series, 9 terms in
+//! f64, 5 in f32, so that its remainder is below rounding; e^(A*n*h) by the binary digits of n, one stored
+//! matrix e^(A*h*2^k) - 1 each, 31 of them. No loop depends on the step: 9*P^2 multiplications in
+//! presliding, at most 31*P^2 more in a long step. The matrices are stored minus 1, and doubled as (1 +
+//! E)^2 - 1 = 2E + E^2, so that slow modes keep their digits.
 //!
-//! Known weakness: as Dahl's model, none of its states knows speed: no Stribeck effect in time; 31*P^2 numbers of memory.
+//! Known weakness: as Dahl's model, none of its states knows speed: no Stribeck effect in time; 31*P^2
+//! numbers of memory.
 //!
-//! P.-A. Bliman, M. Sorine, "Easy-to-use realistic dry friction models for automatic control", European Control Conference,
-//! 1995; C. Moler, C. Van Loan, "Nineteen dubious ways to compute the exponential of a matrix", SIAM Review 45 (2003).
+//! P.-A. Bliman, M. Sorine, "Easy-to-use realistic dry friction models for automatic control", European
+//! Control Conference, 1995; C. Moler, C. Van Loan, "Nineteen dubious ways to compute the exponential of a
+//! matrix", SIAM Review 45 (2003).
 
 use super::positive_real::{self, Matrix};
 use super::{FrictionModel, GREATEST, LEAST, Slip};
@@ -57,7 +62,8 @@ impl<R: Real, const P: usize> StateSpaceParams<R, P> {
     /// Checks and precomputes, in f64.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `a` when it is not stable, `b`, `c`; `dissipative` when the transfer function is not positive real.
+    /// [`Error::OutOfRange`] `a` when it is not stable, `b`, `c`; `dissipative` when the transfer function
+    /// is not positive real.
     pub fn build(&self) -> Result<StateSpace<R, P>, Error> {
         let a = self.a.map(|row| row.map(Real::to_f64));
         let (b, c) = (self.b.map(Real::to_f64), self.c.map(Real::to_f64));

@@ -8,14 +8,14 @@
 //! F_e is what everything else applies to the body. Table 1 has the first line; a body that moves needs the
 //! second, here Coulomb's.
 //!
-//! Sign: at standstill F has the sign of F_e, in motion that of v; it is subtracted in the equation of motion.
-//! Units: (N) or (N m). Memoryless: there is nothing to discretise.
+//! Sign: at standstill F has the sign of F_e, in motion that of v; it is subtracted in the equation of
+//! motion. Units: (N) or (N m). Memoryless: there is nothing to discretise.
 //!
 //! Known weakness: v = 0 must be met exactly, which a simulation or an encoder never does ([`super::Karnopp`]
 //! widens it). The applied force must be known, which is an algebraic loop wherever it depends on F.
 //!
-//! A. Morin, "New friction experiments carried out at Metz in 1831-1833", 1833; H. Olsson et al., "Friction models
-//! and friction compensation", European Journal of Control 4 (1998), eq. (3).
+//! A. Morin, "New friction experiments carried out at Metz in 1831-1833", 1833; H. Olsson et al., "Friction
+//! models and friction compensation", European Journal of Control 4 (1998), eq. (3).
 
 use super::{FrictionModel, LastForce, Slip, require_level};
 use crate::error::{Error, require};

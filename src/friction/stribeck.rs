@@ -5,17 +5,18 @@
 //! v = 0:   F = F_e where |F_e| <= Fs,  else Fs * sign(F_e)
 //! ```
 //!
-//! Table 1 gives the exponential alone, which is what the effect adds to Coulomb's level. The sliding curve is
-//! that of [`super::LubricatedContact`]; here standstill is static friction.
+//! Table 1 gives the exponential alone, which is what the effect adds to Coulomb's level. The sliding curve
+//! is that of [`super::LubricatedContact`]; here standstill is static friction.
 //!
-//! Sign: at standstill F has the sign of F_e, in motion that of v; it is subtracted in the equation of motion.
-//! Units: see [`LubricatedContactParams`]. Memoryless: there is nothing to discretise.
+//! Sign: at standstill F has the sign of F_e, in motion that of v; it is subtracted in the equation of
+//! motion. Units: see [`LubricatedContactParams`]. Memoryless: there is nothing to discretise.
 //!
-//! Known weakness: that of static friction, v = 0 must be met exactly. The slope dF/dv < 0 below vs is negative
-//! damping, and the curve holds for steady speed only: measured friction lags behind it.
+//! Known weakness: that of static friction, v = 0 must be met exactly. The slope dF/dv < 0 below vs is
+//! negative damping, and the curve holds for steady speed only: measured friction lags behind it.
 //!
 //! R. Stribeck, "Die wesentlichen Eigenschaften der Gleit- und Rollenlager", Zeitschrift des VDI 46 (1902);
-//! H. Olsson et al., "Friction models and friction compensation", European Journal of Control 4 (1998), eqs. (4), (5).
+//! H. Olsson et al., "Friction models and friction compensation", European Journal of Control 4 (1998),
+//! eqs. (4), (5).
 
 use super::lubricated_contact::{LubricatedContact, LubricatedContactParams};
 use super::{FrictionModel, LastForce, Slip};

@@ -57,8 +57,12 @@ fn for_every_model<R: Real>(task: &impl Task<R>) {
         task.run("dahl", &dahl.build().unwrap());
     }
     task.run("bristle", &BristleParams::<R, 20>::of_level(lit(0.035), lit(1e-9)).build().unwrap());
-    let reset =
-        ResetIntegratorParams { stiffness: lit(1e6), stick_gain: lit(0.5), damping: lit(1e6), reach: lit(1e-9) };
+    let reset = ResetIntegratorParams {
+        stiffness: lit(1e6),
+        stick_gain: lit(0.5),
+        damping: lit(1e6),
+        reach: lit(1e-9),
+    };
     task.run("reset integrator", &reset.build().unwrap());
     task.run("bliman-sorine", &BlimanSorine::order_2(lit(1.5), lit(0.5), lit(1e-9), lit(0.3)).unwrap());
     let matrices = StateSpaceParams {
@@ -99,8 +103,18 @@ fn wild() -> impl Strategy<Value = u32> {
     prop_oneof![
         any::<u32>(),
         (-10.0..10.0f32).prop_map(f32::to_bits),
-        prop::sample::select(std::vec![0.0, -0.0, 1e-45, f32::MAX, f32::MIN, f32::INFINITY, f32::NAN, 1e-4, 1.0])
-            .prop_map(f32::to_bits),
+        prop::sample::select(std::vec![
+            0.0,
+            -0.0,
+            1e-45,
+            f32::MAX,
+            f32::MIN,
+            f32::INFINITY,
+            f32::NAN,
+            1e-4,
+            1.0
+        ])
+        .prop_map(f32::to_bits),
     ]
 }
 

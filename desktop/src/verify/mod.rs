@@ -4,7 +4,7 @@
 
 mod angle;
 pub mod flexspline;
-mod friction;
+pub mod friction;
 mod hysteresis;
 
 use crate::figure::Figure;
@@ -43,7 +43,7 @@ impl From<Vec<Figure>> for Measured {
 pub enum Part {
     /// The mesh against the catalogue, its reduction against the mesh, the real-time gear against the reference.
     Flexspline,
-    /// Bliman-Sorine against its closed form, f32 against f64.
+    /// Friction against closed forms, scipy and measured gears; work; f32 against f64.
     Friction,
     /// The staircase against the relays, the default gear's loop.
     Hysteresis,
@@ -68,11 +68,11 @@ impl Part {
     /// Measures the part's figures, but for those of the clock ([`flexspline::speed`]).
     ///
     /// # Errors
-    /// Catalogue data that are there and cannot be used.
+    /// Measured data that are there and cannot be used.
     pub fn measure(self) -> Result<Measured, BadInput> {
         match self {
             Self::Flexspline => flexspline::measure(),
-            Self::Friction => Ok(friction::measure().into()),
+            Self::Friction => friction::measure(),
             Self::Hysteresis => Ok(hysteresis::measure().into()),
             Self::Compensator => Ok(angle::measure().into()),
         }
