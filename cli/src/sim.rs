@@ -38,7 +38,7 @@ pub struct Arguments {
     /// One of 8x3, 12x3, 16x4, 24x4, 36x4, 48x6, 72x8.
     #[arg(long, value_name = "NxM", allow_hyphen_values = true)]
     mesh: Option<MeshSize>,
-    /// Longest micro-step of the reference build (s); 0.9 of the mesh's stable step when left out
+    /// Longest micro-step of the reference build (s); 0.95 of the mesh's stable step when left out
     ///
     /// Below the stable step, from 1e-9 s; it is rounded down to divide 0.1 ms.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]

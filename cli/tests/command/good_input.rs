@@ -1,5 +1,8 @@
 //! The command when all is well: outputs, help and exit codes.
 
+use strainwave_desktop::mesh_size::MeshSize;
+use strainwave_desktop::plant::STEP_SHARE;
+
 use crate::bench::Bench;
 
 const SIM: &str = "sim --gear g.toml --input in.csv --output out.csv --json out.json --build";
@@ -121,6 +124,18 @@ fn verify_measures_the_part_asked_for() {
             bounded += usize::from(line.ends_with(" yes"));
         }
         assert!(bounded > 0, "{}", answer.output);
+    }
+}
+
+#[test]
+fn the_help_of_sim_says_what_there_is() {
+    let help = Bench::new().run("sim --help").output;
+    let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    let meshes = format!("One of {}.", MeshSize::names());
+    let step = format!("(s); {STEP_SHARE} of the mesh's stable step when left out");
+    let default = format!("{} when left out", MeshSize::DEFAULT);
+    for wanted in [meshes, step, default, "strain_I_J_AROUND_ALONG".into(), "diverges".into()] {
+        assert!(help.contains(&wanted), "{wanted}\n{help}");
     }
 }
 

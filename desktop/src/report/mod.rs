@@ -115,7 +115,7 @@ fn figure_table(measured: &Measured) -> Markup {
                 thead { tr { @for name in Figure::HEADER { th { (name) } } } }
                 tbody {
                     @for figure in &measured.figures {
-                        tr.missed[!figure.holds] { @for cell in figure.cells() { td { (cell) } } }
+                        tr class=[(!figure.holds).then_some("missed")] { @for cell in figure.cells() { td { (cell) } } }
                     }
                 }
             }

@@ -4,7 +4,7 @@
 
 mod angle;
 pub mod flexspline;
-mod friction;
+pub mod friction;
 mod hysteresis;
 
 use crate::figure::Figure;
@@ -38,10 +38,16 @@ impl From<Vec<Figure>> for Measured {
     }
 }
 
-/// The largest magnitude; NaN, which `f64::max` would pass over, counts as larger than any, and none as NaN.
+/// The largest magnitude, as [`greatest`].
 fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    greatest(values.into_iter().map(f64::abs))
+}
+
+/// The greatest value; NaN, which `f64::max` would pass over, counts as greater than any, and none as NaN.
+fn greatest(values: impl IntoIterator<Item = f64>) -> f64 {
     // Without its sign a NaN is the last in the total order.
-    values.into_iter().map(f64::abs).max_by(f64::total_cmp).unwrap_or(f64::NAN)
+    let values = values.into_iter().map(|value| if value.is_nan() { f64::NAN } else { value });
+    values.max_by(f64::total_cmp).unwrap_or(f64::NAN)
 }
 
 /// A part of the project whose figures are measured together.
@@ -49,7 +55,7 @@ fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
 pub enum Part {
     /// The mesh against the catalogue, its reduction against the mesh, the real-time gear against the reference.
     Flexspline,
-    /// Bliman-Sorine against its closed form, f32 against f64.
+    /// Friction against closed forms, scipy and measured gears; work; f32 against f64.
     Friction,
     /// The staircase against the relays, the default gear's loop.
     Hysteresis,
@@ -74,11 +80,11 @@ impl Part {
     /// Measures the part's figures, but for those of the clock ([`flexspline::speed`]).
     ///
     /// # Errors
-    /// Catalogue data that are there and cannot be used.
+    /// Measured data that are there and cannot be used.
     pub fn measure(self) -> Result<Measured, BadInput> {
         match self {
             Self::Flexspline => flexspline::measure(),
-            Self::Friction => Ok(friction::measure().into()),
+            Self::Friction => friction::measure(),
             Self::Hysteresis => Ok(hysteresis::measure().into()),
             Self::Compensator => Ok(angle::measure().into()),
         }
