@@ -48,19 +48,22 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     if flexspline {
         measured.add(speed::measure()?);
     }
-    let emulated = match (wanted(FIRMWARE), flexspline) {
-        (true, true) => Some(Parts::Both),
-        (true, false) => Some(Parts::Firmware),
-        (false, true) => Some(Parts::Flexspline),
-        (false, false) => None,
-    };
-    if let Some(parts) = emulated {
+    if let Some(parts) = emulated_parts(wanted(FIRMWARE), flexspline) {
         measured.add(measure_emulated(parts)?);
     }
     for note in &measured.notes {
         say(format_args!("{note}"));
     }
     Ok(Figures::new(measured.figures, &arguments.figures))
+}
+
+fn emulated_parts(firmware: bool, flexspline: bool) -> Option<Parts> {
+    match (firmware, flexspline) {
+        (true, true) => Some(Parts::Both),
+        (true, false) => Some(Parts::Firmware),
+        (false, true) => Some(Parts::Flexspline),
+        (false, false) => None,
+    }
 }
 
 fn measure_emulated(parts: Parts) -> Result<Measured, BadInput> {

@@ -16,6 +16,7 @@ pub mod observer_design;
 pub mod plant;
 pub mod plot;
 pub mod report;
+pub mod ripple_fit;
 pub mod scenario;
 mod settled;
 pub mod torque_loop;

@@ -22,9 +22,9 @@
 //! it. At the default gear that leaves at most 0.0005 Fc at the wave generator and nothing at the
 //! flexspline. Equal strokes longer than 0.6 eps always lose.
 
-use super::Friction;
 use super::bliman_sorine::{BlimanSorine, BlimanSorineParams, BlimanSorineState};
 use super::lubricated_contact::{LubricatedContact, LubricatedContactParams};
+use super::{Friction, FrictionModel, Slip};
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -66,19 +66,22 @@ impl<R: Real> JointFrictionParams<R> {
     /// [`Error::OutOfRange`] with the name of the field, or `step_time`.
     pub fn build(&self, step_time: R) -> Result<JointFriction<R>, Error> {
         require(step_time > R::ZERO && step_time <= R::ONE, "step_time")?;
-        let contact = LubricatedContactParams {
+        let contact = self.contact().build()?;
+        Ok(JointFriction { presliding: self.normalised_presliding()?, contact, step_time })
+    }
+
+    pub(super) fn contact(&self) -> LubricatedContactParams<R> {
+        LubricatedContactParams {
             coulomb: self.coulomb,
             static_level: self.static_level,
             stribeck_velocity: self.stribeck_velocity,
             stribeck_exponent: self.stribeck_exponent,
             viscous: self.viscous,
-        };
-        let contact = contact.build()?;
-        Ok(JointFriction { presliding: self.normalised_presliding()?, contact, step_time })
+        }
     }
 
     /// Order 1 is built as an order 2 whose second force stays at zero: one type, one code path.
-    fn normalised_presliding(&self) -> Result<BlimanSorine<R, 2>, Error> {
+    pub(super) fn normalised_presliding(&self) -> Result<BlimanSorine<R, 2>, Error> {
         let (eps, eta) = (self.presliding, self.presliding_ratio);
         require((R::lit(1e-9)..=R::lit(1e6)).contains(&eps), "presliding")?;
         match self.order {
@@ -89,7 +92,7 @@ impl<R: Real> JointFrictionParams<R> {
                 BlimanSorineParams { levels: [f1, -eta * f1], distances: [eta * eps, eps] }
             }
         }
-        .build()
+        .build_dissipative()
     }
 }
 
@@ -133,7 +136,7 @@ impl<R: Real> JointFriction<R> {
     // Never inlined: the timing budget counts this block by its symbol.
     #[inline(never)]
     pub fn step(&self, state: &mut JointFrictionState<R>, velocity: R) -> Friction<R> {
-        self.advance(state, velocity * self.step_time, velocity)
+        self.moved(state, velocity * self.step_time, velocity)
     }
 
     /// Torque (N m) after a `displacement` (rad) at `velocity` (rad/s), for steps of another
@@ -147,7 +150,7 @@ impl<R: Real> JointFriction<R> {
         if !displacement.is_finite() {
             return Friction { force: state.force, held: true };
         }
-        self.advance(state, displacement, velocity)
+        self.moved(state, displacement, velocity)
     }
 
     /// g(v) (N m).
@@ -158,7 +161,7 @@ impl<R: Real> JointFriction<R> {
 
     /// The displacement is finite here: a finite velocity times at most 1 s is.
     #[inline(always)]
-    fn advance(&self, state: &mut JointFrictionState<R>, displacement: R, velocity: R) -> Friction<R> {
+    fn moved(&self, state: &mut JointFrictionState<R>, displacement: R, velocity: R) -> Friction<R> {
         let viscous = self.contact.viscous(velocity);
         // Fv*v is finite exactly when v is and the product doesn't overflow: 0*inf is NaN.
         if !viscous.is_finite() {
@@ -167,6 +170,18 @@ impl<R: Real> JointFriction<R> {
         self.presliding.slide(&mut state.presliding, displacement);
         state.force = self.contact.level(velocity) * state.normalised() + viscous;
         Friction { force: state.force, held: false }
+    }
+}
+
+impl<R: Real> FrictionModel<R> for JointFriction<R> {
+    type State = JointFrictionState<R>;
+
+    fn force(&self, state: &Self::State) -> R {
+        state.force
+    }
+
+    fn advance(&self, state: &mut Self::State, slip: &Slip<R>) {
+        self.moved(state, slip.displacement(), slip.velocity);
     }
 }
 

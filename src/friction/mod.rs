@@ -1,16 +1,135 @@
-//! Friction of the gear (the paper's `gearFric`): one file a model.
+//! Friction of the gear (the paper's `gearFric`) and every model of the paper's Table 1: one file a model.
 //!
 //! Sign: a friction force has the sign of the velocity that it opposes, so that the equation of
 //! motion subtracts it and `force * velocity` is the power lost. "Force" is N over m or N m over
 //! rad; the equations are the same.
+//!
+//! | model | remembers | needs the applied force | loses work over any closed motion |
+//! | --- | --- | --- | --- |
+//! | [`Coulomb`], [`Viscous`], [`LubricatedContact`] | nothing | no | yes |
+//! | [`Static`], [`Stribeck`] | nothing | at v = 0 | yes |
+//! | [`Karnopp`] | nothing | in its dead band | no: the band's force is not bound to oppose v |
+//! | [`Armstrong`] | deflection, dwell, lagged velocity | no | yes |
+//! | [`Dahl`] | deflection | no | yes |
+//! | [`Bristle`] | a deflection each | no | yes |
+//! | [`ResetIntegrator`] | deflection | no | yes |
+//! | [`BlimanSorine`], [`StateSpace`] | P forces over the path | no | yes: checked at build |
+//! | [`LuGre`] | deflection | no | where sigma1 is small enough, see there |
+//! | [`JointFriction`] | 2 forces over the path | no | nearly, see there |
+//! | [`PassiveFriction`] | 2 forces over the path | no | yes |
+//!
+//! All are one [`FrictionModel`]: built once, then stepped by a [`Slip`].
 
+pub mod armstrong;
 pub mod bliman_sorine;
+pub mod bristle;
+pub mod coulomb;
+pub mod dahl;
 pub mod joint_friction;
+pub mod karnopp;
+pub mod load_dependence;
 pub mod lubricated_contact;
+pub mod lugre;
+pub mod passive;
+pub mod positive_real;
+pub mod reset_integrator;
+pub mod ripple;
+pub mod state_space;
+pub mod stiction;
+pub mod stribeck;
+pub mod viscous;
 
+pub use armstrong::{Armstrong, ArmstrongParams};
 pub use bliman_sorine::BlimanSorine;
+pub use bristle::{Bristle, BristleParams};
+pub use coulomb::{Coulomb, CoulombParams};
+pub use dahl::{Dahl, DahlParams};
 pub use joint_friction::{JointFriction, JointFrictionParams, JointFrictionState, Order};
+pub use karnopp::{Karnopp, KarnoppParams};
+pub use load_dependence::{LoadDependence, LoadDependenceParams, LoadedLevel};
 pub use lubricated_contact::{LubricatedContact, LubricatedContactParams};
+pub use lugre::{LuGre, LuGreParams};
+pub use passive::PassiveFriction;
+pub use reset_integrator::{ResetIntegrator, ResetIntegratorParams};
+pub use ripple::{Harmonics, Ripple, RippleParams};
+pub use state_space::{StateSpace, StateSpaceParams};
+pub use stiction::{Static, StaticParams};
+pub use stribeck::{Stribeck, StribeckParams};
+pub use viscous::{Viscous, ViscousParams};
+
+use crate::error::{Error, require};
+use crate::real::Real;
+
+/// Greatest value of a level (N), (N m) or of a length (m), (rad).
+const GREATEST: f64 = 1e6;
+/// Smallest value of a parameter that divides.
+const LEAST: f64 = 1e-9;
+/// A finite velocity or applied force beyond this counts as this: products of it stay finite in f32.
+const LIMIT: f64 = 1e12;
+
+/// What a friction contact sees of one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Slip<R> {
+    /// v, constant over the step (m/s) or (rad/s).
+    pub velocity: R,
+    /// F_e: all other forces on the body together (N) or (N m), in the sense of v. Only friction at
+    /// standstill reads it.
+    pub applied: R,
+    /// Time that the step takes (s); 0..=1, limited to that.
+    pub duration: R,
+}
+
+impl<R: Real> Slip<R> {
+    /// A step of `duration` (s) at `velocity` (m/s) or (rad/s), nothing applied.
+    pub fn new(velocity: R, duration: R) -> Self {
+        Self { velocity, applied: R::ZERO, duration }
+    }
+
+    /// Way that the step covers, with its sign (m) or (rad).
+    #[inline(always)]
+    pub fn displacement(&self) -> R {
+        self.velocity * self.duration
+    }
+
+    /// `None` when anything is NaN or infinite.
+    #[inline(always)]
+    fn limited(&self) -> Option<Self> {
+        let limit = R::lit(LIMIT);
+        let finite = self.velocity.is_finite() && self.applied.is_finite() && self.duration.is_finite();
+        finite.then(|| Self {
+            velocity: self.velocity.limit(limit),
+            applied: self.applied.limit(limit),
+            duration: self.duration.max(R::ZERO).min(R::ONE),
+        })
+    }
+}
+
+/// A friction model, its parameters checked and built.
+pub trait FrictionModel<R: Real> {
+    /// What the model remembers; by default at rest, without tension.
+    type State: Clone + Default;
+
+    /// Force after the last step (N) or (N m).
+    fn force(&self, state: &Self::State) -> R;
+
+    /// Moves `state` on by a step of finite input within the limits of [`Slip`].
+    fn advance(&self, state: &mut Self::State, slip: &Slip<R>);
+
+    /// Force at the end of the step, finite for any input bits. Input that is not finite leaves the state
+    /// as it is: the force is that of the step before, and says so.
+    #[inline]
+    fn step(&self, state: &mut Self::State, slip: &Slip<R>) -> Friction<R> {
+        let slip = slip.limited();
+        if let Some(slip) = &slip {
+            self.advance(state, slip);
+        }
+        Friction { force: self.force(state), held: slip.is_none() }
+    }
+}
+
+/// State of a model without memory: the force that it would hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LastForce<R>(R);
 
 /// Friction of one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,3 +139,16 @@ pub struct Friction<R> {
     /// The input was not finite: `force` is that of the step before and the state is untouched.
     pub held: bool,
 }
+
+/// `value` is in 0..=[`GREATEST`].
+fn require_level<R: Real>(value: R, name: &'static str) -> Result<(), Error> {
+    require((R::ZERO..=R::lit(GREATEST)).contains(&value), name)
+}
+
+/// `value` is in [`LEAST`]..=[`GREATEST`]: it may divide.
+fn require_divisor<R: Real>(value: R, name: &'static str) -> Result<(), Error> {
+    require((R::lit(LEAST)..=R::lit(GREATEST)).contains(&value), name)
+}
+
+#[cfg(test)]
+mod tests;

@@ -4,7 +4,7 @@
 
 mod angle;
 pub mod flexspline;
-mod friction;
+pub mod friction;
 mod hysteresis;
 
 use crate::figure::Figure;
@@ -38,12 +38,24 @@ impl From<Vec<Figure>> for Measured {
     }
 }
 
+/// The largest magnitude, as [`greatest`].
+fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    greatest(values.into_iter().map(f64::abs))
+}
+
+/// The greatest value; NaN, which `f64::max` would pass over, counts as greater than any, and none as NaN.
+fn greatest(values: impl IntoIterator<Item = f64>) -> f64 {
+    // Without its sign a NaN is the last in the total order.
+    let values = values.into_iter().map(|value| if value.is_nan() { f64::NAN } else { value });
+    values.max_by(f64::total_cmp).unwrap_or(f64::NAN)
+}
+
 /// A part of the project whose figures are measured together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// The mesh against the catalogue, its reduction against the mesh, the real-time gear against the reference.
     Flexspline,
-    /// Bliman-Sorine against its closed form, f32 against f64.
+    /// Friction against closed forms, scipy and measured gears; work; f32 against f64.
     Friction,
     /// The staircase against the relays, the default gear's loop.
     Hysteresis,
@@ -68,13 +80,25 @@ impl Part {
     /// Measures the part's figures, but for those of the clock ([`flexspline::speed`]).
     ///
     /// # Errors
-    /// Catalogue data that are there and cannot be used.
+    /// Measured data that are there and cannot be used.
     pub fn measure(self) -> Result<Measured, BadInput> {
         match self {
             Self::Flexspline => flexspline::measure(),
-            Self::Friction => Ok(friction::measure().into()),
+            Self::Friction => friction::measure(),
             Self::Hysteresis => Ok(hysteresis::measure().into()),
             Self::Compensator => Ok(angle::measure().into()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::largest;
+
+    #[test]
+    fn what_is_not_a_number_is_never_passed_over() {
+        assert_eq!(largest([1.0, -3.0, 2.0]), 3.0);
+        assert!(largest([1.0, f64::NAN, 2.0]).is_nan() && largest([1.0, -f64::NAN]).is_nan());
+        assert!(largest([]).is_nan());
     }
 }

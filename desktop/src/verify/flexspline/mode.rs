@@ -1,13 +1,15 @@
 //! The torsion mode, wave generator held, flange let go from a small torsion: real time against reference.
 //!
 //! Default gear without friction and hysteresis, stepped by [`Gear::step`]: f32 every 0.1 ms, and f64 with the 36 x 4
-//! mesh in micro-steps. Frequency from the zero crossings of the torsion, damping ratio zeta from the peaks p between them:
+//! mesh in micro-steps. Frequency from the zero crossings of the torsion, damping ratio zeta from the peaks p between
+//! them:
 //!
 //! ```text
-//! f = (crossings - 1)/(2*(t_last - t_first)),   delta = ln(p_first/p_last)/(peaks - 1),   zeta = delta/sqrt(pi^2 + delta^2)
+//! f = (crossings - 1)/(2*(t_last - t_first))
+//! delta = ln(p_first/p_last)/(peaks - 1),   zeta = delta/sqrt(pi^2 + delta^2)
 //! ```
 //!
-//! Both over half turns of the mode, 1 s long. What is small is a tenth of the first knee's torsion.
+//! What is small is a tenth of the first knee's torsion.
 
 use std::f64::consts::PI;
 

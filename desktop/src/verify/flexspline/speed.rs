@@ -1,7 +1,7 @@
 //! What the reference costs on this machine, one thread, by the clock.
 //!
-//! A step of the 36 x 4 mesh: the best of `BATCHES` batches, over its links. A second of plant: S1 under B0, the best of
-//! `RUNS`. Other work on the machine makes them slower, never faster: no test reads them.
+//! A step of the 36 x 4 mesh: the best of many short batches, over its links. A second of plant: S1 under B0, the best
+//! of some runs. Other work on the machine makes them slower, never faster: no test reads them.
 
 use std::hint::black_box;
 use std::time::Instant;

@@ -1,0 +1,167 @@
+//! Work that friction gives over closed random motion, for every model with memory that cannot give any by
+//! construction.
+//!
+//! A trajectory: strokes at a speed each, the last one back to the start, from rest. The work of a stroke
+//! is the integral of F over its pieces by Gauss's rule; because the models step exactly for any length, F
+//! at each node is one step from the start of the piece. Smooth models: pieces of at most eps/4, six nodes,
+//! 1e-17 of quadrature. Models with kinks: strokes of whole dyadic units on which all kinks lie, a piece a
+//! unit, in which F is straight.
+//!
+//! The figures are the largest gain of a trajectory as a share of level times path: rounding.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use strainwave::Real;
+use strainwave::friction::{
+    BlimanSorine, BristleParams, DahlParams, FrictionModel, JointFrictionParams, LuGreParams,
+    LubricatedContactParams, Order, ResetIntegratorParams, Slip, StateSpaceParams,
+};
+
+use crate::bounds;
+use crate::figure::Figure;
+use crate::verify::greatest;
+
+/// Trajectories of each of the eight models: 10^6 in all, in either precision.
+const TRAJECTORIES: usize = 125_000;
+/// Strokes before the one that closes the path.
+const STROKES: usize = 4;
+/// Level (N) and presliding length (m); what the kinks lie on is a power of two.
+const LEVEL: f64 = 1.0;
+const EPS: f64 = 0.015_625;
+const ETA: f64 = 0.3;
+/// Kinks of the models that have some lie on multiples of this (m).
+const UNIT: f64 = EPS / 8.0;
+
+/// Nodes and weights of Gauss's rule on 0..=1: six nodes, exact to order 11.
+const GAUSS: [(f64, f64); 6] = [
+    (0.033_765_242_898_423_975, 0.085_662_246_189_585_18),
+    (0.169_395_306_766_867_76, 0.180_380_786_524_069_3),
+    (0.380_690_406_958_401_56, 0.233_956_967_286_345_52),
+    (0.619_309_593_041_598_5, 0.233_956_967_286_345_52),
+    (0.830_604_693_233_132_3, 0.180_380_786_524_069_3),
+    (0.966_234_757_101_576, 0.085_662_246_189_585_18),
+];
+
+pub(super) fn measure() -> Vec<Figure> {
+    vec![
+        bounds::figure("friction.work.f64", worst_of_all::<f64>()),
+        bounds::figure("friction.work.f32", worst_of_all::<f32>()),
+    ]
+}
+
+/// A stroke (m), its sign the direction, and its speed (m/s).
+type Stroke = (f64, f64);
+
+fn worst_of_all<R: Real>() -> f64 {
+    let lit = R::lit;
+    let dahl = |exponent| {
+        let params = DahlParams { coulomb: lit(LEVEL), stiffness: lit(LEVEL / EPS), exponent: lit(exponent) };
+        params.build().expect("the level is in range")
+    };
+    let order_2 = BlimanSorine::order_2(lit(1.5 * LEVEL), lit(0.5 * LEVEL), lit(EPS), lit(ETA));
+    greatest([
+        worst(&dahl(1.0), smooth),
+        worst(&dahl(2.0), smooth),
+        worst(&dahl(0.0), on_units),
+        worst(&order_2.expect("the levels are in range"), smooth),
+        worst(&resonant::<R>().build().expect("the system is stable and dissipative"), smooth),
+        worst(&lugre::<R>().build().expect("the levels are in range"), smooth),
+        worst(&passive::<R>().build_passive().expect("the levels are in range"), smooth),
+        worst(&BristleParams::<R, 4>::of_level(lit(LEVEL), lit(EPS)).build().expect("in range"), on_units)
+            .max(worst(&reset_integrator::<R>().build().expect("the levels are in range"), on_units)),
+    ])
+}
+
+/// Complex modes, a quarter of eps long.
+fn resonant<R: Real>() -> StateSpaceParams<R, 2> {
+    let rate = 1.0 / EPS;
+    let [a, b, c, d] = [-rate, 4.0 * rate, -4.0 * rate, -2.0 * rate].map(R::lit);
+    let [b_1, b_2] = [rate, 0.5 * rate].map(R::lit);
+    StateSpaceParams { a: [[a, b], [c, d]], b: [b_1, b_2], c: [R::lit(4.5 * LEVEL), R::lit(2.25 * LEVEL)] }
+}
+
+/// Fs = 1.5 Fc, without sigma1: with it LuGre may give work.
+fn lugre<R: Real>() -> LuGreParams<R> {
+    let contact = LubricatedContactParams {
+        coulomb: R::lit(LEVEL / 1.5),
+        static_level: R::lit(LEVEL),
+        stribeck_velocity: R::lit(0.1),
+        stribeck_exponent: R::lit(2.0),
+        viscous: R::ZERO,
+    };
+    LuGreParams { contact, stiffness: R::lit(LEVEL / EPS), damping: R::ZERO }
+}
+
+fn passive<R: Real>() -> JointFrictionParams<R> {
+    JointFrictionParams {
+        order: Order::Two,
+        coulomb: R::lit(LEVEL / 1.5),
+        static_level: R::lit(LEVEL),
+        stribeck_velocity: R::lit(0.1),
+        stribeck_exponent: R::ONE,
+        viscous: R::ZERO,
+        presliding: R::lit(EPS),
+        presliding_ratio: R::lit(ETA),
+    }
+}
+
+fn reset_integrator<R: Real>() -> ResetIntegratorParams<R> {
+    ResetIntegratorParams {
+        stiffness: R::lit(LEVEL / EPS),
+        stick_gain: R::lit(0.5),
+        damping: R::ZERO,
+        reach: R::lit(EPS),
+    }
+}
+
+/// Strokes from 1e-6 to 1 eps, from far below vs to far above it.
+fn smooth(random: &mut ChaCha8Rng) -> [Stroke; STROKES] {
+    let scale = EPS * 10f64.powf(random.random_range(-6.0..0.0));
+    std::array::from_fn(|_| (scale * random.random_range(-1.0..1.0), speed(random)))
+}
+
+fn on_units(random: &mut ChaCha8Rng) -> [Stroke; STROKES] {
+    std::array::from_fn(|_| (UNIT * f64::from(random.random_range(-12..=12i32)), speed(random)))
+}
+
+/// A power of two, so that a piece of a unit takes a time without rounding; no piece takes a second.
+fn speed(random: &mut ChaCha8Rng) -> f64 {
+    f64::from(random.random_range(-7..=3i32)).exp2()
+}
+
+fn worst<R: Real>(model: &impl FrictionModel<R>, strokes: fn(&mut ChaCha8Rng) -> [Stroke; STROKES]) -> f64 {
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    greatest((0..TRAJECTORIES).map(|_| {
+        let strokes = strokes(&mut random);
+        let back = (-strokes.iter().map(|(way, _)| way).sum::<f64>(), speed(&mut random));
+        gain(model, strokes.into_iter().chain([back]))
+    }))
+    .max(0.0)
+}
+
+/// Work given, as a share of level times path.
+fn gain<R: Real>(model: &impl FrictionModel<R>, strokes: impl Iterator<Item = Stroke>) -> f64 {
+    let mut state = Default::default();
+    let (mut lost, mut path) = (0.0, f64::MIN_POSITIVE);
+    for (way, speed) in strokes {
+        let pieces = (way.abs() / (2.0 * UNIT)).ceil().max(1.0);
+        let pieces = if way % UNIT == 0.0 { way.abs() / UNIT } else { pieces };
+        for _ in 0..pieces as u32 {
+            lost += work(model, &mut state, way / pieces, speed);
+        }
+        path += way.abs();
+    }
+    -lost / (LEVEL * path)
+}
+
+/// Work lost over a piece of a stroke, and the state moved to its end.
+fn work<R: Real, M: FrictionModel<R>>(model: &M, state: &mut M::State, way: f64, speed: f64) -> f64 {
+    let velocity = R::lit(speed.copysign(way));
+    let slip = |share: f64| Slip::new(velocity, R::lit(share * way.abs() / speed));
+    let mean: f64 = GAUSS
+        .iter()
+        .map(|&(node, weight)| weight * model.step(&mut state.clone(), &slip(node)).force.to_f64())
+        .sum();
+    model.step(state, &slip(1.0));
+    mean * way
+}

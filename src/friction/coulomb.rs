@@ -1,0 +1,68 @@
+//! Coulomb friction.
+//!
+//! ```text
+//! F = Fc * sign(v),   F = 0 at v = 0
+//! ```
+//!
+//! Sign: F has the sign of v and is subtracted in the equation of motion. Units: Fc (N) or (N m). Memoryless:
+//! there is nothing to discretise.
+//!
+//! Known weakness: at v = 0, where a joint spends most of its time, it says nothing. The jump at v = 0
+//! makes a simulation chatter between both signs at every step, and a compensator that adds it hunts.
+//!
+//! C. A. Coulomb, "Théorie des machines simples", 1785; H. Olsson et al., "Friction models and friction
+//! compensation", European Journal of Control 4 (1998), eq. (1).
+
+use super::{FrictionModel, LastForce, Slip, require_level};
+use crate::error::Error;
+use crate::real::Real;
+
+/// One level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoulombParams<R> {
+    /// Fc (N) or (N m); 0..=1e6.
+    pub coulomb: R,
+}
+
+impl<R: Real> CoulombParams<R> {
+    /// Checks.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `coulomb`.
+    pub fn build(&self) -> Result<Coulomb<R>, Error> {
+        require_level(self.coulomb, "coulomb")?;
+        Ok(Coulomb { coulomb: self.coulomb })
+    }
+}
+
+/// Built model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coulomb<R> {
+    coulomb: R,
+}
+
+impl<R: Real> FrictionModel<R> for Coulomb<R> {
+    type State = LastForce<R>;
+
+    fn force(&self, state: &Self::State) -> R {
+        state.0
+    }
+
+    fn advance(&self, state: &mut Self::State, slip: &Slip<R>) {
+        state.0 = self.coulomb * slip.velocity.sign();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_has_the_sign_of_the_velocity_and_one_level() {
+        let model = CoulombParams { coulomb: 0.7 }.build().unwrap();
+        let force = |velocity: f64| model.step(&mut LastForce::default(), &Slip::new(velocity, 1e-3)).force;
+        assert_eq!([-5.0, -1e-300, 0.0, 1e-300, 5.0].map(force), [-0.7, -0.7, 0.0, 0.7, 0.7]);
+        let named = CoulombParams { coulomb: -0.1 }.build().unwrap_err();
+        assert_eq!(named, Error::OutOfRange("coulomb"));
+    }
+}

@@ -1,0 +1,85 @@
+//! Static friction: at standstill it holds whatever is applied, up to a level.
+//!
+//! ```text
+//! v = 0:   F = F_e where |F_e| <= Fs,  else Fs * sign(F_e)
+//! v != 0:  F = Fc * sign(v)
+//! ```
+//!
+//! F_e is what everything else applies to the body. Table 1 has the first line; a body that moves needs the
+//! second, here Coulomb's.
+//!
+//! Sign: at standstill F has the sign of F_e, in motion that of v; it is subtracted in the equation of
+//! motion. Units: (N) or (N m). Memoryless: there is nothing to discretise.
+//!
+//! Known weakness: v = 0 must be met exactly, which a simulation or an encoder never does ([`super::Karnopp`]
+//! widens it). The applied force must be known, which is an algebraic loop wherever it depends on F.
+//!
+//! A. Morin, "New friction experiments carried out at Metz in 1831-1833", 1833; H. Olsson et al., "Friction
+//! models and friction compensation", European Journal of Control 4 (1998), eq. (3).
+
+use super::{FrictionModel, LastForce, Slip, require_level};
+use crate::error::{Error, require};
+use crate::real::Real;
+
+/// Levels at standstill and in motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StaticParams<R> {
+    /// Fc (N) or (N m); 0..=1e6.
+    pub coulomb: R,
+    /// Fs (N) or (N m); `coulomb`..=1e6.
+    pub static_level: R,
+}
+
+impl<R: Real> StaticParams<R> {
+    /// Checks.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `coulomb` or `static_level`.
+    pub fn build(&self) -> Result<Static<R>, Error> {
+        require_level(self.coulomb, "coulomb")?;
+        require_level(self.static_level, "static_level")?;
+        require(self.static_level >= self.coulomb, "static_level")?;
+        Ok(Static { coulomb: self.coulomb, static_level: self.static_level })
+    }
+}
+
+/// Built model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Static<R> {
+    coulomb: R,
+    static_level: R,
+}
+
+impl<R: Real> FrictionModel<R> for Static<R> {
+    type State = LastForce<R>;
+
+    fn force(&self, state: &Self::State) -> R {
+        state.0
+    }
+
+    fn advance(&self, state: &mut Self::State, slip: &Slip<R>) {
+        state.0 = if slip.velocity == R::ZERO {
+            slip.applied.limit(self.static_level)
+        } else {
+            self.coulomb * slip.velocity.sign()
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_holds_up_to_its_level_and_slides_below_it() {
+        let model = StaticParams { coulomb: 1.0, static_level: 1.5 }.build().unwrap();
+        let force = |velocity: f64, applied| {
+            model.step(&mut LastForce::default(), &Slip { velocity, applied, duration: 1e-3 }).force
+        };
+        assert_eq!([-9.0, -0.7, 0.0, 1.6].map(|applied| force(0.0, applied)), [-1.5, -0.7, 0.0, 1.5]);
+        assert_eq!([-3.0, 1e-30].map(|velocity| force(velocity, 0.0)), [-1.0, 1.0]);
+        let named = |coulomb, static_level| StaticParams { coulomb, static_level }.build().unwrap_err();
+        assert_eq!(named(-1.0, 1.0), Error::OutOfRange("coulomb"));
+        assert_eq!(named(1.0, 0.5), Error::OutOfRange("static_level"));
+    }
+}

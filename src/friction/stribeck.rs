@@ -1,0 +1,88 @@
+//! Stribeck effect: sliding friction falls from the static level as speed builds up a film of lubricant.
+//!
+//! ```text
+//! v != 0:  F = (Fc + (Fs - Fc) * exp(-|v/vs|^delta)) * sign(v) + Fv*v
+//! v = 0:   F = F_e where |F_e| <= Fs,  else Fs * sign(F_e)
+//! ```
+//!
+//! Table 1 gives the exponential alone, which is what the effect adds to Coulomb's level. The sliding curve
+//! is that of [`super::LubricatedContact`]; here standstill is static friction.
+//!
+//! Sign: at standstill F has the sign of F_e, in motion that of v; it is subtracted in the equation of
+//! motion. Units: see [`LubricatedContactParams`]. Memoryless: there is nothing to discretise.
+//!
+//! Known weakness: that of static friction, v = 0 must be met exactly. The slope dF/dv < 0 below vs is
+//! negative damping, and the curve holds for steady speed only: measured friction lags behind it.
+//!
+//! R. Stribeck, "Die wesentlichen Eigenschaften der Gleit- und Rollenlager", Zeitschrift des VDI 46 (1902);
+//! H. Olsson et al., "Friction models and friction compensation", European Journal of Control 4 (1998),
+//! eqs. (4), (5).
+
+use super::lubricated_contact::{LubricatedContact, LubricatedContactParams};
+use super::{FrictionModel, LastForce, Slip};
+use crate::error::Error;
+use crate::real::Real;
+
+/// The sliding curve; its level at v = 0 is the static one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StribeckParams<R> {
+    /// Curve over speed.
+    pub contact: LubricatedContactParams<R>,
+}
+
+impl<R: Real> StribeckParams<R> {
+    /// Checks and precomputes.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with the name of the contact's field.
+    pub fn build(&self) -> Result<Stribeck<R>, Error> {
+        Ok(Stribeck { contact: self.contact.build()? })
+    }
+}
+
+/// Built model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stribeck<R> {
+    contact: LubricatedContact<R>,
+}
+
+impl<R: Real> FrictionModel<R> for Stribeck<R> {
+    type State = LastForce<R>;
+
+    fn force(&self, state: &Self::State) -> R {
+        state.0
+    }
+
+    fn advance(&self, state: &mut Self::State, slip: &Slip<R>) {
+        state.0 = if slip.velocity == R::ZERO {
+            self.contact.standstill(slip.applied)
+        } else {
+            self.contact.sliding(slip.velocity)
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn standstill_holds_what_is_applied_and_sliding_falls_with_speed() {
+        let contact = LubricatedContactParams {
+            coulomb: 1.0,
+            static_level: 1.5,
+            stribeck_velocity: 0.1,
+            stribeck_exponent: 2.0,
+            viscous: 0.0,
+        };
+        let model = StribeckParams { contact }.build().unwrap();
+        let force = |velocity: f64, applied| {
+            model.step(&mut LastForce::default(), &Slip { velocity, applied, duration: 1e-3 }).force
+        };
+        assert_eq!([-9.0, -0.7, 0.0, 1.6].map(|applied| force(0.0, applied)), [-1.5, -0.7, 0.0, 1.5]);
+        assert!((force(0.1, 0.0) - (1.0 + 0.5 * (-1.0f64).exp())).abs() < 1e-15);
+        assert!(force(1e-9, 0.0) > force(0.05, 0.0) && force(0.05, 0.0) > force(5.0, 0.0));
+        let named = StribeckParams { contact: LubricatedContactParams { coulomb: -1.0, ..contact } };
+        assert_eq!(named.build().unwrap_err(), Error::OutOfRange("coulomb"));
+    }
+}

@@ -1,0 +1,167 @@
+//! What every model must do.
+
+use super::*;
+use crate::friction::state_space::StateSpaceParams;
+use proptest::prelude::*;
+use std::fmt::Debug;
+use std::vec::Vec;
+
+fn contact<R: Real>() -> LubricatedContactParams<R> {
+    LubricatedContactParams {
+        coulomb: R::lit(0.035),
+        static_level: R::lit(0.05),
+        stribeck_velocity: R::lit(2.0),
+        stribeck_exponent: R::ONE,
+        viscous: R::lit(1.2e-4),
+    }
+}
+
+fn joint<R: Real>() -> JointFrictionParams<R> {
+    JointFrictionParams {
+        order: Order::Two,
+        coulomb: R::lit(0.035),
+        static_level: R::lit(0.05),
+        stribeck_velocity: R::lit(2.0),
+        stribeck_exponent: R::lit(2.0),
+        viscous: R::lit(1.2e-4),
+        presliding: R::lit(0.02),
+        presliding_ratio: R::lit(0.3),
+    }
+}
+
+/// What is done with each model.
+trait Task<R: Real> {
+    fn run<M: FrictionModel<R, State: Debug + PartialEq>>(&self, name: &str, model: &M);
+}
+
+fn for_every_model<R: Real>(task: &impl Task<R>) {
+    let lit = R::lit;
+    task.run("coulomb", &CoulombParams { coulomb: lit(0.035) }.build().unwrap());
+    task.run("viscous", &ViscousParams { viscous: lit(0.5) }.build().unwrap());
+    task.run("static", &StaticParams { coulomb: lit(0.035), static_level: lit(0.05) }.build().unwrap());
+    task.run("lubricated contact", &contact::<R>().build().unwrap());
+    task.run("stribeck", &StribeckParams { contact: contact::<R>() }.build().unwrap());
+    task.run("karnopp", &KarnoppParams { contact: contact::<R>(), dead_band: lit(0.01) }.build().unwrap());
+    let armstrong = ArmstrongParams {
+        stiffness: lit(1e9),
+        coulomb: lit(0.035),
+        viscous: lit(1e6),
+        stribeck: lit(0.015),
+        stribeck_velocity: lit(1e-9),
+        memory: lit(1e-9),
+        dwell: lit(1e6),
+    };
+    task.run("armstrong", &armstrong.build().unwrap());
+    for exponent in [0.0, 1.0, 2.0] {
+        let dahl = DahlParams { coulomb: lit(1e-9), stiffness: lit(1e12), exponent: lit(exponent) };
+        task.run("dahl", &dahl.build().unwrap());
+    }
+    task.run("bristle", &BristleParams::<R, 20>::of_level(lit(0.035), lit(1e-9)).build().unwrap());
+    let reset = ResetIntegratorParams {
+        stiffness: lit(1e6),
+        stick_gain: lit(0.5),
+        damping: lit(1e6),
+        reach: lit(1e-9),
+    };
+    task.run("reset integrator", &reset.build().unwrap());
+    task.run("bliman-sorine", &BlimanSorine::order_2(lit(1.5), lit(0.5), lit(1e-9), lit(0.3)).unwrap());
+    let matrices = StateSpaceParams {
+        a: [[lit(-1e9), lit(4e11)], [lit(-4e11), lit(-2e9)]],
+        b: [lit(1e9), lit(0.5e9)],
+        c: [R::ONE, lit(0.5)],
+    };
+    task.run("state space", &matrices.build().unwrap());
+    let extreme = LubricatedContactParams { coulomb: lit(1e-9), static_level: lit(1e6), ..contact() };
+    let lugre = LuGreParams { contact: extreme, stiffness: lit(1e9), damping: lit(1e6) };
+    task.run("lugre", &lugre.build().unwrap());
+    task.run("joint", &joint::<R>().build(lit(1e-4)).unwrap());
+    task.run("passive", &joint::<R>().build_passive().unwrap());
+}
+
+struct AnyBits(Vec<[u32; 3]>);
+
+impl Task<f32> for AnyBits {
+    fn run<M: FrictionModel<f32, State: Debug + PartialEq>>(&self, name: &str, model: &M) {
+        let mut state = M::State::default();
+        for bits in &self.0 {
+            let [velocity, applied, duration] = bits.map(f32::from_bits);
+            let before = state.clone();
+            let friction = model.step(&mut state, &Slip { velocity, applied, duration });
+            let finite = velocity.is_finite() && applied.is_finite() && duration.is_finite();
+            assert!(friction.force.is_finite(), "{name}: {friction:?} {before:?} {velocity} {duration}");
+            assert_eq!(friction.held, !finite, "{name}");
+            if friction.held {
+                assert_eq!(before, state, "{name}");
+                assert_eq!(friction.force, model.force(&before), "{name}");
+            }
+        }
+    }
+}
+
+/// Any bits, the usual numbers, and the ends.
+fn wild() -> impl Strategy<Value = u32> {
+    prop_oneof![
+        any::<u32>(),
+        (-10.0..10.0f32).prop_map(f32::to_bits),
+        prop::sample::select(std::vec![
+            0.0,
+            -0.0,
+            1e-45,
+            f32::MAX,
+            f32::MIN,
+            f32::INFINITY,
+            f32::NAN,
+            1e-4,
+            1.0
+        ])
+        .prop_map(f32::to_bits),
+    ]
+}
+
+proptest! {
+    #[test]
+    fn any_bits_leave_a_finite_force_and_non_finite_ones_hold_it(
+        bits in prop::collection::vec(prop::array::uniform3(wild()), 1..60),
+    ) {
+        for_every_model(&AnyBits(bits));
+    }
+}
+
+/// The force after moving both ways by mirror images is opposite.
+struct Odd(Vec<f64>);
+
+impl Task<f64> for Odd {
+    fn run<M: FrictionModel<f64, State: Debug + PartialEq>>(&self, name: &str, model: &M) {
+        let (mut there, mut mirrored) = (M::State::default(), M::State::default());
+        for &velocity in &self.0 {
+            let slip = Slip { velocity, applied: 0.02 * velocity, duration: 1e-3 };
+            let image = Slip { velocity: -velocity, applied: -slip.applied, ..slip };
+            let (one, two) = (model.step(&mut there, &slip).force, model.step(&mut mirrored, &image).force);
+            // The bonds' tensions are added up in the other order.
+            assert!((one + two).abs() <= 1e-12 * one.abs().max(1.0), "{name}: {one} {two}");
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn a_mirrored_motion_has_the_mirrored_force(velocities in prop::collection::vec(-3.0..3.0f64, 1..50)) {
+        for_every_model(&Odd(velocities));
+    }
+}
+
+/// A step of no time and no motion changes nothing but what static friction holds.
+struct Nothing;
+
+impl Task<f64> for Nothing {
+    fn run<M: FrictionModel<f64, State: Debug + PartialEq>>(&self, name: &str, model: &M) {
+        let mut state = M::State::default();
+        let nothing = model.step(&mut state, &Slip::default());
+        assert!(nothing.force.abs() < 1e-15 && !nothing.held, "{name}");
+    }
+}
+
+#[test]
+fn no_motion_from_rest_has_no_friction() {
+    for_every_model(&Nothing);
+}

@@ -1,0 +1,68 @@
+//! Viscous friction.
+//!
+//! ```text
+//! F = Fv * v
+//! ```
+//!
+//! Sign: F has the sign of v and is subtracted in the equation of motion. Units: Fv (N s/m) or (N m s/rad).
+//! Memoryless: there is nothing to discretise.
+//!
+//! Known weakness: no friction at standstill. The loss of a gear grows more slowly than v, and falls as the
+//! lubricant warms, by a factor of 3 and more.
+//!
+//! O. Reynolds, "On the theory of lubrication", 1886; H. Olsson et al., "Friction models and friction
+//! compensation", European Journal of Control 4 (1998), eq. (2).
+
+use super::{FrictionModel, LastForce, Slip, require_level};
+use crate::error::Error;
+use crate::real::Real;
+
+/// One factor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ViscousParams<R> {
+    /// Fv (N s/m) or (N m s/rad); 0..=1e6.
+    pub viscous: R,
+}
+
+impl<R: Real> ViscousParams<R> {
+    /// Checks.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `viscous`.
+    pub fn build(&self) -> Result<Viscous<R>, Error> {
+        require_level(self.viscous, "viscous")?;
+        Ok(Viscous { viscous: self.viscous })
+    }
+}
+
+/// Built model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Viscous<R> {
+    viscous: R,
+}
+
+impl<R: Real> FrictionModel<R> for Viscous<R> {
+    type State = LastForce<R>;
+
+    fn force(&self, state: &Self::State) -> R {
+        state.0
+    }
+
+    fn advance(&self, state: &mut Self::State, slip: &Slip<R>) {
+        state.0 = self.viscous * slip.velocity;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_is_proportional_to_the_velocity() {
+        let model = ViscousParams { viscous: 0.5 }.build().unwrap();
+        let force = |velocity: f64| model.step(&mut LastForce::default(), &Slip::new(velocity, 1e-3)).force;
+        assert_eq!([-4.0, 0.0, 3.0].map(force), [-2.0, 0.0, 1.5]);
+        let named = ViscousParams { viscous: f64::NAN }.build().unwrap_err();
+        assert_eq!(named, Error::OutOfRange("viscous"));
+    }
+}
