@@ -19,7 +19,7 @@ use strainwave::{Error, Real};
 pub struct Diverged {
     /// (s)
     pub time: f64,
-    /// Near node of the link.
+    /// An end of the link.
     pub node: (usize, usize),
     /// L/L0 - 1.
     pub strain: f64,

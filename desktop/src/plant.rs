@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Motor torque and load are held over a control period (zero-order hold) and integrated in
-//! micro-steps of semi-implicit Euler, as many as keep the mesh well below its stable step. The power
+//! micro-steps of semi-implicit Euler, as many as keep the mesh below its stable step. The power
 //! that enters both ports is accounted for micro-step by micro-step.
 
 use strainwave::flexspline::{Flexspline, FlexsplineParams, Mesh};
