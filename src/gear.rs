@@ -118,6 +118,13 @@ pub struct Torques<R> {
     pub saturated: bool,
 }
 
+impl<R: Real, S, const MEMORY: usize> GearState<R, S, MEMORY> {
+    /// What the flexspline remembers.
+    pub fn flexspline(&self) -> &S {
+        &self.flexspline
+    }
+}
+
 impl<R: Real> GearParams<R> {
     /// Builds the gear around a flexspline model of the same time step dt (s).
     ///
@@ -199,6 +206,11 @@ impl<R: Real, F: Flexspline<R>, const L: usize, const MEMORY: usize> Gear<R, F, 
         ideal.plus(self.kinematic_error.evaluate(wave_generator, ideal).error)
     }
 
+    /// What the motion of both sides is to the flexspline.
+    pub fn flexspline_ends(&self, wave_generator: &Motion<R>, flange: &Motion<R>) -> Ends<R> {
+        self.ends(wave_generator, flange).0
+    }
+
     fn ends(&self, wave_generator: &Motion<R>, flange: &Motion<R>) -> (Ends<R>, R) {
         let ideal = self.ratio.apply(wave_generator.angle);
         let deviation = self.kinematic_error.evaluate(wave_generator.angle, ideal);
@@ -269,7 +281,7 @@ impl<R: Real, F: Flexspline<R>, const L: usize, const MEMORY: usize> Gear<R, F, 
         wave_generator: &Motion<R>,
         flange: &Motion<R>,
     ) -> R {
-        self.flexspline.energy(&state.flexspline, &self.ends(wave_generator, flange).0)
+        self.flexspline.energy(&state.flexspline, &self.flexspline_ends(wave_generator, flange))
     }
 }
 

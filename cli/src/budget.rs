@@ -6,9 +6,9 @@ use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::budget::{self, Budget, Measurement};
 use strainwave_emulator::{firmware, pil};
 
+use crate::figures::{Figures, FiguresArguments, say};
 use crate::files;
 use crate::progress::Progress;
-use crate::report::{Report, ReportArguments, say};
 
 /// Count instructions and cycles of the control step and of each block in it; flash, RAM and stack
 ///
@@ -26,12 +26,12 @@ pub struct Arguments {
     #[arg(long)]
     overwrite: bool,
     #[command(flatten)]
-    report: ReportArguments,
+    figures: FiguresArguments,
 }
 
 /// Builds, counts and judges.
-pub fn run(arguments: &Arguments) -> Result<Report, BadInput> {
-    files::require_writable(arguments.report.json.as_deref())?;
+pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
+    files::require_writable(arguments.figures.json.as_deref())?;
     let boards = match &arguments.board {
         Some(board) => vec![board.clone()],
         None => firmware::boards().map_err(BadInput::message)?,
@@ -40,7 +40,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, BadInput> {
     for board in boards {
         figures.extend(judge(&board, arguments.overwrite)?);
     }
-    Ok(Report::silent(figures, &arguments.report))
+    Ok(Figures::silent(figures, &arguments.figures))
 }
 
 fn judge(board: &str, overwrite: bool) -> Result<Vec<Figure>, BadInput> {

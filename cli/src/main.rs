@@ -5,6 +5,7 @@
 //! when it was interrupted.
 
 mod budget;
+mod figures;
 mod files;
 mod pil;
 mod pil_plots;
@@ -21,7 +22,7 @@ use clap::{Parser, Subcommand};
 use strainwave_desktop::BadInput;
 use strainwave_emulator::interrupt;
 
-use crate::report::{Report, complain};
+use crate::figures::{Figures, complain};
 
 /// A figure misses its bound.
 const MISSED: u8 = 1;
@@ -42,14 +43,16 @@ struct Cli {
 enum Command {
     Budget(budget::Arguments),
     Pil(pil::Arguments),
+    Report(report::Arguments),
     Sim(sim::Arguments),
     Verify(verify::Arguments),
 }
 
-fn run(command: Command) -> Result<Report, BadInput> {
+fn run(command: Command) -> Result<Figures, BadInput> {
     match command {
         Command::Budget(arguments) => budget::run(&arguments),
         Command::Pil(arguments) => pil::run(&arguments),
+        Command::Report(arguments) => report::run(&arguments),
         Command::Sim(arguments) => sim::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
     }
@@ -62,7 +65,7 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return usage::answer(&error),
     };
-    match panic::catch_unwind(|| run(cli.command).and_then(Report::publish)) {
+    match panic::catch_unwind(|| run(cli.command).and_then(Figures::publish)) {
         Ok(Ok(true)) => ExitCode::SUCCESS,
         Ok(Ok(false)) => ExitCode::from(MISSED),
         Ok(Err(error)) => {

@@ -10,10 +10,10 @@ use strainwave_desktop::scenario::Scenario;
 use strainwave_desktop::{BadInput, Figure, GearFile, bounds};
 use strainwave_emulator::pil::{self, Replay, ScenarioRun};
 
+use crate::figures::{Figures, FiguresArguments, say};
 use crate::files;
 use crate::pil_plots;
 use crate::progress::Progress;
-use crate::report::{Report, ReportArguments, say};
 
 /// Run a board's firmware in the emulator, in lockstep with the reference plant or on a measured log
 ///
@@ -46,7 +46,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR", default_value = "out")]
     plots: PathBuf,
     #[command(flatten)]
-    report: ReportArguments,
+    figures: FiguresArguments,
 }
 
 #[derive(Clone)]
@@ -62,8 +62,8 @@ fn scenario_parser() -> impl TypedValueParser<Value = Scenarios> {
 }
 
 /// Builds, boots and runs.
-pub fn run(arguments: &Arguments) -> Result<Report, BadInput> {
-    let json = arguments.report.json.as_deref();
+pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
+    let json = arguments.figures.json.as_deref();
     files::require_distinct(&[
         ("--gear", arguments.gear.as_deref()),
         ("--replay", arguments.replay.as_deref()),
@@ -78,7 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<Report, BadInput> {
         Some(log) => replay(arguments, &firmware.elf, &gear, log)?,
         None => scenarios(arguments, &firmware.elf, &gear)?,
     };
-    Ok(Report::new(figures, &arguments.report))
+    Ok(Figures::new(figures, &arguments.figures))
 }
 
 /// A log that has what a replay compares with.

@@ -1,176 +1,54 @@
-//! What a subcommand answers with: figures, as a table and as JSON.
+//! `report`: one HTML page with the paper's figures and ours.
 
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
-use comfy_table::{CellAlignment, Table, presets};
-use serde::Serialize;
-use strainwave_desktop::{BadInput, Figure, file};
+use strainwave_desktop::{BadInput, GearFile, file, report};
 
-/// Options of every subcommand.
+use crate::figures::{Figures, FiguresArguments, say};
+use crate::files;
+use crate::progress::Progress;
+
+/// Write one self-contained HTML page: the paper's figures and ours, drawn from a gear
+///
+/// The flexspline's chapter has eq. (1) and its curve, the assembled mesh, torque over torsion of both builds against
+/// the catalogue's line, strain at a gauge over a turn, the mesh sizes, and the figures of `verify flexspline` beside
+/// their bounds. The page needs no other file and no network; it prints, and follows a dark screen.
 #[derive(Args)]
-pub struct ReportArguments {
-    /// Also write the figures to this file, as {"figures": [{"name", "value", "unit", "bound", "holds"}, ...]}
-    ///
-    /// A bound is the largest allowed value; beside "at_least": true it is the smallest.
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<PathBuf>,
+pub struct Arguments {
+    /// Gear file; the default gear hd25-100 when left out
+    #[arg(long, value_name = "G.toml")]
+    gear: Option<PathBuf>,
+    /// The page; written complete or not at all, its folder made when missing
+    #[arg(long, value_name = "FILE", default_value = "out/report.html")]
+    output: PathBuf,
+    #[command(flatten)]
+    figures: FiguresArguments,
 }
 
-/// The figures of a subcommand.
-#[derive(Serialize)]
-pub struct Report {
-    figures: Vec<Figure>,
-    #[serde(skip)]
-    json: Option<PathBuf>,
-    /// The subcommand has printed a table of its own.
-    #[serde(skip)]
-    printed: bool,
-}
-
-impl Report {
-    /// Figures to be published as `arguments` ask.
-    pub fn new(figures: Vec<Figure>, arguments: &ReportArguments) -> Self {
-        Self { figures, json: arguments.json.clone(), printed: false }
+/// Measures, draws and writes.
+pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
+    let (output, json) = (arguments.output.as_path(), arguments.figures.json.as_deref());
+    files::require_distinct(&[
+        ("--gear", arguments.gear.as_deref()),
+        ("--output", Some(output)),
+        ("--json", json),
+    ])?;
+    let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
+    files::require_writable(json)?;
+    let folder = file::folder_of(output);
+    files::require_folder(folder)?;
+    if folder.is_dir() {
+        files::require_writable(Some(output))?;
     }
-
-    /// The same of a subcommand that prints its figures itself.
-    pub fn silent(figures: Vec<Figure>, arguments: &ReportArguments) -> Self {
-        Self { printed: true, ..Self::new(figures, arguments) }
+    let mut progress = Progress::new(1000, "measuring and drawing");
+    let report = report::build(&gear, |share| progress.set((share * 1e3) as u64))?;
+    drop(progress);
+    files::make_folder(folder)?;
+    file::write(output, |out| Ok(out.write_all(report.html.as_bytes())?))?;
+    for note in &report.measured.notes {
+        say(format_args!("{note}"));
     }
-
-    /// Writes the JSON file, prints the table, and tells whether every figure holds.
-    pub fn publish(self) -> Result<bool, BadInput> {
-        if let Some(path) = &self.json {
-            self.write_json(path)?;
-        }
-        if !self.printed {
-            say(format_args!("{}", table(&self.figures)));
-        }
-        Ok(self.figures.iter().all(|figure| figure.holds))
-    }
-
-    fn write_json(&self, path: &Path) -> Result<(), BadInput> {
-        file::write(path, |out| {
-            serde_json::to_writer_pretty(&mut *out, self).map_err(io::Error::from)?;
-            Ok(writeln!(out)?)
-        })
-    }
-}
-
-/// A line for people; a reader that has seen enough and closed the pipe changes nothing.
-pub fn say(line: std::fmt::Arguments<'_>) {
-    let _ = writeln!(io::stdout(), "{line}");
-}
-
-/// A line about what went wrong; without an error stream there is nobody to tell.
-pub fn complain(line: std::fmt::Arguments<'_>) {
-    let _ = writeln!(io::stderr(), "{line}");
-}
-
-/// One row a figure.
-fn table(figures: &[Figure]) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_header(["name", "value", "unit", "bound", "holds"]);
-    for figure in figures {
-        let bound = figure.bound_text(number);
-        let holds = match (figure.bound, figure.holds) {
-            (None, _) => "-",
-            (Some(_), true) => "yes",
-            (Some(_), false) => "NO",
-        };
-        table.add_row([&figure.name, &number(figure.value), &figure.unit, &bound, holds]);
-    }
-    for column in [1, 3] {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    table.lines().map(|line| line.trim().to_owned()).collect::<Vec<_>>().join("\n")
-}
-
-/// Four digits, in powers of ten when far from 1; whole numbers as they are.
-fn number(value: f64) -> String {
-    let size = value.abs();
-    if value.fract() == 0.0 && size < 1e9 {
-        format!("{value}")
-    } else if (1e-2..1e5).contains(&size) {
-        let decimals = (3.0 - size.log10().floor()).clamp(0.0, 5.0) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.3e}")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_have_four_digits() {
-        let cases = [
-            (0.0, "0"),
-            (828.0, "828"),
-            (1.23456, "1.235"),
-            (-0.0123456, "-0.01235"),
-            (1.2e-10, "1.200e-10"),
-        ];
-        for (value, wanted) in cases {
-            assert_eq!(number(value), wanted);
-        }
-        assert_eq!(
-            (number(123.456), number(99_999.9), number(f64::NAN)),
-            ("123.5".into(), "100000".into(), "NaN".into())
-        );
-    }
-
-    #[test]
-    fn one_missed_bound_is_enough() {
-        let published = |figures| Report::silent(figures, &ReportArguments { json: None }).publish().unwrap();
-        let (kept, missed) = (Figure::bounded("a", 1.0, "1", 1.0), Figure::bounded("b", 1.1, "1", 1.0));
-        let not_measured = Figure::bounded("c", f64::NAN, "1", 1.0);
-        assert!(published(vec![kept.clone(), Figure::reported("d", 9.0, "1")]));
-        assert!(!published(vec![kept.clone(), missed]));
-        assert!(!published(vec![not_measured, kept.clone()]));
-        let floor = |value| Figure::at_least("e", value, "1", 300.0);
-        assert!(published(vec![floor(300.0)]));
-        assert!(!published(vec![kept.clone(), floor(299.0)]));
-        assert!(!published(vec![kept, floor(f64::NAN)]));
-    }
-
-    /// The smallest allowed value is marked as such; the others keep the keys that they have always had.
-    #[test]
-    fn a_floor_is_told_from_a_ceiling_in_json() {
-        let keys = |figure: Figure| {
-            let json = serde_json::to_value(figure).unwrap();
-            let keys = json.as_object().unwrap().keys().cloned();
-            (keys.collect::<Vec<_>>().join(" "), json["at_least"].as_bool())
-        };
-        assert_eq!(keys(Figure::bounded("a", 1.0, "1", 2.0)), ("bound holds name unit value".into(), None));
-        assert_eq!(
-            keys(Figure::at_least("a", 1.0, "1", 2.0)),
-            ("at_least bound holds name unit value".into(), Some(true))
-        );
-    }
-
-    #[test]
-    fn the_table_lines_up() {
-        let figures = [
-            Figure::bounded("a.long.name", 0.5, "rad", 0.25),
-            Figure::reported("b", 12.0, "1"),
-            Figure::bounded("c.d", 1.0, "s", 2.0),
-            Figure::at_least("e", 1.0, "1", 2.0),
-        ];
-        let wanted = "\
- name         value  unit  bound   holds
- a.long.name  0.5000 rad   0.2500  NO
- b                12 1          -  -
- c.d               1 s          2  yes
- e                 1 1       >= 2  NO";
-        assert_eq!(
-            table(&figures).split_whitespace().collect::<Vec<_>>(),
-            wanted.split_whitespace().collect::<Vec<_>>()
-        );
-    }
+    say(format_args!("report: {}", output.display()));
+    Ok(Figures::new(report.measured.figures, &arguments.figures))
 }

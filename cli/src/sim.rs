@@ -4,19 +4,21 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use strainwave_desktop::log::{OpenLoop, OpenLoopRow, write_open_loop};
-use strainwave_desktop::two_port::{self, Build};
+use strainwave_desktop::mesh_size::MeshSize;
+use strainwave_desktop::two_port::{self, Build, Gauge};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 
+use crate::figures::{Figures, FiguresArguments};
 use crate::files;
 use crate::progress::Progress;
-use crate::report::{Report, ReportArguments};
 
 /// Run the gear as a two-port, open loop: wave-generator motion and load in, output and torques out
 ///
 /// IN.csv has the columns t_s, theta_wg_rad or omega_wg_rad_s, and tau_load_nm, the external torque ON
 /// the flexspline. OUT.csv gets a row every 0.1 ms: t_s, theta_fs_rad, omega_fs_rad_s, tau_wg_nm,
-/// torsion_rad, tau_t_nm. SI units. Prints the intervals of the input's time stamps and the largest
-/// magnitudes of the output.
+/// torsion_rad, tau_t_nm, and a strain for each --gauge. SI units. Prints the intervals of the input's time stamps
+/// and the largest magnitudes of the output. A reference run whose mesh diverges (a link strained by more than 10 %)
+/// ends with the time and the node, exit code 2, and writes nothing.
 #[derive(Args)]
 pub struct Arguments {
     /// Gear file
@@ -31,21 +33,41 @@ pub struct Arguments {
     /// Which build of the models
     #[arg(long, value_enum, default_value_t = Models::Reference)]
     build: Models,
+    /// Nodes of the reference build's mesh, around x along the axis; 36x4 when left out
+    ///
+    /// One of 8x3, 12x3, 16x4, 24x4, 36x4, 48x6, 72x8.
+    #[arg(long, value_name = "NxM", allow_hyphen_values = true)]
+    mesh: Option<MeshSize>,
+    /// Longest micro-step of the reference build (s); 0.95 of the mesh's stable step when left out
+    ///
+    /// Below the stable step, from 1e-9 s; it is rounded down to divide 0.1 ms.
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    step: Option<f64>,
+    /// Add the strain of a link as the column strain_I_J_AROUND_ALONG; may be given several times
+    ///
+    /// From node I of n around, J of m along the axis (0 is the rim), to the one that is AROUND and ALONG further:
+    /// 1,0 0,1 1,1 -1,1 2,0 0,2 2,2 -2,2, either way. The mesh is that of --mesh, 8x3 in the real-time build.
+    /// Strain L/L0 - 1, without unit, positive when longer than in the round, unloaded cup.
+    #[arg(long = "gauge", value_name = "I,J,AROUND,ALONG", allow_hyphen_values = true)]
+    gauges: Vec<Gauge>,
     #[command(flatten)]
-    report: ReportArguments,
+    figures: FiguresArguments,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Models {
-    /// f64, 36 x 4 mesh, micro-steps
+    /// f64, mesh of eq. (6), micro-steps
     Reference,
-    /// f32, condensed mesh, one step per 0.1 ms: what runs on the joint controller
+    /// f32, condensed 8x3 mesh, one step per 0.1 ms: what runs on the joint controller
     Realtime,
 }
 
+/// Shortest micro-step that may be asked for (s).
+const SHORTEST_STEP: f64 = 1e-9;
+
 /// Reads, runs and writes.
-pub fn run(arguments: &Arguments) -> Result<Report, BadInput> {
-    let json = arguments.report.json.as_deref();
+pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
+    let json = arguments.figures.json.as_deref();
     files::require_distinct(&[
         ("--gear", Some(&arguments.gear)),
         ("--input", Some(&arguments.input)),
@@ -53,24 +75,63 @@ pub fn run(arguments: &Arguments) -> Result<Report, BadInput> {
         ("--json", json),
     ])?;
     let gear = GearFile::read(&arguments.gear)?;
+    let build = build(arguments, &gear)?;
+    require_gauges(&arguments.gauges, build)?;
     let input = OpenLoop::read(&arguments.input)?;
     files::require_writable(Some(&arguments.output))?;
     files::require_writable(json)?;
-    let build = match arguments.build {
-        Models::Reference => Build::Reference,
-        Models::Realtime => Build::RealTime,
-    };
-    let rows = two_port::run(&gear, &input, build).map_err(|error| BadInput::new(&arguments.gear, error))?;
+    let rows = two_port::run(&gear, &input, build, &arguments.gauges)
+        .map_err(|error| BadInput::new(&arguments.gear, error))?;
     let mut progress = Progress::new(rows.len() as u64, "simulating");
     let mut largest = Largest::default();
     let watched = rows.enumerate().map(|(done, row)| {
         progress.set(done as u64);
-        largest.add(&row);
-        row
+        row.inspect(|row| largest.add(row))
     });
-    write_open_loop(&arguments.output, watched)?;
+    let columns: Vec<_> = arguments.gauges.iter().map(Gauge::column).collect();
+    write_open_loop(&arguments.output, &columns, watched)?;
     let intervals = input.time.jitter().into_iter().flat_map(|jitter| jitter.figures());
-    Ok(Report::new(intervals.chain(largest.figures()).collect(), &arguments.report))
+    Ok(Figures::new(intervals.chain(largest.figures()).collect(), &arguments.figures))
+}
+
+/// The build that the arguments name.
+fn build(arguments: &Arguments, gear: &GearFile) -> Result<Build, BadInput> {
+    if arguments.build == Models::Reference {
+        let mesh = arguments.mesh.unwrap_or(MeshSize::DEFAULT);
+        arguments.step.map_or(Ok(()), |step| require_step(step, mesh, arguments, gear))?;
+        return Ok(Build::Reference { mesh, longest_step: arguments.step });
+    }
+    let mesh = arguments.mesh.map(|mesh| format!("--mesh {mesh}"));
+    let step = arguments.step.map(|step| format!("--step {step:e}"));
+    match mesh.or(step) {
+        None => Ok(Build::RealTime),
+        Some(given) => Err(BadInput::message(format_args!(
+            "{given} is for --build reference; the real-time build has one condensed mesh and one step per 0.1 ms"
+        ))),
+    }
+}
+
+fn require_step(step: f64, mesh: MeshSize, arguments: &Arguments, gear: &GearFile) -> Result<(), BadInput> {
+    let bound = two_port::stable_step(gear, mesh);
+    if (SHORTEST_STEP..bound).contains(&step) {
+        return Ok(());
+    }
+    let gear = arguments.gear.display();
+    Err(BadInput::message(format_args!(
+        "--step {step:e} is out of range; allowed: from {SHORTEST_STEP:e} s to below {bound:.3e} s, the stable step \
+         of the {mesh} mesh of {gear}"
+    )))
+}
+
+fn require_gauges(gauges: &[Gauge], build: Build) -> Result<(), BadInput> {
+    for (index, gauge) in gauges.iter().enumerate() {
+        let refuse = |why: String| BadInput::message(format_args!("--gauge {gauge}: {why}"));
+        gauge.require_on(build.nodes()).map_err(refuse)?;
+        if gauges[..index].contains(gauge) {
+            return Err(refuse("stands there twice".into()));
+        }
+    }
+    Ok(())
 }
 
 /// Rows and largest magnitudes of a run.

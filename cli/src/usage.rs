@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 
 use crate::REFUSED;
-use crate::report::complain;
+use crate::figures::complain;
 
 /// Prints help and version as they are, and a mistake as one line.
 pub fn answer(error: &clap::Error) -> ExitCode {

@@ -7,9 +7,9 @@ use strainwave_desktop::verify::flexspline::speed;
 use strainwave_desktop::verify::{self, Measured};
 use strainwave_emulator::verify::{self as emulated, Parts};
 
+use crate::figures::{Figures, FiguresArguments, say};
 use crate::files;
 use crate::progress::Progress;
-use crate::report::{Report, ReportArguments, say};
 
 /// The part that is measured in the emulator alone.
 const FIRMWARE: &str = "firmware";
@@ -24,7 +24,7 @@ pub struct Arguments {
     #[arg(value_name = "PART", value_parser = part_parser())]
     part: Option<String>,
     #[command(flatten)]
-    report: ReportArguments,
+    figures: FiguresArguments,
 }
 
 fn part_parser() -> impl TypedValueParser<Value = String> {
@@ -33,8 +33,8 @@ fn part_parser() -> impl TypedValueParser<Value = String> {
 }
 
 /// Measures the parts asked for.
-pub fn run(arguments: &Arguments) -> Result<Report, BadInput> {
-    files::require_writable(arguments.report.json.as_deref())?;
+pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
+    files::require_writable(arguments.figures.json.as_deref())?;
     let wanted = |name: &str| arguments.part.as_ref().is_none_or(|part| part == name);
     let mut measured = Measured::default();
     let parts: Vec<_> = verify::Part::ALL.into_iter().filter(|part| wanted(part.name())).collect();
@@ -48,19 +48,22 @@ pub fn run(arguments: &Arguments) -> Result<Report, BadInput> {
     if flexspline {
         measured.add(speed::measure()?);
     }
-    let emulated = match (wanted(FIRMWARE), flexspline) {
-        (true, true) => Some(Parts::Both),
-        (true, false) => Some(Parts::Firmware),
-        (false, true) => Some(Parts::Flexspline),
-        (false, false) => None,
-    };
-    if let Some(parts) = emulated {
+    if let Some(parts) = emulated_parts(wanted(FIRMWARE), flexspline) {
         measured.add(measure_emulated(parts)?);
     }
     for note in &measured.notes {
         say(format_args!("{note}"));
     }
-    Ok(Report::new(measured.figures, &arguments.report))
+    Ok(Figures::new(measured.figures, &arguments.figures))
+}
+
+fn emulated_parts(firmware: bool, flexspline: bool) -> Option<Parts> {
+    match (firmware, flexspline) {
+        (true, true) => Some(Parts::Both),
+        (true, false) => Some(Parts::Firmware),
+        (false, true) => Some(Parts::Flexspline),
+        (false, false) => None,
+    }
 }
 
 fn measure_emulated(parts: Parts) -> Result<Measured, BadInput> {

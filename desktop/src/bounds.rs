@@ -1,7 +1,7 @@
 //! The one table of bounds: what each claimed figure may be at most, and why.
 //!
-//! Tests and `strainwave verify` read the same rows; nearly all are ceilings, [`FLOORS`] are what a figure must not be below. A row that nothing measures, and a bound that has
-//! become [`LOOSE`] times too loose, fail a test.
+//! Tests and `strainwave verify` read the same rows; nearly all are ceilings, [`FLOORS`] are what a figure must not be
+//! below. A row that nothing measures, and a bound that has become [`LOOSE`] times too loose, fail a test.
 
 use crate::figure::Figure;
 

@@ -10,6 +10,7 @@ use strainwave::Error;
 use strainwave::compensator::{Compensator, Estimate, Input, JointParams, Output, Sensors, Shares, State};
 
 use crate::baseline::Baseline;
+use crate::divergence::RunError;
 use crate::draw::Draw;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, gear_params};
@@ -56,17 +57,17 @@ impl HostCompensator {
 }
 
 impl Controller for HostCompensator {
-    type Error = Error;
+    type Error = RunError;
 
-    fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, Error> {
+    fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, RunError> {
         Ok(self.step(input))
     }
 }
 
 impl Controller for Baseline {
-    type Error = Error;
+    type Error = RunError;
 
-    fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, Error> {
+    fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, RunError> {
         let motor_torque = Baseline::step(self, input) as f32;
         Ok(Output { motor_torque, ..Output::default() })
     }
@@ -166,7 +167,7 @@ fn all_shares(file: &GearFile) -> Shares<f32> {
 /// Runs a scenario on the plant of `seed` (see [`Draw::from_seed`]); `progress` is called with the share done.
 ///
 /// # Errors
-/// The controller's, or a gear that cannot be built, as text.
+/// The controller's, a gear that cannot be built, or a plant that diverges.
 pub fn run<C: Controller>(
     file: &GearFile,
     scenario: Scenario,
@@ -175,7 +176,7 @@ pub fn run<C: Controller>(
     mut progress: impl FnMut(f64),
 ) -> Result<Run, C::Error>
 where
-    C::Error: From<Error>,
+    C::Error: From<RunError>,
 {
     let steps = periods(scenario);
     let mut judge = Judge::default();
@@ -205,7 +206,7 @@ pub fn record<C: Controller>(
     controller: &mut C,
 ) -> Result<OpenLoop, C::Error>
 where
-    C::Error: From<Error>,
+    C::Error: From<RunError>,
 {
     let (mut speed, mut load_torque) = (Vec::new(), Vec::new());
     each_period(file, scenario, seed, controller, |_, demand, plant, _| {
@@ -233,9 +234,10 @@ fn each_period<C: Controller>(
     mut visit: impl FnMut(usize, Demand, &Plant, Output<f32>),
 ) -> Result<Plant, C::Error>
 where
-    C::Error: From<Error>,
+    C::Error: From<RunError>,
 {
-    let mut plant = Plant::build(&Draw::from_seed(seed).apply(&gear_params(file)))?;
+    let plant = Plant::build(&Draw::from_seed(seed).apply(&gear_params(file)));
+    let mut plant = plant.map_err(RunError::from)?;
     let mut sensors = SensorModel::new(file, seed);
     let mut torque = 0.0;
     for k in 0..periods(scenario) {
@@ -245,12 +247,13 @@ where
         let answer = controller.step(&input)?;
         visit(k, demand, &plant, answer);
         torque = f64::from(answer.motor_torque);
-        if scenario.blocked() {
+        let moved = if scenario.blocked() {
             torque = 0.0;
-            plant.step_blocked(demand.load);
+            plant.step_blocked(demand.load)
         } else {
-            plant.step(torque, demand.load);
-        }
+            plant.step(torque, demand.load)
+        };
+        moved.map_err(RunError::from)?;
     }
     Ok(plant)
 }

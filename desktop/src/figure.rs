@@ -41,9 +41,59 @@ impl Figure {
         Self { name: name.into(), value, unit: unit.into(), bound: None, at_least: false, holds: true }
     }
 
+    /// What the cells of a row for people are.
+    pub const HEADER: [&str; 5] = ["name", "value", "unit", "bound", "holds"];
+
+    /// The row for people; `-` for a bound that there is not.
+    pub fn cells(&self) -> [String; 5] {
+        let holds = match (self.bound, self.holds) {
+            (None, _) => "-",
+            (Some(_), true) => "yes",
+            (Some(_), false) => "NO",
+        };
+        let bound = self.bound_text(number);
+        [self.name.clone(), number(self.value), self.unit.clone(), bound, holds.into()]
+    }
+
     /// The bound for people, its number written by `number`: `-` when there is none.
     pub fn bound_text(&self, number: impl FnOnce(f64) -> String) -> String {
         let sense = if self.at_least { ">= " } else { "" };
         self.bound.map_or_else(|| "-".into(), |bound| format!("{sense}{}", number(bound)))
+    }
+}
+
+/// Four digits, in powers of ten when far from 1; whole numbers as they are.
+pub fn number(value: f64) -> String {
+    let size = value.abs();
+    if value.fract() == 0.0 && size < 1e9 {
+        format!("{value}")
+    } else if (1e-2..1e5).contains(&size) {
+        let decimals = (3.0 - size.log10().floor()).clamp(0.0, 5.0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_four_digits() {
+        let cases = [
+            (0.0, "0"),
+            (828.0, "828"),
+            (1.23456, "1.235"),
+            (-0.0123456, "-0.01235"),
+            (1.2e-10, "1.200e-10"),
+        ];
+        for (value, wanted) in cases {
+            assert_eq!(number(value), wanted);
+        }
+        assert_eq!(
+            (number(123.456), number(99_999.9), number(f64::NAN)),
+            ("123.5".into(), "100000".into(), "NaN".into())
+        );
     }
 }

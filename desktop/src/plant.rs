@@ -8,56 +8,59 @@
 //! micro-steps of semi-implicit Euler, as many as keep the mesh well below its stable step. The power
 //! that enters both ports is accounted for micro-step by micro-step.
 
-use strainwave::flexspline::Mesh;
+use strainwave::flexspline::{Flexspline, FlexsplineParams, Mesh};
 use strainwave::gear::{Gear, GearParams, GearState, Motion, Torques};
 use strainwave::{Angle, Error};
 
+use crate::divergence::{Diverged, may_go_on};
 use crate::joint::CONTROL_PERIOD;
 use crate::vectorised::Vectorised;
 
-/// Nodes around and along the axis of the reference mesh.
+/// Nodes around and along the axis of the plant's mesh.
 pub const NODES: (usize, usize) = (36, 4);
 /// Levels of the reference hysteresis.
 pub const LEVELS: usize = 64;
 /// Turning points that it remembers.
 pub const MEMORY: usize = 128;
 /// Largest micro-step as a share of the mesh's stable step.
-pub const STEP_SHARE: f64 = 0.9;
+pub const STEP_SHARE: f64 = 0.95;
 
-/// The reference flexspline: f64, 36 x 4, literal eq. (6).
-pub type ReferenceMesh = Mesh<f64, { NODES.0 }, { NODES.1 }>;
-/// The same, with this processor's vector instructions.
-pub type FastMesh = Vectorised<ReferenceMesh>;
-/// The reference gear.
-pub type ReferenceGear = Gear<f64, FastMesh, LEVELS, MEMORY>;
+/// A reference flexspline, f64 and literal eq. (6), with this processor's vector instructions.
+pub type FastMesh<const N: usize, const M: usize> = Vectorised<Mesh<f64, N, M>>;
+/// A reference gear around a flexspline.
+pub type ReferenceGear<F> = Gear<f64, F, LEVELS, MEMORY>;
 /// Its state.
-pub type ReferenceState =
-    GearState<f64, <ReferenceMesh as strainwave::flexspline::Flexspline<f64>>::State, MEMORY>;
+pub type ReferenceState<F> = GearState<f64, <F as Flexspline<f64>>::State, MEMORY>;
 
-/// A reference gear and the micro-steps that it takes in a control period.
-pub struct Reference {
-    /// The gear, stepped by `dt`.
-    pub gear: ReferenceGear,
+/// A reference mesh and the micro-steps that it takes in a control period.
+pub struct Reference<const N: usize, const M: usize> {
+    /// The mesh, stepped by `dt`.
+    pub mesh: FastMesh<N, M>,
     /// Micro-step (s).
     pub dt: f64,
     /// Micro-steps in a control period.
     pub steps: usize,
 }
 
-impl Reference {
-    /// Builds the mesh with a micro-step that divides the control period.
+impl<const N: usize, const M: usize> Reference<N, M> {
+    /// Builds the mesh with the longest micro-step that divides the control period and is no longer than `longest`
+    /// (s), or than [`STEP_SHARE`] of the stable one.
     ///
     /// # Errors
-    /// As [`GearParams::build`].
-    pub fn build(params: &GearParams<f64>) -> Result<Self, Error> {
-        params.flexspline.check()?;
-        let stable = ReferenceMesh::stable_step(&params.flexspline);
-        let steps = (CONTROL_PERIOD / (STEP_SHARE * stable)).ceil();
+    /// As [`Mesh::build`].
+    pub fn build(params: &FlexsplineParams<f64>, longest: Option<f64>) -> Result<Self, Error> {
+        params.check()?;
+        let longest = longest.unwrap_or_else(|| STEP_SHARE * Mesh::<f64, N, M>::stable_step(params));
+        let steps = micro_steps(longest);
         let dt = CONTROL_PERIOD / steps;
-        let mesh = Vectorised::new(ReferenceMesh::build(&params.flexspline, dt)?);
-        let gear = params.build(mesh, dt)?;
-        Ok(Self { gear, dt, steps: steps as usize })
+        Ok(Self { mesh: Vectorised::new(Mesh::build(params, dt)?), dt, steps: steps as usize })
     }
+}
+
+/// The fewest equal steps of a control period that are no longer than `longest` (s), which a period that is a
+/// multiple of it may exceed by its rounding.
+pub fn micro_steps(longest: f64) -> f64 {
+    (CONTROL_PERIOD / longest * (1.0 - 1e-12)).ceil()
 }
 
 /// Where the energy went since the start (J).
@@ -77,10 +80,17 @@ pub struct Energy {
     pub hysteresis: f64,
 }
 
+type PlantMesh = FastMesh<{ NODES.0 }, { NODES.1 }>;
+
 /// Motor, gear and load.
 pub struct Plant {
-    reference: Reference,
-    state: ReferenceState,
+    gear: ReferenceGear<PlantMesh>,
+    state: ReferenceState<PlantMesh>,
+    /// Micro-step (s) and how many of them a control period has.
+    dt: f64,
+    steps: usize,
+    /// Micro-steps since the start.
+    taken: u64,
     wave_generator: Motion<f64>,
     flange: Motion<f64>,
     wave_generator_inertia: f64,
@@ -96,11 +106,14 @@ impl Plant {
     /// # Errors
     /// As [`GearParams::build`].
     pub fn build(params: &GearParams<f64>) -> Result<Self, Error> {
-        let reference = Reference::build(params)?;
-        let state = reference.gear.rest();
+        let Reference { mesh, dt, steps } = Reference::build(&params.flexspline, None)?;
+        let gear: ReferenceGear<PlantMesh> = params.build(mesh, dt)?;
         let mut plant = Self {
-            reference,
-            state,
+            state: gear.rest(),
+            gear,
+            dt,
+            steps,
+            taken: 0,
             wave_generator: Motion::default(),
             flange: Motion::default(),
             wave_generator_inertia: params.wave_generator_inertia,
@@ -114,33 +127,44 @@ impl Plant {
     }
 
     /// One control period under a motor torque and an external torque on the output (N m).
-    pub fn step(&mut self, motor_torque: f64, load: f64) {
-        for _ in 0..self.reference.steps {
-            let torques = self.torques();
-            let acceleration = (motor_torque - torques.wave_generator) / self.wave_generator_inertia;
-            self.micro_step(&torques, acceleration, motor_torque, load);
-        }
+    ///
+    /// # Errors
+    /// When the mesh has diverged.
+    pub fn step(&mut self, motor_torque: f64, load: f64) -> Result<(), Diverged> {
+        let inertia = self.wave_generator_inertia;
+        self.period(load, |resistance| (motor_torque, (motor_torque - resistance) / inertia))
     }
 
     /// One control period with the wave generator held by a brake.
-    pub fn step_blocked(&mut self, load: f64) {
+    ///
+    /// # Errors
+    /// When the mesh has diverged.
+    pub fn step_blocked(&mut self, load: f64) -> Result<(), Diverged> {
         self.wave_generator.velocity = 0.0;
-        for _ in 0..self.reference.steps {
-            let torques = self.torques();
-            self.micro_step(&torques, 0.0, torques.wave_generator, load);
-        }
+        self.period(load, |resistance| (resistance, 0.0))
     }
 
-    fn torques(&mut self) -> Torques<f64> {
-        self.reference.gear.torques(&mut self.state, &self.wave_generator, &self.flange)
+    /// One control period; `motor` answers to what resists it (N m) with its torque (N m) and acceleration (rad/s^2).
+    fn period(&mut self, load: f64, motor: impl Fn(f64) -> (f64, f64)) -> Result<(), Diverged> {
+        for _ in 0..self.steps {
+            let torques = self.gear.torques(&mut self.state, &self.wave_generator, &self.flange);
+            let (motor_torque, acceleration) = motor(torques.wave_generator);
+            self.micro_step(&torques, acceleration, motor_torque, load);
+            if !may_go_on(&torques) {
+                break;
+            }
+        }
+        let time = self.taken as f64 * self.dt;
+        Diverged::check(time, self.gear.flexspline(), self.state.flexspline(), &self.torques)
     }
 
     fn micro_step(&mut self, torques: &Torques<f64>, acceleration: f64, motor_torque: f64, load: f64) {
-        let dt = self.reference.dt;
+        let dt = self.dt;
         let before = (self.wave_generator.velocity, self.flange.velocity);
         self.wave_generator.advance(acceleration, dt);
-        self.flange.advance(self.reference.gear.flange_acceleration(torques, load), dt);
+        self.flange.advance(self.gear.flange_acceleration(torques, load), dt);
         self.torques = *torques;
+        self.taken += 1;
         // Mean speeds make the kinetic part of the balance exact.
         let motor = 0.5 * dt * (before.0 + self.wave_generator.velocity);
         let output = 0.5 * dt * (before.1 + self.flange.velocity);
@@ -157,7 +181,7 @@ impl Plant {
     fn stored(&self) -> f64 {
         let kinetic = self.wave_generator_inertia * self.wave_generator.velocity.powi(2)
             + self.flexspline_inertia * self.flange.velocity.powi(2);
-        0.5 * kinetic + self.reference.gear.flexspline_energy(&self.state, &self.wave_generator, &self.flange)
+        0.5 * kinetic + self.gear.flexspline_energy(&self.state, &self.wave_generator, &self.flange)
     }
 
     /// Where the energy went since the start.

@@ -9,6 +9,7 @@ use strainwave::compensator::{Input, Sensors, Setpoint, Shares};
 use strainwave::gear::GearParams;
 use strainwave_desktop::baseline::Baseline;
 use strainwave_desktop::closed_loop::{self, Controller, Row, Run};
+use strainwave_desktop::divergence::RunError;
 use strainwave_desktop::draw::Draw;
 use strainwave_desktop::joint::{CONTROL_PERIOD, gear_params, joint_params, source};
 use strainwave_desktop::log::MeasuredLog;
@@ -181,7 +182,7 @@ pub fn run(
 }
 
 /// What a thread came back with; its panic goes on here.
-fn joined<T>(thread: ScopedJoinHandle<'_, Result<T, strainwave::Error>>) -> Result<T, target::Error> {
+fn joined<T>(thread: ScopedJoinHandle<'_, Result<T, RunError>>) -> Result<T, target::Error> {
     Ok(thread.join().unwrap_or_else(|panic| resume_unwind(panic))?)
 }
 

@@ -3,6 +3,7 @@
 use strainwave::compensator::{Input, JointParams, Output};
 use strainwave_app::frame::{decode_output, encode_input, encode_output};
 use strainwave_desktop::closed_loop::{Controller, HostCompensator};
+use strainwave_desktop::divergence::RunError;
 use strainwave_desktop::{Figure, bounds};
 
 use crate::machine::{self, Ending, Machine};
@@ -39,6 +40,9 @@ pub enum Error {
     /// A parameter that no model can be built from.
     #[error(transparent)]
     Parameter(#[from] strainwave::Error),
+    /// The plant.
+    #[error(transparent)]
+    Run(#[from] RunError),
 }
 
 impl Target {

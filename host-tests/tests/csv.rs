@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use proptest::prelude::*;
+use strainwave_desktop::BadInput;
 use strainwave_desktop::log::{
     Drive, DriveSample, MeasuredLog, OpenLoop, OpenLoopRow, STEP, write_open_loop,
 };
@@ -115,18 +116,25 @@ fn row(time: f64) -> OpenLoopRow {
         input_torque: 0.0,
         torsion: 1.0 / 3.0,
         transmitted_torque: -50.0,
+        strains: vec![1e-4],
     }
+}
+
+/// As a run gives rows, none of which fails.
+fn written(path: &Path, rows: [OpenLoopRow; 2]) -> Result<(), BadInput> {
+    write_open_loop(path, &["strain_0_0_1_1".into()], rows.map(Ok::<_, String>))
 }
 
 #[test]
 fn the_output_has_the_documented_columns_and_loses_no_digit() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("out.csv");
-    write_open_loop(&path, [row(0.0), row(3.0 * STEP)]).unwrap();
+    written(&path, [row(0.0), row(3.0 * STEP)]).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     let mut lines = text.lines();
-    assert_eq!(lines.next(), Some("t_s,theta_fs_rad,omega_fs_rad_s,tau_wg_nm,torsion_rad,tau_t_nm"));
-    assert_eq!(lines.next(), Some("0.0,-0.00001,0.25,0.0,0.3333333333333333,-50.0"));
+    let header = "t_s,theta_fs_rad,omega_fs_rad_s,tau_wg_nm,torsion_rad,tau_t_nm,strain_0_0_1_1";
+    assert_eq!(lines.next(), Some(header));
+    assert_eq!(lines.next(), Some("0.0,-0.00001,0.25,0.0,0.3333333333333333,-50.0,0.0001"));
     assert!(lines.next().unwrap().starts_with("0.0003,"));
 }
 
@@ -134,9 +142,23 @@ fn the_output_has_the_documented_columns_and_loses_no_digit() {
 fn a_value_that_is_not_finite_is_not_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("out.csv");
-    let rows = [row(0.0), OpenLoopRow { torsion: f64::NAN, ..row(0.5) }];
-    let line = write_open_loop(&path, rows).unwrap_err().to_string();
-    assert!(line.ends_with("out.csv: not written: a value at 0.5 s is not finite"), "{line}");
+    for bad in [
+        OpenLoopRow { torsion: f64::NAN, ..row(0.5) },
+        OpenLoopRow { strains: vec![f64::INFINITY], ..row(0.5) },
+    ] {
+        let line = written(&path, [row(0.0), bad]).unwrap_err().to_string();
+        assert!(line.ends_with("out.csv: not written: a value at 0.5 s is not finite"), "{line}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+}
+
+#[test]
+fn a_run_that_fails_after_some_rows_leaves_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.csv");
+    let rows = [Ok(row(0.0)), Err("it broke")];
+    let line = write_open_loop(&path, &["strain_0_0_1_1".into()], rows).unwrap_err().to_string();
+    assert!(line.ends_with("out.csv: not written: it broke"), "{line}");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 

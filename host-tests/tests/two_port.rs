@@ -7,10 +7,10 @@ use strainwave_desktop::GearFile;
 use strainwave_desktop::gear_file::DEFAULT;
 use strainwave_desktop::joint::gear_params;
 use strainwave_desktop::log::{OpenLoop, OpenLoopRow};
-use strainwave_desktop::plant::Reference;
+use strainwave_desktop::plant::Plant;
 use strainwave_desktop::two_port::{self, Build};
 
-const BUILDS: [Build; 2] = [Build::Reference, Build::RealTime];
+const BUILDS: [Build; 2] = [Build::REFERENCE, Build::RealTime];
 
 /// A run over rows (t, wave generator, load), the wave generator's column being `drive`.
 fn run(
@@ -22,7 +22,7 @@ fn run(
     let mut text = format!("t_s,{drive},tau_load_nm\n");
     rows.for_each(|(time, wave_generator, load)| text += &format!("{time},{wave_generator},{load}\n"));
     let input = OpenLoop::parse(Path::new("in.csv"), text.as_bytes()).unwrap();
-    two_port::run(gear, &input, build).unwrap().collect()
+    two_port::run(gear, &input, build, &[]).unwrap().collect::<Result<_, _>>().unwrap()
 }
 
 fn times(duration: f64) -> impl Iterator<Item = f64> {
@@ -108,7 +108,7 @@ fn where_the_wave_generator_starts_is_only_a_phase() {
             assert!((turned.torsion - zero.torsion).abs() < 1e-8, "{build:?} {zero:?} {turned:?}");
         }
         let e = |theta: f64| 1e-4 * (2.0 * theta).sin() + 2e-5 * (4.0 * theta).sin();
-        let first = run(&gear, "theta_wg_rad", motion(0.7), build)[0];
+        let first = &run(&gear, "theta_wg_rad", motion(0.7), build)[0];
         assert!((first.output_position - (-0.007 + e(0.7))).abs() < 1e-9, "{build:?} {first:?}");
     }
 }
@@ -147,7 +147,7 @@ proptest! {
         let gear = scaled(&factors);
         prop_assume!(gear.is_some());
         let gear = gear.unwrap();
-        prop_assert!(Reference::build(&gear_params(&gear)).is_ok());
+        prop_assert!(Plant::build(&gear_params(&gear)).is_ok());
         let input = times(0.02).map(|t| (t, 300.0 * t, -100.0));
         let rows = run(&gear, "theta_wg_rad", input, Build::RealTime);
         for row in rows {

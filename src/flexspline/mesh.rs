@@ -85,6 +85,11 @@ fn shell_params<R: Real, const M: usize>(params: &FlexsplineParams<R>, n: usize)
     ShellParams { cup: params.cup, link_stiffness, link_damping: time * link_stiffness, bend: params.bend }
 }
 
+/// 1 for the slices between rim and flange, 0 for these.
+fn inner<R: Real, const M: usize>() -> [R; M] {
+    core::array::from_fn(|j| if j == 0 || j == M - 1 { R::ZERO } else { R::ONE })
+}
+
 /// Inertia of the rim, which carries half the mass of an inner slice (kg m^2).
 fn rim_inertia<R: Real>(shell: &ShellParams<R>, n: usize, m: usize) -> R {
     let radius = shell.cup.radius;
@@ -98,11 +103,20 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
     /// inner slices, and the rim, which turns as one between its links and the tooth contact.
     pub fn stable_step(params: &FlexsplineParams<R>) -> R {
         let shell = shell_params::<R, M>(params, N);
-        let inner: [R; M] = core::array::from_fn(|j| if j == 0 || j == M - 1 { R::ZERO } else { R::ONE });
         let contact = params.contact_line().stiffness.into_iter().fold(R::ZERO, R::max);
         let contact = contact / rim_inertia(&shell, N, M) * shell.node_mass(N, M) / shell.link_stiffness;
-        let links = spectrum::largest(&params.cup, N, inner) + spectrum::of_rim::<R, M>(&params.cup, N);
+        let links =
+            spectrum::largest(&params.cup, N, inner::<R, M>()) + spectrum::of_rim::<R, M>(&params.cup, N);
         shell.step_below(links + contact, N, M)
+    }
+
+    /// A harmonic around the ring of the round, unloaded shape with rim and flange held: the symmetric matrix, over
+    /// slices and components (radial, tangential, axial), whose eigenvalues are the squares of the natural angular
+    /// frequencies (1/s^2), besides 0 for what is held. In harmonic 0 the tangential part is torsion.
+    pub fn harmonic(params: &FlexsplineParams<R>, order: usize) -> spectrum::Matrix<R, M> {
+        let shell = shell_params::<R, M>(params, N);
+        let stiffness_over_mass = (shell.link_stiffness / shell.node_mass(N, M)).sqrt();
+        spectrum::harmonic(&params.cup, N, order, inner().map(|free: R| free * stiffness_over_mass))
     }
 
     /// Calibrates the links (see [`super::calibration`]) for a time step dt (s).
@@ -147,6 +161,14 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
         &self.shell
     }
 
+    /// The assembled shape without torsion, both ends at the zero angle: round slices, the rim pressed into its
+    /// ellipse by a wave generator at this angle, the nodes settled.
+    pub fn rest_at(&self, wave_generator: Angle<R>) -> MeshState<R, N, M> {
+        let mut state = MeshState { shell: self.shell.round(), rim: Angle::default(), rim_rate: R::ZERO };
+        self.relax(&mut state, &Ends { wave_generator, ..Ends::default() }, RELAXATION_STEPS);
+        state
+    }
+
     /// Lets the nodes settle with the ends held: `steps` steps of dt/2, all motion stopped whenever the kinetic
     /// energy has peaked (dynamic relaxation with kinetic damping, P. Cundall, 1976).
     ///
@@ -162,6 +184,13 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
             last = if kinetic < last { state.stop() } else { kinetic };
         }
         state.stop();
+    }
+
+    /// The same with both ends where `ends` has them: a step leaves them where it found them.
+    pub fn placed(&self, state: &MeshState<R, N, M>, ends: &Ends<R>) -> MeshState<R, N, M> {
+        let mut placed = *state;
+        self.place_ends(&mut placed, ends);
+        placed
     }
 
     /// Puts the end slices where their angles say.
@@ -273,11 +302,8 @@ fn virtual_work<R: Real, const N: usize>(force: &Slice<R, N>, by: &Displacement<
 impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Mesh<R, N, M> {
     type State = MeshState<R, N, M>;
 
-    /// The assembled shape: round slices, the rim pressed into its ellipse, the nodes settled.
     fn rest(&self) -> Self::State {
-        let mut state = MeshState { shell: self.shell.round(), rim: Angle::default(), rim_rate: R::ZERO };
-        self.relax(&mut state, &Ends::default(), RELAXATION_STEPS);
-        state
+        self.rest_at(Angle::default())
     }
 
     #[inline(always)]
@@ -298,8 +324,7 @@ impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Mesh<R, N, M> {
     }
 
     fn energy(&self, state: &Self::State, ends: &Ends<R>) -> R {
-        let mut placed = *state;
-        self.place_ends(&mut placed, ends);
+        let placed = self.placed(state, ends);
         let contact = self.contact.energy(ends.drive.minus(placed.rim));
         self.shell.elastic_energy(&placed.shell) + self.kinetic_energy(&placed) + contact
     }

@@ -18,6 +18,7 @@ pub mod shell;
 mod spectrum;
 pub mod stiffness_line;
 pub mod strain_gauge;
+pub mod two_links;
 
 pub use calibration::{Cup, FlexsplineParams};
 pub use end_forces::NodeForce;
@@ -26,6 +27,7 @@ pub use reduced::Reduced;
 pub use shell::{Bend, Shell, ShellParams, Strained};
 pub use stiffness_line::StiffnessLine;
 pub use strain_gauge::StrainGauge;
+pub use two_links::{TwoLinks, TwoLinksParams};
 
 use crate::angle::Angle;
 use crate::real::Real;

@@ -20,14 +20,22 @@ use crate::real::Real;
 const DOUBLINGS: usize = 8;
 
 /// A symmetric matrix over slices and components.
-type Matrix<R, const M: usize> = [[[[R; 3]; M]; 3]; M];
+pub(super) type Matrix<R, const M: usize> = [[[[R; 3]; M]; 3]; M];
 
 /// Bound of omega^2 in units of k/m, with each slice's inverse mass in units of 1/m: 0 for one that is held.
 pub(super) fn largest<R: Real, const M: usize>(cup: &Cup<R>, n: usize, inverse_mass: [R; M]) -> R {
     let root = inverse_mass.map(R::sqrt);
-    (0..=n / 2)
-        .map(|order| power_trace(&scaled(stiffness(cup, n, order as i32), &root)))
-        .fold(R::ZERO, R::max)
+    (0..=n / 2).map(|order| power_trace(&harmonic(cup, n, order, root))).fold(R::ZERO, R::max)
+}
+
+/// A_p of a harmonic, in units of k/m, with the square root of each slice's inverse mass.
+pub(super) fn harmonic<R: Real, const M: usize>(
+    cup: &Cup<R>,
+    n: usize,
+    order: usize,
+    root: [R; M],
+) -> Matrix<R, M> {
+    scaled(stiffness(cup, n, order as i32), &root)
 }
 
 /// omega^2 of the rim turning as one, half a slice's mass against its links, all else held (k/m).

@@ -18,7 +18,7 @@ use strainwave::{Angle, Error, Ratio};
 type CoarseMesh = Mesh<f32, 8, 3>;
 
 /// Largest micro-step as a share of the mesh's stable step.
-pub const STEP_SHARE: f32 = 0.9;
+pub const STEP_SHARE: f32 = 0.95;
 
 /// Control periods of the whole run.
 pub const PERIODS: u32 = 50;

@@ -45,6 +45,31 @@ fn bad_gear_files_are_refused_by_key() {
             "g.toml: stiffness.k2_nm_per_rad = 20000 is out of range",
         ),
         (
+            "k1_nm_per_rad = 3.1e4",
+            "k1_nm_per_rad = 0",
+            "g.toml: stiffness.k1_nm_per_rad = 0 is out of range; allowed: a number from 1 to",
+        ),
+        (
+            "t2_nm = 48.0",
+            "t2_nm = 14.0",
+            "g.toml: stiffness.t2_nm = 14 is out of range; allowed: more than stiffness.t1_nm = 14",
+        ),
+        (
+            "t2_nm = 48.0",
+            "t2_nm = 9.0",
+            "g.toml: stiffness.t2_nm = 9 is out of range; allowed: more than stiffness.t1_nm = 14",
+        ),
+        (
+            "length_m = 0.037",
+            "length_m = 0",
+            "g.toml: flexspline.length_m = 0 is out of range; allowed: a number from 0.002 to 1 m",
+        ),
+        (
+            "wall_m = 0.40e-3",
+            "wall_m = -0.40e-3",
+            "g.toml: flexspline.wall_m = -0.0004 is out of range; allowed: a number from 1e-5 to 0.01 m",
+        ),
+        (
             "wall_m = 0.40e-3",
             "wall_m = \"thin\"",
             "g.toml: flexspline.wall_m = \"thin\" is text; allowed: a number",
@@ -131,12 +156,87 @@ fn files_that_cannot_be_read_or_written_are_named() {
         ("pil --json folder".into(), "folder: cannot be written: it is a folder"),
         ("pil --plots in.csv".into(), "in.csv: is a file; a folder is needed"),
         ("pil --plots in.csv/out".into(), "in.csv/out: cannot be written: there is no folder in.csv"),
+        ("report --json none/out.json".into(), "none/out.json: cannot be written: there is no folder none"),
+        ("report --gear none.toml".into(), "none.toml: cannot be read: No such file"),
+        ("report --gear in.csv".into(), "in.csv: line 1: not TOML"),
+        ("report --output folder".into(), "folder: cannot be written: it is a folder"),
+        ("report --output in.csv/report.html".into(), "in.csv: is a file; a folder is needed"),
         ("budget --json none/out.json".into(), "none/out.json: cannot be written: there is no folder none"),
         ("verify --json none/out.json".into(), "none/out.json: cannot be written: there is no folder none"),
     ] {
         let line = bench.refused(&words);
         assert!(line.starts_with(&format!("error: {wanted}")), "{line}\n{wanted}");
     }
+}
+
+#[test]
+fn meshes_steps_and_gauges_that_there_are_not_are_refused_by_value() {
+    let bench = Bench::new();
+    let sizes = "8x3, 12x3, 16x4, 24x4, 36x4, 48x6, 72x8";
+    let mesh = |value: &str| format!("invalid value '{value}' for '--mesh <NxM>'");
+    let gauge = |value: &str| format!("invalid value '{value}' for '--gauge <I,J,AROUND,ALONG>'");
+    let stable = "is out of range; allowed: from 1e-9 s to below";
+    for (words, wanted) in [
+        ("--mesh 3x4", format!("{}: n = 3 is out of range; allowed: 4 nodes around or more", mesh("3x4"))),
+        ("--mesh -8x4", format!("{}: n = -8 is out of range; allowed: 4 nodes", mesh("-8x4"))),
+        ("--mesh 8x1", format!("{}: m = 1 is out of range; allowed: 2 nodes along the axis", mesh("8x1"))),
+        ("--mesh 37x4", format!("{}: not compiled in; allowed: {sizes}", mesh("37x4"))),
+        ("--mesh fine", format!("{}: not NxM; allowed: {sizes}", mesh("fine"))),
+        (
+            "--step 1e-5",
+            format!("--step 1e-5 {stable} 1.976e-6 s, the stable step of the 36x4 mesh of g.toml"),
+        ),
+        (
+            "--step 5.2e-6 --mesh 8x3",
+            format!("--step 5.2e-6 {stable} 5.116e-6 s, the stable step of the 8x3"),
+        ),
+        ("--step 0", format!("--step 0e0 {stable}")),
+        ("--step -1e-6", format!("--step -1e-6 {stable}")),
+        ("--step nan", format!("--step NaN {stable}")),
+        ("--step inf", format!("--step inf {stable}")),
+        ("--step 1e-300", format!("--step 1e-300 {stable}")),
+        ("--step short", "invalid value 'short' for '--step <SECONDS>'".into()),
+        ("--build realtime --mesh 8x3", "--mesh 8x3 is for --build reference".into()),
+        ("--build realtime --step 1e-6", "--step 1e-6 is for --build reference".into()),
+        ("--gauge 36,0,1,1", "--gauge 36,0,1,1: i = 36 is out of range; allowed: 0 to 35 on the 36x4".into()),
+        ("--gauge 0,4,1,0", "--gauge 0,4,1,0: j = 4 is out of range; allowed: 0 to 3 on the 36x4".into()),
+        ("--gauge 0,3,0,1", "--gauge 0,3,0,1: j + along = 4 is out of range; allowed: 0 to 3".into()),
+        (
+            "--build realtime --gauge 8,0,1,1",
+            "--gauge 8,0,1,1: i = 8 is out of range; allowed: 0 to 7".into(),
+        ),
+        ("--gauge -1,0,1,1", format!("{}: I = -1 is out of range; allowed: 0 or more", gauge("-1,0,1,1"))),
+        ("--gauge 0,0,3,0", format!("{}: direction 3,0 is out of range; allowed", gauge("0,0,3,0"))),
+        ("--gauge 0,0", format!("{}: not I,J,AROUND,ALONG; allowed: four whole", gauge("0,0"))),
+        ("--gauge 0,0,1,1 --gauge 0,0,1,1", "--gauge 0,0,1,1: stands there twice".into()),
+    ] {
+        let line = bench.refused(&format!("{SIM} {words}"));
+        assert!(line.starts_with(&format!("error: {wanted}")), "{line}\n{wanted}");
+    }
+}
+
+#[test]
+fn a_run_that_diverges_names_time_and_node_and_writes_nothing() {
+    let bench = Bench::new();
+    let words = format!("{SIM} --mesh 8x3 --gauge 0,0,1,1");
+    for (rows, time) in [
+        // A hundred radians from one row to the next, and a load that no cup carries.
+        ("0,0,0\n0.001,0,0\n0.0011,100,0\n0.002,100,0\n", "0.0011"),
+        ("0,0,0\n0.001,0,0\n0.0011,1e6,0\n0.002,1e6,0\n", "0.0010"),
+        ("0,0,0\n0.001,0,-1e6\n0.002,0,-1e6\n0.02,0,-1e6\n", "0.00"),
+    ] {
+        bench.write("in.csv", format!("t_s,theta_wg_rad,tau_load_nm\n{rows}"));
+        let line = bench.refused(&words);
+        assert!(line.starts_with(&format!("error: out.csv: not written: diverged at {time}")), "{line}");
+        assert!(
+            line.contains(" s: a link of node (i, j) = (") && line.ends_with("allowed: 0.1 either way"),
+            "{line}"
+        );
+    }
+    // What was written before stays.
+    bench.write("out.csv", "earlier");
+    bench.refused(&words);
+    assert_eq!(bench.files()[&bench.path("out.csv")], b"earlier");
 }
 
 #[test]

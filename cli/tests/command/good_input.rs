@@ -1,13 +1,17 @@
 //! The command when all is well: outputs, help and exit codes.
 
+use strainwave_desktop::mesh_size::MeshSize;
+use strainwave_desktop::plant::STEP_SHARE;
+
 use crate::bench::Bench;
 
 const SIM: &str = "sim --gear g.toml --input in.csv --output out.csv --json out.json --build";
 
-fn rows(bench: &Bench) -> Vec<Vec<f64>> {
+const HEADER: &str = "t_s,theta_fs_rad,omega_fs_rad_s,tau_wg_nm,torsion_rad,tau_t_nm";
+
+fn rows(bench: &Bench, header: &str) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(bench.path("out.csv")).unwrap();
     let mut lines = text.lines();
-    let header = "t_s,theta_fs_rad,omega_fs_rad_s,tau_wg_nm,torsion_rad,tau_t_nm";
     assert_eq!(lines.next(), Some(header));
     lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect()
 }
@@ -18,13 +22,68 @@ fn both_builds_write_a_row_every_tenth_of_a_millisecond() {
     for build in ["reference", "realtime"] {
         let answer = bench.run(&format!("{SIM} {build}"));
         assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""));
-        let rows = rows(&bench);
+        let rows = rows(&bench, HEADER);
         let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
         let wanted: Vec<f64> = (0..=20).map(|k| f64::from(k) / 10_000.0).collect();
         assert_eq!(times, wanted);
         // The load pulls the output backwards, which winds the flexspline up.
         assert!(rows[20][1] < 0.0 && rows[20][4] > 0.0, "{:?}", rows[20]);
     }
+}
+
+/// The mesh and step asked for are run, and each gauge has its column.
+#[test]
+fn meshes_steps_and_gauges_are_of_choice() {
+    let bench = Bench::new();
+    let header = format!("{HEADER},strain_0_0_1_1,strain_3_1_-1_-1");
+    let gauges = "--gauge 0,0,1,1 --gauge 3,1,-1,-1";
+    let mut torsions = Vec::new();
+    for options in ["reference --mesh 8x3", "reference --mesh 8x3 --step 1e-6", "reference", "realtime"] {
+        let answer = bench.run(&format!("{SIM} {options} {gauges}"));
+        assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""), "{options}");
+        let rows = rows(&bench, &header);
+        assert!(rows.iter().all(|row| row.len() == 8 && row[6..].iter().all(|strain| strain.abs() < 0.01)));
+        torsions.push(rows[20][4]);
+    }
+    for (index, torsion) in torsions.iter().enumerate() {
+        assert!((torsion - torsions[0]).abs() < 2e-6, "{torsions:?}");
+        assert!(!torsions[..index].contains(torsion), "each build has its own digits: {torsions:?}");
+    }
+}
+
+#[test]
+fn the_report_is_one_page_that_needs_nothing_else() {
+    let bench = Bench::new();
+    let answer = bench.run("report --json out.json");
+    assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""), "{}", answer.output);
+    let page = std::fs::read_to_string(bench.path("out/report.html")).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>"));
+    for title in [
+        "The mesh",
+        "Two links: eq. (1)",
+        "Torque over torsion",
+        "Strain at a gauge",
+        "Mesh sizes",
+        "Figures beside",
+    ] {
+        assert!(page.contains(&format!("<h3>{title}")), "{title}");
+    }
+    for outside in ["<script", "<link", "<img", "src=", "url(", "@import"] {
+        assert!(!page.contains(outside), "{outside}");
+    }
+    let elsewhere =
+        page.matches("http").count() - page.matches("xmlns=\"http://www.w3.org/2000/svg\"").count();
+    assert_eq!(elsewhere, 0, "the page names an address");
+    assert!(page.matches("<svg").count() >= 6 && !page.contains("NaN") && !page.contains("inf"));
+    let text = std::fs::read_to_string(bench.path("out.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let figures = json["figures"].as_array().unwrap();
+    assert!(!figures.is_empty());
+    for figure in figures {
+        assert!(page.contains(&format!("<td>{}</td>", figure["name"].as_str().unwrap())), "{figure}");
+    }
+    let left: Vec<_> = std::fs::read_dir(bench.path("out")).unwrap().collect();
+    assert_eq!(left.len(), 1, "{left:?}");
 }
 
 #[test]
@@ -69,6 +128,18 @@ fn verify_measures_the_part_asked_for() {
 }
 
 #[test]
+fn the_help_of_sim_says_what_there_is() {
+    let help = Bench::new().run("sim --help").output;
+    let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    let meshes = format!("One of {}.", MeshSize::names());
+    let step = format!("(s); {STEP_SHARE} of the mesh's stable step when left out");
+    let default = format!("{} when left out", MeshSize::DEFAULT);
+    for wanted in [meshes, step, default, "strain_I_J_AROUND_ALONG".into(), "diverges".into()] {
+        assert!(help.contains(&wanted), "{wanted}\n{help}");
+    }
+}
+
+#[test]
 fn every_subcommand_has_help() {
     let bench = Bench::new();
     let answer = bench.run("--help");
@@ -76,7 +147,7 @@ fn every_subcommand_has_help() {
     let commands = answer.output.split("Commands:").nth(1).unwrap().split("Options:").next().unwrap();
     let names: Vec<_> =
         commands.lines().filter_map(|line| line.strip_prefix("  ")?.split(' ').next()).collect();
-    assert!(names.contains(&"sim") && names.contains(&"verify"), "{names:?}");
+    assert!(["sim", "verify", "report"].iter().all(|name| names.contains(name)), "{names:?}");
     for name in names.into_iter().filter(|name| !name.is_empty() && *name != "help") {
         let answer = bench.run(&format!("{name} --help"));
         assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""));

@@ -1,11 +1,10 @@
 //! Files of the gear as a two-port, open loop.
 //!
 //! In: `t_s`, one of `theta_wg_rad` and `omega_wg_rad_s`, and `tau_load_nm`, the external torque ON
-//! the flexspline. Out: `t_s, theta_fs_rad, omega_fs_rad_s, tau_wg_nm, torsion_rad, tau_t_nm`.
+//! the flexspline. Out: `t_s, theta_fs_rad, omega_fs_rad_s, tau_wg_nm, torsion_rad, tau_t_nm`, and a column a gauge.
 
+use std::fmt::Display;
 use std::path::Path;
-
-use serde::Serialize;
 
 use super::columns::{Column, Columns, Schema};
 use super::time::{Instant, TIME, Time};
@@ -80,52 +79,59 @@ impl OpenLoop {
     }
 }
 
+/// Columns of the open-loop output, before those of the gauges.
+const OUTPUT: [&str; 6] = ["t_s", "theta_fs_rad", "omega_fs_rad_s", "tau_wg_nm", "torsion_rad", "tau_t_nm"];
+
 /// One row of the open-loop output.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct OpenLoopRow {
     /// Time (s).
-    #[serde(rename = "t_s")]
     pub time: f64,
     /// Flexspline angle (rad).
-    #[serde(rename = "theta_fs_rad")]
     pub output_position: f64,
     /// Flexspline speed (rad/s).
-    #[serde(rename = "omega_fs_rad_s")]
     pub output_velocity: f64,
     /// What the motor must supply (N m).
-    #[serde(rename = "tau_wg_nm")]
     pub input_torque: f64,
     /// Torsion of the flexspline (rad).
-    #[serde(rename = "torsion_rad")]
     pub torsion: f64,
     /// Torque through the flexspline (N m).
-    #[serde(rename = "tau_t_nm")]
     pub transmitted_torque: f64,
+    /// Strain at each gauge, without unit.
+    pub strains: Vec<f64>,
 }
 
 impl OpenLoopRow {
-    fn is_finite(&self) -> bool {
-        let Self { time, output_position, output_velocity, input_torque, torsion, transmitted_torque } = self;
-        [time, output_position, output_velocity, input_torque, torsion, transmitted_torque]
-            .iter()
-            .all(|number| number.is_finite())
+    /// The numbers in the order of the columns.
+    fn numbers(&self) -> impl Iterator<Item = f64> {
+        let Self { output_position, output_velocity, input_torque, torsion, transmitted_torque, .. } = self;
+        // Stamps on the grid, not with the last digits of their rounding.
+        let time = (self.time * 1e9).round() / 1e9;
+        [time, *output_position, *output_velocity, *input_torque, *torsion, *transmitted_torque]
+            .into_iter()
+            .chain(self.strains.iter().copied())
     }
 }
 
-/// Writes the open-loop output, complete or not at all.
+/// Writes the open-loop output, complete or not at all; `gauges` name the columns of the rows' strains.
 ///
 /// # Errors
-/// The file cannot be written, or a value is not finite.
-pub fn write_open_loop(path: &Path, rows: impl IntoIterator<Item = OpenLoopRow>) -> Result<(), BadInput> {
+/// The file cannot be written, a row has failed, or a value is not finite.
+pub fn write_open_loop<E: Display>(
+    path: &Path,
+    gauges: &[String],
+    rows: impl IntoIterator<Item = Result<OpenLoopRow, E>>,
+) -> Result<(), BadInput> {
     file::write(path, |out| {
-        let mut writer = csv::Writer::from_writer(out);
+        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
+        let failed = |error: csv::Error| WriteError::Io(error.into());
+        writer.serialize((OUTPUT, gauges)).map_err(failed)?;
         for row in rows {
-            if !row.is_finite() {
+            let row = row.map_err(|error| WriteError::Refused(error.to_string()))?;
+            if !row.numbers().all(f64::is_finite) {
                 return Err(WriteError::Refused(format!("a value at {} s is not finite", row.time)));
             }
-            // Stamps on the grid, not with the last digits of their rounding.
-            let row = OpenLoopRow { time: (row.time * 1e9).round() / 1e9, ..row };
-            writer.serialize(row).map_err(|error| WriteError::Io(error.into()))?;
+            writer.serialize(row.numbers().collect::<Vec<_>>()).map_err(failed)?;
         }
         Ok(writer.flush()?)
     })

@@ -3,6 +3,7 @@
 use plotters::chart::SeriesLabelPosition;
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
+use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 
 use super::decimate::thin;
@@ -13,6 +14,9 @@ const PIXEL: u32 = 4;
 const WIDTH: u32 = 900 * PIXEL;
 const TITLE_HEIGHT: u32 = 36 * PIXEL;
 const PANEL_HEIGHT: u32 = 300 * PIXEL;
+
+/// Lengths of a dash and of the space behind it.
+const DASH: (u32, u32) = (6 * PIXEL, 4 * PIXEL);
 
 /// Length of a line's sample in the legend.
 const KEY: i32 = 20 * PIXEL as i32;
@@ -33,7 +37,7 @@ type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorTy
 type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 pub(super) fn svg(page: &Page) -> String {
-    let height = TITLE_HEIGHT + PANEL_HEIGHT * page.panels.len().max(1) as u32;
+    let height = title_height(page) + PANEL_HEIGHT * page.panels.len().max(1) as u32;
     let mut text = String::new();
     {
         let area = SVGBackend::with_string(&mut text, (WIDTH, height)).into_drawing_area();
@@ -44,6 +48,11 @@ pub(super) fn svg(page: &Page) -> String {
     text.replacen(&drawn, &format!("width=\"{}\" height=\"{}\"", WIDTH / PIXEL, height / PIXEL), 1)
 }
 
+/// A page without a title has no room for one.
+fn title_height(page: &Page) -> u32 {
+    if page.title.is_empty() { 0 } else { TITLE_HEIGHT }
+}
+
 /// The viewer's sans-serif, `size` in pixels.
 fn font(size: u32) -> FontDesc<'static> {
     ("sans-serif", size * PIXEL).into_font()
@@ -51,13 +60,14 @@ fn font(size: u32) -> FontDesc<'static> {
 
 fn draw_page<DB: DrawingBackend>(page: &Page, area: &Area<DB>) -> Drawn<DB> {
     area.fill(&WHITE)?;
-    let (top, below) = area.split_vertically(TITLE_HEIGHT);
+    let title_height = title_height(page);
+    let (top, below) = area.split_vertically(title_height);
     let style = font(20).color(&BLACK);
     let centre = plotters::style::text_anchor::Pos::new(
         plotters::style::text_anchor::HPos::Center,
         plotters::style::text_anchor::VPos::Center,
     );
-    top.draw(&Text::new(page.title.clone(), (WIDTH as i32 / 2, TITLE_HEIGHT as i32 / 2), style.pos(centre)))?;
+    top.draw(&Text::new(page.title.clone(), (WIDTH as i32 / 2, title_height as i32 / 2), style.pos(centre)))?;
     for (panel, area) in page.panels.iter().zip(below.split_evenly((page.panels.len().max(1), 1))) {
         draw_panel(panel, &area)?;
     }
@@ -124,19 +134,20 @@ fn draw_series<'a, DB: DrawingBackend + 'a>(
     let thinned = thin(series.finite_points(), column);
     let drawn = match series.style {
         Style::Line => chart.draw_series(LineSeries::new(thinned, style))?,
-        Style::Dashed => chart.draw_series(DashedLineSeries::new(thinned, 6 * PIXEL, 4 * PIXEL, style))?,
+        Style::Dashed => chart.draw_series(DashedLineSeries::new(thinned, DASH.0, DASH.1, style))?,
         Style::Points => chart
             .draw_series(thinned.into_iter().map(|point| Circle::new(point, 3 * PIXEL, colour.filled())))?,
     };
     if series.name.is_empty() {
         return Ok(());
     }
-    let points = series.style == Style::Points;
+    let sample = series.style;
     drawn.label(&series.name).legend(move |(x, y)| {
-        if points {
-            Circle::new((x + KEY / 2, y), 3 * PIXEL, colour.filled()).into_dyn()
-        } else {
-            PathElement::new([(x, y), (x + KEY, y)], style).into_dyn()
+        let ends = [(x, y), (x + KEY, y)];
+        match sample {
+            Style::Line => PathElement::new(ends, style).into_dyn(),
+            Style::Dashed => DashedPathElement::new(ends, DASH.0, DASH.1, style).into_dyn(),
+            Style::Points => Circle::new((x + KEY / 2, y), 3 * PIXEL, colour.filled()).into_dyn(),
         }
     });
     Ok(())

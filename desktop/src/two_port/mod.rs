@@ -15,47 +15,76 @@
 //! Discretisation: a row every 0.1 ms from the first stamp of the input. The real-time build takes one
 //! step for it, the reference build as many micro-steps as its mesh needs. Between the input's
 //! stamps the load is linear; for the wave generator see `trajectory.rs`. A row holds the values at
-//! its instant.
+//! its instant. After each, the mesh is asked for its most strained link: a run that diverges ends there.
 //!
 //! The models start at the zero angle. A wave generator that is run in from theta_0 is therefore
 //! counted from there: theta_fs gets r*theta_0 added back, and a term of order k of the kinematic error has
-//! its phase advanced by k*theta_0 (k*(1 - r)*theta_0 relative to the flexspline).
+//! its phase advanced by k*theta_0 (k*(1 - r)*theta_0 relative to the flexspline), and the ellipse stands at
+//! (1 - r)*theta_0 on the flexspline.
 
+mod gauge;
 mod trajectory;
 
 use std::f64::consts::TAU;
 
-use strainwave::compensator::RealTimeGear;
-use strainwave::flexspline::{Flexspline, Reduced};
-use strainwave::gear::{Gear, GearState, Motion, Torques};
+use strainwave::compensator::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY, MESH, RealTimeFlexspline};
+use strainwave::flexspline::Mesh;
+use strainwave::gear::{Gear, GearParams, GearState, Motion, Torques};
 use strainwave::{Angle, Error, Real};
 
+use crate::divergence::{Diverged, RunError, may_go_on};
 use crate::gear_file::{GearFile, Harmonic};
 use crate::joint::gear_params;
 use crate::log::{Drive, Instant, OpenLoop, OpenLoopRow, STEP};
-use crate::plant::Reference;
+use crate::mesh_size::{MeshSize, OnMesh};
+use crate::plant::{LEVELS, MEMORY, Reference};
+pub use gauge::Gauge;
+use gauge::{Gauged, Turned};
 use trajectory::Trajectory;
 
 /// How long the gear is led before the start (s): several times what the mesh's transient takes.
 pub const RUN_IN: f64 = 20.0 * STEP;
 
 /// Which build of the models.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Build {
-    /// f64, 36 x 4 mesh, literal eq. (6), micro-steps.
-    Reference,
+    /// f64, literal eq. (6), micro-steps.
+    Reference {
+        /// Nodes of the mesh.
+        mesh: MeshSize,
+        /// Longest micro-step (s); a share of the stable one when there is none.
+        longest_step: Option<f64>,
+    },
     /// f32, condensed mesh, one step per 0.1 ms: what runs on the joint controller.
     RealTime,
 }
 
-/// The rows of a run, computed one by one.
-pub type Rows<'a> = Box<dyn ExactSizeIterator<Item = OpenLoopRow> + 'a>;
+impl Build {
+    /// The reference build that the plant has.
+    pub const REFERENCE: Self = Self::Reference { mesh: MeshSize::DEFAULT, longest_step: None };
 
-/// Runs the gear of a file open loop.
+    /// Nodes of its mesh around and along the axis.
+    pub fn nodes(self) -> (usize, usize) {
+        match self {
+            Self::Reference { mesh, .. } => mesh.nodes(),
+            Self::RealTime => MESH,
+        }
+    }
+}
+
+/// The rows of a run, computed one by one, up to one that fails.
+pub type Rows<'a> = Box<dyn ExactSizeIterator<Item = Result<OpenLoopRow, RunError>> + 'a>;
+
+/// Runs the gear of a file open loop, with the strains of some gauges.
 ///
 /// # Errors
-/// As [`strainwave::gear::GearParams::build`].
-pub fn run<'a>(file: &GearFile, input: &'a OpenLoop, build: Build) -> Result<Rows<'a>, Error> {
+/// As [`GearParams::build`] and [`Reference::build`].
+pub fn run<'a>(
+    file: &GearFile,
+    input: &'a OpenLoop,
+    build: Build,
+    gauges: &'a [Gauge],
+) -> Result<Rows<'a>, Error> {
     let trajectory = Trajectory::new(input.time.stamps(), &input.drive);
     let first = match &input.drive {
         Drive::Position(position) => position[0],
@@ -63,19 +92,56 @@ pub fn run<'a>(file: &GearFile, input: &'a OpenLoop, build: Build) -> Result<Row
     };
     let start = first + trajectory.at(-RUN_IN).angle;
     let counted = counted_from(file, start);
-    let inputs =
-        Inputs { trajectory, log: input, start, wave_generator_inertia: file.inertia.wave_generator };
+    let r: f64 = file.gear.signed_ratio().value();
+    let inputs = Inputs {
+        trajectory,
+        log: input,
+        start,
+        ellipse: wrapped((1.0 - r) * start),
+        gauges,
+        wave_generator_inertia: file.inertia.wave_generator,
+    };
     match build {
-        Build::Reference => {
-            let Reference { gear, dt, steps } = Reference::build(&gear_params(&counted))?;
-            Ok(rows(Simulation::new(gear, dt, steps, inputs)))
+        Build::Reference { mesh, longest_step } => {
+            mesh.run(ReferenceRun { params: gear_params(&counted), longest_step, inputs })
         }
         Build::RealTime => {
             let params = gear_params::<f32>(&counted);
-            let flexspline = Reduced::build(&params.flexspline, params.rated_torque)?;
-            let gear: RealTimeGear<f32> = params.build(flexspline, STEP as f32)?;
-            Ok(rows(Simulation::new(gear, STEP, 1, inputs)))
+            let model = RealTimeFlexspline::build(&params.flexspline, params.rated_torque)?;
+            rows::<_, _, HYSTERESIS_LEVELS, HYSTERESIS_MEMORY>(&params, model, STEP, 1, inputs)
         }
+    }
+}
+
+/// Largest stable step of the reference mesh of a gear (s).
+pub fn stable_step(file: &GearFile, mesh: MeshSize) -> f64 {
+    struct StableStep(GearParams<f64>);
+
+    impl OnMesh for StableStep {
+        type Output = f64;
+
+        fn run<const N: usize, const M: usize>(self) -> f64 {
+            Mesh::<f64, N, M>::stable_step(&self.0.flexspline)
+        }
+    }
+
+    mesh.run(StableStep(gear_params(file)))
+}
+
+/// A run of the reference build, its mesh of any size.
+struct ReferenceRun<'a> {
+    params: GearParams<f64>,
+    longest_step: Option<f64>,
+    inputs: Inputs<'a>,
+}
+
+impl<'a> OnMesh for ReferenceRun<'a> {
+    type Output = Result<Rows<'a>, Error>;
+
+    fn run<const N: usize, const M: usize>(self) -> Self::Output {
+        let Reference { mesh, dt, steps } =
+            Reference::<N, M>::build(&self.params.flexspline, self.longest_step)?;
+        rows::<_, _, LEVELS, MEMORY>(&self.params, mesh, dt, steps, self.inputs)
     }
 }
 
@@ -98,11 +164,19 @@ fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
 
-fn rows<'a, R: Real, F: Flexspline<R> + 'a, const L: usize, const MEMORY: usize>(
-    mut simulation: Simulation<'a, R, F, L, MEMORY>,
-) -> Rows<'a> {
+/// The rows of a gear around `model`, in `steps` steps of `dt` (s) each.
+fn rows<'a, R: Real, F: Gauged<R> + 'a, const L: usize, const MEMORY: usize>(
+    params: &GearParams<R>,
+    model: F,
+    dt: f64,
+    steps: usize,
+    inputs: Inputs<'a>,
+) -> Result<Rows<'a>, Error> {
+    let flexspline = Turned { model, zero: Angle::from_radians_f64(-inputs.ellipse) };
+    let gear: Gear<R, _, L, MEMORY> = params.build(flexspline, R::lit(dt))?;
+    let mut simulation = Simulation::new(gear, dt, steps, inputs);
     let instants = simulation.inputs.log.time.resampled(STEP);
-    Box::new(instants.map(move |instant| simulation.row(instant)))
+    Ok(Box::new(instants.map(move |instant| simulation.row(instant))))
 }
 
 /// What drives a gear, over the time since the first stamp.
@@ -111,6 +185,9 @@ struct Inputs<'a> {
     log: &'a OpenLoop,
     /// Where the run-in starts, and the wave generator is counted from (rad).
     start: f64,
+    /// Where its major axis stands on the flexspline then (rad).
+    ellipse: f64,
+    gauges: &'a [Gauge],
     wave_generator_inertia: f64,
 }
 
@@ -127,8 +204,8 @@ impl Inputs<'_> {
 }
 
 /// A gear on its way through its inputs.
-struct Simulation<'a, R: Real, F: Flexspline<R>, const L: usize, const MEMORY: usize> {
-    gear: Gear<R, F, L, MEMORY>,
+struct Simulation<'a, R: Real, F: Gauged<R>, const L: usize, const MEMORY: usize> {
+    gear: Gear<R, Turned<R, F>, L, MEMORY>,
     state: GearState<R, F::State, MEMORY>,
     flange: Motion<R>,
     dt: f64,
@@ -137,8 +214,8 @@ struct Simulation<'a, R: Real, F: Flexspline<R>, const L: usize, const MEMORY: u
     inputs: Inputs<'a>,
 }
 
-impl<'a, R: Real, F: Flexspline<R>, const L: usize, const MEMORY: usize> Simulation<'a, R, F, L, MEMORY> {
-    fn new(gear: Gear<R, F, L, MEMORY>, dt: f64, steps: usize, inputs: Inputs<'a>) -> Self {
+impl<'a, R: Real, F: Gauged<R>, const L: usize, const MEMORY: usize> Simulation<'a, R, F, L, MEMORY> {
+    fn new(gear: Gear<R, Turned<R, F>, L, MEMORY>, dt: f64, steps: usize, inputs: Inputs<'a>) -> Self {
         let mut simulation = Self { state: gear.rest(), flange: Motion::default(), gear, dt, steps, inputs };
         simulation.run_in();
         simulation
@@ -161,22 +238,37 @@ impl<'a, R: Real, F: Flexspline<R>, const L: usize, const MEMORY: usize> Simulat
     }
 
     /// The row of an instant, and the way to the next.
-    fn row(&mut self, instant: Instant) -> OpenLoopRow {
+    fn row(&mut self, instant: Instant) -> Result<OpenLoopRow, RunError> {
+        let start = self.inputs.log.time.stamps()[0];
+        let strains = self.strains(instant.elapsed)?;
         let flange = self.flange;
         let first = self.step(instant.elapsed);
-        for step in 1..self.steps {
-            self.step(instant.elapsed + step as f64 * self.dt);
+        let (mut last, mut done) = (first, 1);
+        while done < self.steps && may_go_on(&last) {
+            last = self.step(instant.elapsed + done as f64 * self.dt);
+            done += 1;
         }
+        let time = start + instant.elapsed + done as f64 * self.dt;
+        Diverged::check(time, self.gear.flexspline(), self.state.flexspline(), &last)?;
         let inputs = &self.inputs;
         let acceleration = inputs.trajectory.at(instant.elapsed).acceleration;
-        OpenLoopRow {
-            time: inputs.log.time.stamps()[0] + instant.elapsed,
+        Ok(OpenLoopRow {
+            time: start + instant.elapsed,
             output_position: self.gear.ratio().value::<f64>() * inputs.start + flange.angle.to_radians(),
             output_velocity: flange.velocity.to_f64(),
             input_torque: inputs.wave_generator_inertia * acceleration + first.wave_generator.to_f64(),
             torsion: first.torsion.to_f64(),
             transmitted_torque: first.transmitted.to_f64(),
-        }
+            strains,
+        })
+    }
+
+    /// The gauges' strains before a step.
+    fn strains(&self, elapsed: f64) -> Result<Vec<f64>, Error> {
+        let ends = self.gear.flexspline_ends(&self.inputs.wave_generator(elapsed), &self.flange);
+        let flexspline = self.gear.flexspline();
+        let strain = |gauge| flexspline.strain(self.state.flexspline(), &ends, gauge).map(R::to_f64);
+        self.inputs.gauges.iter().map(strain).collect()
     }
 
     fn step(&mut self, elapsed: f64) -> Torques<R> {

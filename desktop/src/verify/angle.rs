@@ -5,6 +5,7 @@ use strainwave::{Angle, Ratio};
 
 use crate::bounds;
 use crate::figure::Figure;
+use crate::verify::largest;
 
 /// Ratios r = 1/n that are measured: both arrangements, both ends of the range.
 const RATIOS: [i32; 5] = [-100, 101, -30, 31, -320];
@@ -13,21 +14,19 @@ const TURNS: i64 = 1_000_000;
 const LARGEST_TORSION: f64 = 1.5e-3;
 
 pub(super) fn measure() -> Vec<Figure> {
-    let worst = RATIOS.into_iter().map(worst_torsion_error).fold(0.0, f64::max);
+    let worst = largest(RATIOS.map(worst_torsion_error));
     vec![bounds::figure("angle.torsion.million_turns", worst)]
 }
 
 fn worst_torsion_error(n: i32) -> f64 {
     let ratio = Ratio::one_over(n).expect("the ratio is in range");
-    let largest = (LARGEST_TORSION / RADIANS_PER_COUNT) as i64;
-    (0..10_000)
-        .map(|k| {
-            // Steps that are no divisor of a turn, so that phases and remainders are all different.
-            let wave_generator = (TURNS << 32) + k * 4_294_007;
-            let torsion = (k - 5_000) * largest / 5_000;
-            torsion_error(ratio, n, wave_generator, torsion)
-        })
-        .fold(0.0, f64::max)
+    let most = (LARGEST_TORSION / RADIANS_PER_COUNT) as i64;
+    largest((0..10_000).map(|k| {
+        // Steps that are no divisor of a turn, so that phases and remainders are all different.
+        let wave_generator = (TURNS << 32) + k * 4_294_007;
+        let torsion = (k - 5_000) * most / 5_000;
+        torsion_error(ratio, n, wave_generator, torsion)
+    }))
 }
 
 /// With the flange `torsion` counts behind the whole counts of `wave_generator / n`, the exact torsion

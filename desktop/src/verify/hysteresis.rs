@@ -12,6 +12,7 @@ use crate::bounds;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::joint::gear_params;
+use crate::verify::largest;
 
 /// Random inputs on the grid.
 const INPUTS: usize = 100_000;
@@ -33,13 +34,10 @@ fn worst_against_relays() -> f64 {
     let staircase = Staircase::<f64, LEVELS, { LEVELS + 2 }>::build(1.0, &weights).expect("as the relays");
     let (mut relays_state, mut staircase_state) = (RelaysState::default(), StaircaseState::default());
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    (0..INPUTS)
-        .map(|_| {
-            let input = f64::from(random.random_range(0..=LEVELS as i32)) * 2.0 / LEVELS as f64 - 1.0;
-            let one = relays.step(&mut relays_state, input);
-            (one - staircase.step(&mut staircase_state, input).output).abs()
-        })
-        .fold(0.0, f64::max)
+    largest((0..INPUTS).map(|_| {
+        let input = f64::from(random.random_range(0..=LEVELS as i32)) * 2.0 / LEVELS as f64 - 1.0;
+        relays.step(&mut relays_state, input) - staircase.step(&mut staircase_state, input).output
+    }))
 }
 
 /// Relative error of the full width at zero torque after +-rated torque, with the levels of the real-time build.

@@ -38,6 +38,12 @@ impl From<Vec<Figure>> for Measured {
     }
 }
 
+/// The largest magnitude; NaN, which `f64::max` would pass over, counts as larger than any, and none as NaN.
+fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    // Without its sign a NaN is the last in the total order.
+    values.into_iter().map(f64::abs).max_by(f64::total_cmp).unwrap_or(f64::NAN)
+}
+
 /// A part of the project whose figures are measured together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
@@ -76,5 +82,17 @@ impl Part {
             Self::Hysteresis => Ok(hysteresis::measure().into()),
             Self::Compensator => Ok(angle::measure().into()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::largest;
+
+    #[test]
+    fn what_is_not_a_number_is_never_passed_over() {
+        assert_eq!(largest([1.0, -3.0, 2.0]), 3.0);
+        assert!(largest([1.0, f64::NAN, 2.0]).is_nan() && largest([1.0, -f64::NAN]).is_nan());
+        assert!(largest([]).is_nan());
     }
 }

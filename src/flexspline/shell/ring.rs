@@ -48,6 +48,9 @@ pub(in crate::flexspline) const fn entry_of(node: usize, n: usize) -> usize {
 
 impl<R: Real, const N: usize> Ring<R, N> {
     pub(in crate::flexspline) const ZERO: Self = Self([[R::ZERO; N]; 2]);
+    /// Known to the compiler even where it inlines nothing between crates, as vector code needs.
+    const LANES: usize = lanes(N);
+    const LOOP: usize = padded::<R>(N);
 
     /// Values by entry, in the order that [`node_at`] states.
     #[inline(always)]
@@ -75,20 +78,20 @@ impl<R: Real, const N: usize> Ring<R, N> {
     /// Entry by entry over whole lines, the value `around` nodes on: 0, 1 or 2.
     #[inline(always)]
     pub(in crate::flexspline) fn turned(&self, around: usize) -> &[R] {
-        &self.0.as_flattened()[around * lanes(N)..][..padded::<R>(N)]
+        &self.0.as_flattened()[around * Self::LANES..][..Self::LOOP]
     }
 
     /// As [`Ring::turned`], to add to; to be folded by the same `around` after that.
     #[inline(always)]
     pub(in crate::flexspline) fn turned_mut(&mut self, around: usize) -> &mut [R] {
-        &mut self.0.as_flattened_mut()[around * lanes(N)..][..padded::<R>(N)]
+        &mut self.0.as_flattened_mut()[around * Self::LANES..][..Self::LOOP]
     }
 
     /// Repeats the first nodes of each next arc behind the last entry.
     #[inline(always)]
     pub(in crate::flexspline) fn close(&mut self) {
         let [ring, behind] = &mut self.0;
-        for (to, from) in Self::overlap(padded::<R>(N) - N + REACH * lanes(N)) {
+        for (to, from) in Self::overlap(Self::LOOP - N + REACH * Self::LANES) {
             behind[to] = ring[from];
         }
     }
@@ -97,7 +100,7 @@ impl<R: Real, const N: usize> Ring<R, N> {
     #[inline(always)]
     pub(in crate::flexspline) fn fold(&mut self, around: usize) {
         let [ring, behind] = &mut self.0;
-        for (from, to) in Self::overlap(around * lanes(N)) {
+        for (from, to) in Self::overlap(around * Self::LANES) {
             ring[to] += behind[from];
         }
     }
@@ -105,7 +108,7 @@ impl<R: Real, const N: usize> Ring<R, N> {
     /// The first `count` entries behind the last one, each with the entry of the same node.
     #[inline(always)]
     fn overlap(count: usize) -> impl Iterator<Item = (usize, usize)> {
-        let lanes = lanes(N);
+        let lanes = Self::LANES;
         (0..count).map(move |k| (k, k / lanes * lanes + (k + 1) % lanes))
     }
 }

@@ -3,13 +3,13 @@
 //! Engineering strain L/L0 - 1 of one link, positive when it is longer than in the round, unloaded cylinder.
 
 use super::link_law::{Bend, VALID_STRAIN};
-use super::ring::{entry_of, node_at};
+use super::ring::{Ring, node_at};
 use super::{Direction, Shell, ShellState};
 use crate::error::{Error, require};
 use crate::flexspline::calibration::is_bend;
 use crate::real::Real;
 
-/// A link's near node (i around, j along) and its strain.
+/// An end of a link, node (i around, j along), and its strain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strained<R> {
     /// i and j.
@@ -65,23 +65,23 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
         Strained { node: largest.1, strain: strain_at(largest.0) }
     }
 
-    /// Visits every link with its direction, the entry and the slice of its near node, and u = 1 - L^2/L0^2.
+    /// Visits every link with its direction, the entry and the slice of the node from which it goes forward around,
+    /// and u = 1 - L^2/L0^2.
     pub(super) fn for_each_link(
         &self,
         state: &ShellState<R, N, M>,
         mut visit: impl FnMut(&Direction<R>, usize, usize, R),
     ) {
         for direction in &self.directions {
-            for (j, (near, far)) in
-                state.position.iter().zip(state.position.iter().skip(direction.along)).enumerate()
-            {
+            for (j, far) in (0..M).zip(direction.along..M) {
+                // A link that goes back around is one that goes forward from its other end.
+                let (from, to) = if direction.around < 0 { (far, j) } else { (j, far) };
+                let near = state.position[from].each_ref().map(Ring::entries);
+                let around = direction.around.unsigned_abs() as usize;
+                let far = state.position[to].each_ref().map(|axis| axis.turned(around));
                 for entry in 0..N {
-                    let other = (node_at(entry, N) as i32 + direction.around).rem_euclid(N as i32) as usize;
-                    let at = |slice: &super::Slice<R, N>, entry| {
-                        slice.each_ref().map(|axis| axis.entries()[entry])
-                    };
-                    let link = difference(at(near, entry), at(far, entry_of(other, N)));
-                    visit(direction, entry, j, direction.squared_strain(link));
+                    let link = core::array::from_fn(|axis| far[axis][entry] - near[axis][entry]);
+                    visit(direction, entry, from, direction.squared_strain(link));
                 }
             }
         }

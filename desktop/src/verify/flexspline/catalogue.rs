@@ -4,8 +4,8 @@
 //! Read in catalogues and manuals but for T1, T2 and K2 of sizes 17 and 20, which are recalled: there the figure says
 //! that the mesh follows this line, not that it is the maker's.
 //!
-//! Rated torque: RT1-H-CS, ratio 100, of `catalogue/misc.csv` for sizes 14, 17 and 20 (10, 31, 52 N m); the default gear's
-//! own for 25 (67 N m); none is there for 32: by the cube of the size from that (141 N m).
+//! Rated torque: RT1-H-CS, ratio 100, of `catalogue/misc.csv` for sizes 14, 17 and 20 (10, 31, 52 N m); the default
+//! gear's own for 25 (67 N m); none is there for 32: by the cube of the size from that (141 N m).
 //!
 //! The cup is the default gear's, size 25, all its lengths in proportion to the size, hence its stiffness by the cube;
 //! J_fs, which only the damping follows from, by the fifth power. A line that is stiffer than that cup is an error.

@@ -6,22 +6,21 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use strainwave::Error;
-
 use crate::bounds;
+use crate::divergence::RunError;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::log::{OpenLoop, OpenLoopRow};
 use crate::two_port::{self, Build};
+use crate::verify::largest;
 
-pub(super) fn measure(gear: &GearFile) -> Result<Vec<Figure>, Error> {
+pub(super) fn measure(gear: &GearFile) -> Result<Vec<Figure>, RunError> {
     let input = input();
     let run =
-        |build| -> Result<Vec<OpenLoopRow>, Error> { Ok(two_port::run(gear, &input, build)?.collect()) };
-    let (reference, real_time) = (run(Build::Reference)?, run(Build::RealTime)?);
-    let worst = |of: fn(&OpenLoopRow) -> f64| {
-        reference.iter().zip(&real_time).map(|(a, b)| (of(a) - of(b)).abs()).fold(0.0, f64::max)
-    };
+        |build| -> Result<Vec<OpenLoopRow>, RunError> { two_port::run(gear, &input, build, &[])?.collect() };
+    let (reference, real_time) = (run(Build::REFERENCE)?, run(Build::RealTime)?);
+    let worst =
+        |of: fn(&OpenLoopRow) -> f64| largest(reference.iter().zip(&real_time).map(|(a, b)| of(a) - of(b)));
     Ok(vec![
         bounds::figure("gear.real_time.output_position.max", worst(|row| row.output_position)),
         bounds::figure("gear.real_time.torsion.max", worst(|row| row.torsion)),

@@ -7,12 +7,12 @@ mod mode;
 pub mod oracle;
 mod real_time;
 mod ripple;
-mod settled;
 pub mod speed;
 mod stiffness;
 mod strain;
 
 use super::Measured;
+use crate::divergence::RunError;
 use crate::file::BadInput;
 use crate::gear_file::GearFile;
 
@@ -20,14 +20,14 @@ use crate::gear_file::GearFile;
 pub(super) fn measure() -> Result<Measured, BadInput> {
     let gear = GearFile::default_gear();
     let figures = [
-        stiffness::measure(&gear),
-        conserved::measure(&gear),
+        stiffness::measure(&gear).map_err(RunError::from),
+        conserved::measure(&gear).map_err(RunError::from),
         Ok(oracle::measure()),
-        strain::measure(&gear),
+        strain::measure(&gear).map_err(RunError::from),
         gear::measure(&gear),
         real_time::measure(&gear),
-        mode::measure(&gear),
-        ripple::measure(&gear),
+        mode::measure(&gear).map_err(RunError::from),
+        ripple::measure(&gear).map_err(RunError::from),
     ];
     let figures = figures.into_iter().collect::<Result<Vec<_>, _>>().map_err(BadInput::message)?;
     let mut measured = Measured::from(figures.concat());

@@ -1,13 +1,15 @@
 //! The torsion mode, wave generator held, flange let go from a small torsion: real time against reference.
 //!
 //! Default gear without friction and hysteresis, stepped by [`Gear::step`]: f32 every 0.1 ms, and f64 with the 36 x 4
-//! mesh in micro-steps. Frequency from the zero crossings of the torsion, damping ratio zeta from the peaks p between them:
+//! mesh in micro-steps. Frequency from the zero crossings of the torsion, damping ratio zeta from the peaks p between
+//! them:
 //!
 //! ```text
-//! f = (crossings - 1)/(2*(t_last - t_first)),   delta = ln(p_first/p_last)/(peaks - 1),   zeta = delta/sqrt(pi^2 + delta^2)
+//! f = (crossings - 1)/(2*(t_last - t_first))
+//! delta = ln(p_first/p_last)/(peaks - 1),   zeta = delta/sqrt(pi^2 + delta^2)
 //! ```
 //!
-//! Both over half turns of the mode, 1 s long. What is small is a tenth of the first knee's torsion.
+//! What is small is a tenth of the first knee's torsion.
 
 use std::f64::consts::PI;
 
@@ -20,7 +22,7 @@ use crate::bounds;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, gear_params};
-use crate::plant::Reference;
+use crate::plant::{NODES, Reference, ReferenceGear};
 
 /// Torsion at first (rad).
 const RELEASED_FROM: f64 = 4e-5;
@@ -30,7 +32,9 @@ const HELD: f64 = 0.02;
 const RINGING: f64 = 0.5;
 
 pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, Error> {
-    let Reference { gear, dt, .. } = Reference::build(&frictionless(gear_params(file)))?;
+    let params: GearParams<f64> = frictionless(gear_params(file));
+    let Reference { mesh, dt, .. } = Reference::<{ NODES.0 }, { NODES.1 }>::build(&params.flexspline, None)?;
+    let gear: ReferenceGear<_> = params.build(mesh, dt)?;
     let reference = Mode::of(&gear, dt);
     let params: GearParams<f32> = frictionless(gear_params(file));
     let flexspline = Reduced::build(&params.flexspline, params.rated_torque)?;

@@ -20,6 +20,7 @@ use crate::bounds;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::joint::gear_params;
+use crate::verify::largest;
 
 const PROBLEM: &str = include_str!("../../../oracle/free_shell.toml");
 const TABLE: &str = include_str!("../../../oracle/free_shell.csv");
@@ -181,11 +182,6 @@ impl Row {
         let ours = state.position(self.i, self.j).into_iter();
         largest(ours.zip([self.x_m, self.y_m, self.z_m]).map(|(ours, theirs)| (ours - theirs).abs()))
     }
-}
-
-/// The largest of some distances; NaN, which `f64::max` would pass over, counts as larger than any.
-fn largest(distances: impl Iterator<Item = f64>) -> f64 {
-    distances.max_by(f64::total_cmp).unwrap_or(f64::NAN)
 }
 
 /// MuJoCo's positions by step.

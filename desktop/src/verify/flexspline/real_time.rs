@@ -1,20 +1,22 @@
 //! The real-time gear, 8 x 3 in f32 every 0.1 ms, against the reference, 36 x 4 in f64: torque through the flexspline.
 //!
-//! The default joint runs S1, S3 and S6 on the plant that its controller knows, under the cascade B0 (S6: brake). The speed of
-//! its wave generator and its load, row by row, then drive both builds of the two-port. As a share of rated torque.
+//! The default joint runs S1, S3 and S6 on the plant that its controller knows, under the cascade B0 (S6: brake). The
+//! speed of its wave generator and its load, row by row, then drive both builds of the two-port. As a share of rated
+//! torque.
 
 use std::thread;
 
-use strainwave::Error;
 use strainwave::flexspline::{Flexspline, Reduced};
 
 use crate::baseline::Baseline;
 use crate::bounds;
 use crate::closed_loop;
+use crate::divergence::RunError;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::scenario::Scenario;
 use crate::two_port::{self, Build};
+use crate::verify::largest;
 
 /// Seed of the plant that the controller knows.
 const NOMINAL: u64 = 0;
@@ -28,7 +30,7 @@ const SCENARIOS: [(Scenario, &str, &str); 3] = [
 /// The flexspline of the real-time gear.
 type RealTime = Reduced<f32, 8, 3>;
 
-pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, Error> {
+pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, RunError> {
     let size = size_of::<RealTime>() + size_of::<<RealTime as Flexspline<f32>>::State>();
     let mut figures = vec![bounds::figure("flexspline.real_time.size", size as f64)];
     let runs: Vec<_> = thread::scope(|scope| {
@@ -52,17 +54,15 @@ struct Difference {
 }
 
 impl Difference {
-    fn over(scenario: Scenario, file: &GearFile) -> Result<Self, Error> {
+    fn over(scenario: Scenario, file: &GearFile) -> Result<Self, RunError> {
         let record = closed_loop::record(file, scenario, NOMINAL, &mut Baseline::b0(file)?)?;
-        let reference = two_port::run(file, &record, Build::Reference)?;
-        let real_time = two_port::run(file, &record, Build::RealTime)?;
-        let (mut squares, mut count, mut max) = (0.0, 0.0, 0.0f64);
-        for (a, b) in reference.zip(real_time) {
-            let off = (a.transmitted_torque - b.transmitted_torque).abs() / file.gear.rated_torque;
-            squares += off * off;
-            count += 1.0;
-            max = max.max(off);
-        }
-        Ok(Self { rms: f64::sqrt(squares / count), max })
+        let reference = two_port::run(file, &record, Build::REFERENCE, &[])?;
+        let real_time = two_port::run(file, &record, Build::RealTime, &[])?;
+        let off: Vec<f64> = reference
+            .zip(real_time)
+            .map(|(a, b)| Ok((a?.transmitted_torque - b?.transmitted_torque) / file.gear.rated_torque))
+            .collect::<Result<_, RunError>>()?;
+        let squares: f64 = off.iter().map(|off| off * off).sum();
+        Ok(Self { rms: (squares / off.len() as f64).sqrt(), max: largest(off) })
     }
 }

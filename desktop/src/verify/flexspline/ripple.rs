@@ -1,12 +1,13 @@
-//! False ripple: what the torque of a flexspline varies by over one turn of the wave generator at constant torsion, the kinematic
-//! error being off. Nothing in the physics does that: it would be the nodes passing under the ellipse.
+//! False ripple: what the torque of a flexspline varies by over one turn of the wave generator at constant torsion, the
+//! kinematic error being off. Nothing in the physics does that: it would be the nodes passing under the ellipse.
 //!
 //! ```text
 //! ripple = (largest tau_t - smallest tau_t)/tau_rated
 //! ```
 //!
-//! Real time (f32) through the whole gear, wave generator and flange turning together; the condensed law does not know the
-//! wave generator's angle, so what is left is the rounding of the torsion. The literal 8 x 3 mesh settled, angle by angle.
+//! Real time (f32) through the whole gear, wave generator and flange turning together; the condensed law does not know
+//! the wave generator's angle, so what is left is the rounding of the torsion. The literal 8 x 3 mesh settled, angle by
+//! angle.
 
 use std::f64::consts::TAU;
 
@@ -16,11 +17,12 @@ use strainwave::gear::{GearParams, Motion};
 use strainwave::kinematic_error::KinematicErrorParams;
 use strainwave::{Angle, Error};
 
-use super::settled::Settled;
 use crate::bounds;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, gear_params};
+use crate::settled::Settled;
+use crate::verify::largest;
 
 /// Steps of the turn in real time.
 const STEPS: u32 = 10_000;
@@ -32,17 +34,18 @@ const SETTLING: usize = 4000;
 pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, Error> {
     let params = gear_params::<f64>(file);
     let torsion = params.flexspline.line.build()?.torsion(params.rated_torque);
-    let literal = ripple(settled(&params, torsion)?) / params.rated_torque;
-    let real_time = ripple(turning(file, torsion)?) / params.rated_torque;
+    let literal = ripple(&settled(&params, torsion)?) / params.rated_torque;
+    let real_time = ripple(&turning(file, torsion)?) / params.rated_torque;
     Ok(vec![
         bounds::figure("flexspline.8x3.ripple", literal),
         bounds::figure("flexspline.real_time.ripple", real_time),
     ])
 }
 
-fn ripple(torques: impl IntoIterator<Item = f64>) -> f64 {
-    let ends = torques.into_iter().fold((f64::MAX, f64::MIN), |(low, high), t| (low.min(t), high.max(t)));
-    ends.1 - ends.0
+/// From the least to the greatest, all of one sign.
+fn ripple(torques: &[f64]) -> f64 {
+    let most = largest(torques.iter().copied());
+    largest(torques.iter().map(|torque| most - torque.abs()))
 }
 
 /// Torques of the literal mesh.

@@ -1,7 +1,7 @@
 //! What the reference costs on this machine, one thread, by the clock.
 //!
-//! A step of the 36 x 4 mesh: the best of [`BATCHES`] batches, over its links. A second of plant: S1 under B0, the best of
-//! [`RUNS`]. Other work on the machine makes them slower, never faster: no test reads them.
+//! A step of the 36 x 4 mesh: the best of many short batches, over its links. A second of plant: S1 under B0, the best
+//! of some runs. Other work on the machine makes them slower, never faster: no test reads them.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -12,6 +12,7 @@ use strainwave::{Error, Real};
 use crate::baseline::Baseline;
 use crate::bounds;
 use crate::closed_loop;
+use crate::divergence::RunError;
 use crate::figure::Figure;
 use crate::file::BadInput;
 use crate::gear_file::GearFile;
@@ -38,7 +39,7 @@ pub fn measure() -> Result<Measured, BadInput> {
     of(&file).map_err(BadInput::message)
 }
 
-fn of(file: &GearFile) -> Result<Measured, Error> {
+fn of(file: &GearFile) -> Result<Measured, RunError> {
     let second = bounds::figure("flexspline.36x4.second_of_s1", second_of_plant(file)?);
     let steps = [step::<f64>(file)?, step::<f32>(file)?];
     let figures = STEP.into_iter().zip(steps).map(|(name, time)| bounds::figure(name, time));
@@ -76,7 +77,7 @@ fn step<R: Real>(file: &GearFile) -> Result<f64, Error> {
 }
 
 /// Seconds that a second of plant takes.
-fn second_of_plant(file: &GearFile) -> Result<f64, Error> {
+fn second_of_plant(file: &GearFile) -> Result<f64, RunError> {
     let mut best = f64::MAX;
     for _ in 0..RUNS {
         let started = Instant::now();

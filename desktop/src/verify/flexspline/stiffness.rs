@@ -5,11 +5,12 @@
 use strainwave::Error;
 use strainwave::flexspline::FlexsplineParams;
 
-use super::settled::Settled;
 use crate::bounds;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::joint::gear_params;
+use crate::settled::Settled;
+use crate::verify::largest;
 
 /// Torsion small enough for K1 alone (rad).
 const SMALL: f64 = 1e-5;
@@ -53,7 +54,6 @@ pub(super) fn worst_off_line<const N: usize, const M: usize>(
     let knees = params.line.knee_torque.into_iter().flat_map(|knee| [-knee, knee]);
     let mut torques: Vec<f64> = grid.chain(knees.filter(|knee| knee.abs() < rated)).collect();
     torques.sort_unstable_by(f64::total_cmp);
-    let off =
-        torques.into_iter().map(|torque| (mesh.torque(line.torsion(torque), BETWEEN_NODES) - torque).abs());
-    Ok(off.fold(0.0, f64::max) / rated)
+    let off = torques.into_iter().map(|torque| mesh.torque(line.torsion(torque), BETWEEN_NODES) - torque);
+    Ok(largest(off) / rated)
 }

@@ -7,11 +7,12 @@ use strainwave::flexspline::calibration::DIRECTIONS;
 use strainwave::flexspline::{Reduced, StrainGauge};
 use strainwave::{Angle, Error};
 
-use super::settled::Settled;
 use crate::bounds;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::joint::gear_params;
+use crate::settled::Settled;
+use crate::verify::largest;
 
 /// Steps in which a mesh settles; twice as many change no strain by 1e-10.
 const SETTLING: usize = 20_000;
@@ -44,8 +45,8 @@ struct Worst {
 
 impl Worst {
     fn take(&mut self, whole: f64, by_torque: f64) {
-        self.whole = self.whole.max(whole.abs());
-        self.by_torque = self.by_torque.max(by_torque.abs());
+        self.whole = largest([self.whole, whole]);
+        self.by_torque = largest([self.by_torque, by_torque]);
     }
 }
 

@@ -9,9 +9,9 @@
 use strainwave::friction::BlimanSorine;
 use strainwave::friction::bliman_sorine::BlimanSorineState;
 
-use super::largest;
 use crate::bounds;
 use crate::figure::Figure;
+use crate::verify::largest;
 
 const F1: f64 = 1.5;
 const F2: f64 = 0.5;

@@ -4,9 +4,9 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use strainwave::friction::{BlimanSorine, DahlParams, FrictionModel, Slip, StateSpaceParams};
 
-use super::largest;
 use crate::bounds;
 use crate::figure::Figure;
+use crate::verify::largest;
 
 const LEVEL: f64 = 2.0;
 const EPS: f64 = 0.02;

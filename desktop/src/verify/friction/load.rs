@@ -3,11 +3,10 @@
 use serde::Deserialize;
 use strainwave::friction::{LoadDependenceParams, LoadedLevel};
 
-use super::largest;
 use crate::bounds;
 use crate::data;
 use crate::file::{self, BadInput};
-use crate::verify::Measured;
+use crate::verify::{Measured, largest};
 
 /// Longest file (bytes).
 const LONGEST: u64 = 1 << 16;

@@ -26,8 +26,3 @@ pub(super) fn measure() -> Result<Measured, BadInput> {
     measured.add(ripple::measure()?);
     Ok(measured)
 }
-
-/// The largest of some distances; NaN, which `f64::max` would pass over, counts as larger than any.
-fn largest(distances: impl IntoIterator<Item = f64>) -> f64 {
-    distances.into_iter().max_by(f64::total_cmp).unwrap_or(f64::NAN)
-}

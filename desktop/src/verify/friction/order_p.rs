@@ -8,9 +8,9 @@ use strainwave::friction::FrictionModel;
 use strainwave::friction::StateSpaceParams;
 use strainwave::friction::state_space::StateSpaceState;
 
-use super::largest;
 use crate::bounds;
 use crate::figure::Figure;
+use crate::verify::largest;
 
 const STORED: &str = include_str!("../../../oracle/friction/bliman_sorine.toml");
 

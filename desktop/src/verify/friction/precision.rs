@@ -4,11 +4,11 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use strainwave::friction::{FrictionModel, JointFrictionParams, Slip};
 
-use super::largest;
 use crate::bounds;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, gear_params};
+use crate::verify::largest;
 
 /// Steps of random motion.
 const STEPS: usize = 10_000_000;

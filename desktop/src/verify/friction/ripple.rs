@@ -7,12 +7,11 @@ use serde::Deserialize;
 use strainwave::Real;
 use strainwave::friction::{Harmonics, Ripple, RippleParams};
 
-use super::largest;
 use crate::bounds;
 use crate::data;
 use crate::file::{self, BadInput};
 use crate::ripple_fit;
-use crate::verify::Measured;
+use crate::verify::{Measured, largest};
 
 const MAP: &str = "zxf17/friction_map_4dp.json";
 /// Longest file (bytes).

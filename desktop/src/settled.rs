@@ -10,7 +10,7 @@ use crate::vectorised::Vectorised;
 const STEP_SHARE: f64 = 0.9;
 
 /// A mesh that settles from one torsion to the next.
-pub(super) struct Settled<const N: usize, const M: usize> {
+pub(crate) struct Settled<const N: usize, const M: usize> {
     mesh: Vectorised<Mesh<f64, N, M>>,
     state: MeshState<f64, N, M>,
     steps: usize,
@@ -30,7 +30,7 @@ impl<const N: usize, const M: usize> Settled<N, M> {
     pub fn torque(&mut self, torsion: f64, wave_generator: f64) -> f64 {
         let ends = Ends {
             drive: Angle::from_radians(torsion),
-            wave_generator: Angle::from_radians(wave_generator),
+            wave_generator: Angle::from_radians_f64(wave_generator),
             ..Ends::default()
         };
         self.mesh.relax(&mut self.state, &ends, self.steps);

@@ -1,0 +1,140 @@
+//! The figures that a subcommand answers with, as a table and as JSON.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use comfy_table::{CellAlignment, Table, presets};
+use serde::Serialize;
+use strainwave_desktop::{BadInput, Figure, file};
+
+/// Options of every subcommand.
+#[derive(Args)]
+pub struct FiguresArguments {
+    /// Also write the figures to this file, as {"figures": [{"name", "value", "unit", "bound", "holds"}, ...]}
+    ///
+    /// A bound is the largest allowed value; beside "at_least": true it is the smallest.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// The figures of a subcommand.
+#[derive(Serialize)]
+pub struct Figures {
+    figures: Vec<Figure>,
+    #[serde(skip)]
+    json: Option<PathBuf>,
+    /// The subcommand has printed a table of its own.
+    #[serde(skip)]
+    printed: bool,
+}
+
+impl Figures {
+    /// Figures to be published as `arguments` ask.
+    pub fn new(figures: Vec<Figure>, arguments: &FiguresArguments) -> Self {
+        Self { figures, json: arguments.json.clone(), printed: false }
+    }
+
+    /// The same of a subcommand that prints its figures itself.
+    pub fn silent(figures: Vec<Figure>, arguments: &FiguresArguments) -> Self {
+        Self { printed: true, ..Self::new(figures, arguments) }
+    }
+
+    /// Writes the JSON file, prints the table, and tells whether every figure holds.
+    pub fn publish(self) -> Result<bool, BadInput> {
+        if let Some(path) = &self.json {
+            self.write_json(path)?;
+        }
+        if !self.printed {
+            say(format_args!("{}", table(&self.figures)));
+        }
+        Ok(self.figures.iter().all(|figure| figure.holds))
+    }
+
+    fn write_json(&self, path: &Path) -> Result<(), BadInput> {
+        file::write(path, |out| {
+            serde_json::to_writer_pretty(&mut *out, self).map_err(io::Error::from)?;
+            Ok(writeln!(out)?)
+        })
+    }
+}
+
+/// A line for people; a reader that has seen enough and closed the pipe changes nothing.
+pub fn say(line: std::fmt::Arguments<'_>) {
+    let _ = writeln!(io::stdout(), "{line}");
+}
+
+/// A line about what went wrong; without an error stream there is nobody to tell.
+pub fn complain(line: std::fmt::Arguments<'_>) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// One row a figure.
+fn table(figures: &[Figure]) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header(Figure::HEADER);
+    for figure in figures {
+        table.add_row(figure.cells());
+    }
+    for column in [1, 3] {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    table.lines().map(|line| line.trim().to_owned()).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_missed_bound_is_enough() {
+        let published =
+            |figures| Figures::silent(figures, &FiguresArguments { json: None }).publish().unwrap();
+        let (kept, missed) = (Figure::bounded("a", 1.0, "1", 1.0), Figure::bounded("b", 1.1, "1", 1.0));
+        let not_measured = Figure::bounded("c", f64::NAN, "1", 1.0);
+        assert!(published(vec![kept.clone(), Figure::reported("d", 9.0, "1")]));
+        assert!(!published(vec![kept.clone(), missed]));
+        assert!(!published(vec![not_measured, kept.clone()]));
+        let floor = |value| Figure::at_least("e", value, "1", 300.0);
+        assert!(published(vec![floor(300.0)]));
+        assert!(!published(vec![kept.clone(), floor(299.0)]));
+        assert!(!published(vec![kept, floor(f64::NAN)]));
+    }
+
+    /// The smallest allowed value is marked as such; the others keep the keys that they have always had.
+    #[test]
+    fn a_floor_is_told_from_a_ceiling_in_json() {
+        let keys = |figure: Figure| {
+            let json = serde_json::to_value(figure).unwrap();
+            let keys = json.as_object().unwrap().keys().cloned();
+            (keys.collect::<Vec<_>>().join(" "), json["at_least"].as_bool())
+        };
+        assert_eq!(keys(Figure::bounded("a", 1.0, "1", 2.0)), ("bound holds name unit value".into(), None));
+        assert_eq!(
+            keys(Figure::at_least("a", 1.0, "1", 2.0)),
+            ("at_least bound holds name unit value".into(), Some(true))
+        );
+    }
+
+    #[test]
+    fn the_table_lines_up() {
+        let figures = [
+            Figure::bounded("a.long.name", 0.5, "rad", 0.25),
+            Figure::reported("b", 12.0, "1"),
+            Figure::bounded("c.d", 1.0, "s", 2.0),
+            Figure::at_least("e", 1.0, "1", 2.0),
+        ];
+        let wanted = "\
+ name         value  unit  bound   holds
+ a.long.name  0.5000 rad   0.2500  NO
+ b                12 1          -  -
+ c.d               1 s          2  yes
+ e                 1 1       >= 2  NO";
+        assert_eq!(
+            table(&figures).split_whitespace().collect::<Vec<_>>(),
+            wanted.split_whitespace().collect::<Vec<_>>()
+        );
+    }
+}

@@ -1,0 +1,159 @@
+//! The report: one HTML page that needs nothing but itself, with a chapter for each part of the model.
+//!
+//! A chapter is a file (or folder) here with one function of the gear file; `CHAPTERS` lists them. Pictures are
+//! inline SVG, drawn for paper; the style sheet turns their black and white around on a dark screen.
+
+mod flexspline;
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::figure::Figure;
+use crate::file::BadInput;
+use crate::gear_file::GearFile;
+use crate::plot;
+use crate::verify::Measured;
+
+const STYLE: &str = include_str!("style.css");
+
+/// How a chapter is made of a gear file; called with the share of it that is done.
+type Make = fn(&GearFile, &mut dyn FnMut(f64)) -> Result<Chapter, BadInput>;
+
+/// The chapters, in the order of the page.
+const CHAPTERS: &[Make] = &[flexspline::chapter];
+
+/// A part of the page.
+struct Chapter {
+    /// Its anchor.
+    id: &'static str,
+    title: &'static str,
+    body: Markup,
+    /// What was measured for it.
+    measured: Measured,
+}
+
+/// The finished report.
+pub struct Report {
+    /// The page.
+    pub html: String,
+    /// What was measured for all chapters.
+    pub measured: Measured,
+}
+
+/// Measures, draws and writes every chapter; `progress` is called with the share done.
+///
+/// # Errors
+/// A gear that no model can be built from, or data that are there and cannot be used.
+pub fn build(gear: &GearFile, mut progress: impl FnMut(f64)) -> Result<Report, BadInput> {
+    let mut chapters = Vec::new();
+    for (done, make) in CHAPTERS.iter().enumerate() {
+        let mut part = |share: f64| progress((done as f64 + share) / CHAPTERS.len() as f64);
+        chapters.push(make(gear, &mut part)?);
+    }
+    let html = page(gear, &chapters).into_string();
+    let mut measured = Measured::default();
+    chapters.into_iter().for_each(|chapter| measured.add(chapter.measured));
+    Ok(Report { html, measured })
+}
+
+fn page(gear: &GearFile, chapters: &[Chapter]) -> Markup {
+    let title = format!("strainwave: {}", gear.gear.name);
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                header {
+                    h1 { (title) }
+                    p {
+                        "Ratio " (gear.gear.ratio) ", rated torque " (gear.gear.rated_torque) " N m. "
+                        "Written by strainwave " (env!("CARGO_PKG_VERSION")) "."
+                    }
+                    nav { ul { @for chapter in chapters { li { a href={ "#" (chapter.id) } { (chapter.title) } } } } }
+                }
+                main {
+                    @for chapter in chapters {
+                        section id=(chapter.id) { h2 { (chapter.title) } (chapter.body) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A picture and what it shows.
+fn figure(picture: &Markup, caption: &Markup) -> Markup {
+    html! { figure { (picture) figcaption { (caption) } } }
+}
+
+/// Curves as a picture.
+fn plot(page: &plot::Page) -> Markup {
+    PreEscaped(page.to_svg())
+}
+
+/// Rows under a header; all columns but the first hold numbers.
+fn table<const K: usize>(header: [&str; K], rows: &[[String; K]]) -> Markup {
+    html! {
+        div.wide {
+            table {
+                thead { tr { @for name in header { th { (name) } } } }
+                tbody { @for row in rows { tr { @for cell in row { td { (cell) } } } } }
+            }
+        }
+    }
+}
+
+/// Figures beside their bounds, one that misses marked, and what was skipped.
+fn figure_table(measured: &Measured) -> Markup {
+    html! {
+        div.wide {
+            table.figures {
+                thead { tr { @for name in Figure::HEADER { th { (name) } } } }
+                tbody {
+                    @for figure in &measured.figures {
+                        tr class=[(!figure.holds).then_some("missed")] { @for cell in figure.cells() { td { (cell) } } }
+                    }
+                }
+            }
+        }
+        @for note in &measured.notes { p { (note) } }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn written(gear: &GearFile, figures: Vec<Figure>) -> String {
+        let measured = Measured { figures, notes: vec!["b: skipped & said".into()] };
+        let body =
+            html! { (figure_table(&measured)) (table(["mesh", "links"], &[["8x3".into(), "120".into()]])) };
+        page(gear, &[Chapter { id: "one", title: "Chapter one", body, measured }]).into_string()
+    }
+
+    #[test]
+    fn a_page_has_its_chapters_and_marks_what_is_missed() {
+        let figures =
+            vec![Figure::bounded("a.kept", 1.0, "m", 1.0), Figure::bounded("a.missed", 2.0, "m", 1.0)];
+        let page = written(&GearFile::default_gear(), figures);
+        assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>"));
+        assert!(page.contains("<a href=\"#one\">Chapter one</a>") && page.contains("<section id=\"one\">"));
+        assert!(
+            page.contains("<tr class=\"missed\"><td>a.missed</td><td>2</td><td>m</td><td>1</td><td>NO</td>")
+        );
+        assert!(page.contains("<p>b: skipped &amp; said</p>"));
+        assert!(page.contains("<tr><td>a.kept</td>") && page.contains("<tr><td>8x3</td><td>120</td></tr>"));
+    }
+
+    #[test]
+    fn a_name_is_text_whatever_it_is() {
+        let mut gear = GearFile::default_gear();
+        gear.gear.name = "<script>alert(\"1\")</script>&".into();
+        let page = written(&gear, Vec::new());
+        assert!(!page.contains("<script") && page.contains("&lt;script&gt;"), "{page}");
+    }
+}
