@@ -5,7 +5,7 @@
 //! | module | what is in it |
 //! | --- | --- |
 //! | [`flexspline`] | torque over torsion: the mass-spring mesh of eq. (6), and its reduction for real time |
-//! | [`friction`] | Stribeck level times a Bliman-Sorine force, exact in the path length |
+//! | [`friction`] | every model of Table 1 and LuGre, one trait; the gear's is Stribeck level times Bliman-Sorine |
 //! | [`hysteresis`] | Preisach operator: relays, and the staircase with its Everett table |
 //! | [`kinematic_error`] | the ideal gear's position error, over either rim |
 //! | [`gear`] | the two-port that these make: composes, no physics of its own |

@@ -38,16 +38,10 @@ impl From<Vec<Figure>> for Measured {
     }
 }
 
-/// The largest magnitude, as [`greatest`].
+/// The largest magnitude; NaN, which `f64::max` would pass over, counts as larger than any, and none as NaN.
 fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    greatest(values.into_iter().map(f64::abs))
-}
-
-/// The greatest value; NaN, which `f64::max` would pass over, counts as greater than any, and none as NaN.
-fn greatest(values: impl IntoIterator<Item = f64>) -> f64 {
     // Without its sign a NaN is the last in the total order.
-    let values = values.into_iter().map(|value| if value.is_nan() { f64::NAN } else { value });
-    values.max_by(f64::total_cmp).unwrap_or(f64::NAN)
+    values.into_iter().map(f64::abs).max_by(f64::total_cmp).unwrap_or(f64::NAN)
 }
 
 /// A part of the project whose figures are measured together.

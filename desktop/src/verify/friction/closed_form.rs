@@ -11,7 +11,7 @@ use strainwave::friction::bliman_sorine::BlimanSorineState;
 
 use crate::bounds;
 use crate::figure::Figure;
-use crate::verify::greatest;
+use crate::verify::largest;
 
 const F1: f64 = 1.5;
 const F2: f64 = 0.5;
@@ -24,7 +24,7 @@ const COUNT: u32 = 1000;
 
 pub(super) fn measure() -> Vec<Figure> {
     let shape =
-        greatest([off(level(), F1 - F2), slope_error(), off(peak_place(), closed_place()), peak_error()]);
+        largest([off(level(), F1 - F2), slope_error(), off(peak_place(), closed_place()), peak_error()]);
     vec![
         bounds::figure("friction.closed_form", worst_over_the_path()),
         bounds::figure("friction.closed_form.shape", shape),
@@ -56,9 +56,9 @@ fn after<const P: usize>(model: &BlimanSorine<f64, P>, s: f64) -> f64 {
 
 fn worst_over_the_path() -> f64 {
     let model = order_2();
-    greatest(STEPS.map(|share| {
+    largest(STEPS.map(|share| {
         let mut state = BlimanSorineState::default();
-        greatest((1..=COUNT).map(|k| {
+        largest((1..=COUNT).map(|k| {
             model.slide(&mut state, share * EPS);
             off(state.force(), closed(f64::from(k) * share * EPS))
         }))

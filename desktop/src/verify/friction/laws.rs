@@ -6,7 +6,7 @@ use strainwave::friction::{BlimanSorine, DahlParams, FrictionModel, Slip, StateS
 
 use crate::bounds;
 use crate::figure::Figure;
-use crate::verify::greatest;
+use crate::verify::largest;
 
 const LEVEL: f64 = 2.0;
 const EPS: f64 = 0.02;
@@ -18,7 +18,7 @@ pub(super) fn measure() -> Vec<Figure> {
         bounds::figure("friction.order_1_is_dahl", off_dahl()),
         bounds::figure(
             "friction.rate_independence",
-            greatest([dahl_off_rate(), order_2_off_rate(), general_off_rate()]),
+            largest([dahl_off_rate(), order_2_off_rate(), general_off_rate()]),
         ),
     ]
 }
@@ -40,7 +40,7 @@ fn difference<A: FrictionModel<f64>, B: FrictionModel<f64>>(
 ) -> f64 {
     let (mut state_a, mut state_b) = (A::State::default(), B::State::default());
     let pairs = along_a.iter().zip(along_b);
-    greatest(pairs.map(|(slip_a, slip_b)| {
+    largest(pairs.map(|(slip_a, slip_b)| {
         (a.step(&mut state_a, slip_a).force - b.step(&mut state_b, slip_b).force).abs() / LEVEL
     }))
 }
@@ -55,7 +55,7 @@ fn off_dahl() -> f64 {
 /// The same path ten times as fast, and ten times as slowly.
 fn off_rate(model: &impl FrictionModel<f64>) -> f64 {
     let motion = motion();
-    greatest([10.0, 0.1].map(|rate| {
+    largest([10.0, 0.1].map(|rate| {
         let faster = |slip: &Slip<f64>| Slip::new(slip.velocity * rate, slip.duration / rate);
         difference((model, &motion), (model, &motion.iter().map(faster).collect::<Vec<_>>()))
     }))
@@ -64,7 +64,7 @@ fn off_rate(model: &impl FrictionModel<f64>) -> f64 {
 fn dahl_off_rate() -> f64 {
     let shapes =
         [0.0, 1.0, 2.0].map(|exponent| DahlParams { coulomb: LEVEL, stiffness: LEVEL / EPS, exponent });
-    greatest(shapes.map(|dahl| off_rate(&dahl.build().expect("the level is in range"))))
+    largest(shapes.map(|dahl| off_rate(&dahl.build().expect("the level is in range"))))
 }
 
 fn order_2_off_rate() -> f64 {

@@ -6,8 +6,7 @@ use strainwave::friction::{LoadDependenceParams, LoadedLevel};
 use crate::bounds;
 use crate::data;
 use crate::file::{self, BadInput};
-use crate::verify::Measured;
-use crate::verify::greatest;
+use crate::verify::{Measured, largest};
 
 /// Longest file (bytes).
 const LONGEST: u64 = 1 << 16;
@@ -71,7 +70,7 @@ impl Identified {
     fn distance(&self, wanted: &[f64; 4]) -> Result<f64, strainwave::Error> {
         let model = self.params().build()?;
         let levels = POINTS.map(|(motor, external, speed)| model.level(motor, external, self.share(speed)));
-        Ok(greatest(levels.iter().zip(wanted).map(|(level, wanted)| (level - wanted).abs())))
+        Ok(largest(levels.iter().zip(wanted).map(|(level, wanted)| (level - wanted).abs())))
     }
 }
 
@@ -86,5 +85,5 @@ pub(super) fn measure() -> Result<Measured, BadInput> {
             serde_json::from_slice(&bytes).map_err(|error| BadInput::new(&path, error))?;
         distances.push(identified.distance(wanted).map_err(|error| BadInput::new(&path, error))?);
     }
-    Ok(vec![bounds::figure("friction.load.erob80", greatest(distances))].into())
+    Ok(vec![bounds::figure("friction.load.erob80", largest(distances))].into())
 }

@@ -10,7 +10,7 @@ use strainwave::friction::state_space::StateSpaceState;
 
 use crate::bounds;
 use crate::figure::Figure;
-use crate::verify::greatest;
+use crate::verify::largest;
 
 const STORED: &str = include_str!("../../../oracle/friction/bliman_sorine.toml");
 
@@ -35,7 +35,7 @@ pub struct System {
 }
 
 pub(super) fn measure() -> Vec<Figure> {
-    vec![bounds::figure("friction.order_p.scipy", greatest(stored().iter().map(System::distance)))]
+    vec![bounds::figure("friction.order_p.scipy", largest(stored().iter().map(System::distance)))]
 }
 
 /// The stored systems.
@@ -74,7 +74,7 @@ impl System {
         let model = params.build().expect("the system is stable and dissipative");
         let mut state = StateSpaceState::default();
         assert_eq!(self.strokes_m.len(), self.forces_n.len(), "a force a stroke");
-        greatest(self.strokes_m.iter().zip(&self.forces_n).map(|(&stroke, force)| {
+        largest(self.strokes_m.iter().zip(&self.forces_n).map(|(&stroke, force)| {
             model.slide(&mut state, stroke);
             (model.force(&state) - force).abs() / self.level_n
         }))

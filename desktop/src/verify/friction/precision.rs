@@ -8,7 +8,7 @@ use crate::bounds;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, gear_params};
-use crate::verify::greatest;
+use crate::verify::largest;
 
 /// Steps of random motion.
 const STEPS: usize = 10_000_000;
@@ -37,7 +37,7 @@ fn worst(double: &impl FrictionModel<f64>, single: &impl FrictionModel<f32>) -> 
     let (mut double_state, mut single_state) = Default::default();
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let mut velocity = 0.0f32;
-    greatest((0..STEPS).map(|_| {
+    largest((0..STEPS).map(|_| {
         velocity = 0.999 * velocity + random.random_range(-1.0..1.0f32);
         let exact = double.step(&mut double_state, &Slip::new(f64::from(velocity), CONTROL_PERIOD)).force;
         let rounded = single.step(&mut single_state, &Slip::new(velocity, CONTROL_PERIOD as f32)).force;

@@ -11,8 +11,7 @@ use crate::bounds;
 use crate::data;
 use crate::file::{self, BadInput};
 use crate::ripple_fit;
-use crate::verify::Measured;
-use crate::verify::greatest;
+use crate::verify::{Measured, largest};
 
 const MAP: &str = "zxf17/friction_map_4dp.json";
 /// Longest file (bytes).
@@ -53,9 +52,9 @@ impl Map {
 
     /// Largest relative error of the mean and of an order's amplitude, both directions.
     fn off(&self, model: &Ripple<f32, ORDERS>) -> f64 {
-        greatest([(&self.map_pos, false), (&self.map_neg, true)].map(|(bins, backwards)| {
+        largest([(&self.map_pos, false), (&self.map_neg, true)].map(|(bins, backwards)| {
             let sampled = sample(model, bins.len(), backwards);
-            greatest(
+            largest(
                 (0..=ORDERS).map(|order| (amplitude(&sampled, order) / amplitude(bins, order) - 1.0).abs()),
             )
         }))
@@ -63,10 +62,10 @@ impl Map {
 }
 
 fn off_published(model: &Ripple<f32, ORDERS>) -> f64 {
-    greatest([false, true].map(|backwards| {
+    largest([false, true].map(|backwards| {
         let sampled = sample(model, 360, backwards);
         let published = PUBLISHED[usize::from(backwards)].iter().enumerate();
-        greatest(published.map(|(order, wanted)| (amplitude(&sampled, order) / wanted - 1.0).abs()))
+        largest(published.map(|(order, wanted)| (amplitude(&sampled, order) / wanted - 1.0).abs()))
     }))
 }
 
