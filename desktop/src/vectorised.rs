@@ -27,12 +27,6 @@ impl<F> Vectorised<F> {
     pub fn model(&self) -> &F {
         &self.model
     }
-
-    /// Runs a piece of work, inlined, with these instructions.
-    #[inline]
-    pub fn run<W: NullaryFnOnce>(&self, work: W) -> W::Output {
-        self.processor.dispatch(work)
-    }
 }
 
 /// One step, to be compiled for each instruction set.

@@ -23,7 +23,7 @@
 use crate::angle::Angle;
 use crate::error::{Error, require};
 pub use crate::flexspline::condensation::unit_stiffness;
-use crate::flexspline::shell::Bend;
+use crate::flexspline::shell::{Bend, ShellParams};
 use crate::flexspline::stiffness_line::StiffnessLineParams;
 use crate::real::Real;
 
@@ -115,6 +115,14 @@ impl<R: Real> FlexsplineParams<R> {
     /// The tooth contact's line: the catalogue's without the shell.
     pub fn contact_line(&self) -> StiffnessLineParams<R> {
         self.line.without_series(self.cup.stiffness())
+    }
+
+    /// The shell: one k for all links that gives an n x M mesh the stiffness of the cup, and the mu that gives
+    /// the tube's first torsion mode the joint's damping ratio.
+    pub fn shell<const M: usize>(&self, n: usize) -> ShellParams<R> {
+        let link_stiffness = self.cup.stiffness() / unit_stiffness::<R, M>(&self.cup, n, &self.bend);
+        let time = R::lit(2.0) * self.damping_ratio / self.cup.torsion_frequency();
+        ShellParams { cup: self.cup, link_stiffness, link_damping: time * link_stiffness, bend: self.bend }
     }
 
     /// The tooth contact's dashpot (N m s/rad).

@@ -16,7 +16,7 @@
 
 use crate::angle::Angle;
 use crate::error::{Error, require};
-use crate::flexspline::calibration::{FlexsplineParams, unit_stiffness};
+use crate::flexspline::calibration::FlexsplineParams;
 use crate::flexspline::shell::ring::Ring;
 use crate::flexspline::shell::{
     Shell, ShellParams, ShellState, Slice, Strained, UnitVectors, check_nodes, close, sum, unit_vectors,
@@ -77,14 +77,6 @@ struct EndShapes<R, const N: usize> {
     by_flange: Displacement<R, N>,
 }
 
-/// The shell of these parameters: one k for all links that gives the n x M mesh the stiffness of the cup.
-fn shell_params<R: Real, const M: usize>(params: &FlexsplineParams<R>, n: usize) -> ShellParams<R> {
-    let link_stiffness = params.cup.stiffness() / unit_stiffness::<R, M>(&params.cup, n, &params.bend);
-    // Gives the tube's first torsion mode the joint's damping ratio.
-    let time = R::lit(2.0) * params.damping_ratio / params.cup.torsion_frequency();
-    ShellParams { cup: params.cup, link_stiffness, link_damping: time * link_stiffness, bend: params.bend }
-}
-
 /// 1 for the slices between rim and flange, 0 for these.
 fn inner<R: Real, const M: usize>() -> [R; M] {
     core::array::from_fn(|j| if j == 0 || j == M - 1 { R::ZERO } else { R::ONE })
@@ -102,7 +94,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
     /// Of a positive matrix the largest eigenvalue is at most the sum of those of its diagonal blocks: the
     /// inner slices, and the rim, which turns as one between its links and the tooth contact.
     pub fn stable_step(params: &FlexsplineParams<R>) -> R {
-        let shell = shell_params::<R, M>(params, N);
+        let shell = params.shell::<M>(N);
         let contact = params.contact_line().stiffness.into_iter().fold(R::ZERO, R::max);
         let contact = contact / rim_inertia(&shell, N, M) * shell.node_mass(N, M) / shell.link_stiffness;
         let links =
@@ -114,7 +106,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
     /// slices and components (radial, tangential, axial), whose eigenvalues are the squares of the natural angular
     /// frequencies (1/s^2), besides 0 for what is held. In harmonic 0 the tangential part is torsion.
     pub fn harmonic(params: &FlexsplineParams<R>, order: usize) -> spectrum::Matrix<R, M> {
-        let shell = shell_params::<R, M>(params, N);
+        let shell = params.shell::<M>(N);
         let stiffness_over_mass = (shell.link_stiffness / shell.node_mass(N, M)).sqrt();
         spectrum::harmonic(&params.cup, N, order, inner().map(|free: R| free * stiffness_over_mass))
     }
@@ -126,7 +118,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
     pub fn build(params: &FlexsplineParams<R>, dt: R) -> Result<Self, Error> {
         check_nodes(N, M)?;
         params.check()?;
-        let shell_params = shell_params::<R, M>(params, N);
+        let shell_params = params.shell::<M>(N);
         let shell = Shell::build(&shell_params, dt)?;
         require(dt < Self::stable_step(params), "dt")?;
         let mesh = Self {

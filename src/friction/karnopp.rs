@@ -58,11 +58,7 @@ impl<R: Real> FrictionModel<R> for Karnopp<R> {
     }
 
     fn advance(&self, state: &mut Self::State, slip: &Slip<R>) {
-        state.0 = if slip.velocity.abs() < self.dead_band {
-            self.contact.standstill(slip.applied)
-        } else {
-            self.contact.sliding(slip.velocity)
-        };
+        state.0 = self.contact.standing_or_sliding(slip.velocity.abs() < self.dead_band, slip);
     }
 }
 

@@ -93,10 +93,10 @@ impl<R: Real> LubricatedContact<R> {
         self.level(velocity) * velocity.sign() + self.viscous(velocity)
     }
 
-    /// What holds the force `applied` to a body at standstill: at most Fs.
+    /// What holds the force applied to a body that stands, at most Fs; else the sliding force.
     #[inline]
-    pub(super) fn standstill(&self, applied: R) -> R {
-        applied.limit(self.level(R::ZERO))
+    pub(super) fn standing_or_sliding(&self, stands: bool, slip: &Slip<R>) -> R {
+        if stands { slip.applied.limit(self.level(R::ZERO)) } else { self.sliding(slip.velocity) }
     }
 }
 
@@ -133,7 +133,8 @@ mod tests {
             let model = params(exponent).build().unwrap();
             assert_eq!(model.level(0.0), 0.05);
             assert_eq!(model.sliding(0.0), 0.0);
-            assert_eq!([-9.0, 0.01, 0.2].map(|applied| model.standstill(applied)), [-0.05, 0.01, 0.05]);
+            let standing = |applied| model.standing_or_sliding(true, &Slip { applied, ..Slip::default() });
+            assert_eq!([-9.0, 0.01, 0.2].map(standing), [-0.05, 0.01, 0.05]);
             for v in [-7.0f64, -1.0, 0.3, 2.0, 50.0] {
                 let level = 0.035 + 0.015 * (-(v / 2.0).abs().powf(exponent)).exp();
                 let force = level * v.signum() + 1.2e-4 * v;

@@ -54,11 +54,7 @@ impl<R: Real> FrictionModel<R> for Stribeck<R> {
     }
 
     fn advance(&self, state: &mut Self::State, slip: &Slip<R>) {
-        state.0 = if slip.velocity == R::ZERO {
-            self.contact.standstill(slip.applied)
-        } else {
-            self.contact.sliding(slip.velocity)
-        };
+        state.0 = self.contact.standing_or_sliding(slip.velocity == R::ZERO, slip);
     }
 }
 

@@ -76,19 +76,15 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
         sums: &mut Sums<'_, R, N, M>,
     ) {
         let (here, there) = (state.turned(near, 0), state.turned(far, AROUND));
-        let [near_x, near_y, near_z] = sums.near[near].each_mut().map(|axis| axis.turned_mut(0));
-        let [far_x, far_y, far_z] = sums.far[AROUND - 1][far].each_mut().map(|axis| axis.turned_mut(AROUND));
+        let mut near = sums.near[near].each_mut().map(|axis| axis.turned_mut(0));
+        let mut far = sums.far[AROUND - 1][far].each_mut().map(|axis| axis.turned_mut(AROUND));
         let loss = sums.loss.turned_mut(0);
-        for i in 0..loss.len() {
+        for (i, loss) in loss.iter_mut().enumerate() {
             let (link, rate) = (between(here.0, there.0, i), between(here.1, there.1, i));
-            let ([x, y, z], lost) = self.link::<HARDENING>(direction, link, rate);
-            near_x[i] += x;
-            near_y[i] += y;
-            near_z[i] += z;
-            far_x[i] += x;
-            far_y[i] += y;
-            far_z[i] += z;
-            loss[i] += lost;
+            let (pull, lost) = self.link::<HARDENING>(direction, link, rate);
+            add(&mut near, i, pull);
+            add(&mut far, i, pull);
+            *loss += lost;
         }
     }
 
@@ -104,18 +100,14 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
         let (here, there) = (state.turned(near, 0), state.turned(far, 0));
         let loss = sums.loss.turned_mut(0);
         let (before, after) = sums.near.split_at_mut(far);
-        let [near_x, near_y, near_z] = before[near].each_mut().map(|axis| axis.turned_mut(0));
-        let [far_x, far_y, far_z] = after[0].each_mut().map(|axis| axis.turned_mut(0));
-        for i in 0..loss.len() {
+        let mut near = before[near].each_mut().map(|axis| axis.turned_mut(0));
+        let mut far = after[0].each_mut().map(|axis| axis.turned_mut(0));
+        for (i, loss) in loss.iter_mut().enumerate() {
             let (link, rate) = (between(here.0, there.0, i), between(here.1, there.1, i));
-            let ([x, y, z], lost) = self.link::<HARDENING>(direction, link, rate);
-            near_x[i] += x;
-            near_y[i] += y;
-            near_z[i] += z;
-            far_x[i] -= x;
-            far_y[i] -= y;
-            far_z[i] -= z;
-            loss[i] += lost;
+            let (pull, lost) = self.link::<HARDENING>(direction, link, rate);
+            add(&mut near, i, pull);
+            add(&mut far, i, pull.map(R::neg));
+            *loss += lost;
         }
     }
 
@@ -142,4 +134,12 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
 #[inline(always)]
 fn between<R: Real>(near: [&[R]; 3], far: [&[R]; 3], i: usize) -> [R; 3] {
     [far[0][i] - near[0][i], far[1][i] - near[1][i], far[2][i] - near[2][i]]
+}
+
+/// Adds a force to a node's.
+#[inline(always)]
+fn add<R: Real>(sums: &mut [&mut [R]; 3], i: usize, [x, y, z]: [R; 3]) {
+    sums[0][i] += x;
+    sums[1][i] += y;
+    sums[2][i] += z;
 }

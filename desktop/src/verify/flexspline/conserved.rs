@@ -17,7 +17,6 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use strainwave::Error;
-use strainwave::flexspline::calibration::unit_stiffness;
 use strainwave::flexspline::shell::ShellState;
 use strainwave::flexspline::{FlexsplineParams, Shell, ShellParams};
 
@@ -86,9 +85,7 @@ struct FreeShell {
 
 impl FreeShell {
     fn build(params: &FlexsplineParams<f64>) -> Result<Self, Error> {
-        let cup = params.cup;
-        let link_stiffness = cup.stiffness() / unit_stiffness::<f64, M>(&cup, N, &params.bend);
-        let params = ShellParams { cup, link_stiffness, link_damping: 0.0, bend: params.bend };
+        let params = ShellParams { link_damping: 0.0, ..params.shell::<M>(N) };
         let shell = Shell::build(&params, SHARE * Shell::<f64, N, M>::stable_step(&params))?;
         let mut masses = [params.node_mass(N, M); M];
         masses[0] *= 0.5;
