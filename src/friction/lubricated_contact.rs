@@ -73,12 +73,13 @@ pub struct LubricatedContact<R> {
 }
 
 impl<R: Real> LubricatedContact<R> {
-    /// g(v): between Fc and Fs, for any bits of `velocity` (NaN counts as 0).
+    /// g(v): between Fc and Fs, for any bits of `velocity` (NaN counts as fast).
     #[inline(always)]
     pub fn level(&self, velocity: R) -> R {
-        let ratio = velocity.abs() * self.slowness;
+        // e^-x is 0 to rounding long before 1e6, whose square is finite; NaN counts as the greater.
+        let ratio = (velocity.abs() * self.slowness).min(R::lit(1e6));
         let exponent = if self.squared { ratio * ratio } else { ratio };
-        self.coulomb + self.rise * exponent.exp_neg()
+        self.coulomb + self.rise * (R::ONE - exponent.one_minus_exp_neg())
     }
 
     /// Fv*v.
