@@ -19,7 +19,7 @@
 use crate::angle::{Angle, Ratio};
 use crate::error::{Error, require};
 use crate::flexspline::{Ends, Flexspline, FlexsplineParams, Reaction};
-use crate::friction::{FrictionModel, FrictionParams, JointFrictionParams, Slip};
+use crate::friction::{FrictionModel, FrictionParams, JointFrictionParams, Slip, StepTime};
 use crate::hysteresis::torsion::{
     TorsionHysteresis, TorsionHysteresisParams, TorsionHysteresisState, gap_for_width,
 };
@@ -82,7 +82,7 @@ pub struct Gear<R, F, C, const L: usize, const MEMORY: usize> {
     input_friction: C,
     output_friction: C,
     inverse_flexspline_inertia: R,
-    dt: R,
+    dt: StepTime<R>,
 }
 
 /// What a gear remembers besides the motion of its ends.
@@ -157,7 +157,10 @@ impl<R: Real, P: FrictionParams<R>> GearParams<R, P> {
         let k1 = self.flexspline.line.stiffness[0];
         let gap = gap_for_width(k1, self.hysteresis_width, half_range)?;
         let stiffest = self.flexspline.line.stiffness[2];
-        require(positive(dt) && dt * dt * stiffest < R::lit(0.25) * self.flexspline_inertia, "dt")?;
+        require(
+            positive(dt) && dt <= R::ONE && dt * dt * stiffest < R::lit(0.25) * self.flexspline_inertia,
+            "dt",
+        )?;
         let ratio = Ratio::one_over(self.ratio)?;
         Ok(Gear {
             ratio,
@@ -168,7 +171,7 @@ impl<R: Real, P: FrictionParams<R>> GearParams<R, P> {
             input_friction: self.input_friction.build()?,
             output_friction: self.output_friction.build()?,
             inverse_flexspline_inertia: R::ONE / self.flexspline_inertia,
-            dt,
+            dt: StepTime::new(dt),
         })
     }
 }
@@ -255,7 +258,7 @@ impl<R: Real, F: Flexspline<R>, C: FrictionModel<R>, const L: usize, const MEMOR
         let reflected = slope * (contact + hysteresis);
         let resisting = reflected - ellipse;
         let heading = wave_generator.angle.heading();
-        let slip = |velocity| Slip { wave_generator: heading, ..Slip::new(velocity, self.dt) };
+        let slip = |velocity| Slip { wave_generator: heading, ..Slip::over(velocity, self.dt) };
         let input = slip(wave_generator.velocity).under(applied.motor - resisting, reflected);
         let output = slip(flange.velocity).under(applied.load + transmitted, transmitted);
         let input_friction = self.input_friction.step(&mut state.input_friction, &input).force;
@@ -290,7 +293,7 @@ impl<R: Real, F: Flexspline<R>, C: FrictionModel<R>, const L: usize, const MEMOR
         load: R,
     ) -> Torques<R> {
         let torques = self.torques(state, wave_generator, flange, Applied { motor: R::ZERO, load });
-        flange.advance(self.flange_acceleration(&torques, load), self.dt);
+        flange.advance(self.flange_acceleration(&torques, load), self.dt.seconds());
         torques
     }
 

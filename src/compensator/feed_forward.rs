@@ -34,7 +34,7 @@
 use crate::angle::{Angle, Ratio};
 use crate::compensator::{HYSTERESIS_MEMORY, RealTimeGear, Setpoint, Shares};
 use crate::error::{Error, require};
-use crate::friction::{FrictionModel, JointFrictionState, Slip};
+use crate::friction::{FrictionModel, JointFrictionState, Slip, StepTime};
 use crate::gear::{GearParams, Motion};
 use crate::hysteresis::torsion::TorsionHysteresisState;
 use crate::real::Real;
@@ -46,7 +46,7 @@ pub struct FeedForward<R> {
     flexspline_inertia: R,
     ratio: R,
     inverse_ratio: R,
-    dt: R,
+    step_time: StepTime<R>,
 }
 
 /// What the feed-forward remembers of the setpoint's motion.
@@ -99,7 +99,7 @@ impl<R: Real> FeedForward<R> {
             flexspline_inertia: gear.flexspline_inertia,
             ratio: ratio.value(),
             inverse_ratio: R::from_i32(ratio.n()),
-            dt,
+            step_time: StepTime::new(dt),
         })
     }
 
@@ -119,7 +119,7 @@ impl<R: Real> FeedForward<R> {
         let heading = reference.heading();
         let slip = |velocity, load| Slip {
             wave_generator: heading,
-            ..Slip::new(velocity, self.dt).under(R::ZERO, load)
+            ..Slip::over(velocity, self.step_time).under(R::ZERO, load)
         };
         let (input, output) = gear.frictions();
         let input_slip = slip(motor_velocity, self.ratio * state.carried);

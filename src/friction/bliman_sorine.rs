@@ -92,7 +92,8 @@ impl<R: Real, const P: usize> BlimanSorineState<R, P> {
     /// F = sum x_i (N) or (N m).
     #[inline(always)]
     pub fn force(&self) -> R {
-        self.forces.iter().fold(R::ZERO, |sum, &force| sum + force)
+        // Not from zero on: adding it is an addition.
+        self.forces.iter().copied().reduce(|sum, force| sum + force).unwrap_or(R::ZERO)
     }
 }
 
@@ -139,6 +140,11 @@ impl<R: Real, const P: usize> BlimanSorine<R, P> {
     pub fn slide(&self, state: &mut BlimanSorineState<R, P>, displacement: R) {
         // No motion has no direction either, but then the path length is 0 and nothing changes.
         self.approach(state, displacement.abs(), if displacement < R::ZERO { -R::ONE } else { R::ONE });
+    }
+
+    /// The same model with levels times `level` and distances times `distance`.
+    pub(super) fn scaled(&self, level: R, distance: R) -> Self {
+        Self { levels: self.levels.map(|f| f * level), rates: self.rates.map(|rate| rate / distance) }
     }
 
     /// Moves by a path length (m) or (rad) towards the levels times `target`.

@@ -79,17 +79,29 @@ pub struct LoadFactors<R> {
 }
 
 impl<R: Real> LoadFactors<R> {
-    pub(super) fn build(&self) -> Result<Self, Error> {
+    /// For motion forwards and backwards.
+    pub(super) fn build(&self) -> Result<[DirectedLoad<R>; 2], Error> {
         require_factor(self.driving, "load.driving")?;
         require_factor(self.driven, "load.driven")?;
-        Ok(*self)
+        let half = |value: R| R::lit(0.5) * value;
+        let even = half(self.driving + self.driven);
+        let odd = half(self.driving - self.driven);
+        Ok([odd, -odd].map(|odd| DirectedLoad { even, odd }))
     }
+}
 
-    /// What `load` (N m) adds to the level (N m) at `velocity` (rad/s).
+/// [`LoadFactors`] in one direction of motion, without a comparison: half their sum, and half their difference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct DirectedLoad<R> {
+    even: R,
+    odd: R,
+}
+
+impl<R: Real> DirectedLoad<R> {
+    /// What `load` (N m) adds to the level (N m).
     #[inline(always)]
-    pub(super) fn level(&self, velocity: R, load: R) -> R {
-        let factor = if (velocity < R::ZERO) == (load < R::ZERO) { self.driving } else { self.driven };
-        factor * load.abs()
+    pub(super) fn level(&self, load: R) -> R {
+        self.even * load.abs() + self.odd * load
     }
 }
 

@@ -62,16 +62,34 @@ use crate::real::Real;
 const GREATEST: f64 = 1e6;
 /// Smallest value of a parameter that divides.
 const LEAST: f64 = 1e-9;
-/// A finite velocity or applied force beyond this counts as this: products of it stay finite in f32.
-const LIMIT: f64 = 1e12;
+/// A finite velocity, applied force or load beyond this counts as this: products of it stay finite in f32.
+const LIMIT: f64 = 1e9;
+
+/// Time that a step takes (s), 0..=1: checked once, where it is made.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepTime<R>(R);
+
+impl<R: Real> StepTime<R> {
+    /// `seconds` limited to 0..=1; NaN counts as 0.
+    #[inline(always)]
+    pub fn new(seconds: R) -> Self {
+        Self(seconds.max(R::ZERO).min(R::ONE))
+    }
+
+    /// (s).
+    #[inline(always)]
+    pub fn seconds(self) -> R {
+        self.0
+    }
+}
 
 /// What a friction contact sees of one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Slip<R: Real> {
     /// v, constant over the step (m/s) or (rad/s).
     pub velocity: R,
-    /// Time that the step takes (s); 0..=1, limited to that.
-    pub duration: R,
+    /// Time that the step takes.
+    pub duration: StepTime<R>,
     /// F_e: all other forces on the body together (N) or (N m), in the sense of v. Only friction at
     /// standstill reads it.
     pub applied: R,
@@ -86,6 +104,12 @@ impl<R: Real> Slip<R> {
     /// A step of `duration` (s) at `velocity` (m/s) or (rad/s), nothing applied, without load, the wave
     /// generator at 0.
     pub fn new(velocity: R, duration: R) -> Self {
+        Self::over(velocity, StepTime::new(duration))
+    }
+
+    /// The same of a time that is known to be one.
+    #[inline(always)]
+    pub fn over(velocity: R, duration: StepTime<R>) -> Self {
         Self { velocity, duration, ..Self::default() }
     }
 
@@ -98,26 +122,24 @@ impl<R: Real> Slip<R> {
     /// Way that the step covers, with its sign (m) or (rad).
     #[inline(always)]
     pub fn displacement(&self) -> R {
-        self.velocity * self.duration
+        self.velocity * self.duration.seconds()
     }
 
     /// `None` when anything is NaN or infinite.
     #[inline(always)]
     fn limited(&self) -> Option<Self> {
         let size = self.velocity.abs() + self.applied.abs() + self.load.abs();
-        let usual = size <= R::lit(LIMIT) && self.duration >= R::ZERO && self.duration <= R::ONE;
-        if usual { Some(*self) } else { self.limited_from_beyond() }
+        if size <= R::lit(LIMIT) { Some(*self) } else { self.limited_from_beyond() }
     }
 
     #[cold]
     fn limited_from_beyond(&self) -> Option<Self> {
         let limit = R::lit(LIMIT);
-        let numbers = [self.velocity, self.applied, self.load, self.duration];
+        let numbers = [self.velocity, self.applied, self.load];
         numbers.iter().all(|number| number.is_finite()).then(|| Self {
             velocity: self.velocity.limit(limit),
             applied: self.applied.limit(limit),
             load: self.load.limit(limit),
-            duration: self.duration.max(R::ZERO).min(R::ONE),
             ..*self
         })
     }
