@@ -3,7 +3,7 @@
 use strainwave::compensator::observer::{Measurement, Observer, ObserverState};
 use strainwave::compensator::{Faults, Input, JointParams, RealTimeGear, Sensors, Shares};
 use strainwave::flexspline::Reduced;
-use strainwave::gear::Motion;
+use strainwave::gear::{Applied, Motion};
 use strainwave_desktop::GearFile;
 use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
 use strainwave_desktop::scenario::Scenario;
