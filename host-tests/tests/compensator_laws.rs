@@ -100,7 +100,7 @@ fn feed_forward_at_rest_neither_drives_nor_hunts() {
     assert!(before.iter().all(|torque| *torque == 0.0), "nothing was asked yet");
     assert!(after.iter().all(|torque| torque.to_bits() == after[0].to_bits()), "it stays as it is");
     let friction = GearFile::default_gear().friction;
-    let held = friction.input.static_level + friction.output.static_level / 100.0;
+    let held = friction.input.static_level.unwrap() + friction.output.static_level.unwrap() / 100.0;
     let share = f64::from(after[0].abs()) / held;
     assert!(share > 0.5 && share < 0.8 + 1e-6, "{share} of what static friction holds");
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use proptest::prelude::*;
 use strainwave_desktop::GearFile;
 use strainwave_desktop::gear_file::DEFAULT;
-use strainwave_desktop::joint::gear_params;
+use strainwave_desktop::joint::firmware_gear_params;
 use strainwave_desktop::log::{OpenLoop, OpenLoopRow};
 use strainwave_desktop::plant::Plant;
 use strainwave_desktop::two_port::{self, Build};
@@ -58,7 +58,7 @@ fn a_load_winds_the_gear_up_along_the_catalogues_line() {
     for build in BUILDS {
         let rows = run(&gear, "theta_wg_rad", times(0.6).map(|t| (t, 0.0, load(t))), build);
         let last = rows.last().unwrap();
-        let friction = gear.friction.output.static_level;
+        let friction = gear.friction.output.static_level.unwrap();
         assert!((last.transmitted_torque - 50.0).abs() < 1.2 * friction, "{build:?} {last:?}");
         let torsion = 14.0 / 3.1e4 + 34.0 / 5.0e4 + 2.0 / 5.7e4;
         assert!(
@@ -69,7 +69,7 @@ fn a_load_winds_the_gear_up_along_the_catalogues_line() {
         // tau_wg holds r*tau_t, and friction stays within its level.
         let reflected = -last.transmitted_torque / 100.0;
         assert!(
-            (last.input_torque - reflected).abs() < gear.friction.input.static_level,
+            (last.input_torque - reflected).abs() < gear.friction.input.static_level.unwrap(),
             "{build:?} {last:?}"
         );
     }
@@ -147,7 +147,7 @@ proptest! {
         let gear = scaled(&factors);
         prop_assume!(gear.is_some());
         let gear = gear.unwrap();
-        prop_assert!(Plant::build(&gear_params(&gear)).is_ok());
+        prop_assert!(Plant::build(&firmware_gear_params(&gear).unwrap()).is_ok());
         let input = times(0.02).map(|t| (t, 300.0 * t, -100.0));
         let rows = run(&gear, "theta_wg_rad", input, Build::RealTime);
         for row in rows {

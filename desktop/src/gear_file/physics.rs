@@ -3,7 +3,10 @@
 //! The cup carries the torque in series with the tooth contact, so the whole is softer than the cup,
 //! K3 < G*J/l. The hysteresis loop closes at rated torque, so it is narrower than the torsion there.
 //! The real-time build takes one semi-implicit step per control period dt, which is accurate while
-//! dt^2*K3 < J_fs/4.
+//! dt^2*K3 < J_fs/4, and in which what resists in proportion to the speed must not turn a speed around,
+//! dt*(Fv + sigma1) < J.
+
+mod friction;
 
 use strainwave::flexspline::Cup;
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
@@ -31,7 +34,7 @@ pub(super) fn check(gear: &GearFile) -> Result<(), String> {
         let allowed = format!("above 4*dt^2*K3 = {least:.3e} kg m^2, dt = {CONTROL_PERIOD} s");
         return refuse("inertia.flexspline_kg_m2", gear.inertia.flexspline, &allowed);
     }
-    Ok(())
+    friction::check(gear)
 }
 
 fn refuse(path: &str, value: f64, allowed: &str) -> Result<(), String> {
