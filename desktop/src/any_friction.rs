@@ -35,7 +35,6 @@ macro_rules! any_friction {
         /// Any friction model, built.
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[expect(missing_docs, reason = "each variant is the model of its name")]
-        #[expect(clippy::large_enum_variant, reason = "a gear has two of them")]
         pub enum AnyFriction<R> {
             $($name($model),)*
         }

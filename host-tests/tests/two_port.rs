@@ -4,7 +4,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use strainwave_desktop::GearFile;
-use strainwave_desktop::gear_file::DEFAULT;
+use strainwave_desktop::gear_file::{Backward, DEFAULT, Friction, FrictionModel};
 use strainwave_desktop::joint::firmware_gear_params;
 use strainwave_desktop::log::{OpenLoop, OpenLoopRow};
 use strainwave_desktop::plant::Plant;
@@ -110,6 +110,42 @@ fn where_the_wave_generator_starts_is_only_a_phase() {
         let e = |theta: f64| 1e-4 * (2.0 * theta).sin() + 2e-5 * (4.0 * theta).sin();
         let first = &run(&gear, "theta_wg_rad", motion(0.7), build)[0];
         assert!((first.output_position - (-0.007 + e(0.7))).abs() < 1e-9, "{build:?} {first:?}");
+    }
+}
+
+/// A gear that runs from the first row on shows its level: of the direction, of the angle that it starts at.
+#[test]
+fn friction_follows_direction_and_angle_from_any_start() {
+    let mut gear = GearFile::default_gear();
+    let mut frictionless = gear.clone();
+    frictionless.friction.input =
+        Friction { model: FrictionModel::Viscous, viscous: Some(0.0), ..gear.friction.input.clone() };
+    let side = &mut gear.friction.input;
+    side.presliding = Some(2e-3);
+    side.ripple_cosines = Some(vec![0.3, 0.1]);
+    side.backward = Some(Backward {
+        coulomb: Some(0.06),
+        static_level: Some(0.06),
+        ripple_sines: Some(vec![0.4]),
+        ..Backward::default()
+    });
+    for build in BUILDS {
+        for start in [0.0f64, 0.7, 3.0, -2.0] {
+            // Without the ellipse's reaction, which the mesh has besides.
+            let torque = |speed: f64| {
+                let [with, without] = [&gear, &frictionless].map(|gear| {
+                    let motion = times(0.01).map(|t| (t, start + speed * t, 0.0));
+                    run(gear, "theta_wg_rad", motion, build)[0].input_torque
+                });
+                with - without
+            };
+            let even = 1.0 + 0.3 * start.cos() + 0.1 * (2.0 * start).cos();
+            let forwards = (0.035 + 0.015 * (-25.0f64).exp()) * even + 1.2e-4 * 50.0;
+            let backwards = 0.06 * (even + 0.4 * start.sin()) + 1.2e-4 * 50.0;
+            let (there, back) = (torque(50.0), torque(-50.0));
+            assert!((there - forwards).abs() < 2e-4, "{build:?} {start}: {there} {forwards}");
+            assert!((back + backwards).abs() < 2e-4, "{build:?} {start}: {back} {backwards}");
+        }
     }
 }
 

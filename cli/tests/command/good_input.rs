@@ -136,9 +136,18 @@ fn the_report_is_one_page_that_needs_nothing_else() {
         "Torque over torsion",
         "Strain at a gauge",
         "Mesh sizes",
+        "Level over speed",
+        "Presliding: reversals that grow",
+        "Stick-slip",
         "Figures beside",
     ] {
         assert!(page.contains(&format!("<h3>{title}")), "{title}");
+    }
+    for model in FrictionModel::NAMES {
+        assert!(
+            page.matches(&format!("\n{model}\n</text>")).count() == 2,
+            "{model} is drawn on both motions"
+        );
     }
     for outside in ["<script", "<link", "<img", "src=", "url(", "@import"] {
         assert!(!page.contains(outside), "{outside}");
