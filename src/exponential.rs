@@ -16,7 +16,9 @@ use crate::real::Real;
 const PER_UNIT: usize = 32;
 /// Entries; the last is 1. In f32 that is 1e-7 too much, but an index below a power of two is one instruction.
 const SINGLE: usize = 16 * PER_UNIT;
-const DOUBLE: usize = 37 * PER_UNIT + PER_UNIT / 2 + 1;
+const DOUBLE: usize = 2048;
+/// Entry from which on e^-x is below half a digit of 1.
+const DOUBLE_END: usize = 37 * PER_UNIT + PER_UNIT / 2;
 
 /// U_k.
 static SINGLE_TABLE: [f32; SINGLE] = {
@@ -33,7 +35,7 @@ static SINGLE_TABLE: [f32; SINGLE] = {
 static DOUBLE_TABLE: [f64; DOUBLE] = {
     let mut table = [0.0; DOUBLE];
     let mut k = 0;
-    while k < DOUBLE {
+    while k <= DOUBLE_END {
         table[k] = exact(k as f64 / PER_UNIT as f64);
         k += 1;
     }
@@ -86,10 +88,11 @@ pub fn one_minus_exp_neg_f64(x: f64) -> f64 {
         8.333_405_994_510_81e-3,
         -1.388_897_971_529_144e-3,
     ];
+    // Limited as a number, which vectorises; the mask is no more than a proof to the compiler.
+    let x = x.min(DOUBLE_END as f64 / PER_UNIT as f64);
     let on_grid = x + GRID;
-    let k = on_grid.to_bits().cast_signed().wrapping_sub(GRID.to_bits().cast_signed());
-    let entry = DOUBLE_TABLE[k.clamp(0, DOUBLE as i64 - 1) as usize];
-    combine(x + (GRID - on_grid), entry, &RATIO)
+    let k = on_grid.to_bits().wrapping_sub(GRID.to_bits()) as usize;
+    combine(x + (GRID - on_grid), DOUBLE_TABLE[k % DOUBLE], &RATIO)
 }
 
 /// From the rest r and the table's entry.
