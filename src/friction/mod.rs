@@ -174,7 +174,7 @@ pub trait FrictionModel<R: Real> {
 
     /// Force at the end of the step, finite for any input bits. Input that is not finite leaves the state
     /// as it is: the force is that of the step before, and says so.
-    #[inline]
+    #[inline(always)]
     fn step(&self, state: &mut Self::State, slip: &Slip<R>) -> Friction<R> {
         if slip.is_usual(Self::READS_APPLIED) {
             self.advance(state, slip);
