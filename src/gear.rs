@@ -20,6 +20,7 @@ use crate::angle::{Angle, Ratio};
 use crate::error::{Error, require};
 use crate::flexspline::{Ends, Flexspline, FlexsplineParams, Reaction};
 use crate::friction::joint_friction::{JointFriction, JointFrictionParams, JointFrictionState};
+use crate::hysteresis::table::HysteresisTable;
 use crate::hysteresis::torsion::{
     TorsionHysteresis, TorsionHysteresisParams, TorsionHysteresisState, gap_for_width,
 };
@@ -40,6 +41,8 @@ pub struct GearParams<R> {
     pub flexspline: FlexsplineParams<R>,
     /// Full width of the hysteresis loop at zero torque after +-rated torque; 0 for none (rad).
     pub hysteresis_width: R,
+    /// Identified weights of the hysteresis in the place of the standard shape of that width.
+    pub hysteresis_table: Option<HysteresisTable<R>>,
     /// Kinematic error.
     pub kinematic_error: KinematicErrorParams<R, KINEMATIC_TERMS>,
     /// Friction at the wave generator.
@@ -154,7 +157,10 @@ impl<R: Real> GearParams<R> {
             ratio_value: ratio.value(),
             kinematic_error: self.kinematic_error.build(ratio)?,
             flexspline,
-            hysteresis: TorsionHysteresisParams { half_range, gap }.build()?,
+            hysteresis: match &self.hysteresis_table {
+                Some(table) => table.build()?,
+                None => TorsionHysteresisParams { half_range, gap }.build()?,
+            },
             input_friction: self.input_friction.build(dt)?,
             output_friction: self.output_friction.build(dt)?,
             inverse_flexspline_inertia: R::ONE / self.flexspline_inertia,
@@ -325,6 +331,7 @@ mod tests {
             rated_torque: 67.0,
             flexspline: SIZE_25,
             hysteresis_width: 2.909e-4,
+            hysteresis_table: None,
             kinematic_error,
             input_friction: friction(0.035, 2.0, 1.2e-4, 0.02),
             output_friction: friction(1.0, 0.02, 4.0, 2e-4),

@@ -44,6 +44,7 @@ pub fn gear_params<R: Real>(file: &GearFile) -> GearParams<R> {
             bend: Bend { hardening: R::lit(cup.bend_hardening), saturation: R::lit(cup.bend_saturation) },
         },
         hysteresis_width: R::lit(file.hysteresis.width()),
+        hysteresis_table: None,
         kinematic_error: KinematicErrorParams {
             case: terms(&file.kinematic_error.wave_generator),
             flexspline: terms(&file.kinematic_error.flexspline),
