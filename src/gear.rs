@@ -129,6 +129,21 @@ impl<R: Real, S, const MEMORY: usize> GearState<R, S, MEMORY> {
 }
 
 impl<R: Real> GearParams<R> {
+    /// The hysteresis: identified weights, or the standard shape of its width.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with the name of the first parameter that is out of its range.
+    pub fn hysteresis<const L: usize, const MEMORY: usize>(
+        &self,
+    ) -> Result<TorsionHysteresis<R, L, MEMORY>, Error> {
+        let half_range = self.flexspline.line.build()?.torsion(self.rated_torque);
+        let gap = gap_for_width(self.flexspline.line.stiffness[0], self.hysteresis_width, half_range)?;
+        match &self.hysteresis_table {
+            Some(table) => table.build(),
+            None => TorsionHysteresisParams { half_range, gap }.build(),
+        }
+    }
+
     /// Builds the gear around a flexspline model of the same time step dt (s).
     ///
     /// # Errors
@@ -146,9 +161,7 @@ impl<R: Real> GearParams<R> {
         require(positive(self.rated_torque), "rated_torque")?;
         require(positive(self.wave_generator_inertia), "wave_generator_inertia")?;
         require(positive(self.flexspline_inertia), "flexspline_inertia")?;
-        let half_range = self.flexspline.line.build()?.torsion(self.rated_torque);
-        let k1 = self.flexspline.line.stiffness[0];
-        let gap = gap_for_width(k1, self.hysteresis_width, half_range)?;
+        let hysteresis = self.hysteresis()?;
         let stiffest = self.flexspline.line.stiffness[2];
         require(positive(dt) && dt * dt * stiffest < R::lit(0.25) * self.flexspline_inertia, "dt")?;
         let ratio = Ratio::one_over(self.ratio)?;
@@ -157,10 +170,7 @@ impl<R: Real> GearParams<R> {
             ratio_value: ratio.value(),
             kinematic_error: self.kinematic_error.build(ratio)?,
             flexspline,
-            hysteresis: match &self.hysteresis_table {
-                Some(table) => table.build()?,
-                None => TorsionHysteresisParams { half_range, gap }.build()?,
-            },
+            hysteresis,
             input_friction: self.input_friction.build(dt)?,
             output_friction: self.output_friction.build(dt)?,
             inverse_flexspline_inertia: R::ONE / self.flexspline_inertia,

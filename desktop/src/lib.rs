@@ -9,6 +9,7 @@ pub mod draw;
 pub mod figure;
 pub mod file;
 pub mod gear_file;
+pub mod identify;
 pub mod joint;
 pub mod log;
 pub mod mesh_size;

@@ -27,14 +27,14 @@ pub struct HysteresisTable<R> {
 }
 
 impl<R: Real> HysteresisTable<R> {
-    /// The table of weights on any grid over torsions of +-`half_range` (rad).
-    pub fn of<const L: usize>(half_range: R, weights: &Weights<R, L>) -> Self {
+    /// The table over torsions of +-`half_range` (rad) of the weights mu_ij = `weight(i, j)`, j <= i, on a grid of
+    /// `levels`, which are taken to be symmetric.
+    pub fn from_fn(half_range: R, levels: usize, weight: impl Fn(usize, usize) -> R) -> Self {
         let mut table = Self { half_range, weights: [R::ZERO; TABLE_WEIGHTS] };
-        let source = |i: usize, j: usize| weights.at(i, j);
         for i in 0..TABLE_LEVELS {
             for j in 0..=i.min(TABLE_LEVELS - 1 - i) {
                 if let Some(place) = table.weights.get_mut(place(i, j)) {
-                    *place = share::<R, L, TABLE_LEVELS>(source, i, j);
+                    *place = share(&weight, levels, TABLE_LEVELS, (i, j));
                 }
             }
         }
@@ -50,7 +50,7 @@ impl<R: Real> HysteresisTable<R> {
         let lower = |i: usize, j: usize| if i + j < L { (i, j) } else { (L - 1 - j, L - 1 - i) };
         Weights::from_fn(|i, j| {
             let (i, j) = lower(i, j);
-            share::<R, TABLE_LEVELS, L>(|i, j| self.at(i, j), i, j)
+            share(|i, j| self.at(i, j), TABLE_LEVELS, L, (i, j))
         })
     }
 
@@ -81,21 +81,17 @@ const fn place(i: usize, j: usize) -> usize {
     }
 }
 
-/// Weight that cell (i, j) of a grid of `TO` levels takes from the weights of a grid of `FROM` levels.
-fn share<R: Real, const FROM: usize, const TO: usize>(
-    weight: impl Fn(usize, usize) -> R,
-    i: usize,
-    j: usize,
-) -> R {
+/// Weight that cell (i, j) of a grid of `to` levels takes from the weights of a grid of `from` levels.
+fn share<R: Real>(weight: impl Fn(usize, usize) -> R, from: usize, to: usize, (i, j): (usize, usize)) -> R {
     let mut sum = R::ZERO;
-    for from_i in covering::<FROM, TO>(i) {
-        let along_i = overlap::<R, FROM, TO>(from_i, i);
-        for from_j in covering::<FROM, TO>(j).take_while(|from_j| *from_j <= from_i) {
+    for from_i in covering(i, from, to) {
+        let along_i = overlap::<R>((from_i, from), (i, to));
+        for from_j in covering(j, from, to).take_while(|from_j| *from_j <= from_i) {
             let part = match (from_i == from_j, i == j) {
                 (true, true) => along_i,
                 // Of a weight along the diagonal a cell off it has none.
                 (true, false) => R::ZERO,
-                (false, _) => along_i * overlap::<R, FROM, TO>(from_j, j),
+                (false, _) => along_i * overlap::<R>((from_j, from), (j, to)),
             };
             sum += part * weight(from_i, from_j);
         }
@@ -103,16 +99,18 @@ fn share<R: Real, const FROM: usize, const TO: usize>(
     sum
 }
 
-/// Cells of the grid of `FROM` levels that touch cell `k` of the grid of `TO` levels.
-fn covering<const FROM: usize, const TO: usize>(k: usize) -> core::ops::Range<usize> {
-    k * FROM / TO..((k + 1) * FROM).div_ceil(TO)
+/// Cells of a grid of `from` levels that touch cell `k` of a grid of `to` levels.
+fn covering(k: usize, from: usize, to: usize) -> core::ops::Range<usize> {
+    let to = to.max(1);
+    k * from / to..((k + 1) * from).div_ceil(to)
 }
 
-/// Share of cell `from` that lies in cell `to`; whole numbers until the end, so that a whole cell is 1.
-fn overlap<R: Real, const FROM: usize, const TO: usize>(from: usize, to: usize) -> R {
-    let start = (from * TO).max(to * FROM);
-    let end = ((from + 1) * TO).min((to + 1) * FROM);
-    R::from_i32(end.saturating_sub(start) as i32) / R::from_i32(TO as i32)
+/// Share of a cell that lies in another, each with its number of levels; whole numbers until the end, so that
+/// a whole cell is 1.
+fn overlap<R: Real>((cell, levels): (usize, usize), (other, other_levels): (usize, usize)) -> R {
+    let start = (cell * other_levels).max(other * levels);
+    let end = ((cell + 1) * other_levels).min((other + 1) * levels);
+    R::from_i32(end.saturating_sub(start) as i32) / R::from_i32(other_levels as i32)
 }
 
 #[cfg(test)]
@@ -125,6 +123,10 @@ mod tests {
     /// Symmetric weights without a pattern.
     fn uneven<const L: usize>() -> Weights<f64, L> {
         Weights::from_fn(|i, j| (((i - j) * 7 + (i + L - 1 - j) * 3) % 11) as f64).unwrap()
+    }
+
+    fn table<const L: usize>(weights: &Weights<f64, L>) -> HysteresisTable<f64> {
+        HysteresisTable::from_fn(1.0, L, |i, j| weights.at(i, j))
     }
 
     #[test]
@@ -141,19 +143,14 @@ mod tests {
     #[test]
     fn weights_of_its_own_grid_come_back_bit_by_bit() {
         let weights = uneven::<TABLE_LEVELS>();
-        assert_eq!(HysteresisTable::of(1.0, &weights).weights().unwrap(), weights);
-        assert_eq!(
-            HysteresisTable::of(1.0, &Weights::<f32, 24>::uniform(3.0).unwrap()).weights().unwrap(),
-            Weights::<f32, 24>::uniform(3.0).unwrap()
-        );
+        assert_eq!(table(&weights).weights().unwrap(), weights);
     }
 
     #[test]
     fn any_grid_has_the_table_s_operator_at_its_edges() {
         fn agrees<const L: usize>() {
-            let table = HysteresisTable::of(1.0, &uneven::<TABLE_LEVELS>());
             let fine = Everett::build(&uneven::<TABLE_LEVELS>());
-            let weights = table.weights::<L>().unwrap();
+            let weights = table(&uneven::<TABLE_LEVELS>()).weights::<L>().unwrap();
             let other = Everett::build(&weights);
             let middle = |edge: usize| (edge as f64 / L as f64 - 0.5) * TABLE_LEVELS as f64;
             for k in 0..=L {
@@ -176,7 +173,7 @@ mod tests {
         #[test]
         fn a_coarse_grid_is_carried_without_loss(inputs in prop::collection::vec(-1.2..1.2f64, 1..60)) {
             let coarse = Staircase::<f64, 8, 64>::build(1.0, &uneven()).unwrap();
-            let weights = HysteresisTable::of(1.0, &uneven::<8>()).weights::<TABLE_LEVELS>().unwrap();
+            let weights = table(&uneven::<8>()).weights::<TABLE_LEVELS>().unwrap();
             let fine = Staircase::<f64, TABLE_LEVELS, 64>::build(1.0, &weights).unwrap();
             let (mut a, mut b) = (StaircaseState::default(), StaircaseState::default());
             for input in inputs {

@@ -5,6 +5,7 @@ use std::fmt;
 use std::ops::{Bound, RangeBounds};
 
 use strainwave::flexspline::shell::link_law::VALID_STRAIN;
+use strainwave::hysteresis::table::TABLE_LEVELS;
 
 /// What a key may hold.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +20,8 @@ pub enum Allowed {
     Whole(i64, i64),
     /// A finite number between two ends, and its unit.
     Number(Bound<f64>, Bound<f64>, &'static str),
+    /// Rows of 1, 2, 3, ... numbers, 2 to [`TABLE_LEVELS`] of them, each number from 0 to the first, and its unit.
+    Triangle(f64, &'static str),
 }
 
 /// Longest name of a gear.
@@ -74,6 +77,8 @@ pub const KEYS: &[Key] = &[
     key("stiffness.t1_nm", within(1e-3, 1e5, "N m")),
     key("stiffness.t2_nm", within(1e-3, 1e5, "N m")),
     key("hysteresis.width_arcmin", within(0.0, 60.0, "arcmin")),
+    optional("hysteresis.half_range_rad", within(1e-6, 0.1, "rad")),
+    optional("hysteresis.weights_nm", Allowed::Triangle(1e4, "N m")),
     key("kinematic_error.wave_generator[].order", Allowed::Whole(1, 20)),
     key("kinematic_error.wave_generator[].amplitude_rad", within(0.0, 0.01, "rad")),
     key("kinematic_error.wave_generator[].phase_rad", within(-PI, PI, "rad")),
@@ -201,6 +206,11 @@ impl fmt::Display for Allowed {
                 let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
                 write!(formatter, "a number {} {}{unit}", lower_end(least), upper_end(most))
             }
+            Self::Triangle(most, unit) => write!(
+                formatter,
+                "rows of 1, 2, 3, ... numbers from 0 to {} {unit}, 2 to {TABLE_LEVELS} rows",
+                plain(most)
+            ),
         }
     }
 }

@@ -1,0 +1,396 @@
+//! Weights of a gear from measured logs: torque over torsion.
+//!
+//! ```text
+//! tau = line(phi/s) + tau_hyst[phi]          phi = theta_measured - c,    theta_measured = r*theta_motor - theta_out
+//! min   sum of (theta_measured - c - phi(tau; s, mu))^2/N + lambda*|D mu|^2      mu >= 0
+//! ```
+//!
+//! The torque tau (N m) drives, the torsion phi (rad) is what is predicted: by the inverse of the gear's own
+//! operator, torque over torsion. The torque regressed on the measured torsion would be simpler, but there
+//! the encoders' noise, and all that the torsion does without the torque having been measured, would be
+//! reversals of the operator's input. Identified are the weights mu, one factor 1/s on K1, K2 and K3 of the
+//! base gear's line (its knee torques stay), and for each log an offset c, as its angles count from arbitrary zeros.
+//!
+//! The torsion is not linear in them, so Gauss and Newton's steps: at the present phi, with kappa = dtau/dphi along
+//! the branch, the torsion of other parameters is
+//!
+//! ```text
+//! phi + (tau - line(phi/s') - sum mu'_p x_p[phi])/kappa
+//! ```
+//!
+//! linear in mu' and, around s, in s'. The least squares of that give the next parameters, until the
+//! prediction no longer moves.
+//!
+//! Every log starts demagnetised, and the joint is held: the kinematic error is part of c. A log is resampled to the
+//! median interval of its stamps; its first part trains, the rest is predicted.
+
+use std::ops::Range;
+
+use nalgebra::DMatrix;
+use strainwave::hysteresis::table::TABLE_LEVELS;
+use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState};
+
+use super::choice::{Smoothing, choose};
+use super::law::{Law, OnLaw};
+use super::least_squares::Factor;
+use super::regressors::{pairs, regressors, weights_of};
+use super::sequence::{BLOCKS, LEAST_SAMPLES, blocks, require_reversal, rms, span};
+use super::smoothness::{penalty, unit_density};
+use super::{Error, Excitation};
+use crate::gear_file::{GearFile, Hysteresis};
+use crate::joint::gear_params;
+use crate::log::MeasuredLog;
+use crate::plant::MEMORY;
+use crate::torque_loop::{Sample, TorqueLoop};
+
+/// Grids that may be chosen: the gear's table holds each without loss.
+pub const LEVELS: [usize; 4] = [6, 8, 12, 24];
+/// Steps of a leg of the loop whose width is stated.
+const LOOP_STEPS: i32 = 1000;
+/// Most samples of a log.
+const MOST_SAMPLES: f64 = 20_000.0;
+/// Most of Gauss and Newton's steps.
+const STEPS: usize = 20;
+/// They end when no prediction moves by more than this share of the torsion's span.
+const SETTLED: f64 = 1e-6;
+
+/// Torque and torsion at equal intervals.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GearLog {
+    /// Time from the first stamp (s).
+    pub time: Vec<f64>,
+    /// tau (N m).
+    pub torque: Vec<f64>,
+    /// r*theta_motor - theta_out (rad).
+    pub torsion: Vec<f64>,
+    /// Span of the motor's angle (rad).
+    pub motor_travel: f64,
+}
+
+impl GearLog {
+    /// From a measured log; `None` when it lacks the output's angle or torque.
+    pub fn of(log: &MeasuredLog, gear: &GearFile) -> Option<Self> {
+        let (output, torque) = (log.output_position.as_ref()?, log.output_torque.as_ref()?);
+        let ratio: f64 = gear.gear.signed_ratio().value();
+        let (stamps, motor) = (log.time.stamps(), &log.motor_position);
+        let shortest = (stamps[stamps.len() - 1] - stamps[0]) / MOST_SAMPLES;
+        let interval = log.time.jitter().map_or(1.0, |jitter| jitter.nominal).max(shortest);
+        let mut found = Self { motor_travel: span(motor), ..Self::default() };
+        for instant in log.time.resampled(interval) {
+            found.time.push(instant.elapsed);
+            found.torque.push(instant.of(torque));
+            found.torsion.push(ratio * (instant.of(motor) - motor[0]) - instant.of(output));
+        }
+        Some(found)
+    }
+}
+
+/// How to identify.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GearOptions {
+    /// Share of each log, from its start, that trains; the rest is predicted. 0.2..=1.
+    pub training: f64,
+    /// U (rad); the torsion at rated torque by the base gear's line when there is none.
+    pub half_range: Option<f64>,
+    /// One of [`LEVELS`]; chosen by cross-validation when there is none.
+    pub levels: Option<usize>,
+    /// The smoothness.
+    pub smoothing: Smoothing,
+}
+
+impl Default for GearOptions {
+    fn default() -> Self {
+        Self { training: 0.5, half_range: None, levels: None, smoothing: Smoothing::Chosen }
+    }
+}
+
+/// What was identified, and how well.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IdentifiedGear {
+    /// The base gear with the identified stiffness and hysteresis.
+    pub gear: GearFile,
+    /// K1, K2, K3 over the base gear's.
+    pub stiffness_factor: f64,
+    /// c of each log (rad).
+    pub offsets: Vec<f64>,
+    /// Rows of the table.
+    pub levels: usize,
+    /// lambda.
+    pub smoothing: f64,
+    /// Rms over the pieces that the cross-validation left out (rad).
+    pub validation_rms: f64,
+    /// Rms of what the trained torsions are missed by (rad).
+    pub training_rms: f64,
+    /// The same of the torsions held out; `None` without any.
+    pub held_out_rms: Option<f64>,
+    /// What the base gear misses them by, its offset fitted to the trained part.
+    pub base_held_out_rms: Option<f64>,
+    /// Cells that the trained part moved.
+    pub excitation: Excitation,
+    /// c + phi at every sample of each log (rad).
+    pub predicted: Vec<Vec<f64>>,
+}
+
+/// Identifies a gear's hysteresis, beside a factor on its stiffness line; `progress` is called with the share done.
+///
+/// # Errors
+/// [`Error`] when a log is too short, not finite or never reverses, or an option is out of range.
+pub fn identify_gear(
+    base: &GearFile,
+    logs: &[GearLog],
+    options: &GearOptions,
+    mut progress: impl FnMut(f64),
+) -> Result<IdentifiedGear, Error> {
+    let grids: Vec<_> =
+        LEVELS.into_iter().filter(|grid| options.levels.is_none_or(|asked| asked == *grid)).collect();
+    let mut best: Option<IdentifiedGear> = None;
+    for (done, levels) in grids.iter().enumerate() {
+        progress(done as f64 / grids.len() as f64);
+        let found = match levels {
+            6 => Task::<6>::of(base, logs, options)?.run(),
+            8 => Task::<8>::of(base, logs, options)?.run(),
+            12 => Task::<12>::of(base, logs, options)?.run(),
+            _ => Task::<24>::of(base, logs, options)?.run(),
+        }?;
+        if best.as_ref().is_none_or(|best| found.validation_rms < best.validation_rms) {
+            best = Some(found);
+        }
+    }
+    best.ok_or_else(|| strainwave::Error::OutOfRange("levels").into())
+}
+
+/// One identification on a grid.
+struct Task<'a, const L: usize> {
+    base: &'a GearFile,
+    logs: &'a [GearLog],
+    options: &'a GearOptions,
+    half_range: f64,
+    /// Samples of each log that train.
+    training: Vec<usize>,
+    /// Span of the trained torsions (rad).
+    span: f64,
+    /// mu of each pair at density 1, the rated torque being the total (N m).
+    unit: Vec<f64>,
+    penalty: DMatrix<f64>,
+}
+
+/// Parameters of one step.
+#[derive(Clone, Debug)]
+struct Parameters {
+    offsets: Vec<f64>,
+    /// s
+    factor: f64,
+    /// mu of each pair (N m).
+    weights: Vec<f64>,
+    smoothing: f64,
+    /// Mean square, of spans.
+    validation: f64,
+}
+
+impl<'a, const L: usize> Task<'a, L> {
+    fn of(base: &'a GearFile, logs: &'a [GearLog], options: &'a GearOptions) -> Result<Self, Error> {
+        let params = gear_params::<f64>(base);
+        let rated_torsion = params.flexspline.line.build()?.torsion(params.rated_torque);
+        if !(0.2..=1.0).contains(&options.training) {
+            return Err(strainwave::Error::OutOfRange("training").into());
+        }
+        let training: Vec<_> =
+            logs.iter().map(|log| (log.torque.len() as f64 * options.training) as usize).collect();
+        for (log, training) in logs.iter().zip(&training) {
+            check(log, *training, options.training)?;
+        }
+        let spans = logs.iter().zip(&training).map(|(log, training)| span(&log.torsion[..*training]));
+        Ok(Self {
+            base,
+            logs,
+            options,
+            half_range: options.half_range.unwrap_or(rated_torsion),
+            span: spans.fold(0.0, f64::max),
+            training,
+            unit: pairs::<L>().map(|pair| unit_density::<L>(pair) * params.rated_torque).collect(),
+            penalty: penalty::<L>(),
+        })
+    }
+
+    fn run(&self) -> Result<IdentifiedGear, Error> {
+        let mut parameters = Parameters {
+            offsets: vec![0.0; self.logs.len()],
+            factor: 1.0,
+            weights: vec![0.0; self.unit.len()],
+            smoothing: 0.0,
+            validation: f64::NAN,
+        };
+        let mut torsions = self.torsions(&parameters)?;
+        for _ in 0..STEPS {
+            parameters = self.step(&parameters, &torsions)?;
+            let before = std::mem::replace(&mut torsions, self.torsions(&parameters)?);
+            let pairs = before.iter().flatten().zip(torsions.iter().flatten());
+            let moved = pairs.map(|(before, now)| (before.torsion - now.torsion).abs()).fold(0.0, f64::max);
+            if moved < SETTLED * self.span {
+                break;
+            }
+        }
+        self.finish(parameters, &torsions)
+    }
+
+    fn law(&self, parameters: &Parameters) -> Result<Law<L>, Error> {
+        let line = gear_params::<f64>(self.base).flexspline.line.build()?;
+        let weights = weights_of(&parameters.weights, false)?;
+        Ok(Law::build(line, parameters.factor, self.half_range, &weights)?)
+    }
+
+    /// Each log's torsions for its torques.
+    fn torsions(&self, parameters: &Parameters) -> Result<Vec<Vec<OnLaw>>, Error> {
+        let law = self.law(parameters)?;
+        Ok(self.logs.iter().map(|log| law.torsions(&log.torque)).collect())
+    }
+
+    /// One of Gauss and Newton's steps.
+    fn step(&self, now: &Parameters, torsions: &[Vec<OnLaw>]) -> Result<Parameters, Error> {
+        let mut pieces: Vec<Vec<Factor>> = vec![Vec::new(); BLOCKS];
+        for (index, points) in torsions.iter().enumerate() {
+            let rows = self.rows(now, index, points)?;
+            for (piece, factor) in pieces.iter_mut().zip(blocks(&rows, 0..self.training[index])) {
+                piece.push(factor);
+            }
+        }
+        let pieces: Vec<_> = pieces.iter().map(|piece| Factor::joined(piece.iter())).collect();
+        let logs = self.logs.len();
+        let penalty = beside(1, &self.penalty);
+        let choice = choose(&pieces, logs, &penalty, self.options.smoothing, false)?;
+        Ok(Parameters {
+            offsets: choice.x[..logs].iter().map(|x| x * self.span).collect(),
+            // A step that halves or doubles the stiffness goes too far for what is linear around here.
+            factor: choice.x[logs].clamp(0.5 * now.factor, 2.0 * now.factor),
+            weights: choice.x[logs + 1..].iter().zip(&self.unit).map(|(x, unit)| x * unit).collect(),
+            smoothing: choice.smoothing,
+            validation: choice.validation,
+        })
+    }
+
+    /// Rows [offsets, s, densities | torsion], of spans, linear around the present torsions of a log.
+    fn rows(&self, now: &Parameters, index: usize, points: &[OnLaw]) -> Result<DMatrix<f64>, Error> {
+        let inputs: Vec<_> = points.iter().map(|point| point.torsion).collect();
+        let columns = regressors::<L, _>(&inputs, |unit| {
+            let model = TorsionHysteresis::<f64, L, MEMORY>::from_weights(self.half_range, unit)?;
+            let mut state = TorsionHysteresisState::default();
+            Ok(move |torsion| model.step(&mut state, torsion).torque)
+        })?;
+        let (logs, measured) = (self.logs.len(), &self.logs[index].torsion);
+        Ok(DMatrix::from_fn(points.len(), logs + 2 + self.unit.len(), |row, column| {
+            let point = &points[row];
+            let by_factor = point.line_stiffness * point.torsion / point.stiffness;
+            match column.checked_sub(logs) {
+                None => f64::from(column == index),
+                Some(0) => by_factor / now.factor / self.span,
+                Some(pair) if pair <= self.unit.len() => {
+                    -columns[(row, pair - 1)] * self.unit[pair - 1] / point.stiffness / self.span
+                }
+                Some(_) => {
+                    (measured[row] - point.torsion - point.hysteresis / point.stiffness + by_factor)
+                        / self.span
+                }
+            }
+        }))
+    }
+
+    fn finish(&self, found: Parameters, torsions: &[Vec<OnLaw>]) -> Result<IdentifiedGear, Error> {
+        let predicted: Vec<Vec<_>> = torsions
+            .iter()
+            .zip(&found.offsets)
+            .map(|(points, offset)| points.iter().map(|point| point.torsion + offset).collect())
+            .collect();
+        Ok(IdentifiedGear {
+            gear: self.gear(&found)?,
+            stiffness_factor: 1.0 / found.factor,
+            levels: L,
+            smoothing: found.smoothing,
+            validation_rms: found.validation.sqrt() * self.span,
+            training_rms: self.missed(&predicted, |count, _| 0..count).unwrap_or(f64::NAN),
+            held_out_rms: self.missed(&predicted, |count, all| count..all),
+            base_held_out_rms: self.missed(&self.base_predictions()?, |count, all| count..all),
+            excitation: self.excitation(torsions)?,
+            offsets: found.offsets,
+            predicted,
+        })
+    }
+
+    /// Rms of what some samples of each log, of its trained and all, are missed by.
+    fn missed(&self, predicted: &[Vec<f64>], samples: impl Fn(usize, usize) -> Range<usize>) -> Option<f64> {
+        let logs = self.logs.iter().zip(predicted).zip(&self.training);
+        let missed: Vec<_> = logs
+            .flat_map(|((log, predicted), count)| {
+                samples(*count, predicted.len()).map(|k| log.torsion[k] - predicted[k])
+            })
+            .collect();
+        rms(&missed)
+    }
+
+    /// Torsions of the base gear, with the offset that the trained part of each log has from it.
+    fn base_predictions(&self) -> Result<Vec<Vec<f64>>, Error> {
+        let law = Law::<TABLE_LEVELS>::of(&gear_params(self.base))?;
+        let predict = |(log, count): (&GearLog, &usize)| {
+            let torsions = law.torsions(&log.torque);
+            let offsets =
+                log.torsion[..*count].iter().zip(&torsions).map(|(measured, on)| measured - on.torsion);
+            let offset = offsets.sum::<f64>() / *count as f64;
+            torsions.iter().map(|on| on.torsion + offset).collect()
+        };
+        Ok(self.logs.iter().zip(&self.training).map(predict).collect())
+    }
+
+    /// Cells that the trained part of any log moved.
+    fn excitation(&self, torsions: &[Vec<OnLaw>]) -> Result<Excitation, Error> {
+        let mut whole = Excitation::none(L);
+        for (points, count) in torsions.iter().zip(&self.training) {
+            let inputs: Vec<_> = points[..*count].iter().map(|point| point.torsion).collect();
+            whole.add(&Excitation::of::<L>(self.half_range, &inputs)?);
+        }
+        Ok(whole)
+    }
+
+    /// The base gear with what was found.
+    fn gear(&self, found: &Parameters) -> Result<GearFile, Error> {
+        let weights = weights_of::<L>(&found.weights, false)?;
+        let rows = (0..L).map(|i| (0..=i).map(|j| weights.at(i, j)).collect()).collect();
+        let mut gear = self.base.clone();
+        for stiffness in [&mut gear.stiffness.k1, &mut gear.stiffness.k2, &mut gear.stiffness.k3] {
+            *stiffness /= found.factor;
+        }
+        gear.hysteresis = Hysteresis {
+            width_arcmin: loop_width(&self.law(found)?, gear.gear.rated_torque).to_degrees() * 60.0,
+            half_range: Some(self.half_range),
+            weights: Some(rows),
+        };
+        Ok(gear)
+    }
+}
+
+/// Full width at zero torque after +-`torque` (rad).
+fn loop_width<const L: usize>(law: &Law<L>, torque: f64) -> f64 {
+    let legs = [(0, 1), (1, -1), (-1, 1), (1, 0)];
+    let course = legs.into_iter().flat_map(|(from, to)| {
+        (1..=LOOP_STEPS).map(move |k| f64::from(from) + f64::from((to - from) * k) / f64::from(LOOP_STEPS))
+    });
+    let torques: Vec<_> = course.map(|share| share * torque).collect();
+    let samples: Vec<_> = law
+        .torsions(&torques)
+        .iter()
+        .zip(&torques)
+        .map(|(on, torque)| Sample { torsion: on.torsion, torque: *torque })
+        .collect();
+    TorqueLoop::of(&samples).map_or(0.0, |found| found.width)
+}
+
+/// The penalty of densities behind `affine` unknowns that have none.
+fn beside(affine: usize, penalty: &DMatrix<f64>) -> DMatrix<f64> {
+    penalty.clone().insert_rows(0, affine, 0.0).insert_columns(0, affine, 0.0)
+}
+
+fn check(log: &GearLog, training: usize, share: f64) -> Result<(), Error> {
+    if training < LEAST_SAMPLES {
+        let least = (LEAST_SAMPLES as f64 / share).ceil() as usize;
+        return Err(Error::TooShort { samples: log.torque.len(), least });
+    }
+    require_reversal("torque", &log.torque[..training])
+}
