@@ -21,9 +21,8 @@ use crate::error::{Error, require};
 use crate::flexspline::{Ends, Flexspline, FlexsplineParams, Reaction};
 use crate::friction::joint_friction::{JointFriction, JointFrictionParams, JointFrictionState};
 use crate::hysteresis::table::HysteresisTable;
-use crate::hysteresis::torsion::{
-    TorsionHysteresis, TorsionHysteresisParams, TorsionHysteresisState, gap_for_width,
-};
+use crate::hysteresis::torsion::{TorsionHysteresis, TorsionHysteresisState, gap_for_width};
+use crate::hysteresis::weights::Weights;
 use crate::kinematic_error::{Deviation, KinematicError, KinematicErrorParams};
 use crate::real::Real;
 
@@ -136,11 +135,20 @@ impl<R: Real> GearParams<R> {
     pub fn hysteresis<const L: usize, const MEMORY: usize>(
         &self,
     ) -> Result<TorsionHysteresis<R, L, MEMORY>, Error> {
+        let (half_range, weights) = self.hysteresis_weights()?;
+        TorsionHysteresis::from_weights(half_range, &weights)
+    }
+
+    /// Its half range (rad) and weights (N m).
+    ///
+    /// # Errors
+    /// As [`Self::hysteresis`].
+    pub fn hysteresis_weights<const L: usize>(&self) -> Result<(R, Weights<R, L>), Error> {
         let half_range = self.flexspline.line.build()?.torsion(self.rated_torque);
         let gap = gap_for_width(self.flexspline.line.stiffness[0], self.hysteresis_width, half_range)?;
         match &self.hysteresis_table {
-            Some(table) => table.build(),
-            None => TorsionHysteresisParams { half_range, gap }.build(),
+            Some(table) => Ok((table.half_range, table.weights()?)),
+            None => Ok((half_range, Weights::uniform(gap)?)),
         }
     }
 

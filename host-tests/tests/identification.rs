@@ -95,19 +95,19 @@ fn synthetic() {
 fn lara() {
     use strainwave_desktop::gear_file::{self, GearFile};
     use strainwave_desktop::identify::{GearLog, GearOptions, identify_gear};
-    let gear = GearFile::parse("g".as_ref(), gear_file::LARA8_J5.as_bytes()).unwrap();
+    let mut gear = GearFile::parse("g".as_ref(), gear_file::LARA8_J5.as_bytes()).unwrap();
     let log = strainwave_desktop::log::MeasuredLog::read(
         &strainwave_desktop::data::find("lara8/joint/jog_j2_mass.j5.csv").unwrap(),
     )
     .unwrap();
     let log = GearLog::of(&log, &gear).unwrap();
-    for half_range in [None, Some(1e-3)] {
+    for width in [0.0, 0.5, 1.0, 1.5] { gear.hysteresis.width_arcmin = width;
         for levels in [None, Some(6), Some(8), Some(12), Some(24)] {
             let t = std::time::Instant::now();
             match identify_gear(
                 &gear,
                 std::slice::from_ref(&log),
-                &GearOptions { levels, half_range, ..Default::default() },
+                &GearOptions { levels, ..Default::default() },
                 |_| (),
             ) {
                 Ok(f) => println!(

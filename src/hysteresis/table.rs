@@ -7,7 +7,6 @@
 //!
 //! Units: half range (rad), weights (N m).
 
-use super::torsion::TorsionHysteresis;
 use super::weights::Weights;
 use crate::error::Error;
 use crate::real::Real;
@@ -52,16 +51,6 @@ impl<R: Real> HysteresisTable<R> {
             let (i, j) = lower(i, j);
             share(|i, j| self.at(i, j), TABLE_LEVELS, L, (i, j))
         })
-    }
-
-    /// The model with `L` levels.
-    ///
-    /// # Errors
-    /// As [`Weights::from_fn`] and [`TorsionHysteresis::from_weights`].
-    pub fn build<const L: usize, const MEMORY: usize>(
-        &self,
-    ) -> Result<TorsionHysteresis<R, L, MEMORY>, Error> {
-        TorsionHysteresis::from_weights(self.half_range, &self.weights()?)
     }
 
     /// mu_ij.

@@ -9,13 +9,15 @@
 
 use strainwave::flexspline::Cup;
 use strainwave::flexspline::stiffness_line::{StiffnessLine, StiffnessLineParams};
-use strainwave::hysteresis::TorsionHysteresisState;
 use strainwave::hysteresis::table::TABLE_LEVELS;
+use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState};
 
 use super::GearFile;
 
 /// Control period of the real-time build (s).
 const CONTROL_PERIOD: f64 = 1e-4;
+/// Turning points of a branch that never turns: the fewest that a memory may have.
+const STEPS_BACK: usize = 8;
 
 pub(super) fn check(gear: &GearFile) -> Result<(), String> {
     let stiffness = &gear.stiffness;
@@ -62,10 +64,11 @@ fn check_weights(gear: &GearFile) -> Result<(), String> {
 
 /// Torque over torsion rises on the steepest fall of the hysteresis, the major loop's branch from -U up.
 fn check_slope(gear: &GearFile, half_range: f64) -> Result<(), String> {
-    let model = gear.hysteresis.table::<f64>().map(|table| table.build::<TABLE_LEVELS, 8>());
-    let Some(model) = model.transpose().map_err(|error| format!("hysteresis.weights_nm: {error}"))? else {
-        return Ok(());
-    };
+    let Some(table) = gear.hysteresis.table::<f64>() else { return Ok(()) };
+    let model = table.weights().and_then(|weights| {
+        TorsionHysteresis::<f64, TABLE_LEVELS, STEPS_BACK>::from_weights(half_range, &weights)
+    });
+    let model = model.map_err(|error| format!("hysteresis.weights_nm: {error}"))?;
     let line = stiffness_line(gear)?;
     let mut state = TorsionHysteresisState::default();
     let mut before = model.step(&mut state, -half_range).torque + line.torque(-half_range);

@@ -6,7 +6,7 @@
 //! standard error of the least, the largest is taken (T. Hastie, R. Tibshirani, J. Friedman, "The elements of
 //! statistical learning", 2009, section 7.10): the smoothest table that the log does not speak against.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::Error;
 use super::least_squares::Factor;
@@ -14,7 +14,7 @@ use super::least_squares::Factor;
 /// Pieces of the training samples.
 pub(super) const BLOCKS: usize = 5;
 /// Decades of lambda, the output's span and the total of the standard shape being 1.
-const DECADES: std::ops::RangeInclusive<i32> = -14..=0;
+const DECADES: std::ops::RangeInclusive<i32> = -10..=0;
 
 /// How lambda is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,64 +25,51 @@ pub enum Smoothing {
     Given(f64),
 }
 
-/// A solution and what it was chosen by.
+/// A least-squares problem: unknowns of either sign up to `bounded`, then densities.
 #[derive(Clone, Debug)]
-pub(super) struct Choice {
-    /// Affine part, then densities.
-    pub x: Vec<f64>,
-    pub smoothing: f64,
-    /// Mean square over the pieces left out.
-    pub validation: f64,
-}
-
-/// Solves the rows of all `blocks`: `affine` unknowns of either sign, then densities, `signed` too when asked for.
-pub(super) fn choose(
-    blocks: &[Factor],
-    affine: usize,
-    penalty: &DMatrix<f64>,
-    smoothing: Smoothing,
-    signed: bool,
-) -> Result<Choice, Error> {
-    let problem = Problem { penalty: beside(affine, penalty), bounded: affine, signed };
-    let (smoothing, validation) = match smoothing {
-        Smoothing::Given(smoothing) => (smoothing, mean(&problem.validate(blocks, smoothing)?)),
-        Smoothing::Chosen => problem.best(blocks)?,
-    };
-    let x = problem.solve(&Factor::joined(blocks.iter()), smoothing)?;
-    Ok(Choice { x, smoothing, validation })
-}
-
-/// The penalty of densities as that of all unknowns.
-fn beside(affine: usize, penalty: &DMatrix<f64>) -> DMatrix<f64> {
-    let size = affine + penalty.nrows();
-    let mut whole = DMatrix::zeros(size, size);
-    whole.view_mut((affine, affine), penalty.shape()).copy_from(penalty);
-    whole
-}
-
-struct Problem {
-    penalty: DMatrix<f64>,
-    bounded: usize,
-    signed: bool,
+pub(super) struct Problem {
+    /// Q, of lambda 1.
+    pub penalty: DMatrix<f64>,
+    /// What the penalty pulls to.
+    pub prior: DVector<f64>,
+    pub bounded: usize,
 }
 
 impl Problem {
-    fn solve(&self, rows: &Factor, smoothing: f64) -> Result<Vec<f64>, Error> {
-        let bounded = if self.signed { self.penalty.nrows() } else { self.bounded };
-        rows.solve(&(&self.penalty * (smoothing * rows.rows() as f64)), bounded)
+    /// The penalty of densities, pulled to `prior`, behind `free` unknowns without one.
+    pub fn new(free: usize, penalty: &DMatrix<f64>, prior: &[f64]) -> Self {
+        let penalty = penalty.clone().insert_rows(0, free, 0.0).insert_columns(0, free, 0.0);
+        let prior =
+            DVector::from_fn(free + prior.len(), |k, _| k.checked_sub(free).map_or(0.0, |k| prior[k]));
+        Self { penalty, prior, bounded: free }
     }
 
-    fn best(&self, blocks: &[Factor]) -> Result<(f64, f64), Error> {
+    /// The unknowns with the factor lambda.
+    pub fn solve(&self, rows: &Factor, smoothing: f64) -> Result<Vec<f64>, Error> {
+        rows.solve(&(&self.penalty * (smoothing * rows.rows() as f64)), &self.prior, self.bounded)
+    }
+
+    /// lambda, and the mean square over the pieces left out.
+    pub fn choose(&self, blocks: &[Factor], smoothing: Smoothing) -> Result<(f64, f64), Error> {
+        let decades = match smoothing {
+            Smoothing::Given(smoothing) => vec![smoothing],
+            Smoothing::Chosen => DECADES.map(|decade| 10f64.powi(decade)).collect(),
+        };
         let mut tried = Vec::new();
-        for decade in DECADES {
-            let smoothing = 10f64.powi(decade);
-            tried.push((smoothing, self.validate(blocks, smoothing)?));
+        let mut failed = None;
+        for smoothing in decades {
+            // Too little smoothness can leave a problem that is none.
+            match self.validate(blocks, smoothing) {
+                Ok(missed) => tried.push((smoothing, missed)),
+                Err(error) => failed = Some(error),
+            }
         }
         let least =
             tried.iter().min_by(|a, b| mean(&a.1).total_cmp(&mean(&b.1))).map(|(_, least)| least.clone());
         let least = least.unwrap_or_default();
         let smoothest = tried.iter().rev().find(|(_, missed)| !is_worse(missed, &least));
-        let (smoothing, missed) = smoothest.ok_or_else(|| Error::Solver("no finite residual".into()))?;
+        let (smoothing, missed) =
+            smoothest.ok_or_else(|| failed.unwrap_or(Error::Solver("no finite residual".into())))?;
         Ok((*smoothing, mean(missed)))
     }
 

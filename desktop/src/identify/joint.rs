@@ -24,18 +24,19 @@
 //! Every log starts demagnetised, and the joint is held: the kinematic error is part of c. A log is resampled to the
 //! median interval of its stamps; its first part trains, the rest is predicted.
 
+use std::iter::repeat_n;
 use std::ops::Range;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use strainwave::hysteresis::table::TABLE_LEVELS;
 use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState};
 
-use super::choice::{Smoothing, choose};
+use super::choice::{Problem, Smoothing};
 use super::law::{Law, OnLaw};
 use super::least_squares::Factor;
 use super::regressors::{pairs, regressors, weights_of};
 use super::sequence::{BLOCKS, LEAST_SAMPLES, blocks, require_reversal, rms, span};
-use super::smoothness::{penalty, unit_density};
+use super::smoothness::{penalty_to_prior, unit_density};
 use super::{Error, Excitation};
 use crate::gear_file::{GearFile, Hysteresis};
 use crate::joint::gear_params;
@@ -50,8 +51,12 @@ const LOOP_STEPS: i32 = 1000;
 /// Most samples of a log.
 const MOST_SAMPLES: f64 = 20_000.0;
 /// Most of Gauss and Newton's steps.
-const STEPS: usize = 20;
-/// They end when no prediction moves by more than this share of the torsion's span.
+const STEPS: usize = 30;
+/// The lambda with which offsets and stiffness are found before the weights: the prior's stay.
+const PRIOR_ALONE: f64 = 1e3;
+/// Halvings of a step that does not lead downhill.
+const HALVINGS: i32 = 8;
+/// The steps end when the cost falls by less than this share.
 const SETTLED: f64 = 1e-6;
 
 /// Torque and torsion at equal intervals.
@@ -90,8 +95,6 @@ impl GearLog {
 pub struct GearOptions {
     /// Share of each log, from its start, that trains; the rest is predicted. 0.2..=1.
     pub training: f64,
-    /// U (rad); the torsion at rated torque by the base gear's line when there is none.
-    pub half_range: Option<f64>,
     /// One of [`LEVELS`]; chosen by cross-validation when there is none.
     pub levels: Option<usize>,
     /// The smoothness.
@@ -100,7 +103,7 @@ pub struct GearOptions {
 
 impl Default for GearOptions {
     fn default() -> Self {
-        Self { training: 0.5, half_range: None, levels: None, smoothing: Smoothing::Chosen }
+        Self { training: 0.5, levels: None, smoothing: Smoothing::Chosen }
     }
 }
 
@@ -171,26 +174,39 @@ struct Task<'a, const L: usize> {
     span: f64,
     /// mu of each pair at density 1, the rated torque being the total (N m).
     unit: Vec<f64>,
-    penalty: DMatrix<f64>,
+    /// Offsets of the logs, s, densities.
+    problem: Problem,
 }
 
 /// Parameters of one step.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Parameters {
     offsets: Vec<f64>,
     /// s
     factor: f64,
     /// mu of each pair (N m).
     weights: Vec<f64>,
-    smoothing: f64,
-    /// Mean square, of spans.
-    validation: f64,
+}
+
+impl Parameters {
+    /// A share of the way to `target`; weights stay within their bounds.
+    fn towards(&self, target: &Self, share: f64) -> Self {
+        let blend = |a: f64, b: f64| a + share * (b - a);
+        let blends = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| blend(*a, *b)).collect();
+        Self {
+            offsets: blends(&self.offsets, &target.offsets),
+            factor: blend(self.factor, target.factor),
+            weights: blends(&self.weights, &target.weights),
+        }
+    }
 }
 
 impl<'a, const L: usize> Task<'a, L> {
     fn of(base: &'a GearFile, logs: &'a [GearLog], options: &'a GearOptions) -> Result<Self, Error> {
         let params = gear_params::<f64>(base);
-        let rated_torsion = params.flexspline.line.build()?.torsion(params.rated_torque);
+        let (half_range, prior) = params.hysteresis_weights::<L>()?;
+        let unit: Vec<_> = pairs::<L>().map(|pair| unit_density::<L>(pair) * params.rated_torque).collect();
+        let prior: Vec<_> = pairs::<L>().zip(&unit).map(|((i, j), unit)| prior.at(i, j) / unit).collect();
         if !(0.2..=1.0).contains(&options.training) {
             return Err(strainwave::Error::OutOfRange("training").into());
         }
@@ -204,33 +220,66 @@ impl<'a, const L: usize> Task<'a, L> {
             base,
             logs,
             options,
-            half_range: options.half_range.unwrap_or(rated_torsion),
+            half_range,
             span: spans.fold(0.0, f64::max),
             training,
-            unit: pairs::<L>().map(|pair| unit_density::<L>(pair) * params.rated_torque).collect(),
-            penalty: penalty::<L>(),
+            // s cannot be negative either.
+            problem: Problem {
+                bounded: logs.len(),
+                ..Problem::new(logs.len() + 1, &penalty_to_prior::<L>(), &prior)
+            },
+            unit,
         })
     }
 
     fn run(&self) -> Result<IdentifiedGear, Error> {
-        let mut parameters = Parameters {
+        let prior = self.problem.prior.iter().skip(self.logs.len() + 1);
+        let prior = Parameters {
             offsets: vec![0.0; self.logs.len()],
             factor: 1.0,
-            weights: vec![0.0; self.unit.len()],
-            smoothing: 0.0,
-            validation: f64::NAN,
+            weights: prior.zip(&self.unit).map(|(density, unit)| density * unit).collect(),
         };
-        let mut torsions = self.torsions(&parameters)?;
+        let line = self.settle(prior, PRIOR_ALONE)?;
+        let (smoothing, validation) = self.problem.choose(&self.pieces(&line)?, self.options.smoothing)?;
+        self.finish(self.settle(line, smoothing)?, smoothing, validation)
+    }
+
+    /// Steps downhill until none leads further.
+    fn settle(&self, mut now: Parameters, smoothing: f64) -> Result<Parameters, Error> {
         for _ in 0..STEPS {
-            parameters = self.step(&parameters, &torsions)?;
-            let before = std::mem::replace(&mut torsions, self.torsions(&parameters)?);
-            let pairs = before.iter().flatten().zip(torsions.iter().flatten());
-            let moved = pairs.map(|(before, now)| (before.torsion - now.torsion).abs()).fold(0.0, f64::max);
-            if moved < SETTLED * self.span {
+            let rows = Factor::joined(self.pieces(&now)?.iter());
+            let target = self.target(&now, &self.problem.solve(&rows, smoothing)?);
+            let next = self.downhill(&now, &target, smoothing)?;
+            if next == now {
                 break;
             }
+            now = next;
         }
-        self.finish(parameters, &torsions)
+        Ok(now)
+    }
+
+    /// From `now` towards `target`, as far as the cost falls; `now` when it does not.
+    fn downhill(&self, now: &Parameters, target: &Parameters, smoothing: f64) -> Result<Parameters, Error> {
+        let cost = self.cost(now, smoothing)?;
+        for halvings in 0..HALVINGS {
+            let next = now.towards(target, 0.5f64.powi(halvings));
+            if self.cost(&next, smoothing)? < cost * (1.0 - SETTLED) {
+                return Ok(next);
+            }
+        }
+        Ok(now.clone())
+    }
+
+    /// What is minimised, with the torsions themselves.
+    fn cost(&self, parameters: &Parameters, smoothing: f64) -> Result<f64, Error> {
+        let densities = parameters.weights.iter().zip(&self.unit).map(|(mu, unit)| mu / unit);
+        let free = self.logs.len() + 1;
+        let x = DVector::from_iterator(self.problem.prior.len(), repeat_n(0.0, free).chain(densities));
+        let off = x - &self.problem.prior;
+        let penalty = off.dot(&(&self.problem.penalty * &off));
+        let predicted = self.predicted(parameters, &self.torsions(parameters)?);
+        let missed = self.missed(&predicted, |count, _| 0..count).unwrap_or(f64::NAN);
+        Ok((missed / self.span).powi(2) + smoothing * penalty)
     }
 
     fn law(&self, parameters: &Parameters) -> Result<Law<L>, Error> {
@@ -245,27 +294,27 @@ impl<'a, const L: usize> Task<'a, L> {
         Ok(self.logs.iter().map(|log| law.torsions(&log.torque)).collect())
     }
 
-    /// One of Gauss and Newton's steps.
-    fn step(&self, now: &Parameters, torsions: &[Vec<OnLaw>]) -> Result<Parameters, Error> {
+    /// The linear problem around some parameters, piece by piece of time.
+    fn pieces(&self, now: &Parameters) -> Result<Vec<Factor>, Error> {
         let mut pieces: Vec<Vec<Factor>> = vec![Vec::new(); BLOCKS];
-        for (index, points) in torsions.iter().enumerate() {
+        for (index, points) in self.torsions(now)?.iter().enumerate() {
             let rows = self.rows(now, index, points)?;
             for (piece, factor) in pieces.iter_mut().zip(blocks(&rows, 0..self.training[index])) {
                 piece.push(factor);
             }
         }
-        let pieces: Vec<_> = pieces.iter().map(|piece| Factor::joined(piece.iter())).collect();
+        Ok(pieces.iter().map(|piece| Factor::joined(piece.iter())).collect())
+    }
+
+    /// The parameters in a solution.
+    fn target(&self, now: &Parameters, x: &[f64]) -> Parameters {
         let logs = self.logs.len();
-        let penalty = beside(1, &self.penalty);
-        let choice = choose(&pieces, logs, &penalty, self.options.smoothing, false)?;
-        Ok(Parameters {
-            offsets: choice.x[..logs].iter().map(|x| x * self.span).collect(),
+        Parameters {
+            offsets: x[..logs].iter().map(|x| x * self.span).collect(),
             // A step that halves or doubles the stiffness goes too far for what is linear around here.
-            factor: choice.x[logs].clamp(0.5 * now.factor, 2.0 * now.factor),
-            weights: choice.x[logs + 1..].iter().zip(&self.unit).map(|(x, unit)| x * unit).collect(),
-            smoothing: choice.smoothing,
-            validation: choice.validation,
-        })
+            factor: x[logs].clamp(0.5 * now.factor, 2.0 * now.factor),
+            weights: x[logs + 1..].iter().zip(&self.unit).map(|(x, unit)| x * unit).collect(),
+        }
     }
 
     /// Rows [offsets, s, densities | torsion], of spans, linear around the present torsions of a log.
@@ -294,25 +343,28 @@ impl<'a, const L: usize> Task<'a, L> {
         }))
     }
 
-    fn finish(&self, found: Parameters, torsions: &[Vec<OnLaw>]) -> Result<IdentifiedGear, Error> {
-        let predicted: Vec<Vec<_>> = torsions
-            .iter()
-            .zip(&found.offsets)
-            .map(|(points, offset)| points.iter().map(|point| point.torsion + offset).collect())
-            .collect();
+    fn finish(&self, found: Parameters, smoothing: f64, validation: f64) -> Result<IdentifiedGear, Error> {
+        let torsions = self.torsions(&found)?;
+        let predicted = self.predicted(&found, &torsions);
         Ok(IdentifiedGear {
             gear: self.gear(&found)?,
             stiffness_factor: 1.0 / found.factor,
             levels: L,
-            smoothing: found.smoothing,
-            validation_rms: found.validation.sqrt() * self.span,
+            smoothing,
+            validation_rms: validation.sqrt() * self.span,
             training_rms: self.missed(&predicted, |count, _| 0..count).unwrap_or(f64::NAN),
             held_out_rms: self.missed(&predicted, |count, all| count..all),
             base_held_out_rms: self.missed(&self.base_predictions()?, |count, all| count..all),
-            excitation: self.excitation(torsions)?,
+            excitation: self.excitation(&torsions)?,
             offsets: found.offsets,
             predicted,
         })
+    }
+
+    /// c + phi.
+    fn predicted(&self, parameters: &Parameters, torsions: &[Vec<OnLaw>]) -> Vec<Vec<f64>> {
+        let logs = torsions.iter().zip(&parameters.offsets);
+        logs.map(|(points, offset)| points.iter().map(|point| point.torsion + offset).collect()).collect()
     }
 
     /// Rms of what some samples of each log, of its trained and all, are missed by.
@@ -380,11 +432,6 @@ fn loop_width<const L: usize>(law: &Law<L>, torque: f64) -> f64 {
         .map(|(on, torque)| Sample { torsion: on.torsion, torque: *torque })
         .collect();
     TorqueLoop::of(&samples).map_or(0.0, |found| found.width)
-}
-
-/// The penalty of densities behind `affine` unknowns that have none.
-fn beside(affine: usize, penalty: &DMatrix<f64>) -> DMatrix<f64> {
-    penalty.clone().insert_rows(0, affine, 0.0).insert_columns(0, affine, 0.0)
 }
 
 fn check(log: &GearLog, training: usize, share: f64) -> Result<(), Error> {

@@ -1,31 +1,24 @@
 //! Bounded, regularised linear least squares.
 //!
 //! ```text
-//! min  |A x - b|^2 + |D x|^2        x_k >= 0 for the bounded k
+//! min  |A x - b|^2 + (x - p)'Q(x - p)        x_k >= 0 for the bounded k
 //! ```
 //!
-//! The rows of [A | b] are reduced to their triangular factor first: it has the same squares for every x,
-//! without the squared condition number of the normal equations, and the factors of several pieces of a log
-//! join to that of any of their unions. What remains is a quadratic program of the size of x, for Clarabel's
-//! interior-point method:
-//!
-//! ```text
-//! min  |z|^2/2 + x'(D'D)x/2     subject to     R x - z = d,   x_k >= 0
-//! ```
+//! The rows of [A | b] are reduced to their triangular factor first: it has the same squares for every x, and
+//! the factors of several pieces of a log join to that of any of their unions. What remains is a quadratic
+//! program of the size of x, for Clarabel's interior-point method.
 //!
 //! P. Goulart, Y. Chen, "Clarabel: an interior-point solver for conic programs with quadratic objectives",
 //! arXiv 2405.12762 (2024).
 
 use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT,
-};
-use nalgebra::DMatrix;
+use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
+use nalgebra::{DMatrix, DVector};
 
 use super::Error;
 
-/// Relative tolerance of the solver on gap and residuals.
-const TOLERANCE: f64 = 1e-9;
+/// Tolerance of the solver on the duality gap: the error of x goes with its root.
+const TOLERANCE: f64 = 1e-12;
 
 /// Triangular factor of the rows [A | b], and how many they were.
 #[derive(Clone, Debug)]
@@ -62,31 +55,26 @@ impl Factor {
         (0..self.triangle.nrows()).map(|row| residual(row).powi(2)).sum()
     }
 
-    /// The x that minimises |A x - b|^2 + |D x|^2 with x_k >= 0 from `bounded` on; D'D is `penalty`.
-    pub fn solve(&self, penalty: &DMatrix<f64>, bounded: usize) -> Result<Vec<f64>, Error> {
-        let (rows, size) = (self.triangle.nrows(), penalty.nrows());
-        let objective = columns(size + rows, size + rows, |column, entry| {
-            if column < size {
-                (0..=column).for_each(|row| entry(row, penalty[(row, column)]));
-            } else {
-                entry(column, 1.0);
+    /// The x that minimises |A x - b|^2 + (x - p)'Q(x - p) with x_k >= 0 from `bounded` on; Q is `penalty`, p `prior`.
+    pub fn solve(
+        &self,
+        penalty: &DMatrix<f64>,
+        prior: &DVector<f64>,
+        bounded: usize,
+    ) -> Result<Vec<f64>, Error> {
+        let size = penalty.nrows();
+        let (matrix, right) = (self.triangle.columns(0, size), self.triangle.column(size));
+        let squares = matrix.transpose() * matrix + penalty;
+        let linear = -(matrix.transpose() * right + penalty * prior);
+        let objective = columns(size, size, |column, entry| {
+            (0..=column).for_each(|row| entry(row, squares[(row, column)]));
+        });
+        let constraints = columns(size - bounded, size, |column, entry| {
+            if column >= bounded {
+                entry(column - bounded, -1.0);
             }
         });
-        let constraints = columns(rows + size - bounded, size + rows, |column, entry| {
-            if column < size {
-                (0..rows.min(column + 1)).for_each(|row| entry(row, self.triangle[(row, column)]));
-                if column >= bounded {
-                    entry(rows + column - bounded, -1.0);
-                }
-            } else {
-                entry(column - size, -1.0);
-            }
-        });
-        let mut right = vec![0.0; rows + size - bounded];
-        (0..rows).for_each(|row| right[row] = self.triangle[(row, size)]);
-        let cones = [ZeroConeT(rows), NonnegativeConeT(size - bounded)];
-        let mut x = minimise(&objective, &constraints, &right, &cones)?;
-        x.truncate(size);
+        let mut x = minimise(&objective, linear.as_slice(), &constraints)?;
         // An interior point ends just inside its bounds, or by rounding just outside.
         x[bounded..].iter_mut().for_each(|x| *x = x.max(0.0));
         Ok(x)
@@ -108,21 +96,20 @@ fn columns(rows: usize, count: usize, fill: impl Fn(usize, &mut dyn FnMut(usize,
     CscMatrix::new(rows, count, starts, places, values)
 }
 
+/// The x that minimises x'P x/2 + q'x with A x <= 0.
 fn minimise(
     objective: &CscMatrix<f64>,
+    linear: &[f64],
     constraints: &CscMatrix<f64>,
-    right: &[f64],
-    cones: &[clarabel::solver::SupportedConeT<f64>],
 ) -> Result<Vec<f64>, Error> {
     let settings = DefaultSettingsBuilder::default()
         .verbose(false)
         .tol_gap_abs(TOLERANCE)
         .tol_gap_rel(TOLERANCE)
-        .tol_feas(TOLERANCE)
         .build()
         .map_err(|error| Error::Solver(error.to_string()))?;
-    let linear = vec![0.0; objective.n];
-    let mut solver = DefaultSolver::new(objective, &linear, constraints, right, cones, settings)
+    let (right, cones) = (vec![0.0; constraints.m], [NonnegativeConeT(constraints.m)]);
+    let mut solver = DefaultSolver::new(objective, linear, constraints, &right, &cones, settings)
         .map_err(|error| Error::Solver(error.to_string()))?;
     solver.solve();
     match solver.solution.status {
@@ -161,8 +148,10 @@ mod tests {
     fn the_solution_is_optimal_on_both_sides_of_the_bound() {
         let factor = Factor::of(rows());
         let penalty = DMatrix::identity(3, 3) * 0.1;
-        let cost = |x: &[f64]| factor.squares(x) + 0.1 * x.iter().map(|x| x * x).sum::<f64>();
-        let x = factor.solve(&penalty, 1).unwrap();
+        let prior = DVector::from_vec(vec![0.0, -1.0, 0.5]);
+        let pulled = |x: &[f64]| x.iter().zip(&prior).map(|(x, p)| (x - p).powi(2)).sum::<f64>();
+        let cost = |x: &[f64]| factor.squares(x) + 0.1 * pulled(x);
+        let x = factor.solve(&penalty, &prior, 1).unwrap();
         assert!(x[1..].iter().all(|x| *x >= 0.0) && x[1..].contains(&0.0), "{x:?}");
         for k in 0..3 {
             for step in [-1e-3, 1e-3] {
@@ -180,7 +169,7 @@ mod tests {
         for r in 0..rows.nrows() {
             rows[(r, 3)] = (0..3).map(|k| rows[(r, k)] * truth[k]).sum();
         }
-        let x = Factor::of(rows).solve(&DMatrix::zeros(3, 3), 1).unwrap();
+        let x = Factor::of(rows).solve(&DMatrix::zeros(3, 3), &DVector::zeros(3), 1).unwrap();
         x.iter().zip(truth).for_each(|(found, wanted)| assert!((found - wanted).abs() < 1e-9, "{x:?}"));
     }
 }

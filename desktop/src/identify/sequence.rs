@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use strainwave::hysteresis::{Staircase, StaircaseState, Weights};
 
 pub(super) use super::choice::BLOCKS;
-use super::choice::{Smoothing, choose};
+use super::choice::{Problem, Smoothing};
 use super::least_squares::Factor;
 use super::regressors::{pairs, regressors, weights_of};
 use super::reversal::reversals;
@@ -88,10 +88,15 @@ pub fn identify<const L: usize>(sequence: Sequence, options: &Options) -> Result
             Some(_) => output[row] / span,
         }
     });
-    let choice =
-        choose(&blocks(&rows, 0..training), affine, &penalty::<L>(), options.smoothing, options.signed)?;
-    let values: Vec<_> = choice.x[affine..].iter().zip(&densities).map(|(x, unit)| x * unit * span).collect();
-    let offset = choice.x[..affine].iter().sum::<f64>() * span;
+    let mut problem = Problem::new(affine, &penalty::<L>(), &vec![0.0; densities.len()]);
+    if options.signed {
+        problem.bounded = affine + densities.len();
+    }
+    let blocks = blocks(&rows, 0..training);
+    let (smoothing, _) = problem.choose(&blocks, options.smoothing)?;
+    let x = problem.solve(&Factor::joined(blocks.iter()), smoothing)?;
+    let values: Vec<_> = x[affine..].iter().zip(&densities).map(|(x, unit)| x * unit * span).collect();
+    let offset = x[..affine].iter().sum::<f64>() * span;
     let predicted: Vec<_> = columns
         .row_iter()
         .map(|row| offset + row.iter().zip(&values).map(|(x, mu)| x * mu).sum::<f64>())
@@ -100,7 +105,7 @@ pub fn identify<const L: usize>(sequence: Sequence, options: &Options) -> Result
     Ok(Identified {
         weights: weights_of(&values, options.signed)?,
         offset,
-        smoothing: choice.smoothing,
+        smoothing,
         training_rms: rms(&missed[..training]).unwrap_or(f64::NAN),
         held_out_rms: rms(&missed[training..]),
         excitation: Excitation::of::<L>(options.half_range, &input[..training])?,

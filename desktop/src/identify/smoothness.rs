@@ -9,11 +9,34 @@
 //! cells that the log does not reach, what it says of the others is continued, and a log that says nothing
 //! of the shape gives the standard shape of the gap that fits it.
 //!
+//! Where there is a prior, of a gear its catalogue's loss, the difference from it is to be smooth, and small:
+//!
+//! ```text
+//! |D (mu - mu0)|^2 + sum over cells of (rho - rho0)^2 * area/l^2
+//! ```
+//!
+//! with which the table returns to the prior over the distance l = [`REACH`] sides of the triangle, and a log that says
+//! nothing gives it back.
+//!
 //! A. Tikhonov's regularisation of the first order.
 
 use nalgebra::DMatrix;
 
 use super::regressors::pairs;
+
+/// Distance over which the table returns to its prior, in sides of the triangle.
+const REACH: f64 = 0.25;
+
+/// The same with what pulls to a prior.
+pub(super) fn penalty_to_prior<const L: usize>() -> DMatrix<f64> {
+    let mut penalty = penalty::<L>();
+    for (index, (i, j)) in pairs::<L>().enumerate() {
+        // Areas are as shares of the total weight are: halves on the diagonal; a pair has two cells but on its axis.
+        let cells = if i + j + 1 == L { 1.0 } else { 2.0 };
+        penalty[(index, index)] += 0.5 * cells * unit_density::<L>((i, j)) / (REACH * REACH);
+    }
+    penalty
+}
 
 /// Weights of a pair (i, j) with unit density, the total being 1.
 pub(super) fn unit_density<const L: usize>((i, j): (usize, usize)) -> f64 {
@@ -68,7 +91,7 @@ mod tests {
         assert!(penalty.clone().symmetric_eigenvalues().iter().filter(|value| **value < 1e-9).count() == 1);
     }
 
-    /// A density that rises by 1 along alpha has |grad|^2 = 1 over the triangle of area 1/2, sides 1.
+    /// A density that rises along alpha and falls along beta has |grad|^2 = 2 over the triangle of area 1/2.
     #[test]
     fn the_penalty_of_a_slope_does_not_depend_on_the_grid() {
         fn of<const L: usize>() -> f64 {
