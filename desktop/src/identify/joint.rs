@@ -46,6 +46,9 @@ use crate::torque_loop::{Sample, TorqueLoop};
 
 /// Grids that may be chosen: the gear's table holds each without loss.
 pub const LEVELS: [usize; 4] = [6, 8, 12, 24];
+/// Most that the motor may turn (rad): the gear's wind-up at its shaft, up to rated torque, where the kinematic error
+/// hardly changes.
+const MOST_TRAVEL: f64 = 0.5;
 /// Steps of a leg of the loop whose width is stated.
 const LOOP_STEPS: i32 = 1000;
 /// Most samples of a log.
@@ -87,6 +90,23 @@ impl GearLog {
             found.torsion.push(ratio * (instant.of(motor) - motor[0]) - instant.of(output));
         }
         Some(found)
+    }
+
+    /// Samples that train, of the share asked for.
+    ///
+    /// # Errors
+    /// [`Error`] when they are too few, their torque never reverses, or the joint was not held.
+    pub fn training(&self, share: f64) -> Result<usize, Error> {
+        let count = (self.torque.len() as f64 * share) as usize;
+        if count < LEAST_SAMPLES {
+            let least = (LEAST_SAMPLES as f64 / share).ceil() as usize;
+            return Err(Error::TooShort { samples: self.torque.len(), least });
+        }
+        if self.motor_travel > MOST_TRAVEL {
+            return Err(Error::NotHeld { travel: self.motor_travel, most: MOST_TRAVEL });
+        }
+        require_reversal("torque", &self.torque[..count])?;
+        Ok(count)
     }
 }
 
@@ -210,11 +230,8 @@ impl<'a, const L: usize> Task<'a, L> {
         if !(0.2..=1.0).contains(&options.training) {
             return Err(strainwave::Error::OutOfRange("training").into());
         }
-        let training: Vec<_> =
-            logs.iter().map(|log| (log.torque.len() as f64 * options.training) as usize).collect();
-        for (log, training) in logs.iter().zip(&training) {
-            check(log, *training, options.training)?;
-        }
+        let training =
+            logs.iter().map(|log| log.training(options.training)).collect::<Result<Vec<_>, Error>>()?;
         let spans = logs.iter().zip(&training).map(|(log, training)| span(&log.torsion[..*training]));
         Ok(Self {
             base,
@@ -432,12 +449,4 @@ fn loop_width<const L: usize>(law: &Law<L>, torque: f64) -> f64 {
         .map(|(on, torque)| Sample { torsion: on.torsion, torque: *torque })
         .collect();
     TorqueLoop::of(&samples).map_or(0.0, |found| found.width)
-}
-
-fn check(log: &GearLog, training: usize, share: f64) -> Result<(), Error> {
-    if training < LEAST_SAMPLES {
-        let least = (LEAST_SAMPLES as f64 / share).ceil() as usize;
-        return Err(Error::TooShort { samples: log.torque.len(), least });
-    }
-    require_reversal("torque", &log.torque[..training])
 }

@@ -20,6 +20,9 @@ use super::Error;
 /// Tolerance of the solver on the duality gap: the error of x goes with its root.
 const TOLERANCE: f64 = 1e-12;
 
+/// An unknown below it is at its bound; the problem is scaled, so that they are of the order of 1.
+const AT_BOUND: f64 = 1e-7;
+
 /// Triangular factor of the rows [A | b], and how many they were.
 #[derive(Clone, Debug)]
 pub(super) struct Factor {
@@ -76,7 +79,7 @@ impl Factor {
         });
         let mut x = minimise(&objective, linear.as_slice(), &constraints)?;
         // An interior point ends just inside its bounds, or by rounding just outside.
-        x[bounded..].iter_mut().for_each(|x| *x = x.max(0.0));
+        x[bounded..].iter_mut().filter(|x| **x < AT_BOUND).for_each(|x| *x = 0.0);
         Ok(x)
     }
 }

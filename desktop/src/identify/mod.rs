@@ -72,6 +72,14 @@ pub enum Error {
         /// Span of the input, in its unit.
         span: f64,
     },
+    /// The kinematic error would count as torsion.
+    #[error("the motor turns by {travel:.3} rad; allowed: at most {most} rad, the joint has to be held")]
+    NotHeld {
+        /// Span of its angle (rad).
+        travel: f64,
+        /// The most allowed (rad).
+        most: f64,
+    },
     /// A parameter of the operator or an option.
     #[error(transparent)]
     Model(#[from] strainwave::Error),
