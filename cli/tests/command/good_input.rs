@@ -64,6 +64,8 @@ fn the_report_is_one_page_that_needs_nothing_else() {
         "Torque over torsion",
         "Strain at a gauge",
         "Mesh sizes",
+        "Hysteresis curve",
+        "Relay and weights",
         "Figures beside",
     ] {
         assert!(page.contains(&format!("<h3>{title}")), "{title}");

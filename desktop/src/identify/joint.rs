@@ -42,15 +42,12 @@ use crate::gear_file::{GearFile, Hysteresis};
 use crate::joint::gear_params;
 use crate::log::MeasuredLog;
 use crate::plant::MEMORY;
-use crate::torque_loop::{Sample, TorqueLoop};
 
 /// Grids that may be chosen: the gear's table holds each without loss.
 pub const LEVELS: [usize; 4] = [6, 8, 12, 24];
 /// Most that the motor may turn (rad): the gear's wind-up at its shaft, up to rated torque, where the kinematic error
 /// hardly changes.
 const MOST_TRAVEL: f64 = 0.5;
-/// Steps of a leg of the loop whose width is stated.
-const LOOP_STEPS: i32 = 1000;
 /// Most samples of a log.
 const MOST_SAMPLES: f64 = 20_000.0;
 /// Most of Gauss and Newton's steps.
@@ -427,26 +424,10 @@ impl<'a, const L: usize> Task<'a, L> {
             *stiffness /= found.factor;
         }
         gear.hysteresis = Hysteresis {
-            width_arcmin: loop_width(&self.law(found)?, gear.gear.rated_torque).to_degrees() * 60.0,
+            width_arcmin: self.law(found)?.width(gear.gear.rated_torque).to_degrees() * 60.0,
             half_range: Some(self.half_range),
             weights: Some(rows),
         };
         Ok(gear)
     }
-}
-
-/// Full width at zero torque after +-`torque` (rad).
-fn loop_width<const L: usize>(law: &Law<L>, torque: f64) -> f64 {
-    let legs = [(0, 1), (1, -1), (-1, 1), (1, 0)];
-    let course = legs.into_iter().flat_map(|(from, to)| {
-        (1..=LOOP_STEPS).map(move |k| f64::from(from) + f64::from((to - from) * k) / f64::from(LOOP_STEPS))
-    });
-    let torques: Vec<_> = course.map(|share| share * torque).collect();
-    let samples: Vec<_> = law
-        .torsions(&torques)
-        .iter()
-        .zip(&torques)
-        .map(|(on, torque)| Sample { torsion: on.torsion, torque: *torque })
-        .collect();
-    TorqueLoop::of(&samples).map_or(0.0, |found| found.width)
 }

@@ -25,7 +25,7 @@
 mod choice;
 pub mod excitation;
 pub mod joint;
-mod law;
+pub(crate) mod law;
 mod least_squares;
 pub mod regressors;
 pub mod reversal;
