@@ -21,8 +21,8 @@
 //! linear in mu' and, around s, in s'. The least squares of that give the next parameters, until the
 //! prediction no longer moves.
 //!
-//! Every log starts demagnetised, and the joint is held: the kinematic error is part of c. A log is resampled to the
-//! median interval of its stamps; its first part trains, the rest is predicted.
+//! Every log starts demagnetised, and the joint is held: the kinematic error is part of c. Its first part trains, the rest is
+//! predicted.
 
 use std::iter::repeat_n;
 use std::ops::Range;
@@ -32,24 +32,19 @@ use strainwave::hysteresis::table::TABLE_LEVELS;
 use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState};
 
 use super::choice::{Problem, Smoothing};
+use super::gear_log::GearLog;
 use super::law::{Law, OnLaw};
 use super::least_squares::Factor;
 use super::regressors::{pairs, regressors, weights_of};
-use super::sequence::{BLOCKS, LEAST_SAMPLES, blocks, require_reversal, rms, span};
+use super::sequence::{BLOCKS, blocks, rms, span};
 use super::smoothness::{penalty_to_prior, unit_density};
 use super::{Error, Excitation};
 use crate::gear_file::{GearFile, Hysteresis};
 use crate::joint::gear_params;
-use crate::log::MeasuredLog;
 use crate::plant::MEMORY;
 
 /// Grids that may be chosen: the gear's table holds each without loss.
 pub const LEVELS: [usize; 4] = [6, 8, 12, 24];
-/// Most that the motor may turn (rad): the gear's wind-up at its shaft, up to rated torque, where the kinematic error
-/// hardly changes.
-const MOST_TRAVEL: f64 = 0.5;
-/// Most samples of a log.
-const MOST_SAMPLES: f64 = 20_000.0;
 /// Most of Gauss and Newton's steps.
 const STEPS: usize = 30;
 /// The lambda with which offsets and stiffness are found before the weights: the prior's stay.
@@ -58,54 +53,6 @@ const PRIOR_ALONE: f64 = 1e3;
 const HALVINGS: i32 = 8;
 /// The steps end when the cost falls by less than this share.
 const SETTLED: f64 = 1e-6;
-
-/// Torque and torsion at equal intervals.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct GearLog {
-    /// Time from the first stamp (s).
-    pub time: Vec<f64>,
-    /// tau (N m).
-    pub torque: Vec<f64>,
-    /// r*theta_motor - theta_out (rad).
-    pub torsion: Vec<f64>,
-    /// Span of the motor's angle (rad).
-    pub motor_travel: f64,
-}
-
-impl GearLog {
-    /// From a measured log; `None` when it lacks the output's angle or torque.
-    pub fn of(log: &MeasuredLog, gear: &GearFile) -> Option<Self> {
-        let (output, torque) = (log.output_position.as_ref()?, log.output_torque.as_ref()?);
-        let ratio: f64 = gear.gear.signed_ratio().value();
-        let (stamps, motor) = (log.time.stamps(), &log.motor_position);
-        let shortest = (stamps[stamps.len() - 1] - stamps[0]) / MOST_SAMPLES;
-        let interval = log.time.jitter().map_or(1.0, |jitter| jitter.nominal).max(shortest);
-        let mut found = Self { motor_travel: span(motor), ..Self::default() };
-        for instant in log.time.resampled(interval) {
-            found.time.push(instant.elapsed);
-            found.torque.push(instant.of(torque));
-            found.torsion.push(ratio * (instant.of(motor) - motor[0]) - instant.of(output));
-        }
-        Some(found)
-    }
-
-    /// Samples that train, of the share asked for.
-    ///
-    /// # Errors
-    /// [`Error`] when they are too few, their torque never reverses, or the joint was not held.
-    pub fn training(&self, share: f64) -> Result<usize, Error> {
-        let count = (self.torque.len() as f64 * share) as usize;
-        if count < LEAST_SAMPLES {
-            let least = (LEAST_SAMPLES as f64 / share).ceil() as usize;
-            return Err(Error::TooShort { samples: self.torque.len(), least });
-        }
-        if self.motor_travel > MOST_TRAVEL {
-            return Err(Error::NotHeld { travel: self.motor_travel, most: MOST_TRAVEL });
-        }
-        require_reversal("torque", &self.torque[..count])?;
-        Ok(count)
-    }
-}
 
 /// How to identify.
 #[derive(Clone, Copy, Debug, PartialEq)]

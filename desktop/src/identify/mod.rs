@@ -14,6 +14,7 @@
 //! | `excitation` | which cells the input moved |
 //! | `sequence` | weights of any actuator from its input and output |
 //! | `law` | the gear's torque over torsion, and its inverse |
+//! | `gear_log` | a measured log as torque and torsion |
 //! | `joint` | weights of a gear from measured logs: torque over torsion |
 //!
 //! From a catalogue's figure alone there is nothing to fit: the loss in arc minutes is the gap of the standard
@@ -24,6 +25,7 @@
 
 mod choice;
 pub mod excitation;
+mod gear_log;
 pub mod joint;
 pub(crate) mod law;
 mod least_squares;
@@ -34,7 +36,8 @@ mod smoothness;
 
 pub use choice::Smoothing;
 pub use excitation::Excitation;
-pub use joint::{GearLog, GearOptions, IdentifiedGear, identify_gear};
+pub use gear_log::GearLog;
+pub use joint::{GearOptions, IdentifiedGear, identify_gear};
 pub use sequence::{Identified, Options, Sequence, identify};
 
 /// Why nothing could be identified.

@@ -33,7 +33,7 @@ pub fn reversal_curves(half_range: f64, levels: usize, steps: usize) -> Vec<f64>
     through(half_range, levels, steps, corners)
 }
 
-/// A major loop over +-`half_range`, then minor loops between all `corners` of the grid in turn.
+/// A major loop over +-`half_range`, then `minor` ever larger loops from its upper end and as many from its lower.
 pub fn loops(half_range: f64, levels: usize, steps: usize, minor: usize) -> Vec<f64> {
     let nested = (1..=minor).flat_map(|k| {
         let shrunk = half_range * (1.0 - k as f64 / (minor + 1) as f64);
