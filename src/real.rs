@@ -77,6 +77,8 @@ pub trait Real:
 
     /// Magnitude: the sign bit cleared.
     fn abs(self) -> Self;
+    /// The magnitude of `self` with the sign bit of `other`: no branch.
+    fn copysign(self, other: Self) -> Self;
     /// The smaller; `other` when `self` is NaN.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
@@ -140,6 +142,10 @@ impl Real for f64 {
     fn abs(self) -> Self {
         Self::abs(self)
     }
+    #[inline(always)]
+    fn copysign(self, other: Self) -> Self {
+        Self::copysign(self, other)
+    }
     #[inline]
     fn sqrt(self) -> Self {
         libm::sqrt(self)
@@ -183,6 +189,10 @@ impl Real for f32 {
     #[inline(always)]
     fn abs(self) -> Self {
         Self::abs(self)
+    }
+    #[inline(always)]
+    fn copysign(self, other: Self) -> Self {
+        Self::copysign(self, other)
     }
     #[inline]
     fn sqrt(self) -> Self {

@@ -29,11 +29,12 @@ fn motion() -> Vec<Slip<f64>> {
 
 fn step<M: FrictionModel<f64>>(criterion: &mut Criterion, name: &str, model: &M) {
     let motion = motion();
-    let mut state = M::State::default();
     let mut group = criterion.benchmark_group("friction");
     group.throughput(Throughput::Elements(STEPS as u64));
     group.bench_function(name, |bencher| {
         bencher.iter(|| {
+            // Local, so that it stays in registers as it does in a loop over a log.
+            let mut state = M::State::default();
             for slip in &motion {
                 black_box(model.step(&mut state, slip).force);
             }

@@ -139,7 +139,7 @@ impl<R: Real, const P: usize> BlimanSorine<R, P> {
     #[inline(always)]
     pub fn slide(&self, state: &mut BlimanSorineState<R, P>, displacement: R) {
         // No motion has no direction either, but then the path length is 0 and nothing changes.
-        self.approach(state, displacement.abs(), if displacement < R::ZERO { -R::ONE } else { R::ONE });
+        self.approach(state, displacement.abs(), R::ONE.copysign(displacement));
     }
 
     /// The same model with levels times `level` and distances times `distance`.
@@ -150,8 +150,10 @@ impl<R: Real, const P: usize> BlimanSorine<R, P> {
     /// Moves by a path length (m) or (rad) towards the levels times `target`.
     #[inline(always)]
     pub(super) fn approach(&self, state: &mut BlimanSorineState<R, P>, path: R, target: R) {
-        for ((force, &level), &rate) in state.forces.iter_mut().zip(&self.levels).zip(&self.rates) {
-            *force += (path * rate).one_minus_exp_neg() * (level * target - *force);
+        // First all shares: the compiler makes one vector of them where it has any.
+        let covered = self.rates.map(|rate| (path * rate).one_minus_exp_neg());
+        for ((force, &level), covered) in state.forces.iter_mut().zip(&self.levels).zip(covered) {
+            *force += covered * (level * target - *force);
         }
     }
 }

@@ -125,15 +125,16 @@ impl<R: Real> Slip<R> {
         self.velocity * self.duration.seconds()
     }
 
+    /// The velocity, and the applied force where it is `read`, are finite and within the limits.
+    #[inline(always)]
+    fn is_usual(&self, read: bool) -> bool {
+        let size = if read { self.velocity.abs() + self.applied.abs() } else { self.velocity.abs() };
+        size <= R::lit(LIMIT)
+    }
+
     /// `None` when anything is NaN or infinite.
     #[inline(always)]
     fn limited(&self) -> Option<Self> {
-        let size = self.velocity.abs() + self.applied.abs() + self.load.abs();
-        if size <= R::lit(LIMIT) { Some(*self) } else { self.limited_from_beyond() }
-    }
-
-    #[cold]
-    fn limited_from_beyond(&self) -> Option<Self> {
         let limit = R::lit(LIMIT);
         let numbers = [self.velocity, self.applied, self.load];
         numbers.iter().all(|number| number.is_finite()).then(|| Self {
@@ -162,6 +163,9 @@ pub trait FrictionModel<R: Real> {
     /// What the model remembers; by default at rest, without tension.
     type State: Clone + Default + 'static;
 
+    /// The model reads [`Slip::applied`]. What it does not read may be anything.
+    const READS_APPLIED: bool = false;
+
     /// Force after the last step (N) or (N m).
     fn force(&self, state: &Self::State) -> R;
 
@@ -170,13 +174,17 @@ pub trait FrictionModel<R: Real> {
 
     /// Force at the end of the step, finite for any input bits. Input that is not finite leaves the state
     /// as it is: the force is that of the step before, and says so.
-    #[inline]
+    #[inline(always)]
     fn step(&self, state: &mut Self::State, slip: &Slip<R>) -> Friction<R> {
-        let slip = slip.limited();
-        if let Some(slip) = &slip {
+        if slip.is_usual(Self::READS_APPLIED) {
+            self.advance(state, slip);
+            return Friction { force: self.force(state), held: false };
+        }
+        let limited = slip.limited();
+        if let Some(slip) = &limited {
             self.advance(state, slip);
         }
-        Friction { force: self.force(state), held: slip.is_none() }
+        Friction { force: self.force(state), held: limited.is_none() }
     }
 }
 

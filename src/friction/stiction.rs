@@ -52,6 +52,7 @@ pub struct Static<R> {
 
 impl<R: Real> FrictionModel<R> for Static<R> {
     type State = LastForce<R>;
+    const READS_APPLIED: bool = true;
 
     fn force(&self, state: &Self::State) -> R {
         state.0

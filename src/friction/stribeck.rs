@@ -48,6 +48,7 @@ pub struct Stribeck<R> {
 
 impl<R: Real> FrictionModel<R> for Stribeck<R> {
     type State = LastForce<R>;
+    const READS_APPLIED: bool = true;
 
     fn force(&self, state: &Self::State) -> R {
         state.0

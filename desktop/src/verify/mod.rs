@@ -7,6 +7,8 @@ pub mod flexspline;
 pub mod friction;
 mod hysteresis;
 
+use std::time::Instant;
+
 use crate::figure::Figure;
 use crate::file::BadInput;
 
@@ -42,6 +44,17 @@ impl From<Vec<Figure>> for Measured {
 fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     // Without its sign a NaN is the last in the total order.
     values.into_iter().map(f64::abs).max_by(f64::total_cmp).unwrap_or(f64::NAN)
+}
+
+/// Time of the fastest of some batches (s).
+fn fastest(batches: usize, mut batch: impl FnMut()) -> f64 {
+    let mut best = f64::MAX;
+    for _ in 0..batches {
+        let started = Instant::now();
+        batch();
+        best = best.min(started.elapsed().as_secs_f64());
+    }
+    best
 }
 
 /// A part of the project whose figures are measured together.

@@ -5,7 +5,6 @@
 //! machine makes them slower, never faster: no test reads them.
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use strainwave::flexspline::{Ends, Flexspline, Mesh, Shell};
 use strainwave::{Error, Real};
@@ -21,7 +20,7 @@ use crate::joint::gear_params;
 use crate::plant::{NODES, STEP_SHARE};
 use crate::scenario::Scenario;
 use crate::vectorised::{self, Vectorised};
-use crate::verify::Measured;
+use crate::verify::{Measured, fastest};
 
 /// Batches of steps.
 const BATCHES: usize = 5000;
@@ -64,16 +63,13 @@ fn step<R: Real>(file: &GearFile) -> Result<f64, Error> {
     let rate = R::lit(10.0);
     let mut ends = Ends { drive_rate: rate, flange_rate: rate, wave_generator_rate: rate, ..Ends::default() };
     let mut state = mesh.rest();
-    let mut best = f64::MAX;
-    for _ in 0..BATCHES {
-        let started = Instant::now();
+    let best = fastest(BATCHES, || {
         for _ in 0..STEPS {
             ends.drive = ends.drive.plus(dt * rate);
             (ends.flange, ends.wave_generator) = (ends.drive, ends.drive);
             black_box(mesh.step(&mut state, &ends));
         }
-        best = best.min(started.elapsed().as_secs_f64());
-    }
+    });
     Ok(best * 1e9 / (STEPS * Shell::<R, N, M>::links()) as f64)
 }
 

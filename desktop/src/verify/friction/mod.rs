@@ -7,6 +7,7 @@ pub mod lugre;
 pub mod order_p;
 mod precision;
 pub mod ripple;
+mod speed;
 mod work;
 
 use super::Measured;
@@ -20,6 +21,7 @@ pub(super) fn measure() -> Result<Measured, BadInput> {
         lugre::measure(),
         work::measure(),
         precision::measure(),
+        speed::measure(),
     ];
     let mut measured = Measured::from(figures.concat());
     measured.add(load::measure()?);

@@ -1,0 +1,44 @@
+//! What a step of Bliman-Sorine friction of order 2 costs on this machine, one thread, f64.
+//!
+//! By the clock, the best of many short batches along random motion from presliding to fast sliding, both
+//! ways. Other work on the machine makes it slower, never faster: no test reads it.
+
+use std::hint::black_box;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use strainwave::friction::bliman_sorine::BlimanSorineState;
+use strainwave::friction::{BlimanSorine, FrictionModel, Slip};
+
+use crate::bounds;
+use crate::figure::Figure;
+use crate::joint::CONTROL_PERIOD;
+use crate::verify::fastest;
+
+/// Batches, and steps of one: some 16 us, which are seldom interrupted.
+const BATCHES: usize = 5000;
+const STEPS: usize = 4096;
+
+pub(super) fn measure() -> Vec<Figure> {
+    let model = BlimanSorine::order_2(1.5, 0.5, 0.02, 0.3).expect("the levels are in range");
+    let slips = motion();
+    let best = fastest(BATCHES, || {
+        // Local, so that it stays in registers as it does in a loop over a log.
+        let mut state = BlimanSorineState::default();
+        for slip in &slips {
+            black_box(model.step(&mut state, slip).force);
+        }
+    });
+    vec![bounds::figure("friction.order_2.step", best * 1e9 / STEPS as f64)]
+}
+
+/// Speeds to some 20 rad/s.
+fn motion() -> Vec<Slip<f64>> {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut velocity = 0.0;
+    let mut slip = || {
+        velocity = 0.9 * velocity + random.random_range(-8.0..8.0);
+        Slip::new(velocity, CONTROL_PERIOD)
+    };
+    (0..STEPS).map(|_| slip()).collect()
+}
