@@ -14,9 +14,18 @@
 //!
 //! The flexible joint is flat: motor angle and torque follow from the output's trajectory without solving a
 //! differential equation. Friction is the gear's own model driven along the setpoint, so its
-//! presliding before a reversal is contained. At rest the setpoint covers no path: the friction torque
-//! stays as it is, zero before the first move and after one at most s_f times the level, so it does
-//! not hunt, and with s_f < 1 the joint's own static friction holds it.
+//! presliding before a reversal is contained.
+//!
+//! At rest the setpoint covers no path and the model's friction stays what it was, up to the static level. A
+//! joint of 20 % less friction would be driven by 80 % of that: once it slides, its friction is less than its
+//! static level. What is fed forward therefore fades where nothing moves: s_f stands for s_f*w,
+//!
+//! ```text
+//! w <- w + min(4*ds/eps, 1)*(1 - w) - dt/T*w          ds: path of the motor, eps: its presliding, T = 0.5 s
+//! ```
+//!
+//! which is there after a quarter of the presliding, passes a reversal within a few percent, and is 0 at rest:
+//! the torque only falls there, so it does not hunt. At a motor speed of eps/(4*T) w is a half.
 //!
 //! Hysteresis, kinematic error and the friction's load are implicit equations; all are solved by one
 //! fixed-point step per control period: the hysteresis torque follows the torsion of the step before
@@ -39,6 +48,9 @@ use crate::gear::{GearParams, Motion};
 use crate::hysteresis::torsion::TorsionHysteresisState;
 use crate::real::Real;
 
+/// T (s): how long friction is fed forward at rest.
+const FADING_TIME: f64 = 0.5;
+
 /// The built feed-forward.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeedForward<R> {
@@ -47,6 +59,10 @@ pub struct FeedForward<R> {
     ratio: R,
     inverse_ratio: R,
     step_time: StepTime<R>,
+    /// 4/eps.
+    engagement: R,
+    /// dt/T.
+    fading: R,
 }
 
 /// What the feed-forward remembers of the setpoint's motion.
@@ -58,6 +74,8 @@ pub struct FeedForwardState<R: Real> {
     hysteresis_torque: R,
     /// tau_t of the step before (N m).
     carried: R,
+    /// w.
+    engaged: R,
     reference: Option<Angle<R>>,
 }
 
@@ -69,6 +87,7 @@ impl<R: Real> Default for FeedForwardState<R> {
             hysteresis: TorsionHysteresisState::default(),
             hysteresis_torque: R::ZERO,
             carried: R::ZERO,
+            engaged: R::ZERO,
             reference: None,
         }
     }
@@ -100,7 +119,16 @@ impl<R: Real> FeedForward<R> {
             ratio: ratio.value(),
             inverse_ratio: R::from_i32(ratio.n()),
             step_time: StepTime::new(dt),
+            engagement: R::lit(4.0) / gear.input_friction.presliding,
+            fading: (dt / R::lit(FADING_TIME)).min(R::ONE),
         })
+    }
+
+    /// w after a step over `path` (rad) of the motor.
+    #[inline(always)]
+    fn engage(&self, engaged: &mut R, path: R) -> R {
+        *engaged += (path * self.engagement).min(R::ONE) * (R::ONE - *engaged) - self.fading * *engaged;
+        *engaged
     }
 
     /// Demand for a setpoint; `external_torque` (N m) is what the observer believes acts on the output.
@@ -124,8 +152,9 @@ impl<R: Real> FeedForward<R> {
         let (input, output) = gear.frictions();
         let input_slip = slip(motor_velocity, self.ratio * state.carried);
         let output_slip = slip(setpoint.velocity, state.carried);
-        let input_friction = shares.friction * input.step(&mut state.input_friction, &input_slip).force;
-        let output_friction = shares.friction * output.step(&mut state.output_friction, &output_slip).force;
+        let share = shares.friction * self.engage(&mut state.engaged, input_slip.displacement().abs());
+        let input_friction = share * input.step(&mut state.input_friction, &input_slip).force;
+        let output_friction = share * output.step(&mut state.output_friction, &output_slip).force;
         let driven = inertia * setpoint.acceleration + output_friction;
 
         let carried = driven - external_torque - state.hysteresis_torque;

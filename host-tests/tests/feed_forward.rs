@@ -1,0 +1,146 @@
+//! What the friction feed-forward must do: help along a motion and through its reversals, and leave a joint at
+//! rest alone.
+
+use std::f64::consts::TAU;
+
+use strainwave::Angle;
+use strainwave::compensator::feed_forward::{FeedForward, FeedForwardState};
+use strainwave::compensator::{JointParams, RealTimeGear, Setpoint, Shares};
+use strainwave::flexspline::Reduced;
+use strainwave::gear::{Applied, GearParams, Motion};
+use strainwave_desktop::GearFile;
+use strainwave_desktop::draw::FRICTION;
+use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
+
+const FRICTION_SHARE: f64 = 0.8;
+
+/// Friction alone.
+const SHARES: Shares<f64> =
+    Shares { feedback: 0.0, inertia: 0.0, friction: FRICTION_SHARE, wind_up: 0.0, kinematic_error: 0.0 };
+
+fn gear(params: &GearParams<f64>) -> RealTimeGear<f64> {
+    let flexspline = Reduced::build(&params.flexspline, params.rated_torque).unwrap();
+    params.build(flexspline, CONTROL_PERIOD).unwrap()
+}
+
+/// The feed-forward of the default joint.
+struct Joint {
+    params: JointParams<f64>,
+    gear: RealTimeGear<f64>,
+    feed_forward: FeedForward<f64>,
+    state: FeedForwardState<f64>,
+}
+
+impl Joint {
+    fn new() -> Self {
+        let params: JointParams<f64> = joint_params(&GearFile::default_gear()).unwrap();
+        Self {
+            gear: gear(&params.gear),
+            feed_forward: FeedForward::build(&params.gear, CONTROL_PERIOD).unwrap(),
+            state: FeedForwardState::default(),
+            params,
+        }
+    }
+
+    /// Torque for an output angle (rad) and speed (rad/s).
+    fn torque(&mut self, position: f64, velocity: f64) -> f64 {
+        let setpoint =
+            Setpoint { position: Angle::from_radians_f64(position), velocity, ..Setpoint::default() };
+        self.feed_forward.step(&self.gear, &mut self.state, &setpoint, &SHARES, 0.0).torque
+    }
+
+    /// Levels of both sides at standstill, at the motor (N m).
+    fn static_level(&self) -> f64 {
+        let [input, output] = [&self.params.gear.input_friction, &self.params.gear.output_friction]
+            .map(|side| side.forward.static_level);
+        input + output / f64::from(self.params.gear.ratio.abs())
+    }
+}
+
+/// Half a second of a smooth move over `amplitude` (rad), then rest: angle and speed by step.
+fn move_and_rest(amplitude: f64, seconds_of_rest: f64) -> impl Iterator<Item = (f64, f64)> {
+    let moving = (0..5000).map(move |k| {
+        let phase = TAU * f64::from(k) / 5000.0;
+        (amplitude * (phase - phase.sin()) / TAU, amplitude * (1.0 - phase.cos()) / 0.5)
+    });
+    let rest = (seconds_of_rest / CONTROL_PERIOD) as usize;
+    moving.chain(std::iter::repeat_n((amplitude, 0.0), rest))
+}
+
+#[test]
+fn before_the_first_move_it_feeds_nothing() {
+    let mut joint = Joint::new();
+    assert!((0..1000).all(|_| joint.torque(0.3, 0.0) == 0.0));
+}
+
+/// At rest the torque only falls, from within the share of what static friction holds to nothing.
+#[test]
+fn at_rest_it_does_not_hunt() {
+    for amplitude in [0.5, -0.05, 1e-4, 3e-6] {
+        let mut joint = Joint::new();
+        let torques: Vec<f64> = move_and_rest(amplitude, 3.0)
+            .map(|(position, velocity)| joint.torque(position, velocity))
+            .collect();
+        // From the second step of rest on: the load that friction sees is that of the step before.
+        let (first, rest) = (torques[5002], &torques[5002..]);
+        assert!(rest.is_sorted_by(|before, after| after.abs() < before.abs()), "{amplitude}");
+        assert!(first.abs() <= FRICTION_SHARE * 1.11 * joint.static_level(), "{amplitude}: {first}");
+        assert!(rest.last().is_some_and(|last| last.abs() < 0.01 * first.abs()), "{amplitude}");
+    }
+}
+
+/// The motor alone pushes a joint whose friction is less than the controller believes, by all that it may be:
+/// with the default share and no feedback at all the joint stays within a few presliding lengths, and comes to rest.
+#[test]
+fn at_rest_it_does_not_drive_a_joint_of_less_friction() {
+    let mut joint = Joint::new();
+    let mut lighter = joint.params.gear;
+    lighter.input_friction.scale(1.0 - FRICTION);
+    lighter.output_friction.scale(1.0 - FRICTION);
+    let gear = gear(&lighter);
+    let (mut state, mut motor, mut flange) = (gear.rest(), Motion::default(), Motion::default());
+    let mut torques =
+        move_and_rest(0.2, 5.0).map(|(position, velocity)| joint.torque(position, velocity)).skip(5000);
+    let (mut angles, mut first) = (Vec::new(), None);
+    for held in &mut torques {
+        first.get_or_insert(held);
+        let applied = Applied { motor: held, load: 0.0 };
+        let torques = gear.torques(&mut state, &motor, &flange, applied);
+        motor.advance((held - torques.wave_generator) / lighter.wave_generator_inertia, CONTROL_PERIOD);
+        flange.advance(gear.flange_acceleration(&torques, 0.0), CONTROL_PERIOD);
+        angles.push(motor.angle.to_radians());
+    }
+    let first = first.unwrap_or_default();
+    let farthest = angles.iter().fold(0.0, |farthest: f64, angle| farthest.max(angle.abs()));
+    let (late, last) = (angles[40_000], angles[49_999]);
+    assert!(first.abs() > 0.5 * FRICTION_SHARE * joint.static_level(), "{first}: nothing was fed forward");
+    assert!(farthest < 4.0 * lighter.input_friction.presliding, "{farthest}");
+    assert!((last - late).abs() < 1e-5, "{late} {last}");
+}
+
+/// Around a slow reversal the joint's friction turns over its presliding: what is fed forward follows it, where
+/// the sign of the velocity jumps.
+#[test]
+fn through_a_reversal_it_follows_presliding() {
+    let mut joint = Joint::new();
+    let reference = gear(&joint.params.gear);
+    let n = f64::from(joint.params.gear.ratio);
+    let (mut state, mut missed, mut jumped) = (reference.rest(), 0.0f64, 0.0f64);
+    // 0.05 rad at 0.2 Hz, from the second reversal on.
+    for k in 0..100_000 {
+        let phase = TAU * 0.2 * f64::from(k) * CONTROL_PERIOD;
+        let (position, velocity) = (0.05 * phase.sin(), 0.05 * TAU * 0.2 * phase.cos());
+        let angle = Angle::from_radians_f64(position);
+        let motor = Motion { angle: reference.ratio().undo(angle), velocity: n * velocity };
+        let torques = reference.torques(&mut state, &motor, &Motion { angle, velocity }, Applied::default());
+        let friction = torques.input_friction + torques.output_friction / n;
+        let fed = joint.torque(position, velocity) / FRICTION_SHARE;
+        if k > 50_000 {
+            let level = [&joint.params.gear.input_friction, &joint.params.gear.output_friction]
+                .map(|side| side.forward.coulomb);
+            missed = missed.max((fed - friction).abs());
+            jumped = jumped.max(((level[0] + level[1] / n.abs()) * (n * velocity).signum() - friction).abs());
+        }
+    }
+    assert!(missed < 0.05 * jumped, "{missed} {jumped}");
+}
