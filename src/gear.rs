@@ -20,9 +20,9 @@ use crate::angle::{Angle, Ratio};
 use crate::error::{Error, require};
 use crate::flexspline::{Ends, Flexspline, FlexsplineParams, Reaction};
 use crate::friction::{FrictionModel, FrictionParams, JointFrictionParams, Slip, StepTime};
-use crate::hysteresis::torsion::{
-    TorsionHysteresis, TorsionHysteresisParams, TorsionHysteresisState, gap_for_width,
-};
+use crate::hysteresis::table::HysteresisTable;
+use crate::hysteresis::torsion::{TorsionHysteresis, TorsionHysteresisState, gap_for_width};
+use crate::hysteresis::weights::Weights;
 use crate::kinematic_error::{Deviation, KinematicError, KinematicErrorParams};
 use crate::real::Real;
 
@@ -40,6 +40,8 @@ pub struct GearParams<R, P = JointFrictionParams<R>> {
     pub flexspline: FlexsplineParams<R>,
     /// Full width of the hysteresis loop at zero torque after +-rated torque; 0 for none (rad).
     pub hysteresis_width: R,
+    /// Identified weights of the hysteresis in the place of the standard shape of that width.
+    pub hysteresis_table: Option<HysteresisTable<R>>,
     /// Kinematic error.
     pub kinematic_error: KinematicErrorParams<R, KINEMATIC_TERMS>,
     /// Friction at the wave generator.
@@ -136,6 +138,30 @@ impl<R: Real, S, T, const MEMORY: usize> GearState<R, S, T, MEMORY> {
 }
 
 impl<R: Real, P: FrictionParams<R>> GearParams<R, P> {
+    /// The hysteresis: identified weights, or the standard shape of its width.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with the name of the first parameter that is out of its range.
+    pub fn hysteresis<const L: usize, const MEMORY: usize>(
+        &self,
+    ) -> Result<TorsionHysteresis<R, L, MEMORY>, Error> {
+        let (half_range, weights) = self.hysteresis_weights()?;
+        TorsionHysteresis::from_weights(half_range, &weights)
+    }
+
+    /// Its half range (rad) and weights (N m).
+    ///
+    /// # Errors
+    /// As [`Self::hysteresis`].
+    pub fn hysteresis_weights<const L: usize>(&self) -> Result<(R, Weights<R, L>), Error> {
+        let half_range = self.flexspline.line.build()?.torsion(self.rated_torque);
+        let gap = gap_for_width(self.flexspline.line.stiffness[0], self.hysteresis_width, half_range)?;
+        match &self.hysteresis_table {
+            Some(table) => Ok((table.half_range, table.weights()?)),
+            None => Ok((half_range, Weights::uniform(gap)?)),
+        }
+    }
+
     /// Builds the gear around a flexspline model of the same time step dt (s).
     ///
     /// # Errors
@@ -153,9 +179,7 @@ impl<R: Real, P: FrictionParams<R>> GearParams<R, P> {
         require(positive(self.rated_torque), "rated_torque")?;
         require(positive(self.wave_generator_inertia), "wave_generator_inertia")?;
         require(positive(self.flexspline_inertia), "flexspline_inertia")?;
-        let half_range = self.flexspline.line.build()?.torsion(self.rated_torque);
-        let k1 = self.flexspline.line.stiffness[0];
-        let gap = gap_for_width(k1, self.hysteresis_width, half_range)?;
+        let hysteresis = self.hysteresis()?;
         let stiffest = self.flexspline.line.stiffness[2];
         require(
             positive(dt) && dt <= R::ONE && dt * dt * stiffest < R::lit(0.25) * self.flexspline_inertia,
@@ -167,7 +191,7 @@ impl<R: Real, P: FrictionParams<R>> GearParams<R, P> {
             ratio_value: ratio.value(),
             kinematic_error: self.kinematic_error.build(ratio)?,
             flexspline,
-            hysteresis: TorsionHysteresisParams { half_range, gap }.build()?,
+            hysteresis,
             input_friction: self.input_friction.build()?,
             output_friction: self.output_friction.build()?,
             inverse_flexspline_inertia: R::ONE / self.flexspline_inertia,
@@ -347,6 +371,7 @@ mod tests {
             rated_torque: 67.0,
             flexspline: SIZE_25,
             hysteresis_width: 2.909e-4,
+            hysteresis_table: None,
             kinematic_error,
             input_friction: friction(0.035, 2.0, 1.2e-4, 0.02),
             output_friction: friction(1.0, 0.02, 4.0, 2e-4),

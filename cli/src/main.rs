@@ -7,6 +7,7 @@
 mod budget;
 mod figures;
 mod files;
+mod identify;
 mod pil;
 mod pil_plots;
 mod progress;
@@ -42,6 +43,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Budget(budget::Arguments),
+    Identify(identify::Arguments),
     Pil(pil::Arguments),
     Report(report::Arguments),
     Sim(sim::Arguments),
@@ -51,6 +53,7 @@ enum Command {
 fn run(command: Command) -> Result<Figures, BadInput> {
     match command {
         Command::Budget(arguments) => budget::run(&arguments),
+        Command::Identify(arguments) => identify::run(&arguments),
         Command::Pil(arguments) => pil::run(&arguments),
         Command::Report(arguments) => report::run(&arguments),
         Command::Sim(arguments) => sim::run(&arguments),

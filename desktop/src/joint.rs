@@ -59,6 +59,7 @@ fn with_friction<R: Real, P>(file: &GearFile, [input_friction, output_friction]:
             bend: Bend { hardening: R::lit(cup.bend_hardening), saturation: R::lit(cup.bend_saturation) },
         },
         hysteresis_width: R::lit(file.hysteresis.width()),
+        hysteresis_table: file.hysteresis.table(),
         kinematic_error: KinematicErrorParams {
             case: terms(&file.kinematic_error.wave_generator),
             flexspline: terms(&file.kinematic_error.flexspline),
@@ -122,6 +123,10 @@ pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
 /// `Debug` prints a float with the shortest digits that read back as the same bits, and a struct as
 /// the expression that makes it.
 pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
+    let table = match params.gear.hysteresis_table {
+        Some(_) => "use strainwave::hysteresis::HysteresisTable;\n",
+        None => "",
+    };
     format!(
         "// Generated from the gear file `{gear_name}`; do not edit.\n\
          use strainwave::compensator::feedback::FeedbackParams;\n\
@@ -131,7 +136,7 @@ pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
          use strainwave::flexspline::{{Bend, Cup, FlexsplineParams}};\n\
          use strainwave::friction::{{\n    \
          Harmonics, JointFrictionParams, LoadFactors, LubricatedContactParams, Order::*, RippleParams,\n}};\n\
-         use strainwave::gear::GearParams;\n\
+         use strainwave::gear::GearParams;\n{table}\
          use strainwave::kinematic_error::{{KinematicErrorParams, Term}};\n\n\
          /// The joint that this firmware controls.\n\
          pub const JOINT: JointParams<f32> = {params:#?};\n"

@@ -11,6 +11,7 @@ pub mod figure;
 pub mod file;
 pub mod friction_params;
 pub mod gear_file;
+pub mod identify;
 pub mod joint;
 pub mod log;
 pub mod mesh_size;

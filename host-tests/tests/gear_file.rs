@@ -50,6 +50,8 @@ fn full() -> Table {
     for side in [&mut gear.friction.input, &mut gear.friction.output] {
         *side = every_friction(side);
     }
+    gear.hysteresis.half_range = Some(2e-3);
+    gear.hysteresis.weights = Some(vec![vec![0.1], vec![0.3, 0.2], vec![0.5, 0.3, 0.1]]);
     gear.to_toml().parse().unwrap()
 }
 
@@ -146,6 +148,10 @@ fn every_key_but_the_optional_ones_is_required() {
         });
         match parse(&table.to_string()) {
             Ok(_) => assert!(key.optional && who.is_empty(), "{path} may be left out"),
+            // Half range and weights come together.
+            Err(line) if line.contains(" without ") => {
+                assert!(key.optional && key.path.starts_with("hysteresis."), "{line}");
+            }
             Err(line) => {
                 assert!(!key.optional || !who.is_empty(), "{line}");
                 assert_eq!(line, format!("g.toml: missing key {path}{who}; allowed: {}", key.allowed));
@@ -351,6 +357,7 @@ fn every_key_refuses_every_wrong_type() {
                     | (Allowed::Whole(..), Value::Integer(_))
                     | (Allowed::Number(..), Value::Integer(_) | Value::Float(_))
                     | (Allowed::Numbers(..), Value::Array(_))
+                    | (Allowed::Triangle(..), Value::Array(_))
             );
             if !fits {
                 let line = changed(key.path, value.clone()).expect_err(key.path);
@@ -376,7 +383,7 @@ fn outside(allowed: Allowed) -> Vec<Value> {
             let lists = [vec![], vec![0.0; most + 1], vec![0.0, 1.01 * end], vec![f64::NAN]];
             lists.map(|list| Value::Array(list.into_iter().map(Value::Float).collect())).to_vec()
         }
-        Allowed::Flag => vec![],
+        Allowed::Flag | Allowed::Triangle(..) => vec![],
     }
 }
 
@@ -457,6 +464,36 @@ fn what_only_the_whole_gear_can_tell_is_refused_by_key() {
         let line = refusal(from, to);
         assert!(line.starts_with(&format!("g.toml: {wanted}")), "{line}");
     }
+}
+
+/// The message for a gear with these rows as its weights.
+fn weights_refusal(rows: &[&[f64]]) -> String {
+    let list = |row: &&[f64]| Value::Array(row.iter().map(|weight| Value::Float(*weight)).collect());
+    changed("hysteresis.weights_nm", rows.iter().map(list).collect::<Vec<_>>()).unwrap_err()
+}
+
+#[test]
+fn weights_are_a_triangle_that_a_gear_can_have() {
+    let allowed = "allowed: rows of 1, 2, 3, ... numbers from 0 to 10000 N m, 2 to 24 rows";
+    for (rows, wanted) in [
+        (&[&[1.0][..]][..], "has 1 rows"),
+        (&[&[1.0], &[1.0]], "[1] is not a list of 2 numbers"),
+        (&[&[1.0], &[1.0, 1.0, 1.0]], "[1] is not a list of 2 numbers"),
+        (&[&[1.0], &[-1.0, 1.0]], "[1][0] = -1.0 is out of range"),
+        (&[&[1.0], &[f64::NAN, 1.0]], "[1][0] = nan is out of range"),
+    ] {
+        let space = if wanted.starts_with('[') { "" } else { " " };
+        let wanted = format!("g.toml: hysteresis.weights_nm{space}{wanted}; {allowed}");
+        assert_eq!(weights_refusal(rows), wanted);
+    }
+    let line = weights_refusal(&[&[1.0], &[1.0, 0.5]]);
+    let mirror = "g.toml: hysteresis.weights_nm[0][0] = 1 is out of range; allowed: its mirror image \
+                  hysteresis.weights_nm[1][1] = 0.5";
+    assert_eq!(line, mirror);
+    let line = weights_refusal(&[&[1.0], &[100.0, 1.0]]);
+    assert!(line.starts_with("g.toml: hysteresis.weights_nm: the torque falls with the torsion"), "{line}");
+    let line = refusal("width_arcmin = 1.0", "width_arcmin = 1.0\nhalf_range_rad = 1e-3");
+    assert_eq!(line, "g.toml: hysteresis.half_range_rad without hysteresis.weights_nm");
 }
 
 #[test]

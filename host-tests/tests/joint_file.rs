@@ -19,3 +19,17 @@ fn the_checked_in_joint_is_the_default_gear() {
     let kept = std::fs::read_to_string(&path).unwrap();
     assert!(kept == generated, "boards/app/src/joint.rs is not what gears/hd25-100.toml gives today");
 }
+
+#[test]
+fn identified_weights_come_along() {
+    let mut gear = GearFile::default_gear();
+    gear.hysteresis.half_range = Some(1.5e-3);
+    gear.hysteresis.weights = Some(vec![vec![0.5], vec![2.0, 0.5]]);
+    let params = joint_params::<f32>(&gear).unwrap();
+    let table = params.gear.hysteresis_table.unwrap();
+    assert!((table.weights::<2>().unwrap().at(1, 0) - 2.0).abs() < 1e-4);
+    let text = source(&params, &gear.gear.name);
+    assert!(text.contains("use strainwave::hysteresis::HysteresisTable;\n"));
+    assert!(text.contains("hysteresis_table: Some(\n            HysteresisTable {"), "{text}");
+    assert!(!source(&joint_params(&GearFile::default_gear()).unwrap(), "g").contains("HysteresisTable"));
+}

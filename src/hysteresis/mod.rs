@@ -7,6 +7,7 @@
 //! | `everett` | the same weights as a table of output changes |
 //! | `staircase` | the operator from its past extrema: the real-time one |
 //! | `torsion` | the torque over torsion that the operator stands for |
+//! | `table` | identified weights as a gear carries them |
 //!
 //! The half range U of the input is cut into L cells of width h = 2U/L. Grid inputs are the L + 1
 //! cell edges -U + k*h; relay (i, j), i >= j, switches in the middle of a cell, up past
@@ -15,12 +16,14 @@
 pub mod everett;
 pub mod relays;
 pub mod staircase;
+pub mod table;
 pub mod torsion;
 pub mod weights;
 
 pub use everett::Everett;
 pub use relays::{Relays, RelaysState};
 pub use staircase::{Staircase, StaircaseState};
+pub use table::HysteresisTable;
 pub use torsion::{
     HysteresisTorque, TorsionHysteresis, TorsionHysteresisParams, TorsionHysteresisState, gap_for_width,
 };

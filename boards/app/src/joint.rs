@@ -45,6 +45,7 @@ pub const JOINT: JointParams<f32> = JointParams {
             },
         },
         hysteresis_width: 0.00029088822,
+        hysteresis_table: None,
         kinematic_error: KinematicErrorParams {
             case: [
                 Term {

@@ -139,6 +139,8 @@ fn the_report_is_one_page_that_needs_nothing_else() {
         "Level over speed",
         "Presliding: reversals that grow",
         "Stick-slip",
+        "Hysteresis curve",
+        "Relay and weights",
         "Figures beside",
     ] {
         assert!(page.contains(&format!("<h3>{title}")), "{title}");

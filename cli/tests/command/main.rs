@@ -3,4 +3,5 @@
 mod bad_input;
 mod bench;
 mod good_input;
+mod identify;
 mod missed;

@@ -2,6 +2,8 @@
 
 use toml::{Table, Value};
 
+use strainwave::hysteresis::table::TABLE_LEVELS;
+
 use super::friction::{FrictionModel, MOST_STATES};
 use super::keys::{Allowed, KEYS, Key, LONGEST_TEXT, MOST_ORDERS, RELATIONS};
 
@@ -188,12 +190,16 @@ fn check_value(path: &str, value: &Value, allowed: Allowed) -> Result<(), String
             | (Allowed::Whole(..), Value::Integer(_))
             | (Allowed::Number(..), Value::Integer(_) | Value::Float(_))
             | (Allowed::Numbers(..), Value::Array(_))
+            | (Allowed::Triangle(..), Value::Array(_))
     );
     if !right_type {
         return Err(wrong_type(path, value, allowed));
     }
     if let (Allowed::Numbers(most, ..), Value::Array(items)) = (allowed, value) {
         return check_list(path, items, most, allowed);
+    }
+    if let (Allowed::Triangle(most, _), Value::Array(rows)) = (allowed, value) {
+        return check_triangle(path, rows, most).map_err(|why| format!("{why}; allowed: {allowed}"));
     }
     if holds(allowed, value) {
         Ok(())
@@ -213,6 +219,24 @@ fn check_list(path: &str, items: &[Value], most: usize, allowed: Allowed) -> Res
             Err(format!("{path}[{at}]{} is out of range; allowed: {allowed}", shown_after(&items[at])))
         }
     }
+}
+
+fn check_triangle(path: &str, rows: &[Value], most: f64) -> Result<(), String> {
+    if !(2..=TABLE_LEVELS).contains(&rows.len()) {
+        return Err(format!("{path} has {} rows", rows.len()));
+    }
+    for (index, row) in rows.iter().enumerate() {
+        let path = format!("{path}[{index}]");
+        let numbers = row.as_array().map_or(&[][..], Vec::as_slice);
+        if numbers.len() != index + 1 {
+            return Err(format!("{path} is not a list of {} numbers", index + 1));
+        }
+        let outside = |value: &&Value| !number(value).is_some_and(|number| (0.0..=most).contains(&number));
+        if let Some(at) = numbers.iter().position(|value| outside(&value)) {
+            return Err(format!("{path}[{at}]{} is out of range", shown_after(&numbers[at])));
+        }
+    }
+    Ok(())
 }
 
 fn holds(allowed: Allowed, value: &Value) -> bool {

@@ -6,6 +6,7 @@ use std::ops::{Bound, RangeBounds};
 
 use strainwave::flexspline::shell::link_law::VALID_STRAIN;
 use strainwave::friction::RIPPLE_ORDERS;
+use strainwave::hysteresis::table::TABLE_LEVELS;
 
 use super::friction::{FrictionModel, MOST_STATES};
 
@@ -24,6 +25,8 @@ pub enum Allowed {
     Number(Bound<f64>, Bound<f64>, &'static str),
     /// One to so many numbers between plus and minus an end, and their unit.
     Numbers(usize, f64, &'static str),
+    /// Rows of 1, 2, 3, ... numbers, 2 to [`TABLE_LEVELS`] of them, each number from 0 to the first, and its unit.
+    Triangle(f64, &'static str),
 }
 
 /// Longest name of a gear.
@@ -94,6 +97,8 @@ const GEAR: &[Key] = &[
     key("stiffness.t1_nm", within(1e-3, 1e5, "N m")),
     key("stiffness.t2_nm", within(1e-3, 1e5, "N m")),
     key("hysteresis.width_arcmin", within(0.0, 60.0, "arcmin")),
+    optional("hysteresis.half_range_rad", within(1e-6, 0.1, "rad")),
+    optional("hysteresis.weights_nm", Allowed::Triangle(1e4, "N m")),
     key("kinematic_error.wave_generator[].order", Allowed::Whole(1, 20)),
     key("kinematic_error.wave_generator[].amplitude_rad", within(0.0, 0.01, "rad")),
     key("kinematic_error.wave_generator[].phase_rad", within(-PI, PI, "rad")),
@@ -257,6 +262,11 @@ impl fmt::Display for Allowed {
                 let (end, unit) = (plain(end), unit_after(unit));
                 write!(formatter, "a list of 1 to {most} numbers from -{end} to {end}{unit}")
             }
+            Self::Triangle(most, unit) => write!(
+                formatter,
+                "rows of 1, 2, 3, ... numbers from 0 to {} {unit}, 2 to {TABLE_LEVELS} rows",
+                plain(most)
+            ),
         }
     }
 }

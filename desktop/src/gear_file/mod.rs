@@ -18,7 +18,8 @@ mod physics;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use strainwave::Ratio;
+use strainwave::hysteresis::HysteresisTable;
+use strainwave::{Ratio, Real};
 use toml::Table;
 
 use crate::file::{self, BadInput};
@@ -125,18 +126,32 @@ pub struct Stiffness {
     pub t2: f64,
 }
 
-/// `[hysteresis]`
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// `[hysteresis]`: the standard shape of a width, or identified weights.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hysteresis {
-    /// Full width of the loop at zero torque after +-rated torque, in the catalogue's unit (arcmin).
+    /// Full width of the loop at zero torque after +-rated torque, in the catalogue's unit (arcmin). Beside
+    /// weights it is for people.
     pub width_arcmin: f64,
+    /// U, torsion at which the loop of the weights closes (rad).
+    #[serde(rename = "half_range_rad", default, skip_serializing_if = "Option::is_none")]
+    pub half_range: Option<f64>,
+    /// mu_ij (N m), row i from j = 0 to i; symmetric, mu_ij = mu_(L-1-j)(L-1-i) with L rows.
+    #[serde(rename = "weights_nm", default, skip_serializing_if = "Option::is_none")]
+    pub weights: Option<Vec<Vec<f64>>>,
 }
 
 impl Hysteresis {
     /// Full width of the loop at zero torque after +-rated torque (rad).
     pub fn width(&self) -> f64 {
         (self.width_arcmin / 60.0).to_radians()
+    }
+
+    /// The identified weights; `None` for the standard shape.
+    pub fn table<R: Real>(&self) -> Option<HysteresisTable<R>> {
+        let half_range = R::lit(self.half_range?);
+        let rows = self.weights.as_ref()?;
+        Some(HysteresisTable::from_fn(half_range, rows.len(), |i, j| R::lit(rows[i][j])))
     }
 }
 

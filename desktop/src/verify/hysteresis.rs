@@ -1,5 +1,7 @@
 //! Hysteresis: two realisations of one operator, and the default gear's loop.
 
+mod identification;
+
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use strainwave::compensator::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY};
@@ -9,21 +11,23 @@ use strainwave::hysteresis::{
 };
 
 use crate::bounds;
-use crate::figure::Figure;
+use crate::file::BadInput;
 use crate::gear_file::GearFile;
 use crate::joint::gear_params;
-use crate::verify::largest;
+use crate::verify::{Measured, largest};
 
 /// Random inputs on the grid.
 const INPUTS: usize = 100_000;
 /// Points of a branch of the loop.
 const POINTS: i32 = 2000;
 
-pub(super) fn measure() -> Vec<Figure> {
-    vec![
+pub(super) fn measure() -> Result<Measured, BadInput> {
+    let mut measured = Measured::from(vec![
         bounds::figure("hysteresis.staircase_against_relays", worst_against_relays()),
         bounds::figure("hysteresis.default_gear.width", width_error()),
-    ]
+    ]);
+    measured.add(identification::measure()?);
+    Ok(measured)
 }
 
 /// Largest difference of the outputs as a share of the total weight.

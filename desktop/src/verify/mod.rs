@@ -64,7 +64,7 @@ pub enum Part {
     Flexspline,
     /// Friction against closed forms, scipy and measured gears; work; f32 against f64.
     Friction,
-    /// The staircase against the relays, the default gear's loop.
+    /// The staircase against the relays, the default gear's loop, identification.
     Hysteresis,
     /// What the compensator rests on: unbounded angles in f32.
     Compensator,
@@ -92,7 +92,7 @@ impl Part {
         match self {
             Self::Flexspline => flexspline::measure(),
             Self::Friction => friction::measure(),
-            Self::Hysteresis => Ok(hysteresis::measure().into()),
+            Self::Hysteresis => hysteresis::measure(),
             Self::Compensator => Ok(angle::measure().into()),
         }
     }

@@ -1,0 +1,174 @@
+//! `identify`: a gear file from measured logs.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use strainwave_desktop::identify::joint::LEVELS;
+use strainwave_desktop::identify::{GearLog, GearOptions, IdentifiedGear, Smoothing, identify_gear};
+use strainwave_desktop::log::{Jitter, MeasuredLog};
+use strainwave_desktop::plot::{Page, Panel, Series};
+use strainwave_desktop::{BadInput, Figure, GearFile};
+
+use crate::figures::{Figures, FiguresArguments, say};
+use crate::files;
+use crate::progress::Progress;
+
+/// Identify a gear's hysteresis from measured logs of the held joint, and write its gear file
+///
+/// A log has the columns t_s, theta_motor_rad, tau_motor_nm, theta_out_rad and tau_out_nm; SI units. Its torque must
+/// reverse, its motor hold the joint: loops up to rated torque, with smaller ones between, show the most. Each log starts
+/// without memory of earlier loads, and its time stamps are resampled to their median interval. Identified are the
+/// weights of the Preisach operator, torque over torsion, one factor on the stiffness line of the base gear, and the
+/// offset of each log's encoders. The first part of each log trains; how smooth the weights are is chosen by
+/// cross-validation within it. The rest is predicted, and so it is by the base gear: exit code 1 when the identified gear
+/// predicts worse. Where a log does not reach, the weights are those of the base gear.
+#[derive(Args)]
+pub struct Arguments {
+    /// Measured logs of one joint
+    #[arg(value_name = "LOG.csv", required = true)]
+    logs: Vec<PathBuf>,
+    /// Base gear: all that is not identified is taken from it
+    #[arg(long, value_name = "G.toml")]
+    gear: PathBuf,
+    /// Gear file to write, complete or not at all
+    #[arg(long, value_name = "OUT.toml")]
+    output: PathBuf,
+    /// Share of each log, from its start, that trains; 0.2 to 1
+    #[arg(long, value_name = "SHARE", default_value_t = 0.5, allow_hyphen_values = true)]
+    training: f64,
+    /// Levels of the grid, 6, 8, 12 or 24; chosen by cross-validation when left out
+    #[arg(long, value_name = "L")]
+    levels: Option<usize>,
+    /// Factor of the smoothness, from 1e-12; chosen by cross-validation when left out
+    ///
+    /// Of the mean square of the torsion's residual over its span: 1 keeps the base gear's weights, below 1e-8 hardly
+    /// any smoothness is left.
+    #[arg(long, value_name = "FACTOR", allow_hyphen_values = true)]
+    smoothing: Option<f64>,
+    /// Draw the measured and the predicted loops to this file (SVG)
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+    #[command(flatten)]
+    figures: FiguresArguments,
+}
+
+/// Least factor of the smoothness.
+const LEAST_SMOOTHING: f64 = 1e-12;
+
+/// Reads, identifies and writes.
+pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
+    let json = arguments.figures.json.as_deref();
+    let named = [
+        ("--gear", Some(arguments.gear.as_path())),
+        ("--output", Some(&arguments.output)),
+        ("--plot", arguments.plot.as_deref()),
+        ("--json", json),
+    ];
+    let logs = arguments.logs.iter().map(|log| ("LOG.csv", Some(log.as_path())));
+    files::require_distinct(&logs.chain(named).collect::<Vec<_>>())?;
+    let options = options(arguments)?;
+    let base = GearFile::read(&arguments.gear)?;
+    let read = |path: &PathBuf| read(path, &base, &options);
+    let (logs, jitters): (Vec<_>, Vec<_>) =
+        arguments.logs.iter().map(read).collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+    for path in [Some(arguments.output.as_path()), arguments.plot.as_deref(), json] {
+        files::require_writable(path)?;
+    }
+    let mut progress = Progress::new(1000, "identifying");
+    let found = identify_gear(&base, &logs, &options, |share| progress.set((share * 1e3) as u64))
+        .map_err(BadInput::message)?;
+    drop(progress);
+    found.gear.write(&arguments.output)?;
+    if let Some(path) = &arguments.plot {
+        plot(&logs, &found).write(path)?;
+    }
+    say(format_args!("{}", told(&found)));
+    let jitters = jitters.iter().flat_map(Jitter::figures);
+    Ok(Figures::new(jitters.chain(figures(&found)).collect(), &arguments.figures))
+}
+
+fn options(arguments: &Arguments) -> Result<GearOptions, BadInput> {
+    let refuse = |option: &str, value: f64, allowed: &str| {
+        Err(BadInput::message(format_args!("{option} {value} is out of range; allowed: {allowed}")))
+    };
+    if !(0.2..=1.0).contains(&arguments.training) {
+        return refuse("--training", arguments.training, "a number from 0.2 to 1");
+    }
+    if let Some(levels) = arguments.levels.filter(|levels| !LEVELS.contains(levels)) {
+        return refuse("--levels", levels as f64, "6, 8, 12 or 24");
+    }
+    let smoothing = match arguments.smoothing {
+        None => Smoothing::Chosen,
+        Some(factor) if (LEAST_SMOOTHING..=1e6).contains(&factor) => Smoothing::Given(factor),
+        Some(factor) => return refuse("--smoothing", factor, "a number from 1e-12 to 1e6"),
+    };
+    Ok(GearOptions { training: arguments.training, levels: arguments.levels, smoothing })
+}
+
+/// A log that has what the torsion and its torque are.
+fn read(path: &Path, gear: &GearFile, options: &GearOptions) -> Result<(GearLog, Jitter), BadInput> {
+    let log = MeasuredLog::read(path)?;
+    let missing = match (&log.output_position, &log.output_torque) {
+        (None, _) => Some("theta_out_rad"),
+        (_, None) => Some("tau_out_nm"),
+        _ => None,
+    };
+    if let Some(column) = missing {
+        let why = format!("column {column} is missing; the torsion and the torque at the output are needed");
+        return Err(BadInput::new(path, why));
+    }
+    let refuse = |why: strainwave_desktop::identify::Error| BadInput::new(path, why);
+    let found = GearLog::of(&log, gear).and_then(|found| Some((found, log.time.jitter()?)));
+    let (found, jitter) = found.ok_or_else(|| BadInput::new(path, "a single row; a log is needed"))?;
+    found.training(options.training).map_err(refuse)?;
+    Ok((found, jitter))
+}
+
+fn told(found: &IdentifiedGear) -> String {
+    format!(
+        "weights on {} levels, smoothness {:e}; the logs moved {:.0} % of the cells, in the others the weights tend to \
+         the base gear's",
+        found.levels,
+        found.smoothing,
+        100.0 * found.excitation.share()
+    )
+}
+
+fn figures(found: &IdentifiedGear) -> Vec<Figure> {
+    let width = found.gear.hysteresis.width();
+    let mut figures = vec![
+        Figure::reported("identify.stiffness_factor", found.stiffness_factor, "1"),
+        Figure::reported("identify.hysteresis.width", width, "rad"),
+        Figure::reported("identify.hysteresis.levels", found.levels as f64, "1"),
+        Figure::reported("identify.hysteresis.smoothing", found.smoothing, "1"),
+        Figure::reported("identify.hysteresis.excited", found.excitation.share(), "1"),
+        Figure::reported("identify.validation.rms", found.validation_rms, "rad"),
+        Figure::reported("identify.training.rms", found.training_rms, "rad"),
+    ];
+    if let (Some(rms), Some(base)) = (found.held_out_rms, found.base_held_out_rms) {
+        // What predicts worse than the gear that it came from has failed.
+        figures.push(Figure::bounded("identify.held_out.rms", rms, "rad", base));
+        figures.push(Figure::reported("identify.held_out.base.rms", base, "rad"));
+    }
+    figures
+}
+
+/// Torque over torsion and what is left, log by log.
+fn plot(logs: &[GearLog], found: &IdentifiedGear) -> Page {
+    let mut page = Page::new(format!("{}: identified hysteresis", found.gear.gear.name));
+    for (log, predicted) in logs.iter().zip(&found.predicted) {
+        let micro = |values: &[f64]| values.iter().map(|value| value * 1e6).collect::<Vec<_>>();
+        let missed: Vec<_> = log.torsion.iter().zip(predicted).map(|(a, b)| (a - b) * 1e6).collect();
+        page = page
+            .with(
+                Panel::new("torsion", "urad", "torque", "N m")
+                    .with(Series::line("measured", &micro(&log.torsion), &log.torque))
+                    .with(Series::line("identified", &micro(predicted), &log.torque)),
+            )
+            .with(
+                Panel::new("time", "s", "measured - identified", "urad")
+                    .with(Series::line("", &log.time, &missed)),
+            );
+    }
+    page
+}

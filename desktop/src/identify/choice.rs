@@ -1,0 +1,97 @@
+//! The weight of the smoothness: by cross-validation, on nothing but the samples that train.
+//!
+//! The training samples are cut into [`BLOCKS`] pieces of time; each is left out once, predicted by what the
+//! others give, and the mean square of what it misses by counts. The history of the input runs through all
+//! of them: left out are samples of the output. Of the factors lambda whose mean square is within one
+//! standard error of the least, the largest is taken (T. Hastie, R. Tibshirani, J. Friedman, "The elements of
+//! statistical learning", 2009, section 7.10): the smoothest table that the log does not speak against.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::Error;
+use super::least_squares::Factor;
+
+/// Pieces of the training samples.
+pub(super) const BLOCKS: usize = 5;
+/// Decades of lambda, the output's span and the total of the standard shape being 1.
+const DECADES: std::ops::RangeInclusive<i32> = -10..=0;
+
+/// How lambda is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Smoothing {
+    /// By cross-validation.
+    Chosen,
+    /// This factor.
+    Given(f64),
+}
+
+/// A least-squares problem: unknowns of either sign up to `bounded`, then densities.
+#[derive(Clone, Debug)]
+pub(super) struct Problem {
+    /// Q, of lambda 1.
+    pub penalty: DMatrix<f64>,
+    /// What the penalty pulls to.
+    pub prior: DVector<f64>,
+    pub bounded: usize,
+}
+
+impl Problem {
+    /// The penalty of densities, pulled to `prior`, behind `free` unknowns without one.
+    pub fn new(free: usize, penalty: &DMatrix<f64>, prior: &[f64]) -> Self {
+        let penalty = penalty.clone().insert_rows(0, free, 0.0).insert_columns(0, free, 0.0);
+        let prior =
+            DVector::from_fn(free + prior.len(), |k, _| k.checked_sub(free).map_or(0.0, |k| prior[k]));
+        Self { penalty, prior, bounded: free }
+    }
+
+    /// The unknowns with the factor lambda.
+    pub fn solve(&self, rows: &Factor, smoothing: f64) -> Result<Vec<f64>, Error> {
+        rows.solve(&(&self.penalty * (smoothing * rows.rows() as f64)), &self.prior, self.bounded)
+    }
+
+    /// lambda, and the mean square over the pieces left out.
+    pub fn choose(&self, blocks: &[Factor], smoothing: Smoothing) -> Result<(f64, f64), Error> {
+        let decades = match smoothing {
+            Smoothing::Given(smoothing) => vec![smoothing],
+            Smoothing::Chosen => DECADES.map(|decade| 10f64.powi(decade)).collect(),
+        };
+        let mut tried = Vec::new();
+        let mut failed = None;
+        for smoothing in decades {
+            // Too little smoothness can leave a problem that is none.
+            match self.validate(blocks, smoothing) {
+                Ok(missed) => tried.push((smoothing, missed)),
+                Err(error) => failed = Some(error),
+            }
+        }
+        let least =
+            tried.iter().min_by(|a, b| mean(&a.1).total_cmp(&mean(&b.1))).map(|(_, least)| least.clone());
+        let least = least.unwrap_or_default();
+        let smoothest = tried.iter().rev().find(|(_, missed)| !is_worse(missed, &least));
+        let (smoothing, missed) =
+            smoothest.ok_or_else(|| failed.unwrap_or(Error::Solver("no finite residual".into())))?;
+        Ok((*smoothing, mean(missed)))
+    }
+
+    /// Mean square of each piece, left out.
+    fn validate(&self, blocks: &[Factor], smoothing: f64) -> Result<Vec<f64>, Error> {
+        let missed = |(left_out, block): (usize, &Factor)| {
+            let others = blocks.iter().enumerate().filter(|(k, _)| *k != left_out).map(|(_, block)| block);
+            let x = self.solve(&Factor::joined(others), smoothing)?;
+            Ok(block.squares(&x) / block.rows() as f64)
+        };
+        blocks.iter().enumerate().map(missed).collect()
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// `missed` exceeds `least` by more than the standard error of the difference.
+fn is_worse(missed: &[f64], least: &[f64]) -> bool {
+    let differences: Vec<_> = missed.iter().zip(least).map(|(missed, least)| missed - least).collect();
+    let (count, mean) = (differences.len() as f64, mean(&differences));
+    let spread = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    mean > (spread / count).sqrt()
+}

@@ -1,0 +1,66 @@
+//! A measured log as torque and torsion of a held joint.
+//!
+//! ```text
+//! torsion + c = r*theta_motor - theta_out
+//! ```
+//!
+//! Both angles count from arbitrary zeros: c (rad) is unknown. The log is resampled to the median interval of its time
+//! stamps, a long one to fewer samples.
+
+use super::Error;
+use super::sequence::{LEAST_SAMPLES, require_reversal, span};
+use crate::gear_file::GearFile;
+use crate::log::MeasuredLog;
+
+/// Most that the motor may turn (rad): the gear's wind-up at its shaft, up to rated torque, where the kinematic error
+/// hardly changes.
+const MOST_TRAVEL: f64 = 0.5;
+/// Most samples of a log.
+const MOST_SAMPLES: f64 = 20_000.0;
+/// Torque and torsion at equal intervals.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GearLog {
+    /// Time from the first stamp (s).
+    pub time: Vec<f64>,
+    /// tau (N m).
+    pub torque: Vec<f64>,
+    /// r*theta_motor - theta_out (rad).
+    pub torsion: Vec<f64>,
+    /// Span of the motor's angle (rad).
+    pub motor_travel: f64,
+}
+
+impl GearLog {
+    /// From a measured log; `None` when it lacks the output's angle or torque.
+    pub fn of(log: &MeasuredLog, gear: &GearFile) -> Option<Self> {
+        let (output, torque) = (log.output_position.as_ref()?, log.output_torque.as_ref()?);
+        let ratio: f64 = gear.gear.signed_ratio().value();
+        let (stamps, motor) = (log.time.stamps(), &log.motor_position);
+        let shortest = (stamps[stamps.len() - 1] - stamps[0]) / MOST_SAMPLES;
+        let interval = log.time.jitter().map_or(1.0, |jitter| jitter.nominal).max(shortest);
+        let mut found = Self { motor_travel: span(motor), ..Self::default() };
+        for instant in log.time.resampled(interval) {
+            found.time.push(instant.elapsed);
+            found.torque.push(instant.of(torque));
+            found.torsion.push(ratio * (instant.of(motor) - motor[0]) - instant.of(output));
+        }
+        Some(found)
+    }
+
+    /// Samples that train, of the share asked for.
+    ///
+    /// # Errors
+    /// [`Error`] when they are too few, their torque never reverses, or the joint was not held.
+    pub fn training(&self, share: f64) -> Result<usize, Error> {
+        let count = (self.torque.len() as f64 * share) as usize;
+        if count < LEAST_SAMPLES {
+            let least = (LEAST_SAMPLES as f64 / share).ceil() as usize;
+            return Err(Error::TooShort { samples: self.torque.len(), least });
+        }
+        if self.motor_travel > MOST_TRAVEL {
+            return Err(Error::NotHeld { travel: self.motor_travel, most: MOST_TRAVEL });
+        }
+        require_reversal("torque", &self.torque[..count])?;
+        Ok(count)
+    }
+}

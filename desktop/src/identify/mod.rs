@@ -1,0 +1,92 @@
+//! Identification of the hysteresis: the Preisach weights from what was measured, eq. (9).
+//!
+//! ```text
+//! min  sum over samples of (y - offset - sum mu_p x_p)^2/N + lambda*|D mu|^2,     mu_p >= 0
+//! ```
+//!
+//! | file | |
+//! | --- | --- |
+//! | `reversal` | how often an input reverses; inputs that excite the triangle: reversal curves, major and minor loops |
+//! | `regressors` | x_p, what each weight contributes: the operator itself |
+//! | `smoothness` | \|D mu\|, what is preferred where the log does not decide |
+//! | `least_squares` | the bounded least squares |
+//! | `choice` | lambda, by cross-validation |
+//! | `excitation` | which cells the input moved |
+//! | `sequence` | weights of any actuator from its input and output |
+//! | `law` | the gear's torque over torsion, and its inverse |
+//! | `gear_log` | a measured log as torque and torsion |
+//! | `joint` | weights of a gear from measured logs: torque over torsion |
+//!
+//! From a catalogue's figure alone there is nothing to fit: the loss in arc minutes is the gap of the standard
+//! shape ([`strainwave::hysteresis::gap_for_width`], [`strainwave::hysteresis::Weights::uniform`]). The identified
+//! weights tend to that shape where the log says nothing: it is what the smoothness prefers.
+//!
+//! Units: those of input and output. Sign: weights that are not negative make the output lag its input.
+
+mod choice;
+pub mod excitation;
+mod gear_log;
+pub mod joint;
+pub(crate) mod law;
+mod least_squares;
+pub mod regressors;
+pub mod reversal;
+mod sequence;
+mod smoothness;
+
+pub use choice::Smoothing;
+pub use excitation::Excitation;
+pub use gear_log::GearLog;
+pub use joint::{GearOptions, IdentifiedGear, identify_gear};
+pub use sequence::{Identified, Options, Sequence, identify};
+
+/// Why nothing could be identified.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// Too few samples.
+    #[error("{samples} samples are too few; allowed: at least {least}")]
+    TooShort {
+        /// How many there are.
+        samples: usize,
+        /// How many are needed.
+        least: usize,
+    },
+    /// Input and output are not of one log.
+    #[error("{inputs} inputs and {outputs} outputs; allowed: as many of each")]
+    Lengths {
+        /// Inputs.
+        inputs: usize,
+        /// Outputs.
+        outputs: usize,
+    },
+    /// Not a number.
+    #[error("sample {sample} is not finite")]
+    NotFinite {
+        /// Which, from 0.
+        sample: usize,
+    },
+    /// Without a reversal there is no hysteresis to be seen.
+    #[error("the {input} never reverses by {share} of its span {span:.4e}; hysteresis shows where it does")]
+    NeverReverses {
+        /// What the operator's input is.
+        input: &'static str,
+        /// Least share.
+        share: f64,
+        /// Span of the input, in its unit.
+        span: f64,
+    },
+    /// The kinematic error would count as torsion.
+    #[error("the motor turns by {travel:.3} rad; allowed: at most {most} rad, the joint has to be held")]
+    NotHeld {
+        /// Span of its angle (rad).
+        travel: f64,
+        /// The most allowed (rad).
+        most: f64,
+    },
+    /// A parameter of the operator or an option.
+    #[error(transparent)]
+    Model(#[from] strainwave::Error),
+    /// The solver gave up.
+    #[error("the least-squares solver ended without a solution: {0}")]
+    Solver(String),
+}

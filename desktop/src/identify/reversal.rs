@@ -1,0 +1,78 @@
+//! Reversals of an input, and inputs that reverse everywhere.
+//!
+//! First-order reversal curves: from the lower end of the range up to alpha, back to the lower end, for every
+//! alpha of the grid: the second differences of what the output does are the weights. A major loop with minor
+//! loops between moves the cells too. Both are recorded sequences like any other to the identification.
+//!
+//! I. Mayergoyz, "Mathematical models of hysteresis and their applications", 2003, section 1.2.
+
+/// Times that `input` turns back by more than `least` from an extremum.
+pub fn reversals(input: &[f64], least: f64) -> usize {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    let (mut count, mut rising) = (0, None);
+    for &u in input {
+        (low, high) = (low.min(u), high.max(u));
+        let turned = match rising {
+            None => high - low > least,
+            Some(true) => high - u > least,
+            Some(false) => u - low > least,
+        };
+        if turned {
+            count += usize::from(rising.is_some());
+            rising = Some(rising.map_or(u == high, |rising| !rising));
+            (low, high) = (u, u);
+        }
+    }
+    count
+}
+
+/// First-order reversal curves over +-`half_range` from `levels` edges of the grid, `steps` samples a cell.
+pub fn reversal_curves(half_range: f64, levels: usize, steps: usize) -> Vec<f64> {
+    let edge = |k: usize| half_range * (2.0 * k as f64 / levels as f64 - 1.0);
+    let corners = (1..=levels).rev().flat_map(|k| [edge(k), -half_range]);
+    through(half_range, levels, steps, corners)
+}
+
+/// A major loop over +-`half_range`, then `minor` ever larger loops from its upper end and as many from its lower.
+pub fn loops(half_range: f64, levels: usize, steps: usize, minor: usize) -> Vec<f64> {
+    let nested = (1..=minor).flat_map(|k| {
+        let shrunk = half_range * (1.0 - k as f64 / (minor + 1) as f64);
+        [
+            half_range,
+            half_range - 2.0 * shrunk,
+            half_range,
+            -half_range,
+            2.0 * shrunk - half_range,
+            -half_range,
+        ]
+    });
+    through(half_range, levels, steps, [half_range, -half_range].into_iter().chain(nested))
+}
+
+/// From zero through the corners, `steps` samples for each cell of `levels` on the way.
+fn through(half_range: f64, levels: usize, steps: usize, corners: impl Iterator<Item = f64>) -> Vec<f64> {
+    let longest = 2.0 * half_range / (levels * steps.max(1)) as f64;
+    let mut course = vec![0.0];
+    let mut at = 0.0;
+    for corner in corners {
+        let count = ((corner - at) / longest).abs().ceil().max(1.0);
+        course.extend((1..=count as usize).map(|k| at + (corner - at) * k as f64 / count));
+        at = corner;
+    }
+    course
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reversal_is_counted_when_it_is_large_enough() {
+        assert_eq!(reversals(&[0.0, 1.0, 2.0], 0.1), 0);
+        assert_eq!(reversals(&[0.0, 1.0, 0.95, 2.0], 0.1), 0);
+        assert_eq!(reversals(&[0.0, 1.0, 0.8, 2.0, -1.0], 0.1), 3);
+        assert_eq!(reversals(&[1.0, -1.0, -0.5], 0.1), 1);
+        assert_eq!(reversals(&[], 0.1), 0);
+        assert_eq!(reversals(&reversal_curves(1.0, 4, 3), 0.1), 7);
+    }
+}

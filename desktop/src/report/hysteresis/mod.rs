@@ -1,0 +1,40 @@
+//! The hysteresis' chapter: the gear's loop, the relay and the Preisach plane with the gear's weights, figures.
+
+mod loops;
+mod plane;
+
+use maud::{Markup, html};
+use strainwave::Error;
+
+use super::{Chapter, figure_table};
+use crate::file::BadInput;
+use crate::gear_file::GearFile;
+use crate::joint::gear_params;
+use crate::verify::Part;
+
+pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<Chapter, BadInput> {
+    let drawn =
+        sections(gear).map_err(|error| BadInput::message(format_args!("{}: {error}", gear.gear.name)))?;
+    progress(0.1);
+    let measured = Part::Hysteresis.measure()?;
+    let body = html! {
+        p {
+            "Torque over torsion, rate independent: the catalogue's line is in the middle of the loop, a Preisach "
+            "operator (eq. (9)) makes its branches. "
+            @match gear.hysteresis.weights {
+                Some(_) => { "Its weights were identified from measured logs." }
+                None => { "Its weights are the standard shape, even over the plane, of the catalogue's hysteresis loss." }
+            }
+        }
+        (drawn)
+        h3 { "Figures beside their bounds" }
+        p { "Measured now: part of " code { "strainwave verify hysteresis" } "." }
+        (figure_table(&measured))
+    };
+    Ok(Chapter { id: "hysteresis", title: "Hysteresis", body, measured })
+}
+
+fn sections(gear: &GearFile) -> Result<Markup, Error> {
+    let params = gear_params::<f64>(gear);
+    Ok(html! { (loops::section(&params)?) (plane::section(&params)?) })
+}
