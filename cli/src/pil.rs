@@ -69,7 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         ("--replay", arguments.replay.as_deref()),
         ("--json", json),
     ])?;
-    let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
+    let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), firmware_gear)?;
     let log = arguments.replay.as_deref().map(replayable).transpose()?;
     files::require_writable(json)?;
     files::require_folder(&arguments.plots)?;
@@ -79,6 +79,13 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         None => scenarios(arguments, &firmware.elf, &gear)?,
     };
     Ok(Figures::new(figures, &arguments.figures))
+}
+
+/// A gear that the firmware can be built for.
+fn firmware_gear(path: &Path) -> Result<GearFile, BadInput> {
+    let gear = GearFile::read(path)?;
+    gear.require_firmware_friction().map_err(|why| BadInput::new(path, why))?;
+    Ok(gear)
 }
 
 /// A log that has what a replay compares with.

@@ -13,7 +13,8 @@ use crate::progress::Progress;
 ///
 /// The flexspline's chapter has eq. (1) and its curve, the assembled mesh, torque over torsion of both builds against
 /// the catalogue's line, strain at a gauge over a turn, the mesh sizes, and the figures of `verify flexspline` beside
-/// their bounds. The page needs no other file and no network; it prints, and follows a dark screen.
+/// their bounds. The friction's has every model with the numbers of the gear's input side: steady friction over speed,
+/// force over displacement in presliding, and stick-slip. The page needs no other file and no network; it prints, and follows a dark screen.
 #[derive(Args)]
 pub struct Arguments {
     /// Gear file; the default gear hd25-100 when left out

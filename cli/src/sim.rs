@@ -17,7 +17,7 @@ use crate::progress::Progress;
 /// IN.csv has the columns t_s, theta_wg_rad or omega_wg_rad_s, and tau_load_nm, the external torque ON
 /// the flexspline. OUT.csv gets a row every 0.1 ms: t_s, theta_fs_rad, omega_fs_rad_s, tau_wg_nm,
 /// torsion_rad, tau_t_nm, and a strain for each --gauge. SI units. Prints the intervals of the input's time stamps
-/// and the largest magnitudes of the output. A reference run whose mesh diverges (a link strained by more than 10 %)
+/// and the largest magnitudes of the output. Either build runs with any friction model that the gear file names. A reference run whose mesh diverges (a link strained by more than 10 %)
 /// ends with the time and the node, exit code 2, and writes nothing.
 #[derive(Args)]
 pub struct Arguments {

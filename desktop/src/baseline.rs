@@ -15,7 +15,7 @@ use strainwave::gear::{GearParams, Motion};
 use strainwave::{Angle, Error, Ratio, Real};
 
 use crate::gear_file::GearFile;
-use crate::joint::{CONTROL_PERIOD, feedback_params, gear_params};
+use crate::joint::{CONTROL_PERIOD, feedback_params, firmware_gear_params};
 
 /// A baseline controller.
 pub struct Baseline {
@@ -52,9 +52,9 @@ impl Baseline {
     /// B1: B0 with the feed-forward of a rigid joint.
     ///
     /// # Errors
-    /// As [`Baseline::b0`].
+    /// As [`Baseline::b0`] and [`firmware_gear_params`].
     pub fn b1(file: &GearFile) -> Result<Self, Error> {
-        Ok(Self { feed_forward: Some(gear_params(file)), ..Self::b0(file)? })
+        Ok(Self { feed_forward: Some(firmware_gear_params(file)?), ..Self::b0(file)? })
     }
 
     /// Torque command for one control period (N m).
@@ -107,7 +107,8 @@ mod tests {
         for arrangement in [Arrangement::CircularSplineFixed, Arrangement::FlexsplineFixed] {
             let file = file(arrangement);
             let (baseline, n) = (Baseline::b1(&file).unwrap(), f64::from(file.gear.signed_ratio().n()));
-            let (input, output) = (&file.friction.input, &file.friction.output);
+            let gear = baseline.feed_forward.unwrap();
+            let (input, output) = (gear.input_friction.forward, gear.output_friction.forward);
             for (velocity, acceleration) in [(0.3, 0.0), (-0.3, 0.0), (0.3, 5.0), (-0.3, 5.0)] {
                 let motor_velocity = n * velocity;
                 let kinetic = (file.inertia.wave_generator * n * n + file.inertia.flexspline) * acceleration;

@@ -13,7 +13,7 @@ use crate::baseline::Baseline;
 use crate::divergence::RunError;
 use crate::draw::Draw;
 use crate::gear_file::GearFile;
-use crate::joint::{CONTROL_PERIOD, gear_params};
+use crate::joint::{CONTROL_PERIOD, firmware_gear_params};
 use crate::log::{Drive, OpenLoop, Time};
 use crate::plant::{Plant, encoder_count};
 use crate::scenario::{Demand, Scenario};
@@ -236,7 +236,8 @@ fn each_period<C: Controller>(
 where
     C::Error: From<RunError>,
 {
-    let plant = Plant::build(&Draw::from_seed(seed).apply(&gear_params(file)));
+    let nominal = firmware_gear_params(file).map_err(RunError::from)?;
+    let plant = Plant::build(&Draw::from_seed(seed).apply(&nominal));
     let mut plant = plant.map_err(RunError::from)?;
     let mut sensors = SensorModel::new(file, seed);
     let mut torque = 0.0;

@@ -59,7 +59,7 @@ impl Draw {
 mod tests {
     use super::*;
     use crate::gear_file::GearFile;
-    use crate::joint::gear_params;
+    use crate::joint::firmware_gear_params;
 
     fn factors(draw: &Draw) -> [(f64, f64); 4] {
         let [input, output] = draw.friction;
@@ -81,13 +81,13 @@ mod tests {
     fn a_seed_repeats_and_seed_0_is_nominal() {
         assert_eq!(Draw::from_seed(7), Draw::from_seed(7));
         assert_ne!(Draw::from_seed(7), Draw::from_seed(8));
-        let params = gear_params(&GearFile::default_gear());
+        let params = firmware_gear_params(&GearFile::default_gear()).unwrap();
         assert_eq!(Draw::from_seed(0).apply(&params), params);
     }
 
     #[test]
     fn each_factor_acts_on_its_own_parameters() {
-        let params: GearParams<f64> = gear_params(&GearFile::default_gear());
+        let params: GearParams<f64> = firmware_gear_params(&GearFile::default_gear()).unwrap();
         let draw = Draw { friction: [0.5, 2.0], stiffness: 3.0, inertia: 4.0 };
         let mut wanted = params;
         for (side, factor) in [(&mut wanted.input_friction, 0.5), (&mut wanted.output_friction, 2.0)] {

@@ -8,19 +8,34 @@ use strainwave::compensator::observer::ObserverParams;
 use strainwave::compensator::{JointParams, Limits};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
 use strainwave::flexspline::{Bend, Cup, FlexsplineParams};
-use strainwave::friction::{JointFrictionParams, LubricatedContactParams, Order};
 use strainwave::gear::{GearParams, KINEMATIC_TERMS};
 use strainwave::kinematic_error::{KinematicErrorParams, Term};
 use strainwave::{Error, Real};
 
-use crate::gear_file::{Friction, FrictionModel, GearFile, Harmonic};
+use crate::any_friction::AnyFrictionParams;
+use crate::friction_params::{friction_params, joint_friction_params};
+use crate::gear_file::{GearFile, Harmonic};
 use crate::observer_design;
 
 /// Control period (s).
 pub const CONTROL_PERIOD: f64 = 1e-4;
 
 /// The gear that a file describes.
-pub fn gear_params<R: Real>(file: &GearFile) -> GearParams<R> {
+pub fn gear_params<R: Real>(file: &GearFile) -> GearParams<R, AnyFrictionParams<R>> {
+    with_friction(file, [&file.friction.input, &file.friction.output].map(friction_params))
+}
+
+/// The same with the friction block that the firmware has, and with it the compensator and the plant beside it.
+///
+/// # Errors
+/// [`Error::OutOfRange`] `friction.input.model` or `friction.output.model` when the file names another.
+pub fn firmware_gear_params<R: Real>(file: &GearFile) -> Result<GearParams<R>, Error> {
+    let side = |side, key| joint_friction_params(side).ok_or(Error::OutOfRange(key));
+    let input = side(&file.friction.input, "friction.input.model")?;
+    Ok(with_friction(file, [input, side(&file.friction.output, "friction.output.model")?]))
+}
+
+fn with_friction<R: Real, P>(file: &GearFile, [input_friction, output_friction]: [P; 2]) -> GearParams<R, P> {
     let (stiffness, cup) = (&file.stiffness, &file.flexspline);
     GearParams {
         ratio: file.gear.signed_ratio().n(),
@@ -49,8 +64,8 @@ pub fn gear_params<R: Real>(file: &GearFile) -> GearParams<R> {
             case: terms(&file.kinematic_error.wave_generator),
             flexspline: terms(&file.kinematic_error.flexspline),
         },
-        input_friction: friction(&file.friction.input),
-        output_friction: friction(&file.friction.output),
+        input_friction,
+        output_friction,
         wave_generator_inertia: R::lit(file.inertia.wave_generator),
         flexspline_inertia: R::lit(file.inertia.flexspline),
     }
@@ -64,21 +79,6 @@ fn terms<R: Real>(harmonics: &[Harmonic]) -> [Term<R>; KINEMATIC_TERMS] {
             phase: R::lit(harmonic.phase),
         })
     })
-}
-
-fn friction<R: Real>(side: &Friction) -> JointFrictionParams<R> {
-    let order = match side.model {
-        FrictionModel::BlimanSorine1 => Order::One,
-        FrictionModel::BlimanSorine2 => Order::Two,
-    };
-    let contact = LubricatedContactParams {
-        coulomb: R::lit(side.coulomb),
-        static_level: R::lit(side.static_level),
-        stribeck_velocity: R::lit(side.stribeck_velocity),
-        stribeck_exponent: R::lit(f64::from(side.stribeck_exponent)),
-        viscous: R::lit(side.viscous),
-    };
-    JointFrictionParams::symmetric(order, contact, R::lit(side.presliding), R::lit(side.presliding_ratio))
 }
 
 /// The motor-side cascade that a practitioner would set up from the file's bandwidths.
@@ -101,11 +101,11 @@ pub fn feedback_params<R: Real>(file: &GearFile) -> FeedbackParams<R> {
 /// All that a joint's compensator is built from.
 ///
 /// # Errors
-/// When the observer's gains cannot be computed for this gear.
+/// As [`firmware_gear_params`]; when the observer's gains cannot be computed for this gear.
 pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
     Ok(JointParams {
         dt: R::lit(CONTROL_PERIOD),
-        gear: gear_params(file),
+        gear: firmware_gear_params(file)?,
         motor_encoder_bits: file.sensors.motor_encoder_bits,
         output_encoder_bits: file.sensors.output_encoder_bits.unwrap_or(file.sensors.motor_encoder_bits),
         limits: Limits {

@@ -1,5 +1,6 @@
 //! The full-precision reference build, the plant, baselines, scenarios and files.
 
+pub mod any_friction;
 pub mod baseline;
 pub mod bounds;
 pub mod closed_loop;
@@ -8,6 +9,7 @@ pub mod divergence;
 pub mod draw;
 pub mod figure;
 pub mod file;
+pub mod friction_params;
 pub mod gear_file;
 pub mod identify;
 pub mod joint;

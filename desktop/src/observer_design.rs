@@ -88,8 +88,10 @@ fn transition(file: &GearFile) -> Matrix5<f64> {
     let damping = 2.0 * file.damping.torsion_mode_ratio * (k1 * jf).sqrt();
     let torque = RowVector5::new(k1 * r, damping * r, -k1, -damping, 0.0);
     let unit = |k: usize| RowVector5::from_fn(|_, column| if column == k { 1.0 } else { 0.0 });
-    let motor_speed = unit(1) - (torque * r + unit(1) * file.friction.input.viscous) * (dt / jw);
-    let flange_speed = unit(3) + (torque - unit(3) * file.friction.output.viscous + unit(4)) * (dt / jf);
+    let motor_speed =
+        unit(1) - (torque * r + unit(1) * file.friction.input.viscous.unwrap_or_default()) * (dt / jw);
+    let flange_speed =
+        unit(3) + (torque - unit(3) * file.friction.output.viscous.unwrap_or_default() + unit(4)) * (dt / jf);
     Matrix5::from_rows(&[
         unit(0) + motor_speed * dt,
         motor_speed,
@@ -102,8 +104,9 @@ fn transition(file: &GearFile) -> Matrix5<f64> {
 /// Covariance of what one control period adds that the model does not know.
 fn process_noise(file: &GearFile) -> Matrix5<f64> {
     let dt = CONTROL_PERIOD;
-    let motor_torque = file.sensors.motor_torque_noise + UNKNOWN_FRICTION * file.friction.input.coulomb;
-    let output_torque = UNKNOWN_FRICTION * file.friction.output.coulomb;
+    let motor_torque =
+        file.sensors.motor_torque_noise + UNKNOWN_FRICTION * file.friction.input.coulomb.unwrap_or_default();
+    let output_torque = UNKNOWN_FRICTION * file.friction.output.coulomb.unwrap_or_default();
     let speed = |torque: f64, inertia: f64| (torque / inertia * dt).powi(2);
     let motor = speed(motor_torque, file.inertia.wave_generator);
     let output = speed(output_torque, file.inertia.flexspline);

@@ -201,6 +201,7 @@ fn smooth(x: f64) -> (f64, f64, f64, f64) {
 mod tests {
     use super::*;
     use crate::gear_file::GearFile;
+    use crate::joint::firmware_gear_params;
 
     /// Largest magnitude of a quantity over a scenario.
     fn largest(scenario: Scenario, of: fn(&Demand) -> f64) -> f64 {
@@ -243,15 +244,16 @@ mod tests {
             let speed = n * largest(scenario, |d| d.velocity);
             assert!(speed < file.motor.rotor_speed_limit, "{scenario:?}: {speed} rad/s");
             let acceleration = largest(scenario, |d| d.acceleration);
-            let friction = &file.friction.output;
+            let gear = firmware_gear_params::<f64>(&file).unwrap();
+            let (rotor, friction) = (gear.input_friction.forward, gear.output_friction.forward);
             let output = inertia.flexspline * acceleration
                 + largest(scenario, |d| d.load)
                 + friction.static_level
                 + friction.viscous * speed / n;
             assert!(output < file.gear.peak_torque, "{scenario:?}: {output} N m");
             let motor = inertia.wave_generator * n * acceleration
-                + file.friction.input.static_level
-                + file.friction.input.viscous * speed
+                + rotor.static_level
+                + rotor.viscous * speed
                 + output / n;
             assert!(motor < file.motor.peak_torque, "{scenario:?}: {motor} N m");
         }

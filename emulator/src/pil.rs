@@ -11,7 +11,7 @@ use strainwave_desktop::baseline::Baseline;
 use strainwave_desktop::closed_loop::{self, Controller, Row, Run};
 use strainwave_desktop::divergence::RunError;
 use strainwave_desktop::draw::Draw;
-use strainwave_desktop::joint::{CONTROL_PERIOD, gear_params, joint_params, source};
+use strainwave_desktop::joint::{CONTROL_PERIOD, firmware_gear_params, joint_params, source};
 use strainwave_desktop::log::MeasuredLog;
 use strainwave_desktop::plant::encoder_count;
 use strainwave_desktop::scenario::Scenario;
@@ -176,7 +176,7 @@ pub fn run(
         let control_step = counting.finish(&image)?.counts.into_iter().next().flatten();
         let (b0, b1) = (joined(b0)?, joined(b1)?);
         let control_step = control_step.ok_or(counting::Error::NoResult)?;
-        let plant = Draw::from_seed(seed).apply(&gear_params(file));
+        let plant = Draw::from_seed(seed).apply(&firmware_gear_params(file).map_err(target::Error::from)?);
         Ok(ScenarioRun { scenario, plant, compensated, b0, b1, agreement, control_step, ending })
     })
 }

@@ -11,7 +11,7 @@ use strainwave::friction::{
     StateSpaceParams,
 };
 use strainwave_desktop::GearFile;
-use strainwave_desktop::joint::{CONTROL_PERIOD, gear_params};
+use strainwave_desktop::joint::{CONTROL_PERIOD, firmware_gear_params};
 
 const STEPS: usize = 4096;
 const EPS: f64 = 0.02;
@@ -61,8 +61,8 @@ fn steps(criterion: &mut Criterion) {
     };
     let lugre = LuGreParams { contact, stiffness: 1.0 / EPS, damping: 0.01 };
     step(criterion, "lugre", &lugre.build().expect("the levels are in range"));
-    let gear = gear_params::<f64>(&GearFile::default_gear()).input_friction;
-    step(criterion, "joint", &gear.build().expect("the default gear can be built"));
+    let gear = firmware_gear_params::<f64>(&GearFile::default_gear()).expect("the default gear");
+    step(criterion, "joint", &gear.input_friction.build().expect("the default gear can be built"));
 }
 
 criterion_group!(benches, steps);

@@ -6,7 +6,7 @@ use strainwave::compensator::{Input, Output};
 use strainwave_desktop::GearFile;
 use strainwave_desktop::closed_loop::{self, Controller};
 use strainwave_desktop::divergence::{Diverged, RunError};
-use strainwave_desktop::joint::gear_params;
+use strainwave_desktop::joint::firmware_gear_params;
 use strainwave_desktop::log::OpenLoop;
 use strainwave_desktop::mesh_size::MeshSize;
 use strainwave_desktop::plant::Plant;
@@ -62,7 +62,7 @@ fn the_real_time_build_has_no_links_and_ends_at_its_range() {
 
 #[test]
 fn the_plant_names_the_period() {
-    let mut plant = Plant::build(&gear_params(&GearFile::default_gear())).unwrap();
+    let mut plant = Plant::build(&firmware_gear_params(&GearFile::default_gear()).unwrap()).unwrap();
     for _ in 0..10 {
         plant.step(0.1, -50.0).unwrap();
         plant.step_blocked(-50.0).unwrap();

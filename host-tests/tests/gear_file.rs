@@ -4,8 +4,12 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use proptest::prelude::*;
+use strainwave::friction::FrictionParams;
 use strainwave_desktop::GearFile;
+use strainwave_desktop::friction_params::friction_params;
+use strainwave_desktop::gear_file::friction::{Backward, Friction, FrictionModel, StateRow};
 use strainwave_desktop::gear_file::{Allowed, Arrangement, DEFAULT, KEYS, RELATIONS};
+use strainwave_desktop::joint::joint_params;
 use toml::{Table, Value};
 
 const LARA8: &str = include_str!("../../gears/lara8-j5.toml");
@@ -45,7 +49,38 @@ fn full() -> Table {
     gear.kinematic_error.flexspline = gear.kinematic_error.wave_generator.clone();
     gear.hysteresis.half_range = Some(2e-3);
     gear.hysteresis.weights = Some(vec![vec![0.1], vec![0.3, 0.2], vec![0.5, 0.3, 0.1]]);
+    for side in [&mut gear.friction.input, &mut gear.friction.output] {
+        *side = every_friction(side);
+    }
     gear.to_toml().parse().unwrap()
+}
+
+/// What every friction model needs and may have.
+fn every_friction(side: &Friction) -> Friction {
+    Friction {
+        dead_band: Some(1e-3),
+        frictional_memory: Some(1e-3),
+        dwell: Some(2.0),
+        dahl_exponent: Some(2),
+        micro_damping: Some(1e-4),
+        load_driving: Some(0.08),
+        load_driven: Some(0.12),
+        ripple_cosines: Some(vec![0.1, -0.2]),
+        ripple_sines: Some(vec![0.3]),
+        backward: Some(Backward {
+            coulomb: side.coulomb,
+            static_level: side.static_level.map(|level| 1.1 * level),
+            stribeck_velocity: side.stribeck_velocity,
+            viscous: side.viscous,
+            ripple_cosines: Some(vec![0.2]),
+            ripple_sines: Some(vec![0.1, 0.1]),
+        }),
+        state_space: Some(vec![
+            StateRow { a: vec![-1e3, 4e3], b: 1e3, c: 0.1 },
+            StateRow { a: vec![-4e3, -2e3], b: 500.0, c: 0.05 },
+        ]),
+        ..side.clone()
+    }
 }
 
 /// Every path of a table, lists as `[]`.
@@ -102,23 +137,204 @@ fn shown(path: &str) -> String {
 }
 
 #[test]
-fn every_key_but_the_optional_one_is_required() {
+fn every_key_but_the_optional_ones_is_required() {
     for key in KEYS {
         let mut table = full();
         let (inner, name) = at(&mut table, key.path);
         assert!(inner.remove(name).is_some(), "{} is not in the full gear", key.path);
+        let path = shown(key.path);
+        let who = needs(key.path).map_or(String::new(), |model| {
+            format!(", which {}.model = \"{model}\" needs", &path[..path.rfind('.').unwrap()])
+        });
         match parse(&table.to_string()) {
-            Ok(_) => assert!(key.optional, "{} may be left out", key.path),
             // Half range and weights come together.
             Err(line) if line.contains(" without ") => {
                 assert!(key.optional && key.path.starts_with("hysteresis."), "{line}");
             }
+            Ok(_) => assert!(key.optional && who.is_empty(), "{path} may be left out"),
             Err(line) => {
-                assert!(!key.optional, "{line}");
-                let wanted = format!("g.toml: missing key {}; allowed: {}", shown(key.path), key.allowed);
-                assert_eq!(line, wanted);
+                assert!(!key.optional || !who.is_empty(), "{line}");
+                assert_eq!(line, format!("g.toml: missing key {path}{who}; allowed: {}", key.allowed));
             }
         }
+    }
+}
+
+/// The full gear's friction model, when it needs the key of a side.
+fn needs(path: &str) -> Option<&'static str> {
+    let model = FrictionModel::BlimanSorine2;
+    let (_, name) = path.strip_prefix("friction.")?.split_once('.')?;
+    model.needs().any(|needed| needed == name).then(|| model.name())
+}
+
+/// A gear whose friction has just these keys of the full one.
+fn with_friction(model: FrictionModel, names: &[&str]) -> Table {
+    let mut table = full();
+    for side in ["input", "output"] {
+        let side = table["friction"][side].as_table_mut().unwrap();
+        side.retain(|name, _| names.contains(&name));
+        side.insert("model".into(), model.name().into());
+    }
+    table
+}
+
+#[test]
+fn a_friction_model_needs_its_keys_and_no_others() {
+    for model in FrictionModel::ALL {
+        let names: Vec<_> = model.needs().collect();
+        let gear = parse(&with_friction(*model, &names).to_string()).unwrap();
+        assert_eq!(gear.friction.output.model, *model);
+        assert_eq!(parse(&gear.to_toml()).unwrap(), gear);
+        for missing in &names {
+            let others: Vec<_> = names.iter().copied().filter(|name| name != missing).collect();
+            let line = parse(&with_friction(*model, &others).to_string()).unwrap_err();
+            let wanted = format!(
+                "g.toml: missing key friction.input.{missing}, which friction.input.model = \"{}\" needs; allowed: a ",
+                model.name()
+            );
+            assert!(line.starts_with(&wanted), "{line}\n{wanted}");
+        }
+    }
+}
+
+/// One changed word compares two models; each reads what it says that it needs.
+#[test]
+fn keys_that_a_friction_model_does_not_read_may_stay() {
+    let mut whole = full();
+    for model in FrictionModel::ALL {
+        for side in ["input", "output"] {
+            whole["friction"][side]["model"] = model.name().into();
+        }
+        let gear = parse(&whole.to_string()).unwrap();
+        let [few, all] =
+            [&parse(&with_friction(*model, &model.needs().collect::<Vec<_>>()).to_string()).unwrap(), &gear]
+                .map(|gear| friction_params::<f64>(&gear.friction.output).build().unwrap());
+        let defaults_matter = FrictionModel::IN_FIRMWARE.contains(model)
+            || matches!(model, FrictionModel::Dahl | FrictionModel::ResetIntegrator | FrictionModel::LuGre);
+        assert_eq!(few == all, !defaults_matter, "{}", model.name());
+    }
+}
+
+#[test]
+fn what_is_left_out_backwards_is_as_forwards() {
+    let gear = |backward: &str| {
+        let text = DEFAULT.replace("[friction.output]", &format!("{backward}\n[friction.output]"));
+        friction_params::<f64>(&parse(&text).unwrap().friction.input)
+    };
+    assert_eq!(gear(""), gear("[friction.input.backward]"));
+    assert_eq!(gear(""), gear("[friction.input.backward]\ncoulomb_nm = 0.035\nripple_sines = [0]"));
+    assert_ne!(gear(""), gear("[friction.input.backward]\ncoulomb_nm = 0.034"));
+    assert_ne!(gear(""), gear("[friction.input.backward]\nripple_sines = [0, 0.1]"));
+}
+
+#[test]
+fn friction_that_no_model_can_be_built_from_is_refused_by_key() {
+    let states = |rows: &[(&[f64], f64, f64)]| {
+        let row = |(a, b, c): &(&[f64], f64, f64)| {
+            format!("[[friction.input.state_space]]\na_per_rad = {a:?}\nb_per_rad = {b:?}\nc_nm = {c:?}\n")
+        };
+        rows.iter().map(row).collect::<String>()
+    };
+    let shape =
+        "state_space is out of range; allowed: 1 to 4 states, each a_per_rad with as many numbers, A stable";
+    for (model, keys, tables, wanted) in [
+        (
+            "dahl",
+            "coulomb_nm = 0",
+            String::new(),
+            "coulomb_nm = 0 is out of range; allowed: at least 1e-9 N m with model = \"dahl\"",
+        ),
+        (
+            "lugre",
+            "coulomb_nm = 0",
+            String::new(),
+            "coulomb_nm = 0 is out of range; allowed: at least 1e-9 N m",
+        ),
+        (
+            "reset_integrator",
+            "coulomb_nm = 0",
+            String::new(),
+            "coulomb_nm = 0 is out of range; allowed: above 1e-6 static_nm",
+        ),
+        (
+            "lugre",
+            "presliding_rad = 1e-9\nstatic_nm = 2",
+            String::new(),
+            "presliding_rad = 0.000000001 is out of range; allowed: static_nm/presliding_rad from 1e-9 to 1e9 N m/rad with \
+             model = \"lugre\"",
+        ),
+        (
+            "reset_integrator",
+            "presliding_rad = 1e-8",
+            String::new(),
+            "presliding_rad = 0.00000001 is out of range; allowed: coulomb_nm/presliding_rad from 0 to 1e6 N m/rad",
+        ),
+        (
+            "bliman_sorine_1",
+            "",
+            "[friction.input.backward]\ncoulomb_nm = 0.06\n".into(),
+            "backward.static_nm = 0.05 is out of range; allowed: at least coulomb_nm backwards",
+        ),
+        (
+            "bliman_sorine_2",
+            "ripple_cosines = [0.8]\nripple_sines = [0.8]",
+            String::new(),
+            "ripple_cosines is out of range; allowed: with ripple_sines amplitudes sqrt(a_k^2 + b_k^2) that add up to at \
+             most 0.99, not 1.131",
+        ),
+        (
+            "bliman_sorine_2",
+            "ripple_cosines = [0.5]",
+            "[friction.input.backward]\nripple_sines = [0, 0.5]\n".into(),
+            "backward.ripple_cosines is out of range",
+        ),
+        (
+            "viscous",
+            "viscous_nm_s_per_rad = 0.7",
+            String::new(),
+            "viscous_nm_s_per_rad = 0.7 is out of range; allowed: below J/dt = 6.000e-1 N m s/rad",
+        ),
+        (
+            "lugre",
+            "micro_damping_nm_s_per_rad = 3",
+            String::new(),
+            "micro_damping_nm_s_per_rad = 3 is out of range; allowed: below J/dt",
+        ),
+        ("state_space", "", states(&[(&[-1.0, 0.0], 1.0, 1.0)]), shape),
+        ("state_space", "", states(&[(&[-1.0], 1.0, 1.0), (&[0.0, -1.0], 1.0, 1.0)]), shape),
+        ("state_space", "", states(&[(&[-1.0; 4] as &[f64], 1.0, 1.0); 5]), shape),
+        ("state_space", "", states(&[(&[1.0], 1.0, 1.0)]), shape),
+        (
+            "state_space",
+            "",
+            states(&[(&[-1.0, 0.0], 1.0, 0.0), (&[1.0, -1.0], 0.0, 1.0)]),
+            "state_space is out of range; allowed: a model that takes work",
+        ),
+    ] {
+        let mut side: Table =
+            DEFAULT.parse::<Table>().unwrap()["friction"]["input"].as_table().unwrap().clone();
+        side.extend(keys.parse::<Table>().unwrap());
+        side.insert("model".into(), model.into());
+        let (head, tail) = DEFAULT.split_once("[friction.input]").unwrap();
+        let (_, tail) = tail.split_once("[friction.output]").unwrap();
+        let line =
+            parse(&format!("{head}[friction.input]\n{side}\n{tables}[friction.output]{tail}")).unwrap_err();
+        assert!(line.starts_with(&format!("g.toml: friction.input.{wanted}")), "{line}\n{wanted}");
+    }
+}
+
+#[test]
+fn the_firmware_has_one_block() {
+    for model in FrictionModel::ALL {
+        let mut gear = GearFile::default_gear();
+        gear.friction.output.model = *model;
+        let line = format!(
+            "friction.output.model = {:?} is not in the firmware; allowed there: \"bliman_sorine_1\" or \"bliman_sorine_2\"",
+            model.name()
+        );
+        let refused = !FrictionModel::IN_FIRMWARE.contains(model);
+        assert_eq!(gear.require_firmware_friction(), if refused { Err(line) } else { Ok(()) });
+        assert_eq!(joint_params::<f32>(&gear).is_err(), refused, "{}", model.name());
     }
 }
 
@@ -141,6 +357,7 @@ fn every_key_refuses_every_wrong_type() {
                     | (Allowed::Whole(..), Value::Integer(_))
                     | (Allowed::Number(..), Value::Integer(_) | Value::Float(_))
                     | (Allowed::Triangle(..), Value::Array(_))
+                    | (Allowed::Numbers(..), Value::Array(_))
             );
             if !fits {
                 let line = changed(key.path, value.clone()).expect_err(key.path);
@@ -163,6 +380,10 @@ fn outside(allowed: Allowed) -> Vec<Value> {
         }
         Allowed::Word(_) | Allowed::Text => vec!["".into(), "a\nb".into(), "z".repeat(200).into()],
         Allowed::Flag | Allowed::Triangle(..) => vec![],
+        Allowed::Numbers(most, end, _) => {
+            let lists = [vec![], vec![0.0; most + 1], vec![0.0, 1.01 * end], vec![f64::NAN]];
+            lists.map(|list| Value::Array(list.into_iter().map(Value::Float).collect())).to_vec()
+        }
     }
 }
 
@@ -171,8 +392,13 @@ fn every_key_refuses_what_is_out_of_range_or_not_finite() {
     for key in KEYS {
         for value in outside(key.allowed) {
             let line = changed(key.path, value).expect_err(key.path);
-            assert!(line.starts_with(&format!("g.toml: {} = ", shown(key.path))), "{line}");
-            assert!(line.ends_with(&format!(" is out of range; allowed: {}", key.allowed)), "{line}");
+            assert!(line.ends_with(&format!("; allowed: {}", key.allowed)), "{line}");
+            let rest = line.strip_prefix(&format!("g.toml: {}", shown(key.path))).expect(&line);
+            let starts: &[&str] = match key.allowed {
+                Allowed::Numbers(..) => &[" has ", "[0] = ", "[1] = "],
+                _ => &[" = "],
+            };
+            assert!(starts.iter().any(|start| rest.starts_with(start)), "{line}");
         }
     }
 }
@@ -312,7 +538,7 @@ fn an_unknown_key_is_shown_its_nearest_neighbour() {
             "kinematic_error.wave_generator[1].phase_deg = 1",
             "kinematic_error.wave_generator[].phase_rad (a number from -3.14",
         ),
-        ("name =", "\"a.b\\n\" = 1\nname =", "gear.\"a.b\\n\" = 1", "gear."),
+        ("name =", "\"a.b\\n\" = 1\nname =", "gear.\"a.b\\n\" = 1", ""),
     ] {
         let wanted = format!("g.toml: unknown key {unknown}; the nearest known key is {nearest}");
         let line = refusal(from, to);

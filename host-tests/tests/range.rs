@@ -5,13 +5,13 @@ use strainwave::compensator::RealTimeGear;
 use strainwave::flexspline::{Reduced, reduced};
 use strainwave::gear::{GearParams, Motion};
 use strainwave_desktop::GearFile;
-use strainwave_desktop::joint::{CONTROL_PERIOD, gear_params};
+use strainwave_desktop::joint::{CONTROL_PERIOD, firmware_gear_params};
 
 /// Half a turn in a control period: the most that two readings of an encoder can differ by (rad/s).
 const FASTEST: f32 = std::f32::consts::PI / CONTROL_PERIOD as f32;
 
 fn gear() -> (GearParams<f32>, RealTimeGear<f32>) {
-    let params = gear_params::<f32>(&GearFile::default_gear());
+    let params = firmware_gear_params::<f32>(&GearFile::default_gear()).unwrap();
     let flexspline = Reduced::build(&params.flexspline, params.rated_torque).unwrap();
     let gear = params.build(flexspline, CONTROL_PERIOD as f32).unwrap();
     (params, gear)

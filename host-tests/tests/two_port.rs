@@ -4,8 +4,8 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use strainwave_desktop::GearFile;
-use strainwave_desktop::gear_file::DEFAULT;
-use strainwave_desktop::joint::gear_params;
+use strainwave_desktop::gear_file::{Backward, DEFAULT, Friction, FrictionModel};
+use strainwave_desktop::joint::firmware_gear_params;
 use strainwave_desktop::log::{OpenLoop, OpenLoopRow};
 use strainwave_desktop::plant::Plant;
 use strainwave_desktop::two_port::{self, Build};
@@ -58,7 +58,7 @@ fn a_load_winds_the_gear_up_along_the_catalogues_line() {
     for build in BUILDS {
         let rows = run(&gear, "theta_wg_rad", times(0.6).map(|t| (t, 0.0, load(t))), build);
         let last = rows.last().unwrap();
-        let friction = gear.friction.output.static_level;
+        let friction = gear.friction.output.static_level.unwrap();
         assert!((last.transmitted_torque - 50.0).abs() < 1.2 * friction, "{build:?} {last:?}");
         let torsion = 14.0 / 3.1e4 + 34.0 / 5.0e4 + 2.0 / 5.7e4;
         assert!(
@@ -69,7 +69,7 @@ fn a_load_winds_the_gear_up_along_the_catalogues_line() {
         // tau_wg holds r*tau_t, and friction stays within its level.
         let reflected = -last.transmitted_torque / 100.0;
         assert!(
-            (last.input_torque - reflected).abs() < gear.friction.input.static_level,
+            (last.input_torque - reflected).abs() < gear.friction.input.static_level.unwrap(),
             "{build:?} {last:?}"
         );
     }
@@ -113,6 +113,42 @@ fn where_the_wave_generator_starts_is_only_a_phase() {
     }
 }
 
+/// A gear that runs from the first row on shows its level: of the direction, of the angle that it starts at.
+#[test]
+fn friction_follows_direction_and_angle_from_any_start() {
+    let mut gear = GearFile::default_gear();
+    let mut frictionless = gear.clone();
+    frictionless.friction.input =
+        Friction { model: FrictionModel::Viscous, viscous: Some(0.0), ..gear.friction.input.clone() };
+    let side = &mut gear.friction.input;
+    side.presliding = Some(2e-3);
+    side.ripple_cosines = Some(vec![0.3, 0.1]);
+    side.backward = Some(Backward {
+        coulomb: Some(0.06),
+        static_level: Some(0.06),
+        ripple_sines: Some(vec![0.4]),
+        ..Backward::default()
+    });
+    for build in BUILDS {
+        for start in [0.0f64, 0.7, 3.0, -2.0] {
+            // Without the ellipse's reaction, which the mesh has besides.
+            let torque = |speed: f64| {
+                let [with, without] = [&gear, &frictionless].map(|gear| {
+                    let motion = times(0.01).map(|t| (t, start + speed * t, 0.0));
+                    run(gear, "theta_wg_rad", motion, build)[0].input_torque
+                });
+                with - without
+            };
+            let even = 1.0 + 0.3 * start.cos() + 0.1 * (2.0 * start).cos();
+            let forwards = (0.035 + 0.015 * (-25.0f64).exp()) * even + 1.2e-4 * 50.0;
+            let backwards = 0.06 * (even + 0.4 * start.sin()) + 1.2e-4 * 50.0;
+            let (there, back) = (torque(50.0), torque(-50.0));
+            assert!((there - forwards).abs() < 2e-4, "{build:?} {start}: {there} {forwards}");
+            assert!((back + backwards).abs() < 2e-4, "{build:?} {start}: {back} {backwards}");
+        }
+    }
+}
+
 #[test]
 fn both_arrangements_turn_the_right_way() {
     let lara8 = include_bytes!("../../gears/lara8-j5.toml");
@@ -147,7 +183,7 @@ proptest! {
         let gear = scaled(&factors);
         prop_assume!(gear.is_some());
         let gear = gear.unwrap();
-        prop_assert!(Plant::build(&gear_params(&gear)).is_ok());
+        prop_assert!(Plant::build(&firmware_gear_params(&gear).unwrap()).is_ok());
         let input = times(0.02).map(|t| (t, 300.0 * t, -100.0));
         let rows = run(&gear, "theta_wg_rad", input, Build::RealTime);
         for row in rows {

@@ -6,8 +6,8 @@
 //!
 //! with a mean and K orders a turn for forward, and others for backward motion. Order 2 is the ellipse,
 //! order 1 what is off centre. Levels and coefficients (N) or (N m); the gear's block multiplies another level
-//! by level/mean. Sum over k of |a_k| + |b_k| is at most 0.99 of the mean, so that the
-//! level is positive.
+//! by level/mean. Sum over k of sqrt(a_k^2 + b_k^2) is at most 0.99 of the mean, so that the level is positive,
+//! from wherever the angle is counted.
 //!
 //! Memoryless: there is nothing to discretise. The angle comes as its sine and cosine; higher orders follow
 //! by Horner's rule, which loses a unit of rounding an order.
@@ -20,8 +20,8 @@ use crate::angle::Heading;
 use crate::error::{Error, require};
 use crate::real::Real;
 
-/// Greatest sum of the coefficients over the mean.
-const GREATEST_SHARE: f64 = 0.99;
+/// Greatest sum of the amplitudes over the mean, and what rounding may add to it.
+const GREATEST_SHARE: f64 = 0.99 + 1e-6;
 
 /// Mean and orders of one direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,8 @@ pub struct Harmonics<R, const K: usize> {
 impl<R: Real, const K: usize> Harmonics<R, K> {
     fn check(&self, name: &'static str) -> Result<(), Error> {
         require_divisor(self.mean, name)?;
-        let sum = self.cosines.iter().chain(&self.sines).fold(R::ZERO, |sum, &part| sum + part.abs());
+        let orders = self.cosines.iter().zip(&self.sines);
+        let sum = orders.fold(R::ZERO, |sum, (&a, &b)| sum + (a * a + b * b).sqrt());
         require(sum <= R::lit(GREATEST_SHARE) * self.mean, name)
     }
 
@@ -138,7 +139,7 @@ mod tests {
     #[test]
     fn a_ripple_above_its_mean_is_refused_by_name() {
         let mut params = PARAMS;
-        params.backward.sines[2] = 1e-6;
+        params.backward.sines[2] = 1e-5;
         assert_eq!(params.build().unwrap_err(), Error::OutOfRange("backward"));
         params.forward.mean = f64::NAN;
         assert_eq!(params.build().unwrap_err(), Error::OutOfRange("forward"));

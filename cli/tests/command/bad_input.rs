@@ -79,6 +79,57 @@ fn bad_gear_files_are_refused_by_key() {
             "output_torque = 0",
             "g.toml: sensors.output_torque = 0 is a whole number; allowed: true",
         ),
+        (
+            "model = \"bliman_sorine_2\"",
+            "model = \"lugree\"",
+            "g.toml: friction.input.model = \"lugree\" is out of range; allowed: \"coulomb\" or \"viscous\" or",
+        ),
+        (
+            "model = \"bliman_sorine_2\"",
+            "model = \"karnopp\"",
+            "g.toml: missing key friction.input.dead_band_rad_per_s, which friction.input.model = \"karnopp\" needs; \
+             allowed: a number from 1e-9 to 10000 rad/s",
+        ),
+        (
+            "coulomb_nm = 0.035",
+            "coulomb_nm = -0.035",
+            "g.toml: friction.input.coulomb_nm = -0.035 is out of range; allowed: a number from 0 to 1000 N m",
+        ),
+        (
+            "coulomb_nm = 0.035",
+            "coulomb_nm = 0.06",
+            "g.toml: friction.input.static_nm = 0.05 is out of range; allowed: at least friction.input.coulomb_nm = 0.06",
+        ),
+        (
+            "stribeck_rad_per_s = 2.0",
+            "stribeck_rad_per_s = 0",
+            "g.toml: friction.input.stribeck_rad_per_s = 0 is out of range; allowed: a number from 1e-9 to",
+        ),
+        (
+            "presliding_ratio = 0.3",
+            "presliding_ratio = 1.5",
+            "g.toml: friction.input.presliding_ratio = 1.5 is out of range; allowed: a number from 0.01 to 0.99",
+        ),
+        (
+            "presliding_ratio = 0.3",
+            "presliding_ratio = 0.3\nload_driven = -0.1",
+            "g.toml: friction.input.load_driven = -0.1 is out of range; allowed: a number from 0 to 10",
+        ),
+        (
+            "presliding_ratio = 0.3",
+            "presliding_ratio = 0.3\nripple_sines = [0.7, 0.7]",
+            "g.toml: friction.input.ripple_cosines is out of range; allowed: with ripple_sines amplitudes",
+        ),
+        (
+            "presliding_ratio = 0.3",
+            "presliding_ratio = 0.3\nripple_sines = [0.1, 0.1, 0.1]",
+            "g.toml: friction.input.ripple_sines has 3 entries; allowed: a list of 1 to 2 numbers from -0.99 to 0.99",
+        ),
+        (
+            "model = \"bliman_sorine_2\"",
+            "model = \"state_space\"\nstate_space = [{ a_per_rad = [1.0], b_per_rad = 1, c_nm = 1 }]",
+            "g.toml: friction.input.state_space is out of range; allowed: 1 to 4 states",
+        ),
         (GEAR, "", "g.toml: missing key gear.name; allowed: text of 1 to 80 characters"),
         (GEAR, "gear: {ratio: 100}", "g.toml: line 1: not TOML: "),
         (GEAR, INPUT, "g.toml: line 1: not TOML: "),
@@ -281,6 +332,20 @@ fn boards_that_are_not_there_or_cannot_be_run_are_refused_by_name() {
         ),
     ] {
         assert_eq!(bench.refused(words), format!("error: {wanted}"));
+    }
+}
+
+#[test]
+fn a_friction_model_that_the_firmware_does_not_have_is_refused_by_pil() {
+    let bench = Bench::new();
+    bench.write("g.toml", GEAR.replacen("\"bliman_sorine_2\"", "\"lugre\"", 1));
+    bench.write("log.csv", LOG);
+    for words in ["pil --gear g.toml", "pil --gear g.toml --replay log.csv --json out.json"] {
+        assert_eq!(
+            bench.refused(words),
+            "error: g.toml: friction.input.model = \"lugre\" is not in the firmware; allowed there: \"bliman_sorine_1\" \
+             or \"bliman_sorine_2\""
+        );
     }
 }
 

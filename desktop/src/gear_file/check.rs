@@ -4,10 +4,11 @@ use toml::{Table, Value};
 
 use strainwave::hysteresis::table::TABLE_LEVELS;
 
+use super::friction::{FrictionModel, MOST_STATES};
 use super::keys::{Allowed, KEYS, Key, LONGEST_TEXT, MOST_ORDERS, RELATIONS};
 
 /// Unknown keys first, since a misspelt key is also a missing one; then every key in the table's
-/// order; then the relations between keys.
+/// order; then what the friction models need; then the relations between keys.
 pub(super) fn check(file: &Table) -> Result<(), String> {
     refuse_unknown(file, "", "")?;
     for key in KEYS {
@@ -15,7 +16,29 @@ pub(super) fn check(file: &Table) -> Result<(), String> {
             check_value(&path, value, key.allowed)?;
         }
     }
+    for side in ["input", "output"] {
+        check_needs(file, side)?;
+    }
     check_relations(file)
+}
+
+/// The keys that the friction model of a side needs are there.
+fn check_needs(file: &Table, side: &str) -> Result<(), String> {
+    let friction = &file["friction"][side];
+    let word = friction["model"].as_str();
+    let model = FrictionModel::ALL.iter().find(|model| Some(model.name()) == word);
+    let missing = model.and_then(|model| model.needs().find(|name| friction.get(name).is_none()));
+    match (model, missing) {
+        (Some(model), Some(name)) => Err(needed(&format!("friction.{side}.{name}"), side, *model)),
+        _ => Ok(()),
+    }
+}
+
+/// A key, or the list of its table's entries.
+fn needed(path: &str, side: &str, model: FrictionModel) -> String {
+    let allowed = KEYS.iter().find(|key| key.path == path).map(|key| key.allowed.to_string());
+    let allowed = allowed.unwrap_or_else(|| format!("a list of 1 to {MOST_STATES} tables"));
+    format!("missing key {path}, which friction.{side}.model = {:?} needs; allowed: {allowed}", model.name())
 }
 
 /// `known` is the table's path as [`KEYS`] writes it, `shown` as the message does (`[]` is `[2]` there).
@@ -124,7 +147,7 @@ fn enter_table<'a>(tables: &Tables<'a>, name: &str, key: &Key) -> Result<Tables<
         match table.get(name) {
             Some(Value::Table(inner)) => entered.push((path, inner)),
             Some(other) => return Err(wrong_type(&path, other, "a table")),
-            None if key.path.contains("[]") => {}
+            None if key.optional || key.path.contains("[]") => {}
             None => return Err(missing(key.path, key.allowed)),
         }
     }
@@ -167,12 +190,16 @@ fn check_value(path: &str, value: &Value, allowed: Allowed) -> Result<(), String
             | (Allowed::Whole(..), Value::Integer(_))
             | (Allowed::Number(..), Value::Integer(_) | Value::Float(_))
             | (Allowed::Triangle(..), Value::Array(_))
+            | (Allowed::Numbers(..), Value::Array(_))
     );
     if !right_type {
         return Err(wrong_type(path, value, allowed));
     }
     if let (Allowed::Triangle(most, _), Value::Array(rows)) = (allowed, value) {
         return check_triangle(path, rows, most).map_err(|why| format!("{why}; allowed: {allowed}"));
+    }
+    if let (Allowed::Numbers(most, ..), Value::Array(items)) = (allowed, value) {
+        return check_list(path, items, most, allowed);
     }
     if holds(allowed, value) {
         Ok(())
@@ -197,6 +224,19 @@ fn check_triangle(path: &str, rows: &[Value], most: f64) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+fn check_list(path: &str, items: &[Value], most: usize, allowed: Allowed) -> Result<(), String> {
+    if !(1..=most).contains(&items.len()) {
+        return Err(format!("{path} has {} entries; allowed: {allowed}", items.len()));
+    }
+    let outside = |item: &Value| !number(item).is_some_and(|number| allowed.holds(number));
+    match items.iter().position(outside) {
+        None => Ok(()),
+        Some(at) => {
+            Err(format!("{path}[{at}]{} is out of range; allowed: {allowed}", shown_after(&items[at])))
+        }
+    }
 }
 
 fn holds(allowed: Allowed, value: &Value) -> bool {

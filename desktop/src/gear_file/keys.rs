@@ -5,7 +5,10 @@ use std::fmt;
 use std::ops::{Bound, RangeBounds};
 
 use strainwave::flexspline::shell::link_law::VALID_STRAIN;
+use strainwave::friction::RIPPLE_ORDERS;
 use strainwave::hysteresis::table::TABLE_LEVELS;
+
+use super::friction::{FrictionModel, MOST_STATES};
 
 /// What a key may hold.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +25,8 @@ pub enum Allowed {
     Number(Bound<f64>, Bound<f64>, &'static str),
     /// Rows of 1, 2, 3, ... numbers, 2 to [`TABLE_LEVELS`] of them, each number from 0 to the first, and its unit.
     Triangle(f64, &'static str),
+    /// One to so many numbers between plus and minus an end, and their unit.
+    Numbers(usize, f64, &'static str),
 }
 
 /// Longest name of a gear.
@@ -60,12 +65,27 @@ const fn positive(most: f64, unit: &'static str) -> Allowed {
 
 /// Words of `gear.arrangement`.
 const ARRANGEMENTS: &[&str] = &["circular_spline_fixed", "flexspline_fixed"];
-/// Words of `friction.*.model`.
-const FRICTION_MODELS: &[&str] = &["bliman_sorine_1", "bliman_sorine_2"];
-
 /// The keys in the order of the file. The ranges hold any strain-wave gear from a finger joint to a
 /// turntable with room to spare; they keep slips of unit (mm for m, degrees for rad) and nonsense out.
-pub const KEYS: &[Key] = &[
+pub const KEYS: &[Key] =
+    &joined::<{ GEAR.len() + INPUT.len() + OUTPUT.len() + CONTROL.len() }>(&[GEAR, INPUT, OUTPUT, CONTROL]);
+
+/// The parts one after the other, `N` keys in all.
+const fn joined<const N: usize>(parts: &[&[Key]]) -> [Key; N] {
+    let mut all = [parts[0][0]; N];
+    let (mut at, mut part) = (0, 0);
+    while part < parts.len() {
+        let mut index = 0;
+        while index < parts[part].len() {
+            all[at] = parts[part][index];
+            (at, index) = (at + 1, index + 1);
+        }
+        part += 1;
+    }
+    all
+}
+
+const GEAR: &[Key] = &[
     key("gear.name", Allowed::Text),
     key("gear.ratio", Allowed::Whole(30, 320)),
     key("gear.arrangement", Allowed::Word(ARRANGEMENTS)),
@@ -97,22 +117,53 @@ pub const KEYS: &[Key] = &[
     key("inertia.wave_generator_kg_m2", within(1e-9, 10.0, "kg m^2")),
     key("inertia.flexspline_kg_m2", within(1e-6, 1e5, "kg m^2")),
     key("damping.torsion_mode_ratio", Allowed::Number(Bound::Included(0.0), Bound::Excluded(1.0), "1")),
-    key("friction.input.model", Allowed::Word(FRICTION_MODELS)),
-    key("friction.input.coulomb_nm", within(0.0, 1e3, "N m")),
-    key("friction.input.static_nm", within(0.0, 1e3, "N m")),
-    key("friction.input.stribeck_rad_per_s", within(1e-9, 1e4, "rad/s")),
-    key("friction.input.stribeck_exponent", Allowed::Whole(1, 2)),
-    key("friction.input.viscous_nm_s_per_rad", within(0.0, 1e3, "N m s/rad")),
-    key("friction.input.presliding_rad", within(1e-9, 10.0, "rad")),
-    key("friction.input.presliding_ratio", within(0.01, 0.99, "1")),
-    key("friction.output.model", Allowed::Word(FRICTION_MODELS)),
-    key("friction.output.coulomb_nm", within(0.0, 1e4, "N m")),
-    key("friction.output.static_nm", within(0.0, 1e4, "N m")),
-    key("friction.output.stribeck_rad_per_s", within(1e-9, 1e3, "rad/s")),
-    key("friction.output.stribeck_exponent", Allowed::Whole(1, 2)),
-    key("friction.output.viscous_nm_s_per_rad", within(0.0, 1e5, "N m s/rad")),
-    key("friction.output.presliding_rad", within(1e-9, 1.0, "rad")),
-    key("friction.output.presliding_ratio", within(0.01, 0.99, "1")),
+];
+
+/// The keys of one side's friction: greatest level (N m), Stribeck speed (rad/s), viscous friction (N m s/rad) and
+/// presliding distance (rad). All but the model are optional; [`FrictionModel::needs`] says which a model needs.
+macro_rules! friction {
+    ($side:literal, $level:literal, $speed:literal, $viscous:literal, $presliding:literal) => {
+        keys_of! { $side:
+            key "model" Allowed::Word(FrictionModel::NAMES),
+            optional "coulomb_nm" within(0.0, $level, "N m"),
+            optional "static_nm" within(0.0, $level, "N m"),
+            optional "stribeck_rad_per_s" within(1e-9, $speed, "rad/s"),
+            optional "stribeck_exponent" Allowed::Whole(1, 2),
+            optional "viscous_nm_s_per_rad" within(0.0, $viscous, "N m s/rad"),
+            optional "presliding_rad" within(1e-9, $presliding, "rad"),
+            optional "presliding_ratio" within(0.01, 0.99, "1"),
+            optional "dead_band_rad_per_s" within(1e-9, $speed, "rad/s"),
+            optional "frictional_memory_s" within(1e-9, 1e3, "s"),
+            optional "dwell_s" within(1e-9, 1e6, "s"),
+            optional "dahl_exponent" Allowed::Whole(0, 2),
+            optional "micro_damping_nm_s_per_rad" within(0.0, $viscous, "N m s/rad"),
+            optional "load_driving" within(0.0, 10.0, "1"),
+            optional "load_driven" within(0.0, 10.0, "1"),
+            optional "ripple_cosines" Allowed::Numbers(RIPPLE_ORDERS, 0.99, "1"),
+            optional "ripple_sines" Allowed::Numbers(RIPPLE_ORDERS, 0.99, "1"),
+            optional "backward.coulomb_nm" within(0.0, $level, "N m"),
+            optional "backward.static_nm" within(0.0, $level, "N m"),
+            optional "backward.stribeck_rad_per_s" within(1e-9, $speed, "rad/s"),
+            optional "backward.viscous_nm_s_per_rad" within(0.0, $viscous, "N m s/rad"),
+            optional "backward.ripple_cosines" Allowed::Numbers(RIPPLE_ORDERS, 0.99, "1"),
+            optional "backward.ripple_sines" Allowed::Numbers(RIPPLE_ORDERS, 0.99, "1"),
+            key "state_space[].a_per_rad" Allowed::Numbers(MOST_STATES, 1e12, "1/rad"),
+            key "state_space[].b_per_rad" within(-1e12, 1e12, "1/rad"),
+            key "state_space[].c_nm" within(-1e6, 1e6, "N m"),
+        }
+    };
+}
+
+macro_rules! keys_of {
+    ($side:literal: $($kind:ident $name:literal $allowed:expr,)*) => {
+        &[$($kind(concat!("friction.", $side, ".", $name), $allowed)),*]
+    };
+}
+
+const INPUT: &[Key] = friction!("input", 1e3, 1e4, 1e3, 10.0);
+const OUTPUT: &[Key] = friction!("output", 1e4, 1e3, 1e5, 1.0);
+
+const CONTROL: &[Key] = &[
     key("motor.peak_torque_nm", positive(1e4, "N m")),
     key("motor.rotor_speed_limit_rad_per_s", positive(1e4, "rad/s")),
     key("sensors.motor_encoder_bits", Allowed::Whole(10, 32)),
@@ -180,10 +231,12 @@ impl fmt::Display for Relation {
 }
 
 impl Allowed {
-    /// A number that [`Allowed::Number`] or [`Allowed::Whole`] holds; NaN and infinities never.
+    /// A number that [`Allowed::Number`] or [`Allowed::Whole`] holds, or that may be one of [`Allowed::Numbers`]; NaN and
+    /// infinities never.
     pub fn holds(self, number: f64) -> bool {
         match self {
             Self::Number(least, most, _) => (least, most).contains(&number),
+            Self::Numbers(_, end, _) => number.abs() <= end,
             Self::Whole(least, most) => {
                 number.fract() == 0.0 && number >= least as f64 && number <= most as f64
             }
@@ -203,8 +256,11 @@ impl fmt::Display for Allowed {
             }
             Self::Whole(least, most) => write!(formatter, "a whole number from {least} to {most}"),
             Self::Number(least, most, unit) => {
-                let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-                write!(formatter, "a number {} {}{unit}", lower_end(least), upper_end(most))
+                write!(formatter, "a number {} {}{}", lower_end(least), upper_end(most), unit_after(unit))
+            }
+            Self::Numbers(most, end, unit) => {
+                let (end, unit) = (plain(end), unit_after(unit));
+                write!(formatter, "a list of 1 to {most} numbers from -{end} to {end}{unit}")
             }
             Self::Triangle(most, unit) => write!(
                 formatter,
@@ -213,6 +269,10 @@ impl fmt::Display for Allowed {
             ),
         }
     }
+}
+
+fn unit_after(unit: &str) -> String {
+    if unit == "1" { String::new() } else { format!(" {unit}") }
 }
 
 fn lower_end(end: Bound<f64>) -> String {

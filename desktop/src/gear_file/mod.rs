@@ -5,10 +5,13 @@
 //! missing key, a wrong type and a value out of range are refused by one line that names the file,
 //! the key, the value and what is allowed.
 //!
+//! Which keys of `[friction]` a file must have depends on the friction model that it names: see [`friction`].
+//!
 //! Signs and symbols: the signed ratio is r = -1/N with the circular spline fixed and +1/(N+1) with
 //! the flexspline fixed (then the output is the circular spline).
 
 mod check;
+pub mod friction;
 mod keys;
 mod physics;
 
@@ -20,6 +23,7 @@ use strainwave::{Ratio, Real};
 use toml::Table;
 
 use crate::file::{self, BadInput};
+pub use friction::{Backward, BothFrictions, Friction, FrictionModel, StateRow};
 pub use keys::{Allowed, KEYS, Key, RELATIONS, Relation};
 
 /// The default gear `hd25-100`, as a file.
@@ -233,54 +237,6 @@ pub struct Damping {
     pub torsion_mode_ratio: f64,
 }
 
-/// `[friction.input]` and `[friction.output]`
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BothFrictions {
-    /// At the wave generator.
-    pub input: Friction,
-    /// At the output.
-    pub output: Friction,
-}
-
-/// Which presliding model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum FrictionModel {
-    /// Bliman and Sorine's first order, which is Dahl's model.
-    #[serde(rename = "bliman_sorine_1")]
-    BlimanSorine1,
-    /// Bliman and Sorine's second order, with a breakaway peak.
-    #[serde(rename = "bliman_sorine_2")]
-    BlimanSorine2,
-}
-
-/// Friction of one side.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Friction {
-    /// Presliding model.
-    pub model: FrictionModel,
-    /// Fc (N m).
-    #[serde(rename = "coulomb_nm")]
-    pub coulomb: f64,
-    /// Fs >= Fc (N m).
-    #[serde(rename = "static_nm")]
-    pub static_level: f64,
-    /// vs (rad/s).
-    #[serde(rename = "stribeck_rad_per_s")]
-    pub stribeck_velocity: f64,
-    /// delta, 1 or 2.
-    pub stribeck_exponent: u32,
-    /// Fv (N m s/rad).
-    #[serde(rename = "viscous_nm_s_per_rad")]
-    pub viscous: f64,
-    /// eps, presliding distance (rad).
-    #[serde(rename = "presliding_rad")]
-    pub presliding: f64,
-    /// eta, ratio of the two presliding distances of the second order.
-    pub presliding_ratio: f64,
-}
-
 /// `[motor]`
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -360,6 +316,23 @@ impl GearFile {
             table.try_into().map_err(|error: toml::de::Error| refuse(error.message().to_owned()))?;
         physics::check(&gear).map_err(refuse)?;
         Ok(gear)
+    }
+
+    /// The friction models of both sides are those that the firmware has.
+    ///
+    /// # Errors
+    /// One line that names the key, the model and what is allowed.
+    pub fn require_firmware_friction(&self) -> Result<(), String> {
+        for (side, friction) in [("input", &self.friction.input), ("output", &self.friction.output)] {
+            if !FrictionModel::IN_FIRMWARE.contains(&friction.model) {
+                let [one, two] = FrictionModel::IN_FIRMWARE.map(FrictionModel::name);
+                return Err(format!(
+                    "friction.{side}.model = {:?} is not in the firmware; allowed there: {one:?} or {two:?}",
+                    friction.model.name()
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// The default gear `hd25-100`.

@@ -5,7 +5,10 @@
 //! weights are symmetric, and no branch of theirs falls faster than the line rises: the torque grows with the
 //! torsion. Nowhere does a branch fall faster than the major loop's rising one at the same torsion.
 //! The real-time build takes one semi-implicit step per control period dt, which is accurate while
-//! dt^2*K3 < J_fs/4.
+//! dt^2*K3 < J_fs/4, and in which what resists in proportion to the speed must not turn a speed around,
+//! dt*(Fv + sigma1) < J.
+
+mod friction;
 
 use strainwave::flexspline::Cup;
 use strainwave::flexspline::stiffness_line::{StiffnessLine, StiffnessLineParams};
@@ -38,7 +41,7 @@ pub(super) fn check(gear: &GearFile) -> Result<(), String> {
         let allowed = format!("above 4*dt^2*K3 = {least:.3e} kg m^2, dt = {CONTROL_PERIOD} s");
         return refuse("inertia.flexspline_kg_m2", gear.inertia.flexspline, &allowed);
     }
-    Ok(())
+    friction::check(gear)
 }
 
 fn check_weights(gear: &GearFile) -> Result<(), String> {

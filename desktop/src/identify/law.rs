@@ -8,6 +8,7 @@
 //! bisection.
 
 use strainwave::flexspline::stiffness_line::StiffnessLine;
+use strainwave::friction::FrictionParams;
 use strainwave::gear::GearParams;
 use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState, Weights};
 
@@ -61,7 +62,7 @@ impl<const L: usize> Law<L> {
     ///
     /// # Errors
     /// As [`GearParams::hysteresis`].
-    pub fn of(gear: &GearParams<f64>) -> Result<Self, strainwave::Error> {
+    pub fn of<P: FrictionParams<f64>>(gear: &GearParams<f64, P>) -> Result<Self, strainwave::Error> {
         Ok(Self { line: gear.flexspline.line.build()?, factor: 1.0, hysteresis: gear.hysteresis()? })
     }
 

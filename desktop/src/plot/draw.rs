@@ -14,6 +14,7 @@ const PIXEL: u32 = 4;
 const WIDTH: u32 = 900 * PIXEL;
 const TITLE_HEIGHT: u32 = 36 * PIXEL;
 const PANEL_HEIGHT: u32 = 300 * PIXEL;
+const SMALL_HEIGHT: u32 = 190 * PIXEL;
 
 /// Lengths of a dash and of the space behind it.
 const DASH: (u32, u32) = (6 * PIXEL, 4 * PIXEL);
@@ -36,8 +37,28 @@ type Area<DB> = DrawingArea<DB, Shift>;
 type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
+/// How a panel is drawn on its page.
+struct Frame {
+    x: (f64, f64),
+    y: (f64, f64),
+    /// One of several side by side.
+    small: bool,
+    /// What a pixel is along the x axis.
+    pixel: f64,
+    /// What is written along the axes, where it is.
+    describes: (bool, bool),
+}
+
+impl Frame {
+    /// The size of large writing, or of small.
+    fn size(&self, large: u32, small: u32) -> u32 {
+        if self.small { small } else { large }
+    }
+}
+
 pub(super) fn svg(page: &Page) -> String {
-    let height = title_height(page) + PANEL_HEIGHT * page.panels.len().max(1) as u32;
+    let panel_height = if page.columns > 1 { SMALL_HEIGHT } else { PANEL_HEIGHT };
+    let height = title_height(page) + panel_height * rows(page) as u32;
     let mut text = String::new();
     {
         let area = SVGBackend::with_string(&mut text, (WIDTH, height)).into_drawing_area();
@@ -46,6 +67,11 @@ pub(super) fn svg(page: &Page) -> String {
     // The size to show it at; the view box keeps the drawing's own units.
     let drawn = format!("width=\"{WIDTH}\" height=\"{height}\"");
     text.replacen(&drawn, &format!("width=\"{}\" height=\"{}\"", WIDTH / PIXEL, height / PIXEL), 1)
+}
+
+/// At least one, so that an empty page has a size.
+fn rows(page: &Page) -> usize {
+    page.panels.len().div_ceil(page.columns).max(1)
 }
 
 /// A page without a title has no room for one.
@@ -68,35 +94,45 @@ fn draw_page<DB: DrawingBackend>(page: &Page, area: &Area<DB>) -> Drawn<DB> {
         plotters::style::text_anchor::VPos::Center,
     );
     top.draw(&Text::new(page.title.clone(), (WIDTH as i32 / 2, title_height as i32 / 2), style.pos(centre)))?;
-    for (panel, area) in page.panels.iter().zip(below.split_evenly((page.panels.len().max(1), 1))) {
-        draw_panel(panel, &area)?;
+    for (index, area) in below.split_evenly((rows(page), page.columns)).iter().enumerate() {
+        if let Some(panel) = page.panels.get(index) {
+            draw_panel(panel, area, &frame(page, index))?;
+        }
     }
     area.present()
 }
 
-fn draw_panel<DB: DrawingBackend>(panel: &Panel, area: &Area<DB>) -> Drawn<DB> {
-    let points = || panel.series.iter().flat_map(Series::finite_points);
+fn frame(page: &Page, index: usize) -> Frame {
+    let small = page.columns > 1;
+    let shared = if small { &page.panels[..] } else { &page.panels[index..=index] };
+    let points = || shared.iter().flat_map(|panel| &panel.series).flat_map(Series::finite_points);
     let x = range(points().map(|point| point.0), 0.0);
-    let y = range(points().map(|point| point.1), 0.05);
+    Frame {
+        x,
+        pixel: (x.1 - x.0) * page.columns as f64 / f64::from(WIDTH / PIXEL),
+        y: range(points().map(|point| point.1), 0.05),
+        small,
+        describes: (index + page.columns >= page.panels.len(), index.is_multiple_of(page.columns)),
+    }
+}
+
+fn draw_panel<DB: DrawingBackend>(panel: &Panel, area: &Area<DB>, frame: &Frame) -> Drawn<DB> {
+    let points = || panel.series.iter().flat_map(Series::finite_points);
+    let (x, y) = (frame.x, frame.y);
     let mut builder = ChartBuilder::on(area);
-    builder.margin(10 * PIXEL).margin_right(20 * PIXEL);
-    builder.x_label_area_size(40 * PIXEL).y_label_area_size(80 * PIXEL);
+    builder.margin(frame.size(10, 4) * PIXEL).margin_right(frame.size(20, 10) * PIXEL);
+    builder.x_label_area_size(frame.size(40, 36) * PIXEL).y_label_area_size(frame.size(80, 56) * PIXEL);
     if !panel.title.is_empty() {
-        builder.caption(&panel.title, font(15));
+        builder.caption(&panel.title, font(frame.size(15, 13)));
     }
     let mut chart = builder.build_cartesian_2d(x.0..x.1, y.0..y.1)?;
-    draw_axes(panel, &mut chart, x, y)?;
+    draw_axes(panel, &mut chart, frame)?;
     for (index, series) in panel.series.iter().enumerate() {
-        draw_series(
-            series,
-            COLOURS[index % COLOURS.len()],
-            &mut chart,
-            (x.1 - x.0) / f64::from(WIDTH / PIXEL),
-        )?;
+        draw_series(series, COLOURS[index % COLOURS.len()], &mut chart, frame.pixel)?;
     }
     if panel.series.iter().any(|series| !series.name.is_empty()) {
         let points: Vec<_> = points().collect();
-        draw_legend(&mut chart, emptiest_corner(&points, x, y))?;
+        draw_legend(&mut chart, emptiest_place(&points, frame, legend_share(panel)))?;
     }
     Ok(())
 }
@@ -104,23 +140,23 @@ fn draw_panel<DB: DrawingBackend>(panel: &Panel, area: &Area<DB>) -> Drawn<DB> {
 fn draw_axes<'a, DB: DrawingBackend + 'a>(
     panel: &Panel,
     chart: &mut Chart<'a, DB>,
-    x: (f64, f64),
-    y: (f64, f64),
+    frame: &Frame,
 ) -> Drawn<DB> {
+    let described = |text: &str, here: bool| if here { text.to_owned() } else { String::new() };
     chart
         .configure_mesh()
-        .x_desc(&panel.x)
-        .y_desc(&panel.y)
-        .x_labels(10)
-        .y_labels(7)
-        .x_label_formatter(&|value| tick(*value, x))
-        .y_label_formatter(&|value| tick(*value, y))
+        .x_desc(described(&panel.x, frame.describes.0))
+        .y_desc(described(&panel.y, frame.describes.1))
+        .x_labels(frame.size(10, 5) as usize)
+        .y_labels(frame.size(7, 5) as usize)
+        .x_label_formatter(&|value| tick(*value, frame.x))
+        .y_label_formatter(&|value| tick(*value, frame.y))
         .set_all_tick_mark_size(5 * PIXEL)
         .axis_style(BLACK.stroke_width(PIXEL))
         .bold_line_style(BLACK.mix(0.15).stroke_width(PIXEL))
         .light_line_style(TRANSPARENT)
-        .axis_desc_style(font(14))
-        .label_style(font(12))
+        .axis_desc_style(font(frame.size(14, 12)))
+        .label_style(font(frame.size(12, 11)))
         .draw()
 }
 
@@ -168,22 +204,35 @@ fn draw_legend<'a, DB: DrawingBackend + 'a>(
         .draw()
 }
 
-/// The corner, a quarter of the panel each way, with the fewest points; the upper right of equals.
-fn emptiest_corner(points: &[(f64, f64)], x: (f64, f64), y: (f64, f64)) -> SeriesLabelPosition {
-    let corners = [
-        (SeriesLabelPosition::UpperRight, true, true),
-        (SeriesLabelPosition::UpperLeft, false, true),
-        (SeriesLabelPosition::LowerRight, true, false),
-        (SeriesLabelPosition::LowerLeft, false, false),
+/// About what share of its panel a legend covers, along and up.
+fn legend_share(panel: &Panel) -> (f64, f64) {
+    let longest = panel.series.iter().map(|series| series.name.chars().count()).max().unwrap_or(0);
+    let (width, height) = (50.0 + 6.0 * longest as f64, 10.0 + 14.0 * panel.series.len() as f64);
+    // Less what stands around the axes.
+    let axes = (f64::from(WIDTH / PIXEL) - 110.0, f64::from(PANEL_HEIGHT / PIXEL) - 60.0);
+    ((width / axes.0).clamp(0.25, 0.9), (height / axes.1).clamp(0.25, 0.9))
+}
+
+/// The place at the left or right edge where a legend of this share covers the fewest points; the upper right of equals.
+fn emptiest_place(points: &[(f64, f64)], frame: &Frame, (wide, high): (f64, f64)) -> SeriesLabelPosition {
+    let places = [
+        (SeriesLabelPosition::UpperRight, 1.0, 1.0),
+        (SeriesLabelPosition::UpperLeft, 0.0, 1.0),
+        (SeriesLabelPosition::LowerRight, 1.0, 0.0),
+        (SeriesLabelPosition::LowerLeft, 0.0, 0.0),
+        (SeriesLabelPosition::MiddleRight, 1.0, 0.5),
+        (SeriesLabelPosition::MiddleLeft, 0.0, 0.5),
     ];
-    let within = |value: f64, (least, most): (f64, f64), high: bool| {
-        let share = (value - least) / (most - least);
-        if high { share > 0.75 } else { share < 0.25 }
+    let covers = |value: f64, (least, most): (f64, f64), share: f64, at: f64| {
+        let from = at * (1.0 - share);
+        (from..=from + share).contains(&((value - least) / (most - least)))
     };
-    let crowd = |right: bool, top: bool| {
-        points.iter().filter(|point| within(point.0, x, right) && within(point.1, y, top)).count()
+    let crowd = |x: f64, y: f64| {
+        let covered =
+            |point: &&(f64, f64)| covers(point.0, frame.x, wide, x) && covers(point.1, frame.y, high, y);
+        points.iter().filter(covered).count()
     };
-    let best = corners.into_iter().min_by_key(|(_, right, top)| crowd(*right, *top));
+    let best = places.into_iter().min_by_key(|(_, x, y)| crowd(*x, *y));
     best.map_or(SeriesLabelPosition::UpperRight, |(position, ..)| position)
 }
 
@@ -242,6 +291,18 @@ mod tests {
         assert_eq!(tick(2.5e-4, (-1e-3, 1e-3)), "2.5e-4");
         assert_eq!(tick(31_000.5, (31_000.0, 31_001.0)), "31000.5");
         assert_eq!(tick(0.0, (-1e-3, 1e-3)), "0");
+    }
+
+    #[test]
+    fn a_legend_stands_where_it_covers_least() {
+        let frame =
+            Frame { x: (0.0, 1.0), y: (0.0, 1.0), small: false, pixel: 1e-3, describes: (true, true) };
+        let place = |points: &[(f64, f64)], share| format!("{:?}", emptiest_place(points, &frame, share));
+        assert_eq!(place(&[], (0.3, 0.3)), "UpperRight");
+        assert_eq!(place(&[(0.9, 0.9)], (0.3, 0.3)), "UpperLeft");
+        let lines = [(0.5, 0.05), (0.5, 0.95)];
+        assert_eq!(place(&lines, (0.3, 0.3)), "UpperRight");
+        assert_eq!(place(&lines, (0.6, 0.3)), "MiddleRight");
     }
 
     #[test]

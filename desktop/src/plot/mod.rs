@@ -1,4 +1,4 @@
-//! Pictures of curves: panels one under the other in one SVG file.
+//! Pictures of curves: panels one under the other, or small ones side by side on the same axes, in one SVG file.
 //!
 //! Text is SVG text in the viewer's sans-serif font: no font file is needed to draw. Curves are
 //! thinned to the picture's resolution by lowest and highest point, so a file stays small and a
@@ -23,10 +23,11 @@ use crate::file::{self, BadInput};
 /// Larger numbers (and NaN) are no physical quantity, and the span of two of them can overflow.
 const LARGEST: f64 = 1e100;
 
-/// A picture: a title and panels one under the other.
+/// A picture: a title and panels.
 #[derive(Clone, Debug)]
 pub struct Page {
     title: String,
+    columns: usize,
     panels: Vec<Panel>,
 }
 
@@ -107,12 +108,18 @@ impl Panel {
 }
 
 impl Page {
-    /// An empty page.
+    /// An empty page for panels one under the other, each with axes of its own.
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), panels: Vec::new() }
+        Self::small_multiples(title, 1)
     }
 
-    /// With one more panel below.
+    /// An empty page for small panels row by row, `columns` side by side (1 or more), with the same ranges of both axes
+    /// for all: what is written along them stands at the left and at the bottom.
+    pub fn small_multiples(title: impl Into<String>, columns: usize) -> Self {
+        Self { title: title.into(), columns: columns.max(1), panels: Vec::new() }
+    }
+
+    /// With one more panel, below or at the right.
     #[must_use]
     pub fn with(mut self, panel: Panel) -> Self {
         self.panels.push(panel);
@@ -142,11 +149,14 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_numbers_make_a_picture(points in prop::collection::vec((prop::num::f64::ANY, prop::num::f64::ANY), 0..20)) {
+        fn any_numbers_make_a_picture(
+            points in prop::collection::vec((prop::num::f64::ANY, prop::num::f64::ANY), 0..20),
+            columns in 0..4usize,
+        ) {
             let (x, y): (Vec<_>, Vec<_>) = points.into_iter().unzip();
             let panel = Panel::new("x", "1", "y", "N m").titled("any")
                 .with(Series::line("line", &x, &y)).with(Series::dashed("dashed", &y, &x)).with(Series::points("", &x, &x));
-            let svg = Page::new("any").with(panel).to_svg();
+            let svg = Page::small_multiples("any", columns).with(panel.clone()).with(panel).to_svg();
             prop_assert!(svg.trim_end().ends_with("</svg>") && !svg.contains("NaN") && !svg.contains("inf"));
         }
 

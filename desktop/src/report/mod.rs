@@ -4,6 +4,7 @@
 //! inline SVG, drawn for paper; the style sheet turns their black and white around on a dark screen.
 
 mod flexspline;
+mod friction;
 mod hysteresis;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -20,7 +21,7 @@ const STYLE: &str = include_str!("style.css");
 type Make = fn(&GearFile, &mut dyn FnMut(f64)) -> Result<Chapter, BadInput>;
 
 /// The chapters, in the order of the page.
-const CHAPTERS: &[Make] = &[flexspline::chapter, hysteresis::chapter];
+const CHAPTERS: &[Make] = &[flexspline::chapter, friction::chapter, hysteresis::chapter];
 
 /// A part of the page.
 struct Chapter {

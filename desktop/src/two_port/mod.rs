@@ -19,8 +19,8 @@
 //!
 //! The models start at the zero angle. A wave generator that is run in from theta_0 is therefore
 //! counted from there: theta_fs gets r*theta_0 added back, and a term of order k of the kinematic error has
-//! its phase advanced by k*theta_0 (k*(1 - r)*theta_0 relative to the flexspline), and the ellipse stands at
-//! (1 - r)*theta_0 on the flexspline.
+//! its phase advanced by k*theta_0 (k*(1 - r)*theta_0 relative to the flexspline), as has order k of the ripple of
+//! friction, and the ellipse stands at (1 - r)*theta_0 on the flexspline.
 
 mod gauge;
 mod trajectory;
@@ -28,11 +28,12 @@ mod trajectory;
 use std::f64::consts::TAU;
 
 use strainwave::compensator::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY, MESH, RealTimeFlexspline};
-use strainwave::flexspline::Mesh;
-use strainwave::friction::{FrictionModel, FrictionParams};
+use strainwave::flexspline::{FlexsplineParams, Mesh};
+use strainwave::friction::{FrictionModel, FrictionParams, Harmonics, JointFrictionParams};
 use strainwave::gear::{Applied, Gear, GearParams, GearState, Motion, Torques};
 use strainwave::{Angle, Error, Real};
 
+use crate::any_friction::AnyFrictionParams;
 use crate::divergence::{Diverged, RunError, may_go_on};
 use crate::gear_file::{GearFile, Harmonic};
 use crate::joint::gear_params;
@@ -92,7 +93,6 @@ pub fn run<'a>(
         Drive::Velocity(_) => 0.0,
     };
     let start = first + trajectory.at(-RUN_IN).angle;
-    let counted = counted_from(file, start);
     let r: f64 = file.gear.signed_ratio().value();
     let inputs = Inputs {
         trajectory,
@@ -104,10 +104,10 @@ pub fn run<'a>(
     };
     match build {
         Build::Reference { mesh, longest_step } => {
-            mesh.run(ReferenceRun { params: gear_params(&counted), longest_step, inputs })
+            mesh.run(ReferenceRun { params: counted_from(file, start), longest_step, inputs })
         }
         Build::RealTime => {
-            let params = gear_params::<f32>(&counted);
+            let params = counted_from::<f32>(file, start);
             let model = RealTimeFlexspline::build(&params.flexspline, params.rated_torque)?;
             rows::<_, _, _, HYSTERESIS_LEVELS, HYSTERESIS_MEMORY>(&params, model, STEP, 1, inputs)
         }
@@ -116,22 +116,22 @@ pub fn run<'a>(
 
 /// Largest stable step of the reference mesh of a gear (s).
 pub fn stable_step(file: &GearFile, mesh: MeshSize) -> f64 {
-    struct StableStep(GearParams<f64>);
+    struct StableStep(FlexsplineParams<f64>);
 
     impl OnMesh for StableStep {
         type Output = f64;
 
         fn run<const N: usize, const M: usize>(self) -> f64 {
-            Mesh::<f64, N, M>::stable_step(&self.0.flexspline)
+            Mesh::<f64, N, M>::stable_step(&self.0)
         }
     }
 
-    mesh.run(StableStep(gear_params(file)))
+    mesh.run(StableStep(gear_params(file).flexspline))
 }
 
 /// A run of the reference build, its mesh of any size.
 struct ReferenceRun<'a> {
-    params: GearParams<f64>,
+    params: GearParams<f64, AnyFrictionParams<f64>>,
     longest_step: Option<f64>,
     inputs: Inputs<'a>,
 }
@@ -146,8 +146,8 @@ impl<'a> OnMesh for ReferenceRun<'a> {
     }
 }
 
-/// The same gear, its wave-generator angle counted from `start` (rad).
-fn counted_from(file: &GearFile, start: f64) -> GearFile {
+/// The gear of a file, its wave-generator angle counted from `start` (rad).
+fn counted_from<R: Real>(file: &GearFile, start: f64) -> GearParams<R, AnyFrictionParams<R>> {
     let mut counted = file.clone();
     let advance = |terms: &mut [Harmonic], angle: f64| {
         for term in terms {
@@ -157,7 +157,24 @@ fn counted_from(file: &GearFile, start: f64) -> GearFile {
     let r: f64 = file.gear.signed_ratio().value();
     advance(&mut counted.kinematic_error.wave_generator, start);
     advance(&mut counted.kinematic_error.flexspline, (1.0 - r) * start);
-    counted
+    let mut params = gear_params(&counted);
+    for side in [&mut params.input_friction, &mut params.output_friction] {
+        if let AnyFrictionParams::Joint(JointFrictionParams { ripple, .. }) = side {
+            advance_ripple(&mut ripple.forward, start);
+            advance_ripple(&mut ripple.backward, start);
+        }
+    }
+    params
+}
+
+/// a*cos(k*x) + b*sin(k*x) at x + `angle` (rad), of every order k.
+fn advance_ripple<R: Real, const K: usize>(harmonics: &mut Harmonics<R, K>, angle: f64) {
+    for (index, (a, b)) in harmonics.cosines.iter_mut().zip(&mut harmonics.sines).enumerate() {
+        let (sine, cosine) = ((index + 1) as f64 * angle).sin_cos();
+        let (at_zero, quarter_on) = (a.to_f64(), b.to_f64());
+        *a = R::lit(at_zero * cosine + quarter_on * sine);
+        *b = R::lit(quarter_on * cosine - at_zero * sine);
+    }
 }
 
 /// Within half a turn either way (rad).

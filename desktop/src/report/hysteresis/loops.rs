@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 use strainwave::Error;
 use strainwave::compensator::HYSTERESIS_LEVELS;
+use strainwave::friction::FrictionParams;
 use strainwave::gear::GearParams;
 
 use crate::identify::law::{Law, course};
@@ -12,7 +13,7 @@ use crate::report::{figure, plot};
 /// Corners in rated torques: the virgin curve, the major loop, and loops within.
 const CORNERS: [f64; 9] = [0.0, 1.0, -1.0, 1.0, -0.5, 0.5, -0.25, 0.25, 0.0];
 
-pub(super) fn section(params: &GearParams<f64>) -> Result<Markup, Error> {
+pub(super) fn section<P: FrictionParams<f64>>(params: &GearParams<f64, P>) -> Result<Markup, Error> {
     let law = Law::<HYSTERESIS_LEVELS>::of(params)?;
     let torques: Vec<_> = course(&CORNERS).map(|share| share * params.rated_torque).collect();
     let on = law.torsions(&torques);

@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 use strainwave::Error;
+use strainwave::friction::FrictionParams;
 use strainwave::gear::GearParams;
 use strainwave::hysteresis::table::TABLE_LEVELS;
 
@@ -13,7 +14,7 @@ const CELL: usize = SIDE / TABLE_LEVELS;
 /// Room for the axes' names.
 const MARGIN: usize = 24;
 
-pub(super) fn section(params: &GearParams<f64>) -> Result<Markup, Error> {
+pub(super) fn section<P: FrictionParams<f64>>(params: &GearParams<f64, P>) -> Result<Markup, Error> {
     let (half_range, weights) = params.hysteresis_weights::<TABLE_LEVELS>()?;
     // On the diagonal half a cell lies in the plane: its density is twice its weight.
     let density = |i: usize, j: usize| weights.at(i, j) * if i == j { 2.0 } else { 1.0 };

@@ -22,7 +22,7 @@ use strainwave::{Error, Real};
 use crate::bounds;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
-use crate::joint::{CONTROL_PERIOD, gear_params};
+use crate::joint::{CONTROL_PERIOD, firmware_gear_params};
 use crate::plant::{NODES, Reference, ReferenceGear};
 
 /// Torsion at first (rad).
@@ -33,11 +33,11 @@ const HELD: f64 = 0.02;
 const RINGING: f64 = 0.5;
 
 pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, Error> {
-    let params: GearParams<f64> = frictionless(gear_params(file));
+    let params: GearParams<f64> = frictionless(firmware_gear_params(file)?);
     let Reference { mesh, dt, .. } = Reference::<{ NODES.0 }, { NODES.1 }>::build(&params.flexspline, None)?;
     let gear: ReferenceGear<_> = params.build(mesh, dt)?;
     let reference = Mode::of(&gear, dt);
-    let params: GearParams<f32> = frictionless(gear_params(file));
+    let params: GearParams<f32> = frictionless(firmware_gear_params(file)?);
     let flexspline = Reduced::build(&params.flexspline, params.rated_torque)?;
     let gear: RealTimeGear<f32> = params.build(flexspline, CONTROL_PERIOD as f32)?;
     let real_time = Mode::of(&gear, CONTROL_PERIOD);

@@ -20,7 +20,7 @@ use strainwave::{Angle, Error};
 use crate::bounds;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
-use crate::joint::{CONTROL_PERIOD, gear_params};
+use crate::joint::{CONTROL_PERIOD, firmware_gear_params};
 use crate::settled::Settled;
 use crate::verify::largest;
 
@@ -32,7 +32,7 @@ const ANGLES: u32 = 97;
 const SETTLING: usize = 4000;
 
 pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, Error> {
-    let params = gear_params::<f64>(file);
+    let params = firmware_gear_params::<f64>(file)?;
     let torsion = params.flexspline.line.build()?.torsion(params.rated_torque);
     let literal = ripple(&settled(&params, torsion)?) / params.rated_torque;
     let real_time = ripple(&turning(file, torsion)?) / params.rated_torque;
@@ -56,7 +56,8 @@ fn settled(params: &GearParams<f64>, torsion: f64) -> Result<Vec<f64>, Error> {
 
 /// Torques of the real-time gear.
 fn turning(file: &GearFile, torsion: f64) -> Result<Vec<f64>, Error> {
-    let params = GearParams { kinematic_error: KinematicErrorParams::default(), ..gear_params::<f32>(file) };
+    let params =
+        GearParams { kinematic_error: KinematicErrorParams::default(), ..firmware_gear_params::<f32>(file)? };
     let flexspline = Reduced::build(&params.flexspline, params.rated_torque)?;
     let gear: RealTimeGear<f32> = params.build(flexspline, CONTROL_PERIOD as f32)?;
     let mut state = gear.rest();

@@ -10,7 +10,7 @@ use strainwave::{Heading, Real};
 use crate::bounds;
 use crate::figure::Figure;
 use crate::gear_file::GearFile;
-use crate::joint::{CONTROL_PERIOD, gear_params};
+use crate::joint::{CONTROL_PERIOD, firmware_gear_params};
 use crate::verify::largest;
 
 /// Steps of random motion.
@@ -25,7 +25,8 @@ pub(super) fn measure() -> Vec<Figure> {
 
 /// The default gear's, its level moving with load and angle.
 fn everything<R: Real>() -> JointFrictionParams<R> {
-    let default = gear_params::<R>(&GearFile::default_gear()).input_friction;
+    let default =
+        firmware_gear_params::<R>(&GearFile::default_gear()).expect("the default gear").input_friction;
     let harmonics = |a, b| Harmonics { mean: R::ONE, cosines: [a, b].map(R::lit), sines: [b, a].map(R::lit) };
     JointFrictionParams {
         load: LoadFactors { driving: R::lit(0.08), driven: R::lit(0.12) },

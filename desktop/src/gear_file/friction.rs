@@ -1,0 +1,249 @@
+//! `[friction.input]` and `[friction.output]`: one vocabulary of keys for every friction model of the library.
+//!
+//! `model` chooses, each side for itself. A model needs the keys in the middle column; the others may stay in the
+//! file, so that one changed word compares two models. Every key that stands there is checked, read or not.
+//!
+//! | `model` | needs | may have |
+//! | --- | --- | --- |
+//! | `coulomb` | `coulomb_nm` Fc | |
+//! | `viscous` | `viscous_nm_s_per_rad` Fv | |
+//! | `static` | Fc, `static_nm` Fs | |
+//! | `stribeck`, `lubricated_contact` | Fc, Fs, `stribeck_rad_per_s` vs, `stribeck_exponent` delta, Fv: the curve | |
+//! | `karnopp` | the curve, `dead_band_rad_per_s` DV | |
+//! | `armstrong` | Fc, Fs, vs, Fv, `presliding_rad` eps, `frictional_memory_s` tau_L, `dwell_s` gamma | |
+//! | `dahl` | Fc, eps | `dahl_exponent` i, 0 to 2: 1 |
+//! | `bristle` | Fc, eps | |
+//! | `reset_integrator` | Fc, Fs, eps | `micro_damping_nm_s_per_rad` sigma1: 0 |
+//! | `bliman_sorine_1` | the curve, eps | `load_driving`, `load_driven`: 0; `ripple_cosines`, `ripple_sines`: none; `[.backward]`: as forwards |
+//! | `bliman_sorine_2` | the curve, eps, `presliding_ratio` eta | the same |
+//! | `lugre` | the curve, eps | `micro_damping_nm_s_per_rad` sigma1: 0 |
+//! | `state_space` | `[[.state_space]]` | |
+//!
+//! After the colon: what a key that is left out counts as. Symbols are those of [`strainwave::friction`]. eps is the
+//! distance over which friction builds up from rest, and the level over eps the stiffness there:
+//!
+//! - Armstrong, LuGre: sigma0 = Fs/eps; so LuGre without micro-damping is `bliman_sorine_1`. Dahl: sigma = Fc/eps.
+//! - Reset integrator: z0 = eps, sigma0 = Fc/eps, a = Fs/Fc - 1. Its static friction peaks at Fs.
+//! - Bristle: [`BRISTLES`] bonds of delta_s = 2*eps. They slide at Fc.
+//! - Armstrong's F_Sinf is Fs - Fc.
+//!
+//! `load_driving` and `load_driven` are the level that each N m through the contact adds while the motor drives the load,
+//! and while the load drives the motor. `ripple_cosines` and `ripple_sines` are shares of the level, of orders 1 and 2 a turn
+//! of the wave generator. `[friction.*.backward]` has `coulomb_nm`, `static_nm`, `stribeck_rad_per_s`,
+//! `viscous_nm_s_per_rad`, `ripple_cosines` and `ripple_sines` of motion backwards.
+//!
+//! `state_space` is Bliman and Sorine's eq. (8) with general A, B, C: an entry of the list for each of 1 to
+//! [`MOST_STATES`] states, with its row of A and its entries of B and C.
+
+use serde::{Deserialize, Serialize};
+
+/// Bonds of the bristle model.
+pub const BRISTLES: usize = 20;
+/// Greatest order of a state space.
+pub const MOST_STATES: usize = 4;
+
+/// `[friction.input]` and `[friction.output]`
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BothFrictions {
+    /// At the wave generator.
+    pub input: Friction,
+    /// At the output.
+    pub output: Friction,
+}
+
+const LEVELS: &[&str] = &["coulomb_nm", "static_nm"];
+const CURVE: &[&str] =
+    &["coulomb_nm", "static_nm", "stribeck_rad_per_s", "stribeck_exponent", "viscous_nm_s_per_rad"];
+const PRESLIDING: &[&str] = &["presliding_rad"];
+
+macro_rules! models {
+    ($($(#[$doc:meta])* $name:ident = $word:literal needs $needs:expr,)*) => {
+        /// Which friction model.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+        pub enum FrictionModel {
+            $($(#[$doc])* #[serde(rename = $word)] $name,)*
+        }
+
+        impl FrictionModel {
+            /// Every model.
+            pub const ALL: &[Self] = &[$(Self::$name),*];
+            /// Their names in a gear file.
+            pub const NAMES: &[&str] = &[$($word),*];
+
+            /// Its name in a gear file.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$name => $word,)*
+                }
+            }
+
+            /// The keys without which it cannot be.
+            pub fn needs(self) -> impl Iterator<Item = &'static str> {
+                let needs: &[&[&str]] = match self {
+                    $(Self::$name => $needs,)*
+                };
+                needs.iter().copied().flatten().copied()
+            }
+        }
+    };
+}
+
+models! {
+    /// One level.
+    Coulomb = "coulomb" needs &[&["coulomb_nm"]],
+    /// In proportion to the speed.
+    Viscous = "viscous" needs &[&["viscous_nm_s_per_rad"]],
+    /// Holds at standstill, Coulomb's in motion.
+    Static = "static" needs &[LEVELS],
+    /// Holds at standstill, a level that falls with speed in motion.
+    Stribeck = "stribeck" needs &[CURVE],
+    /// A dead band of speed in which it holds.
+    Karnopp = "karnopp" needs &[CURVE, &["dead_band_rad_per_s"]],
+    /// Seven parameters: presliding, Stribeck effect with memory, static friction that rises with the dwell.
+    Armstrong = "armstrong" needs &[
+        LEVELS,
+        &["stribeck_rad_per_s", "viscous_nm_s_per_rad"],
+        PRESLIDING,
+        &["frictional_memory_s", "dwell_s"],
+    ],
+    /// A spring that yields.
+    Dahl = "dahl" needs &[&["coulomb_nm"], PRESLIDING],
+    /// Bonds that snap.
+    Bristle = "bristle" needs &[&["coulomb_nm"], PRESLIDING],
+    /// One bond that stretches and holds at its end.
+    ResetIntegrator = "reset_integrator" needs &[LEVELS, PRESLIDING],
+    /// The gear's block: Bliman and Sorine's first order, which is Dahl's model, at the lubricated contact's level.
+    BlimanSorine1 = "bliman_sorine_1" needs &[CURVE, PRESLIDING],
+    /// The gear's block: the second order, with a breakaway peak.
+    BlimanSorine2 = "bliman_sorine_2" needs &[CURVE, PRESLIDING, &["presliding_ratio"]],
+    /// A level that falls with speed, without presliding.
+    LubricatedContact = "lubricated_contact" needs &[CURVE],
+    /// The mean deflection of bristles.
+    LuGre = "lugre" needs &[CURVE, PRESLIDING],
+    /// Bliman and Sorine's with general A, B, C.
+    StateSpace = "state_space" needs &[&["state_space"]],
+}
+
+impl FrictionModel {
+    /// Those that the firmware has.
+    pub const IN_FIRMWARE: [Self; 2] = [Self::BlimanSorine1, Self::BlimanSorine2];
+}
+
+/// Friction of one side.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Friction {
+    /// Which model.
+    pub model: FrictionModel,
+    /// Fc (N m).
+    #[serde(rename = "coulomb_nm", skip_serializing_if = "Option::is_none")]
+    pub coulomb: Option<f64>,
+    /// Fs >= Fc (N m).
+    #[serde(rename = "static_nm", skip_serializing_if = "Option::is_none")]
+    pub static_level: Option<f64>,
+    /// vs (rad/s).
+    #[serde(rename = "stribeck_rad_per_s", skip_serializing_if = "Option::is_none")]
+    pub stribeck_velocity: Option<f64>,
+    /// delta, 1 or 2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stribeck_exponent: Option<u32>,
+    /// Fv (N m s/rad).
+    #[serde(rename = "viscous_nm_s_per_rad", skip_serializing_if = "Option::is_none")]
+    pub viscous: Option<f64>,
+    /// eps, presliding distance (rad).
+    #[serde(rename = "presliding_rad", skip_serializing_if = "Option::is_none")]
+    pub presliding: Option<f64>,
+    /// eta, ratio of the two presliding distances of the second order.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub presliding_ratio: Option<f64>,
+    /// DV, below which a body counts as standing (rad/s).
+    #[serde(rename = "dead_band_rad_per_s", skip_serializing_if = "Option::is_none")]
+    pub dead_band: Option<f64>,
+    /// tau_L, by which the Stribeck effect lags behind the speed (s).
+    #[serde(rename = "frictional_memory_s", skip_serializing_if = "Option::is_none")]
+    pub frictional_memory: Option<f64>,
+    /// gamma, in which static friction rises by half (s).
+    #[serde(rename = "dwell_s", skip_serializing_if = "Option::is_none")]
+    pub dwell: Option<f64>,
+    /// i, shape of Dahl's yielding; 0, 1 or 2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dahl_exponent: Option<u32>,
+    /// sigma1 (N m s/rad).
+    #[serde(rename = "micro_damping_nm_s_per_rad", skip_serializing_if = "Option::is_none")]
+    pub micro_damping: Option<f64>,
+    /// Level over torque while the motor drives the load.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load_driving: Option<f64>,
+    /// Level over torque while the load drives the motor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load_driven: Option<f64>,
+    /// Shares a_1, a_2 of the level.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ripple_cosines: Option<Vec<f64>>,
+    /// Shares b_1, b_2 of the level.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ripple_sines: Option<Vec<f64>>,
+    /// What differs backwards.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub backward: Option<Backward>,
+    /// Rows of eq. (8).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub state_space: Option<Vec<StateRow>>,
+}
+
+/// `[friction.*.backward]`: what is left out is as forwards.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Backward {
+    /// Fc (N m).
+    #[serde(rename = "coulomb_nm", skip_serializing_if = "Option::is_none")]
+    pub coulomb: Option<f64>,
+    /// Fs >= Fc (N m).
+    #[serde(rename = "static_nm", skip_serializing_if = "Option::is_none")]
+    pub static_level: Option<f64>,
+    /// vs (rad/s).
+    #[serde(rename = "stribeck_rad_per_s", skip_serializing_if = "Option::is_none")]
+    pub stribeck_velocity: Option<f64>,
+    /// Fv (N m s/rad).
+    #[serde(rename = "viscous_nm_s_per_rad", skip_serializing_if = "Option::is_none")]
+    pub viscous: Option<f64>,
+    /// Shares a_1, a_2 of the level.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ripple_cosines: Option<Vec<f64>>,
+    /// Shares b_1, b_2 of the level.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ripple_sines: Option<Vec<f64>>,
+}
+
+/// One state of `[[friction.*.state_space]]`, dx_i/ds = sum of a_ij x_j + b_i sign(v), F = sum of c_i x_i.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StateRow {
+    /// Row of A (1/rad).
+    #[serde(rename = "a_per_rad")]
+    pub a: Vec<f64>,
+    /// Entry of B (1/rad).
+    #[serde(rename = "b_per_rad")]
+    pub b: f64,
+    /// Entry of C (N m).
+    #[serde(rename = "c_nm")]
+    pub c: f64,
+}
+
+impl Friction {
+    /// The same with the values of motion backwards.
+    #[must_use]
+    pub fn backwards(&self) -> Self {
+        let backward = self.backward.clone().unwrap_or_default();
+        Self {
+            coulomb: backward.coulomb.or(self.coulomb),
+            static_level: backward.static_level.or(self.static_level),
+            stribeck_velocity: backward.stribeck_velocity.or(self.stribeck_velocity),
+            viscous: backward.viscous.or(self.viscous),
+            ripple_cosines: backward.ripple_cosines.or_else(|| self.ripple_cosines.clone()),
+            ripple_sines: backward.ripple_sines.or_else(|| self.ripple_sines.clone()),
+            ..self.clone()
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! The friction's chapter: every model with the numbers of one side of the gear, on the same motions.
+
+mod level;
+mod models;
+mod presliding;
+mod stick_slip;
+
+use maud::{Markup, html};
+
+use super::{Chapter, figure_table, table};
+use crate::file::BadInput;
+use crate::gear_file::{FrictionModel, GearFile};
+use crate::plot::{Panel, Series};
+use crate::verify::Part;
+use models::{Models, Numbers};
+
+/// Small panels side by side.
+const COLUMNS: usize = 3;
+
+pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<Chapter, BadInput> {
+    let numbers = Numbers::of(&gear.friction.input);
+    let models = Models::build(&numbers);
+    let level = level::section(&numbers, &models);
+    progress(0.1);
+    let presliding = presliding::section(&numbers, &models);
+    progress(0.2);
+    let stick_slip = stick_slip::section(&numbers, &models);
+    progress(0.5);
+    let measured = Part::Friction.measure()?;
+    let body = html! {
+        (introduction(gear, &numbers, &models)) (level) (presliding) (stick_slip)
+        h3 { "Figures beside their bounds" }
+        p { "Measured now, on the default gear: " code { "strainwave verify friction" } "." }
+        (figure_table(&measured))
+    };
+    Ok(Chapter { id: "friction", title: "Friction", body, measured })
+}
+
+fn introduction(gear: &GearFile, numbers: &Numbers, models: &Models) -> Markup {
+    let rows: Vec<_> = FrictionModel::ALL.iter().map(|model| [model.name().into(), needs(*model)]).collect();
+    html! {
+        p {
+            "Every model of the library, as " code { "model" } " under " code { "[friction.input]" } " and "
+            code { "[friction.output]" } " of a gear file names it, computed by the library and with the numbers of this "
+            "gear's wave generator, whose model is " code { (gear.friction.input.model.name()) } ": "
+            (numbers.levels()) ". " (numbers.taken())
+        }
+        @for note in &models.left_out { p { (note) } }
+        div.words { (table(["model", "keys that it needs"], &rows)) }
+    }
+}
+
+fn needs(model: FrictionModel) -> String {
+    model.needs().collect::<Vec<_>>().join(", ")
+}
+
+/// A model's curve, and dashed lines of (x, level) beside it; forces in mN m.
+fn panel(axes: Panel, name: &str, [x, force]: [&[f64]; 2], levels: &[Vec<(f64, f64)>]) -> Panel {
+    let milli = |force: &f64| force * 1e3;
+    let curve = Series::line("", x, &force.iter().map(milli).collect::<Vec<_>>());
+    levels.iter().fold(axes.titled(name).with(curve), |panel, level| {
+        let (x, level): (Vec<_>, Vec<_>) = level.iter().map(|(x, level)| (x, milli(level))).unzip();
+        panel.with(Series::dashed("", &x, &level))
+    })
+}
