@@ -1,12 +1,11 @@
 //! Laws of the compensator: the observer's error contracts, and feed-forward at rest does nothing new.
 
 use strainwave::compensator::observer::{Measurement, Observer, ObserverState};
-use strainwave::compensator::{Faults, Input, JointParams, RealTimeGear, Sensors, Shares};
+use strainwave::compensator::{Faults, Input, JointParams, RealTimeGear};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, Motion};
 use strainwave_desktop::GearFile;
 use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
-use strainwave_desktop::scenario::Scenario;
 
 fn joint() -> JointParams<f64> {
     joint_params(&GearFile::default_gear()).unwrap()
@@ -77,32 +76,6 @@ fn the_observers_error_contracts() {
             assert!(last.1 < 0.1 * first.1, "external torque {first:?} -> {last:?}");
         }
     }
-}
-
-/// Feed-forward torques along the fast move, from 50 ms before it to 0.5 s after.
-fn fast_move() -> (Vec<f32>, Vec<f32>) {
-    let compensator = joint_params::<f32>(&GearFile::default_gear()).unwrap().build().unwrap();
-    let mut state = compensator.rest();
-    let shares = Shares { feedback: 0.0, inertia: 1.0, friction: 0.8, wind_up: 1.0, kinematic_error: 1.0 };
-    let torques: Vec<f32> = (-500..7_500)
-        .map(|k| {
-            let setpoint = Scenario::S3.at(f64::from(k) * CONTROL_PERIOD, 67.0).setpoint();
-            let input = Input { sensors: Sensors::default(), setpoint, shares };
-            compensator.step(&mut state, &input).feed_forward_torque
-        })
-        .collect();
-    (torques[..500].to_vec(), torques[3_010..].to_vec())
-}
-
-#[test]
-fn feed_forward_at_rest_neither_drives_nor_hunts() {
-    let (before, after) = fast_move();
-    assert!(before.iter().all(|torque| *torque == 0.0), "nothing was asked yet");
-    assert!(after.iter().all(|torque| torque.to_bits() == after[0].to_bits()), "it stays as it is");
-    let friction = GearFile::default_gear().friction;
-    let held = friction.input.static_level.unwrap() + friction.output.static_level.unwrap() / 100.0;
-    let share = f64::from(after[0].abs()) / held;
-    assert!(share > 0.5 && share < 0.8 + 1e-6, "{share} of what static friction holds");
 }
 
 /// The zero between the two encoders is taken from readings that are believed.

@@ -47,11 +47,11 @@ fn the_signed_ratio_follows_the_arrangement() {
 fn full() -> Table {
     let mut gear = parse(LARA8).unwrap();
     gear.kinematic_error.flexspline = gear.kinematic_error.wave_generator.clone();
+    gear.hysteresis.half_range = Some(2e-3);
+    gear.hysteresis.weights = Some(vec![vec![0.1], vec![0.3, 0.2], vec![0.5, 0.3, 0.1]]);
     for side in [&mut gear.friction.input, &mut gear.friction.output] {
         *side = every_friction(side);
     }
-    gear.hysteresis.half_range = Some(2e-3);
-    gear.hysteresis.weights = Some(vec![vec![0.1], vec![0.3, 0.2], vec![0.5, 0.3, 0.1]]);
     gear.to_toml().parse().unwrap()
 }
 
@@ -147,11 +147,11 @@ fn every_key_but_the_optional_ones_is_required() {
             format!(", which {}.model = \"{model}\" needs", &path[..path.rfind('.').unwrap()])
         });
         match parse(&table.to_string()) {
-            Ok(_) => assert!(key.optional && who.is_empty(), "{path} may be left out"),
             // Half range and weights come together.
             Err(line) if line.contains(" without ") => {
                 assert!(key.optional && key.path.starts_with("hysteresis."), "{line}");
             }
+            Ok(_) => assert!(key.optional && who.is_empty(), "{path} may be left out"),
             Err(line) => {
                 assert!(!key.optional || !who.is_empty(), "{line}");
                 assert_eq!(line, format!("g.toml: missing key {path}{who}; allowed: {}", key.allowed));
@@ -356,8 +356,8 @@ fn every_key_refuses_every_wrong_type() {
                     | (Allowed::Flag, Value::Boolean(_))
                     | (Allowed::Whole(..), Value::Integer(_))
                     | (Allowed::Number(..), Value::Integer(_) | Value::Float(_))
-                    | (Allowed::Numbers(..), Value::Array(_))
                     | (Allowed::Triangle(..), Value::Array(_))
+                    | (Allowed::Numbers(..), Value::Array(_))
             );
             if !fits {
                 let line = changed(key.path, value.clone()).expect_err(key.path);
@@ -379,11 +379,11 @@ fn outside(allowed: Allowed) -> Vec<Value> {
             [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300].map(Value::Float).to_vec()
         }
         Allowed::Word(_) | Allowed::Text => vec!["".into(), "a\nb".into(), "z".repeat(200).into()],
+        Allowed::Flag | Allowed::Triangle(..) => vec![],
         Allowed::Numbers(most, end, _) => {
             let lists = [vec![], vec![0.0; most + 1], vec![0.0, 1.01 * end], vec![f64::NAN]];
             lists.map(|list| Value::Array(list.into_iter().map(Value::Float).collect())).to_vec()
         }
-        Allowed::Flag | Allowed::Triangle(..) => vec![],
     }
 }
 

@@ -136,11 +136,11 @@ fn the_report_is_one_page_that_needs_nothing_else() {
         "Torque over torsion",
         "Strain at a gauge",
         "Mesh sizes",
+        "Hysteresis curve",
+        "Relay and weights",
         "Level over speed",
         "Presliding: reversals that grow",
         "Stick-slip",
-        "Hysteresis curve",
-        "Relay and weights",
         "Figures beside",
     ] {
         assert!(page.contains(&format!("<h3>{title}")), "{title}");
@@ -200,10 +200,14 @@ fn verify_measures_the_part_asked_for() {
     let bench = Bench::new();
     for part in ["friction", "hysteresis"] {
         let answer = bench.run(&format!("verify {part}"));
-        assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""));
+        assert_eq!(answer.error, "");
+        // What the clock shows is no test's business, but it decides the exit code.
+        let by_the_clock = |line: &&str| line.contains(" ns ");
+        let late = answer.output.lines().filter(by_the_clock).any(|line| line.ends_with(" NO"));
+        assert_eq!(answer.code, Some(i32::from(late)));
         let mut bounded = 0;
-        for line in answer.output.lines().skip(1) {
-            assert!(line.starts_with(&format!("{part}.")), "{line}");
+        for line in answer.output.lines().skip(1).filter(|line| !by_the_clock(line)) {
+            assert!(line.starts_with(&format!("{part}.")) && !line.ends_with(" NO"), "{line}");
             bounded += usize::from(line.ends_with(" yes"));
         }
         assert!(bounded > 0, "{}", answer.output);

@@ -189,35 +189,22 @@ fn check_value(path: &str, value: &Value, allowed: Allowed) -> Result<(), String
             | (Allowed::Flag, Value::Boolean(_))
             | (Allowed::Whole(..), Value::Integer(_))
             | (Allowed::Number(..), Value::Integer(_) | Value::Float(_))
-            | (Allowed::Numbers(..), Value::Array(_))
             | (Allowed::Triangle(..), Value::Array(_))
+            | (Allowed::Numbers(..), Value::Array(_))
     );
     if !right_type {
         return Err(wrong_type(path, value, allowed));
     }
-    if let (Allowed::Numbers(most, ..), Value::Array(items)) = (allowed, value) {
-        return check_list(path, items, most, allowed);
-    }
     if let (Allowed::Triangle(most, _), Value::Array(rows)) = (allowed, value) {
         return check_triangle(path, rows, most).map_err(|why| format!("{why}; allowed: {allowed}"));
+    }
+    if let (Allowed::Numbers(most, ..), Value::Array(items)) = (allowed, value) {
+        return check_list(path, items, most, allowed);
     }
     if holds(allowed, value) {
         Ok(())
     } else {
         Err(format!("{path}{} is out of range; allowed: {allowed}", shown_after(value)))
-    }
-}
-
-fn check_list(path: &str, items: &[Value], most: usize, allowed: Allowed) -> Result<(), String> {
-    if !(1..=most).contains(&items.len()) {
-        return Err(format!("{path} has {} entries; allowed: {allowed}", items.len()));
-    }
-    let outside = |item: &Value| !number(item).is_some_and(|number| allowed.holds(number));
-    match items.iter().position(outside) {
-        None => Ok(()),
-        Some(at) => {
-            Err(format!("{path}[{at}]{} is out of range; allowed: {allowed}", shown_after(&items[at])))
-        }
     }
 }
 
@@ -237,6 +224,19 @@ fn check_triangle(path: &str, rows: &[Value], most: f64) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+fn check_list(path: &str, items: &[Value], most: usize, allowed: Allowed) -> Result<(), String> {
+    if !(1..=most).contains(&items.len()) {
+        return Err(format!("{path} has {} entries; allowed: {allowed}", items.len()));
+    }
+    let outside = |item: &Value| !number(item).is_some_and(|number| allowed.holds(number));
+    match items.iter().position(outside) {
+        None => Ok(()),
+        Some(at) => {
+            Err(format!("{path}[{at}]{} is out of range; allowed: {allowed}", shown_after(&items[at])))
+        }
+    }
 }
 
 fn holds(allowed: Allowed, value: &Value) -> bool {

@@ -23,10 +23,10 @@ pub enum Allowed {
     Whole(i64, i64),
     /// A finite number between two ends, and its unit.
     Number(Bound<f64>, Bound<f64>, &'static str),
-    /// One to so many numbers between plus and minus an end, and their unit.
-    Numbers(usize, f64, &'static str),
     /// Rows of 1, 2, 3, ... numbers, 2 to [`TABLE_LEVELS`] of them, each number from 0 to the first, and its unit.
     Triangle(f64, &'static str),
+    /// One to so many numbers between plus and minus an end, and their unit.
+    Numbers(usize, f64, &'static str),
 }
 
 /// Longest name of a gear.
