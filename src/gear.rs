@@ -72,7 +72,7 @@ impl<R: Real> Motion<R> {
 
 /// A gear around a flexspline model, stepped by a fixed dt, with `L` levels of hysteresis and a memory of `MEMORY` turning points.
 #[derive(Clone, Debug)]
-pub struct Gear<R, F, const L: usize, const MEMORY: usize> {
+pub struct Gear<R: Real, F, const L: usize, const MEMORY: usize> {
     ratio: Ratio,
     ratio_value: R,
     kinematic_error: KinematicError<R, KINEMATIC_TERMS>,

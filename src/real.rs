@@ -16,6 +16,7 @@
 //! | [`Real::exp_neg`] | x >= 0 | [`EXP_NEG_ERROR`] relative |
 //! | [`Real::one_minus_exp_neg`] | x >= 0 | [`ONE_MINUS_EXP_NEG_ERROR`] relative |
 
+use crate::hysteresis::fixed::Fixed;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -55,6 +56,9 @@ pub trait Real:
     const MAX: Self;
     /// Bits of the significand.
     const MANTISSA_DIGITS: u32;
+
+    /// The integer that hysteresis computes in.
+    type Fixed: Fixed<Self>;
 
     /// The nearest value to a literal; folded at compile time.
     fn lit(value: f64) -> Self;
@@ -119,6 +123,8 @@ impl Real for f64 {
     const MAX: Self = Self::MAX;
     const MANTISSA_DIGITS: u32 = Self::MANTISSA_DIGITS;
 
+    type Fixed = i64;
+
     #[inline(always)]
     fn lit(value: f64) -> Self {
         value
@@ -162,6 +168,8 @@ impl Real for f32 {
     const ONE: Self = 1.0;
     const MAX: Self = Self::MAX;
     const MANTISSA_DIGITS: u32 = Self::MANTISSA_DIGITS;
+
+    type Fixed = i32;
 
     #[inline(always)]
     fn lit(value: f64) -> Self {

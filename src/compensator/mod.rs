@@ -152,7 +152,7 @@ pub struct JointParams<R> {
 
 /// The built compensator of a joint.
 #[derive(Clone, Debug)]
-pub struct Compensator<R> {
+pub struct Compensator<R: Real> {
     gear: RealTimeGear<R>,
     guard: InputGuard<R>,
     motor_encoder: Encoder,

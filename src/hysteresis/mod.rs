@@ -13,6 +13,8 @@
 //! alpha_i = -U + (i + 1/2)*h and down past beta_j. A grid input therefore never sits on a threshold.
 
 pub mod everett;
+pub mod fixed;
+pub mod memory;
 pub mod relays;
 pub mod staircase;
 pub mod torsion;
@@ -20,7 +22,8 @@ pub mod weights;
 
 pub use everett::Everett;
 pub use relays::{Relays, RelaysState};
-pub use staircase::{Staircase, StaircaseState};
+pub use memory::{StaircaseState, Status};
+pub use staircase::Staircase;
 pub use torsion::{
     HysteresisTorque, TorsionHysteresis, TorsionHysteresisParams, TorsionHysteresisState, gap_for_width,
 };

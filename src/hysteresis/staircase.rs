@@ -1,42 +1,28 @@
 //! Preisach operator from its past extrema: the real-time realisation.
 //!
-//! The output only depends on the turning points of the input that later ones haven't wiped out.
-//! They alternate and are nested, r_0 outermost; each is kept with the output y_k that it had, so
-//! that a step is one look into the Everett table:
+//! The output only depends on the turning points of the input that later ones haven't wiped out, see
+//! [`super::memory`]. Each is kept with the output y_k that it had, so that a step is one look into the
+//! Everett table:
 //!
 //! ```text
 //! y(u) = y_k + G(u, r_k)                       on the branch from the last turning point r_k
 //! y(u) = sign(u) * G(|u|, -|u|)/2              on the virgin curve, when there is none
 //! ```
 //!
-//! Wiping-out: when u reaches the turning point before the last, both are dropped. r_0 is the
-//! largest |u| so far, and what is before it is -r_0, where the demagnetised operator would also
+//! Wiping-out: when u reaches the turning point before the last, both are dropped. r_1 is the
+//! largest |u| so far, and what is before it is -r_1, where the demagnetised operator would also
 //! be on its virgin curve. The default state is demagnetised: no turning point, output 0 at u = 0.
-//!
-//! Cost: a step drops at most the stored points and stores at most one, so that a drop is paid for
-//! by an earlier step. Nested grid inputs turn at most L times, which a capacity C > L holds;
-//! between them the memory could be deeper.
-//!
-//! Full memory (C points): of the newest [`WINDOW`] pairs of neighbouring points the one is forgotten
-//! that shapes the smallest rectangle of the plane, with the standard shape the smallest weight of
-//! relays that a pair alone remembers. The outputs of the others stay, so nothing jumps then. The
-//! output is off only while u passes the forgotten pair on its way out, never by more than G over
-//! the smallest loop that is sure to be kept, between r_(C-8) and r_(C-7); C >= 8. For a ring-down
-//! that loses 6 % a half cycle (damping ratio 0.02) from U to U/1000 and the standard shape, that
-//! bound is 26 % of the output at saturation with C = 24; the largest error found is 2.6 %, and
-//! 1.0 % with C = 32.
 //!
 //! Beyond +-U the input counts as +-U. An input that is not finite leaves everything as it is.
 //!
 //! I. Mayergoyz, "Mathematical models of hysteresis and their applications", 2003, section 1.3.
 
-use super::everett::{Change, Everett, Place};
+use super::everett::Everett;
+use super::fixed::Fixed;
+use super::memory::{StaircaseState, Status};
 use super::weights::Weights;
 use crate::error::{Error, require};
 use crate::real::Real;
-
-/// Pairs of turning points among which a full memory chooses the one to forget.
-pub const WINDOW: usize = 4;
 
 /// Output of one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,173 +31,16 @@ pub struct Response<R> {
     pub output: R,
     /// dy/du along the branch; 0 beyond the range, and when held.
     pub slope: R,
-    /// The input is beyond +-U and counts as +-U.
-    pub saturated: bool,
-    /// The input was not finite: the output is that of the step before.
-    pub held: bool,
-}
-
-/// An input within the range.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Located<R> {
-    /// In cells from the middle of the range.
-    cells: R,
-    pub(crate) place: Place<R>,
-}
-
-/// An input and the output that it had: a turning point, or where the last step left off.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Turn<R> {
-    /// In cells from the middle of the range.
-    input: R,
-    output: R,
-}
-
-/// Memory of at most `MEMORY` turning points; the default is demagnetised at input 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StaircaseState<R, const MEMORY: usize> {
-    turns: [Turn<R>; MEMORY],
-    /// Turning points in use.
-    depth: usize,
-    /// Where the last step left off.
-    now: Turn<R>,
-}
-
-impl<R: Real, const MEMORY: usize> Default for StaircaseState<R, MEMORY> {
-    fn default() -> Self {
-        Self { turns: [Turn::default(); MEMORY], depth: 0, now: Turn::default() }
-    }
-}
-
-/// The branch that an input lies on.
-#[derive(Clone, Copy)]
-struct Branch {
-    /// Turning points that are left.
-    depth: usize,
-    /// The present input becomes the next one.
-    turned: bool,
-}
-
-impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
-    /// y after the last step.
-    pub fn output(&self) -> R {
-        self.now.output
-    }
-
-    /// Turning points stored, up to `MEMORY`.
-    pub fn depth(&self) -> usize {
-        self.depth
-    }
-
-    #[inline(always)]
-    fn turn(&self, k: usize) -> Turn<R> {
-        self.turns.get(k).copied().unwrap_or_default()
-    }
-
-    /// What wipes out the last of `depth` >= 1 points: the one before it, or the mirror of the first.
-    #[inline(always)]
-    fn bound(&self, depth: usize) -> R {
-        if depth >= 2 { self.turn(depth - 2).input } else { -self.turn(0).input }
-    }
-
-    #[inline(always)]
-    fn branch(&self, to: R) -> Branch {
-        let (from, depth) = (self.now.input, self.depth);
-        if depth == 0 {
-            return Branch { depth, turned: to.abs() < from.abs() };
-        }
-        let last = self.turn(depth - 1).input;
-        if from > last {
-            if to >= from {
-                self.rising(depth, to)
-            } else if to > last {
-                Branch { depth, turned: true }
-            } else {
-                // Back past where the branch began: it is wiped out, and on goes the one before.
-                self.falling(depth - 1, to)
-            }
-        } else if to <= from {
-            self.falling(depth, to)
-        } else if to < last {
-            Branch { depth, turned: true }
-        } else {
-            self.rising(depth - 1, to)
-        }
-    }
-
-    /// Wipes out what a rise to `to` passes.
-    #[inline(always)]
-    fn rising(&self, mut depth: usize, to: R) -> Branch {
-        while depth > 0 && to >= self.bound(depth) {
-            depth = depth.saturating_sub(2);
-        }
-        Branch { depth, turned: false }
-    }
-
-    /// Wipes out what a fall to `to` passes.
-    #[inline(always)]
-    fn falling(&self, mut depth: usize, to: R) -> Branch {
-        while depth > 0 && to <= self.bound(depth) {
-            depth = depth.saturating_sub(2);
-        }
-        Branch { depth, turned: false }
-    }
-
-    /// Goes to `now` on `branch`; [`Self::make_room`] keeps a place free for the turning point.
-    #[inline(always)]
-    fn take(&mut self, branch: Branch, now: Turn<R>) {
-        self.depth = branch.depth;
-        if branch.turned
-            && let Some(place) = self.turns.get_mut(branch.depth)
-        {
-            *place = self.now;
-            self.depth = branch.depth + 1;
-        }
-        self.now = now;
-    }
-
-    /// Forgets a pair when the memory is full. Apart from the common path and at the end of a step,
-    /// so that a call costs that path no registers.
-    #[inline(always)]
-    pub(crate) fn make_room(&mut self) {
-        if self.depth >= MEMORY {
-            self.forget();
-        }
-    }
-
-    /// Drops the pair of neighbours with the smallest rectangle among the newest, with both
-    /// neighbours stored too.
-    #[cold]
-    #[inline(never)]
-    fn forget(&mut self) {
-        let newest = MEMORY.saturating_sub(3);
-        let (mut chosen, mut least) = (newest, R::MAX);
-        for back in 0..WINDOW {
-            let k = newest.saturating_sub(back);
-            let (before, after) = (self.turn(k.saturating_sub(1)), self.turn(k + 2));
-            let (first, second) = (self.turn(k), self.turn(k + 1));
-            let area = (first.input - after.input) * (second.input - before.input);
-            if area < least {
-                (chosen, least) = (k, area);
-            }
-        }
-        for k in chosen..MEMORY.saturating_sub(2) {
-            let moved = self.turn(k + 2);
-            if let Some(place) = self.turns.get_mut(k) {
-                *place = moved;
-            }
-        }
-        self.depth = MEMORY.saturating_sub(2);
-    }
 }
 
 /// Built operator: `L` levels, memory of `MEMORY` turning points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Staircase<R, const L: usize, const MEMORY: usize> {
+pub struct Staircase<R: Real, const L: usize, const MEMORY: usize> {
     everett: Everett<R, L>,
-    half_range: R,
-    /// 1/h.
-    cells_per_unit: R,
+    /// Positions per unit of the input.
+    scale: R,
+    /// Slope of the output per one over a cell.
+    slope: R,
 }
 
 impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
@@ -220,101 +49,89 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
     /// # Errors
     /// [`Error::OutOfRange`] `half_range`, or `capacity` when `MEMORY` is not in 8..=1000.
     pub fn build(half_range: R, weights: &Weights<R, L>) -> Result<Self, Error> {
+        Self::around(half_range, Everett::build(weights))
+    }
+
+    /// The operator of a table.
+    pub(crate) fn around(half_range: R, everett: Everett<R, L>) -> Result<Self, Error> {
         require((R::lit(1e-9)..=R::lit(1e6)).contains(&half_range), "half_range")?;
-        require((WINDOW + 4..=1000).contains(&MEMORY), "capacity")?;
+        require((8..=1000).contains(&MEMORY), "capacity")?;
         let cells_per_unit = R::from_i32(L as i32) / (half_range + half_range);
-        Ok(Self { everett: Everett::build(weights), half_range, cells_per_unit })
+        let slope = cells_per_unit * everett.quantum();
+        Ok(Self { everett, scale: R::Fixed::HALF_RANGE / half_range, slope })
     }
 
     /// y at the next input; the input between two steps counts as monotone.
     // Never inlined: the timing budget counts this block by its symbol.
     #[inline(never)]
     pub fn step(&self, state: &mut StaircaseState<R, MEMORY>, input: R) -> Response<R> {
-        if !input.is_finite() {
-            return held(state);
+        self.advance(state, input)
+    }
+
+    /// [`Self::step`] within another block.
+    #[inline(always)]
+    pub(crate) fn advance(&self, state: &mut StaircaseState<R, MEMORY>, input: R) -> Response<R> {
+        let position = R::Fixed::position(input * self.scale);
+        if R::Fixed::is_end(position) {
+            return self.beyond(state, input);
         }
-        let response = self.advance(state, self.locate(input), input);
-        state.make_room();
-        response
+        state.report(Status::Within);
+        let to = state.go(position);
+        let slope = self.arrive(state, to);
+        Response { output: self.output(state), slope: slope.real() * self.slope }
+    }
+
+    /// The step for an input at the ends of the range, beyond it, or not finite.
+    #[cold]
+    #[inline(never)]
+    fn beyond(&self, state: &mut StaircaseState<R, MEMORY>, input: R) -> Response<R> {
+        if input.is_finite() {
+            state.report(Status::Saturated);
+            let end = state.saturate(input > R::ZERO);
+            self.arrive(state, end);
+        } else {
+            state.report(Status::Held);
+        }
+        Response { output: self.output(state), slope: R::ZERO }
+    }
+
+    /// Completes the step to a position in the frame of the branch; the slope over a cell there.
+    #[inline(always)]
+    fn arrive(&self, state: &mut StaircaseState<R, MEMORY>, to: <R::Fixed as Fixed<R>>::Position) -> R::Fixed {
+        let (output, slope) = match state.start() {
+            Some(start) => {
+                let change = self.everett.rise(to, !start.position);
+                (change.value + !start.output, change.slope)
+            }
+            None => {
+                // The weights are symmetric: half of G(v, -v) lies on either side of the line alpha = -beta,
+                // and the derivatives of G over its two arguments are opposite there.
+                let change = self.everett.rise(to, !to);
+                state.forget();
+                (change.value.half(), change.slope)
+            }
+        };
+        state.arrive(to, output);
+        slope
     }
 
     /// What [`Self::step`] would return, with the state left as it is.
     #[inline]
     pub fn peek(&self, state: &StaircaseState<R, MEMORY>, input: R) -> Response<R> {
-        if !input.is_finite() {
-            return held(state);
-        }
-        self.peek_at(state, self.locate(input), input)
+        let mut ahead = *state;
+        self.advance(&mut ahead, input)
+    }
+
+    /// y after the last step.
+    #[inline(always)]
+    pub fn output(&self, state: &StaircaseState<R, MEMORY>) -> R {
+        state.output().real() * self.everett.quantum()
     }
 
     /// The table.
     pub fn everett(&self) -> &Everett<R, L> {
         &self.everett
     }
-
-    /// 1/h.
-    #[inline(always)]
-    pub(crate) fn cells_per_unit(&self) -> R {
-        self.cells_per_unit
-    }
-
-    /// Where a finite input is; beyond the range, its end.
-    #[inline(always)]
-    pub(crate) fn locate(&self, input: R) -> Located<R> {
-        let cells = (input * self.cells_per_unit).limit(R::lit(L as f64 * 0.5));
-        Located { cells, place: Everett::<R, L>::place(cells) }
-    }
-
-    /// The step for a finite input, up to [`StaircaseState::make_room`].
-    #[inline(always)]
-    pub(crate) fn advance(
-        &self,
-        state: &mut StaircaseState<R, MEMORY>,
-        at: Located<R>,
-        input: R,
-    ) -> Response<R> {
-        let branch = state.branch(at.cells);
-        let response = self.read(state, branch, at, input);
-        state.take(branch, Turn { input: at.cells, output: response.output });
-        response
-    }
-
-    /// [`Self::peek`] for a finite input.
-    #[inline(always)]
-    pub(crate) fn peek_at(&self, state: &StaircaseState<R, MEMORY>, at: Located<R>, input: R) -> Response<R> {
-        self.read(state, state.branch(at.cells), at, input)
-    }
-
-    #[inline(always)]
-    fn read(
-        &self,
-        state: &StaircaseState<R, MEMORY>,
-        branch: Branch,
-        at: Located<R>,
-        input: R,
-    ) -> Response<R> {
-        let (start, change) = if branch.depth == 0 && !branch.turned {
-            (R::ZERO, self.virgin(at))
-        } else {
-            let turn = if branch.turned { state.now } else { state.turn(branch.depth.wrapping_sub(1)) };
-            (turn.output, self.everett.change(at.place, Everett::<R, L>::place(turn.input)))
-        };
-        let saturated = input.abs() > self.half_range;
-        let slope = if saturated { R::ZERO } else { change.slope * self.cells_per_unit };
-        Response { output: start + change.value, slope, saturated, held: false }
-    }
-
-    /// The weights are symmetric: half of G(|q|, -|q|) lies on either side of the line alpha = -beta,
-    /// and the derivatives of G over its two arguments are opposite there.
-    #[inline(always)]
-    fn virgin(&self, at: Located<R>) -> Change<R> {
-        let change = self.everett.change(at.place, Everett::<R, L>::place(-at.cells));
-        Change { value: change.value * R::lit(0.5), slope: change.slope }
-    }
-}
-
-fn held<R: Real, const MEMORY: usize>(state: &StaircaseState<R, MEMORY>) -> Response<R> {
-    Response { output: state.output(), slope: R::ZERO, saturated: false, held: true }
 }
 
 #[cfg(test)]

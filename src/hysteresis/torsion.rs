@@ -33,7 +33,8 @@
 //! [`gap_for_width`].
 
 use super::everett::Everett;
-use super::staircase::{Located, Response, Staircase, StaircaseState};
+use super::memory::StaircaseState;
+use super::staircase::{Response, Staircase};
 use super::weights::Weights;
 use crate::error::{Error, require};
 use crate::real::Real;
@@ -81,37 +82,15 @@ pub struct HysteresisTorque<R> {
     pub torque: R,
     /// dtau_hyst/dphi along the branch (N m/rad); 0 beyond the range, and when held.
     pub slope: R,
-    /// The torsion is beyond +-U, where the loop is closed: torque 0.
-    pub saturated: bool,
-    /// The torsion was not finite: the torque is that of the step before.
-    pub held: bool,
 }
 
-/// Memory of the operator, and the last output.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TorsionHysteresisState<R: Real, const MEMORY: usize> {
-    staircase: StaircaseState<R, MEMORY>,
-    torque: R,
-}
-
-impl<R: Real, const MEMORY: usize> TorsionHysteresisState<R, MEMORY> {
-    /// tau_hyst of the last step (N m).
-    #[inline]
-    pub fn torque(&self) -> R {
-        self.torque
-    }
-
-    fn held(&self) -> HysteresisTorque<R> {
-        HysteresisTorque { torque: self.torque, slope: R::ZERO, saturated: false, held: true }
-    }
-}
+/// Memory of the operator.
+pub type TorsionHysteresisState<R, const MEMORY: usize> = StaircaseState<R, MEMORY>;
 
 /// Built model: `L` levels, memory of `MEMORY` turning points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TorsionHysteresis<R, const L: usize, const MEMORY: usize> {
+pub struct TorsionHysteresis<R: Real, const L: usize, const MEMORY: usize> {
     staircase: Staircase<R, L, MEMORY>,
-    /// A at the upper edge of every cell, and its rise over the cell.
-    mean: [(R, R); L],
 }
 
 impl<R: Real, const L: usize, const MEMORY: usize> TorsionHysteresis<R, L, MEMORY> {
@@ -120,56 +99,34 @@ impl<R: Real, const L: usize, const MEMORY: usize> TorsionHysteresis<R, L, MEMOR
     /// # Errors
     /// [`Error::OutOfRange`] `half_range` or `capacity`.
     pub fn from_weights(half_range: R, weights: &Weights<R, L>) -> Result<Self, Error> {
-        let staircase = Staircase::build(half_range, weights)?;
-        let mut mean = [(R::ZERO, R::ZERO); L];
-        for (cell, place) in mean.iter_mut().enumerate() {
-            let upper = major_mean(staircase.everett(), cell + 1);
-            *place = (upper, upper - major_mean(staircase.everett(), cell));
-        }
-        Ok(Self { staircase, mean })
+        Ok(Self { staircase: Staircase::around(half_range, Everett::leading(weights))? })
     }
 
     /// tau_hyst at the next torsion (rad); between two steps the torsion counts as monotone.
     // Never inlined: the timing budget counts this block by its symbol.
     #[inline(never)]
     pub fn step(&self, state: &mut TorsionHysteresisState<R, MEMORY>, torsion: R) -> HysteresisTorque<R> {
-        if !torsion.is_finite() {
-            return state.held();
-        }
-        let at = self.staircase.locate(torsion);
-        let found = self.against_mean(at, self.staircase.advance(&mut state.staircase, at, torsion));
-        state.torque = found.torque;
-        state.staircase.make_room();
-        found
+        self.staircase.advance(state, torsion).into()
     }
 
     /// What [`Self::step`] would return, with the state left as it is.
     #[inline]
     pub fn peek(&self, state: &TorsionHysteresisState<R, MEMORY>, torsion: R) -> HysteresisTorque<R> {
-        if !torsion.is_finite() {
-            return state.held();
-        }
-        let at = self.staircase.locate(torsion);
-        self.against_mean(at, self.staircase.peek_at(&state.staircase, at, torsion))
+        self.staircase.peek(state, torsion).into()
     }
 
-    #[inline(always)]
-    fn against_mean(&self, at: Located<R>, operator: Response<R>) -> HysteresisTorque<R> {
-        let (upper, rise) = self.mean.get(at.place.cell).copied().unwrap_or_default();
-        let mean = upper - (R::ONE - at.place.fraction) * rise;
-        let slope = rise * self.staircase.cells_per_unit() - operator.slope;
-        HysteresisTorque {
-            torque: mean - operator.output,
-            slope: if operator.saturated { R::ZERO } else { slope },
-            saturated: operator.saturated,
-            held: false,
-        }
+    /// tau_hyst of the last step (N m).
+    #[inline]
+    pub fn torque(&self, state: &TorsionHysteresisState<R, MEMORY>) -> R {
+        self.staircase.output(state)
     }
 }
 
-/// Mean of the two major branches at an edge: (-S + G(k, 0) + S - G(L, k))/2.
-fn major_mean<R: Real, const L: usize>(everett: &Everett<R, L>, edge: usize) -> R {
-    R::lit(0.5) * (everett.corner(edge, 0) - everett.corner(L, edge))
+impl<R> From<Response<R>> for HysteresisTorque<R> {
+    #[inline(always)]
+    fn from(response: Response<R>) -> Self {
+        Self { torque: response.output, slope: response.slope }
+    }
 }
 
 #[cfg(test)]
