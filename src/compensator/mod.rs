@@ -32,8 +32,8 @@ use observer::{Measurement, Observer, ObserverParams, ObserverState};
 /// Levels of the hysteresis that runs in real time.
 pub const HYSTERESIS_LEVELS: usize = 24;
 
-/// Turning points that it remembers.
-pub const HYSTERESIS_MEMORY: usize = 24;
+/// Turning points that it remembers: a state of 244 bytes.
+pub const HYSTERESIS_MEMORY: usize = 28;
 
 /// Nodes around and slices along of the mesh whose reduction runs in real time.
 pub const MESH: (usize, usize) = (8, 3);

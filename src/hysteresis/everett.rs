@@ -20,16 +20,18 @@
 //! D. Everett, Transactions of the Faraday Society 51 (1955).
 
 use super::fixed::Fixed;
+use super::memory::cheaper;
 use super::weights::Weights;
 use crate::real::Real;
 
 /// Table for `L` levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Everett<R: Real, const L: usize> {
-    /// G(k + 1, l) at row k, column l <= k, edges counted from -U; zero above the diagonal.
-    rows: [[<R::Fixed as Fixed<R>>::Entry; L]; L],
     /// One quantum of an output.
     quantum: R,
+    /// G(k + 1, l) at row k, column l <= k, edges counted from -U; zero above the diagonal.
+    rows: [[<R::Fixed as Fixed<R>>::Entry; L]; L],
 }
 
 /// An output change and its derivative.
@@ -118,18 +120,21 @@ impl<R: Real, const L: usize> Everett<R, L> {
         from: <R::Fixed as Fixed<R>>::Position,
     ) -> Change<R::Fixed> {
         let ((to_cell, to), (from_cell, from)) = (R::Fixed::place(to, L), R::Fixed::place(from, L));
-        let entries = self.rows.as_flattened();
-        if to_cell != from_cell {
+        if to_cell > from_cell {
             // The corners of a cell off the diagonal: two rows, in each two columns.
-            let corner = (to_cell * L + from_cell).wrapping_sub(L).min(L * L - L - 2);
-            let start = R::Fixed::between(entries[corner], entries[corner + 1], from);
-            let end = R::Fixed::between(entries[corner + L], entries[corner + L + 1], from);
-            let slope = end - start;
+            let start = self.between(to_cell - 1, from_cell, from);
+            let slope = self.between(to_cell, from_cell, from) - start;
             return Change { value: start + slope.share(to), slope };
         }
+        cheaper();
         // In a cell of the diagonal.
-        let entry = entries.get(to_cell * (L + 1)).copied().unwrap_or_default();
-        let slope = R::Fixed::output(entry);
+        let slope = R::Fixed::output(self.rows[to_cell][to_cell]);
         Change { value: slope.share(to - from), slope }
+    }
+
+    /// Within a row, at a fraction of a cell.
+    #[inline(always)]
+    fn between(&self, row: usize, cell: usize, fraction: R::Fixed) -> R::Fixed {
+        R::Fixed::between(self.rows[row][cell], self.rows[row][cell + 1], fraction)
     }
 }

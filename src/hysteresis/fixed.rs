@@ -33,8 +33,10 @@ pub trait Fixed<R>:
     /// Position of the input 0.
     const MIDDLE: Self::Position;
 
-    /// The position so far from the middle; the end of the range beyond it, and the lower one for NaN.
+    /// The position so far from the lower end; the end of the range beyond it, and the lower one for NaN.
     fn position(distance: R) -> Self::Position;
+    /// !0 where `position` is below `other`, else 0; and as an index, -1 or 0.
+    fn below(position: Self::Position, other: Self::Position) -> (Self::Position, usize);
     /// It is one of the two ends of the range.
     fn is_end(position: Self::Position) -> bool;
     /// The cell of `cells` in which a position lies, and its fraction.
@@ -64,7 +66,14 @@ macro_rules! common {
 
         #[inline(always)]
         fn position(distance: $real) -> $position {
-            (distance + Self::HALF_RANGE) as $position
+            distance as $position
+        }
+        #[inline(always)]
+        fn below(position: $position, other: $position) -> ($position, usize) {
+            // The borrow of the difference: no branch.
+            let difference = (position as $unsigned_double).wrapping_sub(other as $unsigned_double);
+            let borrow = (difference >> Self::BITS) as $position;
+            (borrow, borrow.cast_signed() as usize)
         }
         #[inline(always)]
         fn is_end(position: $position) -> bool {

@@ -22,42 +22,41 @@ use crate::real::Real;
 
 /// A position and its output in the frame of a branch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Turn<P, F> {
-    pub(crate) position: P,
-    pub(crate) output: F,
+pub(crate) struct Turn<R: Real> {
+    pub(crate) position: Position<R>,
+    pub(crate) output: R::Fixed,
 }
 
-type Position<R> = <<R as Real>::Fixed as Fixed<R>>::Position;
+pub(crate) type Position<R> = <<R as Real>::Fixed as Fixed<R>>::Position;
 
 /// Memory of at most `MEMORY` turning points; the default is demagnetised at input 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct StaircaseState<R: Real, const MEMORY: usize> {
-    turns: [Turn<Position<R>, R::Fixed>; MEMORY],
+    /// Each as the start of the branch that followed it, in that one's frame.
+    turns: [Turn<R>; MEMORY],
     /// Where the last step left off, in the frame of the branch.
-    now: Turn<Position<R>, R::Fixed>,
+    position: Position<R>,
     /// 0 on a rising branch, !0 on a falling one.
     frame: Position<R>,
     /// Turning points in use; 0 on the virgin curve.
     depth: u32,
-    status: Status,
-}
-
-/// What became of the last input.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Status {
-    /// It was within the range.
-    #[default]
-    Within,
-    /// It was beyond +-U and counted as +-U.
-    Saturated,
-    /// It was not finite: everything is as before.
-    Held,
+    /// Output of the last step, in the frame of the branch.
+    output: R::Fixed,
+    /// Inputs so far that were not finite.
+    held: u32,
 }
 
 impl<R: Real, const MEMORY: usize> Default for StaircaseState<R, MEMORY> {
     fn default() -> Self {
-        let now = Turn { position: R::Fixed::MIDDLE, output: R::Fixed::default() };
-        Self { turns: [Turn::default(); MEMORY], now, frame: Position::<R>::default(), depth: 0, status: Status::Within }
+        Self {
+            turns: [Turn::default(); MEMORY],
+            position: R::Fixed::MIDDLE,
+            frame: Position::<R>::default(),
+            depth: 0,
+            output: R::Fixed::default(),
+            held: 0,
+        }
     }
 }
 
@@ -67,86 +66,91 @@ impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
         self.depth as usize
     }
 
-    /// What became of the last input.
-    pub fn status(&self) -> Status {
-        self.status
+    /// The last input was beyond +-U and counted as +-U.
+    pub fn is_saturated(&self) -> bool {
+        self.position == !Position::<R>::default()
     }
 
-    #[inline(always)]
-    pub(crate) fn report(&mut self, status: Status) {
-        self.status = status;
+    /// How many inputs so far were not finite; each left everything else as it was.
+    pub fn held(&self) -> u32 {
+        self.held
     }
 
     /// Output of the last step.
     #[inline(always)]
     pub(crate) fn output(&self) -> R::Fixed {
-        self.now.output.in_frame(self.frame)
+        self.output.in_frame(self.frame)
     }
 
-    /// Where the branch starts, in the frame of the one before; the virgin curve has no start.
+    /// Goes to a position: that in the frame of its branch, and where the branch starts; the virgin curve has no
+    /// start. [`Self::arrive`] is to follow.
     #[inline(always)]
-    pub(crate) fn start(&self) -> Option<Turn<Position<R>, R::Fixed>> {
-        self.turns[1..].get((self.depth as usize).wrapping_sub(2)).copied()
-    }
-
-    /// Goes to a position, and gives it in the frame of its branch; [`Self::arrive`] is to follow.
-    #[inline(always)]
-    pub(crate) fn go(&mut self, position: Position<R>) -> Position<R> {
-        let mut to = position ^ self.frame;
-        let turned = to < self.now.position;
-        let mut reached = (self.depth as usize).wrapping_sub(2);
+    pub(crate) fn go(&mut self, position: Position<R>) -> (Position<R>, Option<Turn<R>>) {
+        let along = position ^ self.frame;
+        let (turned, one_less) = R::Fixed::below(along, self.position);
+        self.frame = self.frame ^ turned;
+        let to = along ^ turned;
+        let mirror = !to;
+        let bound = (self.depth as usize).wrapping_sub(2).wrapping_sub(one_less);
+        let turned = turned == !Position::<R>::default();
+        let Some(turn) = self.turns.get(bound) else {
+            cheaper();
+            return (to, if turned && to < self.position { Some(self.leave_virgin_curve()) } else { None });
+        };
+        if turn.position >= mirror {
+            return (to, self.wipe_out(bound, mirror));
+        }
+        cheaper();
         if turned {
-            to = !to;
-            self.frame = !self.frame;
-            reached = reached.wrapping_add(1);
+            return (to, Some(self.push(bound + 1)));
         }
-        match self.turns.get(reached) {
-            Some(turn) if turn.position <= to => self.wipe_out(reached, to),
-            None if to >= self.now.position => (),
-            _ if turned => self.push(),
-            _ => (),
-        }
-        to
+        (to, self.turns.get(bound + 1).copied())
     }
 
-    /// Drops every second point up to `reached`, a point that a branch to `to` reaches, as far out as it does.
+    /// Drops every second point up to `reached`, as far out as a branch to `mirror` in the other frame reaches it.
     #[inline(always)]
-    fn wipe_out(&mut self, mut reached: usize, to: Position<R>) {
+    fn wipe_out(&mut self, mut reached: usize, mirror: Position<R>) -> Option<Turn<R>> {
+        if self.turns[0].position >= mirror {
+            cheaper();
+            self.depth = 0;
+            return None;
+        }
         let mut stride = (MEMORY / 2 + 1).next_power_of_two();
         while stride > 1 {
             let outer = reached.saturating_sub(stride);
-            if self.turns[outer].position <= to {
-                reached = outer;
-            }
+            reached = core::hint::select_unpredictable(self.turns[outer].position >= mirror, outer, reached);
             stride /= 2;
         }
         self.depth = reached as u32;
-    }
-
-    /// On the virgin curve.
-    #[inline(always)]
-    pub(crate) fn forget(&mut self) {
-        self.depth = 0;
+        let start = self.turns.get(reached.wrapping_sub(1));
+        if start.is_none() {
+            cheaper();
+        }
+        start.copied()
     }
 
     /// The output where [`Self::go`] went, in its frame.
     #[inline(always)]
     pub(crate) fn arrive(&mut self, position: Position<R>, output: R::Fixed) {
-        self.now = Turn { position, output };
+        (self.position, self.output) = (position, output);
     }
 
-    /// Stores where the last step left off as a turning point.
+    /// Stores where the last step left off as a turning point behind `depth` others.
     #[inline(always)]
-    fn push(&mut self) {
-        if self.depth == 0 {
-            // The demagnetised past is its mirror, a maximum in the other frame.
-            self.turns[0] = self.now;
-            self.depth = 1;
-        }
-        let place = (self.depth as usize).min(MEMORY);
-        let place = if place == MEMORY { MEMORY - 2 } else { place };
-        self.turns[place] = self.now;
+    fn push(&mut self, depth: usize) -> Turn<R> {
+        let turn = Turn { position: !self.position, output: !self.output };
+        let place = if depth >= MEMORY { MEMORY - 2 } else { depth };
+        self.turns[place] = turn;
         self.depth = place as u32 + 1;
+        turn
+    }
+
+    /// Stores it as the first; the demagnetised past is its mirror.
+    #[cold]
+    #[inline(never)]
+    fn leave_virgin_curve(&mut self) -> Turn<R> {
+        self.push(0);
+        self.push(1)
     }
 
     /// Goes to an end of the range, where everything is wiped out.
@@ -156,4 +160,14 @@ impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
         self.depth = 0;
         !zero
     }
+
+    /// Leaves everything as it is for an input that is not finite.
+    pub(crate) fn hold(&mut self) {
+        self.held = self.held.saturating_add(1);
+    }
 }
+
+/// Marks a path that costs less than the one beside it, which then is the one to fall through.
+#[cold]
+#[inline]
+pub(super) fn cheaper() {}

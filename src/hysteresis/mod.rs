@@ -22,7 +22,7 @@ pub mod weights;
 
 pub use everett::Everett;
 pub use relays::{Relays, RelaysState};
-pub use memory::{StaircaseState, Status};
+pub use memory::StaircaseState;
 pub use staircase::Staircase;
 pub use torsion::{
     HysteresisTorque, TorsionHysteresis, TorsionHysteresisParams, TorsionHysteresisState, gap_for_width,

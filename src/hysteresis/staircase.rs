@@ -19,7 +19,7 @@
 
 use super::everett::Everett;
 use super::fixed::Fixed;
-use super::memory::{StaircaseState, Status};
+use super::memory::{Position, StaircaseState, Turn, cheaper};
 use super::weights::Weights;
 use crate::error::{Error, require};
 use crate::real::Real;
@@ -35,12 +35,15 @@ pub struct Response<R> {
 
 /// Built operator: `L` levels, memory of `MEMORY` turning points.
 #[derive(Clone, Copy, Debug, PartialEq)]
+// In this order, so that no address needs computing.
+#[repr(C)]
 pub struct Staircase<R: Real, const L: usize, const MEMORY: usize> {
-    everett: Everett<R, L>,
-    /// Positions per unit of the input.
+    /// Positions per unit of the input, and the position of 0.
     scale: R,
+    middle: R,
     /// Slope of the output per one over a cell.
     slope: R,
+    everett: Everett<R, L>,
 }
 
 impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
@@ -58,7 +61,7 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
         require((8..=1000).contains(&MEMORY), "capacity")?;
         let cells_per_unit = R::from_i32(L as i32) / (half_range + half_range);
         let slope = cells_per_unit * everett.quantum();
-        Ok(Self { everett, scale: R::Fixed::HALF_RANGE / half_range, slope })
+        Ok(Self { scale: R::Fixed::HALF_RANGE / half_range, middle: R::Fixed::HALF_RANGE, slope, everett })
     }
 
     /// y at the next input; the input between two steps counts as monotone.
@@ -71,13 +74,12 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
     /// [`Self::step`] within another block.
     #[inline(always)]
     pub(crate) fn advance(&self, state: &mut StaircaseState<R, MEMORY>, input: R) -> Response<R> {
-        let position = R::Fixed::position(input * self.scale);
+        let position = R::Fixed::position(input * self.scale + self.middle);
         if R::Fixed::is_end(position) {
             return self.beyond(state, input);
         }
-        state.report(Status::Within);
-        let to = state.go(position);
-        let slope = self.arrive(state, to);
+        let (to, start) = state.go(position);
+        let slope = self.arrive(state, to, start);
         Response { output: self.output(state), slope: slope.real() * self.slope }
     }
 
@@ -86,28 +88,32 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
     #[inline(never)]
     fn beyond(&self, state: &mut StaircaseState<R, MEMORY>, input: R) -> Response<R> {
         if input.is_finite() {
-            state.report(Status::Saturated);
             let end = state.saturate(input > R::ZERO);
-            self.arrive(state, end);
+            self.arrive(state, end, None);
         } else {
-            state.report(Status::Held);
+            state.hold();
         }
         Response { output: self.output(state), slope: R::ZERO }
     }
 
     /// Completes the step to a position in the frame of the branch; the slope over a cell there.
     #[inline(always)]
-    fn arrive(&self, state: &mut StaircaseState<R, MEMORY>, to: <R::Fixed as Fixed<R>>::Position) -> R::Fixed {
-        let (output, slope) = match state.start() {
+    fn arrive(
+        &self,
+        state: &mut StaircaseState<R, MEMORY>,
+        to: Position<R>,
+        start: Option<Turn<R>>,
+    ) -> R::Fixed {
+        let (output, slope) = match start {
             Some(start) => {
-                let change = self.everett.rise(to, !start.position);
-                (change.value + !start.output, change.slope)
+                let change = self.everett.rise(to, start.position);
+                (start.output + change.value, change.slope)
             }
             None => {
+                cheaper();
                 // The weights are symmetric: half of G(v, -v) lies on either side of the line alpha = -beta,
                 // and the derivatives of G over its two arguments are opposite there.
                 let change = self.everett.rise(to, !to);
-                state.forget();
                 (change.value.half(), change.slope)
             }
         };
@@ -303,7 +309,8 @@ mod tests {
                 let input = (u * U) as f32;
                 let y = single.step(&mut a, input).output;
                 let exact = double.step(&mut b, f64::from(input)).output;
-                prop_assert!((f64::from(y) - exact).abs() < 2e-5 * S);
+                // A rounded entry for every turning point that an output rests on.
+                prop_assert!((f64::from(y) - exact).abs() < 1e-4 * S);
             }
         }
 
@@ -314,9 +321,11 @@ mod tests {
                 let (before, input) = (state, f32::from_bits(bits));
                 let response = model.step(&mut state, input);
                 prop_assert!(response.output.abs() <= S as f32 * 1.001);
-                prop_assert_eq!(response.held, !input.is_finite());
-                prop_assert_eq!(response.saturated && !response.held, input.is_finite() && input.abs() > U as f32);
-                prop_assert!(!response.held || (before == state && response.output == before.output()));
+                let held = state.held() > before.held();
+                prop_assert_eq!(held, !input.is_finite());
+                prop_assert!(held || state.is_saturated() == (input.abs() >= U as f32));
+                prop_assert!(!held || (response.output == model.output(&before) && response.slope == 0.0));
+                prop_assert!(!held || model.output(&state) == model.output(&before));
             }
         }
 
@@ -338,7 +347,7 @@ mod tests {
             let mut amplitude = 1.0;
             let spiral: Vec<f64> = decays.iter().map(|decay| { amplitude *= -decay; amplitude }).collect();
             let bound = if spiral.len() >= MEMORY {
-                2.0 * S * (0.5 * (spiral[MEMORY - 8] - spiral[MEMORY - 7]).abs()).powi(2) * 1.01 + 1e-9
+                2.0 * S * (0.5 * (spiral[MEMORY - 5] - spiral[MEMORY - 4]).abs()).powi(2) * 1.01 + 1e-9
             } else {
                 1e-9
             };
@@ -369,16 +378,16 @@ mod tests {
     /// The figures of the header.
     #[test]
     fn a_ring_down_that_overflows_the_memory_errs_little() {
-        assert!((0.025..0.026).contains(&ring_down_error::<24>()));
-        assert!((0.009..0.010).contains(&ring_down_error::<32>()));
-        let kept = 0.5 * (0.94f64.powi(24 - 8) + 0.94f64.powi(24 - 7));
-        assert!((2.0 * kept * kept - 0.26).abs() < 0.005);
+        assert!((0.025..0.026).contains(&ring_down_error::<28>()));
+        assert!((0.041..0.042).contains(&ring_down_error::<24>()));
+        let kept = 0.5 * (0.94f64.powi(28 - 5) + 0.94f64.powi(28 - 4));
+        assert!((2.0 * kept * kept - 0.11).abs() < 0.005);
     }
 
     #[test]
     fn it_starts_demagnetised() {
         let (model, state) = (staircase::<f64, 24, 8>(), StaircaseState::default());
-        assert_eq!(model.peek(&state, 0.0).output, 0.0);
+        assert!(model.peek(&state, 0.0).output.abs() < 1e-15 * S);
         // On the virgin curve of the standard shape, S*(u/U)^2.
         for k in 0..=12 {
             let x = f64::from(k) / 12.0;

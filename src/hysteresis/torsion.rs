@@ -165,8 +165,9 @@ mod tests {
     #[test]
     fn it_starts_without_torque_and_on_the_virgin_curve() {
         let state = TorsionHysteresisState::default();
-        assert_eq!(model::<f64>().peek(&state, 0.0).torque, 0.0);
-        assert_eq!(model::<f32>().peek(&TorsionHysteresisState::default(), 0.0).torque, 0.0);
+        assert!(model::<f64>().peek(&state, 0.0).torque.abs() < 1e-15 * S);
+        // Half a quantum of the 16-bit table.
+        assert!(model::<f32>().peek(&TorsionHysteresisState::default(), 0.0).torque.abs() < 7.7e-6 * S as f32);
         for k in -12i32..=12 {
             let x = f64::from(k) / 12.0;
             let wanted = S * (x.abs() - x * x) * x.signum();
@@ -291,8 +292,9 @@ mod tests {
                 let (before, torsion) = (state, f32::from_bits(bits));
                 let found = model.step(&mut state, torsion);
                 prop_assert!(found.torque.abs() <= 0.5001 * S as f32 && found.slope.is_finite());
-                prop_assert_eq!(found.held, !torsion.is_finite());
-                prop_assert!(!found.held || (before == state && found.torque == before.torque()));
+                let held = state.held() > before.held();
+                prop_assert_eq!(held, !torsion.is_finite());
+                prop_assert!(!held || (found.torque == model.torque(&before) && found.slope == 0.0));
             }
         }
     }
@@ -317,7 +319,7 @@ mod tests {
     fn the_loop_is_closed_beyond_its_range_and_says_so() {
         let (model, mut state) = (model::<f64>(), TorsionHysteresisState::default());
         let found = model.step(&mut state, 3.0 * U);
-        assert!(found.saturated && found.torque.abs() < 1e-13 && found.slope == 0.0);
+        assert!(state.is_saturated() && found.torque.abs() < 1e-13 && found.slope == 0.0);
     }
 
     #[test]
