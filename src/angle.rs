@@ -62,6 +62,12 @@ impl<R: Real> Angle<R> {
         self.counts as u32
     }
 
+    /// Cosine and sine.
+    #[inline(always)]
+    pub fn heading(self) -> Heading<R> {
+        Heading::of_phase(self.phase())
+    }
+
     /// `self + delta` (rad); a `delta` beyond half a turn saturates there, NaN moves by a few counts at most.
     #[inline]
     #[must_use]
@@ -168,6 +174,39 @@ impl Ratio {
 fn multiply(signed: i64, unsigned: u64) -> (i64, u64) {
     let product = i128::from(signed).wrapping_mul(i128::from(unsigned));
     ((product >> 64) as i64, product as u64)
+}
+
+/// Cosine and sine of an angle, taken once for all that depends on them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Heading<R> {
+    /// Cosine.
+    pub cosine: R,
+    /// Sine.
+    pub sine: R,
+}
+
+impl<R: Real> Default for Heading<R> {
+    fn default() -> Self {
+        Self { cosine: R::ONE, sine: R::ZERO }
+    }
+}
+
+impl<R: Real> Heading<R> {
+    /// Of a phase of 2^32 counts a turn.
+    #[inline(always)]
+    pub fn of_phase(phase: u32) -> Self {
+        let (sine, cosine) = R::sin_cos_phase(phase);
+        Self { cosine, sine }
+    }
+
+    /// The sum of two angles.
+    #[inline(always)]
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            cosine: self.cosine * other.cosine - self.sine * other.sine,
+            sine: self.sine * other.cosine + self.cosine * other.sine,
+        }
+    }
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@
 use crate::angle::{Angle, Ratio};
 use crate::error::{Error, require};
 use crate::flexspline::{Ends, Flexspline, FlexsplineParams, Reaction};
-use crate::friction::joint_friction::{JointFriction, JointFrictionParams, JointFrictionState};
+use crate::friction::{FrictionModel, FrictionParams, JointFrictionParams, Slip, StepTime};
 use crate::hysteresis::torsion::{
     TorsionHysteresis, TorsionHysteresisParams, TorsionHysteresisState, gap_for_width,
 };
@@ -29,9 +29,9 @@ use crate::real::Real;
 /// Most terms of the kinematic error, relative to the case and to the flexspline each.
 pub const KINEMATIC_TERMS: usize = 8;
 
-/// Everything that a gear is built from.
+/// Everything that a gear is built from; `P` are the parameters of its friction model.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GearParams<R> {
+pub struct GearParams<R, P = JointFrictionParams<R>> {
     /// n of the signed ratio r = 1/n: -N with the circular spline fixed, N + 1 with the flexspline fixed.
     pub ratio: i32,
     /// Rated torque at the output: the hysteresis loop closes there (N m).
@@ -43,9 +43,9 @@ pub struct GearParams<R> {
     /// Kinematic error.
     pub kinematic_error: KinematicErrorParams<R, KINEMATIC_TERMS>,
     /// Friction at the wave generator.
-    pub input_friction: JointFrictionParams<R>,
+    pub input_friction: P,
     /// Friction at the flexspline.
-    pub output_friction: JointFrictionParams<R>,
+    pub output_friction: P,
     /// Inertia of wave generator and motor J_wg (kg m^2).
     pub wave_generator_inertia: R,
     /// Inertia of flexspline and load J_fs (kg m^2).
@@ -70,27 +70,37 @@ impl<R: Real> Motion<R> {
     }
 }
 
-/// A gear around a flexspline model, stepped by a fixed dt, with `L` levels of hysteresis and a memory of `MEMORY` turning points.
+/// A gear around a flexspline model `F` and a friction model `C` of both contacts, stepped by a fixed dt, with
+/// `L` levels of hysteresis and a memory of `MEMORY` turning points.
 #[derive(Clone, Debug)]
-pub struct Gear<R: Real, F, const L: usize, const MEMORY: usize> {
+pub struct Gear<R: Real, F, C, const L: usize, const MEMORY: usize> {
     ratio: Ratio,
     ratio_value: R,
     kinematic_error: KinematicError<R, KINEMATIC_TERMS>,
     flexspline: F,
     hysteresis: TorsionHysteresis<R, L, MEMORY>,
-    input_friction: JointFriction<R>,
-    output_friction: JointFriction<R>,
+    input_friction: C,
+    output_friction: C,
     inverse_flexspline_inertia: R,
-    dt: R,
+    dt: StepTime<R>,
 }
 
 /// What a gear remembers besides the motion of its ends.
 #[derive(Clone, Debug)]
-pub struct GearState<R: Real, S, const MEMORY: usize> {
+pub struct GearState<R: Real, S, T, const MEMORY: usize> {
     flexspline: S,
     hysteresis: TorsionHysteresisState<R, MEMORY>,
-    input_friction: JointFrictionState<R>,
-    output_friction: JointFrictionState<R>,
+    input_friction: T,
+    output_friction: T,
+}
+
+/// Torques on both ends from outside (N m), where they are known: only friction at standstill reads them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Applied<R> {
+    /// Of the motor on the wave generator.
+    pub motor: R,
+    /// Of the load on the flexspline.
+    pub load: R,
 }
 
 /// Torques inside a gear (N m), and what they follow from.
@@ -118,14 +128,14 @@ pub struct Torques<R> {
     pub saturated: bool,
 }
 
-impl<R: Real, S, const MEMORY: usize> GearState<R, S, MEMORY> {
+impl<R: Real, S, T, const MEMORY: usize> GearState<R, S, T, MEMORY> {
     /// What the flexspline remembers.
     pub fn flexspline(&self) -> &S {
         &self.flexspline
     }
 }
 
-impl<R: Real> GearParams<R> {
+impl<R: Real, P: FrictionParams<R>> GearParams<R, P> {
     /// Builds the gear around a flexspline model of the same time step dt (s).
     ///
     /// # Errors
@@ -137,7 +147,7 @@ impl<R: Real> GearParams<R> {
         &self,
         flexspline: F,
         dt: R,
-    ) -> Result<Gear<R, F, L, MEMORY>, Error> {
+    ) -> Result<Gear<R, F, P::Model, L, MEMORY>, Error> {
         let positive = |value: R| value.is_finite() && value > R::ZERO;
         self.flexspline.check()?;
         require(positive(self.rated_torque), "rated_torque")?;
@@ -147,7 +157,10 @@ impl<R: Real> GearParams<R> {
         let k1 = self.flexspline.line.stiffness[0];
         let gap = gap_for_width(k1, self.hysteresis_width, half_range)?;
         let stiffest = self.flexspline.line.stiffness[2];
-        require(positive(dt) && dt * dt * stiffest < R::lit(0.25) * self.flexspline_inertia, "dt")?;
+        require(
+            positive(dt) && dt <= R::ONE && dt * dt * stiffest < R::lit(0.25) * self.flexspline_inertia,
+            "dt",
+        )?;
         let ratio = Ratio::one_over(self.ratio)?;
         Ok(Gear {
             ratio,
@@ -155,22 +168,24 @@ impl<R: Real> GearParams<R> {
             kinematic_error: self.kinematic_error.build(ratio)?,
             flexspline,
             hysteresis: TorsionHysteresisParams { half_range, gap }.build()?,
-            input_friction: self.input_friction.build(dt)?,
-            output_friction: self.output_friction.build(dt)?,
+            input_friction: self.input_friction.build()?,
+            output_friction: self.output_friction.build()?,
             inverse_flexspline_inertia: R::ONE / self.flexspline_inertia,
-            dt,
+            dt: StepTime::new(dt),
         })
     }
 }
 
-impl<R: Real, F: Flexspline<R>, const L: usize, const MEMORY: usize> Gear<R, F, L, MEMORY> {
+impl<R: Real, F: Flexspline<R>, C: FrictionModel<R>, const L: usize, const MEMORY: usize>
+    Gear<R, F, C, L, MEMORY>
+{
     /// At rest, both ends at the zero angle, never loaded before.
-    pub fn rest(&self) -> GearState<R, F::State, MEMORY> {
+    pub fn rest(&self) -> GearState<R, F::State, C::State, MEMORY> {
         GearState {
             flexspline: self.flexspline.rest(),
             hysteresis: TorsionHysteresisState::default(),
-            input_friction: JointFrictionState::default(),
-            output_friction: JointFrictionState::default(),
+            input_friction: C::State::default(),
+            output_friction: C::State::default(),
         }
     }
 
@@ -185,7 +200,7 @@ impl<R: Real, F: Flexspline<R>, const L: usize, const MEMORY: usize> Gear<R, F, 
     }
 
     /// Friction of the wave generator and of the flexspline.
-    pub fn frictions(&self) -> (&JointFriction<R>, &JointFriction<R>) {
+    pub fn frictions(&self) -> (&C, &C) {
         (&self.input_friction, &self.output_friction)
     }
 
@@ -229,27 +244,34 @@ impl<R: Real, F: Flexspline<R>, const L: usize, const MEMORY: usize> Gear<R, F, 
     /// Advances the memories by dt for the motion of both ends, and answers with the torques.
     pub fn torques(
         &self,
-        state: &mut GearState<R, F::State, MEMORY>,
+        state: &mut GearState<R, F::State, C::State, MEMORY>,
         wave_generator: &Motion<R>,
         flange: &Motion<R>,
+        applied: Applied<R>,
     ) -> Torques<R> {
         let (ends, slope) = self.ends(wave_generator, flange);
         let Reaction { contact, flange: on_flange, ellipse, loss, saturated } =
             self.flexspline.step(&mut state.flexspline, &ends);
         let torsion = ends.drive.minus(ends.flange);
         let hysteresis = self.hysteresis.step(&mut state.hysteresis, torsion).torque;
-        let input_friction =
-            self.input_friction.step(&mut state.input_friction, wave_generator.velocity).force;
-        let output_friction = self.output_friction.step(&mut state.output_friction, flange.velocity).force;
+        let transmitted = on_flange + hysteresis;
+        let reflected = slope * (contact + hysteresis);
+        let resisting = reflected - ellipse;
+        let heading = wave_generator.angle.heading();
+        let slip = |velocity| Slip { wave_generator: heading, ..Slip::over(velocity, self.dt) };
+        let input = slip(wave_generator.velocity).under(applied.motor - resisting, reflected);
+        let output = slip(flange.velocity).under(applied.load + transmitted, transmitted);
+        let input_friction = self.input_friction.step(&mut state.input_friction, &input).force;
+        let output_friction = self.output_friction.step(&mut state.output_friction, &output).force;
         Torques {
             torsion,
             drive_rate: ends.drive_rate,
             slope,
-            transmitted: on_flange + hysteresis,
+            transmitted,
             input_friction,
             output_friction,
             hysteresis,
-            wave_generator: input_friction + slope * (contact + hysteresis) - ellipse,
+            wave_generator: input_friction + resisting,
             damping_loss: loss,
             saturated,
         }
@@ -261,23 +283,24 @@ impl<R: Real, F: Flexspline<R>, const L: usize, const MEMORY: usize> Gear<R, F, 
         (torques.transmitted - torques.output_friction + load) * self.inverse_flexspline_inertia
     }
 
-    /// The two-port: moves the flange by one dt under `load` (N m), the wave generator as prescribed.
+    /// The two-port: moves the flange by one dt under `load` (N m), the wave generator as prescribed: where it
+    /// stands, static friction holds as much of the torque that comes back through the gear as it can.
     pub fn step(
         &self,
-        state: &mut GearState<R, F::State, MEMORY>,
+        state: &mut GearState<R, F::State, C::State, MEMORY>,
         flange: &mut Motion<R>,
         wave_generator: &Motion<R>,
         load: R,
     ) -> Torques<R> {
-        let torques = self.torques(state, wave_generator, flange);
-        flange.advance(self.flange_acceleration(&torques, load), self.dt);
+        let torques = self.torques(state, wave_generator, flange, Applied { motor: R::ZERO, load });
+        flange.advance(self.flange_acceleration(&torques, load), self.dt.seconds());
         torques
     }
 
     /// Energy stored in the flexspline (J).
     pub fn flexspline_energy(
         &self,
-        state: &GearState<R, F::State, MEMORY>,
+        state: &GearState<R, F::State, C::State, MEMORY>,
         wave_generator: &Motion<R>,
         flange: &Motion<R>,
     ) -> R {
@@ -290,11 +313,11 @@ mod tests {
     use super::*;
     use crate::flexspline::Reduced;
     use crate::flexspline::calibration::tests::SIZE_25;
-    use crate::friction::Order;
+    use crate::friction::{JointFriction, LubricatedContactParams, Order};
     use crate::kinematic_error::Term;
     use proptest::prelude::*;
 
-    type TestGear<R> = Gear<R, Reduced<R, 8, 3>, 24, 24>;
+    type TestGear<R> = Gear<R, Reduced<R, 8, 3>, JointFriction<R>, 24, 24>;
     const DT: f64 = 1e-5;
 
     fn friction(
@@ -303,19 +326,18 @@ mod tests {
         viscous: f64,
         presliding: f64,
     ) -> JointFrictionParams<f64> {
-        JointFrictionParams {
-            order: Order::Two,
+        let static_level = coulomb;
+        let contact = LubricatedContactParams {
             coulomb,
-            static_level: coulomb,
+            static_level,
             stribeck_velocity,
             stribeck_exponent: 1.0,
             viscous,
-            presliding,
-            presliding_ratio: 0.3,
-        }
+        };
+        JointFrictionParams::symmetric(Order::Two, contact, presliding, 0.3)
     }
 
-    /// The default gear with Fs = Fc, with which friction is dissipative over any path.
+    /// The default gear with Fs = Fc.
     fn params() -> GearParams<f64> {
         let mut kinematic_error = KinematicErrorParams::default();
         kinematic_error.case[0] = Term { order: 2, amplitude: 1e-4, phase: 0.3 };
@@ -354,8 +376,7 @@ mod tests {
         let mut params = params();
         params.hysteresis_width = 0.0;
         params.kinematic_error = KinematicErrorParams::default();
-        params.output_friction.coulomb = 0.0;
-        params.output_friction.static_level = 0.0;
+        params.output_friction = friction(0.0, 0.02, 4.0, 2e-4);
         let line = params.flexspline.line.build().unwrap();
         for load in [-50.0, 10.0, 67.0] {
             let torsion = wind_up(&params, load);
@@ -408,7 +429,7 @@ mod tests {
                 let acceleration = amplitude * frequency * (frequency * time).cos();
                 let pull = load * (3.0 * time).sin();
                 let before = (motor.velocity, flange.velocity);
-                let torques = gear.torques(&mut state, &motor, &flange);
+                let torques = gear.torques(&mut state, &motor, &flange, Applied::default());
                 motor.advance(acceleration, DT);
                 flange.advance(gear.flange_acceleration(&torques, pull), DT);
                 let turned = (0.5 * DT * (before.0 + motor.velocity), 0.5 * DT * (before.1 + flange.velocity));

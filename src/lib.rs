@@ -5,7 +5,7 @@
 //! | module | what is in it |
 //! | --- | --- |
 //! | [`flexspline`] | torque over torsion: the mass-spring mesh of eq. (6), and its reduction for real time |
-//! | [`friction`] | every model of Table 1 and LuGre, one trait; the gear's is Stribeck level times Bliman-Sorine |
+//! | [`friction`] | every model of Table 1 and LuGre, one trait; the gear's is Bliman-Sorine to a level of speed, load and angle |
 //! | [`hysteresis`] | Preisach operator: relays, and the staircase with its Everett table |
 //! | [`kinematic_error`] | the ideal gear's position error, over either rim |
 //! | [`gear`] | the two-port that these make: composes, no physics of its own |
@@ -49,6 +49,7 @@ extern crate std;
 pub mod angle;
 pub mod compensator;
 pub mod error;
+mod exponential;
 pub mod flexspline;
 pub mod friction;
 pub mod gear;
@@ -56,6 +57,6 @@ pub mod hysteresis;
 pub mod kinematic_error;
 pub mod real;
 
-pub use angle::{Angle, Ratio};
+pub use angle::{Angle, Heading, Ratio};
 pub use error::Error;
 pub use real::Real;

@@ -4,14 +4,15 @@
 //! practitioners feed forward: the inertia of a rigid joint, Coulomb and viscous friction.
 //!
 //! ```text
-//! tau_ff = (J_wg/r + r*J_fs)*ddq + (Fc_in + |r|*Fc_out)*sign(dq/r) + (Fv_in/r + r*Fv_out)*dq
+//! tau_ff = (J_wg/r + r*J_fs)*ddq + Fc_in*sign(dq/r) + r*Fc_out*sign(dq) + (Fv_in/r + r*Fv_out)*dq
 //! ```
 
 use strainwave::compensator::Input;
 use strainwave::compensator::encoder::{Encoder, EncoderParams, EncoderState};
 use strainwave::compensator::feedback::{Feedback, FeedbackState};
+use strainwave::friction::JointFrictionParams;
 use strainwave::gear::{GearParams, Motion};
-use strainwave::{Angle, Error, Ratio};
+use strainwave::{Angle, Error, Ratio, Real};
 
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, feedback_params, gear_params};
@@ -75,11 +76,18 @@ impl Baseline {
     fn rigid_body(&self, velocity: f64, acceleration: f64) -> f64 {
         let Some(gear) = &self.feed_forward else { return 0.0 };
         let (r, n): (f64, f64) = (self.ratio.value(), self.ratio.n().into());
-        let direction = if velocity == 0.0 { 0.0 } else { (velocity * n).signum() };
-        (gear.wave_generator_inertia * n + r * gear.flexspline_inertia) * acceleration
-            + (gear.input_friction.coulomb + r.abs() * gear.output_friction.coulomb) * direction
-            + (gear.input_friction.viscous * n + r * gear.output_friction.viscous) * velocity
+        let (input, output) = (
+            rigid_friction(&gear.input_friction, velocity * n),
+            rigid_friction(&gear.output_friction, velocity),
+        );
+        (gear.wave_generator_inertia * n + r * gear.flexspline_inertia) * acceleration + input + r * output
     }
+}
+
+/// Coulomb and viscous friction of a side at a velocity (rad/s).
+fn rigid_friction(side: &JointFrictionParams<f64>, velocity: f64) -> f64 {
+    let contact = if velocity < 0.0 { &side.backward } else { &side.forward };
+    contact.coulomb * Real::sign(velocity) + contact.viscous * velocity
 }
 
 #[cfg(test)]

@@ -313,12 +313,6 @@ pub const BOUNDS: &[Bound] = &[
         why: "share of the Coulomb level that f32 loses over 10^7 steps of random motion; 1e-4 is asked",
     },
     Bound {
-        name: "friction.passive.f32",
-        value: 5e-6,
-        unit: "1",
-        why: "the same of the form that cannot give work",
-    },
-    Bound {
         name: "friction.load.erob80",
         value: 1e-6,
         unit: "N m",

@@ -46,9 +46,7 @@ impl Draw {
         for (side, factor) in
             [&mut off.input_friction, &mut off.output_friction].into_iter().zip(self.friction)
         {
-            side.coulomb *= factor;
-            side.static_level *= factor;
-            side.viscous *= factor;
+            side.scale(factor);
         }
         off.flexspline.line.stiffness = params.flexspline.line.stiffness.map(|k| k * self.stiffness);
         off.flexspline_inertia *= self.inertia;
@@ -93,9 +91,7 @@ mod tests {
         let draw = Draw { friction: [0.5, 2.0], stiffness: 3.0, inertia: 4.0 };
         let mut wanted = params;
         for (side, factor) in [(&mut wanted.input_friction, 0.5), (&mut wanted.output_friction, 2.0)] {
-            side.coulomb *= factor;
-            side.static_level *= factor;
-            side.viscous *= factor;
+            side.scale(factor);
         }
         wanted.flexspline.line.stiffness = params.flexspline.line.stiffness.map(|k| 3.0 * k);
         wanted.flexspline_inertia *= 4.0;

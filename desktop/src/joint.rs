@@ -8,7 +8,7 @@ use strainwave::compensator::observer::ObserverParams;
 use strainwave::compensator::{JointParams, Limits};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
 use strainwave::flexspline::{Bend, Cup, FlexsplineParams};
-use strainwave::friction::{JointFrictionParams, Order};
+use strainwave::friction::{JointFrictionParams, LubricatedContactParams, Order};
 use strainwave::gear::{GearParams, KINEMATIC_TERMS};
 use strainwave::kinematic_error::{KinematicErrorParams, Term};
 use strainwave::{Error, Real};
@@ -66,19 +66,18 @@ fn terms<R: Real>(harmonics: &[Harmonic]) -> [Term<R>; KINEMATIC_TERMS] {
 }
 
 fn friction<R: Real>(side: &Friction) -> JointFrictionParams<R> {
-    JointFrictionParams {
-        order: match side.model {
-            FrictionModel::BlimanSorine1 => Order::One,
-            FrictionModel::BlimanSorine2 => Order::Two,
-        },
+    let order = match side.model {
+        FrictionModel::BlimanSorine1 => Order::One,
+        FrictionModel::BlimanSorine2 => Order::Two,
+    };
+    let contact = LubricatedContactParams {
         coulomb: R::lit(side.coulomb),
         static_level: R::lit(side.static_level),
         stribeck_velocity: R::lit(side.stribeck_velocity),
         stribeck_exponent: R::lit(f64::from(side.stribeck_exponent)),
         viscous: R::lit(side.viscous),
-        presliding: R::lit(side.presliding),
-        presliding_ratio: R::lit(side.presliding_ratio),
-    }
+    };
+    JointFrictionParams::symmetric(order, contact, R::lit(side.presliding), R::lit(side.presliding_ratio))
 }
 
 /// The motor-side cascade that a practitioner would set up from the file's bandwidths.
@@ -130,7 +129,8 @@ pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
          use strainwave::compensator::{{JointParams, Limits}};\n\
          use strainwave::flexspline::stiffness_line::StiffnessLineParams;\n\
          use strainwave::flexspline::{{Bend, Cup, FlexsplineParams}};\n\
-         use strainwave::friction::{{JointFrictionParams, Order::*}};\n\
+         use strainwave::friction::{{\n    \
+         Harmonics, JointFrictionParams, LoadFactors, LubricatedContactParams, Order::*, RippleParams,\n}};\n\
          use strainwave::gear::GearParams;\n\
          use strainwave::kinematic_error::{{KinematicErrorParams, Term}};\n\n\
          /// The joint that this firmware controls.\n\

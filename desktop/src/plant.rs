@@ -9,7 +9,8 @@
 //! that enters both ports is accounted for micro-step by micro-step.
 
 use strainwave::flexspline::{Flexspline, FlexsplineParams, Mesh};
-use strainwave::gear::{Gear, GearParams, GearState, Motion, Torques};
+use strainwave::friction::{JointFriction, JointFrictionState};
+use strainwave::gear::{Applied, Gear, GearParams, GearState, Motion, Torques};
 use strainwave::{Angle, Error};
 
 use crate::divergence::{Diverged, may_go_on};
@@ -28,9 +29,9 @@ pub const STEP_SHARE: f64 = 0.95;
 /// A reference flexspline, f64 and literal eq. (6), with this processor's vector instructions.
 pub type FastMesh<const N: usize, const M: usize> = Vectorised<Mesh<f64, N, M>>;
 /// A reference gear around a flexspline.
-pub type ReferenceGear<F> = Gear<f64, F, LEVELS, MEMORY>;
+pub type ReferenceGear<F> = Gear<f64, F, JointFriction<f64>, LEVELS, MEMORY>;
 /// Its state.
-pub type ReferenceState<F> = GearState<f64, <F as Flexspline<f64>>::State, MEMORY>;
+pub type ReferenceState<F> = GearState<f64, <F as Flexspline<f64>>::State, JointFrictionState<f64>, MEMORY>;
 
 /// A reference mesh and the micro-steps that it takes in a control period.
 pub struct Reference<const N: usize, const M: usize> {
@@ -132,7 +133,8 @@ impl Plant {
     /// When the mesh has diverged.
     pub fn step(&mut self, motor_torque: f64, load: f64) -> Result<(), Diverged> {
         let inertia = self.wave_generator_inertia;
-        self.period(load, |resistance| (motor_torque, (motor_torque - resistance) / inertia))
+        let applied = Applied { motor: motor_torque, load };
+        self.period(applied, |resistance| (motor_torque, (motor_torque - resistance) / inertia))
     }
 
     /// One control period with the wave generator held by a brake.
@@ -141,15 +143,15 @@ impl Plant {
     /// When the mesh has diverged.
     pub fn step_blocked(&mut self, load: f64) -> Result<(), Diverged> {
         self.wave_generator.velocity = 0.0;
-        self.period(load, |resistance| (resistance, 0.0))
+        self.period(Applied { motor: 0.0, load }, |resistance| (resistance, 0.0))
     }
 
     /// One control period; `motor` answers to what resists it (N m) with its torque (N m) and acceleration (rad/s^2).
-    fn period(&mut self, load: f64, motor: impl Fn(f64) -> (f64, f64)) -> Result<(), Diverged> {
+    fn period(&mut self, applied: Applied<f64>, motor: impl Fn(f64) -> (f64, f64)) -> Result<(), Diverged> {
         for _ in 0..self.steps {
-            let torques = self.gear.torques(&mut self.state, &self.wave_generator, &self.flange);
+            let torques = self.gear.torques(&mut self.state, &self.wave_generator, &self.flange, applied);
             let (motor_torque, acceleration) = motor(torques.wave_generator);
-            self.micro_step(&torques, acceleration, motor_torque, load);
+            self.micro_step(&torques, acceleration, motor_torque, applied.load);
             if !may_go_on(&torques) {
                 break;
             }

@@ -7,7 +7,8 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use strainwave::friction::{
-    BlimanSorine, DahlParams, FrictionModel, LuGreParams, LubricatedContactParams, Slip, StateSpaceParams,
+    BlimanSorine, DahlParams, FrictionModel, FrictionParams, LuGreParams, LubricatedContactParams, Slip,
+    StateSpaceParams,
 };
 use strainwave_desktop::GearFile;
 use strainwave_desktop::joint::{CONTROL_PERIOD, gear_params};
@@ -60,8 +61,7 @@ fn steps(criterion: &mut Criterion) {
     let lugre = LuGreParams { contact, stiffness: 1.0 / EPS, damping: 0.01 };
     step(criterion, "lugre", &lugre.build().expect("the levels are in range"));
     let gear = gear_params::<f64>(&GearFile::default_gear()).input_friction;
-    step(criterion, "joint", &gear.build(CONTROL_PERIOD).expect("the default gear can be built"));
-    step(criterion, "passive", &gear.build_passive().expect("the default gear can be built"));
+    step(criterion, "joint", &gear.build().expect("the default gear can be built"));
 }
 
 criterion_group!(benches, steps);

@@ -3,7 +3,7 @@
 use strainwave::compensator::observer::{Measurement, Observer, ObserverState};
 use strainwave::compensator::{Faults, Input, JointParams, RealTimeGear, Sensors, Shares};
 use strainwave::flexspline::Reduced;
-use strainwave::gear::Motion;
+use strainwave::gear::{Applied, Motion};
 use strainwave_desktop::GearFile;
 use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
 use strainwave_desktop::scenario::Scenario;
@@ -41,7 +41,7 @@ impl Twins {
         let mut errors = Vec::new();
         for k in 0..20_000 {
             let acceleration = 300.0 * (10.0 * f64::from(k) * CONTROL_PERIOD).cos();
-            let torques = self.gear.torques(&mut plant, &motor, &flange);
+            let torques = self.gear.torques(&mut plant, &motor, &flange, Applied { motor: 0.0, load });
             let motor_torque = torques.wave_generator + self.joint.gear.wave_generator_inertia * acceleration;
             motor.advance(acceleration, CONTROL_PERIOD);
             flange.advance(self.gear.flange_acceleration(&torques, load), CONTROL_PERIOD);

@@ -40,7 +40,7 @@ proptest! {
         flange.angle = flange.angle.plus(-torsion * gear.flexspline().torsion(largest));
         // With hysteresis at its widest; past this speed viscous friction alone outweighs it.
         let hysteresis = params.flexspline.line.stiffness[0] * params.hysteresis_width;
-        let fastest = (largest + hysteresis) / params.output_friction.viscous;
+        let fastest = (largest + hysteresis) / params.output_friction.forward.viscous;
         let mut saturated = false;
         for (k, count) in counts.iter().enumerate() {
             let alternating = if k % 2 == 0 { swing } else { -swing };

@@ -15,13 +15,14 @@
 //! The flexible joint is flat: motor angle and torque follow from the output's trajectory without solving a
 //! differential equation. Friction is the gear's own model driven along the setpoint, so its
 //! presliding before a reversal is contained. At rest the setpoint covers no path: the friction torque
-//! stays as it is, zero before the first move and after one at most s_f times the static level, so it does
+//! stays as it is, zero before the first move and after one at most s_f times the level, so it does
 //! not hunt, and with s_f < 1 the joint's own static friction holds it.
 //!
-//! Hysteresis and kinematic error are implicit equations; both are solved by one fixed-point step per
-//! control period: the hysteresis torque follows the torsion of the step before (contraction: its slope
-//! over K1, about 0.2), e follows the motor reference of the step before (contraction: N*de/dtheta, below
-//! 0.03 for the default gear).
+//! Hysteresis, kinematic error and the friction's load are implicit equations; all are solved by one
+//! fixed-point step per control period: the hysteresis torque follows the torsion of the step before
+//! (contraction: its slope over K1, about 0.2), e and the friction's ripple follow the motor reference of the
+//! step before (contraction: N*de/dtheta, below 0.03 for the default gear), and the friction's load is the
+//! tau_t of the step before (contraction: the load's factor).
 //!
 //! The external torque winds the gear up but is left to the feedback's integral as a torque: it is
 //! estimated from that very torque.
@@ -33,7 +34,7 @@
 use crate::angle::{Angle, Ratio};
 use crate::compensator::{HYSTERESIS_MEMORY, RealTimeGear, Setpoint, Shares};
 use crate::error::{Error, require};
-use crate::friction::joint_friction::JointFrictionState;
+use crate::friction::{FrictionModel, JointFrictionState, Slip, StepTime};
 use crate::gear::{GearParams, Motion};
 use crate::hysteresis::torsion::TorsionHysteresisState;
 use crate::real::Real;
@@ -45,6 +46,7 @@ pub struct FeedForward<R> {
     flexspline_inertia: R,
     ratio: R,
     inverse_ratio: R,
+    step_time: StepTime<R>,
 }
 
 /// What the feed-forward remembers of the setpoint's motion.
@@ -54,6 +56,8 @@ pub struct FeedForwardState<R: Real> {
     output_friction: JointFrictionState<R>,
     hysteresis: TorsionHysteresisState<R, HYSTERESIS_MEMORY>,
     hysteresis_torque: R,
+    /// tau_t of the step before (N m).
+    carried: R,
     reference: Option<Angle<R>>,
 }
 
@@ -64,6 +68,7 @@ impl<R: Real> Default for FeedForwardState<R> {
             output_friction: JointFrictionState::default(),
             hysteresis: TorsionHysteresisState::default(),
             hysteresis_torque: R::ZERO,
+            carried: R::ZERO,
             reference: None,
         }
     }
@@ -79,11 +84,12 @@ pub struct Demand<R> {
 }
 
 impl<R: Real> FeedForward<R> {
-    /// The feed-forward of a gear.
+    /// The feed-forward of a gear for the control period dt (s).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `ratio`, or the name of the inertia that is not finite and positive.
-    pub fn build(gear: &GearParams<R>) -> Result<Self, Error> {
+    /// [`Error::OutOfRange`] `ratio`, `dt` unless above 0 and up to 1, or the name of the inertia that is not finite and positive.
+    pub fn build(gear: &GearParams<R>, dt: R) -> Result<Self, Error> {
+        require(dt > R::ZERO && dt <= R::ONE, "dt")?;
         let positive = |value: R| value.is_finite() && value > R::ZERO;
         require(positive(gear.wave_generator_inertia), "wave_generator_inertia")?;
         require(positive(gear.flexspline_inertia), "flexspline_inertia")?;
@@ -93,6 +99,7 @@ impl<R: Real> FeedForward<R> {
             flexspline_inertia: gear.flexspline_inertia,
             ratio: ratio.value(),
             inverse_ratio: R::from_i32(ratio.n()),
+            step_time: StepTime::new(dt),
         })
     }
 
@@ -108,18 +115,25 @@ impl<R: Real> FeedForward<R> {
     ) -> Demand<R> {
         let inertia = self.flexspline_inertia * shares.inertia;
         let motor_velocity = setpoint.velocity * self.inverse_ratio;
+        let reference = state.reference.unwrap_or(gear.ratio().undo(setpoint.position));
+        let heading = reference.heading();
+        let slip = |velocity, load| Slip {
+            wave_generator: heading,
+            ..Slip::over(velocity, self.step_time).under(R::ZERO, load)
+        };
         let (input, output) = gear.frictions();
-        let input_friction = shares.friction * input.step(&mut state.input_friction, motor_velocity).force;
-        let output_friction =
-            shares.friction * output.step(&mut state.output_friction, setpoint.velocity).force;
+        let input_slip = slip(motor_velocity, self.ratio * state.carried);
+        let output_slip = slip(setpoint.velocity, state.carried);
+        let input_friction = shares.friction * input.step(&mut state.input_friction, &input_slip).force;
+        let output_friction = shares.friction * output.step(&mut state.output_friction, &output_slip).force;
         let driven = inertia * setpoint.acceleration + output_friction;
 
         let carried = driven - external_torque - state.hysteresis_torque;
         let torsion = gear.flexspline().torsion(carried);
+        state.carried = driven - external_torque;
         state.hysteresis_torque = gear.hysteresis().step(&mut state.hysteresis, torsion).torque;
         let torsion_rate = gear.flexspline().compliance(carried) * inertia * setpoint.jerk;
 
-        let reference = state.reference.unwrap_or(gear.ratio().undo(setpoint.position));
         let deviation = gear.kinematic_error(reference);
         let ahead = shares.wind_up * torsion - shares.kinematic_error * deviation.error;
         let ahead_rate =

@@ -21,6 +21,7 @@ pub use limits::Limits;
 use crate::angle::Angle;
 use crate::error::Error;
 use crate::flexspline::Reduced;
+use crate::friction::JointFriction;
 use crate::gear::{Gear, GearParams};
 use crate::real::Real;
 use encoder::{Encoder, EncoderParams, EncoderState};
@@ -42,7 +43,8 @@ pub const MESH: (usize, usize) = (8, 3);
 pub type RealTimeFlexspline<R> = Reduced<R, { MESH.0 }, { MESH.1 }>;
 
 /// The gear as it runs in real time.
-pub type RealTimeGear<R> = Gear<R, RealTimeFlexspline<R>, HYSTERESIS_LEVELS, HYSTERESIS_MEMORY>;
+pub type RealTimeGear<R> =
+    Gear<R, RealTimeFlexspline<R>, JointFriction<R>, HYSTERESIS_LEVELS, HYSTERESIS_MEMORY>;
 
 /// What the joint's sensors report to one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -195,7 +197,7 @@ impl<R: Real> JointParams<R> {
             output_encoder: encoder(self.output_encoder_bits, self.limits.output_speed(self.gear.ratio))?,
             frozen_encoder: FrozenEncoder::build(self.dt),
             observer: self.observer.build(&self.gear, &self.limits, self.dt)?,
-            feed_forward: FeedForward::build(&self.gear)?,
+            feed_forward: FeedForward::build(&self.gear, self.dt)?,
             feedback: self.feedback.build(self.dt)?,
             limits: self.limits,
         })

@@ -30,7 +30,8 @@ use crate::angle::Angle;
 use crate::compensator::faults::Faults;
 use crate::compensator::{Estimate, HYSTERESIS_MEMORY, Limits, RealTimeGear};
 use crate::error::{Error, require};
-use crate::gear::{GearParams, GearState, Motion, Torques};
+use crate::friction::JointFrictionState;
+use crate::gear::{Applied, GearParams, GearState, Motion, Torques};
 use crate::real::Real;
 
 /// Number of observed states.
@@ -69,7 +70,7 @@ pub struct Observer<R> {
 /// What the observer believes.
 #[derive(Clone, Debug)]
 pub struct ObserverState<R: Real> {
-    gear: GearState<R, (), HYSTERESIS_MEMORY>,
+    gear: GearState<R, (), JointFrictionState<R>, HYSTERESIS_MEMORY>,
     wave_generator: Motion<R>,
     flange: Motion<R>,
     external_torque: R,
@@ -150,7 +151,8 @@ impl<R: Real> Observer<R> {
         if !state.started {
             self.start(gear, state, measured);
         }
-        let torques = gear.torques(&mut state.gear, &state.wave_generator, &state.flange);
+        let applied = Applied { motor: measured.motor_torque, load: state.external_torque };
+        let torques = gear.torques(&mut state.gear, &state.wave_generator, &state.flange, applied);
         faults.raise_if(torques.saturated, Faults::TORSION_BEYOND_RANGE);
         self.predict(gear, state, &torques, measured.motor_torque);
         self.correct(state, measured, &torques);

@@ -145,7 +145,7 @@ impl<R: Real> Armstrong<R> {
     #[inline]
     fn moved(&self, contact: Contact<R>, slip: &Slip<R>) -> Contact<R> {
         let Contact::Stuck { deflection, dwell, left } = contact else { return contact };
-        let dwell = (dwell + slip.duration).min(R::MAX);
+        let dwell = (dwell + slip.duration.seconds()).min(R::MAX);
         let deflection = deflection + slip.displacement();
         let surplus = self.surplus(dwell, left);
         let direction = slip.velocity.sign();
@@ -168,7 +168,7 @@ impl<R: Real> FrictionModel<R> for Armstrong<R> {
         let Slip { velocity, duration, .. } = *slip;
         state.contact = self.moved(self.stopped(state, velocity), slip);
         state.lagged_velocity +=
-            (duration * self.forgetting).one_minus_exp_neg() * (velocity - state.lagged_velocity);
+            (duration.seconds() * self.forgetting).one_minus_exp_neg() * (velocity - state.lagged_velocity);
         state.force = match state.contact {
             Contact::Stuck { deflection, .. } => self.params.stiffness * deflection,
             Contact::Sliding { direction, surplus } => {

@@ -92,7 +92,8 @@ impl<R: Real, const P: usize> BlimanSorineState<R, P> {
     /// F = sum x_i (N) or (N m).
     #[inline(always)]
     pub fn force(&self) -> R {
-        self.forces.iter().fold(R::ZERO, |sum, &force| sum + force)
+        // Not from zero on: adding it is an addition.
+        self.forces.iter().copied().reduce(|sum, force| sum + force).unwrap_or(R::ZERO)
     }
 }
 
@@ -134,23 +135,23 @@ impl<R: Real> BlimanSorine<R, 2> {
 }
 
 impl<R: Real, const P: usize> BlimanSorine<R, P> {
-    /// Moves by `displacement` = v*dt (m) or (rad): an infinite one counts as endless sliding, NaN as none.
+    /// Moves by `displacement` = v*dt (m) or (rad), finite.
     #[inline(always)]
     pub fn slide(&self, state: &mut BlimanSorineState<R, P>, displacement: R) {
-        self.slide_at(state, displacement, R::ONE);
+        // No motion has no direction either, but then the path length is 0 and nothing changes.
+        self.approach(state, displacement.abs(), if displacement < R::ZERO { -R::ONE } else { R::ONE });
     }
 
-    /// Moves by `displacement` with levels and distances both at a `share` of theirs, 0..=1: stiffness is
-    /// as ever.
+    /// The same model with levels times `level` and distances times `distance`.
+    pub(super) fn scaled(&self, level: R, distance: R) -> Self {
+        Self { levels: self.levels.map(|f| f * level), rates: self.rates.map(|rate| rate / distance) }
+    }
+
+    /// Moves by a path length (m) or (rad) towards the levels times `target`.
     #[inline(always)]
-    pub(super) fn slide_at(&self, state: &mut BlimanSorineState<R, P>, displacement: R, share: R) {
-        // No motion has no direction either, but then the path length is 0 and nothing changes.
-        let backwards = displacement < R::ZERO;
-        let path = if backwards { -displacement } else { displacement } / share;
+    pub(super) fn approach(&self, state: &mut BlimanSorineState<R, P>, path: R, target: R) {
         for ((force, &level), &rate) in state.forces.iter_mut().zip(&self.levels).zip(&self.rates) {
-            let level = level * share;
-            let target = if backwards { -level } else { level };
-            *force += (path * rate).one_minus_exp_neg() * (target - *force);
+            *force += (path * rate).one_minus_exp_neg() * (level * target - *force);
         }
     }
 }

@@ -77,7 +77,7 @@ mod tests {
         };
         let model = KarnoppParams { contact, dead_band: 0.01 }.build().unwrap();
         let force = |velocity: f64, applied| {
-            model.step(&mut LastForce::default(), &Slip { velocity, applied, duration: 1e-3 }).force
+            model.step(&mut LastForce::default(), &Slip::new(velocity, 1e-3).under(applied, 0.0)).force
         };
         assert_eq!(
             [(0.009, 0.3), (-0.009, 0.3), (0.0, 9.0), (0.0, -9.0)].map(|(v, f)| force(v, f)),

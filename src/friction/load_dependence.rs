@@ -22,12 +22,11 @@
 //! | m6 | any | any | any | any |
 //!
 //! Memoryless: there is nothing to discretise. The level is never negative, so that a model that loses work
-//! at a fixed level still does at v's sign; a level that varies while presliding stores work does not
-//! ([`super::passive`]).
+//! at a fixed level still does at v's sign; how a level may vary while presliding stores work is in
+//! [`super::joint_friction`].
 //!
 //! Known weakness: the factors are identified one gear, one temperature and one lubricant at a time; Q
-//! jumps where
-//! |tau_m| = |tau_e| and where a torque changes its sign, which no gear does.
+//! jumps where |tau_m| = |tau_e| and where a torque changes its sign, which no gear does.
 //!
 //! M. Duclusaud, G. Passault, V. Padois, O. Ly, "Extended friction models for the physics simulation of
 //! servo actuators", IEEE International Conference on Robotics and Automation, 2025.
@@ -65,6 +64,45 @@ impl<R: Real> LoadedLevel<R> {
 
 fn require_factor<R: Real>(factor: R, name: &'static str) -> Result<(), Error> {
     require((R::ZERO..=R::lit(GREATEST_FACTOR)).contains(&factor), name)
+}
+
+/// What the gear's block knows of its load: the torque through it alone, on its own side.
+///
+/// A joint that turns steadily has tau_e = -tau_m up to its friction, so that m3 to m5 add (k_m + k_e)*|tau|
+/// to the level both ways and Q what differs between driving and driven.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LoadFactors<R> {
+    /// Level over torque while the motor drives the load; 0..=10.
+    pub driving: R,
+    /// While the load drives the motor; 0..=10.
+    pub driven: R,
+}
+
+impl<R: Real> LoadFactors<R> {
+    /// For motion forwards and backwards.
+    pub(super) fn build(&self) -> Result<[DirectedLoad<R>; 2], Error> {
+        require_factor(self.driving, "load.driving")?;
+        require_factor(self.driven, "load.driven")?;
+        let half = |value: R| R::lit(0.5) * value;
+        let even = half(self.driving + self.driven);
+        let odd = half(self.driving - self.driven);
+        Ok([odd, -odd].map(|odd| DirectedLoad { even, odd }))
+    }
+}
+
+/// [`LoadFactors`] in one direction of motion, without a comparison: half their sum, and half their difference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct DirectedLoad<R> {
+    even: R,
+    odd: R,
+}
+
+impl<R: Real> DirectedLoad<R> {
+    /// What `load` (N m) adds to the level (N m).
+    #[inline(always)]
+    pub(super) fn level(&self, load: R) -> R {
+        self.even * load.abs() + self.odd * load
+    }
 }
 
 /// Levels and factors.

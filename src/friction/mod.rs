@@ -15,8 +15,7 @@
 //! | [`ResetIntegrator`] | deflection | no | yes |
 //! | [`BlimanSorine`], [`StateSpace`] | P forces over the path | no | yes: checked at build |
 //! | [`LuGre`] | deflection | no | where sigma1 is small enough, see there |
-//! | [`JointFriction`] | 2 forces over the path | no | nearly, see there |
-//! | [`PassiveFriction`] | 2 forces over the path | no | yes |
+//! | [`JointFriction`] | 2 forces over the path | no | yes |
 //!
 //! All are one [`FrictionModel`]: built once, then stepped by a [`Slip`].
 
@@ -30,7 +29,6 @@ pub mod karnopp;
 pub mod load_dependence;
 pub mod lubricated_contact;
 pub mod lugre;
-pub mod passive;
 pub mod positive_real;
 pub mod reset_integrator;
 pub mod ripple;
@@ -44,12 +42,11 @@ pub use bliman_sorine::BlimanSorine;
 pub use bristle::{Bristle, BristleParams};
 pub use coulomb::{Coulomb, CoulombParams};
 pub use dahl::{Dahl, DahlParams};
-pub use joint_friction::{JointFriction, JointFrictionParams, JointFrictionState, Order};
+pub use joint_friction::{JointFriction, JointFrictionParams, JointFrictionState, Order, RIPPLE_ORDERS};
 pub use karnopp::{Karnopp, KarnoppParams};
-pub use load_dependence::{LoadDependence, LoadDependenceParams, LoadedLevel};
+pub use load_dependence::{LoadDependence, LoadDependenceParams, LoadFactors, LoadedLevel};
 pub use lubricated_contact::{LubricatedContact, LubricatedContactParams};
 pub use lugre::{LuGre, LuGreParams};
-pub use passive::PassiveFriction;
 pub use reset_integrator::{ResetIntegrator, ResetIntegratorParams};
 pub use ripple::{Harmonics, Ripple, RippleParams};
 pub use state_space::{StateSpace, StateSpaceParams};
@@ -57,6 +54,7 @@ pub use stiction::{Static, StaticParams};
 pub use stribeck::{Stribeck, StribeckParams};
 pub use viscous::{Viscous, ViscousParams};
 
+use crate::angle::Heading;
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -64,50 +62,105 @@ use crate::real::Real;
 const GREATEST: f64 = 1e6;
 /// Smallest value of a parameter that divides.
 const LEAST: f64 = 1e-9;
-/// A finite velocity or applied force beyond this counts as this: products of it stay finite in f32.
-const LIMIT: f64 = 1e12;
+/// A finite velocity, applied force or load beyond this counts as this: products of it stay finite in f32.
+const LIMIT: f64 = 1e9;
+
+/// Time that a step takes (s), 0..=1: checked once, where it is made.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepTime<R>(R);
+
+impl<R: Real> StepTime<R> {
+    /// `seconds` limited to 0..=1; NaN counts as 0.
+    #[inline(always)]
+    pub fn new(seconds: R) -> Self {
+        Self(seconds.max(R::ZERO).min(R::ONE))
+    }
+
+    /// (s).
+    #[inline(always)]
+    pub fn seconds(self) -> R {
+        self.0
+    }
+}
 
 /// What a friction contact sees of one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Slip<R> {
+pub struct Slip<R: Real> {
     /// v, constant over the step (m/s) or (rad/s).
     pub velocity: R,
+    /// Time that the step takes.
+    pub duration: StepTime<R>,
     /// F_e: all other forces on the body together (N) or (N m), in the sense of v. Only friction at
     /// standstill reads it.
     pub applied: R,
-    /// Time that the step takes (s); 0..=1, limited to that.
-    pub duration: R,
+    /// Torque through the contact (N) or (N m), positive where the motor drives the load at v > 0. Only
+    /// [`JointFriction`] reads it.
+    pub load: R,
+    /// Where the wave generator stands. Only [`JointFriction`] reads it.
+    pub wave_generator: Heading<R>,
 }
 
 impl<R: Real> Slip<R> {
-    /// A step of `duration` (s) at `velocity` (m/s) or (rad/s), nothing applied.
+    /// A step of `duration` (s) at `velocity` (m/s) or (rad/s), nothing applied, without load, the wave
+    /// generator at 0.
     pub fn new(velocity: R, duration: R) -> Self {
-        Self { velocity, applied: R::ZERO, duration }
+        Self::over(velocity, StepTime::new(duration))
+    }
+
+    /// The same of a time that is known to be one.
+    #[inline(always)]
+    pub fn over(velocity: R, duration: StepTime<R>) -> Self {
+        Self { velocity, duration, ..Self::default() }
+    }
+
+    /// The same with an applied force and a load (N) or (N m).
+    #[inline(always)]
+    pub fn under(self, applied: R, load: R) -> Self {
+        Self { applied, load, ..self }
     }
 
     /// Way that the step covers, with its sign (m) or (rad).
     #[inline(always)]
     pub fn displacement(&self) -> R {
-        self.velocity * self.duration
+        self.velocity * self.duration.seconds()
     }
 
     /// `None` when anything is NaN or infinite.
     #[inline(always)]
     fn limited(&self) -> Option<Self> {
+        let size = self.velocity.abs() + self.applied.abs() + self.load.abs();
+        if size <= R::lit(LIMIT) { Some(*self) } else { self.limited_from_beyond() }
+    }
+
+    #[cold]
+    fn limited_from_beyond(&self) -> Option<Self> {
         let limit = R::lit(LIMIT);
-        let finite = self.velocity.is_finite() && self.applied.is_finite() && self.duration.is_finite();
-        finite.then(|| Self {
+        let numbers = [self.velocity, self.applied, self.load];
+        numbers.iter().all(|number| number.is_finite()).then(|| Self {
             velocity: self.velocity.limit(limit),
             applied: self.applied.limit(limit),
-            duration: self.duration.max(R::ZERO).min(R::ONE),
+            load: self.load.limit(limit),
+            ..*self
         })
     }
+}
+
+/// Parameters of a friction model.
+pub trait FrictionParams<R: Real> {
+    /// What they build.
+    type Model: FrictionModel<R> + 'static;
+
+    /// Checks and precomputes.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with the name of the parameter.
+    fn build(&self) -> Result<Self::Model, Error>;
 }
 
 /// A friction model, its parameters checked and built.
 pub trait FrictionModel<R: Real> {
     /// What the model remembers; by default at rest, without tension.
-    type State: Clone + Default;
+    type State: Clone + Default + 'static;
 
     /// Force after the last step (N) or (N m).
     fn force(&self, state: &Self::State) -> R;

@@ -87,7 +87,7 @@ impl<R: Real> FrictionModel<R> for ResetIntegrator<R> {
         let stretched = state.deflection - before;
         let slope = if state.deflection.abs() < self.reach { self.sticking } else { self.sliding };
         // A step of no time has no rate; in a short one rounding must not pass for speed.
-        let rate = (stretched / slip.duration).finite_or(R::ZERO).limit(slip.velocity.abs());
+        let rate = (stretched / slip.duration.seconds()).finite_or(R::ZERO).limit(slip.velocity.abs());
         state.force = slope * state.deflection + self.damping * rate;
     }
 }

@@ -5,19 +5,23 @@
 //! ```
 //!
 //! with a mean and K orders a turn for forward, and others for backward motion. Order 2 is the ellipse,
-//! order 1 what is off centre. Levels and coefficients (N) or (N m); [`Ripple::share`] is level/mean, to
-//! multiply another model's level by. Sum over k of |a_k| + |b_k| is at most the mean, so that the level is
-//! never negative.
+//! order 1 what is off centre. Levels and coefficients (N) or (N m); the gear's block multiplies another level
+//! by level/mean. Sum over k of |a_k| + |b_k| is at most 0.99 of the mean, so that the
+//! level is positive.
 //!
-//! Memoryless: there is nothing to discretise. One sine and cosine a call; higher orders follow by adding
-//! angles, which loses a unit of rounding an order.
+//! Memoryless: there is nothing to discretise. The angle comes as its sine and cosine; higher orders follow
+//! by Horner's rule, which loses a unit of rounding an order.
 //!
 //! Known weakness: a map of one unit under one load: the orders of a gear differ from the next one's, and
 //! move with wear and temperature.
 
-use super::{require_divisor, require_level};
+use super::require_divisor;
+use crate::angle::Heading;
 use crate::error::{Error, require};
 use crate::real::Real;
+
+/// Greatest sum of the coefficients over the mean.
+const GREATEST_SHARE: f64 = 0.99;
 
 /// Mean and orders of one direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,20 +38,30 @@ impl<R: Real, const K: usize> Harmonics<R, K> {
     fn check(&self, name: &'static str) -> Result<(), Error> {
         require_divisor(self.mean, name)?;
         let sum = self.cosines.iter().chain(&self.sines).fold(R::ZERO, |sum, &part| sum + part.abs());
-        require_level(sum, name)?;
-        require(sum <= self.mean, name)
+        require(sum <= R::lit(GREATEST_SHARE) * self.mean, name)
     }
 
-    /// Level at the angle whose cosine and sine these are.
+    /// Over the mean.
+    fn normalised(&self) -> Self {
+        let inverse = R::ONE / self.mean;
+        let share = |part: R| part * inverse;
+        Self { mean: self.mean, cosines: self.cosines.map(share), sines: self.sines.map(share) }
+    }
+
+    /// Level over its mean, of harmonics over the mean: the real part of sum (a_k - i*b_k)*e^(i*k*theta), by
+    /// Horner's rule.
     #[inline(always)]
-    fn at(&self, cosine: R, sine: R) -> R {
-        let (mut level, mut turned) = (self.mean, (cosine, sine));
-        for (&a, &b) in self.cosines.iter().zip(&self.sines) {
-            let (c, s) = turned;
-            level += a * c + b * s;
-            turned = (c * cosine - s * sine, s * cosine + c * sine);
+    pub(super) fn share(&self, heading: Heading<R>) -> R {
+        let Heading { cosine, sine } = heading;
+        let (mut real, mut imaginary) = (R::ZERO, R::ZERO);
+        for (order, (&a, &b)) in self.cosines.iter().zip(&self.sines).enumerate().rev() {
+            (real, imaginary) = if order + 1 == K {
+                (a, -b)
+            } else {
+                (a + (cosine * real - sine * imaginary), sine * real + cosine * imaginary - b)
+            };
         }
-        level
+        R::ONE + (cosine * real - sine * imaginary)
     }
 }
 
@@ -68,32 +82,30 @@ impl<R: Real, const K: usize> RippleParams<R, K> {
     pub fn build(&self) -> Result<Ripple<R, K>, Error> {
         self.forward.check("forward")?;
         self.backward.check("backward")?;
-        let inverse = |harmonics: &Harmonics<R, K>| R::ONE / harmonics.mean;
-        Ok(Ripple { params: *self, inverse_means: [inverse(&self.forward), inverse(&self.backward)] })
+        let [forward, backward] = [&self.forward, &self.backward].map(Harmonics::normalised);
+        Ok(Ripple { forward, backward })
     }
+
+    /// No ripple.
+    pub const NONE: Self = {
+        let level = Harmonics { mean: R::ONE, cosines: [R::ZERO; K], sines: [R::ZERO; K] };
+        Self { forward: level, backward: level }
+    };
 }
 
 /// Built model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ripple<R, const K: usize> {
-    params: RippleParams<R, K>,
-    inverse_means: [R; 2],
+    pub(super) forward: Harmonics<R, K>,
+    pub(super) backward: Harmonics<R, K>,
 }
 
 impl<R: Real, const K: usize> Ripple<R, K> {
-    /// Level (N) or (N m) at the phase of the wave generator, 2^32 counts a turn.
+    /// Level (N) or (N m) at an angle of the wave generator.
     #[inline]
-    pub fn level(&self, phase: u32, backwards: bool) -> R {
-        let (sine, cosine) = R::sin_cos_phase(phase);
-        let harmonics = if backwards { &self.params.backward } else { &self.params.forward };
-        // Where the orders take all of the mean, rounding must not make it negative.
-        harmonics.at(cosine, sine).max(R::ZERO)
-    }
-
-    /// Level over its mean.
-    #[inline]
-    pub fn share(&self, phase: u32, backwards: bool) -> R {
-        self.level(phase, backwards) * self.inverse_means[usize::from(backwards)]
+    pub fn level(&self, wave_generator: Heading<R>, backwards: bool) -> R {
+        let harmonics = if backwards { &self.backward } else { &self.forward };
+        harmonics.mean * harmonics.share(wave_generator)
     }
 }
 
@@ -104,7 +116,7 @@ mod tests {
 
     const PARAMS: RippleParams<f64, 3> = RippleParams {
         forward: Harmonics { mean: 8.0, cosines: [1.5, -0.7, 0.1], sines: [0.3, 0.9, 0.0] },
-        backward: Harmonics { mean: 1.0, cosines: [1.0, 0.0, 0.0], sines: [0.0; 3] },
+        backward: Harmonics { mean: 1.0, cosines: [0.99, 0.0, 0.0], sines: [0.0; 3] },
     };
 
     proptest! {
@@ -117,9 +129,9 @@ mod tests {
                 PARAMS.forward.cosines[k] * cosine + PARAMS.forward.sines[k] * sine
             });
             let level = 8.0 + orders.sum::<f64>();
-            prop_assert!((model.level(phase, false) - level).abs() < 1e-13);
-            prop_assert!((model.share(phase, false) - level / 8.0).abs() < 1e-14);
-            prop_assert!((0.0..=2.0).contains(&model.level(phase, true)));
+            let heading = Heading::of_phase(phase);
+            prop_assert!((model.level(heading, false) - level).abs() < 1e-13);
+            prop_assert!((0.009..1.991).contains(&model.level(heading, true)));
         }
     }
 

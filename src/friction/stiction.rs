@@ -74,7 +74,7 @@ mod tests {
     fn it_holds_up_to_its_level_and_slides_below_it() {
         let model = StaticParams { coulomb: 1.0, static_level: 1.5 }.build().unwrap();
         let force = |velocity: f64, applied| {
-            model.step(&mut LastForce::default(), &Slip { velocity, applied, duration: 1e-3 }).force
+            model.step(&mut LastForce::default(), &Slip::new(velocity, 1e-3).under(applied, 0.0)).force
         };
         assert_eq!([-9.0, -0.7, 0.0, 1.6].map(|applied| force(0.0, applied)), [-1.5, -0.7, 0.0, 1.5]);
         assert_eq!([-3.0, 1e-30].map(|velocity| force(velocity, 0.0)), [-1.0, 1.0]);

@@ -73,7 +73,7 @@ mod tests {
         };
         let model = StribeckParams { contact }.build().unwrap();
         let force = |velocity: f64, applied| {
-            model.step(&mut LastForce::default(), &Slip { velocity, applied, duration: 1e-3 }).force
+            model.step(&mut LastForce::default(), &Slip::new(velocity, 1e-3).under(applied, 0.0)).force
         };
         assert_eq!([-9.0, -0.7, 0.0, 1.6].map(|applied| force(0.0, applied)), [-1.5, -0.7, 0.0, 1.5]);
         assert!((force(0.1, 0.0) - (1.0 + 0.5 * (-1.0f64).exp())).abs() < 1e-15);

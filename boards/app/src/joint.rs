@@ -4,7 +4,9 @@ use strainwave::compensator::observer::{Gains, ObserverParams};
 use strainwave::compensator::{JointParams, Limits};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
 use strainwave::flexspline::{Bend, Cup, FlexsplineParams};
-use strainwave::friction::{JointFrictionParams, Order::*};
+use strainwave::friction::{
+    Harmonics, JointFrictionParams, LoadFactors, LubricatedContactParams, Order::*, RippleParams,
+};
 use strainwave::gear::GearParams;
 use strainwave::kinematic_error::{KinematicErrorParams, Term};
 
@@ -131,23 +133,97 @@ pub const JOINT: JointParams<f32> = JointParams {
         },
         input_friction: JointFrictionParams {
             order: Two,
-            coulomb: 0.035,
-            static_level: 0.05,
-            stribeck_velocity: 2.0,
-            stribeck_exponent: 1.0,
-            viscous: 0.00012,
+            forward: LubricatedContactParams {
+                coulomb: 0.035,
+                static_level: 0.05,
+                stribeck_velocity: 2.0,
+                stribeck_exponent: 1.0,
+                viscous: 0.00012,
+            },
+            backward: LubricatedContactParams {
+                coulomb: 0.035,
+                static_level: 0.05,
+                stribeck_velocity: 2.0,
+                stribeck_exponent: 1.0,
+                viscous: 0.00012,
+            },
             presliding: 0.02,
             presliding_ratio: 0.3,
+            load: LoadFactors {
+                driving: 0.0,
+                driven: 0.0,
+            },
+            ripple: RippleParams {
+                forward: Harmonics {
+                    mean: 1.0,
+                    cosines: [
+                        0.0,
+                        0.0,
+                    ],
+                    sines: [
+                        0.0,
+                        0.0,
+                    ],
+                },
+                backward: Harmonics {
+                    mean: 1.0,
+                    cosines: [
+                        0.0,
+                        0.0,
+                    ],
+                    sines: [
+                        0.0,
+                        0.0,
+                    ],
+                },
+            },
         },
         output_friction: JointFrictionParams {
             order: Two,
-            coulomb: 1.0,
-            static_level: 1.3,
-            stribeck_velocity: 0.02,
-            stribeck_exponent: 1.0,
-            viscous: 4.0,
+            forward: LubricatedContactParams {
+                coulomb: 1.0,
+                static_level: 1.3,
+                stribeck_velocity: 0.02,
+                stribeck_exponent: 1.0,
+                viscous: 4.0,
+            },
+            backward: LubricatedContactParams {
+                coulomb: 1.0,
+                static_level: 1.3,
+                stribeck_velocity: 0.02,
+                stribeck_exponent: 1.0,
+                viscous: 4.0,
+            },
             presliding: 0.0002,
             presliding_ratio: 0.3,
+            load: LoadFactors {
+                driving: 0.0,
+                driven: 0.0,
+            },
+            ripple: RippleParams {
+                forward: Harmonics {
+                    mean: 1.0,
+                    cosines: [
+                        0.0,
+                        0.0,
+                    ],
+                    sines: [
+                        0.0,
+                        0.0,
+                    ],
+                },
+                backward: Harmonics {
+                    mean: 1.0,
+                    cosines: [
+                        0.0,
+                        0.0,
+                    ],
+                    sines: [
+                        0.0,
+                        0.0,
+                    ],
+                },
+            },
         },
         wave_generator_inertia: 6e-5,
         flexspline_inertia: 1.2,

@@ -29,7 +29,8 @@ use std::f64::consts::TAU;
 
 use strainwave::compensator::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY, MESH, RealTimeFlexspline};
 use strainwave::flexspline::Mesh;
-use strainwave::gear::{Gear, GearParams, GearState, Motion, Torques};
+use strainwave::friction::{FrictionModel, FrictionParams};
+use strainwave::gear::{Applied, Gear, GearParams, GearState, Motion, Torques};
 use strainwave::{Angle, Error, Real};
 
 use crate::divergence::{Diverged, RunError, may_go_on};
@@ -108,7 +109,7 @@ pub fn run<'a>(
         Build::RealTime => {
             let params = gear_params::<f32>(&counted);
             let model = RealTimeFlexspline::build(&params.flexspline, params.rated_torque)?;
-            rows::<_, _, HYSTERESIS_LEVELS, HYSTERESIS_MEMORY>(&params, model, STEP, 1, inputs)
+            rows::<_, _, _, HYSTERESIS_LEVELS, HYSTERESIS_MEMORY>(&params, model, STEP, 1, inputs)
         }
     }
 }
@@ -141,7 +142,7 @@ impl<'a> OnMesh for ReferenceRun<'a> {
     fn run<const N: usize, const M: usize>(self) -> Self::Output {
         let Reference { mesh, dt, steps } =
             Reference::<N, M>::build(&self.params.flexspline, self.longest_step)?;
-        rows::<_, _, LEVELS, MEMORY>(&self.params, mesh, dt, steps, self.inputs)
+        rows::<_, _, _, LEVELS, MEMORY>(&self.params, mesh, dt, steps, self.inputs)
     }
 }
 
@@ -165,15 +166,15 @@ fn wrapped(angle: f64) -> f64 {
 }
 
 /// The rows of a gear around `model`, in `steps` steps of `dt` (s) each.
-fn rows<'a, R: Real, F: Gauged<R> + 'a, const L: usize, const MEMORY: usize>(
-    params: &GearParams<R>,
+fn rows<'a, R: Real, F: Gauged<R> + 'a, P: FrictionParams<R>, const L: usize, const MEMORY: usize>(
+    params: &GearParams<R, P>,
     model: F,
     dt: f64,
     steps: usize,
     inputs: Inputs<'a>,
 ) -> Result<Rows<'a>, Error> {
     let flexspline = Turned { model, zero: Angle::from_radians_f64(-inputs.ellipse) };
-    let gear: Gear<R, _, L, MEMORY> = params.build(flexspline, R::lit(dt))?;
+    let gear: Gear<R, _, _, L, MEMORY> = params.build(flexspline, R::lit(dt))?;
     let mut simulation = Simulation::new(gear, dt, steps, inputs);
     let instants = simulation.inputs.log.time.resampled(STEP);
     Ok(Box::new(instants.map(move |instant| simulation.row(instant))))
@@ -204,9 +205,9 @@ impl Inputs<'_> {
 }
 
 /// A gear on its way through its inputs.
-struct Simulation<'a, R: Real, F: Gauged<R>, const L: usize, const MEMORY: usize> {
-    gear: Gear<R, Turned<R, F>, L, MEMORY>,
-    state: GearState<R, F::State, MEMORY>,
+struct Simulation<'a, R: Real, F: Gauged<R>, C: FrictionModel<R>, const L: usize, const MEMORY: usize> {
+    gear: Gear<R, Turned<R, F>, C, L, MEMORY>,
+    state: GearState<R, F::State, C::State, MEMORY>,
     flange: Motion<R>,
     dt: f64,
     /// Steps of dt in a control period.
@@ -214,8 +215,10 @@ struct Simulation<'a, R: Real, F: Gauged<R>, const L: usize, const MEMORY: usize
     inputs: Inputs<'a>,
 }
 
-impl<'a, R: Real, F: Gauged<R>, const L: usize, const MEMORY: usize> Simulation<'a, R, F, L, MEMORY> {
-    fn new(gear: Gear<R, Turned<R, F>, L, MEMORY>, dt: f64, steps: usize, inputs: Inputs<'a>) -> Self {
+impl<'a, R: Real, F: Gauged<R>, C: FrictionModel<R>, const L: usize, const MEMORY: usize>
+    Simulation<'a, R, F, C, L, MEMORY>
+{
+    fn new(gear: Gear<R, Turned<R, F>, C, L, MEMORY>, dt: f64, steps: usize, inputs: Inputs<'a>) -> Self {
         let mut simulation = Self { state: gear.rest(), flange: Motion::default(), gear, dt, steps, inputs };
         simulation.run_in();
         simulation
@@ -226,7 +229,7 @@ impl<'a, R: Real, F: Gauged<R>, const L: usize, const MEMORY: usize> Simulation<
         for step in (1..=count).rev() {
             let wave_generator = self.inputs.wave_generator(-(step as f64) * self.dt);
             let flange = self.unloaded(&wave_generator);
-            self.gear.torques(&mut self.state, &wave_generator, &flange);
+            self.gear.torques(&mut self.state, &wave_generator, &flange, Applied::default());
         }
         self.flange = self.unloaded(&self.inputs.wave_generator(0.0));
     }

@@ -15,7 +15,8 @@ use std::f64::consts::PI;
 
 use strainwave::compensator::RealTimeGear;
 use strainwave::flexspline::{Flexspline, Reduced};
-use strainwave::gear::{Gear, GearParams, Motion};
+use strainwave::friction::FrictionModel;
+use strainwave::gear::{Applied, Gear, GearParams, Motion};
 use strainwave::{Error, Real};
 
 use crate::bounds;
@@ -50,7 +51,7 @@ pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, Error> {
 fn frictionless<R: Real>(mut params: GearParams<R>) -> GearParams<R> {
     params.hysteresis_width = R::ZERO;
     for friction in [&mut params.input_friction, &mut params.output_friction] {
-        (friction.coulomb, friction.static_level, friction.viscous) = (R::ZERO, R::ZERO, R::ZERO);
+        friction.scale(R::ZERO);
     }
     params
 }
@@ -64,8 +65,8 @@ struct Mode {
 
 impl Mode {
     /// Lets the flange of a gear that is stepped by dt (s) go.
-    fn of<R: Real, F: Flexspline<R>, const L: usize, const MEMORY: usize>(
-        gear: &Gear<R, F, L, MEMORY>,
+    fn of<R: Real, F: Flexspline<R>, C: FrictionModel<R>, const L: usize, const MEMORY: usize>(
+        gear: &Gear<R, F, C, L, MEMORY>,
         dt: f64,
     ) -> Self {
         let mut state = gear.rest();
@@ -74,7 +75,7 @@ impl Mode {
         let drive = gear.drive(wave_generator.angle);
         let mut flange = Motion { angle: drive.plus(R::lit(-RELEASED_FROM)), velocity: R::ZERO };
         for _ in 0..(HELD / dt) as usize {
-            gear.torques(&mut state, &wave_generator, &flange);
+            gear.torques(&mut state, &wave_generator, &flange, Applied::default());
         }
         let torsions = (0..(RINGING / dt) as usize)
             .map(|_| gear.step(&mut state, &mut flange, &wave_generator, R::ZERO).torsion.to_f64());

@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 use strainwave::compensator::RealTimeGear;
 use strainwave::flexspline::Reduced;
-use strainwave::gear::{GearParams, Motion};
+use strainwave::gear::{Applied, GearParams, Motion};
 use strainwave::kinematic_error::KinematicErrorParams;
 use strainwave::{Angle, Error};
 
@@ -67,7 +67,7 @@ fn turning(file: &GearFile, torsion: f64) -> Result<Vec<f64>, Error> {
             let wave_generator = Motion { angle: Angle::from_radians_f64(turn * f64::from(k)), velocity };
             let behind = gear.drive(wave_generator.angle).plus(-torsion as f32);
             let flange = Motion { angle: behind, velocity: gear.ratio().value::<f32>() * velocity };
-            f64::from(gear.torques(&mut state, &wave_generator, &flange).transmitted)
+            f64::from(gear.torques(&mut state, &wave_generator, &flange, Applied::default()).transmitted)
         })
         .collect())
 }

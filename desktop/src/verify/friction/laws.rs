@@ -56,7 +56,7 @@ fn off_dahl() -> f64 {
 fn off_rate(model: &impl FrictionModel<f64>) -> f64 {
     let motion = motion();
     largest([10.0, 0.1].map(|rate| {
-        let faster = |slip: &Slip<f64>| Slip::new(slip.velocity * rate, slip.duration / rate);
+        let faster = |slip: &Slip<f64>| Slip::new(slip.velocity * rate, slip.duration.seconds() / rate);
         difference((model, &motion), (model, &motion.iter().map(faster).collect::<Vec<_>>()))
     }))
 }

@@ -4,8 +4,8 @@
 use std::f64::consts::TAU;
 
 use serde::Deserialize;
-use strainwave::Real;
 use strainwave::friction::{Harmonics, Ripple, RippleParams};
+use strainwave::{Heading, Real};
 
 use crate::bounds;
 use crate::data;
@@ -76,7 +76,7 @@ fn rounded<R: Real>(exact: &Harmonics<f64, ORDERS>) -> Harmonics<R, ORDERS> {
 /// The model's level at the middle of each bin.
 fn sample(model: &Ripple<f32, ORDERS>, bins: usize, backwards: bool) -> Vec<f64> {
     let middle = |k: usize| (((2 * k as u64 + 1) << 32) / (2 * bins as u64)) as u32;
-    (0..bins).map(|k| f64::from(model.level(middle(k), backwards))).collect()
+    (0..bins).map(|k| f64::from(model.level(Heading::of_phase(middle(k)), backwards))).collect()
 }
 
 /// Amplitude of an order; of order 0, the mean. Written apart from the fit: by the sum of pointers.

@@ -11,11 +11,12 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use strainwave::Real;
 use strainwave::friction::{
-    BlimanSorine, BristleParams, DahlParams, FrictionModel, JointFrictionParams, LuGreParams,
-    LubricatedContactParams, Order, ResetIntegratorParams, Slip, StateSpaceParams,
+    BlimanSorine, BristleParams, DahlParams, FrictionModel, FrictionParams, Harmonics, JointFrictionParams,
+    LoadFactors, LuGreParams, LubricatedContactParams, Order, ResetIntegratorParams, RippleParams, Slip,
+    StateSpaceParams,
 };
+use strainwave::{Heading, Real};
 
 use crate::bounds;
 use crate::figure::Figure;
@@ -49,8 +50,28 @@ pub(super) fn measure() -> Vec<Figure> {
     ]
 }
 
-/// A stroke (m), its sign the direction, and its speed (m/s).
-type Stroke = (f64, f64);
+/// One way of a trajectory.
+#[derive(Clone, Copy)]
+struct Stroke {
+    /// Its sign is the direction (m).
+    way: f64,
+    /// (m/s).
+    speed: f64,
+    /// What the gear's block knows besides: load (N) and phase of the wave generator.
+    load: f64,
+    phase: u32,
+}
+
+impl Stroke {
+    fn random(way: f64, random: &mut ChaCha8Rng) -> Self {
+        Self {
+            way,
+            speed: speed(random),
+            load: LEVEL * random.random_range(-1.0..1.0),
+            phase: random.random(),
+        }
+    }
+}
 
 fn worst_of_all<R: Real>() -> f64 {
     let lit = R::lit;
@@ -66,7 +87,7 @@ fn worst_of_all<R: Real>() -> f64 {
         worst(&order_2.expect("the levels are in range"), smooth),
         worst(&resonant::<R>().build().expect("the system is stable and dissipative"), smooth),
         worst(&lugre::<R>().build().expect("the levels are in range"), smooth),
-        worst(&passive::<R>().build_passive().expect("the levels are in range"), smooth),
+        worst(&joint::<R>().build().expect("the levels are in range"), smooth),
         worst(&BristleParams::<R, 4>::of_level(lit(LEVEL), lit(EPS)).build().expect("in range"), on_units),
         worst(&reset_integrator::<R>().build().expect("the levels are in range"), on_units),
     ])
@@ -92,16 +113,21 @@ fn lugre<R: Real>() -> LuGreParams<R> {
     LuGreParams { contact, stiffness: R::lit(LEVEL / EPS), damping: R::ZERO }
 }
 
-fn passive<R: Real>() -> JointFrictionParams<R> {
-    JointFrictionParams {
-        order: Order::Two,
+/// The gear's block, its level moving with speed, direction, load and angle.
+fn joint<R: Real>() -> JointFrictionParams<R> {
+    let contact = LubricatedContactParams {
         coulomb: R::lit(LEVEL / 1.5),
         static_level: R::lit(LEVEL),
         stribeck_velocity: R::lit(0.1),
         stribeck_exponent: R::ONE,
         viscous: R::ZERO,
-        presliding: R::lit(EPS),
-        presliding_ratio: R::lit(ETA),
+    };
+    let harmonics = Harmonics { mean: R::ONE, cosines: [R::lit(0.3), R::lit(-0.1)], sines: [R::lit(0.2); 2] };
+    JointFrictionParams {
+        backward: LubricatedContactParams { coulomb: R::lit(LEVEL), ..contact },
+        load: LoadFactors { driving: R::lit(0.2), driven: R::lit(0.4) },
+        ripple: RippleParams { forward: harmonics, ..RippleParams::NONE },
+        ..JointFrictionParams::symmetric(Order::Two, contact, R::lit(EPS), R::lit(ETA))
     }
 }
 
@@ -117,11 +143,11 @@ fn reset_integrator<R: Real>() -> ResetIntegratorParams<R> {
 /// Strokes from 1e-6 to 1 eps, from far below vs to far above it.
 fn smooth(random: &mut ChaCha8Rng) -> [Stroke; STROKES] {
     let scale = EPS * 10f64.powf(random.random_range(-6.0..0.0));
-    std::array::from_fn(|_| (scale * random.random_range(-1.0..1.0), speed(random)))
+    std::array::from_fn(|_| Stroke::random(scale * random.random_range(-1.0..1.0), random))
 }
 
 fn on_units(random: &mut ChaCha8Rng) -> [Stroke; STROKES] {
-    std::array::from_fn(|_| (UNIT * f64::from(random.random_range(-12..=12i32)), speed(random)))
+    std::array::from_fn(|_| Stroke::random(UNIT * f64::from(random.random_range(-12..=12i32)), random))
 }
 
 /// A power of two, so that a piece of a unit takes a time without rounding; no piece takes a second.
@@ -133,7 +159,7 @@ fn worst<R: Real>(model: &impl FrictionModel<R>, strokes: fn(&mut ChaCha8Rng) ->
     let mut random = ChaCha8Rng::seed_from_u64(3);
     largest((0..TRAJECTORIES).map(|_| {
         let strokes = strokes(&mut random);
-        let back = (-strokes.iter().map(|(way, _)| way).sum::<f64>(), speed(&mut random));
+        let back = Stroke::random(-strokes.iter().map(|stroke| stroke.way).sum::<f64>(), &mut random);
         gain(model, strokes.into_iter().chain([back]))
     }))
 }
@@ -142,22 +168,28 @@ fn worst<R: Real>(model: &impl FrictionModel<R>, strokes: fn(&mut ChaCha8Rng) ->
 fn gain<R: Real>(model: &impl FrictionModel<R>, strokes: impl Iterator<Item = Stroke>) -> f64 {
     let mut state = Default::default();
     let (mut lost, mut path) = (0.0, f64::MIN_POSITIVE);
-    for (way, speed) in strokes {
-        let pieces = (way.abs() / (2.0 * UNIT)).ceil().max(1.0);
-        let pieces = if way % UNIT == 0.0 { way.abs() / UNIT } else { pieces };
+    for stroke in strokes {
+        let length = stroke.way.abs();
+        let pieces =
+            if length % UNIT == 0.0 { length / UNIT } else { (length / (2.0 * UNIT)).ceil().max(1.0) };
+        let piece = Stroke { way: stroke.way / pieces, ..stroke };
         for _ in 0..pieces as u32 {
-            lost += work(model, &mut state, way / pieces, speed);
+            lost += work(model, &mut state, piece);
         }
-        path += way.abs();
+        path += length;
     }
     // Not `max`, which would pass over NaN.
     if lost > 0.0 { 0.0 } else { -lost / (LEVEL * path) }
 }
 
 /// Work lost over a piece of a stroke, and the state moved to its end.
-fn work<R: Real, M: FrictionModel<R>>(model: &M, state: &mut M::State, way: f64, speed: f64) -> f64 {
-    let velocity = R::lit(speed.copysign(way));
-    let slip = |share: f64| Slip::new(velocity, R::lit(share * way.abs() / speed));
+fn work<R: Real, M: FrictionModel<R>>(model: &M, state: &mut M::State, piece: Stroke) -> f64 {
+    let Stroke { way, speed, load, phase } = piece;
+    let slip = |share: f64| Slip {
+        wave_generator: Heading::of_phase(phase),
+        ..Slip::new(R::lit(speed.copysign(way)), R::lit(share * way.abs() / speed))
+            .under(R::ZERO, R::lit(load))
+    };
     let mean: f64 = GAUSS
         .iter()
         .map(|&(node, weight)| weight * model.step(&mut state.clone(), &slip(node)).force.to_f64())
@@ -169,22 +201,47 @@ fn work<R: Real, M: FrictionModel<R>>(model: &M, state: &mut M::State, way: f64,
 #[cfg(test)]
 mod tests {
     use super::*;
+    use strainwave::friction::LubricatedContact;
+    use strainwave::friction::bliman_sorine::BlimanSorineState;
+
+    /// The product of a level and of a presliding force that knows nothing of it.
+    struct Product {
+        presliding: BlimanSorine<f64, 1>,
+        contact: LubricatedContact<f64>,
+    }
+
+    impl FrictionModel<f64> for Product {
+        type State = (BlimanSorineState<f64, 1>, f64);
+
+        fn force(&self, state: &Self::State) -> f64 {
+            state.1
+        }
+
+        fn advance(&self, state: &mut Self::State, slip: &Slip<f64>) {
+            self.presliding.advance(&mut state.0, slip);
+            state.1 = self.contact.level(slip.velocity) * state.0.force();
+        }
+    }
 
     /// Short strokes around rest, slow up to the middle of each and fast from there.
     fn strokes() -> impl Iterator<Item = Stroke> {
-        let length = 0.1 * EPS;
+        let half = |sign: f64, speed| Stroke { way: sign * 0.05 * EPS, speed, load: 0.0, phase: 0 };
         let pairs = (0..400).flat_map(move |k| {
-            let way = if k % 2 == 0 { -0.5 * length } else { 0.5 * length };
-            [(way, 1.0 / 128.0), (way, 8.0)]
+            let sign = if k % 2 == 0 { -1.0 } else { 1.0 };
+            [half(sign, 1.0 / 128.0), half(sign, 8.0)]
         });
-        [(0.5 * length, 8.0)].into_iter().chain(pairs).chain([(-0.5 * length, 8.0)])
+        [half(1.0, 8.0)].into_iter().chain(pairs).chain([half(-1.0, 8.0)])
     }
 
     /// How sharp the measurement is: it finds the work that the product of level and presliding force gives.
     #[test]
     fn a_form_that_gives_work_is_found() {
-        let params = JointFrictionParams { order: Order::One, ..passive::<f64>() };
-        assert!(gain(&params.build(1e-4).unwrap(), strokes()) > 1e-3);
-        assert_eq!(gain(&params.build_passive().unwrap(), strokes()), 0.0);
+        let params = JointFrictionParams { order: Order::One, ..joint::<f64>() };
+        let product = Product {
+            presliding: BlimanSorine::order_1(1.0, EPS).unwrap(),
+            contact: params.forward.build().unwrap(),
+        };
+        assert!(gain(&product, strokes()) > 1e-3);
+        assert_eq!(gain(&params.build().unwrap(), strokes()), 0.0);
     }
 }
