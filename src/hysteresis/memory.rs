@@ -43,7 +43,7 @@ pub struct StaircaseState<R: Real, const MEMORY: usize> {
     depth: u32,
     /// Output of the last step, in the frame of the branch.
     output: R::Fixed,
-    /// Inputs so far that were not finite.
+    /// Inputs so far that were not a number.
     held: u32,
 }
 
@@ -66,12 +66,12 @@ impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
         self.depth as usize
     }
 
-    /// The last input was beyond +-U and counted as +-U.
+    /// The last input was at an end of the range, or beyond it and counted as that.
     pub fn is_saturated(&self) -> bool {
         self.position == !Position::<R>::default()
     }
 
-    /// How many inputs so far were not finite; each left everything else as it was.
+    /// How many inputs so far were not a number; each left everything else as it was.
     pub fn held(&self) -> u32 {
         self.held
     }
@@ -153,15 +153,14 @@ impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
         self.push(1)
     }
 
-    /// Goes to an end of the range, where everything is wiped out.
-    pub(crate) fn saturate(&mut self, upper: bool) -> Position<R> {
-        let zero = Position::<R>::default();
-        self.frame = if upper { zero } else { !zero };
-        self.depth = 0;
-        !zero
+    /// Falls to the end of the range, where everything is wiped out.
+    pub(crate) fn fall_to_end(&mut self) -> Position<R> {
+        let end = !Position::<R>::default();
+        (self.frame, self.depth) = (end, 0);
+        end
     }
 
-    /// Leaves everything as it is for an input that is not finite.
+    /// Leaves everything as it is for an input that is not a number.
     pub(crate) fn hold(&mut self) {
         self.held = self.held.saturating_add(1);
     }

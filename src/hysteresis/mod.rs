@@ -14,7 +14,7 @@
 
 pub mod everett;
 pub mod fixed;
-pub mod memory;
+mod memory;
 pub mod relays;
 pub mod staircase;
 pub mod torsion;
@@ -22,8 +22,7 @@ pub mod weights;
 
 pub use everett::Everett;
 pub use relays::{Relays, RelaysState};
-pub use memory::StaircaseState;
-pub use staircase::Staircase;
+pub use staircase::{Staircase, StaircaseState};
 pub use torsion::{
     HysteresisTorque, TorsionHysteresis, TorsionHysteresisParams, TorsionHysteresisState, gap_for_width,
 };

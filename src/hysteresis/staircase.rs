@@ -13,13 +13,14 @@
 //! largest |u| so far, and what is before it is -r_1, where the demagnetised operator would also
 //! be on its virgin curve. The default state is demagnetised: no turning point, output 0 at u = 0.
 //!
-//! Beyond +-U the input counts as +-U. An input that is not finite leaves everything as it is.
+//! Beyond +-U the input counts as +-U. One that is not a number leaves everything as it is.
 //!
 //! I. Mayergoyz, "Mathematical models of hysteresis and their applications", 2003, section 1.3.
 
 use super::everett::Everett;
 use super::fixed::Fixed;
-use super::memory::{Position, StaircaseState, Turn, cheaper};
+pub use super::memory::StaircaseState;
+use super::memory::{Position, Turn, cheaper};
 use super::weights::Weights;
 use crate::error::{Error, require};
 use crate::real::Real;
@@ -29,7 +30,7 @@ use crate::real::Real;
 pub struct Response<R> {
     /// y; finite for any input.
     pub output: R,
-    /// dy/du along the branch; 0 beyond the range, and when held.
+    /// dy/du along the branch, before the input; 0 when held.
     pub slope: R,
 }
 
@@ -75,25 +76,26 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
     #[inline(always)]
     pub(crate) fn advance(&self, state: &mut StaircaseState<R, MEMORY>, input: R) -> Response<R> {
         let position = R::Fixed::position(input * self.scale + self.middle);
-        if R::Fixed::is_end(position) {
-            return self.beyond(state, input);
+        if position == Position::<R>::default() {
+            return self.at_lower_end(state, input);
         }
         let (to, start) = state.go(position);
         let slope = self.arrive(state, to, start);
         Response { output: self.output(state), slope: slope.real() * self.slope }
     }
 
-    /// The step for an input at the ends of the range, beyond it, or not finite.
+    /// The step for an input at the lower end of the range or below it; not a number is there too.
     #[cold]
     #[inline(never)]
-    fn beyond(&self, state: &mut StaircaseState<R, MEMORY>, input: R) -> Response<R> {
-        if input.is_finite() {
-            let end = state.saturate(input > R::ZERO);
-            self.arrive(state, end, None);
+    fn at_lower_end(&self, state: &mut StaircaseState<R, MEMORY>, input: R) -> Response<R> {
+        let mut slope = R::ZERO;
+        if input < R::ZERO {
+            let to = state.fall_to_end();
+            slope = self.arrive(state, to, None).real() * self.slope;
         } else {
             state.hold();
         }
-        Response { output: self.output(state), slope: R::ZERO }
+        Response { output: self.output(state), slope }
     }
 
     /// Completes the step to a position in the frame of the branch; the slope over a cell there.
@@ -322,7 +324,7 @@ mod tests {
                 let response = model.step(&mut state, input);
                 prop_assert!(response.output.abs() <= S as f32 * 1.001);
                 let held = state.held() > before.held();
-                prop_assert_eq!(held, !input.is_finite());
+                prop_assert_eq!(held, input.is_nan());
                 prop_assert!(held || state.is_saturated() == (input.abs() >= U as f32));
                 prop_assert!(!held || (response.output == model.output(&before) && response.slope == 0.0));
                 prop_assert!(!held || model.output(&state) == model.output(&before));
