@@ -60,6 +60,16 @@ impl<R: Real, const MEMORY: usize> Default for StaircaseState<R, MEMORY> {
     }
 }
 
+/// How an input is reached.
+enum Way {
+    /// On the virgin curve.
+    Virgin,
+    /// On the branch that starts at the last of so many points.
+    Resumed(usize),
+    /// On one that starts where the last step left off, behind so many points.
+    Turned(usize),
+}
+
 impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
     /// Turning points stored, up to `MEMORY`.
     pub fn depth(&self) -> usize {
@@ -90,43 +100,57 @@ impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
         let (turned, one_less) = R::Fixed::below(along, self.position);
         self.frame = self.frame ^ turned;
         let to = along ^ turned;
-        let mirror = !to;
-        let bound = (self.depth as usize).wrapping_sub(2).wrapping_sub(one_less);
-        let turned = turned == !Position::<R>::default();
-        let Some(turn) = self.turns.get(bound) else {
-            cheaper();
-            return (to, if turned && to < self.position { Some(self.leave_virgin_curve()) } else { None });
+        let start = match self.way(one_less, to, !to, self.position, |turn| turn.position) {
+            Way::Virgin => {
+                self.depth = 0;
+                None
+            }
+            Way::Resumed(depth) => {
+                self.depth = depth as u32;
+                self.start(depth)
+            }
+            Way::Turned(depth) => Some(self.push(depth)),
         };
-        if turn.position >= mirror {
-            return (to, self.wipe_out(bound, mirror));
-        }
-        cheaper();
-        if turned {
-            return (to, Some(self.push(bound + 1)));
-        }
-        (to, self.turns.get(bound + 1).copied())
+        (to, start)
     }
 
-    /// Drops every second point up to `reached`, as far out as a branch to `mirror` in the other frame reaches it.
+    /// Where the branch behind `depth` >= 2 points starts.
     #[inline(always)]
-    fn wipe_out(&mut self, mut reached: usize, mirror: Position<R>) -> Option<Turn<R>> {
-        if self.turns[0].position >= mirror {
-            cheaper();
-            self.depth = 0;
-            return None;
-        }
-        let mut stride = (MEMORY / 2 + 1).next_power_of_two();
-        while stride > 1 {
-            let outer = reached.saturating_sub(stride);
-            reached = core::hint::select_unpredictable(self.turns[outer].position >= mirror, outer, reached);
-            stride /= 2;
-        }
-        self.depth = reached as u32;
-        let start = self.turns.get(reached.wrapping_sub(1));
+    fn start(&self, depth: usize) -> Option<Turn<R>> {
+        let start = self.turns.get(depth.wrapping_sub(1));
         if start.is_none() {
             cheaper();
         }
         start.copied()
+    }
+
+    /// The way to where a `key` that rises along every branch, and is `now`, becomes `to`; `mirror` is that
+    /// in the other frame, `turned` is -1 when the frame is not that of the last step, else 0.
+    #[inline(always)]
+    fn way<K: Ord + Copy>(&self, turned: usize, to: K, mirror: K, now: K, key: impl Fn(&Turn<R>) -> K) -> Way {
+        let bound = (self.depth as usize).wrapping_sub(2).wrapping_sub(turned);
+        let turned = turned != 0;
+        let Some(turn) = self.turns.get(bound) else {
+            cheaper();
+            return if turned && to < now { Way::Turned(0) } else { Way::Virgin };
+        };
+        if key(turn) < mirror {
+            cheaper();
+            return if turned { Way::Turned(bound + 1) } else { Way::Resumed(bound + 2) };
+        }
+        if key(&self.turns[0]) >= mirror {
+            cheaper();
+            return Way::Virgin;
+        }
+        // Every second point up to that one may be reached too.
+        let mut reached = bound;
+        let mut stride = (MEMORY / 2 + 1).next_power_of_two();
+        while stride > 1 {
+            let outer = reached.saturating_sub(stride);
+            reached = core::hint::select_unpredictable(key(&self.turns[outer]) >= mirror, outer, reached);
+            stride /= 2;
+        }
+        Way::Resumed(reached)
     }
 
     /// The output where [`Self::go`] went, in its frame.
@@ -139,18 +163,14 @@ impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
     #[inline(always)]
     fn push(&mut self, depth: usize) -> Turn<R> {
         let turn = Turn { position: !self.position, output: !self.output };
-        let place = if depth >= MEMORY { MEMORY - 2 } else { depth };
+        if depth == 0 {
+            // The demagnetised past is its mirror.
+            self.turns[0] = turn;
+        }
+        let place = if depth >= MEMORY { MEMORY - 2 } else { depth.max(1) };
         self.turns[place] = turn;
         self.depth = place as u32 + 1;
         turn
-    }
-
-    /// Stores it as the first; the demagnetised past is its mirror.
-    #[cold]
-    #[inline(never)]
-    fn leave_virgin_curve(&mut self) -> Turn<R> {
-        self.push(0);
-        self.push(1)
     }
 
     /// Falls to the end of the range, where everything is wiped out.

@@ -301,7 +301,7 @@ mod tests {
     #[test]
     fn the_slope_is_the_derivative() {
         let (model, mut state) = (model::<f64>(), TorsionHysteresisState::default());
-        for x in [0.3, 0.71, 0.2, -0.55, -0.1, 0.4, 1.4] {
+        for x in [0.3, 0.71, 0.2, -0.55, -0.1, 0.4] {
             let rising = x * U > 0.0;
             let found = model.step(&mut state, x * U);
             let h = 1e-7 * U * if rising { 1.0 } else { -1.0 };
