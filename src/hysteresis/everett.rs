@@ -20,7 +20,7 @@
 //! D. Everett, Transactions of the Faraday Society 51 (1955).
 
 use super::fixed::Fixed;
-use super::memory::cheaper;
+use super::memory::{Turn, cheaper};
 use super::weights::Weights;
 use crate::real::Real;
 
@@ -30,8 +30,9 @@ use crate::real::Real;
 pub struct Everett<R: Real, const L: usize> {
     /// One quantum of an output.
     quantum: R,
-    /// G(k + 1, l) at row k, column l <= k, edges counted from -U; zero above the diagonal.
-    rows: [[<R::Fixed as Fixed<R>>::Entry; L]; L],
+    /// G(k + 1, l) at column l, row k >= l, edges counted from -U; zero above the diagonal. A branch lies between two
+    /// columns.
+    columns: [[<R::Fixed as Fixed<R>>::Entry; L]; L],
 }
 
 /// An output change and its derivative.
@@ -39,6 +40,14 @@ pub struct Everett<R: Real, const L: usize> {
 pub(crate) struct Change<F> {
     pub(crate) value: F,
     /// Over the end of the branch, per cell.
+    pub(crate) slope: F,
+}
+
+/// The output along a cell: start + slope*x at the share x of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Climb<F> {
+    pub(crate) cell: usize,
+    pub(crate) start: F,
     pub(crate) slope: F,
 }
 
@@ -85,25 +94,31 @@ impl<R: Real, const L: usize> Everett<R, L> {
         Self::rounded(|k, l| sums.major_mean(k) - sums.major_mean(l) - sums.corner(k, l))
     }
 
+    /// The least rise of G over a cell of its upper end, in outputs.
+    pub(crate) fn least_slope(&self) -> R {
+        let rises = (0..L).flat_map(|k| (0..=k).map(move |l| (k, l)));
+        let slopes = rises.map(|(k, l)| (self.entry(k + 1, l) - self.entry(k, l)).real() * self.quantum);
+        slopes.fold(R::MAX, R::min)
+    }
+
     /// From G at the edges k > l.
     fn rounded(corner: impl Fn(usize, usize) -> R) -> Self {
         let corners = || (1..=L).flat_map(|k| (0..k).map(move |l| (k, l)));
         let largest = corners().map(|(k, l)| corner(k, l).abs()).fold(R::ZERO, R::max);
         // Of an empty table every entry is zero.
         let unit = if largest > R::ZERO { largest / R::Fixed::LARGEST } else { R::ONE };
-        let mut rows = [[Default::default(); L]; L];
+        let mut columns = [[Default::default(); L]; L];
         for (k, l) in corners() {
-            if let Some(place) = rows.get_mut(k - 1).and_then(|row| row.get_mut(l)) {
+            if let Some(place) = columns.get_mut(l).and_then(|column| column.get_mut(k - 1)) {
                 *place = R::Fixed::entry(corner(k, l) / unit);
             }
         }
-        Self { rows, quantum: unit / R::Fixed::SCALE }
+        Self { columns, quantum: unit / R::Fixed::SCALE }
     }
 
     /// G at edges `k` and `l`, counted from -U; zero for k <= l.
     pub fn corner(&self, k: usize, l: usize) -> R {
-        let entry = self.rows.get(k.wrapping_sub(1)).and_then(|row| row.get(l)).copied();
-        R::Fixed::output(entry.unwrap_or_default()).real() * self.quantum
+        self.entry(k, l).real() * self.quantum
     }
 
     /// One quantum of an output.
@@ -122,19 +137,78 @@ impl<R: Real, const L: usize> Everett<R, L> {
         let ((to_cell, to), (from_cell, from)) = (R::Fixed::place(to, L), R::Fixed::place(from, L));
         if to_cell > from_cell {
             // The corners of a cell off the diagonal: two rows, in each two columns.
-            let start = self.between(to_cell - 1, from_cell, from);
-            let slope = self.between(to_cell, from_cell, from) - start;
+            let corner = from_cell * L + to_cell;
+            let entries = self.columns.as_flattened();
+            let start = R::Fixed::between(entries[corner - 1], entries[corner + L - 1], from);
+            let slope = R::Fixed::between(entries[corner], entries[corner + L], from) - start;
             return Change { value: start + slope.share(to), slope };
         }
         cheaper();
         // In a cell of the diagonal.
-        let slope = R::Fixed::output(self.rows[to_cell][to_cell]);
+        let slope = R::Fixed::output(self.columns[to_cell][to_cell]);
         Change { value: slope.share(to - from), slope }
     }
 
-    /// Within a row, at a fraction of a cell.
+    /// Along a row, at a fraction of a cell.
     #[inline(always)]
     fn between(&self, row: usize, cell: usize, fraction: R::Fixed) -> R::Fixed {
-        R::Fixed::between(self.rows[row][cell], self.rows[row][cell + 1], fraction)
+        R::Fixed::between(self.columns[cell][row], self.columns[cell + 1][row], fraction)
     }
+
+    /// The cell of a branch in which the output has `reached` what is looked for, told by an edge and the output
+    /// there; the last one when it does in none.
+    #[inline(always)]
+    pub(crate) fn climb(&self, start: &Turn<R>, reached: impl Fn(usize, R::Fixed) -> bool) -> Climb<R::Fixed> {
+        let (first, from) = R::Fixed::place(start.position, L);
+        let output = |edge: usize| {
+            // Of the last column only the cell on the diagonal counts, which is not between two.
+            let next = (first + 1).min(L - 1);
+            let between = R::Fixed::between(self.columns[first][edge - 1], self.columns[next][edge - 1], from);
+            start.output + between
+        };
+        // Up to the start the entries are zero.
+        let cell = last_below::<L>(0, |edge| reached(edge, output(edge)));
+        if cell > first {
+            let lower = output(cell);
+            return Climb { cell, start: lower, slope: output(cell + 1) - lower };
+        }
+        cheaper();
+        // On the diagonal: through the start.
+        let slope = self.entry(cell + 1, cell);
+        Climb { cell, start: start.output - slope.share(from), slope }
+    }
+
+    /// The same of the virgin curve, on which both ends of G move: it is bent in its cells, as second value.
+    #[inline(always)]
+    pub(crate) fn climb_virgin_curve(
+        &self,
+        reached: impl Fn(usize, R::Fixed) -> bool,
+    ) -> (Climb<R::Fixed>, R::Fixed) {
+        let output = |edge: usize| self.entry(edge, L - edge).half();
+        // With an odd number of levels the middle cell is on the diagonal, where G is antisymmetric.
+        let cell = last_below::<L>(L / 2, |edge| reached(edge, output(edge)));
+        let start = if cell + cell < L { R::Fixed::default() - output(cell + 1) } else { output(cell) };
+        let middle = self.entry(cell + 1, L - cell).half();
+        let slope = (middle - start) + (middle - start);
+        (Climb { cell, start, slope }, (output(cell + 1) - middle) - (middle - start))
+    }
+
+    #[inline(always)]
+    fn entry(&self, k: usize, l: usize) -> R::Fixed {
+        let entry = self.columns.get(l).and_then(|column| column.get(k.wrapping_sub(1))).copied();
+        R::Fixed::output(entry.unwrap_or_default())
+    }
+}
+
+/// The last edge from `first` to `L` - 1 that is not `reached`, by halving what is left.
+#[inline(always)]
+fn last_below<const L: usize>(first: usize, reached: impl Fn(usize) -> bool) -> usize {
+    let mut below = first;
+    let mut left = L - first;
+    while left > 1 {
+        let edge = below + left / 2;
+        below = core::hint::select_unpredictable(reached(edge), below, edge);
+        left -= left / 2;
+    }
+    below
 }

@@ -39,10 +39,14 @@ pub trait Fixed<R>:
     fn below(position: Self::Position, other: Self::Position) -> (Self::Position, usize);
     /// It is one of the two ends of the range.
     fn is_end(position: Self::Position) -> bool;
+    /// Positions from the middle.
+    fn distance(position: Self::Position) -> Self;
     /// The cell of `cells` in which a position lies, and its fraction.
     fn place(position: Self::Position, cells: usize) -> (usize, Self);
     /// The nearest number.
     fn real(self) -> R;
+    /// The number, without what is behind the point.
+    fn truncated(number: R) -> Self;
     /// `self`, or its mirror when `frame` is !0; the frame is 0 otherwise.
     fn in_frame(self, frame: Self::Position) -> Self;
     /// The nearest entry to a value within +-[`Self::LARGEST`].
@@ -80,6 +84,10 @@ macro_rules! common {
             position.wrapping_add(1) <= 1
         }
         #[inline(always)]
+        fn distance(position: $position) -> Self {
+            (position ^ Self::MIDDLE).cast_signed()
+        }
+        #[inline(always)]
         fn place(position: $position, cells: usize) -> (usize, Self) {
             let product = position as $unsigned_double * cells as $unsigned_double;
             ((product >> Self::BITS) as usize, (product as $position >> 1).cast_signed())
@@ -87,6 +95,10 @@ macro_rules! common {
         #[inline(always)]
         fn real(self) -> $real {
             self as $real
+        }
+        #[inline(always)]
+        fn truncated(number: $real) -> Self {
+            number as Self
         }
         #[inline(always)]
         fn in_frame(self, frame: $position) -> Self {

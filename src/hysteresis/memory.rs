@@ -127,7 +127,7 @@ impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
     /// The way to where a `key` that rises along every branch, and is `now`, becomes `to`; `mirror` is that
     /// in the other frame, `turned` is -1 when the frame is not that of the last step, else 0.
     #[inline(always)]
-    fn way<K: Ord + Copy>(&self, turned: usize, to: K, mirror: K, now: K, key: impl Fn(&Turn<R>) -> K) -> Way {
+    fn way<K: PartialOrd + Copy>(&self, turned: usize, to: K, mirror: K, now: K, key: impl Fn(&Turn<R>) -> K) -> Way {
         let bound = (self.depth as usize).wrapping_sub(2).wrapping_sub(turned);
         let turned = turned != 0;
         let Some(turn) = self.turns.get(bound) else {
@@ -151,6 +151,42 @@ impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
             stride /= 2;
         }
         Way::Resumed(reached)
+    }
+
+    /// Where the branch starts on which a `key` that rises along every branch, and is `now`, becomes `to`, in its
+    /// frame; that is another than that of the last step when it has `turned`.
+    #[inline(always)]
+    pub(crate) fn start_of_way<K: PartialOrd + Copy>(
+        &self,
+        turned: bool,
+        to: K,
+        mirror: K,
+        now: K,
+        key: impl Fn(&Turn<R>) -> K,
+    ) -> Option<Turn<R>> {
+        match self.way(0_usize.wrapping_sub(usize::from(turned)), to, mirror, now, key) {
+            Way::Virgin => None,
+            Way::Resumed(depth) => Some(*self.turns.get(depth.wrapping_sub(1)).unwrap_or(&self.turns[0])),
+            Way::Turned(_) => Some(Turn { position: !self.position, output: !self.output }),
+        }
+    }
+
+    /// Where the last step left off, in the frame of its branch.
+    #[inline(always)]
+    pub(crate) fn now(&self) -> Turn<R> {
+        Turn { position: self.position, output: self.output }
+    }
+
+    /// That frame.
+    #[inline(always)]
+    pub(crate) fn frame(&self) -> Position<R> {
+        self.frame
+    }
+
+    /// Whether the branch falls.
+    #[inline(always)]
+    pub(crate) fn is_falling(&self) -> bool {
+        self.frame != Position::<R>::default()
     }
 
     /// The output where [`Self::go`] went, in its frame.

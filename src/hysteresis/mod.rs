@@ -14,6 +14,7 @@
 
 pub mod everett;
 pub mod fixed;
+pub mod inverse;
 mod memory;
 pub mod relays;
 pub mod staircase;
@@ -21,6 +22,7 @@ pub mod torsion;
 pub mod weights;
 
 pub use everett::Everett;
+pub use inverse::{Inverse, TorsionInverse};
 pub use relays::{Relays, RelaysState};
 pub use staircase::{Staircase, StaircaseState};
 pub use torsion::{

@@ -19,6 +19,7 @@
 
 use super::everett::Everett;
 use super::fixed::Fixed;
+use super::inverse::Inverse;
 pub use super::memory::StaircaseState;
 use super::memory::{Position, Turn, cheaper};
 use super::weights::Weights;
@@ -42,8 +43,14 @@ pub struct Staircase<R: Real, const L: usize, const MEMORY: usize> {
     /// Positions per unit of the input, and the position of 0.
     scale: R,
     middle: R,
-    /// Slope of the output per one over a cell.
+    /// Slope of the output per quantum over a cell.
     slope: R,
+    half_range: R,
+    cell_width: R,
+    cells_per_unit: R,
+    quanta_per_output: R,
+    /// Least slope of any branch.
+    least_slope: R,
     everett: Everett<R, L>,
 }
 
@@ -61,8 +68,26 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
         require((R::lit(1e-9)..=R::lit(1e6)).contains(&half_range), "half_range")?;
         require((8..=1000).contains(&MEMORY), "capacity")?;
         let cells_per_unit = R::from_i32(L as i32) / (half_range + half_range);
-        let slope = cells_per_unit * everett.quantum();
-        Ok(Self { scale: R::Fixed::HALF_RANGE / half_range, middle: R::Fixed::HALF_RANGE, slope, everett })
+        Ok(Self {
+            scale: R::Fixed::HALF_RANGE / half_range,
+            middle: R::Fixed::HALF_RANGE,
+            slope: cells_per_unit * everett.quantum(),
+            everett,
+            half_range,
+            cell_width: R::ONE / cells_per_unit,
+            cells_per_unit,
+            quanta_per_output: R::ONE / everett.quantum(),
+            least_slope: everett.least_slope() * cells_per_unit,
+        })
+    }
+
+    /// The input for a wanted output.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `table` when the output falls along a rising input, as it may with weights below zero.
+    pub fn inverse(&self) -> Result<Inverse<'_, R, L, MEMORY>, Error> {
+        require(self.least_slope >= R::ZERO, "table")?;
+        Ok(Inverse { staircase: self })
     }
 
     /// y at the next input; the input between two steps counts as monotone.
@@ -133,7 +158,68 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
     /// y after the last step.
     #[inline(always)]
     pub fn output(&self, state: &StaircaseState<R, MEMORY>) -> R {
-        state.output().real() * self.everett.quantum()
+        self.real(state.output())
+    }
+
+    /// The input of the last step, or the end of the range that it was beyond.
+    #[inline(always)]
+    pub fn input(&self, state: &StaircaseState<R, MEMORY>) -> R {
+        let input = self.input_at(state.now().position);
+        if state.is_falling() { -input } else { input }
+    }
+
+    /// That at a position.
+    #[inline(always)]
+    pub(crate) fn input_at(&self, position: Position<R>) -> R {
+        R::Fixed::distance(position).real() * R::lit(1.0 / R::Fixed::HALF_RANGE.to_f64()) * self.half_range
+    }
+
+    /// That at an edge of the grid.
+    #[inline(always)]
+    pub(crate) fn edge(&self, edge: usize) -> R {
+        self.within(edge, R::ZERO)
+    }
+
+    /// That at a share of a cell.
+    #[inline(always)]
+    pub(crate) fn within(&self, cell: usize, share: R) -> R {
+        self.cells(cell, share) * self.cell_width
+    }
+
+    /// That in cells.
+    #[inline(always)]
+    pub(crate) fn cells(&self, cell: usize, share: R) -> R {
+        let half_cell = if L % 2 == 0 { R::ZERO } else { R::lit(0.5) };
+        R::from_i32(cell as i32 - (L / 2) as i32) + (share - half_cell)
+    }
+
+    /// An output.
+    #[inline(always)]
+    pub(crate) fn real(&self, output: R::Fixed) -> R {
+        output.real() * self.everett.quantum()
+    }
+
+    /// An output in quanta.
+    #[inline(always)]
+    pub(crate) fn quanta(&self, output: R) -> R::Fixed {
+        R::Fixed::truncated(output * self.quanta_per_output)
+    }
+
+    /// h.
+    #[inline(always)]
+    pub(crate) fn cell_width(&self) -> R {
+        self.cell_width
+    }
+
+    /// 1/h.
+    #[inline(always)]
+    pub(crate) fn cells_per_unit(&self) -> R {
+        self.cells_per_unit
+    }
+
+    /// Least slope of any branch.
+    pub(crate) fn least_slope(&self) -> R {
+        self.least_slope
     }
 
     /// The table.

@@ -33,9 +33,11 @@
 //! [`gap_for_width`].
 
 use super::everett::Everett;
+use super::inverse::TorsionInverse;
 use super::staircase::{Response, Staircase, StaircaseState};
 use super::weights::Weights;
 use crate::error::{Error, require};
+use crate::flexspline::stiffness_line::StiffnessLine;
 use crate::real::Real;
 
 /// The gap S (N m) that gives a loop of +-`half_range` (rad) the full `width` w (rad) at zero
@@ -112,6 +114,18 @@ impl<R: Real, const L: usize, const MEMORY: usize> TorsionHysteresis<R, L, MEMOR
     #[inline]
     pub fn peek(&self, state: &TorsionHysteresisState<R, MEMORY>, torsion: R) -> HysteresisTorque<R> {
         self.staircase.peek(state, torsion).into()
+    }
+
+    /// The torsion for a wanted torque through `line` and the hysteresis beside it.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `line` unless it is stiffer everywhere than the hysteresis falls anywhere.
+    pub fn inverse<'s>(
+        &'s self,
+        line: &'s StiffnessLine<R>,
+    ) -> Result<TorsionInverse<'s, R, L, MEMORY>, Error> {
+        require(line.least_stiffness() + self.staircase.least_slope() > R::ZERO, "line")?;
+        Ok(TorsionInverse { staircase: &self.staircase, line })
     }
 
     /// tau_hyst of the last step (N m).

@@ -39,12 +39,24 @@ impl<R: Real, const L: usize> Weights<R, L> {
     /// [`Error::OutOfRange`] `levels` when `L` is not in 2..=1000, `weight` when one is negative,
     /// above 1e6 or not equal to its mirror image.
     pub fn from_fn(weight: impl Fn(usize, usize) -> R) -> Result<Self, Error> {
+        Self::within(R::ZERO, weight)
+    }
+
+    /// The same with weights of either sign, which some actuators need: neither monotone nor dissipative.
+    ///
+    /// # Errors
+    /// As [`Self::from_fn`], `weight` when one is beyond +-1e6.
+    pub fn signed_from_fn(weight: impl Fn(usize, usize) -> R) -> Result<Self, Error> {
+        Self::within(R::lit(-1e6), weight)
+    }
+
+    fn within(least: R, weight: impl Fn(usize, usize) -> R) -> Result<Self, Error> {
         require((2..=1000).contains(&L), "levels")?;
         let mut rows = [[R::ZERO; L]; L];
         for (i, row) in rows.iter_mut().enumerate() {
             for (j, place) in row.iter_mut().enumerate().take(i + 1) {
                 *place = weight(i, j);
-                require((R::ZERO..=R::lit(1e6)).contains(place), "weight")?;
+                require((least..=R::lit(1e6)).contains(place), "weight")?;
                 require(*place == weight(L - 1 - j, L - 1 - i), "weight")?;
             }
         }
@@ -79,6 +91,8 @@ mod tests {
         assert_eq!(named(Weights::uniform(f64::NAN)), Error::OutOfRange("total"));
         assert_eq!(named(Weights::from_fn(|_, _| -1.0)), Error::OutOfRange("weight"));
         assert_eq!(named(Weights::from_fn(|i, _| i as f64)), Error::OutOfRange("weight"));
+        assert_eq!(Weights::<f64, 4>::signed_from_fn(|_, _| -1.0).unwrap().total(), -10.0);
+        assert_eq!(named(Weights::signed_from_fn(|_, _| -2e6)), Error::OutOfRange("weight"));
         assert_eq!(Weights::<f64, 1>::uniform(1.0).unwrap_err(), Error::OutOfRange("levels"));
     }
 }
