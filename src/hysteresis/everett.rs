@@ -149,21 +149,20 @@ impl<R: Real, const L: usize> Everett<R, L> {
         Change { value: slope.share(to - from), slope }
     }
 
-    /// Along a row, at a fraction of a cell.
-    #[inline(always)]
-    fn between(&self, row: usize, cell: usize, fraction: R::Fixed) -> R::Fixed {
-        R::Fixed::between(self.columns[cell][row], self.columns[cell + 1][row], fraction)
-    }
-
     /// The cell of a branch in which the output has `reached` what is looked for, told by an edge and the output
     /// there; the last one when it does in none.
     #[inline(always)]
-    pub(crate) fn climb(&self, start: &Turn<R>, reached: impl Fn(usize, R::Fixed) -> bool) -> Climb<R::Fixed> {
+    pub(crate) fn climb(
+        &self,
+        start: &Turn<R>,
+        reached: impl Fn(usize, R::Fixed) -> bool,
+    ) -> Climb<R::Fixed> {
         let (first, from) = R::Fixed::place(start.position, L);
         let output = |edge: usize| {
             // Of the last column only the cell on the diagonal counts, which is not between two.
             let next = (first + 1).min(L - 1);
-            let between = R::Fixed::between(self.columns[first][edge - 1], self.columns[next][edge - 1], from);
+            let between =
+                R::Fixed::between(self.columns[first][edge - 1], self.columns[next][edge - 1], from);
             start.output + between
         };
         // Up to the start the entries are zero.

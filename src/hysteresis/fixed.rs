@@ -17,10 +17,27 @@ use core::ops::{Add, BitXor, Not, Sub};
 
 /// Integer that a scalar `R` is kept in as an output.
 pub trait Fixed<R>:
-    Copy + Default + Debug + Ord + Add<Output = Self> + Sub<Output = Self> + Not<Output = Self> + Send + Sync + 'static
+    Copy
+    + Default
+    + Debug
+    + Ord
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Not<Output = Self>
+    + Send
+    + Sync
+    + 'static
 {
     /// As an input; as unsigned, and as wide.
-    type Position: Copy + Default + Debug + Ord + Not<Output = Self::Position> + BitXor<Output = Self::Position> + Send + Sync + 'static;
+    type Position: Copy
+        + Default
+        + Debug
+        + Ord
+        + Not<Output = Self::Position>
+        + BitXor<Output = Self::Position>
+        + Send
+        + Sync
+        + 'static;
     /// Number in a table.
     type Entry: Copy + Default + Debug + PartialEq + Send + Sync + 'static;
 

@@ -280,7 +280,10 @@ mod tests {
         assert_eq!(model.inverse().unwrap().input(&state, -f64::MAX), -U);
         let (line, model) = (line(), torsion_model::<24>());
         let inverse = model.inverse(&line).unwrap();
-        assert!((inverse.torsion(&TorsionHysteresisState::default(), -100.0) - line.torsion(-100.0)).abs() < 1e-15);
+        assert!(
+            (inverse.torsion(&TorsionHysteresisState::default(), -100.0) - line.torsion(-100.0)).abs()
+                < 1e-15
+        );
     }
 
     #[test]

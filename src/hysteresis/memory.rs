@@ -127,7 +127,14 @@ impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
     /// The way to where a `key` that rises along every branch, and is `now`, becomes `to`; `mirror` is that
     /// in the other frame, `turned` is -1 when the frame is not that of the last step, else 0.
     #[inline(always)]
-    fn way<K: PartialOrd + Copy>(&self, turned: usize, to: K, mirror: K, now: K, key: impl Fn(&Turn<R>) -> K) -> Way {
+    fn way<K: PartialOrd + Copy>(
+        &self,
+        turned: usize,
+        to: K,
+        mirror: K,
+        now: K,
+        key: impl Fn(&Turn<R>) -> K,
+    ) -> Way {
         let bound = (self.depth as usize).wrapping_sub(2).wrapping_sub(turned);
         let turned = turned != 0;
         let Some(turn) = self.turns.get(bound) else {

@@ -180,7 +180,9 @@ mod tests {
         let state = TorsionHysteresisState::default();
         assert!(model::<f64>().peek(&state, 0.0).torque.abs() < 1e-15 * S);
         // Half a quantum of the 16-bit table.
-        assert!(model::<f32>().peek(&TorsionHysteresisState::default(), 0.0).torque.abs() < 7.7e-6 * S as f32);
+        assert!(
+            model::<f32>().peek(&TorsionHysteresisState::default(), 0.0).torque.abs() < 7.7e-6 * S as f32
+        );
         for k in -12i32..=12 {
             let x = f64::from(k) / 12.0;
             let wanted = S * (x.abs() - x * x) * x.signum();
