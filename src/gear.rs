@@ -75,7 +75,7 @@ impl<R: Real> Motion<R> {
 /// A gear around a flexspline model `F` and a friction model `C` of both contacts, stepped by a fixed dt, with
 /// `L` levels of hysteresis and a memory of `MEMORY` turning points.
 #[derive(Clone, Debug)]
-pub struct Gear<R, F, C, const L: usize, const MEMORY: usize> {
+pub struct Gear<R: Real, F, C, const L: usize, const MEMORY: usize> {
     ratio: Ratio,
     ratio_value: R,
     kinematic_error: KinematicError<R, KINEMATIC_TERMS>,

@@ -13,8 +13,10 @@
 //! | function | range | max error, f32 | f64 |
 //! | --- | --- | --- | --- |
 //! | [`Real::sin_cos_phase`] | any phase | [`SIN_COS_ERROR`] absolute | libm's |
+//! | [`Real::sqrt_or_zero`] | any finite x | [`SQRT_ERROR`] relative | libm's |
 //! | [`Real::one_minus_exp_neg`] | finite x >= 0 | [`ONE_MINUS_EXP_NEG_ERROR`] relative | [`ONE_MINUS_EXP_NEG_ERROR_F64`] |
 
+use crate::hysteresis::fixed::Fixed;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -22,6 +24,8 @@ use crate::exponential;
 
 /// Largest absolute error of the f32 [`Real::sin_cos_phase`].
 pub const SIN_COS_ERROR: f64 = 1.25e-7;
+/// Largest relative error of the f32 [`Real::sqrt_or_zero`] of a normal number.
+pub const SQRT_ERROR: f64 = 2.4e-7;
 /// Largest relative error of the f32 [`Real::one_minus_exp_neg`].
 pub const ONE_MINUS_EXP_NEG_ERROR: f64 = 2.5e-7;
 /// Largest relative error of the f64 [`Real::one_minus_exp_neg`].
@@ -57,6 +61,9 @@ pub trait Real:
     /// Bits of the significand.
     const MANTISSA_DIGITS: u32;
 
+    /// The integer that hysteresis computes in.
+    type Fixed: Fixed<Self>;
+
     /// The nearest value to a literal; folded at compile time.
     fn lit(value: f64) -> Self;
     /// The value as f64, exact. Not for the control step.
@@ -69,6 +76,8 @@ pub trait Real:
     fn is_finite(self) -> bool;
     /// Square root, for `build` only.
     fn sqrt(self) -> Self;
+    /// Square root of a finite number; 0 of one below 0.
+    fn sqrt_or_zero(self) -> Self;
     /// `1 - e^-x` for a finite `x >= 0`, accurate for small `x`. No other bits panic, but what they give is
     /// not said.
     fn one_minus_exp_neg(self) -> Self;
@@ -118,6 +127,8 @@ impl Real for f64 {
     const MAX: Self = Self::MAX;
     const MANTISSA_DIGITS: u32 = Self::MANTISSA_DIGITS;
 
+    type Fixed = i64;
+
     #[inline(always)]
     fn lit(value: f64) -> Self {
         value
@@ -150,6 +161,10 @@ impl Real for f64 {
     fn sqrt(self) -> Self {
         libm::sqrt(self)
     }
+    #[inline]
+    fn sqrt_or_zero(self) -> Self {
+        libm::sqrt(Real::max(self, 0.0))
+    }
     #[inline(always)]
     fn one_minus_exp_neg(self) -> Self {
         exponential::one_minus_exp_neg_f64(self)
@@ -165,6 +180,8 @@ impl Real for f32 {
     const ONE: Self = 1.0;
     const MAX: Self = Self::MAX;
     const MANTISSA_DIGITS: u32 = Self::MANTISSA_DIGITS;
+
+    type Fixed = i32;
 
     #[inline(always)]
     fn lit(value: f64) -> Self {
@@ -197,6 +214,16 @@ impl Real for f32 {
     #[inline]
     fn sqrt(self) -> Self {
         libm::sqrtf(self)
+    }
+    /// x times 1/sqrt(x), by three Newton steps from a guess that halves the exponent: neither division nor branch.
+    #[inline(always)]
+    fn sqrt_or_zero(self) -> Self {
+        let x = Real::max(self, 0.0);
+        let mut inverse = Self::from_bits(0x5f37_59df - (x.to_bits() >> 1));
+        for _ in 0..3 {
+            inverse *= 1.5 - 0.5 * x * inverse * inverse;
+        }
+        x * inverse
     }
 
     #[inline(always)]
@@ -239,6 +266,18 @@ mod tests {
             })
             .fold(0.0, f64::max);
         assert!(worst <= SIN_COS_ERROR && worst > 0.9 * SIN_COS_ERROR, "{worst:e}");
+    }
+
+    #[test]
+    fn f32_square_root_stays_within_its_stated_error() {
+        let worst = (0..1 << 22)
+            .map(|k: u32| f32::from_bits(0x0080_0000 + k * 509))
+            .filter(|x| x.is_finite())
+            .map(|x| (f64::from(x.sqrt_or_zero()) / f64::from(x).sqrt() - 1.0).abs())
+            .fold(0.0, f64::max);
+        assert!(worst <= SQRT_ERROR && worst > 0.8 * SQRT_ERROR, "{worst:e}");
+        assert_eq!((0f32.sqrt_or_zero(), (-1f32).sqrt_or_zero()), (0.0, 0.0));
+        assert_eq!(((-1f64).sqrt_or_zero(), 4f64.sqrt_or_zero()), (0.0, 2.0));
     }
 
     fn worst_relative(f: fn(f32) -> f32, exact: fn(f64) -> f64, top: f32) -> f64 {

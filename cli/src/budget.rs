@@ -16,7 +16,7 @@ use crate::progress::Progress;
 /// cycles are a model of a Cortex-M4F with zero wait states, at the pessimistic end, not silicon. Proves
 /// on the linked image that no panic and no allocator is in it and that the control step reaches no
 /// double-precision routine. Counts the literal mesh of eq. (6), 8 x 3 in f32, in an image of its own beside
-/// the reduced flexspline of the control step. Bounds are those of boards/BOARD/budget.toml.
+/// the reduced flexspline of the control step, and hysteresis along the histories that cost most. Bounds are those of boards/BOARD/budget.toml.
 #[derive(Args)]
 pub struct Arguments {
     /// Only this board; every board when left out
@@ -62,6 +62,10 @@ fn judge(board: &str, overwrite: bool) -> Result<Vec<Figure>, BadInput> {
     if let Some(mesh) = budget.literal_mesh.as_ref().filter(|_| budget.emulated) {
         let program = pil::build_program(board, &mesh.program, &gear).map_err(BadInput::message)?;
         mesh.measure(&program.elf, &mut measured).map_err(BadInput::message)?;
+    }
+    if let Some(worst) = budget.worst_case.as_ref().filter(|_| budget.emulated) {
+        let program = pil::build_program(board, &worst.program, &gear).map_err(BadInput::message)?;
+        worst.measure(&program.elf, &mut measured).map_err(BadInput::message)?;
     }
     if overwrite {
         budget.overwrite(&measured).map_err(BadInput::message)?;

@@ -11,10 +11,12 @@ mod error;
 mod literal_mesh;
 mod measurement;
 mod table;
+mod worst_case;
 
 pub use error::Error;
 pub use literal_mesh::LiteralMesh;
 pub use measurement::{Measurement, Workload, inspect, measure};
+pub use worst_case::WorstCase;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -75,6 +77,8 @@ pub struct Budget {
     pub blocks: BTreeMap<String, Block>,
     /// What one of them is the reduction of.
     pub literal_mesh: Option<LiteralMesh>,
+    /// What no scenario brings about.
+    pub worst_case: Option<WorstCase>,
     /// Where calls through pointers can go.
     #[serde(default)]
     pub indirect_call: Vec<IndirectCall>,
@@ -104,6 +108,11 @@ impl Budget {
         if !(0.0..=1.0).contains(&budget.headroom) {
             return Err(bad(format!("headroom = {}, allowed: 0 to 1", budget.headroom)));
         }
+        let twice =
+            |worst: &WorstCase| worst.blocks.keys().find(|name| budget.blocks.contains_key(*name)).cloned();
+        if let Some(name) = budget.worst_case.as_ref().and_then(twice) {
+            return Err(bad(format!("worst_case.blocks.{name}, allowed: a name that is not among [blocks]")));
+        }
         if let Some(what) = budget.literal_mesh.as_ref().and_then(|mesh| mesh.fault(&budget.blocks)) {
             return Err(bad(what));
         }
@@ -116,9 +125,10 @@ impl Budget {
         std::iter::once((CONTROL_STEP, &self.control_step)).chain(parts)
     }
 
-    /// The same, and the literal mesh, which is in an image of its own.
+    /// The same, and what is in images of its own: the literal mesh, and what is driven through its worst case.
     pub fn rows(&self) -> impl Iterator<Item = (&str, &Block)> {
-        self.blocks().chain(self.literal_mesh.iter().map(|mesh| (LITERAL_MESH, &mesh.period)))
+        let mesh = self.literal_mesh.iter().map(|mesh| (LITERAL_MESH, &mesh.period));
+        self.blocks().chain(mesh).chain(self.worst_case.iter().flat_map(WorstCase::rows))
     }
 
     /// Writes what was measured, plus the headroom, as the new bounds; everything else in the file stays.
@@ -147,6 +157,9 @@ impl Budget {
             let block = match name.as_str() {
                 CONTROL_STEP => table(document, CONTROL_STEP),
                 LITERAL_MESH => table(table(document, LITERAL_MESH), "period"),
+                driven if self.worst_case.as_ref().is_some_and(|worst| worst.blocks.contains_key(driven)) => {
+                    table(table(table(document, "worst_case"), "blocks"), driven)
+                }
                 part => table(table(document, "blocks"), part),
             };
             set(block, "instructions", self.bound(counts.instructions.max));

@@ -3,6 +3,8 @@
 use std::io;
 use std::path::Path;
 
+use strainwave::compensator::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY};
+use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState};
 use strainwave_desktop::baseline::Baseline;
 use strainwave_desktop::closed_loop::{self, Run};
 use strainwave_desktop::log::MeasuredLog;
@@ -18,6 +20,9 @@ use crate::{firmware, pil};
 const BOARD: &str = "mps2-an386";
 /// The real-time flexspline among the blocks of its budget.
 const FLEXSPLINE: &str = "flexspline";
+/// The real-time hysteresis and its state.
+type RealTimeHysteresis = TorsionHysteresis<f32, HYSTERESIS_LEVELS, HYSTERESIS_MEMORY>;
+type RealTimeHysteresisState = TorsionHysteresisState<f32, HYSTERESIS_MEMORY>;
 /// Log of a held joint that winds up under another one's swinging payload.
 const LOG: &str = "lara8/joint/jog_j2_mass.j5.csv";
 /// Plant of the runs.
@@ -99,6 +104,33 @@ fn flexspline(
         bounds::figure("flexspline.target.cycles", cycles),
         bounds::figure("flexspline.target.literal_over_reduced", ratio),
     ])
+}
+
+/// Cost of hysteresis on the target: cycles of the dearest path through its code, those of the dearest call along
+/// the histories that cost most beside it, and bytes.
+///
+/// # Errors
+/// When the image cannot be built, booted or judged.
+pub fn hysteresis() -> Result<Measured, Error> {
+    let budget = Budget::read(BOARD)?;
+    let mut figures = vec![
+        bounds::figure("hysteresis.table.bytes", size_of::<RealTimeHysteresis>() as f64),
+        bounds::figure("hysteresis.state.bytes", size_of::<RealTimeHysteresisState>() as f64),
+    ];
+    let Some(worst) = &budget.worst_case else { return Ok(figures.into()) };
+    let elf = pil::build_program(BOARD, &worst.program, &GearFile::default_gear())?.elf;
+    let mut measured = budget::inspect(&budget, &pil::build(BOARD, &GearFile::default_gear())?.elf)?;
+    worst.measure(&elf, &mut measured)?;
+    for (name, block) in [
+        ("hysteresis.cycles.forward", "hysteresis_forward"),
+        ("hysteresis.cycles.inverse", "hysteresis_inverse"),
+    ] {
+        let dearest = worst.dearest(&elf, block)?.map_or(f64::NAN, |cycles| cycles as f64);
+        let counted = measured.counts_of(block).map_or(f64::NAN, |counts| counts.cycles.max as f64);
+        figures.push(bounds::figure(name, dearest));
+        figures.push(Figure::reported(format!("{name}.counted"), counted, "cycle"));
+    }
+    Ok(figures.into())
 }
 
 /// Panics, allocators and double precision in the images of all boards.

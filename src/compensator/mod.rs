@@ -33,8 +33,8 @@ use observer::{Measurement, Observer, ObserverParams, ObserverState};
 /// Levels of the hysteresis that runs in real time.
 pub const HYSTERESIS_LEVELS: usize = 24;
 
-/// Turning points that it remembers.
-pub const HYSTERESIS_MEMORY: usize = 24;
+/// Turning points that it remembers: a state of 244 bytes.
+pub const HYSTERESIS_MEMORY: usize = 28;
 
 /// Nodes around and slices along of the mesh whose reduction runs in real time.
 pub const MESH: (usize, usize) = (8, 3);
@@ -154,7 +154,7 @@ pub struct JointParams<R> {
 
 /// The built compensator of a joint.
 #[derive(Clone, Debug)]
-pub struct Compensator<R> {
+pub struct Compensator<R: Real> {
     gear: RealTimeGear<R>,
     guard: InputGuard<R>,
     motor_encoder: Encoder,

@@ -66,6 +66,24 @@ impl<R: Real> Pieces<R> {
         R::lit(0.5) * (self.slope * x * x + self.gain[0] * first * first + self.gain[1] * second * second)
     }
 
+    /// Slope just above x, and where that slope ends.
+    #[inline(always)]
+    fn piece_from(&self, x: R) -> (R, R) {
+        let ([first, second], [near, far]) = (self.gain, self.knee);
+        let (inner, middle) = (self.slope, self.slope + first);
+        if x < -far {
+            (middle + second, -far)
+        } else if x < -near {
+            (middle, -near)
+        } else if x < near {
+            (inner, near)
+        } else if x < far {
+            (middle, far)
+        } else {
+            (middle + second, R::MAX)
+        }
+    }
+
     /// Index of the piece that holds x.
     #[inline(always)]
     fn piece(&self, x: R) -> usize {
@@ -128,6 +146,18 @@ impl<R: Real> StiffnessLine<R> {
     #[inline(always)]
     pub fn compliance(&self, torque: R) -> R {
         self.by_torque.slope_at(torque)
+    }
+
+    /// Its least slope (N m/rad).
+    pub fn least_stiffness(&self) -> R {
+        let [first, second] = self.by_torsion.gain;
+        self.by_torsion.slope.min(self.by_torsion.slope + first).min(self.by_torsion.slope + first + second)
+    }
+
+    /// Slope of the piece that goes on from a torsion upwards (N m/rad), and the torsion where that ends (rad).
+    #[inline(always)]
+    pub fn piece_from(&self, torsion: R) -> (R, R) {
+        self.by_torsion.piece_from(torsion)
     }
 
     /// Stored energy (J).

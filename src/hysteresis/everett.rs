@@ -13,142 +13,201 @@
 //! diagonal. So every law of the operator also holds between grid inputs, and the output is
 //! continuous in the input.
 //!
-//! Inputs are in cells from the middle of the range: q = u/h, |q| <= L/2.
+//! Entries are integers, one of which is the quantum: that of f32 is 1/32 767 of the largest |G|, so
+//! that G is off by at most half of that, 1.6e-5 of it, everywhere; that of f64 is below what f64 resolves.
+//! Inputs are positions, see [`super::fixed`].
 //!
 //! D. Everett, Transactions of the Faraday Society 51 (1955).
 
+use super::fixed::Fixed;
+use super::memory::{Turn, cheaper};
 use super::weights::Weights;
 use crate::real::Real;
 
 /// Table for `L` levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Everett<R, const L: usize> {
-    /// G(k + 1, l) at row k, column l <= k, edges counted from -U; zero above the diagonal.
-    rows: [[R; L]; L],
-}
-
-/// Where an input is in the grid.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Place<R> {
-    /// Cell, 0..L.
-    pub(crate) cell: usize,
-    /// Fraction of the cell, 0..=1.
-    pub(crate) fraction: R,
+#[repr(C)]
+pub struct Everett<R: Real, const L: usize> {
+    /// One quantum of an output.
+    quantum: R,
+    /// G(k + 1, l) at column l, row k >= l, edges counted from -U; zero above the diagonal. A branch lies between two
+    /// columns.
+    columns: [[<R::Fixed as Fixed<R>>::Entry; L]; L],
 }
 
 /// An output change and its derivative.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Change<R> {
-    pub(crate) value: R,
+pub(crate) struct Change<F> {
+    pub(crate) value: F,
     /// Over the end of the branch, per cell.
-    pub(crate) slope: R,
+    pub(crate) slope: F,
 }
 
-impl<R: Real, const L: usize> Everett<R, L> {
-    /// Sums the weights.
-    pub fn build(weights: &Weights<R, L>) -> Self {
-        let mut table = Self { rows: [[R::ZERO; L]; L] };
+/// The output along a cell: start + slope*x at the share x of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Climb<F> {
+    pub(crate) cell: usize,
+    pub(crate) start: F,
+    pub(crate) slope: F,
+}
+
+/// Sums of weights, before they are rounded.
+struct Sums<R, const L: usize>([[R; L]; L]);
+
+impl<R: Real, const L: usize> Sums<R, L> {
+    fn of(weights: &Weights<R, L>) -> Self {
+        let mut sums = Self([[R::ZERO; L]; L]);
         for k in 0..L {
             // G(k+1, l) = G(k, l) + 2 * sum of mu_kj over j >= l: column by column from the diagonal.
             let mut row_sum = R::ZERO;
             for l in (0..=k).rev() {
                 row_sum += weights.at(k, l);
-                let value = table.corner(k, l) + row_sum + row_sum;
-                if let Some(place) = table.rows.get_mut(k).and_then(|row| row.get_mut(l)) {
+                let value = sums.corner(k, l) + row_sum + row_sum;
+                if let Some(place) = sums.0.get_mut(k).and_then(|row| row.get_mut(l)) {
                     *place = value;
                 }
             }
         }
-        table
+        sums
     }
 
-    /// G at edges `k` and `l`, counted from -U; zero for k <= l.
-    #[inline(always)]
-    pub fn corner(&self, k: usize, l: usize) -> R {
-        self.rows.get(k.wrapping_sub(1)).and_then(|row| row.get(l)).copied().unwrap_or(R::ZERO)
+    fn corner(&self, k: usize, l: usize) -> R {
+        self.0.get(k.wrapping_sub(1)).and_then(|row| row.get(l)).copied().unwrap_or(R::ZERO)
     }
 
-    /// The cell of `q`, |q| <= L/2.
-    #[inline(always)]
-    pub(crate) fn place(q: R) -> Place<R> {
-        let from_end = q + R::lit(L as f64 * 0.5);
-        // Never negative: q >= -L/2, and the sum is exact there.
-        let cell = (from_end.to_i32().cast_unsigned() as usize).min(L - 1);
-        Place { cell, fraction: from_end - R::from_i32(cell as i32) }
-    }
-
-    /// G(to, from).
-    #[inline(always)]
-    pub(crate) fn change(&self, to: Place<R>, from: Place<R>) -> Change<R> {
-        if to.cell > from.cell {
-            // Rising: the upper coordinate moves.
-            self.blend(to, from, |upper, lower| self.corner(upper, lower))
-        } else if to.cell < from.cell {
-            self.blend(to, from, |lower, upper| -self.corner(upper, lower))
-        } else {
-            let slope = self.corner(to.cell + 1, to.cell);
-            Change { value: slope * (to.fraction - from.fraction), slope }
-        }
-    }
-
-    /// Bilinear: along `from` first, so that the derivative over `to` falls out.
-    #[inline(always)]
-    fn blend(&self, to: Place<R>, from: Place<R>, corner: impl Fn(usize, usize) -> R) -> Change<R> {
-        let along_from = |edge: usize| {
-            let (near, far) = (corner(edge, from.cell), corner(edge, from.cell + 1));
-            near + from.fraction * (far - near)
-        };
-        let (start, end) = (along_from(to.cell), along_from(to.cell + 1));
-        let slope = end - start;
-        Change { value: start + to.fraction * slope, slope }
+    /// Mean of the two major branches at an edge: (-S + G(k, 0) + S - G(L, k))/2.
+    fn major_mean(&self, edge: usize) -> R {
+        R::lit(0.5) * (self.corner(edge, 0) - self.corner(L, edge))
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    const L: usize = 8;
-
-    fn table() -> Everett<f64, L> {
-        Everett::build(&Weights::uniform(3.0).unwrap())
+impl<R: Real, const L: usize> Everett<R, L> {
+    /// The table of the operator with these weights.
+    pub fn build(weights: &Weights<R, L>) -> Self {
+        let sums = Sums::of(weights);
+        Self::rounded(|k, l| sums.corner(k, l))
     }
 
-    fn change(to: f64, from: f64) -> f64 {
-        table().change(Everett::<f64, L>::place(to), Everett::<f64, L>::place(from)).value
+    /// The table of A(u) - P\[u\], A the mean of the two branches of the major loop of P.
+    pub(crate) fn leading(weights: &Weights<R, L>) -> Self {
+        let sums = Sums::of(weights);
+        Self::rounded(|k, l| sums.major_mean(k) - sums.major_mean(l) - sums.corner(k, l))
     }
 
-    #[test]
-    fn the_standard_shape_is_quadratic_at_the_grid() {
-        for k in 0..=L {
-            for l in 0..=k {
-                let wanted = 2.0 * 3.0 * ((k - l) as f64 / L as f64).powi(2);
-                assert!((table().corner(k, l) - wanted).abs() < 1e-14);
+    /// The least rise of G over a cell of its upper end, in outputs.
+    pub(crate) fn least_slope(&self) -> R {
+        let rises = (0..L).flat_map(|k| (0..=k).map(move |l| (k, l)));
+        let slopes = rises.map(|(k, l)| (self.entry(k + 1, l) - self.entry(k, l)).real() * self.quantum);
+        slopes.fold(R::MAX, R::min)
+    }
+
+    /// From G at the edges k > l.
+    fn rounded(corner: impl Fn(usize, usize) -> R) -> Self {
+        let corners = || (1..=L).flat_map(|k| (0..k).map(move |l| (k, l)));
+        let largest = corners().map(|(k, l)| corner(k, l).abs()).fold(R::ZERO, R::max);
+        // Of an empty table every entry is zero.
+        let unit = if largest > R::ZERO { largest / R::Fixed::LARGEST } else { R::ONE };
+        let mut columns = [[Default::default(); L]; L];
+        for (k, l) in corners() {
+            if let Some(place) = columns.get_mut(l).and_then(|column| column.get_mut(k - 1)) {
+                *place = R::Fixed::entry(corner(k, l) / unit);
             }
         }
+        Self { columns, quantum: unit / R::Fixed::SCALE }
     }
 
-    proptest! {
-        #[test]
-        fn it_is_antisymmetric_and_mirrored(a in -4.0..=4.0f64, b in -4.0..=4.0f64) {
-            prop_assert!((change(a, b) + change(b, a)).abs() < 1e-13);
-            prop_assert!((change(a, b) - change(-b, -a)).abs() < 1e-13);
-        }
-
-        #[test]
-        fn it_is_continuous_and_rises_with_its_end(a in -4.0..=3.9f64, b in -4.0..=4.0f64) {
-            // The steepest slope of the standard shape is that from end to end, 4*S/L a cell.
-            let rise = change(a + 1e-6, b) - change(a, b);
-            prop_assert!((-1e-14..=1e-6 * 4.0 * 3.0 / L as f64 + 1e-13).contains(&rise));
-        }
-
-        #[test]
-        fn the_slope_is_the_derivative(a in -4.0..=4.0f64, b in -4.0..=4.0f64) {
-            let (to, from) = (Everett::<f64, L>::place(a), Everett::<f64, L>::place(b));
-            let slope = table().change(to, from).slope;
-            let h = 1e-7 * if to.fraction < 0.5 { 1.0 } else { -1.0 };
-            prop_assert!(((change(a + h, b) - change(a, b)) / h - slope).abs() < 1e-6);
-        }
+    /// G at edges `k` and `l`, counted from -U; zero for k <= l.
+    pub fn corner(&self, k: usize, l: usize) -> R {
+        self.entry(k, l).real() * self.quantum
     }
+
+    /// One quantum of an output.
+    #[inline(always)]
+    pub(crate) fn quantum(&self) -> R {
+        self.quantum
+    }
+
+    /// G(to, from) for to >= from.
+    #[inline(always)]
+    pub(crate) fn rise(
+        &self,
+        to: <R::Fixed as Fixed<R>>::Position,
+        from: <R::Fixed as Fixed<R>>::Position,
+    ) -> Change<R::Fixed> {
+        let ((to_cell, to), (from_cell, from)) = (R::Fixed::place(to, L), R::Fixed::place(from, L));
+        if to_cell > from_cell {
+            // The corners of a cell off the diagonal: two rows, in each two columns.
+            let corner = from_cell * L + to_cell;
+            let entries = self.columns.as_flattened();
+            let start = R::Fixed::between(entries[corner - 1], entries[corner + L - 1], from);
+            let slope = R::Fixed::between(entries[corner], entries[corner + L], from) - start;
+            return Change { value: start + slope.share(to), slope };
+        }
+        cheaper();
+        // In a cell of the diagonal.
+        let slope = R::Fixed::output(self.columns[to_cell][to_cell]);
+        Change { value: slope.share(to - from), slope }
+    }
+
+    /// The cell of a branch in which the output has `reached` what is looked for, told by an edge and the output
+    /// there; the last one when it does in none.
+    #[inline(always)]
+    pub(crate) fn climb(
+        &self,
+        start: &Turn<R>,
+        reached: impl Fn(usize, R::Fixed) -> bool,
+    ) -> Climb<R::Fixed> {
+        let (first, from) = R::Fixed::place(start.position, L);
+        let output = |edge: usize| {
+            // Of the last column only the cell on the diagonal counts, which is not between two.
+            let next = (first + 1).min(L - 1);
+            let between =
+                R::Fixed::between(self.columns[first][edge - 1], self.columns[next][edge - 1], from);
+            start.output + between
+        };
+        // Up to the start the entries are zero.
+        let cell = last_below::<L>(0, |edge| reached(edge, output(edge)));
+        if cell > first {
+            let lower = output(cell);
+            return Climb { cell, start: lower, slope: output(cell + 1) - lower };
+        }
+        cheaper();
+        // On the diagonal: through the start.
+        let slope = self.entry(cell + 1, cell);
+        Climb { cell, start: start.output - slope.share(from), slope }
+    }
+
+    /// The same of the virgin curve, on which both ends of G move: it is bent in its cells, as second value.
+    #[inline(always)]
+    pub(crate) fn climb_virgin_curve(
+        &self,
+        reached: impl Fn(usize, R::Fixed) -> bool,
+    ) -> (Climb<R::Fixed>, R::Fixed) {
+        let output = |edge: usize| self.entry(edge, L - edge).half();
+        // With an odd number of levels the middle cell is on the diagonal, where G is antisymmetric.
+        let cell = last_below::<L>(L / 2, |edge| reached(edge, output(edge)));
+        let start = if cell + cell < L { R::Fixed::default() - output(cell + 1) } else { output(cell) };
+        let middle = self.entry(cell + 1, L - cell).half();
+        let slope = (middle - start) + (middle - start);
+        (Climb { cell, start, slope }, (output(cell + 1) - middle) - (middle - start))
+    }
+
+    #[inline(always)]
+    fn entry(&self, k: usize, l: usize) -> R::Fixed {
+        let entry = self.columns.get(l).and_then(|column| column.get(k.wrapping_sub(1))).copied();
+        R::Fixed::output(entry.unwrap_or_default())
+    }
+}
+
+/// The last edge from `first` to `L` - 1 that is not `reached`, by halving what is left.
+#[inline(always)]
+fn last_below<const L: usize>(first: usize, reached: impl Fn(usize) -> bool) -> usize {
+    let mut below = first;
+    let mut left = L - first;
+    while left > 1 {
+        let edge = below + left / 2;
+        below = core::hint::select_unpredictable(reached(edge), below, edge);
+        left -= left / 2;
+    }
+    below
 }

@@ -14,6 +14,9 @@
 //! alpha_i = -U + (i + 1/2)*h and down past beta_j. A grid input therefore never sits on a threshold.
 
 pub mod everett;
+pub mod fixed;
+pub mod inverse;
+mod memory;
 pub mod relays;
 pub mod staircase;
 pub mod table;
@@ -21,6 +24,7 @@ pub mod torsion;
 pub mod weights;
 
 pub use everett::Everett;
+pub use inverse::{Inverse, TorsionInverse};
 pub use relays::{Relays, RelaysState};
 pub use staircase::{Staircase, StaircaseState};
 pub use table::HysteresisTable;

@@ -1,217 +1,57 @@
 //! Preisach operator from its past extrema: the real-time realisation.
 //!
-//! The output only depends on the turning points of the input that later ones haven't wiped out.
-//! They alternate and are nested, r_0 outermost; each is kept with the output y_k that it had, so
-//! that a step is one look into the Everett table:
+//! The output only depends on the turning points of the input that later ones haven't wiped out, see
+//! [`super::memory`]. Each is kept with the output y_k that it had, so that a step is one look into the
+//! Everett table:
 //!
 //! ```text
 //! y(u) = y_k + G(u, r_k)                       on the branch from the last turning point r_k
 //! y(u) = sign(u) * G(|u|, -|u|)/2              on the virgin curve, when there is none
 //! ```
 //!
-//! Wiping-out: when u reaches the turning point before the last, both are dropped. r_0 is the
-//! largest |u| so far, and what is before it is -r_0, where the demagnetised operator would also
+//! Wiping-out: when u reaches the turning point before the last, both are dropped. r_1 is the
+//! largest |u| so far, and what is before it is -r_1, where the demagnetised operator would also
 //! be on its virgin curve. The default state is demagnetised: no turning point, output 0 at u = 0.
 //!
-//! Cost: a step drops at most the stored points and stores at most one, so that a drop is paid for
-//! by an earlier step. Nested grid inputs turn at most L times, which a capacity C > L holds;
-//! between them the memory could be deeper.
-//!
-//! Full memory (C points): of the newest [`WINDOW`] pairs of neighbouring points the one is forgotten
-//! that shapes the smallest rectangle of the plane, with the standard shape the smallest weight of
-//! relays that a pair alone remembers. The outputs of the others stay, so nothing jumps then. The
-//! output is off only while u passes the forgotten pair on its way out, never by more than G over
-//! the smallest loop that is sure to be kept, between r_(C-8) and r_(C-7); C >= 8. For a ring-down
-//! that loses 6 % a half cycle (damping ratio 0.02) from U to U/1000 and the standard shape, that
-//! bound is 26 % of the output at saturation with C = 24; the largest error found is 2.6 %, and
-//! 1.0 % with C = 32.
-//!
-//! Beyond +-U the input counts as +-U. An input that is not finite leaves everything as it is.
+//! Beyond +-U the input counts as +-U. One that is not a number leaves everything as it is.
 //!
 //! I. Mayergoyz, "Mathematical models of hysteresis and their applications", 2003, section 1.3.
 
-use super::everett::{Change, Everett, Place};
+use super::everett::Everett;
+use super::fixed::Fixed;
+use super::inverse::Inverse;
+pub use super::memory::StaircaseState;
+use super::memory::{Position, Turn, cheaper};
 use super::weights::Weights;
 use crate::error::{Error, require};
 use crate::real::Real;
-
-/// Pairs of turning points among which a full memory chooses the one to forget.
-pub const WINDOW: usize = 4;
 
 /// Output of one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Response<R> {
     /// y; finite for any input.
     pub output: R,
-    /// dy/du along the branch; 0 beyond the range, and when held.
+    /// dy/du along the branch, before the input; 0 when held.
     pub slope: R,
-    /// The input is beyond +-U and counts as +-U.
-    pub saturated: bool,
-    /// The input was not finite: the output is that of the step before.
-    pub held: bool,
-}
-
-/// An input within the range.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Located<R> {
-    /// In cells from the middle of the range.
-    cells: R,
-    pub(crate) place: Place<R>,
-}
-
-/// An input and the output that it had: a turning point, or where the last step left off.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Turn<R> {
-    /// In cells from the middle of the range.
-    input: R,
-    output: R,
-}
-
-/// Memory of at most `MEMORY` turning points; the default is demagnetised at input 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StaircaseState<R, const MEMORY: usize> {
-    turns: [Turn<R>; MEMORY],
-    /// Turning points in use.
-    depth: usize,
-    /// Where the last step left off.
-    now: Turn<R>,
-}
-
-impl<R: Real, const MEMORY: usize> Default for StaircaseState<R, MEMORY> {
-    fn default() -> Self {
-        Self { turns: [Turn::default(); MEMORY], depth: 0, now: Turn::default() }
-    }
-}
-
-/// The branch that an input lies on.
-#[derive(Clone, Copy)]
-struct Branch {
-    /// Turning points that are left.
-    depth: usize,
-    /// The present input becomes the next one.
-    turned: bool,
-}
-
-impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
-    /// y after the last step.
-    pub fn output(&self) -> R {
-        self.now.output
-    }
-
-    /// Turning points stored, up to `MEMORY`.
-    pub fn depth(&self) -> usize {
-        self.depth
-    }
-
-    #[inline(always)]
-    fn turn(&self, k: usize) -> Turn<R> {
-        self.turns.get(k).copied().unwrap_or_default()
-    }
-
-    /// What wipes out the last of `depth` >= 1 points: the one before it, or the mirror of the first.
-    #[inline(always)]
-    fn bound(&self, depth: usize) -> R {
-        if depth >= 2 { self.turn(depth - 2).input } else { -self.turn(0).input }
-    }
-
-    #[inline(always)]
-    fn branch(&self, to: R) -> Branch {
-        let (from, depth) = (self.now.input, self.depth);
-        if depth == 0 {
-            return Branch { depth, turned: to.abs() < from.abs() };
-        }
-        let last = self.turn(depth - 1).input;
-        if from > last {
-            if to >= from {
-                self.rising(depth, to)
-            } else if to > last {
-                Branch { depth, turned: true }
-            } else {
-                // Back past where the branch began: it is wiped out, and on goes the one before.
-                self.falling(depth - 1, to)
-            }
-        } else if to <= from {
-            self.falling(depth, to)
-        } else if to < last {
-            Branch { depth, turned: true }
-        } else {
-            self.rising(depth - 1, to)
-        }
-    }
-
-    /// Wipes out what a rise to `to` passes.
-    #[inline(always)]
-    fn rising(&self, mut depth: usize, to: R) -> Branch {
-        while depth > 0 && to >= self.bound(depth) {
-            depth = depth.saturating_sub(2);
-        }
-        Branch { depth, turned: false }
-    }
-
-    /// Wipes out what a fall to `to` passes.
-    #[inline(always)]
-    fn falling(&self, mut depth: usize, to: R) -> Branch {
-        while depth > 0 && to <= self.bound(depth) {
-            depth = depth.saturating_sub(2);
-        }
-        Branch { depth, turned: false }
-    }
-
-    /// Goes to `now` on `branch`; [`Self::make_room`] keeps a place free for the turning point.
-    #[inline(always)]
-    fn take(&mut self, branch: Branch, now: Turn<R>) {
-        self.depth = branch.depth;
-        if branch.turned
-            && let Some(place) = self.turns.get_mut(branch.depth)
-        {
-            *place = self.now;
-            self.depth = branch.depth + 1;
-        }
-        self.now = now;
-    }
-
-    /// Forgets a pair when the memory is full. Apart from the common path and at the end of a step,
-    /// so that a call costs that path no registers.
-    #[inline(always)]
-    pub(crate) fn make_room(&mut self) {
-        if self.depth >= MEMORY {
-            self.forget();
-        }
-    }
-
-    /// Drops the pair of neighbours with the smallest rectangle among the newest, with both
-    /// neighbours stored too.
-    #[cold]
-    #[inline(never)]
-    fn forget(&mut self) {
-        let newest = MEMORY.saturating_sub(3);
-        let (mut chosen, mut least) = (newest, R::MAX);
-        for back in 0..WINDOW {
-            let k = newest.saturating_sub(back);
-            let (before, after) = (self.turn(k.saturating_sub(1)), self.turn(k + 2));
-            let (first, second) = (self.turn(k), self.turn(k + 1));
-            let area = (first.input - after.input) * (second.input - before.input);
-            if area < least {
-                (chosen, least) = (k, area);
-            }
-        }
-        for k in chosen..MEMORY.saturating_sub(2) {
-            let moved = self.turn(k + 2);
-            if let Some(place) = self.turns.get_mut(k) {
-                *place = moved;
-            }
-        }
-        self.depth = MEMORY.saturating_sub(2);
-    }
 }
 
 /// Built operator: `L` levels, memory of `MEMORY` turning points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Staircase<R, const L: usize, const MEMORY: usize> {
-    everett: Everett<R, L>,
+// In this order, so that no address needs computing.
+#[repr(C)]
+pub struct Staircase<R: Real, const L: usize, const MEMORY: usize> {
+    /// Positions per unit of the input, and the position of 0.
+    scale: R,
+    middle: R,
+    /// Slope of the output per quantum over a cell.
+    slope: R,
     half_range: R,
-    /// 1/h.
+    cell_width: R,
     cells_per_unit: R,
+    quanta_per_output: R,
+    /// Least slope of any branch.
+    least_slope: R,
+    everett: Everett<R, L>,
 }
 
 impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
@@ -220,36 +60,155 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
     /// # Errors
     /// [`Error::OutOfRange`] `half_range`, or `capacity` when `MEMORY` is not in 8..=1000.
     pub fn build(half_range: R, weights: &Weights<R, L>) -> Result<Self, Error> {
+        Self::around(half_range, Everett::build(weights))
+    }
+
+    /// The operator of a table.
+    pub(crate) fn around(half_range: R, everett: Everett<R, L>) -> Result<Self, Error> {
         require((R::lit(1e-9)..=R::lit(1e6)).contains(&half_range), "half_range")?;
-        require((WINDOW + 4..=1000).contains(&MEMORY), "capacity")?;
+        require((8..=1000).contains(&MEMORY), "capacity")?;
         let cells_per_unit = R::from_i32(L as i32) / (half_range + half_range);
-        Ok(Self { everett: Everett::build(weights), half_range, cells_per_unit })
+        Ok(Self {
+            scale: R::Fixed::HALF_RANGE / half_range,
+            middle: R::Fixed::HALF_RANGE,
+            slope: cells_per_unit * everett.quantum(),
+            everett,
+            half_range,
+            cell_width: R::ONE / cells_per_unit,
+            cells_per_unit,
+            quanta_per_output: R::ONE / everett.quantum(),
+            least_slope: everett.least_slope() * cells_per_unit,
+        })
+    }
+
+    /// The input for a wanted output.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `table` when the output falls along a rising input, as it may with weights below zero.
+    pub fn inverse(&self) -> Result<Inverse<'_, R, L, MEMORY>, Error> {
+        require(self.least_slope >= R::ZERO, "table")?;
+        Ok(Inverse { staircase: self })
     }
 
     /// y at the next input; the input between two steps counts as monotone.
     // Never inlined: the timing budget counts this block by its symbol.
     #[inline(never)]
     pub fn step(&self, state: &mut StaircaseState<R, MEMORY>, input: R) -> Response<R> {
-        if !input.is_finite() {
-            return held(state);
+        self.advance(state, input)
+    }
+
+    /// [`Self::step`] within another block.
+    #[inline(always)]
+    pub(crate) fn advance(&self, state: &mut StaircaseState<R, MEMORY>, input: R) -> Response<R> {
+        let position = R::Fixed::position(input * self.scale + self.middle);
+        if position == Position::<R>::default() {
+            return self.at_lower_end(state, input);
         }
-        let response = self.advance(state, self.locate(input), input);
-        state.make_room();
-        response
+        let (to, start) = state.go(position);
+        let slope = self.arrive(state, to, start);
+        Response { output: self.output(state), slope: slope.real() * self.slope }
+    }
+
+    /// The step for an input at the lower end of the range or below it; not a number is there too.
+    #[cold]
+    #[inline(never)]
+    fn at_lower_end(&self, state: &mut StaircaseState<R, MEMORY>, input: R) -> Response<R> {
+        let mut slope = R::ZERO;
+        if input < R::ZERO {
+            let to = state.fall_to_end();
+            slope = self.arrive(state, to, None).real() * self.slope;
+        } else {
+            state.hold();
+        }
+        Response { output: self.output(state), slope }
+    }
+
+    /// Completes the step to a position in the frame of the branch; the slope over a cell there.
+    #[inline(always)]
+    fn arrive(
+        &self,
+        state: &mut StaircaseState<R, MEMORY>,
+        to: Position<R>,
+        start: Option<Turn<R>>,
+    ) -> R::Fixed {
+        let (output, slope) = match start {
+            Some(start) => {
+                let change = self.everett.rise(to, start.position);
+                (start.output + change.value, change.slope)
+            }
+            None => {
+                cheaper();
+                // The weights are symmetric: half of G(v, -v) lies on either side of the line alpha = -beta,
+                // and the derivatives of G over its two arguments are opposite there.
+                let change = self.everett.rise(to, !to);
+                (change.value.half(), change.slope)
+            }
+        };
+        state.arrive(to, output);
+        slope
     }
 
     /// What [`Self::step`] would return, with the state left as it is.
     #[inline]
     pub fn peek(&self, state: &StaircaseState<R, MEMORY>, input: R) -> Response<R> {
-        if !input.is_finite() {
-            return held(state);
-        }
-        self.peek_at(state, self.locate(input), input)
+        let mut ahead = *state;
+        self.advance(&mut ahead, input)
     }
 
-    /// The table.
-    pub fn everett(&self) -> &Everett<R, L> {
-        &self.everett
+    /// y after the last step.
+    #[inline(always)]
+    pub fn output(&self, state: &StaircaseState<R, MEMORY>) -> R {
+        self.real(state.output())
+    }
+
+    /// The input of the last step, or the end of the range that it was beyond.
+    #[inline(always)]
+    pub fn input(&self, state: &StaircaseState<R, MEMORY>) -> R {
+        let input = self.input_at(state.now().position);
+        if state.is_falling() { -input } else { input }
+    }
+
+    /// That at a position.
+    #[inline(always)]
+    pub(crate) fn input_at(&self, position: Position<R>) -> R {
+        R::Fixed::distance(position).real() * R::lit(1.0 / R::Fixed::HALF_RANGE.to_f64()) * self.half_range
+    }
+
+    /// That at an edge of the grid.
+    #[inline(always)]
+    pub(crate) fn edge(&self, edge: usize) -> R {
+        self.within(edge, R::ZERO)
+    }
+
+    /// That at a share of a cell.
+    #[inline(always)]
+    pub(crate) fn within(&self, cell: usize, share: R) -> R {
+        self.cells(cell, share) * self.cell_width
+    }
+
+    /// That in cells.
+    #[inline(always)]
+    pub(crate) fn cells(&self, cell: usize, share: R) -> R {
+        let half_cell = if L % 2 == 0 { R::ZERO } else { R::lit(0.5) };
+        R::from_i32(cell as i32 - (L / 2) as i32) + (share - half_cell)
+    }
+
+    /// An output.
+    #[inline(always)]
+    pub(crate) fn real(&self, output: R::Fixed) -> R {
+        output.real() * self.everett.quantum()
+    }
+
+    /// An output in quanta.
+    #[inline(always)]
+    pub(crate) fn quanta(&self, output: R) -> R::Fixed {
+        R::Fixed::truncated(output * self.quanta_per_output)
+    }
+
+    /// h.
+    #[inline(always)]
+    pub(crate) fn cell_width(&self) -> R {
+        self.cell_width
     }
 
     /// 1/h.
@@ -258,63 +217,15 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
         self.cells_per_unit
     }
 
-    /// Where a finite input is; beyond the range, its end.
-    #[inline(always)]
-    pub(crate) fn locate(&self, input: R) -> Located<R> {
-        let cells = (input * self.cells_per_unit).limit(R::lit(L as f64 * 0.5));
-        Located { cells, place: Everett::<R, L>::place(cells) }
+    /// Least slope of any branch.
+    pub(crate) fn least_slope(&self) -> R {
+        self.least_slope
     }
 
-    /// The step for a finite input, up to [`StaircaseState::make_room`].
-    #[inline(always)]
-    pub(crate) fn advance(
-        &self,
-        state: &mut StaircaseState<R, MEMORY>,
-        at: Located<R>,
-        input: R,
-    ) -> Response<R> {
-        let branch = state.branch(at.cells);
-        let response = self.read(state, branch, at, input);
-        state.take(branch, Turn { input: at.cells, output: response.output });
-        response
+    /// The table.
+    pub fn everett(&self) -> &Everett<R, L> {
+        &self.everett
     }
-
-    /// [`Self::peek`] for a finite input.
-    #[inline(always)]
-    pub(crate) fn peek_at(&self, state: &StaircaseState<R, MEMORY>, at: Located<R>, input: R) -> Response<R> {
-        self.read(state, state.branch(at.cells), at, input)
-    }
-
-    #[inline(always)]
-    fn read(
-        &self,
-        state: &StaircaseState<R, MEMORY>,
-        branch: Branch,
-        at: Located<R>,
-        input: R,
-    ) -> Response<R> {
-        let (start, change) = if branch.depth == 0 && !branch.turned {
-            (R::ZERO, self.virgin(at))
-        } else {
-            let turn = if branch.turned { state.now } else { state.turn(branch.depth.wrapping_sub(1)) };
-            (turn.output, self.everett.change(at.place, Everett::<R, L>::place(turn.input)))
-        };
-        let saturated = input.abs() > self.half_range;
-        let slope = if saturated { R::ZERO } else { change.slope * self.cells_per_unit };
-        Response { output: start + change.value, slope, saturated, held: false }
-    }
-
-    /// The weights are symmetric: half of G(|q|, -|q|) lies on either side of the line alpha = -beta,
-    /// and the derivatives of G over its two arguments are opposite there.
-    #[inline(always)]
-    fn virgin(&self, at: Located<R>) -> Change<R> {
-        let change = self.everett.change(at.place, Everett::<R, L>::place(-at.cells));
-        Change { value: change.value * R::lit(0.5), slope: change.slope }
-    }
-}
-
-fn held<R: Real, const MEMORY: usize>(state: &StaircaseState<R, MEMORY>) -> Response<R> {
-    Response { output: state.output(), slope: R::ZERO, saturated: false, held: true }
 }
 
 #[cfg(test)]
@@ -486,7 +397,8 @@ mod tests {
                 let input = (u * U) as f32;
                 let y = single.step(&mut a, input).output;
                 let exact = double.step(&mut b, f64::from(input)).output;
-                prop_assert!((f64::from(y) - exact).abs() < 2e-5 * S);
+                // A rounded entry for every turning point that an output rests on.
+                prop_assert!((f64::from(y) - exact).abs() < 1e-4 * S);
             }
         }
 
@@ -497,9 +409,11 @@ mod tests {
                 let (before, input) = (state, f32::from_bits(bits));
                 let response = model.step(&mut state, input);
                 prop_assert!(response.output.abs() <= S as f32 * 1.001);
-                prop_assert_eq!(response.held, !input.is_finite());
-                prop_assert_eq!(response.saturated && !response.held, input.is_finite() && input.abs() > U as f32);
-                prop_assert!(!response.held || (before == state && response.output == before.output()));
+                let held = state.held() > before.held();
+                prop_assert_eq!(held, input.is_nan());
+                prop_assert!(held || state.is_saturated() == (input.abs() >= U as f32));
+                prop_assert!(!held || (response.output == model.output(&before) && response.slope == 0.0));
+                prop_assert!(!held || model.output(&state) == model.output(&before));
             }
         }
 
@@ -521,7 +435,7 @@ mod tests {
             let mut amplitude = 1.0;
             let spiral: Vec<f64> = decays.iter().map(|decay| { amplitude *= -decay; amplitude }).collect();
             let bound = if spiral.len() >= MEMORY {
-                2.0 * S * (0.5 * (spiral[MEMORY - 8] - spiral[MEMORY - 7]).abs()).powi(2) * 1.01 + 1e-9
+                2.0 * S * (0.5 * (spiral[MEMORY - 5] - spiral[MEMORY - 4]).abs()).powi(2) * 1.01 + 1e-9
             } else {
                 1e-9
             };
@@ -552,16 +466,16 @@ mod tests {
     /// The figures of the header.
     #[test]
     fn a_ring_down_that_overflows_the_memory_errs_little() {
-        assert!((0.025..0.026).contains(&ring_down_error::<24>()));
-        assert!((0.009..0.010).contains(&ring_down_error::<32>()));
-        let kept = 0.5 * (0.94f64.powi(24 - 8) + 0.94f64.powi(24 - 7));
-        assert!((2.0 * kept * kept - 0.26).abs() < 0.005);
+        assert!((0.025..0.026).contains(&ring_down_error::<28>()));
+        assert!((0.041..0.042).contains(&ring_down_error::<24>()));
+        let kept = 0.5 * (0.94f64.powi(28 - 5) + 0.94f64.powi(28 - 4));
+        assert!((2.0 * kept * kept - 0.11).abs() < 0.005);
     }
 
     #[test]
     fn it_starts_demagnetised() {
         let (model, state) = (staircase::<f64, 24, 8>(), StaircaseState::default());
-        assert_eq!(model.peek(&state, 0.0).output, 0.0);
+        assert!(model.peek(&state, 0.0).output.abs() < 1e-15 * S);
         // On the virgin curve of the standard shape, S*(u/U)^2.
         for k in 0..=12 {
             let x = f64::from(k) / 12.0;

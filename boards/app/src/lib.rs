@@ -15,6 +15,7 @@ pub mod logger;
 mod panic;
 pub mod slot;
 pub mod telemetry;
+pub mod worst_case;
 
 /// Constants of the joint, generated from its gear file.
 pub mod joint {

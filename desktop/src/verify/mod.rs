@@ -5,7 +5,7 @@
 mod angle;
 pub mod flexspline;
 pub mod friction;
-mod hysteresis;
+pub mod hysteresis;
 
 use std::time::Instant;
 
@@ -64,7 +64,7 @@ pub enum Part {
     Flexspline,
     /// Friction against closed forms, scipy and measured gears; work; f32 against f64.
     Friction,
-    /// The staircase against the relays, the default gear's loop, identification.
+    /// The staircase against the relays, its laws and its inverse, the default gear's loop, identification.
     Hysteresis,
     /// What the compensator rests on: unbounded angles in f32.
     Compensator,
@@ -84,7 +84,7 @@ impl Part {
         }
     }
 
-    /// Measures the part's figures, but for those of the clock ([`flexspline::speed`]).
+    /// Measures the part's figures, but for those of the clock ([`flexspline::speed`], [`hysteresis::speed`]).
     ///
     /// # Errors
     /// Measured data that are there and cannot be used.

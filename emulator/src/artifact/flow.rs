@@ -225,8 +225,9 @@ impl<'i> Walk<'i> {
         let next = instruction.next();
         if self.instruction(next).is_some() {
             self.arrive(next, &after);
-        } else if !called {
-            // Behind a call that ends a function nothing follows: the callee does not come back.
+        } else if !called && instruction.text != "nop" {
+            // Behind a call that ends a function nothing follows, or what aligns the constants there: the callee
+            // does not come back.
             self.transfer(instruction, next, &after)?;
         }
         Ok(())
@@ -489,6 +490,13 @@ mod tests {
         assert_eq!(found[0].calls, [Call { callee: 1, depth: 8 }]);
         // f: b.w g
         let found = summaries(&[("f", &f[10..]), ("g", &BX_LR)], &[]).unwrap();
+        assert_eq!(found[0].calls, [Call { callee: 1, depth: 0 }]);
+    }
+
+    #[test]
+    fn behind_a_call_that_does_not_come_back_a_function_may_be_padded() {
+        // f: bl g; nop. g: b .
+        let found = summaries(&[("f", &[0x00, 0xf0, 0x01, 0xf8, 0x00, 0xbf]), RESET], &[]).unwrap();
         assert_eq!(found[0].calls, [Call { callee: 1, depth: 0 }]);
     }
 

@@ -10,6 +10,7 @@
 //! ```
 
 pub mod cycle_table;
+pub mod dearest;
 mod error;
 mod plan;
 mod plugin;

@@ -1,0 +1,79 @@
+//! What the operator costs on this machine, one core, by the clock: the best of many short batches.
+//!
+//! Inputs at random, smoothed, so that they turn, wipe out and go on: the same for every number of levels, and for the
+//! relays of eq. (9) in the same run. Other work on the machine makes them slower, never faster: no test reads them.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use strainwave::hysteresis::{Relays, RelaysState, Staircase, StaircaseState, Weights};
+
+use crate::bounds;
+use crate::verify::Measured;
+
+/// Batches, and samples of one.
+const BATCHES: usize = 2000;
+const SAMPLES: usize = 4096;
+/// Batches of the relays, which take a hundred times as long.
+const RELAY_BATCHES: usize = 20;
+
+/// The figures of the clock.
+pub fn measure() -> Measured {
+    let inputs = inputs();
+    let slowest = [
+        staircase::<8>(&inputs),
+        staircase::<16>(&inputs),
+        staircase::<24>(&inputs),
+        staircase::<32>(&inputs),
+        staircase::<64>(&inputs),
+    ];
+    let fifty = staircase::<50>(&inputs);
+    let slowest = slowest.into_iter().fold(fifty, f64::max);
+    Measured::from(vec![
+        bounds::figure("hysteresis.sample", slowest),
+        bounds::figure("hysteresis.50.relays_over_staircase", relays::<50>(&inputs) / fifty),
+    ])
+}
+
+/// Smoothed noise within +-1.
+fn inputs() -> Vec<f64> {
+    let mut random = ChaCha8Rng::seed_from_u64(13);
+    let mut input = 0.0_f64;
+    let mut next = || {
+        input = 0.95 * input + 0.05 * random.random_range(-4.0..4.0);
+        input.clamp(-1.0, 1.0)
+    };
+    (0..SAMPLES).map(|_| next()).collect()
+}
+
+fn weights<const L: usize>() -> Weights<f64, L> {
+    Weights::uniform(1.0).expect("the weight is in range")
+}
+
+/// Time of a sample (ns).
+fn staircase<const L: usize>(inputs: &[f64]) -> f64 {
+    let model = Staircase::<f64, L, 28>::build(1.0, &weights()).expect("the range is positive");
+    let mut state = StaircaseState::default();
+    best(BATCHES, inputs, |input| model.step(&mut state, input).output)
+}
+
+fn relays<const L: usize>(inputs: &[f64]) -> f64 {
+    let model = Relays::<f64, L>::build(1.0, &weights()).expect("the range is positive");
+    let mut state = RelaysState::default();
+    best(RELAY_BATCHES, inputs, |input| model.step(&mut state, input))
+}
+
+/// Time of a step (ns), the best of `batches`.
+fn best(batches: usize, inputs: &[f64], mut step: impl FnMut(f64) -> f64) -> f64 {
+    let mut best = f64::MAX;
+    for _ in 0..batches {
+        let started = Instant::now();
+        for input in inputs {
+            black_box(step(*input));
+        }
+        best = best.min(started.elapsed().as_secs_f64());
+    }
+    best * 1e9 / inputs.len() as f64
+}

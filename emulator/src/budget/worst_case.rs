@@ -1,0 +1,60 @@
+//! Blocks along the histories that cost most, which no scenario brings about.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Duration;
+
+use serde::Deserialize;
+
+use super::measurement::count;
+use super::{Block, Error, Measurement};
+use crate::artifact::Image;
+use crate::counting::dearest::dearest_path;
+use crate::machine::{Machine, Options};
+
+/// How long the program may take on the host, counted.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A program that drives blocks through the histories that cost most.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WorstCase {
+    /// The board's program; it ends by itself, well only when what it drives is right.
+    pub program: String,
+    /// What it drives, by name.
+    pub blocks: BTreeMap<String, Block>,
+}
+
+impl WorstCase {
+    /// The blocks, by name.
+    pub(super) fn rows(&self) -> impl Iterator<Item = (&str, &Block)> {
+        self.blocks.iter().map(|(name, block)| (name.as_str(), block))
+    }
+
+    /// Runs the program at `elf` and adds what its blocks cost to the others.
+    ///
+    /// # Errors
+    /// As [`super::LiteralMesh::measure`].
+    pub fn measure(&self, elf: &Path, measured: &mut Measurement) -> Result<(), Error> {
+        let blocks: Vec<_> = self.rows().collect();
+        let counts = count(&Image::read(elf)?, &blocks, |arguments| {
+            let options = Options { patience: PATIENCE, arguments: arguments.to_vec(), ..Options::default() };
+            Machine::boot_with(elf, &options)?.end()?;
+            Ok(())
+        })?;
+        measured.counts.extend(counts);
+        Ok(())
+    }
+
+    /// Most cycles that any path through the code of a block takes, whether or not a history leads along it;
+    /// `None` where the code shows no bound.
+    ///
+    /// # Errors
+    /// [`Error::Image`].
+    pub fn dearest(&self, elf: &Path, block: &str) -> Result<Option<u64>, Error> {
+        let image = Image::read(elf)?;
+        let Some(block) = self.blocks.get(block) else { return Ok(None) };
+        let paths = image.find(&block.symbol)?.into_iter().map(|function| dearest_path(&image, function));
+        Ok(paths.collect::<Option<Vec<_>>>().and_then(|cycles| cycles.into_iter().max()))
+    }
+}

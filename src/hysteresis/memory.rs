@@ -1,0 +1,235 @@
+//! What a staircase remembers: the turning points that later ones have not wiped out.
+//!
+//! They alternate and are nested, r_1 the outermost; r_0 = -r_1 stands for the demagnetised past. Weights are
+//! symmetric, so a falling input is a rising one in a mirror: every branch rises in its own frame, and every
+//! turning point is a maximum in the frame of the branch that it ended. There it is stored, and seen from the next
+//! branch it is a minimum:
+//!
+//! ```text
+//! the input is at v in the frame of the branch:    -r_d <= v < r_(d-1),   d points in use
+//! v reaches r_(d-1)      r_(d-1) and r_d are wiped out; what is left is found by halving
+//! v falls below where the last step left off       that is stored, and the frame mirrored
+//! v falls below -r_d     the same, and as if r_d had never been
+//! ```
+//!
+//! Halving takes one comparison for each bit of the capacity, whatever the history.
+//!
+//! Full memory: the smallest loop, the last two points, is forgotten for the new one. The outputs of the
+//! others stay, so nothing jumps then.
+
+use super::fixed::Fixed;
+use crate::real::Real;
+
+/// A position and its output in the frame of a branch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Turn<R: Real> {
+    pub(crate) position: Position<R>,
+    pub(crate) output: R::Fixed,
+}
+
+pub(crate) type Position<R> = <<R as Real>::Fixed as Fixed<R>>::Position;
+
+/// Memory of at most `MEMORY` turning points; the default is demagnetised at input 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct StaircaseState<R: Real, const MEMORY: usize> {
+    /// Each as the start of the branch that followed it, in that one's frame.
+    turns: [Turn<R>; MEMORY],
+    /// Where the last step left off, in the frame of the branch.
+    position: Position<R>,
+    /// 0 on a rising branch, !0 on a falling one.
+    frame: Position<R>,
+    /// Turning points in use; 0 on the virgin curve.
+    depth: u32,
+    /// Output of the last step, in the frame of the branch.
+    output: R::Fixed,
+    /// Inputs so far that were not a number.
+    held: u32,
+}
+
+impl<R: Real, const MEMORY: usize> Default for StaircaseState<R, MEMORY> {
+    fn default() -> Self {
+        Self {
+            turns: [Turn::default(); MEMORY],
+            position: R::Fixed::MIDDLE,
+            frame: Position::<R>::default(),
+            depth: 0,
+            output: R::Fixed::default(),
+            held: 0,
+        }
+    }
+}
+
+/// How an input is reached.
+enum Way {
+    /// On the virgin curve.
+    Virgin,
+    /// On the branch that starts at the last of so many points.
+    Resumed(usize),
+    /// On one that starts where the last step left off, behind so many points.
+    Turned(usize),
+}
+
+impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
+    /// Turning points stored, up to `MEMORY`.
+    pub fn depth(&self) -> usize {
+        self.depth as usize
+    }
+
+    /// The last input was at an end of the range, or beyond it and counted as that.
+    pub fn is_saturated(&self) -> bool {
+        self.position == !Position::<R>::default()
+    }
+
+    /// How many inputs so far were not a number; each left everything else as it was.
+    pub fn held(&self) -> u32 {
+        self.held
+    }
+
+    /// Output of the last step.
+    #[inline(always)]
+    pub(crate) fn output(&self) -> R::Fixed {
+        self.output.in_frame(self.frame)
+    }
+
+    /// Goes to a position: that in the frame of its branch, and where the branch starts; the virgin curve has no
+    /// start. [`Self::arrive`] is to follow.
+    #[inline(always)]
+    pub(crate) fn go(&mut self, position: Position<R>) -> (Position<R>, Option<Turn<R>>) {
+        let along = position ^ self.frame;
+        let (turned, one_less) = R::Fixed::below(along, self.position);
+        self.frame = self.frame ^ turned;
+        let to = along ^ turned;
+        let start = match self.way(one_less, to, !to, self.position, |turn| turn.position) {
+            Way::Virgin => {
+                self.depth = 0;
+                None
+            }
+            Way::Resumed(depth) => {
+                self.depth = depth as u32;
+                self.start(depth)
+            }
+            Way::Turned(depth) => Some(self.push(depth)),
+        };
+        (to, start)
+    }
+
+    /// Where the branch behind `depth` >= 2 points starts.
+    #[inline(always)]
+    fn start(&self, depth: usize) -> Option<Turn<R>> {
+        let start = self.turns.get(depth.wrapping_sub(1));
+        if start.is_none() {
+            cheaper();
+        }
+        start.copied()
+    }
+
+    /// The way to where a `key` that rises along every branch, and is `now`, becomes `to`; `mirror` is that
+    /// in the other frame, `turned` is -1 when the frame is not that of the last step, else 0.
+    #[inline(always)]
+    fn way<K: PartialOrd + Copy>(
+        &self,
+        turned: usize,
+        to: K,
+        mirror: K,
+        now: K,
+        key: impl Fn(&Turn<R>) -> K,
+    ) -> Way {
+        let bound = (self.depth as usize).wrapping_sub(2).wrapping_sub(turned);
+        let turned = turned != 0;
+        let Some(turn) = self.turns.get(bound) else {
+            cheaper();
+            return if turned && to < now { Way::Turned(0) } else { Way::Virgin };
+        };
+        if key(turn) < mirror {
+            cheaper();
+            return if turned { Way::Turned(bound + 1) } else { Way::Resumed(bound + 2) };
+        }
+        if key(&self.turns[0]) >= mirror {
+            cheaper();
+            return Way::Virgin;
+        }
+        // Every second point up to that one may be reached too.
+        let mut reached = bound;
+        let mut stride = (MEMORY / 2 + 1).next_power_of_two();
+        while stride > 1 {
+            let outer = reached.saturating_sub(stride);
+            reached = core::hint::select_unpredictable(key(&self.turns[outer]) >= mirror, outer, reached);
+            stride /= 2;
+        }
+        Way::Resumed(reached)
+    }
+
+    /// Where the branch starts on which a `key` that rises along every branch, and is `now`, becomes `to`, in its
+    /// frame; that is another than that of the last step when it has `turned`.
+    #[inline(always)]
+    pub(crate) fn start_of_way<K: PartialOrd + Copy>(
+        &self,
+        turned: bool,
+        to: K,
+        mirror: K,
+        now: K,
+        key: impl Fn(&Turn<R>) -> K,
+    ) -> Option<Turn<R>> {
+        match self.way(0_usize.wrapping_sub(usize::from(turned)), to, mirror, now, key) {
+            Way::Virgin => None,
+            Way::Resumed(depth) => Some(*self.turns.get(depth.wrapping_sub(1)).unwrap_or(&self.turns[0])),
+            Way::Turned(_) => Some(Turn { position: !self.position, output: !self.output }),
+        }
+    }
+
+    /// Where the last step left off, in the frame of its branch.
+    #[inline(always)]
+    pub(crate) fn now(&self) -> Turn<R> {
+        Turn { position: self.position, output: self.output }
+    }
+
+    /// That frame.
+    #[inline(always)]
+    pub(crate) fn frame(&self) -> Position<R> {
+        self.frame
+    }
+
+    /// Whether the branch falls.
+    #[inline(always)]
+    pub(crate) fn is_falling(&self) -> bool {
+        self.frame != Position::<R>::default()
+    }
+
+    /// The output where [`Self::go`] went, in its frame.
+    #[inline(always)]
+    pub(crate) fn arrive(&mut self, position: Position<R>, output: R::Fixed) {
+        (self.position, self.output) = (position, output);
+    }
+
+    /// Stores where the last step left off as a turning point behind `depth` others.
+    #[inline(always)]
+    fn push(&mut self, depth: usize) -> Turn<R> {
+        let turn = Turn { position: !self.position, output: !self.output };
+        if depth == 0 {
+            // The demagnetised past is its mirror.
+            self.turns[0] = turn;
+        }
+        let place = if depth >= MEMORY { MEMORY - 2 } else { depth.max(1) };
+        self.turns[place] = turn;
+        self.depth = place as u32 + 1;
+        turn
+    }
+
+    /// Falls to the end of the range, where everything is wiped out.
+    pub(crate) fn fall_to_end(&mut self) -> Position<R> {
+        let end = !Position::<R>::default();
+        (self.frame, self.depth) = (end, 0);
+        end
+    }
+
+    /// Leaves everything as it is for an input that is not a number.
+    pub(crate) fn hold(&mut self) {
+        self.held = self.held.saturating_add(1);
+    }
+}
+
+/// Marks a path that costs less than the one beside it, which then is the one to fall through.
+#[cold]
+#[inline]
+pub(super) fn cheaper() {}
