@@ -4,8 +4,8 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use strainwave_desktop::BadInput;
 use strainwave_desktop::verify::flexspline::speed;
-use strainwave_desktop::verify::hysteresis;
 use strainwave_desktop::verify::{self, Measured};
+use strainwave_desktop::verify::{friction, hysteresis};
 use strainwave_emulator::verify::{self as emulated, Parts};
 
 use crate::figures::{Figures, FiguresArguments, say};
@@ -18,8 +18,8 @@ const FIRMWARE: &str = "firmware";
 /// Measure every accuracy and cost figure that the project claims, beside its bound
 ///
 /// The parts `firmware` and `flexspline` boot the image in the emulator and run S1-S6, both together once; that takes
-/// some minutes; `hysteresis` boots an image of its own. `flexspline` and `hysteresis` also measure this machine by the
-/// clock: other work on it counts in.
+/// some minutes; `hysteresis` boots an image of its own. All but `firmware` also measure this machine by the clock:
+/// other work on it counts in.
 #[derive(Args)]
 pub struct Arguments {
     /// Only this part; every part when left out
@@ -49,6 +49,10 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     let flexspline = parts.contains(&verify::Part::Flexspline);
     if flexspline {
         measured.add(speed::measure()?);
+    }
+    if parts.contains(&verify::Part::Friction) {
+        measured.add(friction::speed::measure());
+        measured.add(emulated::friction().map_err(BadInput::message)?);
     }
     if parts.contains(&verify::Part::Hysteresis) {
         measured.add(hysteresis::speed::measure());

@@ -312,6 +312,7 @@ pub const BOUNDS: &[Bound] = &[
         unit: "1",
         why: "share of the Coulomb level that f32 loses over 10^7 steps of random motion, load and angle; 1e-4 is asked",
     },
+    Bound { name: "friction.target.cycles", value: 300.0, unit: "cycle", why: "x" },
     Bound {
         name: "friction.order_2.step",
         value: 4.0,

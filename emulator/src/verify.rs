@@ -12,6 +12,7 @@ use strainwave_desktop::scenario::Scenario;
 use strainwave_desktop::verify::Measured;
 use strainwave_desktop::{BadInput, Figure, GearFile, bounds, data, gear_file};
 
+use crate::artifact::Image;
 use crate::budget::{self, Budget};
 use crate::target::{self, Agreement};
 use crate::{firmware, pil};
@@ -20,6 +21,8 @@ use crate::{firmware, pil};
 const BOARD: &str = "mps2-an386";
 /// The real-time flexspline among the blocks of its budget.
 const FLEXSPLINE: &str = "flexspline";
+/// One side's friction.
+const FRICTION: &str = "friction";
 /// The real-time hysteresis and its state.
 type RealTimeHysteresis = TorsionHysteresis<f32, HYSTERESIS_LEVELS, HYSTERESIS_MEMORY>;
 type RealTimeHysteresisState = TorsionHysteresisState<f32, HYSTERESIS_MEMORY>;
@@ -104,6 +107,19 @@ fn flexspline(
         bounds::figure("flexspline.target.cycles", cycles),
         bounds::figure("flexspline.target.literal_over_reduced", ratio),
     ])
+}
+
+/// Cycles of the dearest path through one side's friction on the target: order 2, with load, direction and ripple.
+///
+/// # Errors
+/// When the image cannot be built or judged.
+pub fn friction() -> Result<Measured, Error> {
+    let budget = Budget::read(BOARD)?;
+    let image =
+        Image::read(&pil::build(BOARD, &GearFile::default_gear())?.elf).map_err(budget::Error::from)?;
+    let dearest = budget.blocks.get(FRICTION).map(|block| block.dearest(&image)).transpose()?.flatten();
+    let cycles = dearest.map_or(f64::NAN, |cycles| cycles as f64);
+    Ok(vec![bounds::figure("friction.target.cycles", cycles)].into())
 }
 
 /// Cost of hysteresis on the target: cycles of the dearest path through its code, those of the dearest call along

@@ -189,7 +189,7 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
     /// That in cells.
     #[inline(always)]
     pub(crate) fn cells(&self, cell: usize, share: R) -> R {
-        let half_cell = if L % 2 == 0 { R::ZERO } else { R::lit(0.5) };
+        let half_cell = if L.is_multiple_of(2) { R::ZERO } else { R::lit(0.5) };
         R::from_i32(cell as i32 - (L / 2) as i32) + (share - half_cell)
     }
 

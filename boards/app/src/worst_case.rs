@@ -7,9 +7,7 @@
 
 use strainwave::Error;
 use strainwave::compensator::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY};
-use strainwave::hysteresis::{
-    Staircase, StaircaseState, TorsionHysteresis, TorsionHysteresisState, Weights,
-};
+use strainwave::hysteresis::{Staircase, StaircaseState, TorsionHysteresis, TorsionHysteresisState, Weights};
 
 /// How far an output may be from the one that was asked of the inverse.
 pub const AGREEMENT: f32 = 1e-5;

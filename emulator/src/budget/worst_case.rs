@@ -52,9 +52,18 @@ impl WorstCase {
     /// # Errors
     /// [`Error::Image`].
     pub fn dearest(&self, elf: &Path, block: &str) -> Result<Option<u64>, Error> {
-        let image = Image::read(elf)?;
         let Some(block) = self.blocks.get(block) else { return Ok(None) };
-        let paths = image.find(&block.symbol)?.into_iter().map(|function| dearest_path(&image, function));
+        block.dearest(&Image::read(elf)?)
+    }
+}
+
+impl Block {
+    /// Most cycles that any path through its code takes; `None` where the code shows no bound.
+    ///
+    /// # Errors
+    /// [`Error::Image`].
+    pub fn dearest(&self, image: &Image) -> Result<Option<u64>, Error> {
+        let paths = image.find(&self.symbol)?.into_iter().map(|function| dearest_path(image, function));
         Ok(paths.collect::<Option<Vec<_>>>().and_then(|cycles| cycles.into_iter().max()))
     }
 }

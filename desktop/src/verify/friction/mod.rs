@@ -7,12 +7,13 @@ pub mod lugre;
 pub mod order_p;
 mod precision;
 pub mod ripple;
-mod speed;
+pub mod speed;
 mod work;
 
 use super::Measured;
 use crate::file::BadInput;
 
+/// Every figure but that of the clock, see [`speed`].
 pub(super) fn measure() -> Result<Measured, BadInput> {
     let figures = [
         closed_form::measure(),
@@ -21,7 +22,6 @@ pub(super) fn measure() -> Result<Measured, BadInput> {
         lugre::measure(),
         work::measure(),
         precision::measure(),
-        speed::measure(),
     ];
     let mut measured = Measured::from(figures.concat());
     measured.add(load::measure()?);

@@ -11,15 +11,15 @@ use strainwave::friction::bliman_sorine::BlimanSorineState;
 use strainwave::friction::{BlimanSorine, FrictionModel, Slip};
 
 use crate::bounds;
-use crate::figure::Figure;
 use crate::joint::CONTROL_PERIOD;
-use crate::verify::fastest;
+use crate::verify::{Measured, fastest};
 
 /// Batches, and steps of one: some 16 us, which are seldom interrupted.
 const BATCHES: usize = 5000;
 const STEPS: usize = 4096;
 
-pub(super) fn measure() -> Vec<Figure> {
+/// The figure of the clock.
+pub fn measure() -> Measured {
     let model = BlimanSorine::order_2(1.5, 0.5, 0.02, 0.3).expect("the levels are in range");
     let slips = motion();
     let best = fastest(BATCHES, || {
@@ -29,7 +29,7 @@ pub(super) fn measure() -> Vec<Figure> {
             black_box(model.step(&mut state, slip).force);
         }
     });
-    vec![bounds::figure("friction.order_2.step", best * 1e9 / STEPS as f64)]
+    vec![bounds::figure("friction.order_2.step", best * 1e9 / STEPS as f64)].into()
 }
 
 /// Speeds to some 20 rad/s.
