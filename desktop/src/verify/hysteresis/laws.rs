@@ -13,8 +13,11 @@ const HISTORIES: usize = 2000;
 /// Most inputs of a history: fewer than the memory holds.
 const INPUTS: usize = 25;
 
+/// How far one random history is off a law.
+type Law = fn(&mut ChaCha8Rng) -> f64;
+
 pub(super) fn measure() -> Vec<Figure> {
-    let laws: [(&str, fn(&mut ChaCha8Rng) -> f64); 4] = [
+    let laws: [(&str, Law); 4] = [
         ("hysteresis.wiping_out", wiping_out),
         ("hysteresis.congruency", congruency),
         ("hysteresis.return_point", return_point),
