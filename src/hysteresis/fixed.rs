@@ -12,6 +12,7 @@
 //! through. f32 computes in 32 bits with a table of 16-bit entries, half the memory of an f32 one; f64 in 64
 //! bits with a table of as many, finer than f64 itself resolves.
 
+use super::memory::cheaper;
 use core::fmt::Debug;
 use core::ops::{Add, BitXor, Not, Sub};
 
@@ -45,13 +46,18 @@ pub trait Fixed<R>:
     const LARGEST: R;
     /// Quanta of an output in one of an entry: 2^SHIFT.
     const SCALE: R;
+    /// Its processor foresees a branch, and then need not wait for what the last step has stored.
+    const FORESEEN: bool;
     /// Positions in half of the range: 2^(BITS - 1).
     const HALF_RANGE: R;
+    /// What [`Self::position`] takes for the input U, and for 0.
+    const UPPER_END: R;
+    const CENTRE: R;
     /// Position of the input 0.
     const MIDDLE: Self::Position;
 
-    /// The position so far from the lower end; the end of the range beyond it, and the lower one for NaN.
-    fn position(distance: R) -> Self::Position;
+    /// The position of an input scaled and shifted; the end of the range beyond it, and the lower one for NaN.
+    fn position(scaled: R) -> Self::Position;
     /// !0 where `position` is below `other`, else 0; and as an index, -1 or 0.
     fn below(position: Self::Position, other: Self::Position) -> (Self::Position, usize);
     /// It is one of the two ends of the range.
@@ -85,17 +91,6 @@ macro_rules! common {
         const HALF_RANGE: $real = Self::MIDDLE as $real;
         const MIDDLE: $position = Self::MIN.cast_unsigned();
 
-        #[inline(always)]
-        fn position(distance: $real) -> $position {
-            distance as $position
-        }
-        #[inline(always)]
-        fn below(position: $position, other: $position) -> ($position, usize) {
-            // The borrow of the difference: no branch.
-            let difference = (position as $unsigned_double).wrapping_sub(other as $unsigned_double);
-            let borrow = (difference >> Self::BITS) as $position;
-            (borrow, borrow.cast_signed() as usize)
-        }
         #[inline(always)]
         fn is_end(position: $position) -> bool {
             position.wrapping_add(1) <= 1
@@ -139,8 +134,22 @@ impl Fixed<f32> for i32 {
 
     const LARGEST: f32 = i16::MAX as f32;
     const SCALE: f32 = (1 << 15) as f32;
+    const FORESEEN: bool = false;
+    const CENTRE: f32 = Self::HALF_RANGE;
+    const UPPER_END: f32 = 2.0 * Self::HALF_RANGE;
 
     common!(f32, u32, i64, u64);
+
+    #[inline(always)]
+    fn position(scaled: f32) -> u32 {
+        scaled as u32
+    }
+    /// The borrow of the difference: no branch, which a microcontroller does not foresee.
+    #[inline(always)]
+    fn below(position: u32, other: u32) -> (u32, usize) {
+        let borrow = (u64::from(position).wrapping_sub(u64::from(other)) >> 32) as u32;
+        (borrow, borrow.cast_signed() as usize)
+    }
 
     fn entry(value: f32) -> i16 {
         (value + if value < 0.0 { -0.5 } else { 0.5 }) as i16
@@ -162,8 +171,32 @@ impl Fixed<f64> for i64 {
 
     const LARGEST: f64 = (1_i64 << 60) as f64;
     const SCALE: f64 = 1.0;
+    const FORESEEN: bool = true;
+    const CENTRE: f64 = 1.5;
+    const UPPER_END: f64 = 2.0;
 
     common!(f64, u64, i128, u128);
+
+    /// From 1 to 2 the significand is the position: a conversion takes a desktop's processor longer.
+    #[inline(always)]
+    fn position(scaled: f64) -> u64 {
+        let bits = scaled.to_bits();
+        if bits >> 52 == 1.0_f64.to_bits() >> 52 {
+            return bits << 12;
+        }
+        cheaper();
+        if scaled >= Self::UPPER_END { u64::MAX } else { 0 }
+    }
+    /// A branch: a desktop's processor foresees it, and does not wait for the last step.
+    #[inline(always)]
+    fn below(position: u64, other: u64) -> (u64, usize) {
+        if position < other {
+            cheaper();
+            (u64::MAX, usize::MAX)
+        } else {
+            (0, 0)
+        }
+    }
 
     fn entry(value: f64) -> Self {
         value as Self

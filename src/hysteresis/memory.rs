@@ -64,7 +64,9 @@ impl<R: Real, const MEMORY: usize> Default for StaircaseState<R, MEMORY> {
 enum Way {
     /// On the virgin curve.
     Virgin,
-    /// On the branch that starts at the last of so many points.
+    /// On the branch of the last step, which starts at the last of so many points.
+    Same(usize),
+    /// On one that starts at the last of so many points, those behind being wiped out.
     Resumed(usize),
     /// On one that starts where the last step left off, behind so many points.
     Turned(usize),
@@ -98,13 +100,16 @@ impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
     pub(crate) fn go(&mut self, position: Position<R>) -> (Position<R>, Option<Turn<R>>) {
         let along = position ^ self.frame;
         let (turned, one_less) = R::Fixed::below(along, self.position);
-        self.frame = self.frame ^ turned;
+        if one_less != 0 || !R::Fixed::FORESEEN {
+            self.frame = self.frame ^ turned;
+        }
         let to = along ^ turned;
         let start = match self.way(one_less, to, !to, self.position, |turn| turn.position) {
             Way::Virgin => {
                 self.depth = 0;
                 None
             }
+            Way::Same(depth) => self.start(depth),
             Way::Resumed(depth) => {
                 self.depth = depth as u32;
                 self.start(depth)
@@ -141,9 +146,10 @@ impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
             cheaper();
             return if turned && to < now { Way::Turned(0) } else { Way::Virgin };
         };
-        if key(turn) < mirror {
-            cheaper();
-            return if turned { Way::Turned(bound + 1) } else { Way::Resumed(bound + 2) };
+        let short = key(turn) < mirror;
+        let short = if R::Fixed::FORESEEN { short } else { seldom(short) };
+        if short {
+            return if turned { Way::Turned(bound + 1) } else { Way::Same(bound + 2) };
         }
         if key(&self.turns[0]) >= mirror {
             cheaper();
@@ -173,7 +179,9 @@ impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
     ) -> Option<Turn<R>> {
         match self.way(0_usize.wrapping_sub(usize::from(turned)), to, mirror, now, key) {
             Way::Virgin => None,
-            Way::Resumed(depth) => Some(*self.turns.get(depth.wrapping_sub(1)).unwrap_or(&self.turns[0])),
+            Way::Same(depth) | Way::Resumed(depth) => {
+                Some(*self.turns.get(depth.wrapping_sub(1)).unwrap_or(&self.turns[0]))
+            }
             Way::Turned(_) => Some(Turn { position: !self.position, output: !self.output }),
         }
     }
@@ -226,6 +234,17 @@ impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
     /// Leaves everything as it is for an input that is not a number.
     pub(crate) fn hold(&mut self) {
         self.held = self.held.saturating_add(1);
+    }
+}
+
+/// A condition of a cheaper path, which is not the one to fall through.
+#[inline(always)]
+fn seldom(condition: bool) -> bool {
+    if condition {
+        cheaper();
+        true
+    } else {
+        false
     }
 }
 

@@ -40,7 +40,7 @@ pub struct Response<R> {
 // In this order, so that no address needs computing.
 #[repr(C)]
 pub struct Staircase<R: Real, const L: usize, const MEMORY: usize> {
-    /// Positions per unit of the input, and the position of 0.
+    /// From an input to what [`Fixed::position`] takes.
     scale: R,
     middle: R,
     /// Slope of the output per quantum over a cell.
@@ -69,8 +69,8 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
         require((8..=1000).contains(&MEMORY), "capacity")?;
         let cells_per_unit = R::from_i32(L as i32) / (half_range + half_range);
         Ok(Self {
-            scale: R::Fixed::HALF_RANGE / half_range,
-            middle: R::Fixed::HALF_RANGE,
+            scale: (R::Fixed::UPPER_END - R::Fixed::CENTRE) / half_range,
+            middle: R::Fixed::CENTRE,
             slope: cells_per_unit * everett.quantum(),
             everett,
             half_range,
