@@ -195,7 +195,8 @@ fn a_log_that_says_nothing_new_gives_the_base_gear_back() {
     assert!((found.stiffness_factor - 1.0).abs() < 1e-3, "{}", found.stiffness_factor);
     assert!((found.gear.hysteresis.width() / width - 1.0).abs() < 0.01);
     let (identified, standard) = (gear_params::<f64>(&found.gear), gear_params::<f64>(&base));
-    let [identified, standard] = [identified, standard].map(|gear| gear.hysteresis_weights::<24>().unwrap().1);
+    let [identified, standard] =
+        [identified, standard].map(|gear| gear.hysteresis_weights::<24>().unwrap().1);
     assert!(furthest(&identified, &standard) < 1e-3 * standard.at(23, 0));
 }
 

@@ -5,7 +5,7 @@ use strainwave_desktop::gear_file::{Friction, FrictionModel, StateRow};
 use strainwave_desktop::mesh_size::MeshSize;
 use strainwave_desktop::plant::STEP_SHARE;
 
-use crate::bench::Bench;
+use crate::bench::{Answer, Bench};
 
 const SIM: &str = "sim --gear g.toml --input in.csv --output out.csv --json out.json --build";
 
@@ -123,11 +123,19 @@ fn static_friction_holds_at_rest_presliding_gives_way_and_the_rest_slides() {
     }
 }
 
+/// Every bound is kept, but for what the clock shows: that decides the exit code too, and is no test's business.
+fn require_kept(answer: &Answer) {
+    assert_eq!(answer.error, "");
+    let missed: Vec<_> = answer.output.lines().filter(|line| line.ends_with(" NO")).collect();
+    assert!(missed.iter().all(|line| line.contains(" ns ")), "{missed:?}");
+    assert_eq!(answer.code, Some(i32::from(!missed.is_empty())));
+}
+
 #[test]
 fn the_report_is_one_page_that_needs_nothing_else() {
     let bench = Bench::new();
     let answer = bench.run("report --json out.json");
-    assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""), "{}", answer.output);
+    require_kept(&answer);
     let page = std::fs::read_to_string(bench.path("out/report.html")).unwrap();
     assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>"));
     for title in [
@@ -147,7 +155,7 @@ fn the_report_is_one_page_that_needs_nothing_else() {
     }
     for model in FrictionModel::NAMES {
         assert!(
-            page.matches(&format!("\n{model}\n</text>")).count() == 2,
+            page.matches(&format!("\n{model}\n</text>")).count() >= 2,
             "{model} is drawn on both motions"
         );
     }
@@ -200,14 +208,10 @@ fn verify_measures_the_part_asked_for() {
     let bench = Bench::new();
     for part in ["friction", "hysteresis"] {
         let answer = bench.run(&format!("verify {part}"));
-        assert_eq!(answer.error, "");
-        // What the clock shows is no test's business, but it decides the exit code.
-        let by_the_clock = |line: &&str| line.contains(" ns ");
-        let late = answer.output.lines().filter(by_the_clock).any(|line| line.ends_with(" NO"));
-        assert_eq!(answer.code, Some(i32::from(late)));
+        require_kept(&answer);
         let mut bounded = 0;
-        for line in answer.output.lines().skip(1).filter(|line| !by_the_clock(line)) {
-            assert!(line.starts_with(&format!("{part}.")) && !line.ends_with(" NO"), "{line}");
+        for line in answer.output.lines().skip(1) {
+            assert!(line.starts_with(&format!("{part}.")), "{line}");
             bounded += usize::from(line.ends_with(" yes"));
         }
         assert!(bounded > 0, "{}", answer.output);
