@@ -52,6 +52,7 @@ pub trait Fixed<R>:
     const HALF_RANGE: R;
     /// What [`Self::position`] takes for the input U, and for 0.
     const UPPER_END: R;
+    /// See [`Self::UPPER_END`].
     const CENTRE: R;
     /// Position of the input 0.
     const MIDDLE: Self::Position;

@@ -2,17 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::time::Duration;
 
 use serde::Deserialize;
 
-use super::measurement::count;
 use super::{Block, Error, LITERAL_MESH, Measurement};
-use crate::artifact::Image;
-use crate::machine::{Machine, Options};
-
-/// How long the program may take on the host, counted: it settles the mesh first, 10^8 instructions.
-const PATIENCE: Duration = Duration::from_secs(120);
 
 /// The literal mesh, and how many times its reduction it must at least cost.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
@@ -40,15 +33,8 @@ impl LiteralMesh {
     /// Runs the program at `elf` and adds what its mesh costs to the other blocks.
     ///
     /// # Errors
-    /// [`Error::Image`]; [`Error::Workload`] when the program does not end well; [`Error::Counting`];
-    /// [`Error::NotCalled`].
+    /// As [`Measurement::add_program`].
     pub fn measure(&self, elf: &Path, measured: &mut Measurement) -> Result<(), Error> {
-        let counts = count(&Image::read(elf)?, &[(LITERAL_MESH, &self.period)], |arguments| {
-            let options = Options { patience: PATIENCE, arguments: arguments.to_vec(), ..Options::default() };
-            Machine::boot_with(elf, &options)?.end()?;
-            Ok(())
-        })?;
-        measured.counts.extend(counts);
-        Ok(())
+        measured.add_program(elf, &[(LITERAL_MESH, &self.period)])
     }
 }

@@ -1,12 +1,17 @@
 //! Measures an image against its budget.
 
 use std::path::Path;
+use std::time::Duration;
 
 use strainwave_desktop::Figure;
 
 use super::{Block, Budget, Error, LITERAL_MESH, table};
 use crate::artifact::{CallGraph, Image, Sizes, StackBound, Violation, proofs};
 use crate::counting::{Counting, Counts, Outcome, merge};
+use crate::machine::{Machine, Options};
+
+/// How long a program may take on the host, counted: the literal mesh settles first, 10^8 instructions.
+const PATIENCE: Duration = Duration::from_secs(120);
 
 /// What an image costs.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,7 +74,7 @@ pub fn measure(
 }
 
 /// Counts `blocks` of `image` while `workload` runs it.
-pub(super) fn count(
+fn count(
     image: &Image,
     blocks: &[(&str, &Block)],
     workload: impl FnOnce(&[String]) -> Result<(), Failure>,
@@ -79,6 +84,23 @@ pub(super) fn count(
     let counting = Counting::prepare(image, &distinct(&functions))?;
     workload(&counting.arguments()).map_err(Error::Workload)?;
     by_block(blocks, &functions, &counting.finish(image)?)
+}
+
+impl Measurement {
+    /// Adds what `blocks` of a program cost that runs by itself, and ends well.
+    ///
+    /// # Errors
+    /// [`Error::Image`]; [`Error::Workload`] when the program does not end well; [`Error::Counting`];
+    /// [`Error::NotCalled`].
+    pub fn add_program(&mut self, elf: &Path, blocks: &[(&str, &Block)]) -> Result<(), Error> {
+        let counts = count(&Image::read(elf)?, blocks, |arguments| {
+            let options = Options { patience: PATIENCE, arguments: arguments.to_vec(), ..Options::default() };
+            Machine::boot_with(elf, &options)?.end()?;
+            Ok(())
+        })?;
+        self.counts.extend(counts);
+        Ok(())
+    }
 }
 
 fn examine(budget: &Budget, image: &Image) -> Result<Measurement, Error> {

@@ -2,18 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::time::Duration;
 
 use serde::Deserialize;
 
-use super::measurement::count;
 use super::{Block, Error, Measurement};
 use crate::artifact::Image;
 use crate::counting::dearest::dearest_path;
-use crate::machine::{Machine, Options};
-
-/// How long the program may take on the host, counted.
-const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A program that drives blocks through the histories that cost most.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
@@ -34,16 +28,9 @@ impl WorstCase {
     /// Runs the program at `elf` and adds what its blocks cost to the others.
     ///
     /// # Errors
-    /// As [`super::LiteralMesh::measure`].
+    /// As [`Measurement::add_program`].
     pub fn measure(&self, elf: &Path, measured: &mut Measurement) -> Result<(), Error> {
-        let blocks: Vec<_> = self.rows().collect();
-        let counts = count(&Image::read(elf)?, &blocks, |arguments| {
-            let options = Options { patience: PATIENCE, arguments: arguments.to_vec(), ..Options::default() };
-            Machine::boot_with(elf, &options)?.end()?;
-            Ok(())
-        })?;
-        measured.counts.extend(counts);
-        Ok(())
+        measured.add_program(elf, &self.rows().collect::<Vec<_>>())
     }
 
     /// Most cycles that any path through the code of a block takes, whether or not a history leads along it;
