@@ -105,15 +105,19 @@ impl<R: Real, const L: usize> Everett<R, L> {
     fn rounded(corner: impl Fn(usize, usize) -> R) -> Self {
         let corners = || (1..=L).flat_map(|k| (0..k).map(move |l| (k, l)));
         let largest = corners().map(|(k, l)| corner(k, l).abs()).fold(R::ZERO, R::max);
-        // Of an empty table every entry is zero.
-        let unit = if largest > R::ZERO { largest / R::Fixed::LARGEST } else { R::ONE };
+        // Of an empty table every entry is zero, and so is every output.
+        let (unit, quantum) = if largest > R::ZERO {
+            (largest / R::Fixed::LARGEST, largest / R::Fixed::LARGEST / R::Fixed::SCALE)
+        } else {
+            (R::ONE, R::ZERO)
+        };
         let mut columns = [[Default::default(); L]; L];
         for (k, l) in corners() {
             if let Some(place) = columns.get_mut(l).and_then(|column| column.get_mut(k - 1)) {
                 *place = R::Fixed::entry(corner(k, l) / unit);
             }
         }
-        Self { columns, quantum: unit / R::Fixed::SCALE }
+        Self { quantum, columns }
     }
 
     /// G at edges `k` and `l`, counted from -U; zero for k <= l.

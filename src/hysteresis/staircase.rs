@@ -76,7 +76,7 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
             half_range,
             cell_width: R::ONE / cells_per_unit,
             cells_per_unit,
-            quanta_per_output: R::ONE / everett.quantum(),
+            quanta_per_output: if everett.quantum() > R::ZERO { R::ONE / everett.quantum() } else { R::ZERO },
             least_slope: everett.least_slope() * cells_per_unit,
         })
     }
@@ -91,15 +91,8 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
     }
 
     /// y at the next input; the input between two steps counts as monotone.
-    // Never inlined: the timing budget counts this block by its symbol.
-    #[inline(never)]
-    pub fn step(&self, state: &mut StaircaseState<R, MEMORY>, input: R) -> Response<R> {
-        self.advance(state, input)
-    }
-
-    /// [`Self::step`] within another block.
     #[inline(always)]
-    pub(crate) fn advance(&self, state: &mut StaircaseState<R, MEMORY>, input: R) -> Response<R> {
+    pub fn step(&self, state: &mut StaircaseState<R, MEMORY>, input: R) -> Response<R> {
         let position = R::Fixed::position(input * self.scale + self.middle);
         if position == Position::<R>::default() {
             return self.at_lower_end(state, input);
@@ -152,7 +145,7 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
     #[inline]
     pub fn peek(&self, state: &StaircaseState<R, MEMORY>, input: R) -> Response<R> {
         let mut ahead = *state;
-        self.advance(&mut ahead, input)
+        self.step(&mut ahead, input)
     }
 
     /// y after the last step.

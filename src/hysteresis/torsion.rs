@@ -107,7 +107,7 @@ impl<R: Real, const L: usize, const MEMORY: usize> TorsionHysteresis<R, L, MEMOR
     // Never inlined: the timing budget counts this block by its symbol.
     #[inline(never)]
     pub fn step(&self, state: &mut TorsionHysteresisState<R, MEMORY>, torsion: R) -> HysteresisTorque<R> {
-        self.staircase.advance(state, torsion).into()
+        self.staircase.step(state, torsion).into()
     }
 
     /// What [`Self::step`] would return, with the state left as it is.

@@ -112,7 +112,7 @@ fn frame(page: &Page, index: usize) -> Frame {
         pixel: (x.1 - x.0) * page.columns as f64 / f64::from(WIDTH / PIXEL),
         y: range(points().map(|point| point.1), 0.05),
         small,
-        describes: (index + page.columns >= page.panels.len(), index.is_multiple_of(page.columns)),
+        describes: (!small || index + page.columns >= page.panels.len(), index.is_multiple_of(page.columns)),
     }
 }
 

@@ -147,6 +147,19 @@ mod tests {
 
     use super::*;
 
+    /// Of panels one under the other every one says what its axes are; of small ones those at the left and at the bottom.
+    #[test]
+    fn axes_are_described_where_they_are_read() {
+        let described = |mut page: Page, name: &str| {
+            for _ in 0..5 {
+                page = page.with(Panel::new("along", "m", "up", "N"));
+            }
+            page.to_svg().matches(name).count()
+        };
+        assert_eq!(["along", "up"].map(|name| described(Page::new(""), name)), [5, 5]);
+        assert_eq!(["along", "up"].map(|name| described(Page::small_multiples("", 3), name)), [3, 2]);
+    }
+
     proptest! {
         #[test]
         fn any_numbers_make_a_picture(
