@@ -147,7 +147,7 @@ fn the_report_is_one_page_that_needs_nothing_else() {
     }
     for model in FrictionModel::NAMES {
         assert!(
-            page.matches(&format!("\n{model}\n</text>")).count() == 2,
+            page.matches(&format!("\n{model}\n</text>")).count() >= 2,
             "{model} is drawn on both motions"
         );
     }

@@ -45,7 +45,7 @@ fn a_gear_file_is_identified_written_and_simulated() {
     assert!((figure(&json, "identify.hysteresis.width") / 5.82e-4 - 1.0).abs() < 0.1);
     assert!(figure(&json, "identify.held_out.rms") < 0.2 * figure(&json, "identify.held_out.base.rms"));
     let svg = std::fs::read_to_string(bench.path("loop.svg")).unwrap();
-    assert!(svg.contains("torsion (urad)") && svg.contains("identified"));
+    assert!(svg.contains("torsion [urad]") && svg.contains("identified"));
     let gear = GearFile::read(&bench.path("new.toml")).unwrap();
     assert!(gear.hysteresis.weights.is_some() && (gear.hysteresis.width_arcmin - 2.0).abs() < 0.2);
     for build in ["realtime", "reference"] {
