@@ -197,7 +197,7 @@ pub const BOUNDS: &[Bound] = &[
         unit: "1",
         why: "24 levels of hysteresis against the reference's 64 on every branch; 1e-2 is asked",
     },
-    Bound { name: "flexspline.real_time.s6.max", value: 8e-3, unit: "1", why: "the same; 2e-2 is asked" },
+    Bound { name: "flexspline.real_time.s6.max", value: 4e-3, unit: "1", why: "the same; 2e-2 is asked" },
     Bound {
         name: "flexspline.torsion_mode.frequency",
         value: 1e-4,
@@ -345,13 +345,13 @@ pub const BOUNDS: &[Bound] = &[
     },
     Bound {
         name: "hysteresis.8.staircase_against_relays",
-        value: 1e-14,
+        value: 5e-15,
         unit: "1",
         why: "two realisations of one operator on the grid, 10^6 random inputs, random weights: rounding is left",
     },
     Bound {
         name: "hysteresis.16.staircase_against_relays",
-        value: 1e-14,
+        value: 5e-15,
         unit: "1",
         why: "the same of 16 levels",
     },
@@ -375,7 +375,7 @@ pub const BOUNDS: &[Bound] = &[
     },
     Bound {
         name: "hysteresis.congruency",
-        value: 1e-14,
+        value: 2e-15,
         unit: "1",
         why: "the difference of two outputs is rounded where they are made numbers",
     },
@@ -405,13 +405,13 @@ pub const BOUNDS: &[Bound] = &[
     },
     Bound {
         name: "hysteresis.forward_after_inverse.f64",
-        value: 1e-14,
+        value: 2e-15,
         unit: "1",
         why: "one equation solved in its cell: rounding; 1e-9 of span is asked",
     },
     Bound {
         name: "hysteresis.inverse_after_forward.f64",
-        value: 1e-13,
+        value: 5e-15,
         unit: "1",
         why: "rounding of the output, over the least slope behind a turn; 1e-9 of span is asked",
     },
@@ -429,7 +429,7 @@ pub const BOUNDS: &[Bound] = &[
     },
     Bound {
         name: "hysteresis.torque_after_torsion.f64",
-        value: 1e-14,
+        value: 2e-15,
         unit: "1",
         why: "line and hysteresis solved together, of twice rated torque; 1e-9 is asked of the inverse",
     },
@@ -441,7 +441,7 @@ pub const BOUNDS: &[Bound] = &[
     },
     Bound {
         name: "hysteresis.loop_area",
-        value: 1e-12,
+        value: 3e-13,
         unit: "1",
         why: "area of a closed loop against the energy of the relays crossed, relative; 1e-9 is asked",
     },
@@ -465,7 +465,7 @@ pub const BOUNDS: &[Bound] = &[
     },
     Bound {
         name: "hysteresis.default_gear.energy",
-        value: 1e-6,
+        value: 1e-9,
         unit: "1",
         why: "area of the cycle by trapezoids against the energy of the relays, relative",
     },
