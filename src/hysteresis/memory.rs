@@ -1,9 +1,9 @@
 //! What a staircase remembers: the turning points that later ones have not wiped out.
 //!
 //! They alternate and are nested, r_1 the outermost; r_0 = -r_1 stands for the demagnetised past. Weights are
-//! symmetric, so a falling input is a rising one in a mirror: every branch rises in its own frame, and every
-//! turning point is a maximum in the frame of the branch that it ended. There it is stored, and seen from the next
-//! branch it is a minimum:
+//! symmetric, so a falling input is a rising one in a mirror: every branch rises in its own frame. A turning point
+//! is a maximum in the frame of the branch that it ended, and a minimum in that of the next branch, where it is
+//! stored as that one's start:
 //!
 //! ```text
 //! the input is at v in the frame of the branch:    -r_d <= v < r_(d-1),   d points in use
@@ -15,7 +15,10 @@
 //! Halving takes one comparison for each bit of the capacity, whatever the history.
 //!
 //! Full memory: the smallest loop, the last two points, is forgotten for the new one. The outputs of the
-//! others stay, so nothing jumps then.
+//! others stay, so nothing jumps then. The output is off only while the input passes what was forgotten on its way
+//! out, and never by more than the output changes over the smallest loop that is kept: for a ring-down that loses
+//! 6 % a half cycle, 24 points and the standard shape 11 % of the output at saturation; the largest error found is
+//! 2.5 % (`strainwave verify hysteresis`).
 
 use super::fixed::Fixed;
 use crate::real::Real;
