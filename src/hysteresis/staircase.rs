@@ -1,7 +1,7 @@
 //! Preisach operator from its past extrema: the real-time realisation.
 //!
 //! The output only depends on the turning points of the input that later ones haven't wiped out, see
-//! [`super::memory`]. Each is kept with the output y_k that it had, so that a step is one look into the
+//! `memory.rs`. Each is kept with the output y_k that it had, so that a step is one look into the
 //! Everett table:
 //!
 //! ```text

@@ -101,5 +101,5 @@ impl Driven {
 /// From the end of the range inwards, on either side by turns.
 fn turning_point(turn: usize) -> f32 {
     let amplitude = 1.0 - turn as f32 / (TURNS + 1) as f32;
-    if turn % 2 == 0 { amplitude } else { -amplitude }
+    if turn.is_multiple_of(2) { amplitude } else { -amplitude }
 }
