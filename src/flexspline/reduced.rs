@@ -213,12 +213,7 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
 
     #[inline(always)]
     fn damping(&self, torsion: R) -> R {
-        let [first, second, third] = self.damping;
-        match self.line.piece(torsion) {
-            0 => first,
-            1 => second,
-            _ => third,
-        }
+        self.damping[self.line.piece(torsion)]
     }
 }
 
