@@ -228,6 +228,7 @@ impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Reduced<R, N, M>
         let torque = self.torque(torsion, rate);
         let elastic = self.line.torque(torsion).limit(self.largest_torque);
         Reaction {
+            torsion,
             contact: torque,
             flange: torque,
             ellipse: R::ZERO,
