@@ -49,7 +49,7 @@ use crate::real::Real;
 /// Orders of the ripple, 1..=2 a turn of the wave generator.
 pub const RIPPLE_ORDERS: usize = 2;
 
-/// Coulomb levels below this count as this (N m): a level divides.
+/// Levels below this count as this (N m): a level divides.
 const LEAST_LEVEL: f64 = 1e-9;
 
 /// Order of the Bliman-Sorine dynamics.
@@ -133,7 +133,7 @@ impl<R: Real> FrictionParams<R> for JointFrictionParams<R> {
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the field, the contacts' and the ripple's too.
     fn build(&self) -> Result<JointFriction<R>, Error> {
-        let (forward, backward) = (at_least_least(self.forward), at_least_least(self.backward));
+        let (forward, backward) = (with_a_level(self.forward), with_a_level(self.backward));
         let ripple = self.ripple.build()?;
         let [load, backward_load] = self.load.build()?;
         // The path is divided by g alone: g0 is in the distances.
@@ -151,15 +151,11 @@ impl<R: Real> FrictionParams<R> for JointFrictionParams<R> {
     }
 }
 
-/// Levels of at least [`LEAST_LEVEL`]; what is refused stays so.
-fn at_least_least<R: Real>(contact: LubricatedContactParams<R>) -> LubricatedContactParams<R> {
+/// The same with levels of at least [`LEAST_LEVEL`]; what is refused stays so.
+fn with_a_level<R: Real>(contact: LubricatedContactParams<R>) -> LubricatedContactParams<R> {
     let raised = |level: R| if level >= R::ZERO { level.max(R::lit(LEAST_LEVEL)) } else { level };
-    let static_level = if contact.static_level == contact.coulomb {
-        raised(contact.static_level)
-    } else {
-        contact.static_level
-    };
-    LubricatedContactParams { coulomb: raised(contact.coulomb), static_level, ..contact }
+    let (coulomb, static_level) = (raised(contact.coulomb), raised(contact.static_level));
+    LubricatedContactParams { coulomb, static_level, ..contact }
 }
 
 /// Presliding forces and the last torque.
@@ -204,44 +200,31 @@ impl<R: Real> JointFriction<R> {
         load: R,
         wave_generator: Heading<R>,
     ) -> Friction<R> {
+        let slip = Slip { velocity, duration, load, wave_generator, applied: R::ZERO };
         if velocity.abs() + load.abs() <= R::lit(LIMIT) {
-            self.slid(state, velocity, duration, load, wave_generator)
+            self.slid(state, &slip)
         } else {
-            self.moved_beyond(state, velocity, duration, load, wave_generator)
+            self.slid_beyond(state, slip)
         }
     }
 
-    /// The same from beyond the limits of [`Slip`].
+    /// From beyond the limits of [`Slip`].
     #[cold]
     #[inline(never)]
-    fn moved_beyond(
-        &self,
-        state: &mut JointFrictionState<R>,
-        velocity: R,
-        duration: StepTime<R>,
-        load: R,
-        wave_generator: Heading<R>,
-    ) -> Friction<R> {
-        match Slip::over(velocity, duration).under(R::ZERO, load).limited() {
-            Some(slip) => self.slid(state, slip.velocity, duration, slip.load, wave_generator),
+    fn slid_beyond(&self, state: &mut JointFrictionState<R>, slip: Slip<R>) -> Friction<R> {
+        match slip.limited() {
+            Some(slip) => self.slid(state, &slip),
             None => Friction { force: state.force, held: true },
         }
     }
 
     #[inline(always)]
-    fn slid(
-        &self,
-        state: &mut JointFrictionState<R>,
-        velocity: R,
-        duration: StepTime<R>,
-        load: R,
-        wave_generator: Heading<R>,
-    ) -> Friction<R> {
-        let side = if velocity < R::ZERO { &self.backward } else { &self.forward };
-        let level = side.contact.level(velocity) * side.ripple.share(wave_generator) + side.load.level(load);
-        let path = velocity.abs() * duration.seconds() / level;
-        side.presliding.approach(&mut state.presliding, path, level);
-        state.force = state.presliding.force() + side.contact.viscous(velocity);
+    fn slid(&self, state: &mut JointFrictionState<R>, slip: &Slip<R>) -> Friction<R> {
+        let side = if slip.velocity < R::ZERO { &self.backward } else { &self.forward };
+        let level = side.contact.level(slip.velocity) * side.ripple.share(slip.wave_generator)
+            + side.load.level(slip.load);
+        side.presliding.approach(&mut state.presliding, slip.displacement().abs() / level, level);
+        state.force = state.presliding.force() + side.contact.viscous(slip.velocity);
         Friction { force: state.force, held: false }
     }
 }
@@ -268,20 +251,11 @@ impl<R: Real> FrictionModel<R> for JointFriction<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::tests::contact;
     use proptest::prelude::*;
     use std::vec::Vec;
 
     const STEP: f64 = 1e-4;
-
-    fn contact<R: Real>() -> LubricatedContactParams<R> {
-        LubricatedContactParams {
-            coulomb: R::lit(0.035),
-            static_level: R::lit(0.05),
-            stribeck_velocity: R::lit(2.0),
-            stribeck_exponent: R::ONE,
-            viscous: R::lit(1.2e-4),
-        }
-    }
 
     fn wave_generator<R: Real>(order: Order) -> JointFrictionParams<R> {
         JointFrictionParams::symmetric(order, contact(), R::lit(0.02), R::lit(0.3))
