@@ -1,7 +1,7 @@
 //! `verify`: every claimed figure, measured here and now.
 
-use clap::{Args, value_parser};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, value_parser};
 use strainwave_desktop::verify::flexspline::speed;
 use strainwave_desktop::verify::{self, Measured};
 use strainwave_desktop::verify::{compensator, friction, hysteresis};

@@ -38,6 +38,11 @@ impl SensorSet {
         if file.sensors.output_encoder_bits.is_some() { Self::Both } else { Self::Motor }
     }
 
+    /// The one of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|set| set.name() == name)
+    }
+
     /// The name, as in `motor`.
     pub fn name(self) -> &'static str {
         ["motor", "both"][self as usize]

@@ -1,7 +1,7 @@
 //! The loop of a scenario: a joint on the bench, any controller, and what came of it.
 
 use strainwave::Error;
-use strainwave::compensator::{Compensator, Estimate, Input, JointParams, Output, State};
+use strainwave::compensator::{Compensator, Input, JointParams, Output, State};
 use strainwave::flexspline::Flexspline;
 
 use crate::baseline::Baseline;
@@ -13,8 +13,8 @@ use crate::log::{Drive, OpenLoop, Time};
 use crate::plant::Plant;
 use crate::scenario::{Demand, Scenario};
 
-/// Every how many control periods a trace keeps a row.
-const TRACE_EVERY: usize = 5;
+/// Every how many control periods a run says how far it is.
+const PROGRESS_EVERY: usize = 100;
 
 /// A controller of the joint.
 pub trait Controller {
@@ -84,6 +84,10 @@ pub struct Row {
     pub torsion: f64,
     /// True torque through the flexspline (N m).
     pub transmitted: f64,
+    /// True output speed (rad/s).
+    pub output_velocity: f64,
+    /// True friction of the wave generator and of the flexspline (N m).
+    pub friction: [f64; 2],
     /// What the controller answered.
     pub answer: Output<f32>,
 }
@@ -98,6 +102,8 @@ impl Row {
             motor: plant.motor().angle.to_radians(),
             torsion: torques.torsion,
             transmitted: torques.transmitted,
+            output_velocity: plant.output().velocity,
+            friction: [torques.input_friction, torques.output_friction],
             answer,
         }
     }
@@ -106,7 +112,7 @@ impl Row {
 /// What came of one run.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// Decimated rows.
+    /// A row each control period.
     pub trace: Vec<Row>,
     /// Output error over the judged part, rms (rad).
     pub rms: f64,
@@ -129,7 +135,8 @@ pub struct EstimateErrors {
     pub external_torque: f64,
 }
 
-/// Runs a scenario on the plant of `seed` (see [`Draw::from_seed`]); `progress` is called with the share done.
+/// Runs a scenario from rest on the reference plant of `seed` (see [`crate::draw::Draw::from_seed`]); `progress` is
+/// called with the share done.
 ///
 /// # Errors
 /// The controller's, a gear that cannot be built, or a plant that diverges.
@@ -138,6 +145,23 @@ pub fn run<C: Controller>(
     scenario: Scenario,
     seed: u64,
     controller: &mut C,
+    progress: impl FnMut(f64),
+) -> Result<Run, C::Error>
+where
+    C::Error: From<RunError>,
+{
+    let mut bench = Bench::build(file, &Conditions::of(file, seed)).map_err(RunError::from)?;
+    go_on(&mut bench, scenario, controller, progress)
+}
+
+/// Runs a scenario from where a joint and its controller are; `progress` is called with the share done.
+///
+/// # Errors
+/// As [`Bench::go`].
+pub fn go_on<F: Flexspline<f64>, C: Controller>(
+    bench: &mut Bench<F>,
+    scenario: Scenario,
+    controller: &mut C,
     mut progress: impl FnMut(f64),
 ) -> Result<Run, C::Error>
 where
@@ -145,38 +169,18 @@ where
 {
     let steps = periods(&scenario);
     let mut judge = Judge::default();
-    let mut trace = Vec::with_capacity(steps / TRACE_EVERY + 1);
-    let mut bench = Bench::build(file, &Conditions::of(file, seed)).map_err(RunError::from)?;
+    let mut trace = Vec::with_capacity(steps);
     bench.go(&scenario, controller, |k, demand, plant, answer| {
-        let time = k as f64 * CONTROL_PERIOD;
-        if time >= scenario.judged_from() {
-            judge.add(plant.output().angle.to_radians(), &demand, &answer.estimate);
+        let row = Row::of(k as f64 * CONTROL_PERIOD, demand, plant, answer);
+        if row.time >= scenario.judged_from() {
+            judge.add(&row);
         }
-        if k % TRACE_EVERY == 0 {
-            trace.push(Row::of(time, demand, plant, answer));
+        trace.push(row);
+        if k % PROGRESS_EVERY == 0 {
             progress(k as f64 / steps as f64);
         }
     })?;
     Ok(judge.run(trace, bench.plant().imbalance()))
-}
-
-/// Goes through a scenario from where a joint and its controller are; a row each control period.
-///
-/// # Errors
-/// As [`Bench::go`].
-pub fn rows<F: Flexspline<f64>, C: Controller>(
-    bench: &mut Bench<F>,
-    scenario: Scenario,
-    controller: &mut C,
-) -> Result<Vec<Row>, C::Error>
-where
-    C::Error: From<RunError>,
-{
-    let mut rows = Vec::with_capacity(periods(&scenario));
-    bench.go(&scenario, controller, |k, demand, plant, answer| {
-        rows.push(Row::of(k as f64 * CONTROL_PERIOD, demand, plant, answer));
-    })?;
-    Ok(rows)
 }
 
 /// Runs a scenario as [`run`], and records what drives the plant's gear, a row each control period: the motor's speed
@@ -215,11 +219,12 @@ struct Judge {
 }
 
 impl Judge {
-    /// Counts one control period: the true output angle (rad), what was asked and what was estimated.
-    fn add(&mut self, output: f64, demand: &Demand, estimate: &Estimate<f32>) {
-        self.output.add(output - demand.position);
-        self.estimated_output.add(estimate.output_position.to_radians() - output);
-        self.estimated_external_torque.add(f64::from(estimate.external_torque) - demand.load);
+    /// Counts one control period.
+    fn add(&mut self, row: &Row) {
+        let estimate = &row.answer.estimate;
+        self.output.add(row.output - row.demand.position);
+        self.estimated_output.add(estimate.output_position.to_radians() - row.output);
+        self.estimated_external_torque.add(f64::from(estimate.external_torque) - row.demand.load);
     }
 
     fn run(&self, trace: Vec<Row>, imbalance: f64) -> Run {

@@ -41,7 +41,21 @@ impl Figure {
 
     /// A figure without a bound.
     pub fn reported(name: impl Into<String>, value: f64, unit: impl Into<String>) -> Self {
-        Self { name: name.into(), value, unit: unit.into(), bound: None, at_least: false, holds: true, seed: None }
+        Self {
+            name: name.into(),
+            value,
+            unit: unit.into(),
+            bound: None,
+            at_least: false,
+            holds: true,
+            seed: None,
+        }
+    }
+
+    /// The same, only reported.
+    #[must_use]
+    pub fn without_bound(self) -> Self {
+        Self { bound: None, at_least: false, holds: true, ..self }
     }
 
     /// The same, of the draw of this seed.

@@ -24,6 +24,7 @@ pub mod report;
 pub mod ripple_fit;
 pub mod scenario;
 mod settled;
+pub mod step_response;
 pub mod torque_loop;
 pub mod two_port;
 pub mod vectorised;

@@ -62,15 +62,27 @@ pub enum Mark {
 }
 
 impl Mark {
-    /// Those of a scenario beside its output error.
-    pub fn of_scenario(scenario: Scenario) -> &'static [Self] {
-        match scenario {
-            Scenario::S1 => &[Self::StepVibration],
-            Scenario::S2 => &[],
-            Scenario::S3 => &[Self::MoveVibration, Self::Settling],
-            Scenario::S4 => &[Self::Ripple],
-            Scenario::S5 => &[Self::Peak, Self::Steady],
-            Scenario::S6 => &[],
+    /// All of them.
+    pub const ALL: [Self; 8] = [
+        Self::StepVibration,
+        Self::Error,
+        Self::MoveVibration,
+        Self::Settling,
+        Self::Ripple,
+        Self::Peak,
+        Self::Steady,
+        Self::ExternalTorque,
+    ];
+
+    /// It is one of this scenario alone; the external torque's error is one of all.
+    pub fn is_of(self, scenario: Scenario) -> bool {
+        match self {
+            Self::StepVibration => scenario == Scenario::S1,
+            Self::Error => scenario == Scenario::S2,
+            Self::MoveVibration | Self::Settling => scenario == Scenario::S3,
+            Self::Ripple => scenario == Scenario::S4,
+            Self::Peak | Self::Steady => scenario == Scenario::S5,
+            Self::ExternalTorque => false,
         }
     }
 }
@@ -139,9 +151,14 @@ impl<'a> Judge<'a> {
         Ok(TAU * (self.plant.flexspline_inertia * compliance).sqrt())
     }
 
+    /// The vibration over the last rest (rad); none in a scenario without rests.
+    pub fn last_vibration(&self) -> Option<Vec<f64>> {
+        let rest = self.scenario.rests().pop()?;
+        Some(vibration(self.between(rest), self.natural_period().ok()?))
+    }
+
     fn settling(&self) -> f64 {
-        let rest = self.scenario.rests().into_iter().next_back();
-        let rows = rest.map_or(&[][..], |rest| self.between(rest));
+        let rows = self.scenario.rests().pop().map_or(&[][..], |rest| self.between(rest));
         let out = rows.iter().rposition(|row| error(row).abs() > SETTLED);
         out.map_or(1, |last| last + 1).max(1) as f64 * CONTROL_PERIOD
     }
@@ -192,9 +209,8 @@ mod tests {
 
     #[test]
     fn an_output_settles_when_it_stays() {
-        let settling = |off: fn(f64) -> f64| {
-            mark(Scenario::S3, &rows(Scenario::S3, off, |_| 0.0), Mark::Settling)
-        };
+        let settling =
+            |off: fn(f64) -> f64| mark(Scenario::S3, &rows(Scenario::S3, off, |_| 0.0), Mark::Settling);
         assert_eq!(settling(|_| 19e-6), CONTROL_PERIOD);
         assert!((settling(|_| -21e-6) - 0.5).abs() < 1e-9);
         // Back within at 0.35 s, but once more beyond at 0.4 s.

@@ -4,6 +4,7 @@ use crate::bench::SensorSet;
 use crate::bounds;
 use crate::figure::Figure;
 use crate::judge::Mark;
+use crate::scenario::Scenario;
 use crate::verify::compensator::performance::{Compared, Performance};
 
 /// What a mark is compared with.
@@ -79,14 +80,39 @@ impl Claim {
     }
 
     fn value(&self, sensors: SensorSet, draw: &Compared, rated: f64) -> f64 {
-        let mark = draw.compensated[sensors as usize].mark(self.mark);
-        let [b0, b1] = &draw.baselines;
-        mark / match self.reference {
-            Reference::B0 => b0.mark(self.mark),
-            Reference::B1 => b1.mark(self.mark),
+        let ours = draw.compensated[sensors as usize].mark(self.mark);
+        self.relative(ours, draw.baselines.each_ref().map(|baseline| baseline.mark(self.mark)), rated)
+    }
+
+    /// The compensator's mark relative to what this row names: marks of B0 and B1, or the rated torque (N m).
+    pub fn relative(&self, ours: f64, [b0, b1]: [f64; 2], rated: f64) -> f64 {
+        ours / match self.reference {
+            Reference::B0 => b0,
+            Reference::B1 => b1,
             Reference::RatedTorque => rated,
         }
     }
+
+    /// The figure of one plant with the firmware in the loop, beside the same bound.
+    pub fn of_target(&self, sensors: SensorSet, value: f64) -> Figure {
+        let row = self.names[sensors as usize];
+        bounds::figure_as(row.replacen("compensator", "pil", 1), row, value)
+    }
+}
+
+/// The draw on which a scenario comes closest to its bounds, or misses them by most, among measured `figures`.
+pub fn worst_draw(figures: &[Figure], scenario: Scenario, sensors: SensorSet) -> Option<u64> {
+    let names: Vec<_> = CLAIMS
+        .iter()
+        .filter(|claim| claim.mark.is_of(scenario))
+        .map(|claim| claim.names[sensors as usize])
+        .collect();
+    let share = |figure: &&Figure| figure.value / figure.bound.unwrap_or(f64::INFINITY);
+    figures
+        .iter()
+        .filter(|figure| names.contains(&figure.name.as_str()))
+        .max_by(|a, b| share(a).total_cmp(&share(b)))?
+        .seed
 }
 
 /// Runs that are unstable, and runs that are worse than B0, each with the seed of the first.

@@ -22,10 +22,11 @@ use std::thread;
 
 use crate::bench::{Conditions, SensorSet};
 use crate::divergence::RunError;
-use crate::figure::Figure;
 use crate::gear_file::GearFile;
+use crate::step_response::StepResponse;
+use crate::two_port::Build;
 use crate::verify::Measured;
-pub use claims::{CLAIMS, Claim, Reference};
+pub use claims::{CLAIMS, Claim, Reference, worst_draw};
 pub use performance::{Performance, Rivals};
 
 /// Draws that every claim is judged on.
@@ -58,10 +59,12 @@ pub fn against_baselines(
     let compared = each(&all, |conditions| rivals.compare(file, conditions), &mut progress);
     let compared = compared.into_iter().collect::<Result<Vec<_>, _>>()?;
     let (claimed, boxed) = compared.split_at(draws as usize);
-    let mut figures: Vec<Figure> = SensorSet::ALL
-        .into_iter()
-        .flat_map(|sensors| CLAIMS.iter().map(move |claim| claim.figure(sensors, claimed, rated)))
-        .collect();
+    let mut figures = StepResponse::of(file, Build::REFERENCE)?.figures();
+    figures.extend(
+        SensorSet::ALL
+            .into_iter()
+            .flat_map(|sensors| CLAIMS.iter().map(move |claim| claim.figure(sensors, claimed, rated))),
+    );
     if !boxed.is_empty() {
         figures.extend(SensorSet::ALL.into_iter().flat_map(|sensors| claims::in_the_box(sensors, boxed)));
     }

@@ -9,7 +9,7 @@ use strainwave::gear::GearParams;
 
 use crate::baseline::Baseline;
 use crate::bench::{Bench, Conditions, SensorSet};
-use crate::closed_loop::{Controller, HostCompensator, Row, rows};
+use crate::closed_loop::{Controller, HostCompensator, Row, go_on};
 use crate::divergence::RunError;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, joint_params};
@@ -68,16 +68,12 @@ impl Performance {
         let mut performance = Self::default();
         let mut external = Vec::new();
         for scenario in JUDGED {
-            let rows = rows(&mut bench.clone(), scenario, &mut controller.clone())?;
+            let rows = go_on(&mut bench.clone(), scenario, &mut controller.clone(), |_| ())?.trace;
             let judge = Judge::new(scenario, plant, &rows);
-            for mark in Mark::of_scenario(scenario) {
-                performance.marks.insert(*mark, judge.mark(*mark)?);
+            for mark in Mark::ALL.into_iter().filter(|mark| mark.is_of(scenario)) {
+                performance.marks.insert(mark, judge.mark(mark)?);
             }
-            let course = Course::of(scenario, &judge, &rows, torque_limit)?;
-            if scenario == Scenario::S2 {
-                performance.marks.insert(Mark::Error, course.error);
-            }
-            performance.courses.push(course);
+            performance.courses.push(Course::of(scenario, &judge, &rows, torque_limit)?);
             external.extend(judge.judged().iter().map(external_torque_error));
         }
         performance.marks.insert(Mark::ExternalTorque, rms(external));
