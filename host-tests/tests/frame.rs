@@ -12,7 +12,7 @@ use strainwave_app::frame::{
 const OUTPUT_ENCODER_FLAG: usize = 4;
 const OUTPUT_TORQUE_FLAG: usize = 13;
 
-fn input_of(words: [u32; 14], counts: i64, flags: [bool; 2]) -> Input<f32> {
+fn input_of(words: [u32; 15], counts: i64, flags: [bool; 2]) -> Input<f32> {
     let f = |k: usize| f32::from_bits(words[k]);
     Input {
         sensors: Sensors {
@@ -26,18 +26,19 @@ fn input_of(words: [u32; 14], counts: i64, flags: [bool; 2]) -> Input<f32> {
             velocity: f(5),
             acceleration: f(6),
             jerk: f(7),
+            snap: f(8),
         },
         shares: Shares {
-            feedback: f(8),
-            inertia: f(9),
-            friction: f(10),
-            wind_up: f(11),
-            kinematic_error: f(12),
+            feedback: f(9),
+            inertia: f(10),
+            friction: f(11),
+            wind_up: f(12),
+            kinematic_error: f(13),
         },
     }
 }
 
-fn output_of(words: [u32; 14], counts: [i64; 2]) -> Output<f32> {
+fn output_of(words: [u32; 15], counts: [i64; 2]) -> Output<f32> {
     let f = |k: usize| f32::from_bits(words[k]);
     Output {
         motor_torque: f(0),
@@ -71,6 +72,7 @@ fn input_bits(input: &Input<f32>) -> Vec<u64> {
         bits(setpoint.velocity),
         bits(setpoint.acceleration),
         bits(setpoint.jerk),
+        bits(setpoint.snap),
         bits(shares.feedback),
         bits(shares.inertia),
         bits(shares.friction),
@@ -107,14 +109,14 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
     #[test]
-    fn an_input_survives_the_frame(words in array::uniform14(any::<u32>()), counts: i64, flags: [bool; 2]) {
+    fn an_input_survives_the_frame(words in array::uniform15(any::<u32>()), counts: i64, flags: [bool; 2]) {
         let input = input_of(words, counts, flags);
         let back = decode_input(&encode_input(&input)).expect("a valid frame");
         prop_assert_eq!(input_bits(&back), input_bits(&input));
     }
 
     #[test]
-    fn an_output_survives_the_frame(words in array::uniform14(any::<u32>()), counts: [i64; 2]) {
+    fn an_output_survives_the_frame(words in array::uniform15(any::<u32>()), counts: [i64; 2]) {
         let output = output_of(words, counts);
         prop_assert_eq!(output_bits(&decode_output(&encode_output(&output))), output_bits(&output));
     }
@@ -165,5 +167,5 @@ fn fields_are_little_endian_in_the_order_of_their_declaration() {
     assert_eq!(frame[..9], [0, 2, 3, 4, 1, 1, 2, 3, 4]);
     assert_eq!(frame[OUTPUT_TORQUE_FLAG..18], [0, 0, 0, 0, 0]);
     assert_eq!(frame[18..26], [0xfe, 255, 255, 255, 255, 255, 255, 255]);
-    assert_eq!(frame[INPUT_BYTES - 4..], [12, 2, 3, 4]);
+    assert_eq!(frame[INPUT_BYTES - 4..], [13, 2, 3, 4]);
 }

@@ -4,7 +4,8 @@
 //! The setpoint's derivatives are limited to what the joint can do, and reported:
 //!
 //! ```text
-//! |dq| <= motor_speed/|n|,   |ddq| <= 2*motor_torque*|n|/(J_fs + n^2*J_wg),   |dddq| <= that/dt,   n = 1/r
+//! |dq| <= motor_speed/|n|,   |ddq| <= 2*motor_torque*|n|/(J_fs + n^2*J_wg),   |dddq| <= that/dt,
+//! |ddddq| <= that/dt,   n = 1/r
 //! ```
 //!
 //! Measured torques are limited to twice the peak torque of motor and gear: a torque sensor that says
@@ -27,6 +28,7 @@ pub struct InputGuard<R> {
     velocity: R,
     acceleration: R,
     jerk: R,
+    snap: R,
     motor_torque: R,
     output_torque: R,
     share_step: R,
@@ -53,6 +55,7 @@ impl<R: Real> InputGuard<R> {
             velocity: limits.output_speed(gear.ratio),
             acceleration,
             jerk: acceleration / dt,
+            snap: acceleration / (dt * dt),
             motor_torque: R::lit(2.0) * limits.motor_torque,
             output_torque: R::lit(2.0) * limits.output_torque,
             share_step: dt * R::lit(1.0 / SHARE_RAMP),
@@ -71,6 +74,7 @@ impl<R: Real> InputGuard<R> {
             velocity: finite(input.setpoint.velocity, last.setpoint.velocity),
             acceleration: finite(input.setpoint.acceleration, last.setpoint.acceleration),
             jerk: finite(input.setpoint.jerk, last.setpoint.jerk),
+            snap: finite(input.setpoint.snap, last.setpoint.snap),
         };
         setpoint.position.rest = finite(input.setpoint.position.rest, R::ZERO).limit(R::ONE);
         let sensors = Sensors {
@@ -96,6 +100,7 @@ impl<R: Real> InputGuard<R> {
             (&mut setpoint.velocity, self.velocity),
             (&mut setpoint.acceleration, self.acceleration),
             (&mut setpoint.jerk, self.jerk),
+            (&mut setpoint.snap, self.snap),
         ] {
             let limited = value.limit(bound);
             faults.raise_if(limited != *value, Faults::SETPOINT_LIMITED);

@@ -70,6 +70,8 @@ pub struct Setpoint<R> {
     pub acceleration: R,
     /// Output jerk (rad/s^3).
     pub jerk: R,
+    /// Output snap (rad/s^4).
+    pub snap: R,
 }
 
 /// How much of each correction is applied, 0..=1; changed at run time without a step in the output.

@@ -14,7 +14,7 @@ const ANGLE: usize = 8 + WORD;
 const OPTION: usize = 1 + WORD;
 
 /// Length of an input frame (bytes): sensors, setpoint, shares.
-pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + (ANGLE + 3 * WORD) + 5 * WORD;
+pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + (ANGLE + 4 * WORD) + 5 * WORD;
 /// Length of an output frame (bytes): torques and reference, estimate, faults.
 pub const OUTPUT_BYTES: usize = (2 * WORD + ANGLE) + (ANGLE + 6 * WORD) + WORD;
 
@@ -29,6 +29,7 @@ pub fn encode_input(input: &Input<f32>) -> [u8; INPUT_BYTES] {
     writer.f32(input.setpoint.velocity);
     writer.f32(input.setpoint.acceleration);
     writer.f32(input.setpoint.jerk);
+    writer.f32(input.setpoint.snap);
     writer.f32(input.shares.feedback);
     writer.f32(input.shares.inertia);
     writer.f32(input.shares.friction);
@@ -51,6 +52,7 @@ pub fn decode_input(frame: &[u8; INPUT_BYTES]) -> Option<Input<f32>> {
         velocity: reader.f32(),
         acceleration: reader.f32(),
         jerk: reader.f32(),
+        snap: reader.f32(),
     };
     let shares = Shares {
         feedback: reader.f32(),

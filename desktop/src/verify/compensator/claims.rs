@@ -131,3 +131,32 @@ pub fn in_the_box(sensors: SensorSet, draws: &[Compared]) -> [Figure; 2] {
     };
     [count(names[0], Performance::unstable), count(names[1], Performance::worse)]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_has_its_bound_and_a_mark_of_its_own() {
+        for (k, claim) in CLAIMS.iter().enumerate() {
+            assert!(claim.names.iter().all(|name| bounds::find(name).is_some()), "{claim:?}");
+            let same = |other: &Claim| (other.mark, other.reference) == (claim.mark, claim.reference);
+            assert!(!CLAIMS[..k].iter().any(same), "{claim:?} stands there twice");
+        }
+    }
+
+    #[test]
+    fn the_worst_draw_is_the_one_nearest_to_its_bound() {
+        let figure = |name, value, seed| bounds::figure(name, value).of_draw(seed);
+        let figures = [
+            figure("compensator.motor.s3.vibration_to_b0", 0.05, 4),
+            figure("compensator.motor.s3.settling_to_b0", 0.2, 7),
+            figure("compensator.both.s3.settling_to_b0", 0.9, 9),
+            figure("compensator.motor.s2.rms_to_b0", 0.9, 11),
+        ];
+        let worst = |scenario, sensors| worst_draw(&figures, scenario, sensors);
+        assert_eq!(worst(Scenario::S3, SensorSet::Motor), Some(7));
+        assert_eq!(worst(Scenario::S3, SensorSet::Both), Some(9));
+        assert_eq!(worst(Scenario::S5, SensorSet::Motor), None);
+    }
+}

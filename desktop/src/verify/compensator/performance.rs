@@ -6,6 +6,7 @@ use strainwave::Error;
 use strainwave::compensator::JointParams;
 use strainwave::flexspline::Flexspline;
 use strainwave::gear::GearParams;
+use strainwave::kinematic_error::KinematicErrorParams;
 
 use crate::baseline::Baseline;
 use crate::bench::{Bench, Conditions, SensorSet};
@@ -14,6 +15,7 @@ use crate::divergence::RunError;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, joint_params};
 use crate::judge::{Judge, Mark, external_torque_error, rms, vibration};
+use crate::plant::CondensedMesh;
 use crate::scenario::Scenario;
 use crate::working_motion::WorkingMotion;
 
@@ -121,6 +123,8 @@ impl Course {
 pub struct Rivals {
     baselines: [Baseline; 2],
     joint: JointParams<f32>,
+    /// The same, but it does not know the gear's kinematic error.
+    unmapped: JointParams<f32>,
 }
 
 /// The controllers on one draw.
@@ -140,7 +144,10 @@ impl Rivals {
     /// # Errors
     /// As their builds.
     pub fn build(file: &GearFile) -> Result<Self, Error> {
-        Ok(Self { baselines: [Baseline::b0(file)?, Baseline::b1(file)?], joint: joint_params(file)? })
+        let joint: JointParams<f32> = joint_params(file)?;
+        let mut unmapped = joint;
+        unmapped.gear.kinematic_error = KinematicErrorParams::default();
+        Ok(Self { baselines: [Baseline::b0(file)?, Baseline::b1(file)?], joint, unmapped })
     }
 
     /// All of them on one plant, with its noise.
@@ -154,10 +161,8 @@ impl Rivals {
         let baseline = |baseline| Performance::of(&bench, baseline, &plant, limit);
         let compensated = |sensors| {
             let conditions = Conditions { sensors, ..*conditions };
-            match self.worked(file, &conditions) {
-                Ok((bench, controller)) => Performance::of(&bench, &controller, &plant, limit),
-                Err(error) => Err(error),
-            }
+            let (bench, controller) = worked(&self.joint, file, &conditions)?;
+            Performance::of(&bench, &controller, &plant, limit)
         };
         let [motor, both] = SensorSet::ALL.map(compensated).map(|run| match run {
             Err(RunError::Diverged(_)) => Ok(Performance { diverged: true, ..Performance::default() }),
@@ -170,15 +175,81 @@ impl Rivals {
         })
     }
 
-    /// The joint and its compensator after the working motion.
-    fn worked(
-        &self,
-        file: &GearFile,
-        conditions: &Conditions,
-    ) -> Result<(Bench<crate::plant::CondensedMesh>, HostCompensator), RunError> {
-        let mut bench = Bench::condensed(file, conditions)?;
-        let mut controller = HostCompensator::build(&self.joint)?;
-        bench.go(&WorkingMotion, &mut controller, |_, _, _, _| ())?;
-        Ok((bench, controller))
+    /// The ripple that a compensator leaves in S4 which has learnt the kinematic error while it worked, with both
+    /// encoders (rad).
+    ///
+    /// # Errors
+    /// A gear that cannot be built, or a plant that diverges.
+    pub fn ripple_after_learning(&self, file: &GearFile, conditions: &Conditions) -> Result<f64, RunError> {
+        let conditions = Conditions { sensors: SensorSet::Both, ..*conditions };
+        let (mut bench, mut controller) = worked(&self.unmapped, file, &conditions)?;
+        let rows = go_on(&mut bench, Scenario::S4, &mut controller, |_| ())?.trace;
+        Ok(Judge::new(Scenario::S4, &conditions.plant(file)?, &rows).mark(Mark::Ripple)?)
+    }
+
+    /// [`Rivals::compare`], with both encoders the ripple of a kinematic error that was learnt.
+    ///
+    /// # Errors
+    /// As [`Rivals::compare`].
+    pub fn compare_learning(&self, file: &GearFile, conditions: &Conditions) -> Result<Compared, RunError> {
+        let mut compared = self.compare(file, conditions)?;
+        let ripple = self.ripple_after_learning(file, conditions)?;
+        compared.compensated[SensorSet::Both as usize].marks.insert(Mark::Ripple, ripple);
+        Ok(compared)
+    }
+}
+
+/// A joint and its compensator after the working motion.
+fn worked(
+    joint: &JointParams<f32>,
+    file: &GearFile,
+    conditions: &Conditions,
+) -> Result<(Bench<CondensedMesh>, HostCompensator), RunError> {
+    let mut bench = Bench::condensed(file, conditions)?;
+    let mut controller = HostCompensator::build(joint)?;
+    bench.go(&WorkingMotion, &mut controller, |_, _, _, _| ())?;
+    Ok((bench, controller))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn course(error: f64, limited: f64, vibration: f64) -> Performance {
+        let courses = vec![Course { scenario: Scenario::S2, error, limited, vibration }];
+        Performance { courses, ..Performance::default() }
+    }
+
+    #[test]
+    fn what_shakes_saturates_or_diverges_is_unstable() {
+        let b0 = course(1e-4, 0.0, 5e-6);
+        let unstable = |limited, vibration| course(1e-4, limited, vibration).unstable(&b0);
+        assert_eq!([unstable(0.0, 5e-6), unstable(0.009, 14e-6), unstable(0.0, 1e-7)], [0, 0, 0]);
+        assert_eq!([unstable(0.011, 5e-6), unstable(0.0, 16e-6)], [1, 1]);
+        // Below 10 urad nothing shakes, however little B0 does.
+        assert_eq!(course(1e-4, 0.0, 9e-6).unstable(&course(1e-4, 0.0, 1e-9)), 0);
+        let diverged = Performance { diverged: true, ..Performance::default() };
+        assert_eq!((diverged.unstable(&b0), diverged.worse(&b0)), (JUDGED.len(), JUDGED.len()));
+        assert!(diverged.mark(Mark::Error).is_nan());
+    }
+
+    #[test]
+    fn worse_is_more_than_a_hundredth() {
+        let b0 = course(1e-4, 0.0, 0.0);
+        assert_eq!([1.005e-4, 1.02e-4].map(|error| course(error, 0.0, 0.0).worse(&b0)), [0, 1]);
+    }
+
+    /// B0 beside itself is neither.
+    #[test]
+    fn a_run_repeats() {
+        let file = GearFile::default_gear();
+        let conditions = Conditions::of(&file, 2);
+        let (plant, b0) = (conditions.plant(&file).unwrap(), Baseline::b0(&file).unwrap());
+        let bench = Bench::condensed(&file, &conditions).unwrap();
+        let of = || Performance::of(&bench, &b0, &plant, file.motor.peak_torque).unwrap();
+        let (one, other) = (of(), of());
+        assert_eq!((one.worse(&other), one.unstable(&other)), (0, 0));
+        assert_eq!(one.marks, other.marks);
+        assert!(one.marks.len() == Mark::ALL.len() && one.marks.values().all(|mark| mark.is_finite()));
     }
 }
