@@ -139,14 +139,10 @@ impl<R: Real> FrictionParams<R> for JointFrictionParams<R> {
         // The path is divided by g alone: g0 is in the distances.
         let inverse_level = R::ONE / forward.static_level;
         let presliding = self.normalised_presliding()?.scaled(R::ONE, inverse_level);
+        let backward_presliding = presliding.scaled(-R::ONE, R::ONE);
         Ok(JointFriction {
-            forward: Side { contact: forward.build()?, ripple: ripple.forward, load, presliding },
-            backward: Side {
-                contact: backward.build()?,
-                ripple: ripple.backward,
-                load: backward_load,
-                presliding: presliding.scaled(-R::ONE, R::ONE),
-            },
+            forward: Side::new(forward.build()?, ripple.forward, load, presliding),
+            backward: Side::new(backward.build()?, ripple.backward, backward_load, backward_presliding),
         })
     }
 }
@@ -186,6 +182,29 @@ struct Side<R> {
     load: DirectedLoad<R>,
     /// Of level 1 in this direction, over the path divided by g.
     presliding: BlimanSorine<R, 2>,
+    /// The level is the contact's alone: there is neither ripple nor load.
+    plain: bool,
+}
+
+impl<R: Real> Side<R> {
+    fn new(
+        contact: LubricatedContact<R>,
+        ripple: Harmonics<R, RIPPLE_ORDERS>,
+        load: DirectedLoad<R>,
+        presliding: BlimanSorine<R, 2>,
+    ) -> Self {
+        Self { contact, ripple, load, presliding, plain: ripple.is_none() && load.is_none() }
+    }
+
+    /// g.
+    #[inline(always)]
+    fn level(&self, slip: &Slip<R>) -> R {
+        let contact = self.contact.level(slip.velocity);
+        if self.plain {
+            return contact;
+        }
+        contact * self.ripple.share(slip.wave_generator) + self.load.level(slip.load)
+    }
 }
 
 impl<R: Real> JointFriction<R> {
@@ -200,19 +219,25 @@ impl<R: Real> JointFriction<R> {
         load: R,
         wave_generator: Heading<R>,
     ) -> Friction<R> {
-        let slip = Slip { velocity, duration, load, wave_generator, applied: R::ZERO };
         if velocity.abs() + load.abs() <= R::lit(LIMIT) {
-            self.slid(state, &slip)
+            self.slid(state, &Slip { velocity, duration, load, wave_generator, applied: R::ZERO })
         } else {
-            self.slid_beyond(state, slip)
+            self.slid_beyond(state, velocity, duration, load, wave_generator)
         }
     }
 
-    /// From beyond the limits of [`Slip`].
+    /// From beyond the limits of [`Slip`]. As long as it takes what it is called with, nothing is saved for it.
     #[cold]
     #[inline(never)]
-    fn slid_beyond(&self, state: &mut JointFrictionState<R>, slip: Slip<R>) -> Friction<R> {
-        match slip.limited() {
+    fn slid_beyond(
+        &self,
+        state: &mut JointFrictionState<R>,
+        velocity: R,
+        duration: StepTime<R>,
+        load: R,
+        wave_generator: Heading<R>,
+    ) -> Friction<R> {
+        match (Slip { velocity, duration, load, wave_generator, applied: R::ZERO }).limited() {
             Some(slip) => self.slid(state, &slip),
             None => Friction { force: state.force, held: true },
         }
@@ -221,8 +246,7 @@ impl<R: Real> JointFriction<R> {
     #[inline(always)]
     fn slid(&self, state: &mut JointFrictionState<R>, slip: &Slip<R>) -> Friction<R> {
         let side = if slip.velocity < R::ZERO { &self.backward } else { &self.forward };
-        let level = side.contact.level(slip.velocity) * side.ripple.share(slip.wave_generator)
-            + side.load.level(slip.load);
+        let level = side.level(slip);
         side.presliding.approach(&mut state.presliding, slip.displacement().abs() / level, level);
         state.force = state.presliding.force() + side.contact.viscous(slip.velocity);
         Friction { force: state.force, held: false }
