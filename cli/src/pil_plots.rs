@@ -2,6 +2,7 @@
 
 use strainwave_desktop::GearFile;
 use strainwave_desktop::closed_loop::Row;
+use strainwave_desktop::judge::estimates::{self, Estimated};
 use strainwave_desktop::judge::{Judge, error, spectrum};
 use strainwave_desktop::plot::{Page, Panel, Series};
 use strainwave_desktop::scenario::Scenario;
@@ -42,65 +43,30 @@ pub fn scenario(run: &ScenarioRun, gear: &GearFile) -> Page {
         .with(of_all(over_time("output error", "urad"), &|row| error(row) * 1e6))
         .with(torque.with(Series::dashed("fed forward", &time, &fed_forward)))
         .with(of_all(over_time("torsion", "urad"), &|row| row.torsion * 1e6));
-    let page = ESTIMATES.iter().fold(page, |page, estimate| page.with(estimate.panel(rows, &time)));
+    let page = page.with(external_torque(rows, &time));
+    let page = estimates::ALL.iter().fold(page, |page, of| page.with(estimate_error(of, rows, &time)));
     let page = ringing(run).into_iter().fold(page, Page::with);
     if scenario == Scenario::S6 { page.with(torque_over_torsion(rows)) } else { page }
 }
 
-/// An estimate beside what is true.
-struct Shown {
-    name: &'static str,
-    unit: &'static str,
-    scale: f64,
-    estimated: fn(&Row) -> f64,
-    truth: fn(&Row) -> f64,
+/// What an estimate is off by, with the band of three deviations that it states.
+fn estimate_error(estimated: &Estimated, rows: &[Row], time: &[f64]) -> Panel {
+    let scaled = |scale: f64| rows.iter().skip(1).map(move |row| scale * estimated.deviation(row)).collect();
+    let [upper, lower]: [Vec<f64>; 2] = [3.0, -3.0].map(scaled);
+    let error: Vec<_> = rows.windows(2).map(|pair| estimated.error([&pair[0], &pair[1]])).collect();
+    let time = time.get(1..).unwrap_or_default();
+    Panel::new("time", "s", &format!("{}, estimated - true", estimated.name), estimated.unit)
+        .with(Series::line("error", time, &error))
+        .with(Series::dashed("3 deviations", time, &upper))
+        .with(Series::dashed("", time, &lower))
 }
 
-const ESTIMATES: &[Shown] = &[
-    Shown {
-        name: "estimated output - output",
-        unit: "urad",
-        scale: 1e6,
-        estimated: |row| row.answer.estimate.output_position.to_radians() - row.output,
-        truth: |_| 0.0,
-    },
-    Shown {
-        name: "torsion",
-        unit: "urad",
-        scale: 1e6,
-        estimated: |row| row.answer.estimate.torsion.into(),
-        truth: |row| row.torsion,
-    },
-    Shown {
-        name: "external torque",
-        unit: "N m",
-        scale: 1.0,
-        estimated: |row| row.answer.estimate.external_torque.into(),
-        truth: |row| row.demand.load,
-    },
-    Shown {
-        name: "friction at the motor",
-        unit: "N m",
-        scale: 1.0,
-        estimated: |row| row.answer.estimate.input_friction.into(),
-        truth: |row| row.friction[0],
-    },
-    Shown {
-        name: "friction at the output",
-        unit: "N m",
-        scale: 1.0,
-        estimated: |row| row.answer.estimate.output_friction.into(),
-        truth: |row| row.friction[1],
-    },
-];
-
-impl Shown {
-    fn panel(&self, rows: &[Row], time: &[f64]) -> Panel {
-        let scaled = |figure: fn(&Row) -> f64| column(rows, |row| self.scale * figure(row));
-        Panel::new("time", "s", self.name, self.unit)
-            .with(Series::line("estimate", time, &scaled(self.estimated)))
-            .with(Series::dashed("plant", time, &scaled(self.truth)))
-    }
+/// The external torque that is believed beside the load.
+fn external_torque(rows: &[Row], time: &[f64]) -> Panel {
+    let estimated = column(rows, |row| row.answer.estimate.external_torque.into());
+    Panel::new("time", "s", "external torque", "N m")
+        .with(Series::line("estimate", time, &estimated))
+        .with(Series::dashed("plant", time, &column(rows, |row| row.demand.load)))
 }
 
 /// Spectrum of the torsion's vibration over the last rest of a scenario that has one.

@@ -5,6 +5,8 @@
 //! period. The motor's torque is what was commanded, and what is measured of it carries noise. An encoder gives the
 //! count whose middle is nearest to the angle. Torques in N m, angles in rad.
 
+use std::collections::VecDeque;
+
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
@@ -108,11 +110,34 @@ impl EncoderModel {
     }
 }
 
+/// Counts of an encoder that arrive late, and not every period.
+#[derive(Clone, Debug)]
+struct LateEncoder {
+    encoder: EncoderModel,
+    /// By how many periods.
+    delay: usize,
+    /// Every how many.
+    every: usize,
+    /// Counts on their way, the newest last.
+    coming: VecDeque<u32>,
+    periods: usize,
+}
+
+impl LateEncoder {
+    fn read(&mut self, angle: Angle<f64>) -> Option<u32> {
+        self.coming.push_back(self.encoder.read(angle));
+        let arrived = if self.coming.len() > self.delay { self.coming.pop_front() } else { None };
+        let due = self.periods.is_multiple_of(self.every);
+        self.periods += 1;
+        arrived.filter(|_| due)
+    }
+}
+
 /// The joint's sensors, with noise that repeats for the same seed.
 #[derive(Clone, Debug)]
 struct SensorModel {
     motor_encoder: EncoderModel,
-    output_encoder: Option<EncoderModel>,
+    output_encoder: Option<LateEncoder>,
     motor_torque_noise: Normal<f64>,
     output_torque_noise: Option<Normal<f64>>,
     random: ChaCha8Rng,
@@ -126,7 +151,13 @@ impl SensorModel {
         };
         let sensors = &file.sensors;
         let output_bits = sensors.output_encoder_bits.unwrap_or(sensors.motor_encoder_bits);
-        let output_encoder = EncoderModel::new(output_bits, factor);
+        let output_encoder = LateEncoder {
+            encoder: EncoderModel::new(output_bits, factor),
+            delay: sensors.output_encoder_delay as usize,
+            every: sensors.output_encoder_period as usize,
+            coming: VecDeque::new(),
+            periods: 0,
+        };
         Self {
             motor_encoder: EncoderModel::new(sensors.motor_encoder_bits, factor),
             output_encoder: (conditions.sensors == SensorSet::Both).then_some(output_encoder),
@@ -140,7 +171,10 @@ impl SensorModel {
         let random = &mut self.random;
         Sensors {
             motor_encoder: self.motor_encoder.read(plant.motor().angle),
-            output_encoder: self.output_encoder.map(|encoder| encoder.read(plant.output().angle)),
+            output_encoder: self
+                .output_encoder
+                .as_mut()
+                .and_then(|encoder| encoder.read(plant.output().angle)),
             motor_torque: (motor_torque + self.motor_torque_noise.sample(random)) as f32,
             output_torque: self
                 .output_torque_noise
@@ -254,6 +288,16 @@ mod tests {
         };
         assert_eq!([-0.49, 0.0, 0.49, 0.51, 3.4, 15.6].map(|share| counts(1.0, share)), [0, 0, 0, 1, 3, 0]);
         assert_eq!([-0.9, 0.9, 1.1, 2.9, 15.1].map(|share| counts(2.0, share)), [0, 0, 2, 2, 0]);
+    }
+
+    #[test]
+    fn a_late_and_slow_encoder_gives_old_counts_now_and_then() {
+        let encoder = EncoderModel::new(4, 1.0);
+        let mut late = LateEncoder { encoder, delay: 2, every: 3, coming: VecDeque::new(), periods: 0 };
+        let read =
+            (0..10).map(|k| late.read(Angle::from_radians_f64(f64::from(k) * std::f64::consts::TAU / 16.0)));
+        let wanted = [None, None, None, Some(1), None, None, Some(4), None, None, Some(7)];
+        assert_eq!(read.collect::<Vec<_>>(), wanted);
     }
 
     /// The same seed, the same noise; twice the factor, twice the noise.

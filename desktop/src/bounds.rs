@@ -115,6 +115,13 @@ pub const BOUNDS: &[Bound] = &[
         why: "estimated external torque over S1-S5, rms, as a share of rated torque, worst of 20 draws; as asked",
     },
     Bound {
+        name: "compensator.motor.outside_three_deviations",
+        value: 0.01,
+        unit: "1",
+        why: "share of S1-S5 in which an estimate is off by more than three deviations that it states, the worst of seven, \
+              worst of 20 draws; as asked",
+    },
+    Bound {
         name: "compensator.motor.box.unstable",
         value: 0.0,
         unit: "run",
@@ -179,6 +186,13 @@ pub const BOUNDS: &[Bound] = &[
         value: 0.02,
         unit: "1",
         why: "estimated external torque over S1-S5, rms, as a share of rated torque, worst of 20 draws; as asked",
+    },
+    Bound {
+        name: "compensator.both.outside_three_deviations",
+        value: 0.01,
+        unit: "1",
+        why: "share of S1-S5 in which an estimate is off by more than three deviations that it states, the worst of seven, \
+              worst of 20 draws; as asked",
     },
     Bound {
         name: "compensator.both.box.unstable",

@@ -14,6 +14,7 @@
 //! | [`Mark::Peak`] | S5 | largest magnitude of the output error after the load step (rad) |
 //! | [`Mark::Steady`] | S5 | magnitude of the mean output error over the last 0.2 s (rad) |
 //! | [`Mark::ExternalTorque`] | all but S6 | rms of the estimated external torque less the true one from t0 on (N m); in S6 a brake holds what the joint cannot know |
+//! | [`Mark::Outside`] | all but S6 | share of the periods from t0 on in which an estimate is off by more than three of its stated deviations, of the estimate that is so most often |
 //!
 //! Vibration (`vibration.rs`): the torsion less its running mean over one natural period of the load on the gear at
 //! the torque at hand. The mean has no part of the natural frequency and its multiples, and all of what is slow.
@@ -21,6 +22,7 @@
 //! Ripple (`ripple.rs`): least squares of a constant, a slope and sine and cosine of every order over the true angle of
 //! the motor.
 
+pub mod estimates;
 mod ripple;
 mod vibration;
 
@@ -59,11 +61,13 @@ pub enum Mark {
     Steady,
     /// Error of the estimated external torque.
     ExternalTorque,
+    /// Estimates outside their three deviations.
+    Outside,
 }
 
 impl Mark {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::StepVibration,
         Self::Error,
         Self::MoveVibration,
@@ -72,9 +76,10 @@ impl Mark {
         Self::Peak,
         Self::Steady,
         Self::ExternalTorque,
+        Self::Outside,
     ];
 
-    /// It is one of this scenario alone; the external torque's error is one of all.
+    /// It is one of this scenario alone; those of the estimates are of all.
     pub fn is_of(self, scenario: Scenario) -> bool {
         match self {
             Self::StepVibration => scenario == Scenario::S1,
@@ -82,7 +87,7 @@ impl Mark {
             Self::MoveVibration | Self::Settling => scenario == Scenario::S3,
             Self::Ripple => scenario == Scenario::S4,
             Self::Peak | Self::Steady => scenario == Scenario::S5,
-            Self::ExternalTorque => false,
+            Self::ExternalTorque | Self::Outside => false,
         }
     }
 }
@@ -113,6 +118,11 @@ impl<'a> Judge<'a> {
             Mark::Peak => self.after_load().iter().map(error).map(f64::abs).fold(0.0, f64::max),
             Mark::Steady => mean(self.last(STEADY).iter().map(error)).abs(),
             Mark::ExternalTorque => rms(self.judged().iter().map(external_torque_error)),
+            Mark::Outside => {
+                let mut outside = estimates::Outside::default();
+                outside.count(self.judged());
+                outside.worst_share()
+            }
         })
     }
 

@@ -29,7 +29,7 @@ pub fn ripple(rows: &[Row], orders: &[f64]) -> f64 {
     let Some(first) = rows.first() else { return f64::NAN };
     let wave = |row: &Row, column: usize| {
         let angle = orders[column / 2] * (row.motor - first.motor);
-        if column % 2 == 0 { angle.cos() } else { angle.sin() }
+        if column.is_multiple_of(2) { angle.cos() } else { angle.sin() }
     };
     let regressors = DMatrix::from_fn(rows.len(), 2 + 2 * orders.len(), |row, column| match column {
         0 => 1.0,

@@ -75,9 +75,8 @@ impl Linearised {
         let units = DVector::from_row_slice(&units(file, sixth)[..size]);
         let scaled = |row: [f64; 6]| RowDVector::from_fn(size, |_, k| row[k] * units[k]);
         let rows = transition(file, sixth);
-        let transition = DMatrix::from_fn(size, size, |row, column| {
-            rows[row][column] * units[column] / units[row]
-        });
+        let transition =
+            DMatrix::from_fn(size, size, |row, column| rows[row][column] * units[column] / units[row]);
         let noise = process_noise(file, sixth);
         let variances = DVector::from_fn(size, |k, _| noise[k] / units[k].powi(2));
         let torque_noise = file.sensors.output_torque_noise.max(LEAST_NOISE * file.gear.rated_torque);

@@ -205,8 +205,7 @@ impl Filter {
     /// Slowest mode of the error (control periods).
     fn settling(&self) -> f64 {
         let one = DMatrix::identity(self.after.nrows(), self.after.nrows());
-        let error =
-            (one - &self.gains[2] * &self.model.sensors[2].row) * power(&self.between, self.period);
+        let error = (one - &self.gains[2] * &self.model.sensors[2].row) * power(&self.between, self.period);
         let slowest = error.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max);
         f64::from(self.period) / -slowest.ln()
     }

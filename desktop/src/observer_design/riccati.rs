@@ -59,9 +59,11 @@ pub(super) fn residual(
     let change = step(a, information, noise, p)? - p;
     let scale = |row: usize, column: usize| (p[(row, row)] * p[(column, column)]).sqrt();
     let size = change.nrows();
-    Some((0..size * size).map(|k| (k / size, k % size)).fold(0.0, |worst: f64, (row, column)| {
-        worst.max(change[(row, column)].abs() / scale(row, column))
-    }))
+    Some(
+        (0..size * size).map(|k| (k / size, k % size)).fold(0.0, |worst: f64, (row, column)| {
+            worst.max(change[(row, column)].abs() / scale(row, column))
+        }),
+    )
 }
 
 fn from_eigenvectors(

@@ -108,7 +108,12 @@ impl<R: Real> Spread<R> {
         [
             [output_position, output_velocity, torsion, transmitted_torque],
             [input_friction, output_friction, external_torque, self.settling],
-            [self.torque_by_friction, self.torque_by_stiffness, self.angle_by_stiffness, self.angle_by_torque],
+            [
+                self.torque_by_friction,
+                self.torque_by_stiffness,
+                self.angle_by_stiffness,
+                self.angle_by_torque,
+            ],
             [self.velocity_by_torque, self.unseen[0], self.unseen[1], self.inverse_settling],
         ]
         .iter()

@@ -16,6 +16,8 @@ pub enum Reference {
     B1,
     /// The rated torque of the default gear.
     RatedTorque,
+    /// Nothing: a share.
+    One,
 }
 
 /// A row of the table.
@@ -68,6 +70,11 @@ pub const CLAIMS: &[Claim] = &[
         Reference::RatedTorque,
         ["compensator.motor.external_torque", "compensator.both.external_torque"],
     ),
+    claim(
+        Mark::Outside,
+        Reference::One,
+        ["compensator.motor.outside_three_deviations", "compensator.both.outside_three_deviations"],
+    ),
 ];
 
 impl Claim {
@@ -90,6 +97,7 @@ impl Claim {
             Reference::B0 => b0,
             Reference::B1 => b1,
             Reference::RatedTorque => rated,
+            Reference::One => 1.0,
         }
     }
 

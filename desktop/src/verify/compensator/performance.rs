@@ -14,6 +14,7 @@ use crate::closed_loop::{Controller, HostCompensator, Row, go_on};
 use crate::divergence::RunError;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, joint_params};
+use crate::judge::estimates::Outside;
 use crate::judge::{Judge, Mark, external_torque_error, rms, vibration};
 use crate::plant::CondensedMesh;
 use crate::scenario::Scenario;
@@ -68,7 +69,7 @@ impl Performance {
         Bench<F>: Clone,
     {
         let mut performance = Self::default();
-        let mut external = Vec::new();
+        let (mut external, mut outside) = (Vec::new(), Outside::default());
         for scenario in JUDGED {
             let rows = go_on(&mut bench.clone(), scenario, &mut controller.clone(), |_| ())?.trace;
             let judge = Judge::new(scenario, plant, &rows);
@@ -77,7 +78,9 @@ impl Performance {
             }
             performance.courses.push(Course::of(scenario, &judge, &rows, torque_limit)?);
             external.extend(judge.judged().iter().map(external_torque_error));
+            outside.count(judge.judged());
         }
+        performance.marks.insert(Mark::Outside, outside.worst_share());
         performance.marks.insert(Mark::ExternalTorque, rms(external));
         Ok(performance)
     }
