@@ -254,13 +254,16 @@ impl<R: Real> Compensator<R> {
         let mut faults = Faults::NONE;
         let input = self.guard.step(&mut state.guard, input, &mut faults);
         let measured = self.measure(state, &input.sensors, &mut faults);
-        let estimate = self.observer.step(&self.gear, &mut state.observer, &measured, &mut faults);
+        let mut output = Output {
+            estimate: self.observer.step(&self.gear, &mut state.observer, &measured, &mut faults),
+            ..Output::default()
+        };
         let demand = self.feed_forward.step(
             &self.gear,
             &mut state.feed_forward,
             &input.setpoint,
             &input.shares,
-            estimate.external_torque,
+            output.estimate.external_torque,
         );
         let stood_still = measured.motor == state.last_motor;
         state.last_motor = measured.motor;
@@ -268,14 +271,11 @@ impl<R: Real> Compensator<R> {
         faults.raise_if(frozen, Faults::MOTOR_ENCODER_FROZEN);
         let feedback = self.feedback.step(&mut state.feedback, measured.motor, &demand.motor, state.limited);
         let wanted = demand.torque + input.shares.feedback * feedback;
-        let motor_torque = self.command(state, wanted, &mut faults);
-        Output {
-            motor_torque,
-            feed_forward_torque: demand.torque.limit(self.limits.motor_torque),
-            motor_reference: demand.motor.angle,
-            estimate,
-            faults,
-        }
+        output.motor_torque = self.command(state, wanted, &mut faults);
+        output.feed_forward_torque = demand.torque.limit(self.limits.motor_torque);
+        output.motor_reference = demand.motor.angle;
+        output.faults = faults;
+        output
     }
 
     /// The sensors' raw counts as unbounded angles.
