@@ -244,7 +244,7 @@ where
     for k in 0..periods(scenario) {
         let demand = scenario.at(k as f64 * CONTROL_PERIOD, file.gear.rated_torque);
         let sensors = sensors.read(&plant, torque);
-        let input = Input { sensors, setpoint: demand.setpoint(), shares: all_shares(file) };
+        let input = Input { sensors, command: demand.setpoint().into(), shares: all_shares(file).into() };
         let answer = controller.step(&input)?;
         visit(k, demand, &plant, answer);
         torque = f64::from(answer.motor_torque);
