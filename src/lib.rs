@@ -57,6 +57,7 @@ pub mod gear;
 pub mod hysteresis;
 pub mod kinematic_error;
 pub mod real;
+mod sine_cosine;
 pub mod trajectory;
 
 pub use angle::{Angle, Heading, Ratio};

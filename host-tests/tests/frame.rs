@@ -4,7 +4,7 @@ use proptest::array;
 use proptest::prelude::*;
 use strainwave::Angle;
 use strainwave::compensator::{
-    Command, Directions, Estimate, Faults, Input, Output, Sensors, Setpoint, Shares,
+    Command, Directions, Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
 };
 use strainwave_app::frame::{
     INPUT_BYTES, OUTPUT_BYTES, decode_input, decode_output, encode_input, encode_output,
@@ -49,7 +49,7 @@ fn input_of(words: [u32; 19], counts: i64, flags: [bool; 2], kind: u8) -> Input<
     }
 }
 
-fn output_of(words: [u32; 15], counts: [i64; 2]) -> Output<f32> {
+fn output_of(words: [u32; 18], counts: [i64; 2]) -> Output<f32> {
     let f = |k: usize| f32::from_bits(words[k]);
     Output {
         motor_torque: f(0),
@@ -63,8 +63,17 @@ fn output_of(words: [u32; 15], counts: [i64; 2]) -> Output<f32> {
             input_friction: f(7),
             output_friction: f(8),
             external_torque: f(9),
+            deviation: EstimateDeviation {
+                output_position: f(10),
+                output_velocity: f(11),
+                torsion: f(12),
+                transmitted_torque: f(13),
+                input_friction: f(14),
+                output_friction: f(15),
+                external_torque: f(16),
+            },
         },
-        faults: Faults::from_bits(words[10]),
+        faults: Faults::from_bits(words[17]),
     }
 }
 
@@ -110,6 +119,13 @@ fn output_bits(output: &Output<f32>) -> Vec<u64> {
         bits(estimate.input_friction),
         bits(estimate.output_friction),
         bits(estimate.external_torque),
+        bits(estimate.deviation.output_position),
+        bits(estimate.deviation.output_velocity),
+        bits(estimate.deviation.torsion),
+        bits(estimate.deviation.transmitted_torque),
+        bits(estimate.deviation.input_friction),
+        bits(estimate.deviation.output_friction),
+        bits(estimate.deviation.external_torque),
         u64::from(output.faults.bits()),
     ]
 }
@@ -134,7 +150,7 @@ proptest! {
     }
 
     #[test]
-    fn an_output_survives_the_frame(words in array::uniform15(any::<u32>()), counts: [i64; 2]) {
+    fn an_output_survives_the_frame(words in array::uniform18(any::<u32>()), counts: [i64; 2]) {
         let output = output_of(words, counts);
         prop_assert_eq!(output_bits(&decode_output(&encode_output(&output))), output_bits(&output));
     }

@@ -14,7 +14,6 @@
 //! is farther from the last reference than the output can go in a period is a step, and reported.
 //! What a switch or a step would do to the motor's torque is limited by [`crate::compensator::fallback`].
 
-use crate::angle::Angle;
 use crate::compensator::{Estimate, Faults, Limits, Setpoint};
 use crate::error::Error;
 use crate::real::{RADIANS_PER_COUNT, Real};
@@ -157,10 +156,4 @@ impl<R: Real> Commander<R> {
 /// At rest where the output is.
 fn at_rest<R: Real>(estimate: &Estimate<R>) -> Setpoint<R> {
     Setpoint { position: estimate.output_position, ..Setpoint::default() }
-}
-
-/// A setpoint's angle as the guard lets it through: any bits become a fraction of a count.
-pub(super) fn angle_of<R: Real>(position: Angle<R>, faults: &mut Faults) -> Angle<R> {
-    faults.raise_if(!position.rest.is_finite(), Faults::INPUT_NOT_FINITE);
-    Angle { rest: position.rest.finite_or(R::ZERO).limit(R::ONE), ..position }
 }

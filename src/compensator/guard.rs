@@ -14,13 +14,13 @@
 //! switching one makes no step in the output. The setpoint's position may be any angle; the feedback's
 //! answer to a jump of it ends at the motor's torque, and is ramped ([`crate::compensator::fallback`]). Units: rad, N m, s; signs as in [`crate::gear`].
 
-use crate::compensator::command::{Command, angle_of};
+use crate::angle::Angle;
 use crate::compensator::directions::Crossover;
 use crate::compensator::faults::Faults;
-use crate::compensator::{Input, Limits, Sensors, Setpoint, Shares};
+use crate::compensator::{Command, Directions, Input, Limits, Sensors, Setpoint, Shares};
 use crate::error::{Error, require};
 use crate::gear::GearParams;
-use crate::real::Real;
+use crate::real::{Real, seldom};
 
 /// Time in which a share goes from 0 to 1 (s).
 const SHARE_RAMP: f64 = 0.01;
@@ -39,10 +39,17 @@ pub struct InputGuard<R> {
     crossover: Crossover<R>,
 }
 
-/// The last input that passed.
+/// What passed last.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InputGuardState<R> {
-    passed: Passed<R>,
+    velocity: R,
+    acceleration: R,
+    jerk: R,
+    snap: R,
+    motor_torque: R,
+    output_torque: R,
+    command_torque: R,
+    shares: Shares<R>,
 }
 
 /// What passed the guard.
@@ -56,7 +63,7 @@ pub struct Passed<R> {
     pub shares: Shares<R>,
 }
 
-/// What the rest of the step knows of the shares.
+/// What the shares depend on beside their command.
 #[derive(Clone, Copy, Debug)]
 pub struct Course<R> {
     /// Speed of the reference of the output (rad/s).
@@ -95,6 +102,7 @@ impl<R: Real> InputGuard<R> {
     }
 
     /// The input as the control step may use it.
+    #[inline(always)]
     pub fn step(
         &self,
         state: &mut InputGuardState<R>,
@@ -102,98 +110,108 @@ impl<R: Real> InputGuard<R> {
         course: Course<R>,
         faults: &mut Faults,
     ) -> Passed<R> {
-        let last = &state.passed;
-        let torque =
-            |value: R, held: R, bound: R, faults: &mut Faults| finite(value, held, faults).limit(bound);
-        let sensors = Sensors {
-            motor_torque: torque(
-                input.sensors.motor_torque,
-                last.sensors.motor_torque,
-                self.motor_torque,
-                faults,
-            ),
-            output_torque: input.sensors.output_torque.map(|value| {
-                let held = last.sensors.output_torque.unwrap_or(R::ZERO);
-                torque(value, held, self.output_torque, faults)
-            }),
-            ..input.sensors
-        };
-        let command = self.command(&input.command, &last.command, faults);
-        let shares = self.shares(input, &last.shares, course, faults);
-        state.passed = Passed { sensors, command, shares };
-        state.passed
+        Passed {
+            sensors: self.sensors(state, &input.sensors, faults),
+            command: self.command(state, &input.command, faults),
+            shares: self.shares(&mut state.shares, &input.shares, course, faults),
+        }
     }
 
-    /// The command within what the joint can do; what is not finite is as it was last commanded.
-    fn command(&self, command: &Command<R>, last: &Command<R>, faults: &mut Faults) -> Command<R> {
-        match *command {
-            Command::Position(wanted) => {
-                let held = match *last {
-                    Command::Position(setpoint) => setpoint,
-                    _ => Setpoint::default(),
-                };
-                let position = angle_of(wanted.position, faults);
-                Command::Position(Setpoint {
-                    position,
-                    velocity: bounded(wanted.velocity, held.velocity, self.velocity, faults),
-                    acceleration: bounded(wanted.acceleration, held.acceleration, self.acceleration, faults),
-                    jerk: bounded(wanted.jerk, held.jerk, self.jerk, faults),
-                    snap: bounded(wanted.snap, held.snap, self.snap, faults),
-                })
-            }
-            Command::Velocity { velocity, acceleration } => {
-                let held = match *last {
-                    Command::Velocity { velocity, .. } => velocity,
-                    _ => R::ZERO,
-                };
-                Command::Velocity {
-                    velocity: bounded(velocity, held, self.velocity, faults),
-                    acceleration: bounded(acceleration, R::ZERO, self.acceleration, faults),
-                }
-            }
-            Command::Torque(wanted) => {
-                let held = match *last {
-                    Command::Torque(torque) => torque,
-                    _ => R::ZERO,
-                };
-                Command::Torque(bounded(wanted, held, self.peak_output_torque, faults))
+    #[inline(always)]
+    fn command(&self, last: &mut InputGuardState<R>, new: &Command<R>, faults: &mut Faults) -> Command<R> {
+        let mut pass = |new, last: &mut R, bound| pass(new, last, bound, Faults::SETPOINT_LIMITED, faults);
+        match new {
+            Command::Position(setpoint) => Command::Position(self.setpoint(last, setpoint, faults)),
+            Command::Velocity { velocity, acceleration } => Command::Velocity {
+                velocity: pass(*velocity, &mut last.velocity, self.velocity),
+                acceleration: pass(*acceleration, &mut last.acceleration, self.acceleration),
+            },
+            Command::Torque(torque) => {
+                Command::Torque(pass(*torque, &mut last.command_torque, self.peak_output_torque))
             }
         }
     }
 
-    /// The shares on their way to what is commanded for the direction of the motion.
-    fn shares(&self, input: &Input<R>, now: &Shares<R>, course: Course<R>, faults: &mut Faults) -> Shares<R> {
+    #[inline(always)]
+    fn sensors(&self, last: &mut InputGuardState<R>, new: &Sensors<R>, faults: &mut Faults) -> Sensors<R> {
+        let mut pass = |new, last: &mut R, bound| pass(new, last, bound, Faults::NONE, faults);
+        Sensors {
+            motor_torque: pass(new.motor_torque, &mut last.motor_torque, self.motor_torque),
+            output_torque: new
+                .output_torque
+                .map(|torque| pass(torque, &mut last.output_torque, self.output_torque)),
+            ..*new
+        }
+    }
+
+    #[inline(always)]
+    fn setpoint(&self, last: &mut InputGuardState<R>, new: &Setpoint<R>, faults: &mut Faults) -> Setpoint<R> {
+        let mut none = R::ZERO;
+        let rest = pass(new.position.rest, &mut none, R::ONE, Faults::NONE, faults);
+        let mut pass = |new, last: &mut R, bound| pass(new, last, bound, Faults::SETPOINT_LIMITED, faults);
+        Setpoint {
+            position: Angle { rest, ..new.position },
+            velocity: pass(new.velocity, &mut last.velocity, self.velocity),
+            acceleration: pass(new.acceleration, &mut last.acceleration, self.acceleration),
+            jerk: pass(new.jerk, &mut last.jerk, self.jerk),
+            snap: pass(new.snap, &mut last.snap, self.snap),
+        }
+    }
+
+    #[inline(always)]
+    fn shares(
+        &self,
+        last: &mut Shares<R>,
+        new: &Directions<R>,
+        course: Course<R>,
+        faults: &mut Faults,
+    ) -> Shares<R> {
         let w = self.crossover.forward(course.velocity);
-        let (f, b) = (&input.shares.forward, &input.shares.backward);
-        let model = if course.trusted { R::ONE } else { R::ZERO };
-        let mut share = |forward: R, backward: R, now: R, trust: R| {
-            let wanted = finite(backward + w * (forward - backward), now, faults);
-            now + (trust * wanted.max(R::ZERO).min(R::ONE) - now).limit(self.share_step)
+        let Directions { forward, backward } = new;
+        let mut follow = |forward: R, backward: R, last: &mut R, allowed| {
+            follow(backward + w * (forward - backward), last, allowed, self.share_step, faults)
         };
+        let model = if course.trusted { R::ONE } else { R::ZERO };
         Shares {
-            feedback: share(f.feedback, b.feedback, now.feedback, R::ONE),
-            inertia: share(f.inertia, b.inertia, now.inertia, model),
-            friction: share(f.friction, b.friction, now.friction, model),
-            wind_up: share(f.wind_up, b.wind_up, now.wind_up, model),
-            kinematic_error: share(f.kinematic_error, b.kinematic_error, now.kinematic_error, model),
+            feedback: follow(forward.feedback, backward.feedback, &mut last.feedback, R::ONE),
+            inertia: follow(forward.inertia, backward.inertia, &mut last.inertia, model),
+            friction: follow(forward.friction, backward.friction, &mut last.friction, model),
+            wind_up: follow(forward.wind_up, backward.wind_up, &mut last.wind_up, model),
+            kinematic_error: follow(
+                forward.kinematic_error,
+                backward.kinematic_error,
+                &mut last.kinematic_error,
+                model,
+            ),
         }
     }
 }
 
-/// A finite value within its bound.
+/// A value within +-`bound`: the `new` one, limited and reported as `limited`; in the place of one that is not
+/// finite the `last`.
 #[inline(always)]
-fn bounded<R: Real>(value: R, held: R, bound: R, faults: &mut Faults) -> R {
-    let value = finite(value, held, faults);
-    let limited = value.limit(bound);
-    faults.raise_if(limited != value, Faults::SETPOINT_LIMITED);
-    limited
+fn pass<R: Real>(new: R, last: &mut R, bound: R, limited: Faults, faults: &mut Faults) -> R {
+    if !new.is_within(bound) {
+        seldom();
+        faults.raise_if(true, if new.is_finite() { limited } else { Faults::INPUT_NOT_FINITE });
+        *last = new.finite_or(*last).limit(bound);
+        return *last;
+    }
+    *last = new;
+    new
 }
 
-/// A value, or what was held when it is not finite.
+/// A share on its way to `wanted`, limited to 0..=1, of which so much is `allowed`, by at most `step`.
 #[inline(always)]
-fn finite<R: Real>(value: R, held: R, faults: &mut Faults) -> R {
-    faults.raise_if(!value.is_finite(), Faults::INPUT_NOT_FINITE);
-    value.finite_or(held)
+fn follow<R: Real>(wanted: R, share: &mut R, allowed: R, step: R, faults: &mut Faults) -> R {
+    let mut target = wanted;
+    if !wanted.is_share() {
+        seldom();
+        faults.raise_if(!wanted.is_finite(), Faults::INPUT_NOT_FINITE);
+        target = wanted.finite_or(*share).max(R::ZERO).min(R::ONE);
+    }
+    *share += (allowed * target - *share).max(-step).min(step);
+    *share
 }
 
 /// Path that the motor may be asked to move while its encoder stands still (rad).

@@ -125,6 +125,27 @@ pub struct Estimate<R> {
     pub output_friction: R,
     /// External torque on the flexspline (N m).
     pub external_torque: R,
+    /// How far off they may be.
+    pub deviation: EstimateDeviation<R>,
+}
+
+/// Standard deviations of an [`Estimate`], as [`observer::deviation`] declares them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EstimateDeviation<R> {
+    /// Of the output angle (rad).
+    pub output_position: R,
+    /// Of the output speed (rad/s).
+    pub output_velocity: R,
+    /// Of the torsion (rad).
+    pub torsion: R,
+    /// Of the torque through the flexspline (N m).
+    pub transmitted_torque: R,
+    /// Of the friction at the wave generator (N m).
+    pub input_friction: R,
+    /// Of the friction at the flexspline (N m).
+    pub output_friction: R,
+    /// Of the external torque on the flexspline (N m).
+    pub external_torque: R,
 }
 
 /// What one step writes: finite and bounded for any input bits.
@@ -153,6 +174,8 @@ pub struct JointParams<R> {
     pub motor_encoder_bits: u32,
     /// Resolution of the output encoder, 2^bits counts a turn.
     pub output_encoder_bits: u32,
+    /// Control periods from one reading of the output encoder to the next.
+    pub output_encoder_period: u32,
     /// What the joint can do.
     pub limits: Limits<R>,
     /// The observer's gains.
@@ -210,14 +233,16 @@ impl<R: Real> JointParams<R> {
         let encoder = |bits, speed| EncoderParams { bits, speed_limit: R::lit(2.0) * speed }.build(self.dt);
         let guard = InputGuard::build(&self.gear, &self.limits, self.dt)?;
         let (limits, n) = (&self.limits, self.gear.ratio);
+        // Periods between readings of the output encoder.
+        let readings = R::from_i32(self.output_encoder_period as i32);
         Ok(Compensator {
             gear: self.gear.build(Reduced::build(&self.gear.flexspline, self.gear.rated_torque)?, self.dt)?,
             commander: Commander::build(limits, n, guard.acceleration(), self.dt)?,
             guard,
             motor_encoder: encoder(self.motor_encoder_bits, self.limits.motor_speed)?,
-            output_encoder: encoder(self.output_encoder_bits, limits.output_speed(n))?,
+            output_encoder: encoder(self.output_encoder_bits, limits.output_speed(n) * readings)?,
             frozen_encoder: FrozenEncoder::of_motor(self.dt),
-            frozen_output: FrozenEncoder::of_output(self.dt),
+            frozen_output: FrozenEncoder::of_output(self.dt * readings),
             observer: self.observer.build(&self.gear, &self.limits, self.dt)?,
             feed_forward: FeedForward::build(&self.gear, self.dt)?,
             feedback: self.feedback.build(self.dt)?,
@@ -300,7 +325,8 @@ impl<R: Real> Compensator<R> {
             // The two encoders are mounted at any angle to each other: the first readings that are both
             // believed are their zero, with the torsion of that moment.
             if state.output_zero.is_none() && believed && output_believed {
-                state.output_zero = Some(angle.less(self.gear.drive(motor)));
+                let then = self.observer.output_at_reading(&self.gear, &state.observer, motor);
+                state.output_zero = then.map(|then| angle.less(then));
             }
             state.output_zero.filter(|_| output_believed && !frozen).map(|zero| angle.less(zero))
         });

@@ -10,7 +10,7 @@
 
 use strainwave::Angle;
 use strainwave::compensator::{
-    Command, Directions, Estimate, Faults, Input, Output, Sensors, Setpoint, Shares,
+    Command, Directions, Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
 };
 
 const WORD: usize = 4;
@@ -21,8 +21,8 @@ const COMMAND: usize = 1 + ANGLE + 4 * WORD;
 
 /// Length of an input frame (bytes): sensors, command, shares forward and backward.
 pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + COMMAND + 2 * 5 * WORD;
-/// Length of an output frame (bytes): torques and reference, estimate, faults.
-pub const OUTPUT_BYTES: usize = (2 * WORD + ANGLE) + (ANGLE + 6 * WORD) + WORD;
+/// Length of an output frame (bytes): torques and reference, estimate, its deviation, faults.
+pub const OUTPUT_BYTES: usize = (2 * WORD + ANGLE) + (ANGLE + 6 * WORD) + 7 * WORD + WORD;
 
 /// The bytes of an input.
 pub fn encode_input(input: &Input<f32>) -> [u8; INPUT_BYTES] {
@@ -64,6 +64,13 @@ pub fn encode_output(output: &Output<f32>) -> [u8; OUTPUT_BYTES] {
     writer.f32(output.estimate.input_friction);
     writer.f32(output.estimate.output_friction);
     writer.f32(output.estimate.external_torque);
+    writer.f32(output.estimate.deviation.output_position);
+    writer.f32(output.estimate.deviation.output_velocity);
+    writer.f32(output.estimate.deviation.torsion);
+    writer.f32(output.estimate.deviation.transmitted_torque);
+    writer.f32(output.estimate.deviation.input_friction);
+    writer.f32(output.estimate.deviation.output_friction);
+    writer.f32(output.estimate.deviation.external_torque);
     writer.u32(output.faults.bits());
     writer.bytes
 }
@@ -83,6 +90,15 @@ pub fn decode_output(frame: &[u8; OUTPUT_BYTES]) -> Output<f32> {
             input_friction: reader.f32(),
             output_friction: reader.f32(),
             external_torque: reader.f32(),
+            deviation: EstimateDeviation {
+                output_position: reader.f32(),
+                output_velocity: reader.f32(),
+                torsion: reader.f32(),
+                transmitted_torque: reader.f32(),
+                input_friction: reader.f32(),
+                output_friction: reader.f32(),
+                external_torque: reader.f32(),
+            },
         },
         faults: Faults::from_bits(reader.u32()),
     }

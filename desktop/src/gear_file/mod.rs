@@ -258,6 +258,16 @@ pub struct Sensors {
     /// Bits a turn of the output encoder, when there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output_encoder_bits: Option<u32>,
+    /// By how many control periods the output encoder's reading is late.
+    #[serde(rename = "output_encoder_delay_periods", default, skip_serializing_if = "is_default::<0>")]
+    pub output_encoder_delay: u32,
+    /// Control periods from one reading of the output encoder to the next.
+    #[serde(
+        rename = "output_encoder_period_periods",
+        default = "one",
+        skip_serializing_if = "is_default::<1>"
+    )]
+    pub output_encoder_period: u32,
     /// There is a torque sensor at the output.
     pub output_torque: bool,
     /// Standard deviation of the motor torque's noise [N m at the shaft].
@@ -266,6 +276,14 @@ pub struct Sensors {
     /// Standard deviation of the output torque's noise (N m).
     #[serde(rename = "output_torque_noise_nm")]
     pub output_torque_noise: f64,
+}
+
+fn one() -> u32 {
+    1
+}
+
+fn is_default<const VALUE: u32>(value: &u32) -> bool {
+    *value == VALUE
 }
 
 /// `[feedback]`: position P over velocity PI, both at the motor.
