@@ -5,7 +5,7 @@ use std::path::Path;
 use std::thread::ScopedJoinHandle;
 
 use strainwave::Angle;
-use strainwave::compensator::{Input, Sensors, Setpoint, Shares};
+use strainwave::compensator::{Directions, Input, Sensors, Setpoint};
 use strainwave::gear::GearParams;
 use strainwave_desktop::baseline::Baseline;
 use strainwave_desktop::bench::{Bench, Conditions, Task, periods};
@@ -311,8 +311,8 @@ pub fn replay(
                 output_torque: log.output_torque.as_ref().map(|torque| instant.of(torque) as f32),
             },
             // Nothing is commanded: the setpoint is where the joint already is.
-            setpoint: Setpoint { position: Angle::from_radians_f64(rigid), ..Setpoint::default() },
-            shares: Shares::default(),
+            command: Setpoint { position: Angle::from_radians_f64(rigid), ..Setpoint::default() }.into(),
+            shares: Directions::default(),
         };
         let answer = target.step(&input)?;
         rows.push(ReplayRow {

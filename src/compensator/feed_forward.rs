@@ -100,6 +100,8 @@ pub struct Demand<R> {
     pub motor: Motion<R>,
     /// Torque at the motor shaft (N m).
     pub torque: R,
+    /// r + s_e*de/dtheta there: what of a torque at the output the motor carries.
+    pub transmission: R,
 }
 
 impl<R: Real> FeedForward<R> {
@@ -179,6 +181,7 @@ impl<R: Real> FeedForward<R> {
             torque: motor_inertia * setpoint.acceleration * self.inverse_ratio
                 + input_friction
                 + self.ratio * driven,
+            transmission: self.ratio + shares.kinematic_error * deviation.slope,
         }
     }
 }
