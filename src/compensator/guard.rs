@@ -166,8 +166,11 @@ impl<R: Real> InputGuard<R> {
         course: Course<R>,
         faults: &mut Faults,
     ) -> Shares<R> {
-        let w = self.crossover.forward(course.velocity);
         let Directions { forward, backward } = new;
+        if course.trusted && have_arrived(last, forward) && have_arrived(last, backward) {
+            return *last;
+        }
+        let w = self.crossover.forward(course.velocity);
         let mut follow = |forward: R, backward: R, last: &mut R, allowed| {
             follow(backward + w * (forward - backward), last, allowed, self.share_step, faults)
         };
