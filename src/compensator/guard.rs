@@ -186,6 +186,14 @@ impl<R: Real> InputGuard<R> {
                 &mut last.kinematic_error,
                 model,
             ),
+            output_feedback: follow(
+                forward.output_feedback,
+                backward.output_feedback,
+                &mut last.output_feedback,
+                model,
+            ),
+            adaptation: follow(forward.adaptation, backward.adaptation, &mut last.adaptation, model),
+            ripple: follow(forward.ripple, backward.ripple, &mut last.ripple, model),
         }
     }
 }
@@ -193,12 +201,16 @@ impl<R: Real> InputGuard<R> {
 /// The usual case, in both directions: no share is on its way.
 #[inline(always)]
 fn have_arrived<R: Real>(now: &Shares<R>, wanted: &Shares<R>) -> bool {
-    let Shares { feedback, inertia, friction, wind_up, kinematic_error } = *wanted;
+    let Shares { feedback, inertia, friction, wind_up, kinematic_error, output_feedback, adaptation, ripple } =
+        *wanted;
     now.feedback.is_same(feedback)
         && now.inertia.is_same(inertia)
         && now.friction.is_same(friction)
         && now.wind_up.is_same(wind_up)
         && now.kinematic_error.is_same(kinematic_error)
+        && now.output_feedback.is_same(output_feedback)
+        && now.adaptation.is_same(adaptation)
+        && now.ripple.is_same(ripple)
 }
 
 /// A value within +-`bound`: the `new` one, limited and reported as `limited`; in the place of one that is not
