@@ -100,6 +100,8 @@ pub struct Demand<R> {
     pub motor: Motion<R>,
     /// Torque at the motor shaft (N m).
     pub torque: R,
+    /// r + s_e*de/dtheta there: what of a torque at the output the motor carries.
+    pub transmission: R,
 }
 
 impl<R: Real> FeedForward<R> {
@@ -143,7 +145,7 @@ impl<R: Real> FeedForward<R> {
     ) -> Demand<R> {
         let inertia = self.flexspline_inertia * shares.inertia;
         let motor_velocity = setpoint.velocity * self.inverse_ratio;
-        let reference = state.reference.unwrap_or(gear.ratio().undo(setpoint.position));
+        let reference = state.reference.unwrap_or_else(|| gear.ratio().undo(setpoint.position));
         let heading = reference.heading();
         let slip = |velocity, load| Slip {
             wave_generator: heading,
@@ -179,6 +181,7 @@ impl<R: Real> FeedForward<R> {
             torque: motor_inertia * setpoint.acceleration * self.inverse_ratio
                 + input_friction
                 + self.ratio * driven,
+            transmission: self.ratio + shares.kinematic_error * deviation.slope,
         }
     }
 }

@@ -78,6 +78,13 @@ impl<R: Real> FeedbackParams<R> {
 }
 
 impl<R: Real> Feedback<R> {
+    /// Takes a torque (N m) that another controller leaves behind into the integral: as much of it as goes in.
+    pub fn take_over(&self, state: &mut FeedbackState<R>, torque: R) -> R {
+        let before = state.integral;
+        state.integral = (before + torque).limit(self.torque_limit);
+        state.integral - before
+    }
+
     /// Torque for the measured motor angle and where it should be; `limited`: the last command was.
     #[inline(never)] // The timing budget counts blocks by their symbols.
     pub fn step(

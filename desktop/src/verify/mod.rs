@@ -2,7 +2,7 @@
 //!
 //! These parts need no emulator; what is measured on the firmware image stands with the emulator.
 
-mod angle;
+pub mod compensator;
 pub mod flexspline;
 pub mod friction;
 pub mod hysteresis;
@@ -84,7 +84,8 @@ impl Part {
         }
     }
 
-    /// Measures the part's figures, but for those of the clock ([`flexspline::speed`], [`hysteresis::speed`]).
+    /// Measures the part's figures, but for those of the clock ([`flexspline::speed`], [`hysteresis::speed`]) and those
+    /// of many runs ([`compensator::against_baselines`]).
     ///
     /// # Errors
     /// Measured data that are there and cannot be used.
@@ -93,7 +94,7 @@ impl Part {
             Self::Flexspline => flexspline::measure(),
             Self::Friction => friction::measure(),
             Self::Hysteresis => hysteresis::measure(),
-            Self::Compensator => Ok(angle::measure().into()),
+            Self::Compensator => Ok(compensator::measure()),
         }
     }
 }
