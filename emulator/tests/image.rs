@@ -64,8 +64,7 @@ fn run(elf: &Path, periods: u32, arguments: &[String]) {
     let mut machine = Machine::boot(elf, arguments).expect("boots");
     for period in 0..periods {
         let sensors = Sensors { motor_encoder: period * 70_000, motor_torque: 0.1, ..Sensors::default() };
-        let shares =
-            Shares { friction: 0.8, ..Shares::ALL };
+        let shares = Shares { friction: 0.8, ..Shares::ALL };
         let input = Input { sensors, shares, ..Input::default() };
         machine.exchange(&encode_input(&input)).expect("answers");
     }

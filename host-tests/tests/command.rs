@@ -13,8 +13,7 @@ use strainwave_desktop::GearFile;
 use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
 use strainwave_desktop::plant::encoder_count;
 
-const SHARES: Shares<f32> =
-    Shares::ALL;
+const SHARES: Shares<f32> = Shares::ALL;
 
 /// Periods in a second.
 const SECOND: usize = 10_000;

@@ -42,8 +42,7 @@ impl Sequence {
 /// Within a turn of an encoder of 19 bits.
 const TURN: u32 = (1 << 19) - 1;
 
-const SHARES: Shares<f32> =
-    Shares { friction: 0.8, ..Shares::ALL };
+const SHARES: Shares<f32> = Shares { friction: 0.8, ..Shares::ALL };
 
 /// A position that moves at -1 rad/s, and for some time a velocity and a torque.
 fn command(sequence: &mut Sequence, period: u32) -> Command<f32> {

@@ -77,12 +77,7 @@ fn output_of(words: [u32; 22], counts: [i64; 2]) -> Output<f32> {
                 external_torque: f(16),
             },
         },
-        factors: Factors {
-            inertia: f(17),
-            input_friction: f(18),
-            output_friction: f(19),
-            compliance: f(20),
-        },
+        factors: Factors { inertia: f(17), input_friction: f(18), output_friction: f(19), compliance: f(20) },
         faults: Faults::from_bits(words[21]),
     }
 }
@@ -107,8 +102,16 @@ fn input_bits(input: &Input<f32>) -> Vec<u64> {
         Command::Torque(torque) => all.extend([2, bits(*torque)]),
     }
     for shares in [&shares.forward, &shares.backward] {
-        let Shares { feedback, inertia, friction, wind_up, kinematic_error, output_feedback, adaptation, ripple } =
-            *shares;
+        let Shares {
+            feedback,
+            inertia,
+            friction,
+            wind_up,
+            kinematic_error,
+            output_feedback,
+            adaptation,
+            ripple,
+        } = *shares;
         all.extend([feedback, inertia, friction, wind_up].map(bits));
         all.extend([kinematic_error, output_feedback, adaptation, ripple].map(bits));
     }

@@ -2,15 +2,15 @@
 //!
 //! ```text
 //! torque that the model misses at the output (the observer's external torque d, model: the nominal gear)
-//!     d = phi' theta + d_0 + noise,   phi = F(s)*w*[-J_fs*ddq, -tau_fric_out, -n*tau_fric_in],   theta = factor - 1
-//! error      epsilon = zone(d + d_in - phi' theta - d_0),   d_in = phi_in*theta_in, which the observer was told
+//!     d = phi' (theta* - theta) + d_0 + noise,   phi = F(s)*w*[-J_fs*ddq, -tau_fric_out, -n*tau_fric_in],   theta = factor - 1
+//! error      epsilon = zone(d - d_0)
 //! law        theta <- limit(theta + dt*Gamma*phi*epsilon, bounds),        Gamma = diag(rate_i/level_i^2)
 //! slow part  d_0   <- d_0 + dt*omega_0*(epsilon before the zone)
 //! stiffness  c     <- limit(c - dt*gamma_c*tau_t*(s - (1 - c)*tau_t), bounds)
 //! ```
 //!
-//! The model reference is the observer's own gear, run beside the joint (series-parallel): what it misses is the
-//! model error, in N m at the output. q is the setpoint, tau_fric the feed-forward's friction along it, F(s) two low passes that
+//! The model reference is the observer's own gear, run beside the joint (series-parallel) and told of what has been learnt
+//! ([`super::learning`]): what it still misses, d, is the model error, in N m at the output. q is the setpoint, tau_fric the feed-forward's friction along it, F(s) two low passes that
 //! are as slow as the observer's d; d_0 (N m) is a load or gravity that is there anyway. s (N m), what the
 //! transmitted torque is off the stiffness line where an output encoder shows it, gives the compliance factor c.
 //! w is the share of friction that is fed forward: 0 at rest, so that friction is learnt in motion alone.
@@ -25,7 +25,8 @@
 //! at the joint's peak torque). theta converges along the directions that the motion excites and stands still along the
 //! others: with the motor encoder alone the two frictions are told apart only by their different Stribeck speeds and presliding.
 //!
-//! It stands still when it is switched off, when the torque command was limited, and on a fault.
+//! What the factors could never explain is a load: where |d - d_0| exceeds twice `|phi|'*bounds` nothing is learnt. It stands still
+//! when it is switched off, when the torque command was limited, and on a fault.
 //!
 //! K. Narendra, A. Annaswamy, "Stable Adaptive Systems", 1989, chapters 3 (series-parallel models) and 8 (dead zone,
 //! projection); P. Ioannou, J. Sun, "Robust Adaptive Control", 1996, section 4.4.
@@ -97,9 +98,9 @@ pub struct AdaptationState<R: Real> {
 pub struct Excitation<R> {
     /// ddq (rad/s^2).
     pub acceleration: R,
-    /// w*tau_fric_in (N m).
+    /// w*tau_fric_in, 0 where the setpoint rests (N m).
     pub input_friction: R,
-    /// w*tau_fric_out (N m).
+    /// w*tau_fric_out, 0 where the setpoint rests (N m).
     pub output_friction: R,
 }
 
@@ -112,15 +113,6 @@ pub struct Observed<R> {
     pub transmitted_torque: R,
     /// s, where the sensors show it.
     pub stiffness_torque: Option<R>,
-}
-
-/// What the nominal gear missed (N m at the output).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Missed<R> {
-    /// What the factors of inertia and output friction explain of d.
-    pub explained: R,
-    /// What is left when the slow part has been taken out as well.
-    pub left: R,
 }
 
 /// Two low passes in a row.
@@ -214,7 +206,7 @@ impl<R: Real> Adaptation<R> {
         AdaptationState { factors: stored.within(&self.bounds), ..AdaptationState::default() }
     }
 
-    /// One control period; learns while `learns`. The input friction is not in the answer: the observer was told.
+    /// One control period; learns while `learns`. Answers with epsilon (N m), 0 where nothing is to be learnt.
     #[inline(never)] // The timing budget counts blocks by their symbols.
     pub fn step(
         &self,
@@ -222,28 +214,36 @@ impl<R: Real> Adaptation<R> {
         excitation: &Excitation<R>,
         observed: &Observed<R>,
         learns: bool,
-    ) -> Missed<R> {
+    ) -> R {
         let inertia = state.inertia.step(-self.flexspline_inertia * excitation.acceleration, self.filter);
         let input = state.input_friction.step(-self.n * excitation.input_friction, self.filter);
         let output = state.output_friction.step(-excitation.output_friction, self.filter);
-        let explained =
-            inertia * (state.factors.inertia - R::ONE) + output * (state.factors.output_friction - R::ONE);
-        let left = observed.external_torque - explained - state.bias;
-        if learns {
-            state.bias += self.bias * left;
-            let error = left - left.limit(self.dead_zone);
-            let (gains, bounds) = (&self.gains, &self.bounds);
-            learn(&mut state.factors.inertia, gains.inertia * inertia * error, bounds.inertia);
-            learn(&mut state.factors.input_friction, gains.input_friction * input * error, bounds.input_friction);
-            let by = gains.output_friction * output * error;
-            learn(&mut state.factors.output_friction, by, bounds.output_friction);
-            if let Some(missed) = observed.stiffness_torque {
-                let torque = observed.transmitted_torque;
-                let error = missed - (R::ONE - state.factors.compliance) * torque;
-                learn(&mut state.factors.compliance, -gains.compliance * torque * error, bounds.compliance);
-            }
+        let left = observed.external_torque - state.bias;
+        let (gains, bounds) = (&self.gains, &self.bounds);
+        let reach = inertia.abs() * bounds.inertia
+            + input.abs() * bounds.input_friction
+            + output.abs() * bounds.output_friction;
+        if !learns {
+            return R::ZERO;
         }
-        Missed { explained, left }
+        state.bias += self.bias * left;
+        if left.abs() >= R::lit(2.0) * reach {
+            return R::ZERO;
+        }
+        let error = left - left.limit(self.dead_zone);
+        learn(&mut state.factors.inertia, gains.inertia * inertia * error, bounds.inertia);
+        learn(&mut state.factors.input_friction, gains.input_friction * input * error, bounds.input_friction);
+        learn(
+            &mut state.factors.output_friction,
+            gains.output_friction * output * error,
+            bounds.output_friction,
+        );
+        if let Some(missed) = observed.stiffness_torque {
+            let torque = observed.transmitted_torque;
+            let error = missed - (R::ONE - state.factors.compliance) * torque;
+            learn(&mut state.factors.compliance, -gains.compliance * torque * error, bounds.compliance);
+        }
+        error
     }
 }
 

@@ -35,7 +35,7 @@
 //! tau_t of the step before (contraction: the load's factor).
 //!
 //! The external torque winds the gear up but is left to the feedback's integral as a torque: it is
-//! estimated from that very torque. Its wind-up follows it through a low pass of 10 Hz: faster, observer and motor
+//! estimated from that very torque. Its wind-up follows it through a low pass of 130 rad/s: faster, observer and motor
 //! loop would answer each other where the gear is not what the model says.
 //!
 //! M. Fliess, J. Levine, P. Martin, P. Rouchon, "Flatness and defect of non-linear systems", International
@@ -55,7 +55,7 @@ use crate::real::Real;
 const FADING_TIME: f64 = 0.5;
 
 /// Corner of the external torque's way into the wind-up (rad/s).
-const EXTERNAL_CORNER: f64 = 60.0;
+const EXTERNAL_CORNER: f64 = 130.0;
 
 /// The built feed-forward.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -217,6 +217,7 @@ impl<R: Real> FeedForward<R> {
         let acceleration = setpoint.acceleration + self.half_step * setpoint.jerk;
         let motor_acceleration = (acceleration + wound * setpoint.snap) * self.inverse_ratio;
         let share = shares.friction * engaged;
+        let moving = if setpoint.velocity == R::ZERO { R::ZERO } else { engaged };
         Demand {
             motor: Motion {
                 angle: reference,
@@ -231,8 +232,8 @@ impl<R: Real> FeedForward<R> {
             carried,
             excitation: Excitation {
                 acceleration: setpoint.acceleration,
-                input_friction: engaged * input_friction,
-                output_friction: engaged * output_friction,
+                input_friction: moving * input_friction,
+                output_friction: moving * output_friction,
             },
         }
     }

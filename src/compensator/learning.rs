@@ -2,19 +2,21 @@
 //! ([`super::learnt_ripple`]), and where both enter.
 //!
 //! ```text
-//! the observer is told   tau_motor - (f_in - 1)*tau_fric_in - ripple torque,   theta_o - ripple position
-//! its estimates become   f*tau_fric,   theta_fs + ripple position,   d - what inertia and output friction explain
+//! the observer is told   tau_motor - (f_in - 1)*tau_fric_in - ripple torque,   theta_o - ripple position,
+//!                        -(f_J - 1)*J_fs*ddq - (f_out - 1)*tau_fric_out as a torque on the flexspline
+//! its estimates become   f*tau_fric,   theta_fs + ripple position
 //! ```
 //!
-//! so that it stays the nominal gear's observer, and what it misses is what is learnt from. Everything is scaled by its share and
+//! so that it need not be built anew, and what it still misses is what is learnt from. tau_fric are its own frictions of the
+//! step before. Everything is scaled by its share and
 //! comes back as it was when the share does. Units: rad, N m; signs as in [`crate::gear`].
 
 use crate::angle::{Angle, Ratio};
 use crate::compensator::adaptation::{
-    Adaptation, AdaptationParams, AdaptationState, Excitation, Factors, Missed, Observed,
+    Adaptation, AdaptationParams, AdaptationState, Excitation, Factors, Observed,
 };
 use crate::compensator::feed_forward::Believed;
-use crate::compensator::learnt_ripple::{Lesson, LearntRipple, LearntRippleParams, RippleMap, RippleNow};
+use crate::compensator::learnt_ripple::{LearntRipple, LearntRippleParams, Lesson, RippleMap, RippleNow};
 use crate::compensator::observer::Measurement;
 use crate::compensator::{Estimate, Limits, Shares};
 use crate::error::Error;
@@ -45,6 +47,7 @@ pub struct Learning<R> {
     adaptation: Adaptation<R>,
     ripple: LearntRipple<R>,
     ratio: R,
+    flexspline_inertia: R,
 }
 
 /// What has been learnt, and what the next step needs of this one.
@@ -55,8 +58,11 @@ pub struct LearningState<R: Real> {
     now: RippleNow<R>,
     /// Friction of the wave generator in the last step, of the nominal gear (N m).
     input_friction: R,
+    /// Of the flexspline.
+    output_friction: R,
     excitation: Excitation<R>,
-    missed: Missed<R>,
+    /// epsilon (N m).
+    missed: R,
 }
 
 /// How the feed-forward moved, for what comes after it.
@@ -81,6 +87,7 @@ impl<R: Real> LearningParams<R> {
             adaptation: self.adaptation.build(n, gear.flexspline_inertia, limits.output_torque, dt)?,
             ripple: self.ripple.build(dt)?,
             ratio: Ratio::one_over(gear.ratio)?.value(),
+            flexspline_inertia: gear.flexspline_inertia,
         })
     }
 }
@@ -116,14 +123,22 @@ impl<R: Real> Learning<R> {
 
     /// What the observer is told of a measurement.
     #[inline(always)]
-    pub fn told(&self, state: &LearningState<R>, measured: &Measurement<R>, shares: &Shares<R>) -> Measurement<R> {
-        let factor = state.applied(shares).input_friction;
+    pub fn told(
+        &self,
+        state: &LearningState<R>,
+        measured: &Measurement<R>,
+        shares: &Shares<R>,
+    ) -> Measurement<R> {
+        let factors = state.applied(shares);
+        let inertia = self.flexspline_inertia * state.excitation.acceleration;
         let position = shares.ripple * state.now.position;
         Measurement {
             output: measured.output.map(|angle| angle.plus(-position)),
             motor_torque: measured.motor_torque
-                - (factor - R::ONE) * state.input_friction
+                - (factors.input_friction - R::ONE) * state.input_friction
                 - shares.ripple * state.now.torque,
+            known_torque: (R::ONE - factors.inertia) * inertia
+                + (R::ONE - factors.output_friction) * state.output_friction,
             ..*measured
         }
     }
@@ -145,12 +160,12 @@ impl<R: Real> Learning<R> {
         };
         state.missed = self.adaptation.step(&mut state.adaptation, &state.excitation, &observed, learns);
         state.input_friction = estimate.input_friction;
+        state.output_friction = estimate.output_friction;
         let factors = state.applied(shares);
         let ripple = shares.ripple * state.now.position;
         estimate.output_position = estimate.output_position.plus(ripple);
         estimate.input_friction = factors.input_friction * estimate.input_friction;
         estimate.output_friction = factors.output_friction * estimate.output_friction;
-        estimate.external_torque -= shares.adaptation * state.missed.explained;
         let torque = shares.ripple * state.now.torque;
         Believed { factors, external_torque: estimate.external_torque, ripple, torque }
     }
@@ -160,7 +175,7 @@ impl<R: Real> Learning<R> {
     pub fn follow(&self, state: &mut LearningState<R>, course: &Course<R>, learns: bool) {
         state.excitation = course.excitation;
         if learns {
-            let torque = -self.ratio * state.missed.left;
+            let torque = -self.ratio * state.missed;
             let lesson = Lesson { speed: course.speed, position: course.position, torque };
             self.ripple.learn(&mut state.map, &state.now, &lesson);
         }

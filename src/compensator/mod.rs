@@ -288,6 +288,7 @@ impl<R: Real> JointParams<R> {
             output_feedback: OutputFeedback::build(
                 &self.output_feedback,
                 self.gear.flexspline_inertia,
+                limits.output_speed(n),
                 self.dt,
             )?,
             learning: self.learning.build(&self.gear, &self.limits, self.dt)?,
@@ -418,6 +419,7 @@ impl<R: Real> Compensator<R> {
         let deviation = Deviation {
             position: estimate.output_position.minus(setpoint.position),
             velocity: estimate.output_velocity - setpoint.velocity,
+            asked_velocity: setpoint.velocity,
             torque: estimate.transmitted_torque - demand.carried,
             measured,
         };
@@ -450,6 +452,7 @@ impl<R: Real> Compensator<R> {
             motor,
             output,
             motor_torque: self.motor_torque.step(&mut state.motor_torque, commanded, sensors.motor_torque),
+            known_torque: R::ZERO,
             output_torque: sensors.output_torque,
         }
     }

@@ -19,7 +19,8 @@
 //! kept out by b: over the whole box of gears that a controller may meet, the linearised loop with the cascade, its filter and
 //! its integral keeps a damping ratio above 0.4 (`desktop/src/joint.rs`).
 //!
-//! z and the shift are limited. Discretisation: explicit Euler for z. Units: rad, rad/s, N m; signs as in [`crate::gear`].
+//! z only runs where the setpoint is slow: what a fast move leaves, the wind-up of a gear that is stiffer or softer than
+//! believed, changes its sign before z could follow. z and the shift are limited. Discretisation: explicit Euler for z. Units: rad, rad/s, N m; signs as in [`crate::gear`].
 //!
 //! A. Albu-Schaeffer, Ch. Ott, G. Hirzinger, "A unified passivity-based control framework for position, torque and impedance
 //! control of flexible joint robots", International Journal of Robotics Research 26 (2007).
@@ -41,12 +42,17 @@ pub struct OutputFeedbackParams<R> {
 /// Largest shift of the motor's reference, at the output (rad): more than peak torque winds a gear up.
 const LARGEST: f64 = 0.01;
 
+/// Fastest setpoint at which z runs, as a share of the joint's fastest speed.
+const SLOW: f64 = 0.05;
+
 /// The built output feedback.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutputFeedback<R> {
     /// Without and with an output encoder.
     gains: [OutputFeedbackParams<R>; 2],
     inverse_flexspline_inertia: R,
+    /// Fastest setpoint at which z runs (rad/s).
+    slow: R,
     dt: R,
 }
 
@@ -63,6 +69,8 @@ pub struct Deviation<R> {
     pub position: R,
     /// e' (rad/s).
     pub velocity: R,
+    /// dq (rad/s).
+    pub asked_velocity: R,
     /// tau_t - tau_asked (N m).
     pub torque: R,
     /// Measured output less setpoint (rad), where there is an output encoder.
@@ -79,13 +87,15 @@ pub struct Shift<R> {
 }
 
 impl<R: Real> OutputFeedback<R> {
-    /// From the gains without and with an output encoder, J_fs (kg m^2) and the control period dt (s).
+    /// From the gains without and with an output encoder, J_fs (kg m^2), the output's fastest speed (rad/s) and the
+    /// control period dt (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `stiffening`, `damping`, `integral` or `flexspline_inertia`.
     pub fn build(
         gains: &[OutputFeedbackParams<R>; 2],
         flexspline_inertia: R,
+        fastest: R,
         dt: R,
     ) -> Result<Self, Error> {
         let within = |value: R, most: f64| value >= R::ZERO && value <= R::lit(most);
@@ -95,14 +105,21 @@ impl<R: Real> OutputFeedback<R> {
             require(within(set.integral, 1000.0), "integral")?;
         }
         require(flexspline_inertia > R::ZERO, "flexspline_inertia")?;
-        Ok(Self { gains: *gains, inverse_flexspline_inertia: R::ONE / flexspline_inertia, dt })
+        Ok(Self {
+            gains: *gains,
+            inverse_flexspline_inertia: R::ONE / flexspline_inertia,
+            slow: R::lit(SLOW) * fastest,
+            dt,
+        })
     }
 
     /// One control period; `runs` is false while the motor cannot follow, and z stands still.
     #[inline(always)]
     pub fn step(&self, state: &mut OutputFeedbackState<R>, deviation: &Deviation<R>, runs: bool) -> Shift<R> {
         let gains = &self.gains[usize::from(deviation.measured.is_some())];
-        let to_integrate = gains.integral * deviation.measured.unwrap_or(deviation.position);
+        let slow = deviation.asked_velocity.abs() < self.slow;
+        let error = if slow { deviation.measured.unwrap_or(deviation.position) } else { R::ZERO };
+        let to_integrate = gains.integral * error;
         if runs {
             state.integral = (state.integral + self.dt * to_integrate).limit(R::lit(LARGEST));
         }

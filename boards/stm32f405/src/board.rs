@@ -12,8 +12,7 @@ use strainwave_app::jog::{Jog, LIMITS, Trajectory};
 use strainwave_app::{Input, JOINT, Output};
 
 /// What is applied once the joint holds: everything, but of the friction only what cannot drive it.
-const SHARES: Shares<f32> =
-    Shares { friction: 0.8, ..Shares::ALL };
+const SHARES: Shares<f32> = Shares { friction: 0.8, ..Shares::ALL };
 
 /// Periods in which the observer only watches, before the joint holds where it then is: 0.1 s.
 const WATCHING: u32 = 1000;

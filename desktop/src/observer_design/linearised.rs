@@ -25,13 +25,16 @@ pub(super) struct Unknown {
     pub wander: f64,
     /// Share of the Coulomb friction that is renewed every control period.
     pub friction: f64,
-    /// Noise of an encoder besides its resolution, in counts of 2^19 a turn.
+    /// Noise of the motor's encoder besides its resolution, in counts of 2^19 a turn.
     pub jitter: f64,
+    /// Of the output's: in slow motion the error of a count is no noise but a wave that follows the angle, so that its
+    /// readings are averaged over a time in which many counts pass.
+    pub output_jitter: f64,
 }
 
 /// As the gains are designed. They grow with the wander: where the stiffness is off by 10 %, the filter of the motor
 /// encoder alone loses its stability at four times this.
-pub(super) const DESIGN: Unknown = Unknown { wander: 0.45, friction: 0.05, jitter: 0.5 };
+pub(super) const DESIGN: Unknown = Unknown { wander: 0.45, friction: 0.05, jitter: 2.0, output_jitter: 40.0 };
 
 /// Least noise of a torque, as a share of the rated one: a torque that is exactly known has no filter.
 const LEAST_NOISE: f64 = 1e-3;
@@ -102,7 +105,10 @@ impl Linearised {
             sensors: [
                 sensor(unit(0), encoder(bits)),
                 sensor(transmitted, torque_noise),
-                sensor(unit(2), encoder(file.sensors.output_encoder_bits.unwrap_or(bits))),
+                sensor(
+                    unit(2),
+                    encoder_noise(file.sensors.output_encoder_bits.unwrap_or(bits), unknown.output_jitter),
+                ),
             ],
             torsion: scaled([r, 0.0, -1.0, 0.0, 0.0, 0.0]),
             transmitted: scaled(transmitted),

@@ -24,6 +24,8 @@ use crate::gear_file::{Friction, GearFile};
 use crate::joint::CONTROL_PERIOD;
 use linearised::{DESIGN, Linearised, Sensor, Sixth, Unknown, encoder_noise, resolution};
 
+/// Noise of a motor encoder that stands, besides its resolution, in counts of 2^19 a turn.
+const STILL: f64 = 0.5;
 /// Way of the motor that is a motion, in deviations of its encoder's noise.
 const STIR: f64 = 8.0;
 /// Speed at which a load that is not seen may grow, in rated torques a second.
@@ -42,7 +44,7 @@ pub fn observer_params<R: Real>(file: &GearFile) -> Result<ObserverParams<R>, Er
     Ok(ObserverParams {
         moving: sets(file, Sixth::Stiffness)?,
         standing: sets(file, Sixth::Held)?,
-        stir: R::lit(STIR * encoder_noise(file.sensors.motor_encoder_bits, DESIGN.jitter)),
+        stir: R::lit(STIR * encoder_noise(file.sensors.motor_encoder_bits, STILL)),
         output_encoder_delay: file.sensors.output_encoder_delay,
         output_encoder_period: file.sensors.output_encoder_period,
         uncertainty: Uncertainty {
@@ -77,7 +79,11 @@ fn sets<R: Real>(file: &GearFile, sixth: Sixth) -> Result<GainSets<R>, Error> {
 /// less than that of the Kalman filter for that walk, friction, stiffness and inertia exactly known, encoders without jitter.
 pub fn least_load_error(file: &GearFile, step: f64, time: f64, with_output: bool) -> Option<f64> {
     let wander = step / time.sqrt() / file.gear.rated_torque;
-    let model = Linearised::of(file, Sixth::None, &Unknown { wander, friction: 0.0, jitter: 0.0 });
+    let model = Linearised::of(
+        file,
+        Sixth::None,
+        &Unknown { wander, friction: 0.0, jitter: 0.0, output_jitter: 0.0 },
+    );
     let sensors = [Some(&model.sensors[0]), with_output.then_some(&model.sensors[2])];
     let sensors = || sensors.iter().flatten().copied();
     let p = riccati::covariance(&model.transition, &information(sensors(), 5), &model.noise)?;

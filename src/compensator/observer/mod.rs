@@ -159,6 +159,8 @@ pub struct Measurement<R> {
     pub output: Option<Angle<R>>,
     /// Torque of the motor (N m).
     pub motor_torque: R,
+    /// What is known to act on the flexspline beside the model (N m).
+    pub known_torque: R,
     /// Torque through the flexspline (N m).
     pub output_torque: Option<R>,
 }
@@ -271,7 +273,7 @@ impl<R: Real> Observer<R> {
         let gains = set(sets, measured.output.is_some(), gauge);
         let output_seen = self.output_seen(state, measured);
         let torsion_rate = torques.drive_rate - state.flange.velocity;
-        let acceleration = self.predict(gear, state, &torques, measured.motor_torque);
+        let acceleration = self.predict(gear, state, &torques, measured);
         let asked = self.correct(gains, state, measured, &torques, moved);
         self.keep_in_range(gear, state, measured, &torques, faults);
         let transmitted = (torques.transmitted + state.stiffness_torque).limit(self.limits.transmitted);
@@ -329,11 +331,13 @@ impl<R: Real> Observer<R> {
         gear: &RealTimeGear<R>,
         state: &mut ObserverState<R>,
         torques: &Torques<R>,
-        motor_torque: R,
+        measured: &Measurement<R>,
     ) -> R {
         let resisting = torques.wave_generator + torques.slope * state.stiffness_torque;
-        let motor = (motor_torque + state.held_torque - resisting) * self.inverse_wave_generator_inertia;
-        let flange = gear.flange_acceleration(torques, state.external_torque + state.stiffness_torque);
+        let motor =
+            (measured.motor_torque + state.held_torque - resisting) * self.inverse_wave_generator_inertia;
+        let load = state.external_torque + measured.known_torque + state.stiffness_torque;
+        let flange = gear.flange_acceleration(torques, load);
         state.wave_generator.advance(motor, self.dt);
         state.flange.advance(flange, self.dt);
         flange
