@@ -55,7 +55,8 @@ fn estimate_error(estimated: &Estimated, rows: &[Row], time: &[f64]) -> Panel {
     let [upper, lower]: [Vec<f64>; 2] = [3.0, -3.0].map(scaled);
     let error: Vec<_> = rows.windows(2).map(|pair| estimated.error([&pair[0], &pair[1]])).collect();
     let time = time.get(1..).unwrap_or_default();
-    Panel::new("time", "s", &format!("{}, estimated - true", estimated.name), estimated.unit)
+    Panel::new("time", "s", "estimated - true", estimated.unit)
+        .titled(estimated.name)
         .with(Series::line("error", time, &error))
         .with(Series::dashed("3 deviations", time, &upper))
         .with(Series::dashed("", time, &lower))
