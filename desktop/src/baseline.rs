@@ -67,7 +67,7 @@ impl Baseline {
             angle: self.ratio.undo(position),
             velocity: f64::from(setpoint.velocity) * f64::from(self.ratio.n()),
         };
-        let feedback = self.feedback.step(&mut self.feedback_state, motor, &reference, self.limited);
+        let feedback = self.feedback.step(&mut self.feedback_state, motor, &reference, 0.0, self.limited);
         let wanted = feedback + self.rigid_body(setpoint.velocity.into(), setpoint.acceleration.into());
         let limited = wanted.clamp(-self.torque_limit, self.torque_limit);
         self.limited = limited != wanted;

@@ -14,7 +14,7 @@ use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
 use strainwave_desktop::plant::encoder_count;
 
 const SHARES: Shares<f32> =
-    Shares { feedback: 1.0, inertia: 1.0, friction: 1.0, wind_up: 1.0, kinematic_error: 1.0 };
+    Shares::ALL;
 
 /// Periods in a second.
 const SECOND: usize = 10_000;

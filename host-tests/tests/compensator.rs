@@ -13,7 +13,7 @@ fn joint() -> JointParams<f32> {
 }
 
 fn shares() -> Shares<f32> {
-    Shares { feedback: 1.0, inertia: 1.0, friction: 0.8, wind_up: 1.0, kinematic_error: 1.0 }
+    Shares { friction: 0.8, ..Shares::ALL }
 }
 
 /// A joint at rest whose encoder reads `motor_encoder`.

@@ -43,7 +43,7 @@ impl Sequence {
 const TURN: u32 = (1 << 19) - 1;
 
 const SHARES: Shares<f32> =
-    Shares { feedback: 1.0, inertia: 1.0, friction: 0.8, wind_up: 1.0, kinematic_error: 1.0 };
+    Shares { friction: 0.8, ..Shares::ALL };
 
 /// A position that moves at -1 rad/s, and for some time a velocity and a torque.
 fn command(sequence: &mut Sequence, period: u32) -> Command<f32> {

@@ -3,6 +3,7 @@
 use proptest::array;
 use proptest::prelude::*;
 use strainwave::Angle;
+use strainwave::compensator::adaptation::Factors;
 use strainwave::compensator::{
     Command, Directions, Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
 };
@@ -18,7 +19,7 @@ const COMMAND_KIND: usize = 18;
 /// Length of the command behind it: an angle and four floats.
 const COMMAND: usize = 12 + 16;
 
-fn input_of(words: [u32; 19], counts: i64, flags: [bool; 2], kind: u8) -> Input<f32> {
+fn input_of(words: [u32; 25], counts: i64, flags: [bool; 2], kind: u8) -> Input<f32> {
     let f = |k: usize| f32::from_bits(words[k]);
     let shares = |k: usize| Shares {
         feedback: f(k),
@@ -26,6 +27,9 @@ fn input_of(words: [u32; 19], counts: i64, flags: [bool; 2], kind: u8) -> Input<
         friction: f(k + 2),
         wind_up: f(k + 3),
         kinematic_error: f(k + 4),
+        output_feedback: f(k + 5),
+        adaptation: f(k + 6),
+        ripple: f(k + 7),
     };
     Input {
         sensors: Sensors {
@@ -45,11 +49,11 @@ fn input_of(words: [u32; 19], counts: i64, flags: [bool; 2], kind: u8) -> Input<
             1 => Command::Velocity { velocity: f(5), acceleration: f(6) },
             _ => Command::Torque(f(5)),
         },
-        shares: Directions { forward: shares(9), backward: shares(14) },
+        shares: Directions { forward: shares(9), backward: shares(17) },
     }
 }
 
-fn output_of(words: [u32; 18], counts: [i64; 2]) -> Output<f32> {
+fn output_of(words: [u32; 22], counts: [i64; 2]) -> Output<f32> {
     let f = |k: usize| f32::from_bits(words[k]);
     Output {
         motor_torque: f(0),
@@ -73,7 +77,13 @@ fn output_of(words: [u32; 18], counts: [i64; 2]) -> Output<f32> {
                 external_torque: f(16),
             },
         },
-        faults: Faults::from_bits(words[17]),
+        factors: Factors {
+            inertia: f(17),
+            input_friction: f(18),
+            output_friction: f(19),
+            compliance: f(20),
+        },
+        faults: Faults::from_bits(words[21]),
     }
 }
 
@@ -97,8 +107,10 @@ fn input_bits(input: &Input<f32>) -> Vec<u64> {
         Command::Torque(torque) => all.extend([2, bits(*torque)]),
     }
     for shares in [&shares.forward, &shares.backward] {
-        let Shares { feedback, inertia, friction, wind_up, kinematic_error } = *shares;
-        all.extend([feedback, inertia, friction, wind_up, kinematic_error].map(bits));
+        let Shares { feedback, inertia, friction, wind_up, kinematic_error, output_feedback, adaptation, ripple } =
+            *shares;
+        all.extend([feedback, inertia, friction, wind_up].map(bits));
+        all.extend([kinematic_error, output_feedback, adaptation, ripple].map(bits));
     }
     all
 }
@@ -108,6 +120,10 @@ fn output_bits(output: &Output<f32>) -> Vec<u64> {
     let bits = |x: f32| u64::from(x.to_bits());
     vec![
         bits(output.motor_torque),
+        bits(output.factors.inertia),
+        bits(output.factors.input_friction),
+        bits(output.factors.output_friction),
+        bits(output.factors.compliance),
         bits(output.feed_forward_torque),
         output.motor_reference.counts.cast_unsigned(),
         bits(output.motor_reference.rest),
@@ -139,7 +155,7 @@ proptest! {
 
     #[test]
     fn an_input_survives_the_frame(
-        words in array::uniform19(any::<u32>()),
+        words in array::uniform25(any::<u32>()),
         counts: i64,
         flags: [bool; 2],
         kind in 0..3u8,
@@ -150,7 +166,7 @@ proptest! {
     }
 
     #[test]
-    fn an_output_survives_the_frame(words in array::uniform18(any::<u32>()), counts: [i64; 2]) {
+    fn an_output_survives_the_frame(words in array::uniform22(any::<u32>()), counts: [i64; 2]) {
         let output = output_of(words, counts);
         prop_assert_eq!(output_bits(&decode_output(&encode_output(&output))), output_bits(&output));
     }

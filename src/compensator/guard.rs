@@ -166,8 +166,11 @@ impl<R: Real> InputGuard<R> {
         course: Course<R>,
         faults: &mut Faults,
     ) -> Shares<R> {
-        let w = self.crossover.forward(course.velocity);
         let Directions { forward, backward } = new;
+        if course.trusted && have_arrived(last, forward) && have_arrived(last, backward) {
+            return *last;
+        }
+        let w = self.crossover.forward(course.velocity);
         let mut follow = |forward: R, backward: R, last: &mut R, allowed| {
             follow(backward + w * (forward - backward), last, allowed, self.share_step, faults)
         };
@@ -183,19 +186,16 @@ impl<R: Real> InputGuard<R> {
                 &mut last.kinematic_error,
                 model,
             ),
+            output_feedback: follow(
+                forward.output_feedback,
+                backward.output_feedback,
+                &mut last.output_feedback,
+                model,
+            ),
+            adaptation: follow(forward.adaptation, backward.adaptation, &mut last.adaptation, model),
+            ripple: follow(forward.ripple, backward.ripple, &mut last.ripple, model),
         }
     }
-}
-
-/// The usual case: no share is on its way.
-#[inline(always)]
-fn have_arrived<R: Real>(now: &Shares<R>, wanted: &Shares<R>) -> bool {
-    let Shares { feedback, inertia, friction, wind_up, kinematic_error } = *wanted;
-    now.feedback.is_same(feedback)
-        && now.inertia.is_same(inertia)
-        && now.friction.is_same(friction)
-        && now.wind_up.is_same(wind_up)
-        && now.kinematic_error.is_same(kinematic_error)
 }
 
 /// A value within +-`bound`: the `new` one, limited and reported as `limited`; in the place of one that is not

@@ -9,14 +9,19 @@
 
 pub mod command;
 pub mod directions;
+pub mod adaptation;
 pub mod encoder;
 pub mod fallback;
 pub mod faults;
 pub mod feed_forward;
 pub mod feedback;
 pub mod guard;
+pub mod learning;
+pub mod learnt_ripple;
 pub mod limits;
+pub mod motor_torque;
 pub mod observer;
+pub mod output_feedback;
 
 pub use command::Command;
 pub use directions::Directions;
@@ -32,9 +37,13 @@ use crate::real::Real;
 use command::{Commander, CommanderState, Followed};
 use encoder::{Encoder, EncoderParams, EncoderState};
 use fallback::{BLIND, Fallback, FallbackState};
-use feed_forward::{FeedForward, FeedForwardState};
+use adaptation::Factors;
+use feed_forward::{Demand, FeedForward, FeedForwardState};
 use feedback::{Feedback, FeedbackParams, FeedbackState};
 use guard::{Course, FrozenEncoder, InputGuard, InputGuardState};
+use learning::{Learning, LearningParams, LearningState, Learnt};
+use motor_torque::{MotorTorque, MotorTorqueState};
+use output_feedback::{Deviation, OutputFeedback, OutputFeedbackParams, OutputFeedbackState};
 use observer::{Measurement, Observer, ObserverParams, ObserverState};
 
 /// Levels of the hysteresis that runs in real time.
@@ -94,6 +103,26 @@ pub struct Shares<R> {
     pub wind_up: R,
     /// Kinematic error.
     pub kinematic_error: R,
+    /// Output feedback: the torsional vibration's damping.
+    pub output_feedback: R,
+    /// Factors that have been learnt; 0 also stops the learning.
+    pub adaptation: R,
+    /// Ripple that has been learnt; 0 also stops the learning.
+    pub ripple: R,
+}
+
+impl<R: Real> Shares<R> {
+    /// Everything on.
+    pub const ALL: Self = Self {
+        feedback: R::ONE,
+        inertia: R::ONE,
+        friction: R::ONE,
+        wind_up: R::ONE,
+        kinematic_error: R::ONE,
+        output_feedback: R::ONE,
+        adaptation: R::ONE,
+        ripple: R::ONE,
+    };
 }
 
 /// What one step reads.
@@ -150,7 +179,7 @@ pub struct EstimateDeviation<R> {
 
 /// What one step writes: finite and bounded for any input bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Output<R> {
+pub struct Output<R: Real> {
     /// Torque command to the motor (N m).
     pub motor_torque: R,
     /// The part of it that is feed-forward (N m).
@@ -159,6 +188,8 @@ pub struct Output<R> {
     pub motor_reference: Angle<R>,
     /// The observer's estimates.
     pub estimate: Estimate<R>,
+    /// What has been learnt of the joint, as far as it is applied.
+    pub factors: Factors<R>,
     /// What is wrong, by name.
     pub faults: Faults,
 }
@@ -180,6 +211,10 @@ pub struct JointParams<R> {
     pub observer: ObserverParams<R>,
     /// The motor-side cascade.
     pub feedback: FeedbackParams<R>,
+    /// Output feedback without and with an output encoder.
+    pub output_feedback: [OutputFeedbackParams<R>; 2],
+    /// Adaptation and ripple.
+    pub learning: LearningParams<R>,
 }
 
 /// The built compensator of a joint.
@@ -195,6 +230,9 @@ pub struct Compensator<R: Real> {
     observer: Observer<R>,
     feed_forward: FeedForward<R>,
     feedback: Feedback<R>,
+    output_feedback: OutputFeedback<R>,
+    learning: Learning<R>,
+    motor_torque: MotorTorque<R>,
     fallback: Fallback<R>,
     limits: Limits<R>,
 }
@@ -217,6 +255,9 @@ pub struct State<R: Real> {
     observer: ObserverState<R>,
     feed_forward: FeedForwardState<R>,
     feedback: FeedbackState<R>,
+    output_feedback: OutputFeedbackState<R>,
+    learning: LearningState<R>,
+    motor_torque: MotorTorqueState<R>,
     fallback: FallbackState<R>,
     limited: bool,
 }
@@ -244,6 +285,13 @@ impl<R: Real> JointParams<R> {
             observer: self.observer.build(&self.gear, &self.limits, self.dt)?,
             feed_forward: FeedForward::build(&self.gear, self.dt)?,
             feedback: self.feedback.build(self.dt)?,
+            output_feedback: OutputFeedback::build(
+                &self.output_feedback,
+                self.gear.flexspline_inertia,
+                self.dt,
+            )?,
+            learning: self.learning.build(&self.gear, &self.limits, self.dt)?,
+            motor_torque: MotorTorque::build(self.dt)?,
             fallback: Fallback::build(self.limits.motor_torque, self.dt),
             limits: self.limits,
         })
@@ -267,9 +315,22 @@ impl<R: Real> Compensator<R> {
             observer: self.observer.rest(&self.gear),
             feed_forward: FeedForwardState::default(),
             feedback: FeedbackState::default(),
+            output_feedback: OutputFeedbackState::default(),
+            learning: LearningState::default(),
+            motor_torque: MotorTorqueState::default(),
             fallback: FallbackState::default(),
             limited: false,
         }
+    }
+
+    /// The state before the first step, for a joint of which something is known already.
+    pub fn starting_from(&self, stored: &Learnt<R>) -> State<R> {
+        State { learning: self.learning.starting_from(stored), ..self.rest() }
+    }
+
+    /// What has been learnt of the joint, to be stored.
+    pub fn learnt(&self, state: &State<R>) -> Learnt<R> {
+        state.learning.learnt()
     }
 
     /// One control step.
@@ -278,16 +339,29 @@ impl<R: Real> Compensator<R> {
         let mut faults = Faults::NONE;
         let course = Course { velocity: state.commander.velocity(), trusted: state.fallback.trusted() };
         let input = self.guard.step(&mut state.guard, input, course, &mut faults);
+        let shares = &input.shares;
         let measured = self.measure(state, &input.sensors, &mut faults);
-        let estimate = self.observer.step(&self.gear, &mut state.observer, &measured, &mut faults);
+        let (mut estimate, learns) = self.observe(state, &measured, shares, &mut faults);
         let followed = self.commander.step(&mut state.commander, &input.command, &estimate, &mut faults);
-        let demand = self.feed_forward.step(
-            &self.gear,
-            &mut state.feed_forward,
-            &followed.setpoint,
-            &input.shares,
-            estimate.external_torque,
+        let learns = learns && followed.torque.is_none();
+        let believed = self.learning.believe(
+            &mut state.learning,
+            &mut estimate,
+            measured.output.and(state.observer.stiffness_torque()),
+            shares,
+            learns,
         );
+        let setpoint = &followed.setpoint;
+        let mut demand =
+            self.feed_forward.step(&self.gear, &mut state.feed_forward, setpoint, shares, &believed);
+        let error = measured.output.map(|angle| angle.minus(setpoint.position));
+        let learnt = learning::Course {
+            excitation: demand.excitation,
+            speed: demand.motor.velocity,
+            position: error,
+        };
+        self.learning.follow(&mut state.learning, &learnt, learns);
+        self.give_way(state, &mut demand, setpoint, &estimate, shares, error);
         // Where a torque is commanded no motion is.
         state.asked = if followed.torque.is_some() { R::ZERO } else { demand.motor.velocity };
         let stood_still = measured.motor == state.last_motor;
@@ -295,10 +369,16 @@ impl<R: Real> Compensator<R> {
         let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, state.asked);
         faults.raise_if(frozen, Faults::MOTOR_ENCODER_FROZEN);
         let held = state.limited || followed.torque.is_some();
-        let feedback = self.feedback.step(&mut state.feedback, measured.motor, &demand.motor, held);
+        let feedback = self.feedback.step(
+            &mut state.feedback,
+            measured.motor,
+            &demand.motor,
+            shares.wind_up * demand.acceleration,
+            held,
+        );
         let closed = match followed.torque {
             Some(torque) => demand.transmission * torque,
-            None => input.shares.feedback * self.taken_over(state, &followed, demand.torque, feedback),
+            None => shares.feedback * self.taken_over(state, &followed, demand.torque, feedback),
         };
         let motor_torque = self.command(state, demand.torque + closed, followed.switched, &mut faults);
         Output {
@@ -306,8 +386,48 @@ impl<R: Real> Compensator<R> {
             feed_forward_torque: demand.torque.limit(self.limits.motor_torque),
             motor_reference: demand.motor.angle,
             estimate,
+            factors: state.learning.applied(shares),
             faults,
         }
+    }
+
+    /// What the observer believes, and whether it may be learnt from.
+    #[inline(always)]
+    fn observe(
+        &self,
+        state: &mut State<R>,
+        measured: &Measurement<R>,
+        shares: &Shares<R>,
+        faults: &mut Faults,
+    ) -> (Estimate<R>, bool) {
+        let reference = state.feed_forward.reference();
+        self.learning.turn_to(&mut state.learning, reference, self.gear.ratio().apply(reference));
+        let told = self.learning.told(&state.learning, measured, shares);
+        let estimate = self.observer.step(&self.gear, &mut state.observer, &told, faults);
+        (estimate, *faults == Faults::NONE && !state.limited && shares.adaptation > R::ZERO)
+    }
+
+    /// Moves the motor's reference for the output to behave like its reference model.
+    #[inline(always)]
+    fn give_way(
+        &self,
+        state: &mut State<R>,
+        demand: &mut Demand<R>,
+        setpoint: &Setpoint<R>,
+        estimate: &Estimate<R>,
+        shares: &Shares<R>,
+        measured: Option<R>,
+    ) {
+        let deviation = Deviation {
+            position: estimate.output_position.minus(setpoint.position),
+            velocity: estimate.output_velocity - setpoint.velocity,
+            torque: estimate.transmitted_torque - demand.carried,
+            measured,
+        };
+        let shift = self.output_feedback.step(&mut state.output_feedback, &deviation, !state.limited);
+        let share = shares.output_feedback * R::from_i32(self.gear.ratio().n());
+        demand.motor.angle = demand.motor.angle.plus(share * shift.angle);
+        demand.motor.velocity += share * shift.rate;
     }
 
     /// The sensors' raw counts as unbounded angles.
@@ -328,10 +448,11 @@ impl<R: Real> Compensator<R> {
             }
             state.output_zero.filter(|_| output_believed && !frozen).map(|zero| angle.less(zero))
         });
+        let commanded = state.fallback.torque();
         Measurement {
             motor,
             output,
-            motor_torque: sensors.motor_torque,
+            motor_torque: self.motor_torque.step(&mut state.motor_torque, commanded, sensors.motor_torque),
             output_torque: sensors.output_torque,
         }
     }

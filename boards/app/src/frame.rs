@@ -9,6 +9,7 @@
 //! Any other flag or kind byte makes the whole frame invalid: the two sides do not speak the same frame.
 
 use strainwave::Angle;
+use strainwave::compensator::adaptation::Factors;
 use strainwave::compensator::{
     Command, Directions, Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
 };
@@ -20,9 +21,9 @@ const OPTION: usize = 1 + WORD;
 const COMMAND: usize = 1 + ANGLE + 4 * WORD;
 
 /// Length of an input frame (bytes): sensors, command, shares forward and backward.
-pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + COMMAND + 2 * 5 * WORD;
-/// Length of an output frame (bytes): torques and reference, estimate, its deviation, faults.
-pub const OUTPUT_BYTES: usize = (2 * WORD + ANGLE) + (ANGLE + 6 * WORD) + 7 * WORD + WORD;
+pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + COMMAND + 2 * 8 * WORD;
+/// Length of an output frame (bytes): torques and reference, estimate, its deviation, factors, faults.
+pub const OUTPUT_BYTES: usize = (2 * WORD + ANGLE) + (ANGLE + 6 * WORD) + 7 * WORD + 4 * WORD + WORD;
 
 /// The bytes of an input.
 pub fn encode_input(input: &Input<f32>) -> [u8; INPUT_BYTES] {
@@ -71,6 +72,10 @@ pub fn encode_output(output: &Output<f32>) -> [u8; OUTPUT_BYTES] {
     writer.f32(output.estimate.deviation.input_friction);
     writer.f32(output.estimate.deviation.output_friction);
     writer.f32(output.estimate.deviation.external_torque);
+    writer.f32(output.factors.inertia);
+    writer.f32(output.factors.input_friction);
+    writer.f32(output.factors.output_friction);
+    writer.f32(output.factors.compliance);
     writer.u32(output.faults.bits());
     writer.bytes
 }
@@ -99,6 +104,12 @@ pub fn decode_output(frame: &[u8; OUTPUT_BYTES]) -> Output<f32> {
                 output_friction: reader.f32(),
                 external_torque: reader.f32(),
             },
+        },
+        factors: Factors {
+            inertia: reader.f32(),
+            input_friction: reader.f32(),
+            output_friction: reader.f32(),
+            compliance: reader.f32(),
         },
         faults: Faults::from_bits(reader.u32()),
     }
@@ -162,6 +173,9 @@ impl<const N: usize> Writer<N> {
         self.f32(shares.friction);
         self.f32(shares.wind_up);
         self.f32(shares.kinematic_error);
+        self.f32(shares.output_feedback);
+        self.f32(shares.adaptation);
+        self.f32(shares.ripple);
     }
 }
 
@@ -229,6 +243,9 @@ impl<'a> Reader<'a> {
             friction: self.f32(),
             wind_up: self.f32(),
             kinematic_error: self.f32(),
+            output_feedback: self.f32(),
+            adaptation: self.f32(),
+            ripple: self.f32(),
         }
     }
 }

@@ -13,7 +13,7 @@ use strainwave_app::{Input, JOINT, Output};
 
 /// What is applied once the joint holds: everything, but of the friction only what cannot drive it.
 const SHARES: Shares<f32> =
-    Shares { feedback: 1.0, inertia: 1.0, friction: 0.8, wind_up: 1.0, kinematic_error: 1.0 };
+    Shares { friction: 0.8, ..Shares::ALL };
 
 /// Periods in which the observer only watches, before the joint holds where it then is: 0.1 s.
 const WATCHING: u32 = 1000;
