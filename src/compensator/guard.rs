@@ -198,6 +198,29 @@ impl<R: Real> InputGuard<R> {
     }
 }
 
+/// The usual case: no share is on its way.
+#[inline(always)]
+fn have_arrived<R: Real>(now: &Shares<R>, wanted: &Shares<R>) -> bool {
+    let Shares {
+        feedback,
+        inertia,
+        friction,
+        wind_up,
+        kinematic_error,
+        output_feedback,
+        adaptation,
+        ripple,
+    } = *wanted;
+    now.feedback.is_same(feedback)
+        && now.inertia.is_same(inertia)
+        && now.friction.is_same(friction)
+        && now.wind_up.is_same(wind_up)
+        && now.kinematic_error.is_same(kinematic_error)
+        && now.output_feedback.is_same(output_feedback)
+        && now.adaptation.is_same(adaptation)
+        && now.ripple.is_same(ripple)
+}
+
 /// A value within +-`bound`: the `new` one, limited and reported as `limited`; in the place of one that is not
 /// finite the `last`.
 #[inline(always)]

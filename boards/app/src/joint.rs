@@ -1,5 +1,9 @@
 // Generated from the gear file `hd25-100`; do not edit.
+use strainwave::compensator::adaptation::{AdaptationParams, Factors};
 use strainwave::compensator::feedback::FeedbackParams;
+use strainwave::compensator::learning::LearningParams;
+use strainwave::compensator::learnt_ripple::{LearntRippleParams, RippleOrder};
+use strainwave::compensator::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::observer::deviation::{Spread, Uncertainty};
 use strainwave::compensator::observer::{Gains, ObserverParams};
 use strainwave::compensator::{EstimateDeviation, JointParams, Limits};
@@ -793,5 +797,24 @@ pub const JOINT: JointParams<f32> = JointParams {
         integral_time: 0.02,
         filter_corner: 3769.9111,
         torque_limit: 2.4,
+    },
+    output_feedback: [OutputFeedbackParams { stiffening: 0.5, damping: 0.01, integral: 30.0 }; 2],
+    learning: LearningParams {
+        adaptation: AdaptationParams {
+            bounds: Factors { inertia: 0.3, input_friction: 0.2, output_friction: 0.2, compliance: 0.1 },
+            rates: Factors { inertia: 1.0, input_friction: 1.0, output_friction: 1.0, compliance: 1.0 },
+            levels: Factors { inertia: 67.0, input_friction: 3.5, output_friction: 1.0, compliance: 67.0 },
+            dead_zone: 0.1,
+            filter_corner: 200.0,
+            bias_corner: 2.0,
+        },
+        ripple: LearntRippleParams {
+            orders: [RippleOrder { order: 1, to_flexspline: false }; 4],
+            position_rate: 1.0,
+            torque_rate: 1.0,
+            position_bound: 1e-4,
+            torque_bound: 0.01,
+            speeds: [1.0, 60.0],
+        },
     },
 };
