@@ -47,6 +47,7 @@ fn the_signed_ratio_follows_the_arrangement() {
 fn full() -> Table {
     let mut gear = parse(LARA8).unwrap();
     gear.kinematic_error.flexspline = gear.kinematic_error.wave_generator.clone();
+    (gear.sensors.output_encoder_delay, gear.sensors.output_encoder_period) = (3, 10);
     gear.hysteresis.half_range = Some(2e-3);
     gear.hysteresis.weights = Some(vec![vec![0.1], vec![0.3, 0.2], vec![0.5, 0.3, 0.1]]);
     for side in [&mut gear.friction.input, &mut gear.friction.output] {

@@ -198,19 +198,11 @@ impl<R: Real> InputGuard<R> {
     }
 }
 
-/// The usual case: no share is on its way.
+/// The usual case, in both directions: no share is on its way.
 #[inline(always)]
 fn have_arrived<R: Real>(now: &Shares<R>, wanted: &Shares<R>) -> bool {
-    let Shares {
-        feedback,
-        inertia,
-        friction,
-        wind_up,
-        kinematic_error,
-        output_feedback,
-        adaptation,
-        ripple,
-    } = *wanted;
+    let Shares { feedback, inertia, friction, wind_up, kinematic_error, output_feedback, adaptation, ripple } =
+        *wanted;
     now.feedback.is_same(feedback)
         && now.inertia.is_same(inertia)
         && now.friction.is_same(friction)

@@ -7,9 +7,9 @@
 //! [`Compensator::step`] is total: for any input bits every output is finite and bounded, and what is
 //! wrong is reported as [`Faults`] by name. Units: rad, rad/s, N m; signs as in [`crate::gear`].
 
+pub mod adaptation;
 pub mod command;
 pub mod directions;
-pub mod adaptation;
 pub mod encoder;
 pub mod fallback;
 pub mod faults;
@@ -34,17 +34,17 @@ use crate::flexspline::Reduced;
 use crate::friction::JointFriction;
 use crate::gear::{Gear, GearParams};
 use crate::real::Real;
+use adaptation::Factors;
 use command::{Commander, CommanderState, Followed};
 use encoder::{Encoder, EncoderParams, EncoderState};
 use fallback::{BLIND, Fallback, FallbackState};
-use adaptation::Factors;
 use feed_forward::{Demand, FeedForward, FeedForwardState};
 use feedback::{Feedback, FeedbackParams, FeedbackState};
 use guard::{Course, FrozenEncoder, InputGuard, InputGuardState};
 use learning::{Learning, LearningParams, LearningState, Learnt};
 use motor_torque::{MotorTorque, MotorTorqueState};
-use output_feedback::{Deviation, OutputFeedback, OutputFeedbackParams, OutputFeedbackState};
 use observer::{Measurement, Observer, ObserverParams, ObserverState};
+use output_feedback::{Deviation, OutputFeedback, OutputFeedbackParams, OutputFeedbackState};
 
 /// Levels of the hysteresis that runs in real time.
 pub const HYSTERESIS_LEVELS: usize = 24;
@@ -341,12 +341,16 @@ impl<R: Real> Compensator<R> {
         let input = self.guard.step(&mut state.guard, input, course, &mut faults);
         let shares = &input.shares;
         let measured = self.measure(state, &input.sensors, &mut faults);
-        let (mut estimate, learns) = self.observe(state, &measured, shares, &mut faults);
-        let followed = self.commander.step(&mut state.commander, &input.command, &estimate, &mut faults);
+        let estimate = self.observe(state, &measured, shares, &mut faults);
+        // The estimate is written where it stays.
+        let mut output = Output { estimate, ..Output::default() };
+        let learns = faults == Faults::NONE && !state.limited && shares.adaptation > R::ZERO;
+        let followed =
+            self.commander.step(&mut state.commander, &input.command, &output.estimate, &mut faults);
         let learns = learns && followed.torque.is_none();
         let believed = self.learning.believe(
             &mut state.learning,
-            &mut estimate,
+            &mut output.estimate,
             measured.output.and(state.observer.stiffness_torque()),
             shares,
             learns,
@@ -355,13 +359,10 @@ impl<R: Real> Compensator<R> {
         let mut demand =
             self.feed_forward.step(&self.gear, &mut state.feed_forward, setpoint, shares, &believed);
         let error = measured.output.map(|angle| angle.minus(setpoint.position));
-        let learnt = learning::Course {
-            excitation: demand.excitation,
-            speed: demand.motor.velocity,
-            position: error,
-        };
+        let learnt =
+            learning::Course { excitation: demand.excitation, speed: demand.motor.velocity, position: error };
         self.learning.follow(&mut state.learning, &learnt, learns);
-        self.give_way(state, &mut demand, setpoint, &estimate, shares, error);
+        self.give_way(state, &mut demand, setpoint, &output.estimate, shares, error);
         // Where a torque is commanded no motion is.
         state.asked = if followed.torque.is_some() { R::ZERO } else { demand.motor.velocity };
         let stood_still = measured.motor == state.last_motor;
@@ -380,18 +381,15 @@ impl<R: Real> Compensator<R> {
             Some(torque) => demand.transmission * torque,
             None => shares.feedback * self.taken_over(state, &followed, demand.torque, feedback),
         };
-        let motor_torque = self.command(state, demand.torque + closed, followed.switched, &mut faults);
-        Output {
-            motor_torque,
-            feed_forward_torque: demand.torque.limit(self.limits.motor_torque),
-            motor_reference: demand.motor.angle,
-            estimate,
-            factors: state.learning.applied(shares),
-            faults,
-        }
+        output.motor_torque = self.command(state, demand.torque + closed, followed.switched, &mut faults);
+        output.feed_forward_torque = demand.torque.limit(self.limits.motor_torque);
+        output.motor_reference = demand.motor.angle;
+        output.factors = state.learning.applied(shares);
+        output.faults = faults;
+        output
     }
 
-    /// What the observer believes, and whether it may be learnt from.
+    /// What the observer believes.
     #[inline(always)]
     fn observe(
         &self,
@@ -399,12 +397,11 @@ impl<R: Real> Compensator<R> {
         measured: &Measurement<R>,
         shares: &Shares<R>,
         faults: &mut Faults,
-    ) -> (Estimate<R>, bool) {
+    ) -> Estimate<R> {
         let reference = state.feed_forward.reference();
         self.learning.turn_to(&mut state.learning, reference, self.gear.ratio().apply(reference));
         let told = self.learning.told(&state.learning, measured, shares);
-        let estimate = self.observer.step(&self.gear, &mut state.observer, &told, faults);
-        (estimate, *faults == Faults::NONE && !state.limited && shares.adaptation > R::ZERO)
+        self.observer.step(&self.gear, &mut state.observer, &told, faults)
     }
 
     /// Moves the motor's reference for the output to behave like its reference model.
