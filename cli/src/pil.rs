@@ -154,6 +154,9 @@ fn run_trial(
 ) -> Result<Vec<Figure>, BadInput> {
     let (scenario, seed) = (trial.scenario, trial.conditions.seed);
     let mut progress = Progress::new(1000, scenario.title());
+    let learning = trial.learns_ripple().then(|| pil::build(&arguments.board, &trial.told(gear)));
+    let learning = learning.transpose().map_err(BadInput::message)?;
+    let elf = learning.as_ref().map_or(elf, |firmware| &firmware.elf);
     let run =
         pil::run(elf, gear, trial, |share| progress.set((share * 1e3) as u64)).map_err(BadInput::message)?;
     drop(progress);

@@ -1,5 +1,6 @@
 //! What a control engineer wants to see of a run.
 
+use strainwave::compensator::adaptation::Factors;
 use strainwave_desktop::GearFile;
 use strainwave_desktop::closed_loop::Row;
 use strainwave_desktop::judge::estimates::{self, Estimated};
@@ -43,7 +44,7 @@ pub fn scenario(run: &ScenarioRun, gear: &GearFile) -> Page {
         .with(of_all(over_time("output error", "urad"), &|row| error(row) * 1e6))
         .with(torque.with(Series::dashed("fed forward", &time, &fed_forward)))
         .with(of_all(over_time("torsion", "urad"), &|row| row.torsion * 1e6));
-    let page = page.with(external_torque(rows, &time));
+    let page = page.with(factors(rows, &time)).with(external_torque(rows, &time));
     let page = estimates::ALL.iter().fold(page, |page, of| page.with(estimate_error(of, rows, &time)));
     let page = ringing(run).into_iter().fold(page, Page::with);
     if scenario == Scenario::S6 { page.with(torque_over_torsion(rows)) } else { page }
@@ -55,10 +56,27 @@ fn estimate_error(estimated: &Estimated, rows: &[Row], time: &[f64]) -> Panel {
     let [upper, lower]: [Vec<f64>; 2] = [3.0, -3.0].map(scaled);
     let error: Vec<_> = rows.windows(2).map(|pair| estimated.error([&pair[0], &pair[1]])).collect();
     let time = time.get(1..).unwrap_or_default();
-    Panel::new("time", "s", &format!("{}, estimated - true", estimated.name), estimated.unit)
+    Panel::new("time", "s", "estimated - true", estimated.unit)
+        .titled(estimated.name)
         .with(Series::line("error", time, &error))
         .with(Series::dashed("3 deviations", time, &upper))
         .with(Series::dashed("", time, &lower))
+}
+
+/// A name and the factor of it.
+type Named = (&'static str, fn(&Factors<f32>) -> f32);
+
+/// The factors that the compensator has learnt of the joint.
+fn factors(rows: &[Row], time: &[f64]) -> Panel {
+    let learnt: [Named; 4] = [
+        ("load inertia", |factors| factors.inertia),
+        ("friction at the wave generator", |factors| factors.input_friction),
+        ("friction at the output", |factors| factors.output_friction),
+        ("compliance", |factors| factors.compliance),
+    ];
+    learnt.into_iter().fold(Panel::new("time", "s", "learnt factor", "1"), |panel, (name, of)| {
+        panel.with(Series::line(name, time, &column(rows, |row| of(&row.answer.factors).into())))
+    })
 }
 
 /// The external torque that is believed beside the load.

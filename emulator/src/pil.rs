@@ -8,9 +8,10 @@ use strainwave::Angle;
 use strainwave::compensator::{Directions, Input, Sensors, Setpoint};
 use strainwave::gear::GearParams;
 use strainwave_desktop::baseline::Baseline;
-use strainwave_desktop::bench::{Bench, Conditions, Task, periods};
+use strainwave_desktop::bench::{Bench, Conditions, SensorSet, Task, periods};
 use strainwave_desktop::closed_loop::{self, Controller, Row, Run};
 use strainwave_desktop::divergence::RunError;
+use strainwave_desktop::gear_file::KinematicError;
 use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params, source};
 use strainwave_desktop::judge::Judge;
 use strainwave_desktop::log::MeasuredLog;
@@ -76,6 +77,20 @@ impl Trial {
     /// A scenario from rest on the plant of `seed`, with the sensors of a gear file.
     pub fn from_rest(file: &GearFile, scenario: Scenario, seed: u64) -> Self {
         Self { scenario, conditions: Conditions::of(file, seed), worked: false }
+    }
+
+    /// The compensator is not told the gear's kinematic error: it has to learn it while it works.
+    pub fn learns_ripple(&self) -> bool {
+        self.worked && self.scenario == Scenario::S4 && self.conditions.sensors == SensorSet::Both
+    }
+
+    /// What the compensator is told of the gear.
+    pub fn told(&self, file: &GearFile) -> GearFile {
+        let mut told = file.clone();
+        if self.learns_ripple() {
+            told.kinematic_error = KinematicError::default();
+        }
+        told
     }
 
     /// As its figures are named: `s2` from rest, `motor.s2` where the compensator has worked before.
@@ -198,7 +213,7 @@ pub fn build_program(board: &str, program: &str, file: &GearFile) -> Result<Firm
 }
 
 /// Runs a trial with the firmware and, from rest, both baselines side by side, and counts what the control step costs
-/// on the target.
+/// on the target. The firmware was built for what [`Trial::told`] has of the gear.
 ///
 /// # Errors
 /// When the machine or the count fails, or a parameter is out of range.
@@ -233,7 +248,7 @@ fn joined<T>(thread: ScopedJoinHandle<'_, Result<T, RunError>>) -> Result<T, tar
     Ok(thread.join().unwrap_or_else(|panic| resume_unwind(panic))?)
 }
 
-/// Runs a trial with the firmware alone.
+/// Runs a trial with the firmware alone, which was built for what [`Trial::told`] has of the gear.
 ///
 /// # Errors
 /// When the machine fails, or a parameter is out of range.
@@ -244,7 +259,7 @@ pub fn compensated(
     trial: &Trial,
     mut progress: impl FnMut(f64),
 ) -> Result<(Run, Agreement, Ending), target::Error> {
-    let mut target = Target::new(Machine::boot(elf, qemu_arguments)?, &joint_params(file)?)?;
+    let mut target = Target::new(Machine::boot(elf, qemu_arguments)?, &joint_params(&trial.told(file))?)?;
     let mut bench = Bench::build(file, &trial.conditions)?;
     let work = if trial.worked { WorkingMotion.duration() } else { 0.0 };
     let whole = work + trial.scenario.duration();

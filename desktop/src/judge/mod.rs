@@ -243,7 +243,7 @@ mod tests {
         for (scenario, of) in [(Scenario::S1, Mark::StepVibration), (Scenario::S3, Mark::MoveVibration)] {
             let period = Judge::new(scenario, &plant, &rows(scenario, |_| 0.0, |_| 0.0)).natural_period();
             let omega = TAU / period.unwrap();
-            let moving = |t: f64| scenario.rests().iter().all(|rest| t < rest.from || t > rest.to);
+            let moving = |t: f64| scenario.rests().iter().all(|rest| t < rest.from - 1e-9 || t > rest.to);
             let torsion = |t: f64| if moving(t) { 1.0 } else { 1e-3 + 1e-4 * t + 1e-5 * (omega * t).sin() };
             let found = mark(scenario, &rows(scenario, |_| 0.0, torsion), of);
             assert!((found / (1e-5 / 2f64.sqrt()) - 1.0).abs() < 0.1, "{scenario:?}: {found}");

@@ -35,7 +35,10 @@ pub fn without_slow_part(values: &[f64], period: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Amplitude of values over frequency up to `highest` (Hz), every half of a resolution: Hann window, so that a sine
+/// Lines of a spectrum in one resolution.
+const LINES: f64 = 8.0;
+
+/// Amplitude of values over frequency up to `highest` (Hz), eight lines a resolution: Hann window, so that a sine
 /// keeps its amplitude and leaks no further than two resolutions. Pairs of frequency and amplitude.
 pub fn spectrum(values: &[f64], highest: f64) -> Vec<(f64, f64)> {
     let count = values.len() as f64;
@@ -48,8 +51,8 @@ pub fn spectrum(values: &[f64], highest: f64) -> Vec<(f64, f64)> {
         });
         2.0 / count * f64::hypot(sine, cosine)
     };
-    let lines = (2.0 * highest / resolution) as usize;
-    (1..=lines).map(|line| 0.5 * resolution * line as f64).map(|f| (f, amplitude(f))).collect()
+    let lines = (LINES * highest / resolution) as usize;
+    (1..=lines).map(|line| resolution / LINES * line as f64).map(|f| (f, amplitude(f))).collect()
 }
 
 #[cfg(test)]
