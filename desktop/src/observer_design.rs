@@ -12,8 +12,8 @@
 //!
 //! Noise: encoders by their resolution (q/sqrt(12)) plus 2 counts of jitter of a 19-bit encoder; motor
 //! torque and strain gauge by the gear file; what the model does not know: a fifth of the Coulomb friction
-//! of either side, renewed every control period, and an external torque that wanders by the rated torque
-//! in a second. Units: rad, rad/s, N m; signs as in [`strainwave::gear`].
+//! of either side, renewed every control period, and an external torque that wanders in a second by what the gear
+//! file says, the rated torque when it says nothing. Units: rad, rad/s, N m; signs as in [`strainwave::gear`].
 
 use nalgebra::{Matrix5, RowVector5};
 use strainwave::compensator::observer::{Correction, Gains};
@@ -110,7 +110,7 @@ fn process_noise(file: &GearFile) -> Matrix5<f64> {
     let speed = |torque: f64, inertia: f64| (torque / inertia * dt).powi(2);
     let motor = speed(motor_torque, file.inertia.wave_generator);
     let output = speed(output_torque, file.inertia.flexspline);
-    let wander = file.gear.rated_torque.powi(2) * dt;
+    let wander = file.compensation.external_torque_wander.unwrap_or(file.gear.rated_torque).powi(2) * dt;
     Matrix5::from_diagonal(&[motor * dt * dt, motor, output * dt * dt, output, wander].into())
 }
 
