@@ -5,7 +5,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use strainwave_desktop::BadInput;
 use strainwave_desktop::verify::flexspline::speed;
 use strainwave_desktop::verify::{self, Measured};
-use strainwave_desktop::verify::{friction, hysteresis};
+use strainwave_desktop::verify::{friction, hysteresis, replay};
 use strainwave_emulator::verify::{self as emulated, Parts};
 
 use crate::figures::{Figures, FiguresArguments, say};
@@ -57,6 +57,9 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     if parts.contains(&verify::Part::Hysteresis) {
         measured.add(hysteresis::speed::measure());
         measured.add(emulated::hysteresis().map_err(BadInput::message)?);
+    }
+    if parts.contains(&verify::Part::Compensator) {
+        measured.add(replay::measure()?);
     }
     if let Some(parts) = emulated_parts(wanted(FIRMWARE), flexspline) {
         measured.add(measure_emulated(parts)?);

@@ -181,11 +181,12 @@ pub struct Judgement {
 }
 
 impl Judgement {
-    /// Of the rows after `learnt` (s).
+    /// Of the rows after `learnt` (s); without rows that were learnt from each error has its own mean removed.
     pub fn of(rows: &[ReplayRow], learnt: f64) -> Self {
         let (learnt, judged) = rows.split_at(rows.partition_point(|row| row.time <= learnt));
         let predicted = |row: &ReplayRow| row.predicted - row.measured;
         let rigid = |row: &ReplayRow| row.rigid - row.measured;
+        let learnt = if learnt.is_empty() { judged } else { learnt };
         Self {
             rms: rms(judged, predicted, mean(learnt, predicted)),
             rigid_rms: rms(judged, rigid, mean(learnt, rigid)),
@@ -201,11 +202,11 @@ impl Judgement {
 }
 
 /// Mean of a figure over rows.
-pub fn mean(rows: &[ReplayRow], figure: impl Fn(&ReplayRow) -> f64) -> f64 {
+fn mean(rows: &[ReplayRow], figure: impl Fn(&ReplayRow) -> f64) -> f64 {
     rows.iter().map(figure).sum::<f64>() / rows.len() as f64
 }
 
 /// Rms of a figure about `offset`.
-pub fn rms(rows: &[ReplayRow], figure: impl Fn(&ReplayRow) -> f64, offset: f64) -> f64 {
+fn rms(rows: &[ReplayRow], figure: impl Fn(&ReplayRow) -> f64, offset: f64) -> f64 {
     mean(rows, |row| (figure(row) - offset).powi(2)).sqrt()
 }

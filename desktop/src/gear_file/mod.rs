@@ -352,6 +352,14 @@ impl GearFile {
         Ok(gear)
     }
 
+    /// The file could be written and read again.
+    ///
+    /// # Errors
+    /// One line that names the key, its value and what is allowed.
+    pub fn check(&self) -> Result<(), BadInput> {
+        Self::parse(Path::new(&self.gear.name), self.to_toml().as_bytes()).map(|_| ())
+    }
+
     /// The friction models of both sides are those that the firmware has.
     ///
     /// # Errors

@@ -6,6 +6,7 @@ mod angle;
 pub mod flexspline;
 pub mod friction;
 pub mod hysteresis;
+pub mod replay;
 
 use std::time::Instant;
 
@@ -84,7 +85,7 @@ impl Part {
         }
     }
 
-    /// Measures the part's figures, but for those of the clock ([`flexspline::speed`], [`hysteresis::speed`]).
+    /// Measures the part's figures, but for those of the clock ([`flexspline::speed`], [`hysteresis::speed`]) and of [`replay`].
     ///
     /// # Errors
     /// Measured data that are there and cannot be used.

@@ -13,10 +13,11 @@
 //! | s | the base gear's stiffness over the gear's |
 //! | n | what is in no column: noise that is alike over a short path and a short time |
 //!
-//! In this order: friction and inertia from the motor's torque over its motion ([`friction`]); with them, for each of
-//! [`WANDERS`], the observer's torsion and the regularised least squares of the above ([`residual`]); the wander whose sum
-//! of squares is the least is kept. It says how much of the motor torque that friction does not explain winds the gear
-//! up: where friction is not known to a fraction of the rated torque, hardly any.
+//! In this order: friction from the motor's torque over its motion ([`friction`]); with it, for every observer of
+//! [`WANDERS`], [`LOADS`] and [`DAMPINGS`], its torsion and the regularised least squares of the above ([`residual`]); the
+//! observer with the least sum of squares is kept. The wander says how much of the motor torque that friction does not
+//! explain winds the gear up: where friction is not known to a fraction of the rated torque, hardly any. The load's inertia
+//! and the damping say how much of what the motor's angle does: where time stamps jitter, much of that never was.
 //!
 //! The first share of the motor's path trains, the rest is predicted; a path holds few turns, so every unknown has a
 //! prior of catalogue size and an order that the path does not show is not learnt. The two kinds of orders beat
@@ -39,7 +40,12 @@ use crate::replay::{Judgement, ReplayRow, replay, time_of_path};
 pub use residual::{ORDERS, Residual};
 
 /// Wanders of the external torque that are tried, in rated torques and the square root of a second.
-pub const WANDERS: [f64; 4] = [1.0, 0.1, 0.01, 0.001];
+pub const WANDERS: [f64; 3] = [1e-2, 1e-4, 1e-8];
+/// Inertias of the load that are tried, in the base gear's.
+pub const LOADS: [f64; 3] = [1.0, 0.1, 0.02];
+/// Damping ratios of the torsion mode that are tried, where they are more than the base gear's: a metal gear's, and that of
+/// a mode that an arm's other joints damp.
+pub const DAMPINGS: [f64; 2] = [0.02, 0.3];
 /// Every how many control periods a row is used: 4 ms.
 const EVERY: usize = 40;
 
@@ -86,15 +92,15 @@ pub fn learn_gear(
     let turns = residual::require_turns(&rows)?;
     let friction_factor = friction::learn(&mut gear, &rows)?;
     let mut best: Option<(Residual, GearFile)> = None;
-    for (done, wander) in WANDERS.iter().enumerate() {
-        progress(done as f64 / (WANDERS.len() + 1) as f64);
-        gear.compensation.external_torque_wander = Some(wander * gear.gear.rated_torque);
-        let found = Residual::solve(&gear, &observe(&gear, log, learnt)?)?;
+    let observers = observers(&gear);
+    for (done, gear) in observers.iter().enumerate() {
+        progress(done as f64 / observers.len() as f64);
+        let found = Residual::solve(gear, &observe(gear, log, learnt)?)?;
         if best.as_ref().is_none_or(|(best, _)| found.squares < best.squares) {
             best = Some((found, gear.clone()));
         }
     }
-    let (found, mut gear) = best.ok_or(ParameterError::OutOfRange("wander"))?;
+    let (found, mut gear) = best.ok_or(ParameterError::OutOfRange("gear"))?;
     found.put_into(&mut gear);
     let rows = observe(&gear, log, f64::INFINITY)?;
     let rest = rows.last().is_some_and(|last| last.time > learnt);
@@ -108,6 +114,31 @@ pub fn learn_gear(
         gear,
         rows,
     })
+}
+
+/// The gear with each of the observers that are tried; those that could not be built once the gear is as stiff as its cup
+/// are left out.
+fn observers(gear: &GearFile) -> Vec<GearFile> {
+    let mut tried = Vec::new();
+    for (damping, (load, wander)) in product(&DAMPINGS, &product(&LOADS, &WANDERS)) {
+        let mut one = gear.clone();
+        one.damping.torsion_mode_ratio = damping.max(gear.damping.torsion_mode_ratio);
+        one.inertia.flexspline *= load;
+        one.compensation.external_torque_wander = Some(wander * gear.gear.rated_torque);
+        if is_sound(&residual::stiffest(&one)) && !tried.contains(&one) {
+            tried.push(one);
+        }
+    }
+    tried
+}
+
+/// A gear file may say it, and a compensator can be built from it.
+fn is_sound(gear: &GearFile) -> bool {
+    gear.check().is_ok() && joint_params::<f32>(gear).is_ok_and(|joint| joint.build().is_ok())
+}
+
+fn product<A: Copy, B: Copy>(a: &[A], b: &[B]) -> Vec<(A, B)> {
+    a.iter().flat_map(|a| b.iter().map(|b| (*a, *b))).collect()
 }
 
 /// The log through the observer in the firmware's precision, up to `until` (s).

@@ -47,8 +47,8 @@ const OFFSET: f64 = 1e-2;
 const LEFT: f64 = 2e-5;
 /// q (rad): two counts of a 19-bit encoder, a tenth of it by averaging.
 const READING: f64 = 2e-6;
-/// Path over which what is left is alike (rad): a period of the highest order.
-const PATH_ALIKE: f64 = TAU / 10.0;
+/// Path over which what is left is alike (rad): a period of order 5, which like 3 and 7 has no column.
+const PATH_ALIKE: f64 = TAU / 5.0;
 /// Time over which it is alike (s): a period of an arm's sway.
 const TIME_ALIKE: f64 = 0.2;
 
@@ -130,9 +130,7 @@ impl Residual {
 
     /// Into the gear that the observer had.
     pub(super) fn put_into(&self, gear: &mut GearFile) {
-        for stiffness in [&mut gear.stiffness.k1, &mut gear.stiffness.k2, &mut gear.stiffness.k3] {
-            *stiffness /= self.compliance_factor;
-        }
+        soften(gear, self.compliance_factor);
         let of = |kind| self.terms.iter().filter(|term| term.0 == kind).map(|term| term.1).collect();
         gear.kinematic_error.wave_generator = of(Kind::Case);
         gear.kinematic_error.flexspline = of(Kind::Flexspline);
@@ -147,6 +145,19 @@ fn columns(gear: &GearFile, turns: f64) -> Vec<(Kind, u32)> {
     let scale = SCALE_ORDERS.into_iter().map(|order| (Kind::Scale, order));
     let flexspline = shown.clone().map(|order| (Kind::Flexspline, order));
     scale.chain(flexspline).chain(shown.filter(|_| apart).map(|order| (Kind::Case, order))).collect()
+}
+
+fn soften(gear: &mut GearFile, factor: f64) {
+    for stiffness in [&mut gear.stiffness.k1, &mut gear.stiffness.k2, &mut gear.stiffness.k3] {
+        *stiffness /= factor;
+    }
+}
+
+/// The gear with the stiffness that s ends at.
+pub(super) fn stiffest(gear: &GearFile) -> GearFile {
+    let mut stiffest = gear.clone();
+    soften(&mut stiffest, least_compliance(gear));
+    stiffest
 }
 
 /// s of a gear nearly as stiff as its cup.
