@@ -12,12 +12,12 @@
 //! so a difference of two angles is as exact after 10^6 turns as after none, in f32 too. Counts
 //! wrap after 2^31 turns (248 days at 100 turns a second); differences stay right across the wrap.
 //!
-//! The signed ratio r = 1/n is applied as a 64-bit binary fraction. After 10^6
+//! The signed ratio r = 1/n is applied as a binary fraction of 63 bits. After 10^6
 //! wave-generator turns (2^52 counts) its rounding is below 2^-12 counts.
 //! Turning back, n is an integer: no count is rounded, only the fraction of one.
 
 use crate::error::{Error, require};
-use crate::real::{RADIANS_PER_COUNT, Real};
+use crate::real::{RADIANS_PER_COUNT, Real, seldom};
 
 /// An unbounded angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -82,9 +82,7 @@ impl<R: Real> Angle<R> {
     #[inline]
     pub fn minus(self, other: Self) -> R {
         let counts = self.counts.wrapping_sub(other.counts);
-        // In two pieces that are each exact in f32 when the difference is small.
-        let high = (counts >> 16).clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
-        let whole = R::from_i32(high) * R::lit(65536.0) + R::from_i32((counts & 0xffff) as i32);
+        let whole = i32::try_from(counts).map_or_else(|_| rounded(counts), R::from_i32);
         (whole + (self.rest - other.rest)) * R::lit(RADIANS_PER_COUNT)
     }
 
@@ -108,12 +106,21 @@ impl<R: Real> Angle<R> {
     }
 }
 
+/// Counts as a number, saturating at 2^15 turns either way.
+fn rounded<R: Real>(counts: i64) -> R {
+    seldom();
+    let high = (counts >> 16).clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
+    // In two pieces that are each exact in f32 when the difference is small.
+    R::from_i32(high) * R::lit(65536.0) + R::from_i32((counts & 0xffff) as i32)
+}
+
 /// A gear ratio r = 1/n, n positive or negative, as an exact map of angles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ratio {
     n: i32,
-    /// 2^64/|n|, rounded.
-    fraction: u64,
+    /// 2^63/n, rounded, as high*2^32 + low.
+    high: i32,
+    low: i32,
 }
 
 impl Ratio {
@@ -124,23 +131,22 @@ impl Ratio {
     pub fn one_over(n: i32) -> Result<Self, Error> {
         let magnitude = u64::from(n.unsigned_abs());
         require((2..=1000).contains(&magnitude), "ratio")?;
-        // 2^64 = quotient*|n| + remainder, without leaving 64 bits.
-        let (quotient, remainder) = (u64::MAX / magnitude, u64::MAX % magnitude + 1);
-        Ok(Self { n, fraction: quotient + (remainder + magnitude / 2) / magnitude })
+        let fraction = (((1 << 63) + magnitude / 2) / magnitude).cast_signed() * i64::from(n.signum());
+        // Both signed: each product of the step is one instruction.
+        let low = fraction as i32;
+        Ok(Self { n, high: ((fraction - i64::from(low)) >> 32) as i32, low })
     }
 
     /// r * angle: from the wave generator to the ideal output.
     #[inline]
     pub fn apply<R: Real>(self, angle: Angle<R>) -> Angle<R> {
-        let (whole, low) = multiply(angle.counts, self.fraction);
-        // The top 24 bits of the fraction below a count are all that a rest can hold in f32.
-        let fraction = R::from_i32((low >> 40) as i32) * R::lit(1.0 / 16_777_216.0);
-        let rest = fraction + angle.rest * self.magnitude();
-        if self.n < 0 {
-            Angle { counts: whole.wrapping_neg(), rest: -rest }
-        } else {
-            Angle { counts: whole, rest }
-        }
+        let (high, low) = ((angle.counts >> 32) as i32, angle.phase());
+        // In 2^-31 counts; of the product of the lower words only whole ones.
+        let lower = (i64::from(low) * i64::from(self.low)) >> 32;
+        let below = i64::from(high) * i64::from(self.low) + i64::from(low) * i64::from(self.high) + lower;
+        let counts = (2 * i64::from(high) * i64::from(self.high)).wrapping_add(below >> 31);
+        let fraction = R::from_i32((below & 0x7fff_ffff) as i32) * R::lit(1.0 / 2_147_483_648.0);
+        Angle { counts, rest: fraction + angle.rest * self.rounded::<R>() }
     }
 
     /// angle / r: from the ideal output to the wave generator.
@@ -152,10 +158,10 @@ impl Ratio {
         Angle { counts, rest: fraction - R::from_i32(whole) }
     }
 
-    /// |r|, in one multiplication.
+    /// r without a division, to 2^-31.
     #[inline(always)]
-    fn magnitude<R: Real>(self) -> R {
-        R::from_i32((self.fraction >> 33) as i32) * R::lit(1.0 / 2_147_483_648.0)
+    fn rounded<R: Real>(self) -> R {
+        R::from_i32(self.high) * R::lit(1.0 / 2_147_483_648.0)
     }
 
     /// n = 1/r.
@@ -167,13 +173,6 @@ impl Ratio {
     pub fn value<R: Real>(self) -> R {
         R::ONE / R::from_i32(self.n)
     }
-}
-
-/// Upper and lower words of the 128-bit product of a signed and an unsigned number.
-#[inline]
-fn multiply(signed: i64, unsigned: u64) -> (i64, u64) {
-    let product = i128::from(signed).wrapping_mul(i128::from(unsigned));
-    ((product >> 64) as i64, product as u64)
 }
 
 /// Cosine and sine of an angle, taken once for all that depends on them.

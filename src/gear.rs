@@ -16,7 +16,7 @@
 //! Inside a mesh the torque at the contact and at the flange differ by the shell's own inertia, and
 //! the ellipse adds its reaction to tau_wg; the condensed flexspline has neither.
 
-use crate::angle::{Angle, Ratio};
+use crate::angle::{Angle, Heading, Ratio};
 use crate::error::{Error, require};
 use crate::flexspline::{Ends, Flexspline, FlexsplineParams, Reaction};
 use crate::friction::{FrictionModel, FrictionParams, JointFrictionParams, Slip, StepTime};
@@ -233,26 +233,26 @@ impl<R: Real, F: Flexspline<R>, C: FrictionModel<R>, const L: usize, const MEMOR
         &self.hysteresis
     }
 
-    /// Kinematic error at a wave-generator angle.
+    /// Kinematic error at a wave-generator angle of this heading.
     #[inline(always)]
-    pub fn kinematic_error(&self, wave_generator: Angle<R>) -> Deviation<R> {
-        self.kinematic_error.evaluate(wave_generator, self.ratio.apply(wave_generator))
+    pub fn kinematic_error(&self, wave_generator: Angle<R>, heading: Heading<R>) -> Deviation<R> {
+        self.kinematic_error.evaluate(wave_generator.counts, heading)
     }
 
     /// Where the output stands without torsion: r*theta_wg + e(theta_wg).
     pub fn drive(&self, wave_generator: Angle<R>) -> Angle<R> {
-        let ideal = self.ratio.apply(wave_generator);
-        ideal.plus(self.kinematic_error.evaluate(wave_generator, ideal).error)
+        self.ratio.apply(wave_generator).plus(self.kinematic_error.at(wave_generator).error)
     }
 
     /// What the motion of both sides is to the flexspline.
     pub fn flexspline_ends(&self, wave_generator: &Motion<R>, flange: &Motion<R>) -> Ends<R> {
-        self.ends(wave_generator, flange).0
+        self.ends(wave_generator, flange, wave_generator.angle.heading()).0
     }
 
-    fn ends(&self, wave_generator: &Motion<R>, flange: &Motion<R>) -> (Ends<R>, R) {
+    #[inline(always)]
+    fn ends(&self, wave_generator: &Motion<R>, flange: &Motion<R>, heading: Heading<R>) -> (Ends<R>, R) {
         let ideal = self.ratio.apply(wave_generator.angle);
-        let deviation = self.kinematic_error.evaluate(wave_generator.angle, ideal);
+        let deviation = self.kinematic_error(wave_generator.angle, heading);
         let slope = self.ratio_value + deviation.slope;
         let ends = Ends {
             drive: ideal.plus(deviation.error),
@@ -273,7 +273,8 @@ impl<R: Real, F: Flexspline<R>, C: FrictionModel<R>, const L: usize, const MEMOR
         flange: &Motion<R>,
         applied: Applied<R>,
     ) -> Torques<R> {
-        let (ends, slope) = self.ends(wave_generator, flange);
+        let heading = wave_generator.angle.heading();
+        let (ends, slope) = self.ends(wave_generator, flange, heading);
         let Reaction { contact, flange: on_flange, ellipse, loss, saturated } =
             self.flexspline.step(&mut state.flexspline, &ends);
         let torsion = ends.drive.minus(ends.flange);
@@ -281,7 +282,6 @@ impl<R: Real, F: Flexspline<R>, C: FrictionModel<R>, const L: usize, const MEMOR
         let transmitted = on_flange + hysteresis;
         let reflected = slope * (contact + hysteresis);
         let resisting = reflected - ellipse;
-        let heading = wave_generator.angle.heading();
         let slip = |velocity| Slip { wave_generator: heading, ..Slip::over(velocity, self.dt) };
         let input = slip(wave_generator.velocity).under(applied.motor - resisting, reflected);
         let output = slip(flange.velocity).under(applied.load + transmitted, transmitted);

@@ -56,6 +56,7 @@ pub mod gear;
 pub mod hysteresis;
 pub mod kinematic_error;
 pub mod real;
+mod sine_cosine;
 
 pub use angle::{Angle, Heading, Ratio};
 pub use error::Error;

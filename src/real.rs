@@ -20,10 +20,10 @@ use crate::hysteresis::fixed::Fixed;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use crate::exponential;
+use crate::{exponential, sine_cosine};
 
 /// Largest absolute error of the f32 [`Real::sin_cos_phase`].
-pub const SIN_COS_ERROR: f64 = 1.25e-7;
+pub const SIN_COS_ERROR: f64 = 8e-8;
 /// Largest relative error of the f32 [`Real::sqrt_or_zero`] of a normal number.
 pub const SQRT_ERROR: f64 = 2.4e-7;
 /// Largest relative error of the f32 [`Real::one_minus_exp_neg`].
@@ -74,6 +74,10 @@ pub trait Real:
     fn to_i32(self) -> i32;
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
+    /// Within `-bound..=bound`, `bound` >= 0; not NaN. One comparison of integers.
+    fn is_within(self, bound: Self) -> bool;
+    /// Within 0..=1, without -0; not NaN. One comparison of integers.
+    fn is_share(self) -> bool;
     /// Square root, for `build` only.
     fn sqrt(self) -> Self;
     /// Square root of a finite number; 0 of one below 0.
@@ -101,6 +105,10 @@ pub trait Real:
     /// Limited to `-bound..=bound`; `-bound` when `self` is NaN.
     #[inline(always)]
     fn limit(self, bound: Self) -> Self {
+        if self.abs() <= bound {
+            return self;
+        }
+        seldom();
         self.max(-bound).min(bound)
     }
     /// -1, 0 or 1; 0 for NaN.
@@ -148,6 +156,14 @@ impl Real for f64 {
     #[inline(always)]
     fn is_finite(self) -> bool {
         Self::is_finite(self)
+    }
+    #[inline(always)]
+    fn is_within(self, bound: Self) -> bool {
+        Self::abs(self).to_bits() <= bound.to_bits()
+    }
+    #[inline(always)]
+    fn is_share(self) -> bool {
+        self.to_bits() <= Self::ONE.to_bits()
     }
     #[inline(always)]
     fn abs(self) -> Self {
@@ -204,6 +220,14 @@ impl Real for f32 {
         Self::is_finite(self)
     }
     #[inline(always)]
+    fn is_within(self, bound: Self) -> bool {
+        Self::abs(self).to_bits() <= bound.to_bits()
+    }
+    #[inline(always)]
+    fn is_share(self) -> bool {
+        self.to_bits() <= Self::ONE.to_bits()
+    }
+    #[inline(always)]
     fn abs(self) -> Self {
         Self::abs(self)
     }
@@ -231,25 +255,16 @@ impl Real for f32 {
         exponential::one_minus_exp_neg_f32(self)
     }
 
-    /// Quadrant from the top bits, then the minimax polynomials of Cephes' `sinf` and `cosf` on
-    /// +-pi/4 (S. Moshier, Methods and Programs for Mathematical Functions, 1989).
-    #[inline]
+    #[inline(always)]
     fn sin_cos_phase(phase: u32) -> (Self, Self) {
-        let quadrant = phase.wrapping_add(1 << 29) >> 30;
-        let rest = phase.wrapping_sub(quadrant << 30).cast_signed();
-        let x = Self::from_i32(rest) * Self::lit(RADIANS_PER_COUNT);
-        let square = x * x;
-        let sine = x + x * square * (-1.666_665_5e-1 + square * (8.332_161e-3 - square * 1.951_529_6e-4));
-        let cosine = 1.0 - 0.5 * square
-            + square * square * (4.166_664_6e-2 + square * (-1.388_731_6e-3 + square * 2.443_315_7e-5));
-        match quadrant & 3 {
-            0 => (sine, cosine),
-            1 => (cosine, -sine),
-            2 => (-sine, -cosine),
-            _ => (-cosine, sine),
-        }
+        sine_cosine::sine_cosine_f32(phase)
     }
 }
+
+/// Marks a path that is seldom taken: the other one is the one to fall through.
+#[cold]
+#[inline(always)]
+pub(crate) const fn seldom() {}
 
 #[cfg(test)]
 mod tests {

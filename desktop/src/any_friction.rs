@@ -4,7 +4,7 @@
 //! the model which it was first stepped by; before that, and for any other model, it is at rest.
 
 use strainwave::friction::{
-    Armstrong, ArmstrongParams, Bristle, BristleParams, Coulomb, CoulombParams, Dahl, DahlParams,
+    Armstrong, ArmstrongParams, Bristle, BristleParams, Coulomb, CoulombParams, Dahl, DahlParams, Friction,
     FrictionModel, FrictionParams, JointFriction, JointFrictionParams, Karnopp, KarnoppParams, LuGre,
     LuGreParams, LubricatedContact, LubricatedContactParams, ResetIntegrator, ResetIntegratorParams, Slip,
     StateSpace, StateSpaceParams, Static, StaticParams, Stribeck, StribeckParams, Viscous, ViscousParams,
@@ -60,12 +60,18 @@ macro_rules! any_friction {
             }
 
             fn advance(&self, state: &mut Self::State, slip: &Slip<R>) {
+                self.step(state, slip);
+            }
+
+            /// The model's own: each knows what it reads, and holds when that is not finite.
+            fn step(&self, state: &mut Self::State, slip: &Slip<R>) -> Friction<R> {
                 match (self, state) {
-                    $((Self::$name(model), AnyFrictionState::$name(own)) => model.advance(own, slip),)*
+                    $((Self::$name(model), AnyFrictionState::$name(own)) => model.step(own, slip),)*
                     $((Self::$name(model), other) => {
                         let mut own = Default::default();
-                        model.advance(&mut own, slip);
+                        let friction = model.step(&mut own, slip);
                         *other = AnyFrictionState::$name(own);
+                        friction
                     })*
                 }
             }

@@ -4,7 +4,6 @@
 //! computed here, once, off line.
 
 use strainwave::compensator::feedback::FeedbackParams;
-use strainwave::compensator::observer::ObserverParams;
 use strainwave::compensator::{JointParams, Limits};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
 use strainwave::flexspline::{Bend, Cup, FlexsplineParams};
@@ -108,12 +107,13 @@ pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
         gear: firmware_gear_params(file)?,
         motor_encoder_bits: file.sensors.motor_encoder_bits,
         output_encoder_bits: file.sensors.output_encoder_bits.unwrap_or(file.sensors.motor_encoder_bits),
+        output_encoder_period: file.sensors.output_encoder_period,
         limits: Limits {
             motor_torque: R::lit(file.motor.peak_torque),
             motor_speed: R::lit(file.motor.rotor_speed_limit),
             output_torque: R::lit(file.gear.peak_torque),
         },
-        observer: ObserverParams { gains: observer_design::gains(file)? },
+        observer: observer_design::observer_params(file)?,
         feedback: feedback_params(file),
     })
 }
@@ -130,8 +130,9 @@ pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
     format!(
         "// Generated from the gear file `{gear_name}`; do not edit.\n\
          use strainwave::compensator::feedback::FeedbackParams;\n\
+         use strainwave::compensator::observer::deviation::{{Spread, Uncertainty}};\n\
          use strainwave::compensator::observer::{{Gains, ObserverParams}};\n\
-         use strainwave::compensator::{{JointParams, Limits}};\n\
+         use strainwave::compensator::{{EstimateDeviation, JointParams, Limits}};\n\
          use strainwave::flexspline::stiffness_line::StiffnessLineParams;\n\
          use strainwave::flexspline::{{Bend, Cup, FlexsplineParams}};\n\
          use strainwave::friction::{{\n    \

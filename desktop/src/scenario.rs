@@ -34,6 +34,8 @@ pub struct Demand {
     pub acceleration: f64,
     /// (rad/s^3)
     pub jerk: f64,
+    /// (rad/s^4)
+    pub snap: f64,
     /// External torque on the output (N m).
     pub load: f64,
 }
@@ -46,6 +48,7 @@ impl Demand {
             velocity: self.velocity as f32,
             acceleration: self.acceleration as f32,
             jerk: self.jerk as f32,
+            snap: self.snap as f32,
         }
     }
 }
@@ -130,14 +133,16 @@ fn steps(time: f64) -> Demand {
 fn sine(time: f64) -> Demand {
     let omega = 2.0 * PI * 0.2;
     let (sine, cosine) = (omega * time).sin_cos();
-    let (w, w1, w2, w3) = smooth(time / 0.8);
-    let (w1, w2, w3) = (w1 / 0.8, w2 / 0.8f64.powi(2), w3 / 0.8f64.powi(3));
+    let (w, w1, w2, w3, w4) = smooth(time / 0.8);
+    let (w1, w2, w3, w4) = (w1 / 0.8, w2 / 0.8f64.powi(2), w3 / 0.8f64.powi(3), w4 / 0.8f64.powi(4));
     let (s, s1, s2, s3) = (sine, omega * cosine, -omega * omega * sine, -omega.powi(3) * cosine);
+    let s4 = omega.powi(4) * sine;
     Demand {
         position: 0.05 * w * s,
         velocity: 0.05 * (w1 * s + w * s1),
         acceleration: 0.05 * (w2 * s + 2.0 * w1 * s1 + w * s2),
         jerk: 0.05 * (w3 * s + 3.0 * w2 * s1 + 3.0 * w1 * s2 + w * s3),
+        snap: 0.05 * (w4 * s + 4.0 * w3 * s1 + 6.0 * w2 * s2 + 4.0 * w1 * s3 + w * s4),
         load: 0.0,
     }
 }
@@ -147,7 +152,7 @@ fn crawl(time: f64) -> Demand {
     const SPEED: f64 = 0.1;
     const START: f64 = 0.2;
     let x = (time / START).min(1.0);
-    let (w, w1, w2, _) = smooth(x);
+    let (w, w1, w2, w3, _) = smooth(x);
     // Integral of the polynomial of `smooth`.
     let path = START * (7.0 * x.powi(5) - 14.0 * x.powi(6) + 10.0 * x.powi(7) - 2.5 * x.powi(8));
     Demand {
@@ -155,18 +160,20 @@ fn crawl(time: f64) -> Demand {
         velocity: SPEED * w,
         acceleration: SPEED * w1 / START,
         jerk: SPEED * w2 / (START * START),
+        snap: SPEED * w3 / START.powi(3),
         load: 0.0,
     }
 }
 
 /// A move of `distance` (rad) in `duration` (s) with continuous jerk, then rest.
 fn rest_to_rest(time: f64, distance: f64, duration: f64) -> Demand {
-    let (w, w1, w2, w3) = smooth(time / duration);
+    let (w, w1, w2, w3, w4) = smooth(time / duration);
     Demand {
         position: distance * w,
         velocity: distance * w1 / duration,
         acceleration: distance * w2 / duration.powi(2),
         jerk: distance * w3 / duration.powi(3),
+        snap: distance * w4 / duration.powi(4),
         load: 0.0,
     }
 }
@@ -184,16 +191,18 @@ fn torque_loop(time: f64, duration: f64, rated: f64) -> f64 {
     rated * (from + (to - from) * eased(x))
 }
 
-/// The polynomial of 7th order from 0 to 1 with three vanishing derivatives at both ends, and its derivatives.
-fn smooth(x: f64) -> (f64, f64, f64, f64) {
-    if !(0.0..1.0).contains(&x) {
-        return (if x < 0.0 { 0.0 } else { 1.0 }, 0.0, 0.0, 0.0);
+/// The polynomial of 7th order from 0 to 1 with three vanishing derivatives at both ends, and its derivatives up to the
+/// fourth; at rest from either end on.
+fn smooth(x: f64) -> (f64, f64, f64, f64, f64) {
+    if x <= 0.0 || x >= 1.0 {
+        return (if x <= 0.0 { 0.0 } else { 1.0 }, 0.0, 0.0, 0.0, 0.0);
     }
     (
         x.powi(4) * (35.0 - 84.0 * x + 70.0 * x * x - 20.0 * x.powi(3)),
         x.powi(3) * (140.0 - 420.0 * x + 420.0 * x * x - 140.0 * x.powi(3)),
         x.powi(2) * (420.0 - 1680.0 * x + 2100.0 * x * x - 840.0 * x.powi(3)),
         x * (840.0 - 5040.0 * x + 8400.0 * x * x - 4200.0 * x.powi(3)),
+        840.0 - 10_080.0 * x + 25_200.0 * x * x - 16_800.0 * x.powi(3),
     )
 }
 
@@ -215,10 +224,11 @@ mod tests {
     #[test]
     fn derivatives_are_consistent() {
         type Of = fn(&Demand) -> f64;
-        let pairs: [(Of, Of); 3] = [
+        let pairs: [(Of, Of); 4] = [
             (|d| d.position, |d| d.velocity),
             (|d| d.velocity, |d| d.acceleration),
             (|d| d.acceleration, |d| d.jerk),
+            (|d| d.jerk, |d| d.snap),
         ];
         let h = 1e-6;
         for scenario in Scenario::ALL {

@@ -84,6 +84,7 @@ impl Controller for Target {
 fn canonical(output: &Output<f32>) -> impl PartialEq {
     let mut output = *output;
     let estimate = &mut output.estimate;
+    let deviation = &mut estimate.deviation;
     for value in [
         &mut output.motor_torque,
         &mut output.feed_forward_torque,
@@ -95,6 +96,13 @@ fn canonical(output: &Output<f32>) -> impl PartialEq {
         &mut estimate.input_friction,
         &mut estimate.output_friction,
         &mut estimate.external_torque,
+        &mut deviation.output_position,
+        &mut deviation.output_velocity,
+        &mut deviation.torsion,
+        &mut deviation.transmitted_torque,
+        &mut deviation.input_friction,
+        &mut deviation.output_friction,
+        &mut deviation.external_torque,
     ] {
         if value.is_nan() {
             *value = f32::NAN;

@@ -63,7 +63,7 @@ prop_compose! {
         gauge in prop::option::of(any_float()),
         counts in any::<i64>(),
         rest in any_float(),
-        [velocity, acceleration, jerk] in prop::array::uniform3(any_float()),
+        [velocity, acceleration, jerk, snap] in prop::array::uniform4(any_float()),
         [feedback, inertia, friction, wind_up, kinematic_error] in prop::array::uniform5(any_float()),
     ) -> Input<f32> {
         Input {
@@ -73,7 +73,7 @@ prop_compose! {
                 motor_torque: torque,
                 output_torque: gauge,
             },
-            setpoint: Setpoint { position: Angle { counts, rest }, velocity, acceleration, jerk },
+            setpoint: Setpoint { position: Angle { counts, rest }, velocity, acceleration, jerk, snap },
             shares: Shares { feedback, inertia, friction, wind_up, kinematic_error },
         }
     }
@@ -101,7 +101,7 @@ proptest! {
 #[test]
 fn nan_and_infinity_are_held_and_named() {
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-        for place in 0..8 {
+        for place in 0..9 {
             let (compensator, mut state) = settled();
             let before = compensator.step(&mut state.clone(), &resting(0));
             let mut input = resting(0);
@@ -110,6 +110,7 @@ fn nan_and_infinity_are_held_and_named() {
                 &mut input.setpoint.velocity,
                 &mut input.setpoint.acceleration,
                 &mut input.setpoint.jerk,
+                &mut input.setpoint.snap,
                 &mut input.setpoint.position.rest,
                 &mut input.shares.feedback,
                 &mut input.shares.friction,

@@ -58,6 +58,7 @@ fn plausible(sequence: &mut Sequence, period: u32) -> Input<f32> {
             velocity,
             acceleration: 10.0 * sequence.unit(),
             jerk: 100.0 * sequence.unit(),
+            snap: 1e4 * sequence.unit(),
         },
         shares: Shares { feedback: 1.0, inertia: 1.0, friction: 0.8, wind_up: 1.0, kinematic_error: 1.0 },
     }

@@ -3,7 +3,7 @@
 use proptest::array;
 use proptest::prelude::*;
 use strainwave::Angle;
-use strainwave::compensator::{Estimate, Faults, Input, Output, Sensors, Setpoint, Shares};
+use strainwave::compensator::{Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares};
 use strainwave_app::frame::{
     INPUT_BYTES, OUTPUT_BYTES, decode_input, decode_output, encode_input, encode_output,
 };
@@ -12,7 +12,7 @@ use strainwave_app::frame::{
 const OUTPUT_ENCODER_FLAG: usize = 4;
 const OUTPUT_TORQUE_FLAG: usize = 13;
 
-fn input_of(words: [u32; 14], counts: i64, flags: [bool; 2]) -> Input<f32> {
+fn input_of(words: [u32; 15], counts: i64, flags: [bool; 2]) -> Input<f32> {
     let f = |k: usize| f32::from_bits(words[k]);
     Input {
         sensors: Sensors {
@@ -26,18 +26,19 @@ fn input_of(words: [u32; 14], counts: i64, flags: [bool; 2]) -> Input<f32> {
             velocity: f(5),
             acceleration: f(6),
             jerk: f(7),
+            snap: f(8),
         },
         shares: Shares {
-            feedback: f(8),
-            inertia: f(9),
-            friction: f(10),
-            wind_up: f(11),
-            kinematic_error: f(12),
+            feedback: f(9),
+            inertia: f(10),
+            friction: f(11),
+            wind_up: f(12),
+            kinematic_error: f(13),
         },
     }
 }
 
-fn output_of(words: [u32; 14], counts: [i64; 2]) -> Output<f32> {
+fn output_of(words: [u32; 18], counts: [i64; 2]) -> Output<f32> {
     let f = |k: usize| f32::from_bits(words[k]);
     Output {
         motor_torque: f(0),
@@ -51,8 +52,17 @@ fn output_of(words: [u32; 14], counts: [i64; 2]) -> Output<f32> {
             input_friction: f(7),
             output_friction: f(8),
             external_torque: f(9),
+            deviation: EstimateDeviation {
+                output_position: f(10),
+                output_velocity: f(11),
+                torsion: f(12),
+                transmitted_torque: f(13),
+                input_friction: f(14),
+                output_friction: f(15),
+                external_torque: f(16),
+            },
         },
-        faults: Faults::from_bits(words[10]),
+        faults: Faults::from_bits(words[17]),
     }
 }
 
@@ -71,6 +81,7 @@ fn input_bits(input: &Input<f32>) -> Vec<u64> {
         bits(setpoint.velocity),
         bits(setpoint.acceleration),
         bits(setpoint.jerk),
+        bits(setpoint.snap),
         bits(shares.feedback),
         bits(shares.inertia),
         bits(shares.friction),
@@ -95,6 +106,13 @@ fn output_bits(output: &Output<f32>) -> Vec<u64> {
         bits(estimate.input_friction),
         bits(estimate.output_friction),
         bits(estimate.external_torque),
+        bits(estimate.deviation.output_position),
+        bits(estimate.deviation.output_velocity),
+        bits(estimate.deviation.torsion),
+        bits(estimate.deviation.transmitted_torque),
+        bits(estimate.deviation.input_friction),
+        bits(estimate.deviation.output_friction),
+        bits(estimate.deviation.external_torque),
         u64::from(output.faults.bits()),
     ]
 }
@@ -107,14 +125,14 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
     #[test]
-    fn an_input_survives_the_frame(words in array::uniform14(any::<u32>()), counts: i64, flags: [bool; 2]) {
+    fn an_input_survives_the_frame(words in array::uniform15(any::<u32>()), counts: i64, flags: [bool; 2]) {
         let input = input_of(words, counts, flags);
         let back = decode_input(&encode_input(&input)).expect("a valid frame");
         prop_assert_eq!(input_bits(&back), input_bits(&input));
     }
 
     #[test]
-    fn an_output_survives_the_frame(words in array::uniform14(any::<u32>()), counts: [i64; 2]) {
+    fn an_output_survives_the_frame(words in array::uniform18(any::<u32>()), counts: [i64; 2]) {
         let output = output_of(words, counts);
         prop_assert_eq!(output_bits(&decode_output(&encode_output(&output))), output_bits(&output));
     }
@@ -165,5 +183,5 @@ fn fields_are_little_endian_in_the_order_of_their_declaration() {
     assert_eq!(frame[..9], [0, 2, 3, 4, 1, 1, 2, 3, 4]);
     assert_eq!(frame[OUTPUT_TORQUE_FLAG..18], [0, 0, 0, 0, 0]);
     assert_eq!(frame[18..26], [0xfe, 255, 255, 255, 255, 255, 255, 255]);
-    assert_eq!(frame[INPUT_BYTES - 4..], [12, 2, 3, 4]);
+    assert_eq!(frame[INPUT_BYTES - 4..], [13, 2, 3, 4]);
 }

@@ -67,8 +67,7 @@ impl Encoder {
                 EncoderState { phase, counts: i64::from(phase.cast_signed()), refused: 0, started: true };
         }
         let delta = phase.wrapping_sub(state.phase).cast_signed();
-        let reach = self.farthest.saturating_mul(1 + state.refused);
-        let believed = in_range && delta.unsigned_abs() <= reach;
+        let believed = in_range && self.reaches(delta.unsigned_abs(), state.refused);
         if believed {
             state.phase = phase;
             state.counts = state.counts.wrapping_add(i64::from(delta));
@@ -77,6 +76,12 @@ impl Encoder {
             state.refused = (state.refused + 1).min(MOST_REFUSED);
         }
         (Angle::from_counts(state.counts), believed)
+    }
+
+    /// A step of so many counts is believable after so many refused ones.
+    #[inline(always)]
+    fn reaches(&self, counts: u32, refused: u32) -> bool {
+        counts <= self.farthest || counts <= self.farthest.saturating_mul(1 + refused)
     }
 }
 

@@ -163,7 +163,7 @@ impl<R: Real> FeedForward<R> {
         state.hysteresis_torque = gear.hysteresis().step(&mut state.hysteresis, torsion).torque;
         let torsion_rate = gear.flexspline().compliance(carried) * inertia * setpoint.jerk;
 
-        let deviation = gear.kinematic_error(reference);
+        let deviation = gear.kinematic_error(reference, heading);
         let ahead = shares.wind_up * torsion - shares.kinematic_error * deviation.error;
         let ahead_rate =
             shares.wind_up * torsion_rate - shares.kinematic_error * deviation.slope * motor_velocity;

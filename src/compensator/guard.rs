@@ -4,7 +4,8 @@
 //! The setpoint's derivatives are limited to what the joint can do, and reported:
 //!
 //! ```text
-//! |dq| <= motor_speed/|n|,   |ddq| <= 2*motor_torque*|n|/(J_fs + n^2*J_wg),   |dddq| <= that/dt,   n = 1/r
+//! |dq| <= motor_speed/|n|,   |ddq| <= 2*motor_torque*|n|/(J_fs + n^2*J_wg),   |dddq| <= that/dt,
+//! |ddddq| <= that/dt,   n = 1/r
 //! ```
 //!
 //! Measured torques are limited to twice the peak torque of motor and gear: a torque sensor that says
@@ -12,11 +13,12 @@
 //! switching one makes no step in the output. The setpoint's position may be any angle; the feedback's
 //! answer to a jump of it ends at the motor's torque. Units: rad, N m, s; signs as in [`crate::gear`].
 
+use crate::angle::Angle;
 use crate::compensator::faults::Faults;
 use crate::compensator::{Input, Limits, Sensors, Setpoint, Shares};
 use crate::error::{Error, require};
 use crate::gear::GearParams;
-use crate::real::Real;
+use crate::real::{Real, seldom};
 
 /// Time in which a share goes from 0 to 1 (s).
 const SHARE_RAMP: f64 = 0.01;
@@ -27,15 +29,22 @@ pub struct InputGuard<R> {
     velocity: R,
     acceleration: R,
     jerk: R,
+    snap: R,
     motor_torque: R,
     output_torque: R,
     share_step: R,
 }
 
-/// The last input that passed.
+/// What passed last.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InputGuardState<R> {
-    passed: Input<R>,
+    velocity: R,
+    acceleration: R,
+    jerk: R,
+    snap: R,
+    motor_torque: R,
+    output_torque: R,
+    shares: Shares<R>,
 }
 
 impl<R: Real> InputGuard<R> {
@@ -53,6 +62,7 @@ impl<R: Real> InputGuard<R> {
             velocity: limits.output_speed(gear.ratio),
             acceleration,
             jerk: acceleration / dt,
+            snap: acceleration / (dt * dt),
             motor_torque: R::lit(2.0) * limits.motor_torque,
             output_torque: R::lit(2.0) * limits.output_torque,
             share_step: dt * R::lit(1.0 / SHARE_RAMP),
@@ -60,50 +70,79 @@ impl<R: Real> InputGuard<R> {
     }
 
     /// The input as the control step may use it.
+    #[inline(always)]
     pub fn step(&self, state: &mut InputGuardState<R>, input: &Input<R>, faults: &mut Faults) -> Input<R> {
-        let last = state.passed;
-        let mut finite = |value: R, held: R| {
-            faults.raise_if(!value.is_finite(), Faults::INPUT_NOT_FINITE);
-            value.finite_or(held)
-        };
-        let mut setpoint = Setpoint {
-            position: input.setpoint.position,
-            velocity: finite(input.setpoint.velocity, last.setpoint.velocity),
-            acceleration: finite(input.setpoint.acceleration, last.setpoint.acceleration),
-            jerk: finite(input.setpoint.jerk, last.setpoint.jerk),
-        };
-        setpoint.position.rest = finite(input.setpoint.position.rest, R::ZERO).limit(R::ONE);
-        let sensors = Sensors {
-            motor_torque: finite(input.sensors.motor_torque, last.sensors.motor_torque)
-                .limit(self.motor_torque),
-            output_torque: input.sensors.output_torque.map(|torque| {
-                finite(torque, last.sensors.output_torque.unwrap_or(R::ZERO)).limit(self.output_torque)
-            }),
-            ..input.sensors
-        };
-        let mut share = |wanted: R, now: R| {
-            let wanted = finite(wanted, now).max(R::ZERO).min(R::ONE);
-            now + (wanted - now).limit(self.share_step)
-        };
-        let shares = Shares {
-            feedback: share(input.shares.feedback, last.shares.feedback),
-            inertia: share(input.shares.inertia, last.shares.inertia),
-            friction: share(input.shares.friction, last.shares.friction),
-            wind_up: share(input.shares.wind_up, last.shares.wind_up),
-            kinematic_error: share(input.shares.kinematic_error, last.shares.kinematic_error),
-        };
-        for (value, bound) in [
-            (&mut setpoint.velocity, self.velocity),
-            (&mut setpoint.acceleration, self.acceleration),
-            (&mut setpoint.jerk, self.jerk),
-        ] {
-            let limited = value.limit(bound);
-            faults.raise_if(limited != *value, Faults::SETPOINT_LIMITED);
-            *value = limited;
+        Input {
+            sensors: self.sensors(state, &input.sensors, faults),
+            setpoint: self.setpoint(state, &input.setpoint, faults),
+            shares: self.shares(&mut state.shares, &input.shares, faults),
         }
-        state.passed = Input { sensors, setpoint, shares };
-        state.passed
     }
+
+    #[inline(always)]
+    fn sensors(&self, last: &mut InputGuardState<R>, new: &Sensors<R>, faults: &mut Faults) -> Sensors<R> {
+        let mut pass = |new, last: &mut R, bound| pass(new, last, bound, Faults::NONE, faults);
+        Sensors {
+            motor_torque: pass(new.motor_torque, &mut last.motor_torque, self.motor_torque),
+            output_torque: new
+                .output_torque
+                .map(|torque| pass(torque, &mut last.output_torque, self.output_torque)),
+            ..*new
+        }
+    }
+
+    #[inline(always)]
+    fn setpoint(&self, last: &mut InputGuardState<R>, new: &Setpoint<R>, faults: &mut Faults) -> Setpoint<R> {
+        let mut none = R::ZERO;
+        let rest = pass(new.position.rest, &mut none, R::ONE, Faults::NONE, faults);
+        let mut pass = |new, last: &mut R, bound| pass(new, last, bound, Faults::SETPOINT_LIMITED, faults);
+        Setpoint {
+            position: Angle { rest, ..new.position },
+            velocity: pass(new.velocity, &mut last.velocity, self.velocity),
+            acceleration: pass(new.acceleration, &mut last.acceleration, self.acceleration),
+            jerk: pass(new.jerk, &mut last.jerk, self.jerk),
+            snap: pass(new.snap, &mut last.snap, self.snap),
+        }
+    }
+
+    #[inline(always)]
+    fn shares(&self, last: &mut Shares<R>, new: &Shares<R>, faults: &mut Faults) -> Shares<R> {
+        let mut follow = |new, last: &mut R| follow(new, last, self.share_step, faults);
+        Shares {
+            feedback: follow(new.feedback, &mut last.feedback),
+            inertia: follow(new.inertia, &mut last.inertia),
+            friction: follow(new.friction, &mut last.friction),
+            wind_up: follow(new.wind_up, &mut last.wind_up),
+            kinematic_error: follow(new.kinematic_error, &mut last.kinematic_error),
+        }
+    }
+}
+
+/// A value within +-`bound`: the `new` one, limited and reported as `limited`; in the place of one that is not
+/// finite the `last`.
+#[inline(always)]
+fn pass<R: Real>(new: R, last: &mut R, bound: R, limited: Faults, faults: &mut Faults) -> R {
+    if !new.is_within(bound) {
+        seldom();
+        faults.raise_if(true, if new.is_finite() { limited } else { Faults::INPUT_NOT_FINITE });
+        *last = new.finite_or(*last).limit(bound);
+        return *last;
+    }
+    *last = new;
+    new
+}
+
+/// A share on its way to `wanted`, limited to 0..=1, by at most `step`.
+#[inline(always)]
+fn follow<R: Real>(wanted: R, share: &mut R, step: R, faults: &mut Faults) -> R {
+    let mut target = wanted;
+    if !wanted.is_share() {
+        seldom();
+        faults.raise_if(!wanted.is_finite(), Faults::INPUT_NOT_FINITE);
+        target = wanted.finite_or(*share).max(R::ZERO).min(R::ONE);
+    }
+    *share += (target - *share).max(-step).min(step);
+    *share
 }
 
 /// Path that the motor may be asked to move while its encoder stands still (rad).

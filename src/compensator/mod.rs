@@ -70,6 +70,8 @@ pub struct Setpoint<R> {
     pub acceleration: R,
     /// Output jerk (rad/s^3).
     pub jerk: R,
+    /// Output snap (rad/s^4).
+    pub snap: R,
 }
 
 /// How much of each correction is applied, 0..=1; changed at run time without a step in the output.
@@ -116,6 +118,27 @@ pub struct Estimate<R> {
     pub output_friction: R,
     /// External torque on the flexspline (N m).
     pub external_torque: R,
+    /// How far off they may be.
+    pub deviation: EstimateDeviation<R>,
+}
+
+/// Standard deviations of an [`Estimate`], as [`observer::deviation`] declares them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EstimateDeviation<R> {
+    /// Of the output angle (rad).
+    pub output_position: R,
+    /// Of the output speed (rad/s).
+    pub output_velocity: R,
+    /// Of the torsion (rad).
+    pub torsion: R,
+    /// Of the torque through the flexspline (N m).
+    pub transmitted_torque: R,
+    /// Of the friction at the wave generator (N m).
+    pub input_friction: R,
+    /// Of the friction at the flexspline (N m).
+    pub output_friction: R,
+    /// Of the external torque on the flexspline (N m).
+    pub external_torque: R,
 }
 
 /// What one step writes: finite and bounded for any input bits.
@@ -144,6 +167,8 @@ pub struct JointParams<R> {
     pub motor_encoder_bits: u32,
     /// Resolution of the output encoder, 2^bits counts a turn.
     pub output_encoder_bits: u32,
+    /// Control periods from one reading of the output encoder to the next.
+    pub output_encoder_period: u32,
     /// What the joint can do.
     pub limits: Limits<R>,
     /// The observer's gains.
@@ -194,7 +219,10 @@ impl<R: Real> JointParams<R> {
             gear: self.gear.build(Reduced::build(&self.gear.flexspline, self.gear.rated_torque)?, self.dt)?,
             guard: InputGuard::build(&self.gear, &self.limits, self.dt)?,
             motor_encoder: encoder(self.motor_encoder_bits, self.limits.motor_speed)?,
-            output_encoder: encoder(self.output_encoder_bits, self.limits.output_speed(self.gear.ratio))?,
+            output_encoder: encoder(
+                self.output_encoder_bits,
+                self.limits.output_speed(self.gear.ratio) * R::from_i32(self.output_encoder_period as i32),
+            )?,
             frozen_encoder: FrozenEncoder::build(self.dt),
             observer: self.observer.build(&self.gear, &self.limits, self.dt)?,
             feed_forward: FeedForward::build(&self.gear, self.dt)?,
@@ -261,7 +289,8 @@ impl<R: Real> Compensator<R> {
             // The two encoders are mounted at any angle to each other: the first readings that are both
             // believed are their zero, with the torsion of that moment.
             if state.output_zero.is_none() && believed && output_believed {
-                state.output_zero = Some(angle.less(self.gear.drive(motor)));
+                let then = self.observer.output_at_reading(&self.gear, &state.observer, motor);
+                state.output_zero = then.map(|then| angle.less(then));
             }
             state.output_zero.filter(|_| output_believed).map(|zero| angle.less(zero))
         });

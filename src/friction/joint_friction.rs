@@ -49,7 +49,7 @@ use crate::real::Real;
 /// Orders of the ripple, 1..=2 a turn of the wave generator.
 pub const RIPPLE_ORDERS: usize = 2;
 
-/// Coulomb levels below this count as this (N m): a level divides.
+/// Levels below this count as this (N m): a level divides.
 const LEAST_LEVEL: f64 = 1e-9;
 
 /// Order of the Bliman-Sorine dynamics.
@@ -133,33 +133,25 @@ impl<R: Real> FrictionParams<R> for JointFrictionParams<R> {
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the field, the contacts' and the ripple's too.
     fn build(&self) -> Result<JointFriction<R>, Error> {
-        let (forward, backward) = (at_least_least(self.forward), at_least_least(self.backward));
+        let (forward, backward) = (with_a_level(self.forward), with_a_level(self.backward));
         let ripple = self.ripple.build()?;
         let [load, backward_load] = self.load.build()?;
         // The path is divided by g alone: g0 is in the distances.
         let inverse_level = R::ONE / forward.static_level;
         let presliding = self.normalised_presliding()?.scaled(R::ONE, inverse_level);
+        let backward_presliding = presliding.scaled(-R::ONE, R::ONE);
         Ok(JointFriction {
-            forward: Side { contact: forward.build()?, ripple: ripple.forward, load, presliding },
-            backward: Side {
-                contact: backward.build()?,
-                ripple: ripple.backward,
-                load: backward_load,
-                presliding: presliding.scaled(-R::ONE, R::ONE),
-            },
+            forward: Side::new(forward.build()?, ripple.forward, load, presliding),
+            backward: Side::new(backward.build()?, ripple.backward, backward_load, backward_presliding),
         })
     }
 }
 
-/// Levels of at least [`LEAST_LEVEL`]; what is refused stays so.
-fn at_least_least<R: Real>(contact: LubricatedContactParams<R>) -> LubricatedContactParams<R> {
+/// The same with levels of at least [`LEAST_LEVEL`]; what is refused stays so.
+fn with_a_level<R: Real>(contact: LubricatedContactParams<R>) -> LubricatedContactParams<R> {
     let raised = |level: R| if level >= R::ZERO { level.max(R::lit(LEAST_LEVEL)) } else { level };
-    let static_level = if contact.static_level == contact.coulomb {
-        raised(contact.static_level)
-    } else {
-        contact.static_level
-    };
-    LubricatedContactParams { coulomb: raised(contact.coulomb), static_level, ..contact }
+    let (coulomb, static_level) = (raised(contact.coulomb), raised(contact.static_level));
+    LubricatedContactParams { coulomb, static_level, ..contact }
 }
 
 /// Presliding forces and the last torque.
@@ -190,6 +182,29 @@ struct Side<R> {
     load: DirectedLoad<R>,
     /// Of level 1 in this direction, over the path divided by g.
     presliding: BlimanSorine<R, 2>,
+    /// The level is the contact's alone: there is neither ripple nor load.
+    plain: bool,
+}
+
+impl<R: Real> Side<R> {
+    fn new(
+        contact: LubricatedContact<R>,
+        ripple: Harmonics<R, RIPPLE_ORDERS>,
+        load: DirectedLoad<R>,
+        presliding: BlimanSorine<R, 2>,
+    ) -> Self {
+        Self { contact, ripple, load, presliding, plain: ripple.is_none() && load.is_none() }
+    }
+
+    /// g.
+    #[inline(always)]
+    fn level(&self, slip: &Slip<R>) -> R {
+        let contact = self.contact.level(slip.velocity);
+        if self.plain {
+            return contact;
+        }
+        contact * self.ripple.share(slip.wave_generator) + self.load.level(slip.load)
+    }
 }
 
 impl<R: Real> JointFriction<R> {
@@ -205,16 +220,16 @@ impl<R: Real> JointFriction<R> {
         wave_generator: Heading<R>,
     ) -> Friction<R> {
         if velocity.abs() + load.abs() <= R::lit(LIMIT) {
-            self.slid(state, velocity, duration, load, wave_generator)
+            self.slid(state, &Slip { velocity, duration, load, wave_generator, applied: R::ZERO })
         } else {
-            self.moved_beyond(state, velocity, duration, load, wave_generator)
+            self.slid_beyond(state, velocity, duration, load, wave_generator)
         }
     }
 
-    /// The same from beyond the limits of [`Slip`].
+    /// From beyond the limits of [`Slip`]. As long as it takes what it is called with, nothing is saved for it.
     #[cold]
     #[inline(never)]
-    fn moved_beyond(
+    fn slid_beyond(
         &self,
         state: &mut JointFrictionState<R>,
         velocity: R,
@@ -222,26 +237,18 @@ impl<R: Real> JointFriction<R> {
         load: R,
         wave_generator: Heading<R>,
     ) -> Friction<R> {
-        match Slip::over(velocity, duration).under(R::ZERO, load).limited() {
-            Some(slip) => self.slid(state, slip.velocity, duration, slip.load, wave_generator),
+        match (Slip { velocity, duration, load, wave_generator, applied: R::ZERO }).limited() {
+            Some(slip) => self.slid(state, &slip),
             None => Friction { force: state.force, held: true },
         }
     }
 
     #[inline(always)]
-    fn slid(
-        &self,
-        state: &mut JointFrictionState<R>,
-        velocity: R,
-        duration: StepTime<R>,
-        load: R,
-        wave_generator: Heading<R>,
-    ) -> Friction<R> {
-        let side = if velocity < R::ZERO { &self.backward } else { &self.forward };
-        let level = side.contact.level(velocity) * side.ripple.share(wave_generator) + side.load.level(load);
-        let path = velocity.abs() * duration.seconds() / level;
-        side.presliding.approach(&mut state.presliding, path, level);
-        state.force = state.presliding.force() + side.contact.viscous(velocity);
+    fn slid(&self, state: &mut JointFrictionState<R>, slip: &Slip<R>) -> Friction<R> {
+        let side = if slip.velocity < R::ZERO { &self.backward } else { &self.forward };
+        let level = side.level(slip);
+        side.presliding.approach(&mut state.presliding, slip.displacement().abs() / level, level);
+        state.force = state.presliding.force() + side.contact.viscous(slip.velocity);
         Friction { force: state.force, held: false }
     }
 }
@@ -268,20 +275,11 @@ impl<R: Real> FrictionModel<R> for JointFriction<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::tests::contact;
     use proptest::prelude::*;
     use std::vec::Vec;
 
     const STEP: f64 = 1e-4;
-
-    fn contact<R: Real>() -> LubricatedContactParams<R> {
-        LubricatedContactParams {
-            coulomb: R::lit(0.035),
-            static_level: R::lit(0.05),
-            stribeck_velocity: R::lit(2.0),
-            stribeck_exponent: R::ONE,
-            viscous: R::lit(1.2e-4),
-        }
-    }
 
     fn wave_generator<R: Real>(order: Order) -> JointFrictionParams<R> {
         JointFrictionParams::symmetric(order, contact(), R::lit(0.02), R::lit(0.3))

@@ -98,6 +98,11 @@ pub(super) struct DirectedLoad<R> {
 }
 
 impl<R: Real> DirectedLoad<R> {
+    /// No load adds to the level.
+    pub(super) fn is_none(&self) -> bool {
+        self.even == R::ZERO && self.odd == R::ZERO
+    }
+
     /// What `load` (N m) adds to the level (N m).
     #[inline(always)]
     pub(super) fn level(&self, load: R) -> R {

@@ -49,6 +49,11 @@ impl<R: Real, const K: usize> Harmonics<R, K> {
         Self { mean: self.mean, cosines: self.cosines.map(share), sines: self.sines.map(share) }
     }
 
+    /// The level is the mean everywhere.
+    pub(super) fn is_none(&self) -> bool {
+        self.cosines.iter().chain(&self.sines).all(|&amplitude| amplitude == R::ZERO)
+    }
+
     /// Level over its mean, of harmonics over the mean: the real part of sum (a_k - i*b_k)*e^(i*k*theta), by
     /// Horner's rule.
     #[inline(always)]

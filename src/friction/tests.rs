@@ -6,7 +6,8 @@ use proptest::prelude::*;
 use std::fmt::Debug;
 use std::vec::Vec;
 
-fn contact<R: Real>() -> LubricatedContactParams<R> {
+/// The default gear's wave generator.
+pub(super) fn contact<R: Real>() -> LubricatedContactParams<R> {
     LubricatedContactParams {
         coulomb: R::lit(0.035),
         static_level: R::lit(0.05),

@@ -85,13 +85,13 @@ impl<R: Real, const L: usize> Everett<R, L> {
     /// The table of the operator with these weights.
     pub fn build(weights: &Weights<R, L>) -> Self {
         let sums = Sums::of(weights);
-        Self::rounded(|k, l| sums.corner(k, l))
+        Self::rounded(R::lit(0.5) * weights.magnitude(), |k, l| sums.corner(k, l))
     }
 
     /// The table of A(u) - P\[u\], A the mean of the two branches of the major loop of P.
     pub(crate) fn leading(weights: &Weights<R, L>) -> Self {
         let sums = Sums::of(weights);
-        Self::rounded(|k, l| sums.major_mean(k) - sums.major_mean(l) - sums.corner(k, l))
+        Self::rounded(R::ZERO, |k, l| sums.major_mean(k) - sums.major_mean(l) - sums.corner(k, l))
     }
 
     /// The least rise of G over a cell of its upper end, in outputs.
@@ -101,10 +101,11 @@ impl<R: Real, const L: usize> Everett<R, L> {
         slopes.fold(R::MAX, R::min)
     }
 
-    /// From G at the edges k > l.
-    fn rounded(corner: impl Fn(usize, usize) -> R) -> Self {
+    /// From G at the edges k > l, with room for outputs of twice the `reach`: weights of either sign can give more
+    /// than any G, because they cancel in it.
+    fn rounded(reach: R, corner: impl Fn(usize, usize) -> R) -> Self {
         let corners = || (1..=L).flat_map(|k| (0..k).map(move |l| (k, l)));
-        let largest = corners().map(|(k, l)| corner(k, l).abs()).fold(R::ZERO, R::max);
+        let largest = corners().map(|(k, l)| corner(k, l).abs()).fold(reach, R::max);
         // Of an empty table every entry is zero, and so is every output.
         let (unit, quantum) = if largest > R::ZERO {
             (largest / R::Fixed::LARGEST, largest / R::Fixed::LARGEST / R::Fixed::SCALE)

@@ -98,8 +98,9 @@ impl<R: Real, const L: usize, const MEMORY: usize> TorsionHysteresis<R, L, MEMOR
     /// From identified weights (N m) over torsions of +-`half_range` (rad).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `half_range` or `capacity`.
+    /// [`Error::OutOfRange`] `half_range`, `capacity`, or `weight` when one is below zero: such a torque drives.
     pub fn from_weights(half_range: R, weights: &Weights<R, L>) -> Result<Self, Error> {
+        require(weights.is_dissipative(), "weight")?;
         Ok(Self { staircase: Staircase::around(half_range, Everett::leading(weights))? })
     }
 
@@ -162,6 +163,13 @@ mod tests {
     fn torques(torsions: &[f64]) -> Vec<f64> {
         let (model, mut state) = (model::<f64>(), TorsionHysteresisState::default());
         torsions.iter().map(|x| model.step(&mut state, x * U).torque).collect()
+    }
+
+    #[test]
+    fn a_torque_that_would_drive_is_refused() {
+        let weights = Weights::<f64, 8>::signed_from_fn(|i, j| if i == j { 1.0 } else { -0.1 }).unwrap();
+        let refused = TorsionHysteresis::<f64, 8, 8>::from_weights(U, &weights).unwrap_err();
+        assert_eq!(refused, Error::OutOfRange("weight"));
     }
 
     #[test]

@@ -63,6 +63,16 @@ impl<R: Real, const L: usize> Weights<R, L> {
         Ok(Self { rows })
     }
 
+    /// Sum of the magnitudes: no output is larger.
+    pub(crate) fn magnitude(&self) -> R {
+        self.rows.as_flattened().iter().fold(R::ZERO, |sum, weight| sum + weight.abs())
+    }
+
+    /// No weight is below zero.
+    pub(crate) fn is_dissipative(&self) -> bool {
+        self.rows.as_flattened().iter().all(|&weight| weight >= R::ZERO)
+    }
+
     /// mu_ij; zero outside the triangle.
     #[inline]
     pub fn at(&self, i: usize, j: usize) -> R {

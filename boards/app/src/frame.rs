@@ -7,16 +7,16 @@
 //! Any other flag byte makes the whole frame invalid: the two sides do not speak the same frame.
 
 use strainwave::Angle;
-use strainwave::compensator::{Estimate, Faults, Input, Output, Sensors, Setpoint, Shares};
+use strainwave::compensator::{Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares};
 
 const WORD: usize = 4;
 const ANGLE: usize = 8 + WORD;
 const OPTION: usize = 1 + WORD;
 
 /// Length of an input frame (bytes): sensors, setpoint, shares.
-pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + (ANGLE + 3 * WORD) + 5 * WORD;
-/// Length of an output frame (bytes): torques and reference, estimate, faults.
-pub const OUTPUT_BYTES: usize = (2 * WORD + ANGLE) + (ANGLE + 6 * WORD) + WORD;
+pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + (ANGLE + 4 * WORD) + 5 * WORD;
+/// Length of an output frame (bytes): torques and reference, estimate, its deviation, faults.
+pub const OUTPUT_BYTES: usize = (2 * WORD + ANGLE) + (ANGLE + 6 * WORD) + 7 * WORD + WORD;
 
 /// The bytes of an input.
 pub fn encode_input(input: &Input<f32>) -> [u8; INPUT_BYTES] {
@@ -29,6 +29,7 @@ pub fn encode_input(input: &Input<f32>) -> [u8; INPUT_BYTES] {
     writer.f32(input.setpoint.velocity);
     writer.f32(input.setpoint.acceleration);
     writer.f32(input.setpoint.jerk);
+    writer.f32(input.setpoint.snap);
     writer.f32(input.shares.feedback);
     writer.f32(input.shares.inertia);
     writer.f32(input.shares.friction);
@@ -51,6 +52,7 @@ pub fn decode_input(frame: &[u8; INPUT_BYTES]) -> Option<Input<f32>> {
         velocity: reader.f32(),
         acceleration: reader.f32(),
         jerk: reader.f32(),
+        snap: reader.f32(),
     };
     let shares = Shares {
         feedback: reader.f32(),
@@ -75,6 +77,13 @@ pub fn encode_output(output: &Output<f32>) -> [u8; OUTPUT_BYTES] {
     writer.f32(output.estimate.input_friction);
     writer.f32(output.estimate.output_friction);
     writer.f32(output.estimate.external_torque);
+    writer.f32(output.estimate.deviation.output_position);
+    writer.f32(output.estimate.deviation.output_velocity);
+    writer.f32(output.estimate.deviation.torsion);
+    writer.f32(output.estimate.deviation.transmitted_torque);
+    writer.f32(output.estimate.deviation.input_friction);
+    writer.f32(output.estimate.deviation.output_friction);
+    writer.f32(output.estimate.deviation.external_torque);
     writer.u32(output.faults.bits());
     writer.bytes
 }
@@ -94,6 +103,15 @@ pub fn decode_output(frame: &[u8; OUTPUT_BYTES]) -> Output<f32> {
             input_friction: reader.f32(),
             output_friction: reader.f32(),
             external_torque: reader.f32(),
+            deviation: EstimateDeviation {
+                output_position: reader.f32(),
+                output_velocity: reader.f32(),
+                torsion: reader.f32(),
+                transmitted_torque: reader.f32(),
+                input_friction: reader.f32(),
+                output_friction: reader.f32(),
+                external_torque: reader.f32(),
+            },
         },
         faults: Faults::from_bits(reader.u32()),
     }

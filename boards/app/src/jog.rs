@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! u = t/T,   s(u) = 10 u^3 - 15 u^4 + 6 u^5,   0 <= u <= 1
-//! x = x0 + d*s,   v = d*s'/T,   a = d*s''/T^2,   j = d*s'''/T^3
+//! x = x0 + d*s,   v = d*s'/T,   a = d*s''/T^2,   j = d*s'''/T^3,   d4x = d*s''''/T^4
 //! ```
 //!
 //! the polynomial of least jerk between two points at rest (Flash and Hogan 1985). Speed peaks at
@@ -59,6 +59,7 @@ impl Jog {
             velocity: self.distance * r * 30.0 * u * u * rest * rest,
             acceleration: self.distance * r * r * 60.0 * u * rest * (1.0 - 2.0 * u),
             jerk: self.distance * r * r * r * 60.0 * (1.0 - 6.0 * u * rest),
+            snap: self.distance * r * r * r * r * 360.0 * (2.0 * u - 1.0),
         }
     }
 

@@ -273,6 +273,16 @@ pub struct Sensors {
     /// Bits a turn of the output encoder, when there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output_encoder_bits: Option<u32>,
+    /// By how many control periods the output encoder's reading is late.
+    #[serde(rename = "output_encoder_delay_periods", default, skip_serializing_if = "is_default::<0>")]
+    pub output_encoder_delay: u32,
+    /// Control periods from one reading of the output encoder to the next.
+    #[serde(
+        rename = "output_encoder_period_periods",
+        default = "one",
+        skip_serializing_if = "is_default::<1>"
+    )]
+    pub output_encoder_period: u32,
     /// There is a torque sensor at the output.
     pub output_torque: bool,
     /// Standard deviation of the motor torque's noise [N m at the shaft].
@@ -292,6 +302,14 @@ impl Sensors {
     pub fn output_encoder_error_at(&self, x: f64) -> f64 {
         self.output_encoder_error.iter().map(|harmonic| harmonic.at(x)).sum()
     }
+}
+
+fn one() -> u32 {
+    1
+}
+
+fn is_default<const VALUE: u32>(value: &u32) -> bool {
+    *value == VALUE
 }
 
 /// `[feedback]`: position P over velocity PI, both at the motor.

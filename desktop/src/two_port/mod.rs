@@ -253,8 +253,9 @@ impl<'a, R: Real, F: Gauged<R>, C: FrictionModel<R>, const L: usize, const MEMOR
 
     /// The flange's motion without torsion.
     fn unloaded(&self, wave_generator: &Motion<R>) -> Motion<R> {
-        let slope = self.gear.ratio().value::<R>() + self.gear.kinematic_error(wave_generator.angle).slope;
-        Motion { angle: self.gear.drive(wave_generator.angle), velocity: slope * wave_generator.velocity }
+        let angle = wave_generator.angle;
+        let slope = self.gear.ratio().value::<R>() + self.gear.kinematic_error(angle, angle.heading()).slope;
+        Motion { angle: self.gear.drive(angle), velocity: slope * wave_generator.velocity }
     }
 
     /// The row of an instant, and the way to the next.

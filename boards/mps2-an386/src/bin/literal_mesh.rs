@@ -8,6 +8,8 @@
 mod fault;
 #[path = "../logger.rs"]
 mod logger;
+#[path = "../no_interrupts.rs"]
+mod no_interrupts;
 #[path = "../register.rs"]
 mod register;
 #[path = "../uart.rs"]
@@ -41,12 +43,3 @@ fn main() -> ! {
 extern "C" fn strainwave_a_panic_is_reachable() -> ! {
     fault::fail_because(c"the literal mesh panicked\n")
 }
-
-unsafe extern "C" {
-    fn DefaultHandler();
-}
-
-// SAFETY: this section and name are cortex-m-rt's contract for a device's vectors. No interrupt is enabled.
-#[unsafe(link_section = ".vector_table.interrupts")]
-#[unsafe(no_mangle)]
-static __INTERRUPTS: [unsafe extern "C" fn(); 1] = [DefaultHandler];

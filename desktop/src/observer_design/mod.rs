@@ -1,0 +1,284 @@
+//! Observer gains and deviations: the steady-state Kalman filter of the linearised two-mass gear, for each set of sensors.
+//!
+//! A set's filter corrects by the motor encoder, then by the strain gauge, then by the output encoder, each gain from
+//! the covariance that the one before left. With an output encoder that reads every m-th period only, the filter between two
+//! readings is that without it, F = (1 - l C) A, so that an encoder that fails leaves a filter that is sound; the
+//! reading's gain is that of the system over m periods, A -> F^m. A reading that is D periods late corrects
+//! by F^D of its gain ([`strainwave::compensator::observer::past`]). Units: rad, rad/s, N m; signs as in
+//! [`strainwave::gear`].
+
+mod linearised;
+mod riccati;
+
+use nalgebra::{DMatrix, DVector};
+use strainwave::compensator::EstimateDeviation;
+use strainwave::compensator::observer::deviation::{Spread, Uncertainty};
+use strainwave::compensator::observer::past::LONGEST_DELAY;
+use strainwave::compensator::observer::{Correction, GainSets, Gains, ObserverParams, STATES};
+use strainwave::{Error, Real};
+
+use crate::draw;
+use crate::gear_file::{Friction, GearFile};
+use crate::joint::CONTROL_PERIOD;
+use linearised::{Linearised, Sensor, Sixth, encoder_noise, resolution};
+
+/// Way of the motor that is a motion, in deviations of its encoder's noise.
+const STIR: f64 = 8.0;
+/// Speed at which a load that is not seen may grow, in rated torques a second.
+const UNSEEN_RATE: f64 = 1.0;
+/// Deviation of friction whose path is not exactly known, as a share of its static level: at the motor, at the output
+/// that is measured, and at one that is not.
+const PATH: [f64; 3] = [0.03, 0.1, 0.3];
+
+/// What the observer of a gear is built from.
+///
+/// # Errors
+/// [`Error::OutOfRange`] with the set of sensors by which the gear is not observable.
+pub fn observer_params<R: Real>(file: &GearFile) -> Result<ObserverParams<R>, Error> {
+    let span = |share: f64| share / 3f64.sqrt();
+    Ok(ObserverParams {
+        moving: sets(file, Sixth::Stiffness)?,
+        standing: sets(file, Sixth::Held)?,
+        stir: R::lit(STIR * encoder_noise(file.sensors.motor_encoder_bits)),
+        output_encoder_delay: file.sensors.output_encoder_delay,
+        uncertainty: Uncertainty {
+            friction: R::lit(span(draw::FRICTION)),
+            stiffness: R::lit(span(draw::STIFFNESS)),
+            inertia: R::lit(span(draw::INERTIA) * file.inertia.flexspline),
+        },
+    })
+}
+
+/// Names of the sets, as an error has them.
+const NAMES: [&str; 4] = [
+    "gains of the motor encoder (the gear is not observable)",
+    "gains with an output encoder (the gear is not observable)",
+    "gains with a strain gauge (the gear is not observable)",
+    "gains with output encoder and strain gauge (the gear is not observable)",
+];
+
+/// Gains without further sensors, with output encoder, with strain gauge, with both.
+fn sets<R: Real>(file: &GearFile, sixth: Sixth) -> Result<GainSets<R>, Error> {
+    let mut sets = [Gains::default(); 4];
+    for (k, set) in sets.iter_mut().enumerate() {
+        *set = Filter::design(file, sixth, k).ok_or(Error::OutOfRange(NAMES[k]))?.gains(file);
+    }
+    Ok(sets)
+}
+
+/// A filter of one set of sensors, in scaled states.
+struct Filter {
+    model: Linearised,
+    sixth: Sixth,
+    has_output: bool,
+    has_torque: bool,
+    /// l of motor encoder, strain gauge, output encoder; zero where absent.
+    gains: [DVector<f64>; 3],
+    /// F.
+    between: DMatrix<f64>,
+    /// What a period between readings adds to the covariance.
+    between_noise: DMatrix<f64>,
+    /// Covariance after a reading.
+    after: DMatrix<f64>,
+    /// Control periods from reading to reading, and by how many they are late.
+    period: u32,
+    delay: u32,
+}
+
+/// (1 - l c) m (1 - l c)' + l v l'
+fn corrected(gain: &DVector<f64>, sensor: &Sensor, covariance: &DMatrix<f64>) -> DMatrix<f64> {
+    let left = DMatrix::identity(gain.len(), gain.len()) - gain * &sensor.row;
+    &left * covariance * left.transpose() + gain * gain.transpose() * sensor.variance
+}
+
+/// Optimal gain of one sensor.
+fn optimal(sensor: &Sensor, covariance: &DMatrix<f64>) -> DVector<f64> {
+    let read = covariance * sensor.row.transpose();
+    let variance = (&sensor.row * &read)[(0, 0)] + sensor.variance;
+    read / variance
+}
+
+fn information<'a>(sensors: impl Iterator<Item = &'a Sensor>, size: usize) -> DMatrix<f64> {
+    sensors.fold(DMatrix::zeros(size, size), |sum, s| sum + s.row.transpose() * &s.row / s.variance)
+}
+
+fn power(matrix: &DMatrix<f64>, exponent: u32) -> DMatrix<f64> {
+    (0..exponent).fold(DMatrix::identity(matrix.nrows(), matrix.nrows()), |product, _| product * matrix)
+}
+
+impl Filter {
+    /// `set`: bit 0 for the output encoder, bit 1 for the strain gauge. `None` when the gear is not observable.
+    fn design(file: &GearFile, sixth: Sixth, set: usize) -> Option<Self> {
+        let (has_output, has_torque) = (set & 1 != 0, set & 2 != 0);
+        // What the sixth state would be told apart by.
+        let sixth = match (has_output, has_torque, sixth) {
+            (false, false, _) | (false, true, Sixth::Stiffness) => Sixth::None,
+            _ => sixth,
+        };
+        let model = Linearised::of(file, sixth);
+        let sensors = &file.sensors;
+        let period = if has_output { sensors.output_encoder_period } else { 1 };
+        let delay = if has_output { sensors.output_encoder_delay } else { 0 };
+        let mut filter = Self::without_output(model, sixth, has_output, has_torque, period, delay);
+        filter.correct_between(file, set)?;
+        filter.correct_output()?;
+        Some(filter)
+    }
+
+    fn without_output(
+        model: Linearised,
+        sixth: Sixth,
+        has_output: bool,
+        has_torque: bool,
+        period: u32,
+        delay: u32,
+    ) -> Self {
+        let size = model.units.len();
+        let none = DMatrix::zeros(size, size);
+        Self {
+            between: model.transition.clone(),
+            between_noise: model.noise.clone(),
+            model,
+            sixth,
+            has_output,
+            has_torque,
+            gains: [(); 3].map(|()| DVector::zeros(size)),
+            after: none,
+            period,
+            delay,
+        }
+    }
+
+    /// Sensors that are there: motor encoder, strain gauge, output encoder.
+    fn present(&self) -> [bool; 3] {
+        [true, self.has_torque, self.has_output]
+    }
+
+    /// Gains of motor encoder and strain gauge, and with them F.
+    fn correct_between(&mut self, file: &GearFile, set: usize) -> Option<()> {
+        if self.period > 1 {
+            let without = Self::design(file, self.sixth, set & !1)?;
+            for k in 0..2 {
+                let rows = without.gains[k].len();
+                self.gains[k].rows_mut(0, rows).copy_from(&without.gains[k]);
+                let units = without.model.units.component_div(&self.model.units.rows(0, rows));
+                self.gains[k].rows_mut(0, rows).component_mul_assign(&units);
+            }
+        } else {
+            let (size, present) = (self.model.units.len(), self.present());
+            let used = (0..3).filter(|&k| present[k]).map(|k| &self.model.sensors[k]);
+            let information = information(used, size);
+            let mut p = riccati::covariance(&self.model.transition, &information, &self.model.noise)?;
+            for k in (0..2).filter(|&k| present[k]) {
+                self.gains[k] = optimal(&self.model.sensors[k], &p);
+                p = corrected(&self.gains[k], &self.model.sensors[k], &p);
+            }
+            self.after = p;
+        }
+        for k in 0..2 {
+            let (gain, sensor) = (&self.gains[k], &self.model.sensors[k]);
+            self.between -= gain * (&sensor.row * &self.between);
+            self.between_noise = corrected(gain, sensor, &self.between_noise);
+        }
+        Some(())
+    }
+
+    /// Gain of the output encoder, and the covariance that it leaves.
+    fn correct_output(&mut self) -> Option<()> {
+        if !self.has_output {
+            return Some(());
+        }
+        let (sensor, size) = (&self.model.sensors[2], self.model.units.len());
+        let noise = (0..self.period).fold(DMatrix::zeros(size, size), |sum, _| self.later(&sum));
+        let transition = power(&self.between, self.period);
+        let p = riccati::covariance(&transition, &information([sensor].into_iter(), size), &noise)?;
+        self.gains[2] = optimal(sensor, &p);
+        self.after = corrected(&self.gains[2], sensor, &p);
+        Some(())
+    }
+
+    /// Covariance a period later, without reading of the output.
+    fn later(&self, p: &DMatrix<f64>) -> DMatrix<f64> {
+        &self.between * p * self.between.transpose() + &self.between_noise
+    }
+
+    /// Slowest mode of the error (control periods).
+    fn settling(&self) -> f64 {
+        let one = DMatrix::identity(self.after.nrows(), self.after.nrows());
+        let error =
+            (one - &self.gains[2] * &self.model.sensors[2].row) * power(&self.between, self.period);
+        let slowest = error.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max);
+        f64::from(self.period) / -slowest.ln()
+    }
+
+    fn gains<R: Real>(&self, file: &GearFile) -> Gains<R> {
+        let [motor, torque, output] = &self.gains;
+        let late = power(&self.between, self.delay) * output;
+        let past = |periods: usize| {
+            let there = self.has_output && periods < self.delay as usize;
+            let after = || (power(&self.between, periods as u32 + 1) * output)[2] * self.model.units[2];
+            R::lit(if there { after() } else { 0.0 })
+        };
+        Gains {
+            motor: self.correction(motor),
+            torque: self.correction(torque),
+            output: self.correction(&late),
+            past: std::array::from_fn::<_, LONGEST_DELAY, _>(past),
+            spread: self.spread(file),
+        }
+    }
+
+    /// In SI units.
+    fn correction<R: Real>(&self, gain: &DVector<f64>) -> Correction<R> {
+        std::array::from_fn::<_, STATES, _>(|k| {
+            R::lit(gain.get(k).map_or(0.0, |entry| entry * self.model.units[k]))
+        })
+    }
+
+    /// What the deviations are made of; the covariance is that at its largest, just before a late reading comes.
+    fn spread<R: Real>(&self, file: &GearFile) -> Spread<R> {
+        let p = (1..self.period + self.delay).fold(self.after.clone(), |p, _| self.later(&p));
+        let state = |k: usize| p[(k, k)].sqrt() * self.model.units[k];
+        let of = |row: &nalgebra::RowDVector<f64>| (row * &p * row.transpose())[(0, 0)].sqrt();
+        let (n, rated) = (f64::from(file.gear.signed_ratio().n()).abs(), file.gear.rated_torque);
+        let inertia = file.inertia.flexspline;
+        let settling = self.settling();
+        let time = settling * CONTROL_PERIOD;
+        let standing = self.sixth == Sixth::Held;
+        let moving_balance = !self.has_torque && !(standing && self.has_output);
+        let blind = !self.has_output && !self.has_torque;
+        // Each encoder's zero is known to half a count.
+        let zero = if self.has_output {
+            0.5 * resolution(file.sensors.output_encoder_bits.unwrap_or(file.sensors.motor_encoder_bits))
+        } else {
+            0.0
+        };
+        let static_level = |side: &Friction| side.static_level.or(side.coulomb).unwrap_or_default();
+        let share = |condition: bool, value: f64| R::lit(if condition { value } else { 0.0 });
+        Spread {
+            base: EstimateDeviation {
+                output_position: R::lit(state(2) + zero),
+                output_velocity: R::lit(state(3)),
+                torsion: R::lit(of(&self.model.torsion) + zero),
+                transmitted_torque: R::lit(of(&self.model.transmitted)),
+                input_friction: R::lit(PATH[0] * static_level(&file.friction.input)),
+                output_friction: R::lit(
+                    PATH[if self.has_output { 1 } else { 2 }] * static_level(&file.friction.output),
+                ),
+                external_torque: R::lit(state(4)),
+            },
+            torque_by_friction: share(moving_balance, n),
+            torque_by_stiffness: share(!self.has_torque && !moving_balance, 1.0),
+            angle_by_stiffness: share(!self.has_output, 1.0),
+            angle_by_torque: R::lit(if self.has_output {
+                0.5 * time * time / inertia
+            } else {
+                1.0 / file.stiffness.k1
+            }),
+            velocity_by_torque: R::lit(time / inertia),
+            unseen: [share(blind, UNSEEN_RATE * rated * CONTROL_PERIOD), share(blind, rated / 3f64.sqrt())],
+            settling: R::lit(settling),
+            inverse_settling: R::lit(1.0 / settling),
+        }
+    }
+}

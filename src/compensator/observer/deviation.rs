@@ -1,0 +1,170 @@
+//! How far off the estimates may be: a standard deviation for each, at the price of a few multiplications.
+//!
+//! ```text
+//! s_in   = b_in  + u_F*|tau_fric_in|            s_out = b_out + u_F*|tau_fric_out|
+//! e     += g*(l_d.innovation - e)                what the innovations keep asking of d, low-passed
+//! h      = max(T*|e|, (1 - 1/T)*h)               what d still misses then; T: slowest mode of the observer (periods)
+//! w      = w + rated*dt while the motor stands, up to rated/sqrt(3); 0 where it moves, or where the output is seen
+//! s_t    = b_t + n*s_in + u_K*|tau_t|*k + h + w
+//! s_d    = b_d + s_t - b_t + s_out + u_J*J_fs*|ddtheta_fs|
+//! s_phi  = b_phi + c*s_t + u_K*|phi|*a           output angle alike
+//! s_omega= b_omega + c'*(h + u_K*a*K*|dphi|)
+//! ```
+//!
+//! b is the steady-state covariance of the Kalman filter, computed off line for each set of sensors. u_F, u_K, u_J are
+//! the declared uncertainties of friction, stiffness and inertia: a uniform span over sqrt(3). n, k, a, c say by which way
+//! they enter with this set of sensors: with the motor's encoder alone the torque follows from the motor's, less its
+//! friction (n = 1/|r|), and the torsion from the torque; with the output's the torsion is measured, and where the motor
+//! stands the torque follows from it (k = 1). Torque in N m, angle in rad.
+//!
+//! It is a declared uncertainty, not a covariance that is carried along: terms are added as if they all erred the same way,
+//! so that the true error lies inside three of them at least as often as a normal distribution would have it.
+//! What a motor that stands still does not show (a brake may hold any load) is admitted as w.
+
+use crate::compensator::EstimateDeviation;
+use crate::real::Real;
+
+/// Periods of the low pass of what the innovations ask, 3.2 ms at 10 kHz.
+const FILTER: f64 = 32.0;
+
+/// How uncertain the model is, as standard deviations relative to the parameter.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Uncertainty<R> {
+    /// u_F, of the friction of either side.
+    pub friction: R,
+    /// u_K, of the stiffness.
+    pub stiffness: R,
+    /// u_J*J_fs, of the inertia of flexspline and load (kg m^2).
+    pub inertia: R,
+}
+
+/// What the deviations of one set of sensors are made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spread<R> {
+    /// b.
+    pub base: EstimateDeviation<R>,
+    /// n, torque at the output per friction at the wave generator.
+    pub torque_by_friction: R,
+    /// k, 1 where the torque follows from the torsion.
+    pub torque_by_stiffness: R,
+    /// a, 1 where the torsion follows from the torque.
+    pub angle_by_stiffness: R,
+    /// c (rad/(N m)).
+    pub angle_by_torque: R,
+    /// c' (rad/(N m s)).
+    pub velocity_by_torque: R,
+    /// Rate of w (N m per control period), and its largest value (N m).
+    pub unseen: [R; 2],
+    /// T (control periods).
+    pub settling: R,
+    /// 1/T.
+    pub inverse_settling: R,
+}
+
+/// What is remembered of the innovations.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SpreadState<R> {
+    /// e (N m per control period).
+    asked: R,
+    /// h (N m).
+    missed: R,
+    /// w (N m).
+    unseen: R,
+}
+
+/// What the deviations scale with, in this control period.
+#[derive(Clone, Copy, Debug)]
+pub struct Magnitudes<R> {
+    /// l_d.innovation (N m).
+    pub asked: R,
+    /// The motor moved lately.
+    pub moved: bool,
+    /// tau_fric_in (N m).
+    pub input_friction: R,
+    /// tau_fric_out (N m).
+    pub output_friction: R,
+    /// tau_t (N m).
+    pub transmitted: R,
+    /// phi (rad).
+    pub torsion: R,
+    /// dphi (rad/s).
+    pub torsion_rate: R,
+    /// ddtheta_fs (rad/s^2).
+    pub acceleration: R,
+}
+
+impl<R: Real> Spread<R> {
+    /// Every number is.
+    pub fn is_finite(&self) -> bool {
+        let EstimateDeviation {
+            output_position,
+            output_velocity,
+            torsion,
+            transmitted_torque,
+            input_friction,
+            output_friction,
+            external_torque,
+        } = self.base;
+        [
+            [output_position, output_velocity, torsion, transmitted_torque],
+            [input_friction, output_friction, external_torque, self.settling],
+            [self.torque_by_friction, self.torque_by_stiffness, self.angle_by_stiffness, self.angle_by_torque],
+            [self.velocity_by_torque, self.unseen[0], self.unseen[1], self.inverse_settling],
+        ]
+        .iter()
+        .flatten()
+        .all(|number| number.is_finite())
+    }
+
+    /// Deviations after one more control period; `uncertainty` is the model's.
+    #[inline(always)]
+    pub fn step(
+        &self,
+        state: &mut SpreadState<R>,
+        uncertainty: &Uncertainty<R>,
+        now: &Magnitudes<R>,
+    ) -> EstimateDeviation<R> {
+        let Uncertainty { friction, stiffness, inertia } = *uncertainty;
+        let missed = self.missed(state, now.asked);
+        let unseen = self.unseen(state, now.moved);
+        let input_friction = self.base.input_friction + friction * now.input_friction.abs();
+        let output_friction = self.base.output_friction + friction * now.output_friction.abs();
+        let torque = self.torque_by_friction * input_friction
+            + self.torque_by_stiffness * stiffness * now.transmitted.abs()
+            + missed
+            + unseen;
+        let flexible = stiffness * self.angle_by_stiffness;
+        let angle = self.angle_by_torque * torque + flexible * now.torsion.abs();
+        EstimateDeviation {
+            output_position: self.base.output_position + angle,
+            output_velocity: self.base.output_velocity
+                + self.velocity_by_torque * missed
+                + flexible * now.torsion_rate.abs(),
+            torsion: self.base.torsion + angle,
+            transmitted_torque: self.base.transmitted_torque + torque,
+            input_friction,
+            output_friction,
+            external_torque: self.base.external_torque
+                + torque
+                + output_friction
+                + inertia * now.acceleration.abs(),
+        }
+    }
+
+    /// h: what the innovations show that d misses.
+    #[inline(always)]
+    fn missed(&self, state: &mut SpreadState<R>, asked: R) -> R {
+        state.asked += R::lit(1.0 / FILTER) * (asked - state.asked);
+        let fallen = state.missed - state.missed * self.inverse_settling;
+        state.missed = (self.settling * state.asked.abs()).max(fallen);
+        state.missed
+    }
+
+    /// w: what the sensors do not see.
+    #[inline(always)]
+    fn unseen(&self, state: &mut SpreadState<R>, moved: bool) -> R {
+        let [rate, most] = self.unseen;
+        state.unseen = if moved { R::ZERO } else { (state.unseen + rate).min(most) };
+        state.unseen
+    }
+}

@@ -1,0 +1,398 @@
+//! Observer: the gear's own model, corrected by what the joint's sensors say.
+//!
+//! ```text
+//! state   theta_wg, omega_wg, theta_fs, omega_fs, d (external torque on the flexspline),
+//!         s (what tau_t is off the model's), b (what the motor's torque is off it)
+//! predict omega_wg += dt*(tau_motor + b - tau_res - (r + de/dtheta_wg)*s)/J_wg,   theta_wg += dt*omega_wg
+//!         omega_fs += dt*(tau_t + s - tau_fric_out + d)/J_fs,                     theta_fs += dt*omega_fs
+//! correct state += l_m*(theta_m - theta_wg),  then l_t*(tau_s - tau_t - s),  then l_o*(theta_o - theta_fs)
+//! ```
+//!
+//! tau_res = tau_wg - J_wg*domega_wg, tau_t and the frictions come from [`crate::gear::Gear`], the two-port
+//! in its real-time build, at the motion before the prediction: the observer carries hysteresis,
+//! presliding and kinematic error along. Angles are compared after the prediction, where they are at the
+//! time of the reading; the gauge with a torque that is one control period older. theta_m, theta_o
+//! are the encoders, tau_s a strain gauge; each of the last two may be absent, at any step, and theta_o may come a constant
+//! number of periods late ([`past`]). The gains l are those of the steady-state Kalman filter of the linearised
+//! model, one set for each combination of sensors, computed off line. Units: rad, rad/s, N m.
+//!
+//! A gear that is stiffer or softer than the model by 10 % makes a torsion that is measured disagree with the
+//! motor's torque by 10 %. Which to believe depends on the motor. Where it moves, its friction is known to a
+//! few N m at the output and the rest is blamed on the stiffness: s. Where it stands, static friction or a brake may
+//! hold whatever there is, so its torque says nothing and what is left over is blamed on b, while s keeps what it learnt.
+//! It stands when its encoder has not left a few counts for [`STANDSTILL`] control periods. With the motor encoder alone
+//! neither is observable beside d, and both stay zero. s is limited to 3 deviations of the stiffness.
+//!
+//! Discretisation: semi-implicit Euler, one step per control period.
+//!
+//! Bounds: speeds are limited to twice what the joint can do, the external torque to the gear's peak
+//! torque; a torsion beyond that of four times the peak torque starts the observer again at the motor's
+//! angle. Both are reported as faults, as is a torsion past the range of the gear's law
+//! ([`crate::flexspline::reduced::RANGE`]), which goes on at its largest torque. The reported torsion and transmitted torque end at those four times.
+//!
+//! H. Taghirad, P. Belanger, "Modeling and parameter identification of harmonic drive systems", Journal of
+//! Dynamic Systems, Measurement, and Control 120 (1998) for the two masses; R. Kalman, "A new approach to
+//! linear filtering and prediction problems", Journal of Basic Engineering 82 (1960).
+
+pub mod deviation;
+pub mod past;
+
+use crate::angle::Angle;
+use crate::compensator::faults::Faults;
+use crate::compensator::{Estimate, HYSTERESIS_MEMORY, Limits, RealTimeGear};
+use crate::error::{Error, require};
+use crate::friction::JointFrictionState;
+use crate::gear::{Applied, GearParams, GearState, Motion, Torques};
+use crate::real::{RADIANS_PER_COUNT, Real};
+use deviation::{Magnitudes, Spread, SpreadState, Uncertainty};
+use past::{LONGEST_DELAY, Past};
+
+/// Number of observed states: the sixth is s where the motor moves, b where it stands.
+pub const STATES: usize = 6;
+
+/// Control periods without motion after which the motor stands.
+pub const STANDSTILL: u32 = 200;
+
+/// Part of the rated torque that s may have beside its share of the torque: hysteresis, the encoders' zero.
+const LEAST_STIFFNESS_TORQUE: f64 = 0.03;
+
+/// Correction of each state [theta_wg, omega_wg, theta_fs, omega_fs, d, s or b] per unit of a sensor's innovation.
+pub type Correction<R> = [R; STATES];
+
+/// Gains for one combination of sensors; those of an absent sensor are zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gains<R> {
+    /// l_m, per rad of the motor encoder.
+    pub motor: Correction<R>,
+    /// l_t, per N m of the strain gauge.
+    pub torque: Correction<R>,
+    /// F^D l_o, per rad of the output encoder.
+    pub output: Correction<R>,
+    /// c_1..=c_D, of the past.
+    pub past: [R; LONGEST_DELAY],
+    /// What the estimates' deviations are made of.
+    pub spread: Spread<R>,
+}
+
+/// Gains without further sensors, with output encoder, with strain gauge, with both.
+pub type GainSets<R> = [Gains<R>; 4];
+
+/// Parameters of the observer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObserverParams<R> {
+    /// Where the motor moves.
+    pub moving: GainSets<R>,
+    /// Where it stands.
+    pub standing: GainSets<R>,
+    /// Way of the motor that is a motion (rad).
+    pub stir: R,
+    /// Delay of the output encoder's reading (control periods).
+    pub output_encoder_delay: u32,
+    /// How uncertain the model is.
+    pub uncertainty: Uncertainty<R>,
+}
+
+/// The built observer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observer<R> {
+    moving: GainSets<R>,
+    standing: GainSets<R>,
+    /// Counts of 2^32 a turn.
+    stir: u32,
+    delay: usize,
+    uncertainty: Uncertainty<R>,
+    limits: Range<R>,
+    inverse_wave_generator_inertia: R,
+    dt: R,
+}
+
+/// What the observer believes.
+#[derive(Clone, Debug)]
+pub struct ObserverState<R: Real> {
+    gear: GearState<R, (), JointFrictionState<R>, HYSTERESIS_MEMORY>,
+    wave_generator: Motion<R>,
+    flange: Motion<R>,
+    external_torque: R,
+    /// s (N m).
+    stiffness_torque: R,
+    /// b (N m).
+    held_torque: R,
+    standstill: Standstill,
+    past: Past,
+    spread: SpreadState<R>,
+    started: bool,
+}
+
+/// Since when, and where, the motor has not moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Standstill {
+    phase: u32,
+    periods: u32,
+}
+
+impl Standstill {
+    /// One more control period at this phase; whether the motor moves.
+    #[inline(always)]
+    fn step(&mut self, phase: u32, stir: u32) -> bool {
+        self.periods = (self.periods + 1).min(STANDSTILL);
+        if phase.wrapping_sub(self.phase).cast_signed().unsigned_abs() > stir {
+            *self = Self { phase, periods: 0 };
+        }
+        self.periods < STANDSTILL
+    }
+}
+
+/// What the sensors say in this step, already checked.
+#[derive(Clone, Copy, Debug)]
+pub struct Measurement<R> {
+    /// Unbounded angle of the motor.
+    pub motor: Angle<R>,
+    /// Angle of the output where it was when the reading was taken.
+    pub output: Option<Angle<R>>,
+    /// Torque of the motor (N m).
+    pub motor_torque: R,
+    /// Torque through the flexspline (N m).
+    pub output_torque: Option<R>,
+}
+
+impl<R: Real> ObserverParams<R> {
+    /// Prepares the observer of a gear for the control period dt (s).
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `gains` unless all are finite, `stir` unless in 0..=1, `output_encoder_delay` beyond
+    /// [`LONGEST_DELAY`], or as [`Limits::check`] and the gear's parts.
+    pub fn build(&self, gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Result<Observer<R>, Error> {
+        let sets = || self.moving.iter().chain(&self.standing);
+        let mut gains = sets().flat_map(|g| g.motor.iter().chain(&g.output).chain(&g.torque).chain(&g.past));
+        require(gains.all(|gain| gain.is_finite()), "gains")?;
+        require(sets().all(|gains| gains.spread.is_finite()), "deviation")?;
+        require(self.stir >= R::ZERO && self.stir <= R::ONE, "stir")?;
+        let delay = self.output_encoder_delay as usize;
+        require(delay <= LONGEST_DELAY, "output_encoder_delay")?;
+        limits.check()?;
+        let wave_generator_inertia = gear.wave_generator_inertia;
+        require(wave_generator_inertia > R::ZERO, "wave_generator_inertia")?;
+        Ok(Observer {
+            moving: self.moving,
+            standing: self.standing,
+            stir: (self.stir * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs(),
+            delay,
+            uncertainty: self.uncertainty,
+            limits: Range {
+                motor_speed: R::lit(2.0) * limits.motor_speed,
+                output_speed: R::lit(2.0) * limits.output_speed(gear.ratio),
+                external_torque: limits.output_torque,
+                held_torque: limits.output_torque / R::from_i32(gear.ratio).abs(),
+                stiffness_torque: [
+                    R::lit(3.0) * self.uncertainty.stiffness,
+                    R::lit(LEAST_STIFFNESS_TORQUE) * gear.rated_torque,
+                ],
+                torsion: gear.flexspline.line.build()?.torsion(R::lit(4.0) * limits.output_torque),
+                transmitted: R::lit(4.0) * limits.output_torque,
+            },
+            inverse_wave_generator_inertia: R::ONE / wave_generator_inertia,
+            dt,
+        })
+    }
+}
+
+/// What the observer's states are kept in: twice the joint's speeds, its peak torque, and the torsion
+/// of four times the peak torque, where the teeth have long ratcheted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Range<R> {
+    motor_speed: R,
+    output_speed: R,
+    external_torque: R,
+    held_torque: R,
+    /// Of s: share of the transmitted torque, and what is added to it.
+    stiffness_torque: [R; 2],
+    torsion: R,
+    transmitted: R,
+}
+
+impl<R: Real> Observer<R> {
+    /// The state at rest at the zero angle.
+    pub fn rest(&self, gear: &RealTimeGear<R>) -> ObserverState<R> {
+        ObserverState {
+            gear: gear.rest(),
+            wave_generator: Motion::default(),
+            flange: Motion::default(),
+            external_torque: R::ZERO,
+            stiffness_torque: R::ZERO,
+            held_torque: R::ZERO,
+            standstill: Standstill { phase: 0, periods: STANDSTILL },
+            past: Past::default(),
+            spread: SpreadState::default(),
+            started: false,
+        }
+    }
+
+    /// Where the output was, up to whole turns, at the instant of the reading that comes with the next step, for a
+    /// motor that is at `motor` now; `None` where that was before the start.
+    pub fn output_at_reading(
+        &self,
+        gear: &RealTimeGear<R>,
+        state: &ObserverState<R>,
+        motor: Angle<R>,
+    ) -> Option<Angle<R>> {
+        let before = |periods| state.past.before(periods).map(|phase| Angle::from_counts(phase.into()));
+        self.delay.checked_sub(1).map_or(Some(gear.drive(motor)), before)
+    }
+
+    /// Predicts over one control period, corrects by the measurement, and estimates.
+    #[inline(never)] // The timing budget counts blocks by their symbols.
+    pub fn step(
+        &self,
+        gear: &RealTimeGear<R>,
+        state: &mut ObserverState<R>,
+        measured: &Measurement<R>,
+        faults: &mut Faults,
+    ) -> Estimate<R> {
+        if !state.started {
+            self.start(gear, state, measured);
+        }
+        let applied = Applied { motor: measured.motor_torque, load: state.external_torque };
+        let torques = gear.torques(&mut state.gear, &state.wave_generator, &state.flange, applied);
+        faults.raise_if(torques.saturated, Faults::TORSION_BEYOND_RANGE);
+        let moved = state.standstill.step(measured.motor.phase(), self.stir);
+        let gains = self.gains(measured, moved);
+        let torsion_rate = torques.drive_rate - state.flange.velocity;
+        let acceleration = self.predict(gear, state, &torques, measured.motor_torque);
+        let asked = self.correct(gains, state, measured, &torques, moved);
+        self.keep_in_range(gear, state, measured, &torques, faults);
+        let transmitted = (torques.transmitted + state.stiffness_torque).limit(self.limits.transmitted);
+        let magnitudes = Magnitudes {
+            asked,
+            moved,
+            input_friction: torques.input_friction,
+            output_friction: torques.output_friction,
+            transmitted,
+            torsion: torques.torsion.limit(self.limits.torsion),
+            torsion_rate,
+            acceleration,
+        };
+        Estimate {
+            output_position: state.flange.angle,
+            output_velocity: state.flange.velocity,
+            torsion: magnitudes.torsion,
+            transmitted_torque: transmitted,
+            input_friction: torques.input_friction,
+            output_friction: torques.output_friction,
+            external_torque: state.external_torque,
+            deviation: gains.spread.step(&mut state.spread, &self.uncertainty, &magnitudes),
+        }
+    }
+
+    /// The gains for what is there in this control period.
+    #[inline(always)]
+    fn gains(&self, measured: &Measurement<R>, moved: bool) -> &Gains<R> {
+        let sets = if moved { &self.moving } else { &self.standing };
+        match (measured.output.is_some(), measured.output_torque.is_some()) {
+            (false, false) => &sets[0],
+            (true, false) => &sets[1],
+            (false, true) => &sets[2],
+            (true, true) => &sets[3],
+        }
+    }
+
+    /// Starts at rest at the motor's angle, without torsion.
+    #[cold]
+    fn start(&self, gear: &RealTimeGear<R>, state: &mut ObserverState<R>, measured: &Measurement<R>) {
+        state.wave_generator = Motion { angle: measured.motor, velocity: R::ZERO };
+        state.flange = Motion { angle: gear.drive(measured.motor), velocity: R::ZERO };
+        state.external_torque = R::ZERO;
+        state.stiffness_torque = R::ZERO;
+        state.held_torque = R::ZERO;
+        state.past = Past::default();
+        state.started = true;
+    }
+
+    /// Moves both ends by one control period; answers with the flange's acceleration (rad/s^2).
+    #[inline(always)]
+    fn predict(
+        &self,
+        gear: &RealTimeGear<R>,
+        state: &mut ObserverState<R>,
+        torques: &Torques<R>,
+        motor_torque: R,
+    ) -> R {
+        let resisting = torques.wave_generator + torques.slope * state.stiffness_torque;
+        let motor = (motor_torque + state.held_torque - resisting) * self.inverse_wave_generator_inertia;
+        let flange = gear.flange_acceleration(torques, state.external_torque + state.stiffness_torque);
+        state.wave_generator.advance(motor, self.dt);
+        state.flange.advance(flange, self.dt);
+        flange
+    }
+
+    /// Corrects by each sensor in turn; answers with what they asked of d (N m).
+    #[inline(always)]
+    fn correct(
+        &self,
+        gains: &Gains<R>,
+        state: &mut ObserverState<R>,
+        measured: &Measurement<R>,
+        torques: &Torques<R>,
+        moved: bool,
+    ) -> R {
+        let before = state.external_torque;
+        if moved {
+            state.held_torque = R::ZERO;
+        }
+        state.correct(&gains.motor, measured.motor.minus(state.wave_generator.angle), moved);
+        if let Some(torque) = measured.output_torque {
+            let innovation = torque - torques.transmitted - state.stiffness_torque;
+            state.correct(&gains.torque, innovation, moved);
+        }
+        state.past.push(state.flange.angle.phase());
+        if let (Some(angle), Some(then)) = (measured.output, state.past.before(self.delay)) {
+            let counts = angle.phase().wrapping_sub(then).cast_signed();
+            let innovation = R::from_i32(counts) * R::lit(RADIANS_PER_COUNT);
+            state.correct(&gains.output, innovation, moved);
+            state.past.correct(self.delay, &gains.past, innovation);
+        }
+        state.external_torque - before
+    }
+
+    #[inline(always)]
+    fn keep_in_range(
+        &self,
+        gear: &RealTimeGear<R>,
+        state: &mut ObserverState<R>,
+        measured: &Measurement<R>,
+        torques: &Torques<R>,
+        faults: &mut Faults,
+    ) {
+        let limits = &self.limits;
+        for (value, bound) in [
+            (&mut state.wave_generator.velocity, limits.motor_speed),
+            (&mut state.flange.velocity, limits.output_speed),
+            (&mut state.external_torque, limits.external_torque),
+        ] {
+            let limited = value.limit(bound);
+            faults.raise_if(limited != *value, Faults::ESTIMATE_LIMITED);
+            *value = limited;
+        }
+        let [share, least] = limits.stiffness_torque;
+        state.stiffness_torque = state.stiffness_torque.limit(share * torques.transmitted.abs() + least);
+        state.held_torque = state.held_torque.limit(limits.held_torque);
+        let lost = !torques.torsion.is_finite() || torques.torsion.abs() > limits.torsion;
+        faults.raise_if(lost, Faults::OBSERVER_RESET);
+        if lost {
+            self.start(gear, state, measured);
+        }
+    }
+}
+
+impl<R: Real> ObserverState<R> {
+    /// Corrects by one sensor's innovation.
+    #[inline(always)]
+    fn correct(&mut self, by: &Correction<R>, innovation: R, moved: bool) {
+        self.wave_generator.angle = self.wave_generator.angle.plus(by[0] * innovation);
+        self.wave_generator.velocity += by[1] * innovation;
+        self.flange.angle = self.flange.angle.plus(by[2] * innovation);
+        self.flange.velocity += by[3] * innovation;
+        self.external_torque += by[4] * innovation;
+        let last = if moved { &mut self.stiffness_torque } else { &mut self.held_torque };
+        *last += by[5] * innovation;
+    }
+}

@@ -1,0 +1,93 @@
+//! Where the output was believed to be over the last control periods: what a late reading is compared with.
+//!
+//! ```text
+//! innovation = theta_o(k) - past(k - D)            D: delay of the reading, control periods
+//! past(k - D + j) += c_j*innovation                j = 1..=D;   c_j = C F^j l_o,  state += F^D l_o*innovation
+//! ```
+//!
+//! F = (1 - l_m C_m)*A is what the observer does to its own error between two readings. A correction that the
+//! reading's instant asks for has turned into F^j of itself j periods later, in the state as in the past, so the error
+//! obeys the very equation that it obeys without delay: as stable, and no slower but for the delay itself. Angles
+//! are phases of 2^32 counts a turn; a correction is rounded to one, 1.5e-9 rad.
+//!
+//! T. Larsen, N. Andersen, O. Ravn, N. Poulsen, "Incorporation of time delayed measurements in a discrete-time Kalman
+//! filter", IEEE Conference on Decision and Control (1998).
+
+use crate::real::{RADIANS_PER_COUNT, Real};
+
+/// Longest delay of a reading (control periods).
+pub const LONGEST_DELAY: usize = 16;
+
+/// A power of two above it: an index is masked.
+const PLACES: usize = 32;
+
+/// Believed output angles, newest last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Past {
+    phases: [u32; PLACES],
+    newest: usize,
+    /// How many of them are known, up to [`LONGEST_DELAY`] + 1.
+    known: usize,
+}
+
+impl Default for Past {
+    fn default() -> Self {
+        Self { phases: [0; PLACES], newest: 0, known: 0 }
+    }
+}
+
+impl Past {
+    /// Adds the angle of this control period.
+    #[inline(always)]
+    pub fn push(&mut self, phase: u32) {
+        self.newest = (self.newest + 1) % PLACES;
+        self.phases[self.newest] = phase;
+        self.known = (self.known + 1).min(LONGEST_DELAY + 1);
+    }
+
+    /// The angle so many periods before the newest; `None` where it is not known.
+    #[inline(always)]
+    pub fn before(&self, periods: usize) -> Option<u32> {
+        (periods < self.known).then(|| self.phases[self.newest.wrapping_sub(periods) % PLACES])
+    }
+
+    /// Corrects the angles after the one so many periods before the newest by `by[0]`, `by[1]`, ... times the
+    /// innovation (rad).
+    #[inline(always)]
+    pub fn correct<R: Real>(&mut self, periods: usize, by: &[R; LONGEST_DELAY], innovation: R) {
+        let counts = innovation * R::lit(1.0 / RADIANS_PER_COUNT);
+        for (back, gain) in (0..periods).rev().zip(by) {
+            let phase = &mut self.phases[self.newest.wrapping_sub(back) % PLACES];
+            *phase = phase.wrapping_add((*gain * counts).to_i32().cast_unsigned());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_pushed_is_found_and_nothing_before_it() {
+        let mut past = Past::default();
+        assert_eq!(past.before(0), None);
+        for phase in 1..100 {
+            past.push(phase);
+            for back in 0..=LONGEST_DELAY as u32 {
+                let wanted = (phase > back).then(|| phase - back);
+                assert_eq!(past.before(back as usize), wanted, "{back} before {phase}");
+            }
+        }
+        assert_eq!(past.before(LONGEST_DELAY + 1), None);
+    }
+
+    #[test]
+    fn a_correction_reaches_the_periods_after_the_reading_and_no_other() {
+        let mut past = Past::default();
+        (0..20).for_each(|_| past.push(u32::MAX));
+        let gains = core::array::from_fn(|k| (k + 1) as f64);
+        past.correct(3, &gains, 2.0 * RADIANS_PER_COUNT * (1.0 + 1e-9));
+        let phases = [0, 1, 2, 3, 4].map(|back| past.before(back).unwrap());
+        assert_eq!(phases, [5, 3, 1, u32::MAX, u32::MAX]);
+    }
+}
