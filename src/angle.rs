@@ -82,7 +82,13 @@ impl<R: Real> Angle<R> {
     #[inline]
     pub fn minus(self, other: Self) -> R {
         let counts = self.counts.wrapping_sub(other.counts);
-        let whole = i32::try_from(counts).map_or_else(|_| rounded(counts), R::from_i32);
+        let narrow = counts as i32;
+        let whole = if i64::from(narrow) == counts {
+            R::from_i32(narrow)
+        } else {
+            seldom();
+            rounded(counts)
+        };
         (whole + (self.rest - other.rest)) * R::lit(RADIANS_PER_COUNT)
     }
 
@@ -107,8 +113,8 @@ impl<R: Real> Angle<R> {
 }
 
 /// Counts as a number, saturating at 2^15 turns either way.
+#[inline(always)]
 fn rounded<R: Real>(counts: i64) -> R {
-    seldom();
     let high = (counts >> 16).clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
     // In two pieces that are each exact in f32 when the difference is small.
     R::from_i32(high) * R::lit(65536.0) + R::from_i32((counts & 0xffff) as i32)

@@ -275,9 +275,8 @@ impl<R: Real, F: Flexspline<R>, C: FrictionModel<R>, const L: usize, const MEMOR
     ) -> Torques<R> {
         let heading = wave_generator.angle.heading();
         let (ends, slope) = self.ends(wave_generator, flange, heading);
-        let Reaction { contact, flange: on_flange, ellipse, loss, saturated } =
+        let Reaction { torsion, contact, flange: on_flange, ellipse, loss, saturated } =
             self.flexspline.step(&mut state.flexspline, &ends);
-        let torsion = ends.drive.minus(ends.flange);
         let hysteresis = self.hysteresis.step(&mut state.hysteresis, torsion).torque;
         let transmitted = on_flange + hysteresis;
         let reflected = slope * (contact + hysteresis);

@@ -76,6 +76,8 @@ pub trait Real:
     fn is_finite(self) -> bool;
     /// Within `-bound..=bound`, `bound` >= 0; not NaN. One comparison of integers.
     fn is_within(self, bound: Self) -> bool;
+    /// The same bits. One comparison of integers.
+    fn is_same(self, other: Self) -> bool;
     /// Within 0..=1, without -0; not NaN. One comparison of integers.
     fn is_share(self) -> bool;
     /// Square root, for `build` only.
@@ -162,6 +164,10 @@ impl Real for f64 {
         Self::abs(self).to_bits() <= bound.to_bits()
     }
     #[inline(always)]
+    fn is_same(self, other: Self) -> bool {
+        self.to_bits() == other.to_bits()
+    }
+    #[inline(always)]
     fn is_share(self) -> bool {
         self.to_bits() <= Self::ONE.to_bits()
     }
@@ -222,6 +228,10 @@ impl Real for f32 {
     #[inline(always)]
     fn is_within(self, bound: Self) -> bool {
         Self::abs(self).to_bits() <= bound.to_bits()
+    }
+    #[inline(always)]
+    fn is_same(self, other: Self) -> bool {
+        self.to_bits() == other.to_bits()
     }
     #[inline(always)]
     fn is_share(self) -> bool {

@@ -4,7 +4,8 @@ use clap::Args;
 use strainwave_desktop::scenario::Scenario;
 use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::budget::{self, Budget, Measurement};
-use strainwave_emulator::{firmware, pil};
+use strainwave_emulator::firmware;
+use strainwave_emulator::pil::{self, Trial};
 
 use crate::figures::{Figures, FiguresArguments, say};
 use crate::files;
@@ -51,7 +52,8 @@ fn judge(board: &str, overwrite: bool) -> Result<Vec<Figure>, BadInput> {
         let mut deepest = None;
         for scenario in Scenario::ALL {
             let mut progress = Progress::new(1000, scenario.title());
-            let (_, _, ending) = pil::compensated(&firmware.elf, arguments, &gear, scenario, 1, |share| {
+            let trial = Trial::from_rest(&gear, scenario, 1);
+            let (_, _, ending) = pil::compensated(&firmware.elf, arguments, &gear, &trial, |share| {
                 progress.set((share * 1e3) as u64)
             })?;
             deepest = deepest.max(Some(ending.stack));

@@ -13,7 +13,8 @@ use strainwave_desktop::{BadInput, Figure, file};
 pub struct FiguresArguments {
     /// Also write the figures to this file, as {"figures": [{"name", "value", "unit", "bound", "holds"}, ...]}
     ///
-    /// A bound is the largest allowed value; beside "at_least": true it is the smallest.
+    /// A bound is the largest allowed value; beside "at_least": true it is the smallest. The worst of many draws of the
+    /// plant has its "seed".
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
 }
@@ -72,9 +73,14 @@ pub fn complain(line: std::fmt::Arguments<'_>) {
 /// One row a figure.
 fn table(figures: &[Figure]) -> String {
     let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_header(Figure::HEADER);
-    for figure in figures {
-        table.add_row(figure.cells());
+    let header = Figure::HEADER.map(String::from).to_vec();
+    table.load_style(presets::NOTHING);
+    if figures.iter().any(|figure| figure.seed.is_some()) {
+        let seed = |figure: &Figure| figure.seed.map_or_else(|| "-".into(), |seed| seed.to_string());
+        table.set_header([header, vec!["worst seed".into()]].concat());
+        table.add_rows(figures.iter().map(|figure| [figure.cells().to_vec(), vec![seed(figure)]].concat()));
+    } else {
+        table.set_header(header).add_rows(figures.iter().map(Figure::cells));
     }
     for column in [1, 3] {
         if let Some(column) = table.column_mut(column) {

@@ -117,7 +117,9 @@ fn moving(arguments: &Arguments, base: &GearFile) -> Result<Figures, BadInput> {
     if arguments.reversed_torque {
         log = log.with_reversed_torque();
     }
-    for path in [Some(arguments.output.as_path()), arguments.plot.as_deref(), arguments.figures.json.as_deref()] {
+    for path in
+        [Some(arguments.output.as_path()), arguments.plot.as_deref(), arguments.figures.json.as_deref()]
+    {
         files::require_writable(path)?;
     }
     let mut progress = Progress::new(1000, "learning");
@@ -141,7 +143,6 @@ fn moving_figures(found: &LearntGear) -> Vec<Figure> {
         Figure::reported("identify.friction_factor", found.friction_factor, "1"),
         Figure::reported("identify.stiffness_factor", found.stiffness_factor, "1"),
         Figure::reported("identify.external_torque_wander", wander, "N m/s^0.5"),
-        Figure::reported("identify.flexspline_inertia", found.gear.inertia.flexspline, "kg m^2"),
         Figure::reported("identify.torsion_mode_ratio", found.gear.damping.torsion_mode_ratio, "1"),
     ];
     for harmonic in &found.gear.kinematic_error.flexspline {

@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use strainwave_desktop::bench::{Conditions, SensorSet};
 use strainwave_desktop::draw::Draw;
 use strainwave_desktop::identify::learn_gear;
 use strainwave_desktop::log::MeasuredLog;
 use strainwave_desktop::scenario::Scenario;
+use strainwave_desktop::verify::compensator;
 use strainwave_desktop::{BadInput, Figure, GearFile, bounds};
-use strainwave_emulator::pil::{self, Replay, ScenarioRun};
+use strainwave_emulator::pil::{self, Replay, ScenarioRun, Trial};
 
 use crate::figures::{Figures, FiguresArguments, say};
 use crate::files;
@@ -31,7 +33,8 @@ pub struct Arguments {
     /// Which board's firmware; one that the emulator has
     #[arg(long, value_name = "BOARD", default_value = "mps2-an386")]
     board: String,
-    /// Which scenario, or all of them
+    /// Which scenario; or all of them, with the whole table of what is claimed: each row the worst of 20 draws of the
+    /// plant on the desktop, then every scenario on that draw with the firmware, with either set of sensors
     #[arg(long, value_name = "S1..S6|all", default_value = "S2", ignore_case = true,
           value_parser = scenario_parser(), conflicts_with = "replay")]
     scenario: Scenarios,
@@ -47,9 +50,14 @@ pub struct Arguments {
     /// The log's motor torque counts against its motor angle
     #[arg(long, requires = "replay")]
     reversed_torque: bool,
-    /// Which plant: a draw of what the controller does not know; 0 is the plant that it knows
-    #[arg(long, default_value_t = 1, conflicts_with = "replay")]
-    seed: u64,
+    /// Which plant: a draw of what the controller does not know; 0 is the plant that it knows [default: 1; for all
+    /// scenarios the draw that is worst in each]
+    #[arg(long, conflicts_with = "replay")]
+    seed: Option<u64>,
+    /// Which encoders the compensator reads, after 10 s of work from which it may learn, as in the table of `verify
+    /// compensator`; left out, those of the gear file, from rest
+    #[arg(long, value_name = "motor|both", conflicts_with = "replay", value_parser = sensors_parser())]
+    sensors: Option<SensorSet>,
     /// Folder for the plots
     #[arg(long, value_name = "DIR", default_value = "out")]
     plots: PathBuf,
@@ -69,6 +77,11 @@ fn scenario_parser() -> impl TypedValueParser<Value = Scenarios> {
     })
 }
 
+fn sensors_parser() -> impl TypedValueParser<Value = SensorSet> {
+    PossibleValuesParser::new(SensorSet::ALL.map(SensorSet::name))
+        .try_map(|name| SensorSet::named(&name).ok_or("no such set of sensors"))
+}
+
 /// Builds, boots and runs.
 pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     let json = arguments.figures.json.as_deref();
@@ -78,7 +91,8 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         ("--json", json),
     ])?;
     let mut gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), firmware_gear)?;
-    let log = arguments.replay.as_deref().map(|path| replayable(path, arguments.reversed_torque)).transpose()?;
+    let log =
+        arguments.replay.as_deref().map(|path| replayable(path, arguments.reversed_torque)).transpose()?;
     files::require_writable(json)?;
     files::require_folder(&arguments.plots)?;
     let learnt = learn(arguments, &mut gear, log.as_ref())?;
@@ -127,30 +141,70 @@ fn learn(
     Ok(Some(found.learnt))
 }
 
+/// Everything that is run: one scenario; or the whole table, and every scenario on the draw that is worst there.
 fn scenarios(arguments: &Arguments, elf: &Path, gear: &GearFile) -> Result<Vec<Figure>, BadInput> {
-    let draw = Draw::from_seed(arguments.seed);
-    say(format_args!(
-        "plant of seed {}: friction x {:.3} (input) x {:.3} (output), stiffness x {:.3}, load inertia x {:.3}",
-        arguments.seed, draw.friction[0], draw.friction[1], draw.stiffness, draw.inertia
-    ));
     let mut figures = Vec::new();
+    let all = arguments.scenario.0.len() > 1;
+    if all && arguments.seed.is_none() {
+        figures = table(gear)?;
+    }
+    let asked = arguments.sensors.map(|sensors| vec![sensors]);
+    let sensor_sets = asked.or_else(|| all.then(|| SensorSet::ALL.to_vec())).unwrap_or_default();
+    let mut trials: Vec<Trial> = Vec::new();
     for scenario in &arguments.scenario.0 {
-        let mut progress = Progress::new(1000, scenario.title());
-        let run = pil::run(elf, gear, *scenario, arguments.seed, |share| progress.set((share * 1e3) as u64))
-            .map_err(BadInput::message)?;
-        drop(progress);
-        let path = arguments.plots.join(format!("pil.{}.svg", scenario.name()));
-        files::make_folder(&arguments.plots)?;
-        pil_plots::scenario(&run, gear).write(&path)?;
-        say(format_args!("{}: {}; plot {}", scenario.name(), scenario.title(), path.display()));
-        figures.extend(scenario_figures(&run));
-        figures.extend(run.loop_figures().map_err(BadInput::message)?);
+        let rest = Trial::from_rest(gear, *scenario, arguments.seed.unwrap_or(1));
+        trials.extend(sensor_sets.iter().filter(|_| !scenario.blocked()).map(|sensors| {
+            let seed = arguments.seed.or(compensator::worst_draw(&figures, *scenario, *sensors));
+            let seed = seed.unwrap_or(rest.conditions.seed);
+            let conditions = Conditions { seed, sensors: *sensors, ..rest.conditions };
+            Trial { conditions, worked: true, ..rest }
+        }));
+        trials.extend((sensor_sets.is_empty() || scenario.blocked()).then_some(rest));
+    }
+    for trial in &trials {
+        figures.extend(run_trial(arguments, elf, gear, trial)?);
     }
     Ok(figures)
 }
 
+/// The compensator beside the baselines on the desktop, every row the worst of many draws.
+fn table(gear: &GearFile) -> Result<Vec<Figure>, BadInput> {
+    let mut progress = Progress::new(1000, "compensator and baselines");
+    let measured = compensator::against_baselines(gear, compensator::DRAWS, 0, |share| {
+        progress.set((share * 1e3) as u64)
+    })
+    .map_err(BadInput::message)?;
+    Ok(measured.figures)
+}
+
+fn run_trial(
+    arguments: &Arguments,
+    elf: &Path,
+    gear: &GearFile,
+    trial: &Trial,
+) -> Result<Vec<Figure>, BadInput> {
+    let (scenario, seed) = (trial.scenario, trial.conditions.seed);
+    let mut progress = Progress::new(1000, scenario.title());
+    let run =
+        pil::run(elf, gear, trial, |share| progress.set((share * 1e3) as u64)).map_err(BadInput::message)?;
+    drop(progress);
+    let path = arguments.plots.join(format!("pil.{}.svg", trial.name()));
+    files::make_folder(&arguments.plots)?;
+    pil_plots::scenario(&run, gear).write(&path)?;
+    let draw = Draw::from_seed(seed);
+    say(format_args!("{}: {}; plot {}", trial.name(), scenario.title(), path.display()));
+    say(format_args!(
+        "    plant of seed {seed}: friction x {:.3} (input) x {:.3} (output), stiffness x {:.3}, load inertia x {:.3}",
+        draw.friction[0], draw.friction[1], draw.stiffness, draw.inertia
+    ));
+    let mut figures = run.claims(gear).map_err(BadInput::message)?;
+    figures.extend(scenario_figures(&run));
+    figures.extend(run.loop_figures().map_err(BadInput::message)?);
+    Ok(figures)
+}
+
 fn scenario_figures(run: &ScenarioRun) -> Vec<Figure> {
-    let name = |rest: &str| format!("pil.{}.{rest}", run.scenario.name());
+    let name = |rest: &str| format!("pil.{}.{rest}", run.trial.name());
     let (estimate, cost) = (&run.compensated.estimate, &run.control_step);
     vec![
         run.beside_baselines(),

@@ -3,55 +3,89 @@
 use std::f64::consts::TAU;
 
 use strainwave_desktop::GearFile;
-use strainwave_desktop::closed_loop::{Row, Run};
+use strainwave_desktop::closed_loop::Row;
+use strainwave_desktop::judge::estimates::{self, Estimated};
+use strainwave_desktop::judge::{Judge, error, spectrum};
 use strainwave_desktop::plot::{Page, Panel, Series};
-use strainwave_desktop::scenario::Scenario;
 use strainwave_desktop::replay::ReplayRow;
+use strainwave_desktop::scenario::Scenario;
 use strainwave_emulator::pil::ScenarioRun;
 
 /// Control periods from one drawn row of a replay to the next.
 const EVERY: usize = 10;
 
+/// Highest frequency of a spectrum (Hz): some times that of the torsion mode.
+const HIGHEST: f64 = 200.0;
+
 fn column<T>(rows: &[T], figure: impl Fn(&T) -> f64) -> Vec<f64> {
     rows.iter().map(figure).collect()
 }
 
-/// Output, error, torque and estimates over time; for the loop torque over torsion too.
+/// What a controller answers over time, of the two baselines and the compensator.
+const CONTROLLERS: [&str; 3] = ["B0", "B1", "compensated"];
+
+/// Output, error, torque and estimates over time, and the spectrum of what rings after a move; for the loop torque over
+/// torsion too.
 pub fn scenario(run: &ScenarioRun, gear: &GearFile) -> Page {
-    let rows = &run.compensated.trace;
+    let (scenario, rows) = (run.trial.scenario, &run.compensated.trace);
     let time = column(rows, |row| row.time);
-    let error = |run: &Run| column(&run.trace, |row| (row.output - row.demand.position) * 1e6);
-    let position = Panel::new("time", "s", "output", "rad")
+    let of_all = |panel: Panel, figure: &dyn Fn(&Row) -> f64| {
+        let runs = CONTROLLERS.into_iter().zip([&run.b0, &run.b1, &run.compensated]);
+        runs.fold(panel, |panel, (name, run)| {
+            panel.with(Series::line(name, &time, &column(&run.trace, figure)))
+        })
+    };
+    let over_time = |name, unit| Panel::new("time", "s", name, unit);
+    let output = over_time("output", "rad")
         .with(Series::dashed("asked", &time, &column(rows, |row| row.demand.position)))
         .with(Series::line("compensated", &time, &column(rows, |row| row.output)));
-    let errors = Panel::new("time", "s", "output error", "urad")
-        .with(Series::line("B0", &time, &error(&run.b0)))
-        .with(Series::line("B1", &time, &error(&run.b1)))
-        .with(Series::line("compensated", &time, &error(&run.compensated)));
-    let torque = Panel::new("time", "s", "motor torque", "N m")
-        .with(Series::line("command", &time, &column(rows, |row| row.answer.motor_torque.into())))
-        .with(Series::line(
-            "feed-forward",
-            &time,
-            &column(rows, |row| row.answer.feed_forward_torque.into()),
-        ));
-    let torsion = Panel::new("time", "s", "torsion", "urad")
-        .with(Series::line("plant", &time, &column(rows, |row| row.torsion * 1e6)))
-        .with(Series::dashed(
-            "estimate",
-            &time,
-            &column(rows, |row| f64::from(row.answer.estimate.torsion) * 1e6),
-        ));
-    let external = Panel::new("time", "s", "external torque", "N m")
-        .with(Series::line(
-            "estimate",
-            &time,
-            &column(rows, |row| row.answer.estimate.external_torque.into()),
-        ))
-        .with(Series::dashed("plant", &time, &column(rows, |row| row.demand.load)));
-    let title = format!("{} {}: {}", gear.gear.name, run.scenario.name(), run.scenario.title());
-    let page = Page::new(title).with(position).with(errors).with(torque).with(torsion).with(external);
-    if run.scenario == Scenario::S6 { page.with(torque_over_torsion(rows)) } else { page }
+    let torque = of_all(over_time("motor torque", "N m"), &|row| row.answer.motor_torque.into());
+    let fed_forward = column(rows, |row| row.answer.feed_forward_torque.into());
+    let name = &gear.gear.name;
+    let title =
+        format!("{name} {}: {}, plant {}", run.trial.name(), scenario.title(), run.trial.conditions.seed);
+    let page = Page::new(title)
+        .with(output)
+        .with(of_all(over_time("output error", "urad"), &|row| error(row) * 1e6))
+        .with(torque.with(Series::dashed("fed forward", &time, &fed_forward)))
+        .with(of_all(over_time("torsion", "urad"), &|row| row.torsion * 1e6));
+    let page = page.with(external_torque(rows, &time));
+    let page = estimates::ALL.iter().fold(page, |page, of| page.with(estimate_error(of, rows, &time)));
+    let page = ringing(run).into_iter().fold(page, Page::with);
+    if scenario == Scenario::S6 { page.with(torque_over_torsion(rows)) } else { page }
+}
+
+/// What an estimate is off by, with the band of three deviations that it states.
+fn estimate_error(estimated: &Estimated, rows: &[Row], time: &[f64]) -> Panel {
+    let scaled = |scale: f64| rows.iter().skip(1).map(move |row| scale * estimated.deviation(row)).collect();
+    let [upper, lower]: [Vec<f64>; 2] = [3.0, -3.0].map(scaled);
+    let error: Vec<_> = rows.windows(2).map(|pair| estimated.error([&pair[0], &pair[1]])).collect();
+    let time = time.get(1..).unwrap_or_default();
+    Panel::new("time", "s", &format!("{}, estimated - true", estimated.name), estimated.unit)
+        .with(Series::line("error", time, &error))
+        .with(Series::dashed("3 deviations", time, &upper))
+        .with(Series::dashed("", time, &lower))
+}
+
+/// The external torque that is believed beside the load.
+fn external_torque(rows: &[Row], time: &[f64]) -> Panel {
+    let estimated = column(rows, |row| row.answer.estimate.external_torque.into());
+    Panel::new("time", "s", "external torque", "N m")
+        .with(Series::line("estimate", time, &estimated))
+        .with(Series::dashed("plant", time, &column(rows, |row| row.demand.load)))
+}
+
+/// Spectrum of the torsion's vibration over the last rest of a scenario that has one.
+fn ringing(run: &ScenarioRun) -> Option<Panel> {
+    let runs = CONTROLLERS.into_iter().zip([&run.b0, &run.b1, &run.compensated]);
+    let panel = Panel::new("frequency", "Hz", "vibration of the torsion at rest", "urad");
+    runs.map(|(name, of)| {
+        let vibration = Judge::new(run.trial.scenario, &run.plant, &of.trace).last_vibration()?;
+        let (frequency, amplitude): (Vec<_>, Vec<_>) =
+            spectrum(&vibration, HIGHEST).into_iter().map(|(f, a)| (f, a * 1e6)).unzip();
+        Some(Series::line(name, &frequency, &amplitude))
+    })
+    .try_fold(panel, |panel, series| Some(panel.with(series?)))
 }
 
 fn torque_over_torsion(rows: &[Row]) -> Panel {

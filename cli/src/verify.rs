@@ -1,11 +1,11 @@
 //! `verify`: every claimed figure, measured here and now.
 
-use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use strainwave_desktop::BadInput;
+use clap::{Args, value_parser};
 use strainwave_desktop::verify::flexspline::speed;
 use strainwave_desktop::verify::{self, Measured};
-use strainwave_desktop::verify::{friction, hysteresis, replay};
+use strainwave_desktop::verify::{compensator, friction, hysteresis, replay};
+use strainwave_desktop::{BadInput, GearFile};
 use strainwave_emulator::verify::{self as emulated, Parts};
 
 use crate::figures::{Figures, FiguresArguments, say};
@@ -25,6 +25,12 @@ pub struct Arguments {
     /// Only this part; every part when left out
     #[arg(value_name = "PART", value_parser = part_parser())]
     part: Option<String>,
+    /// Draws of the plant on which the compensator is compared with the baselines; the bounds are for 20
+    #[arg(long, value_name = "COUNT", default_value_t = compensator::DRAWS, value_parser = value_parser!(u64).range(1..=100_000))]
+    draws: u64,
+    /// Draws with doubled sensor noise on which it must be stable and no worse than the cascade; the bounds are for 1000
+    #[arg(long = "box", value_name = "COUNT", default_value_t = compensator::BOX_DRAWS, value_parser = value_parser!(u64).range(0..=100_000))]
+    box_draws: u64,
     #[command(flatten)]
     figures: FiguresArguments,
 }
@@ -60,6 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     }
     if parts.contains(&verify::Part::Compensator) {
         measured.add(replay::measure()?);
+        measured.add(against_baselines(arguments)?);
     }
     if let Some(parts) = emulated_parts(wanted(FIRMWARE), flexspline) {
         measured.add(measure_emulated(parts)?);
@@ -68,6 +75,13 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         say(format_args!("{note}"));
     }
     Ok(Figures::new(measured.figures, &arguments.figures))
+}
+
+fn against_baselines(arguments: &Arguments) -> Result<Measured, BadInput> {
+    let mut progress = Progress::new(1000, "compensator and baselines");
+    let (gear, [draws, box_draws]) = (GearFile::default_gear(), [arguments.draws, arguments.box_draws]);
+    compensator::against_baselines(&gear, draws, box_draws, |share| progress.set((share * 1e3) as u64))
+        .map_err(BadInput::message)
 }
 
 fn emulated_parts(firmware: bool, flexspline: bool) -> Option<Parts> {

@@ -18,6 +18,7 @@ use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, feedback_params, firmware_gear_params};
 
 /// A baseline controller.
+#[derive(Clone)]
 pub struct Baseline {
     ratio: Ratio,
     encoder: Encoder,

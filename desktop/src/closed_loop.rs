@@ -1,25 +1,20 @@
-//! The loop of a scenario: plant and sensors on the desktop, any controller in between.
-//!
-//! Each control period: the sensors are read, the controller answers, its torque acts on the plant for one
-//! period. The motor's torque is what was commanded, and what is measured of it carries noise.
+//! The loop of a scenario: a joint on the bench, any controller, and what came of it.
 
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, Normal};
 use strainwave::Error;
-use strainwave::compensator::{Compensator, Estimate, Input, JointParams, Output, Sensors, Shares, State};
+use strainwave::compensator::{Compensator, Input, JointParams, Output, State};
+use strainwave::flexspline::Flexspline;
 
 use crate::baseline::Baseline;
+use crate::bench::{Bench, Conditions, periods};
 use crate::divergence::RunError;
-use crate::draw::Draw;
 use crate::gear_file::GearFile;
-use crate::joint::{CONTROL_PERIOD, firmware_gear_params};
+use crate::joint::CONTROL_PERIOD;
 use crate::log::{Drive, OpenLoop, Time};
-use crate::plant::{Plant, encoder_count};
+use crate::plant::Plant;
 use crate::scenario::{Demand, Scenario};
 
-/// Every how many control periods a trace keeps a row.
-const TRACE_EVERY: usize = 5;
+/// Every how many control periods a run says how far it is.
+const PROGRESS_EVERY: usize = 100;
 
 /// A controller of the joint.
 pub trait Controller {
@@ -34,6 +29,7 @@ pub trait Controller {
 }
 
 /// The compensator in the firmware's precision, on the desktop.
+#[derive(Clone)]
 pub struct HostCompensator {
     model: Compensator<f32>,
     state: State<f32>,
@@ -88,14 +84,35 @@ pub struct Row {
     pub torsion: f64,
     /// True torque through the flexspline (N m).
     pub transmitted: f64,
+    /// True output speed (rad/s).
+    pub output_velocity: f64,
+    /// True friction of the wave generator and of the flexspline (N m).
+    pub friction: [f64; 2],
     /// What the controller answered.
     pub answer: Output<f32>,
+}
+
+impl Row {
+    fn of<F: Flexspline<f64>>(time: f64, demand: Demand, plant: &Plant<F>, answer: Output<f32>) -> Self {
+        let torques = plant.last_torques();
+        Self {
+            time,
+            demand,
+            output: plant.output().angle.to_radians(),
+            motor: plant.motor().angle.to_radians(),
+            torsion: torques.torsion,
+            transmitted: torques.transmitted,
+            output_velocity: plant.output().velocity,
+            friction: [torques.input_friction, torques.output_friction],
+            answer,
+        }
+    }
 }
 
 /// What came of one run.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// Decimated rows.
+    /// A row each control period.
     pub trace: Vec<Row>,
     /// Output error over the judged part, rms (rad).
     pub rms: f64,
@@ -118,53 +135,8 @@ pub struct EstimateErrors {
     pub external_torque: f64,
 }
 
-/// The joint's sensors, with noise that repeats for the same seed.
-struct SensorModel {
-    motor_encoder_bits: u32,
-    output_encoder_bits: Option<u32>,
-    motor_torque_noise: Normal<f64>,
-    output_torque_noise: Option<Normal<f64>>,
-    random: ChaCha8Rng,
-}
-
-impl SensorModel {
-    fn new(file: &GearFile, seed: u64) -> Self {
-        let noise = |deviation| Normal::new(0.0, deviation).expect("the gear file's noise is not negative");
-        let sensors = &file.sensors;
-        Self {
-            motor_encoder_bits: sensors.motor_encoder_bits,
-            output_encoder_bits: sensors.output_encoder_bits,
-            motor_torque_noise: noise(sensors.motor_torque_noise),
-            output_torque_noise: sensors.output_torque.then(|| noise(sensors.output_torque_noise)),
-            random: ChaCha8Rng::seed_from_u64(seed),
-        }
-    }
-
-    fn read(&mut self, plant: &Plant, motor_torque: f64) -> Sensors<f32> {
-        let random = &mut self.random;
-        Sensors {
-            motor_encoder: encoder_count(plant.motor().angle, self.motor_encoder_bits),
-            output_encoder: self.output_encoder_bits.map(|bits| encoder_count(plant.output().angle, bits)),
-            motor_torque: (motor_torque + self.motor_torque_noise.sample(random)) as f32,
-            output_torque: self
-                .output_torque_noise
-                .map(|noise| (plant.last_torques().transmitted + noise.sample(random)) as f32),
-        }
-    }
-}
-
-/// All corrections on, friction by the gear file's share.
-fn all_shares(file: &GearFile) -> Shares<f32> {
-    Shares {
-        feedback: 1.0,
-        inertia: 1.0,
-        friction: file.compensation.friction_share as f32,
-        wind_up: 1.0,
-        kinematic_error: 1.0,
-    }
-}
-
-/// Runs a scenario on the plant of `seed` (see [`Draw::from_seed`]); `progress` is called with the share done.
+/// Runs a scenario from rest on the reference plant of `seed` (see [`crate::draw::Draw::from_seed`]); `progress` is
+/// called with the share done.
 ///
 /// # Errors
 /// The controller's, a gear that cannot be built, or a plant that diverges.
@@ -173,25 +145,42 @@ pub fn run<C: Controller>(
     scenario: Scenario,
     seed: u64,
     controller: &mut C,
+    progress: impl FnMut(f64),
+) -> Result<Run, C::Error>
+where
+    C::Error: From<RunError>,
+{
+    let mut bench = Bench::build(file, &Conditions::of(file, seed)).map_err(RunError::from)?;
+    go_on(&mut bench, scenario, controller, progress)
+}
+
+/// Runs a scenario from where a joint and its controller are; `progress` is called with the share done.
+///
+/// # Errors
+/// As [`Bench::go`].
+pub fn go_on<F: Flexspline<f64>, C: Controller>(
+    bench: &mut Bench<F>,
+    scenario: Scenario,
+    controller: &mut C,
     mut progress: impl FnMut(f64),
 ) -> Result<Run, C::Error>
 where
     C::Error: From<RunError>,
 {
-    let steps = periods(scenario);
+    let steps = periods(&scenario);
     let mut judge = Judge::default();
-    let mut trace = Vec::with_capacity(steps / TRACE_EVERY + 1);
-    let plant = each_period(file, scenario, seed, controller, |k, demand, plant, answer| {
-        let time = k as f64 * CONTROL_PERIOD;
-        if time >= scenario.judged_from() {
-            judge.add(plant.output().angle.to_radians(), &demand, &answer.estimate);
+    let mut trace = Vec::with_capacity(steps);
+    bench.go(&scenario, controller, |k, demand, plant, answer| {
+        let row = Row::of(k as f64 * CONTROL_PERIOD, demand, plant, answer);
+        if row.time >= scenario.judged_from() {
+            judge.add(&row);
         }
-        if k % TRACE_EVERY == 0 {
-            trace.push(row(time, demand, plant, answer));
+        trace.push(row);
+        if k % PROGRESS_EVERY == 0 {
             progress(k as f64 / steps as f64);
         }
     })?;
-    Ok(judge.run(trace, plant.imbalance()))
+    Ok(judge.run(trace, bench.plant().imbalance()))
 }
 
 /// Runs a scenario as [`run`], and records what drives the plant's gear, a row each control period: the motor's speed
@@ -209,7 +198,8 @@ where
     C::Error: From<RunError>,
 {
     let (mut speed, mut load_torque) = (Vec::new(), Vec::new());
-    each_period(file, scenario, seed, controller, |_, demand, plant, _| {
+    let mut bench = Bench::build(file, &Conditions::of(file, seed)).map_err(RunError::from)?;
+    bench.go(&scenario, controller, |_, demand, plant, _| {
         speed.push(plant.motor().velocity);
         load_torque.push(demand.load);
     })?;
@@ -218,45 +208,6 @@ where
         drive: Drive::Velocity(speed),
         load_torque,
     })
-}
-
-/// Control periods of a scenario.
-fn periods(scenario: Scenario) -> usize {
-    (scenario.duration() / CONTROL_PERIOD).round() as usize
-}
-
-/// Closes the loop; `visit` sees the plant at the start of each period with the controller's answer to it.
-fn each_period<C: Controller>(
-    file: &GearFile,
-    scenario: Scenario,
-    seed: u64,
-    controller: &mut C,
-    mut visit: impl FnMut(usize, Demand, &Plant, Output<f32>),
-) -> Result<Plant, C::Error>
-where
-    C::Error: From<RunError>,
-{
-    let nominal = firmware_gear_params(file).map_err(RunError::from)?;
-    let plant = Plant::build(&Draw::from_seed(seed).apply(&nominal));
-    let mut plant = plant.map_err(RunError::from)?;
-    let mut sensors = SensorModel::new(file, seed);
-    let mut torque = 0.0;
-    for k in 0..periods(scenario) {
-        let demand = scenario.at(k as f64 * CONTROL_PERIOD, file.gear.rated_torque);
-        let sensors = sensors.read(&plant, torque);
-        let input = Input { sensors, setpoint: demand.setpoint(), shares: all_shares(file) };
-        let answer = controller.step(&input)?;
-        visit(k, demand, &plant, answer);
-        torque = f64::from(answer.motor_torque);
-        let moved = if scenario.blocked() {
-            torque = 0.0;
-            plant.step_blocked(demand.load)
-        } else {
-            plant.step(torque, demand.load)
-        };
-        moved.map_err(RunError::from)?;
-    }
-    Ok(plant)
 }
 
 /// The scores of a run.
@@ -268,11 +219,12 @@ struct Judge {
 }
 
 impl Judge {
-    /// Counts one control period: the true output angle (rad), what was asked and what was estimated.
-    fn add(&mut self, output: f64, demand: &Demand, estimate: &Estimate<f32>) {
-        self.output.add(output - demand.position);
-        self.estimated_output.add(estimate.output_position.to_radians() - output);
-        self.estimated_external_torque.add(f64::from(estimate.external_torque) - demand.load);
+    /// Counts one control period.
+    fn add(&mut self, row: &Row) {
+        let estimate = &row.answer.estimate;
+        self.output.add(row.output - row.demand.position);
+        self.estimated_output.add(estimate.output_position.to_radians() - row.output);
+        self.estimated_external_torque.add(f64::from(estimate.external_torque) - row.demand.load);
     }
 
     fn run(&self, trace: Vec<Row>, imbalance: f64) -> Run {
@@ -282,19 +234,6 @@ impl Judge {
             external_torque: self.estimated_external_torque.rms(),
         };
         Run { trace, rms: self.output.rms(), max, last, estimate, imbalance }
-    }
-}
-
-fn row(time: f64, demand: Demand, plant: &Plant, answer: Output<f32>) -> Row {
-    let torques = plant.last_torques();
-    Row {
-        time,
-        demand,
-        output: plant.output().angle.to_radians(),
-        motor: plant.motor().angle.to_radians(),
-        torsion: torques.torsion,
-        transmitted: torques.transmitted,
-        answer,
     }
 }
 

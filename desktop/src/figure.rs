@@ -18,6 +18,9 @@ pub struct Figure {
     pub at_least: bool,
     /// The value is within its bound, or has none.
     pub holds: bool,
+    /// Of the worst of many draws of the plant, the seed. In JSON only where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
 }
 
 impl Figure {
@@ -38,7 +41,27 @@ impl Figure {
 
     /// A figure without a bound.
     pub fn reported(name: impl Into<String>, value: f64, unit: impl Into<String>) -> Self {
-        Self { name: name.into(), value, unit: unit.into(), bound: None, at_least: false, holds: true }
+        Self {
+            name: name.into(),
+            value,
+            unit: unit.into(),
+            bound: None,
+            at_least: false,
+            holds: true,
+            seed: None,
+        }
+    }
+
+    /// The same, only reported.
+    #[must_use]
+    pub fn without_bound(self) -> Self {
+        Self { bound: None, at_least: false, holds: true, ..self }
+    }
+
+    /// The same, of the draw of this seed.
+    #[must_use]
+    pub fn of_draw(self, seed: u64) -> Self {
+        Self { seed: Some(seed), ..self }
     }
 
     /// What the cells of a row for people are.

@@ -2,6 +2,7 @@
 
 pub mod any_friction;
 pub mod baseline;
+pub mod bench;
 pub mod bounds;
 pub mod closed_loop;
 pub mod data;
@@ -13,6 +14,7 @@ pub mod friction_params;
 pub mod gear_file;
 pub mod identify;
 pub mod joint;
+pub mod judge;
 pub mod log;
 pub mod mesh_size;
 pub mod observer_design;
@@ -23,10 +25,12 @@ pub mod report;
 pub mod ripple_fit;
 pub mod scenario;
 mod settled;
+pub mod step_response;
 pub mod torque_loop;
 pub mod two_port;
 pub mod vectorised;
 pub mod verify;
+pub mod working_motion;
 
 pub use figure::Figure;
 pub use file::BadInput;

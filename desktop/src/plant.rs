@@ -7,8 +7,14 @@
 //! Motor torque and load are held over a control period (zero-order hold) and integrated in
 //! micro-steps of semi-implicit Euler, as many as keep the mesh below its stable step. The power
 //! that enters both ports is accounted for micro-step by micro-step.
+//!
+//! Where thousands of runs are asked for, the mesh is condensed ([`Plant::condensed`]): the same links reduced to one
+//! law in f64, exact in harmonic 0 ([`strainwave::flexspline::reduced`]), and all else as it is. What is left to
+//! resolve are the torsion mode and the presliding of friction, below 1000 rad/s, so a control period takes
+//! [`CONDENSED_STEPS`] micro-steps.
 
-use strainwave::flexspline::{Flexspline, FlexsplineParams, Mesh};
+use strainwave::compensator::MESH;
+use strainwave::flexspline::{Flexspline, FlexsplineParams, Mesh, Reduced};
 use strainwave::friction::{JointFriction, JointFrictionState};
 use strainwave::gear::{Applied, Gear, GearParams, GearState, Motion, Torques};
 use strainwave::{Angle, Error};
@@ -25,6 +31,9 @@ pub const LEVELS: usize = 64;
 pub const MEMORY: usize = 128;
 /// Largest micro-step as a share of the mesh's stable step.
 pub const STEP_SHARE: f64 = 0.95;
+
+/// Micro-steps of a control period with the mesh condensed.
+pub const CONDENSED_STEPS: usize = 4;
 
 /// A reference flexspline, f64 and literal eq. (6), with this processor's vector instructions.
 pub type FastMesh<const N: usize, const M: usize> = Vectorised<Mesh<f64, N, M>>;
@@ -81,12 +90,16 @@ pub struct Energy {
     pub hysteresis: f64,
 }
 
-type PlantMesh = FastMesh<{ NODES.0 }, { NODES.1 }>;
+/// The plant's mesh as it is.
+pub type PlantMesh = FastMesh<{ NODES.0 }, { NODES.1 }>;
+/// The mesh condensed to one law, which is that of every mesh.
+pub type CondensedMesh = Reduced<f64, { MESH.0 }, { MESH.1 }>;
 
-/// Motor, gear and load.
-pub struct Plant {
-    gear: ReferenceGear<PlantMesh>,
-    state: ReferenceState<PlantMesh>,
+/// Motor, gear and load around a flexspline.
+#[derive(Clone)]
+pub struct Plant<F: Flexspline<f64> = PlantMesh> {
+    gear: ReferenceGear<F>,
+    state: ReferenceState<F>,
     /// Micro-step (s) and how many of them a control period has.
     dt: f64,
     steps: usize,
@@ -102,13 +115,30 @@ pub struct Plant {
 }
 
 impl Plant {
-    /// A plant at rest at the zero angle.
+    /// The reference at rest at the zero angle.
     ///
     /// # Errors
     /// As [`GearParams::build`].
     pub fn build(params: &GearParams<f64>) -> Result<Self, Error> {
         let Reference { mesh, dt, steps } = Reference::build(&params.flexspline, None)?;
-        let gear: ReferenceGear<PlantMesh> = params.build(mesh, dt)?;
+        Self::around(params, mesh, dt, steps)
+    }
+}
+
+impl Plant<CondensedMesh> {
+    /// The same with its mesh condensed, some hundred times as fast.
+    ///
+    /// # Errors
+    /// As [`GearParams::build`].
+    pub fn condensed(params: &GearParams<f64>) -> Result<Self, Error> {
+        let mesh = Reduced::build(&params.flexspline, params.rated_torque)?;
+        Self::around(params, mesh, CONTROL_PERIOD / CONDENSED_STEPS as f64, CONDENSED_STEPS)
+    }
+}
+
+impl<F: Flexspline<f64>> Plant<F> {
+    fn around(params: &GearParams<f64>, flexspline: F, dt: f64, steps: usize) -> Result<Self, Error> {
+        let gear: ReferenceGear<F> = params.build(flexspline, dt)?;
         let mut plant = Self {
             state: gear.rest(),
             gear,

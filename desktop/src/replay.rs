@@ -128,7 +128,8 @@ impl Start {
     fn of(log: &MeasuredLog) -> Self {
         let motor = log.motor_position[0];
         let speed = (log.time.at(FIRST).of(&log.motor_position) - motor) / FIRST;
-        let first = log.time.stamps().iter().take_while(|stamp| **stamp - log.time.stamps()[0] <= FIRST).count();
+        let first =
+            log.time.stamps().iter().take_while(|stamp| **stamp - log.time.stamps()[0] <= FIRST).count();
         let torque = log.motor_torque[..first].iter().sum::<f64>() / first as f64;
         let begin = motor - speed * LEAD_IN / 2.0;
         Self { motor, speed, torque, whole_turns: (begin / TAU).round() * TAU }

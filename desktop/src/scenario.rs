@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 use strainwave::Angle;
 use strainwave::compensator::Setpoint;
 
+use crate::bench::Task;
+
 /// One of the six scenarios.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Scenario {
@@ -53,6 +55,22 @@ impl Demand {
     }
 }
 
+/// A time within a scenario.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// (s)
+    pub from: f64,
+    /// (s)
+    pub to: f64,
+}
+
+/// When the load of S5 comes (s).
+pub const LOAD_STEP_AT: f64 = 0.3;
+/// The steps of S1: the first (s), from one to the next (s), and how long each moves (s).
+const STEPS: (f64, f64, f64) = (0.4, 0.1, 0.02);
+/// How long the move of S3 takes (s).
+const FAST_MOVE: f64 = 0.25;
+
 impl Scenario {
     /// All of them.
     pub const ALL: [Self; 6] = [Self::S1, Self::S2, Self::S3, Self::S4, Self::S5, Self::S6];
@@ -91,10 +109,23 @@ impl Scenario {
         match self {
             Self::S1 => 0.3,
             Self::S2 => 1.0,
-            Self::S3 => 0.25,
+            Self::S3 => FAST_MOVE,
             Self::S4 => 0.5,
             Self::S5 => 0.2,
             Self::S6 => 0.0,
+        }
+    }
+
+    /// Where the joint should rest after a move.
+    pub fn rests(self) -> Vec<Stretch> {
+        let (first, every, moving) = STEPS;
+        match self {
+            Self::S1 => (0..((self.duration() - first) / every).round() as usize)
+                .map(|step| first + every * step as f64)
+                .map(|start| Stretch { from: start + moving, to: start + every })
+                .collect(),
+            Self::S3 => vec![Stretch { from: FAST_MOVE, to: self.duration() }],
+            _ => Vec::new(),
         }
     }
 
@@ -108,9 +139,9 @@ impl Scenario {
         match self {
             Self::S1 => steps(time),
             Self::S2 => sine(time),
-            Self::S3 => rest_to_rest(time, 0.5, 0.25),
+            Self::S3 => rest_to_rest(time, 0.5, FAST_MOVE),
             Self::S4 => crawl(time),
-            Self::S5 => Demand { load: if time < 0.3 { 0.0 } else { 40.0 }, ..Demand::default() },
+            Self::S5 => Demand { load: if time < LOAD_STEP_AT { 0.0 } else { 40.0 }, ..Demand::default() },
             Self::S6 => {
                 Demand { load: torque_loop(time, self.duration(), rated_torque), ..Demand::default() }
             }
@@ -118,12 +149,27 @@ impl Scenario {
     }
 }
 
+impl Task for Scenario {
+    fn duration(&self) -> f64 {
+        Self::duration(*self)
+    }
+
+    fn at(&self, time: f64, rated_torque: f64) -> Demand {
+        Self::at(*self, time, rated_torque)
+    }
+
+    fn blocked(&self) -> bool {
+        Self::blocked(*self)
+    }
+}
+
 /// -50 N m from the start, then 0.2 mrad more every 0.1 s from 0.4 s on, each a 20 ms move.
 fn steps(time: f64) -> Demand {
     const HEIGHT: f64 = 2e-4;
-    let elapsed = (time - 0.4).max(0.0);
-    let done = (elapsed / 0.1).floor();
-    let mut demand = rest_to_rest(elapsed - 0.1 * done, HEIGHT, 0.02);
+    let (first, every, moving) = STEPS;
+    let elapsed = (time - first).max(0.0);
+    let done = (elapsed / every).floor();
+    let mut demand = rest_to_rest(elapsed - every * done, HEIGHT, moving);
     demand.position += HEIGHT * done;
     demand.load = -50.0 * smooth(time / 0.1).0;
     demand
@@ -166,7 +212,7 @@ fn crawl(time: f64) -> Demand {
 }
 
 /// A move of `distance` (rad) in `duration` (s) with continuous jerk, then rest.
-fn rest_to_rest(time: f64, distance: f64, duration: f64) -> Demand {
+pub(crate) fn rest_to_rest(time: f64, distance: f64, duration: f64) -> Demand {
     let (w, w1, w2, w3, w4) = smooth(time / duration);
     Demand {
         position: distance * w,

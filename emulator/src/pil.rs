@@ -6,14 +6,17 @@ use std::thread::ScopedJoinHandle;
 
 use strainwave::gear::GearParams;
 use strainwave_desktop::baseline::Baseline;
-use strainwave_desktop::closed_loop::{self, Row, Run};
+use strainwave_desktop::bench::{Bench, Conditions, Task, periods};
+use strainwave_desktop::closed_loop::{self, Controller, Row, Run};
 use strainwave_desktop::divergence::RunError;
-use strainwave_desktop::draw::Draw;
-use strainwave_desktop::joint::{firmware_gear_params, joint_params, source};
+use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params, source};
+use strainwave_desktop::judge::Judge;
 use strainwave_desktop::log::MeasuredLog;
 use strainwave_desktop::replay::{self, Judgement, ReplayRow};
 use strainwave_desktop::scenario::Scenario;
 use strainwave_desktop::torque_loop::{Sample, TorqueLoop};
+use strainwave_desktop::verify::compensator::CLAIMS;
+use strainwave_desktop::working_motion::WorkingMotion;
 use strainwave_desktop::{Figure, GearFile};
 
 use crate::artifact::{self, Image};
@@ -56,10 +59,34 @@ pub enum Error {
     Counting(#[from] counting::Error),
 }
 
-/// What came of one scenario.
+/// What is run on the target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trial {
+    /// Which scenario.
+    pub scenario: Scenario,
+    /// On which plant, with which sensors.
+    pub conditions: Conditions,
+    /// The compensator goes through the working motion first, as what is claimed of it asks.
+    pub worked: bool,
+}
+
+impl Trial {
+    /// A scenario from rest on the plant of `seed`, with the sensors of a gear file.
+    pub fn from_rest(file: &GearFile, scenario: Scenario, seed: u64) -> Self {
+        Self { scenario, conditions: Conditions::of(file, seed), worked: false }
+    }
+
+    /// As its figures are named: `s2` from rest, `motor.s2` where the compensator has worked before.
+    pub fn name(&self) -> String {
+        let scenario = self.scenario.name();
+        if self.worked { format!("{}.{scenario}", self.conditions.sensors.name()) } else { scenario.into() }
+    }
+}
+
+/// What came of one trial.
 pub struct ScenarioRun {
     /// Which.
-    pub scenario: Scenario,
+    pub trial: Trial,
     /// The plant that it ran on.
     pub plant: GearParams<f64>,
     /// The firmware's compensator.
@@ -79,7 +106,25 @@ pub struct ScenarioRun {
 impl ScenarioRun {
     /// The output error beside the baselines'.
     pub fn beside_baselines(&self) -> Figure {
-        beside_baselines(self.scenario, &self.compensated, [&self.b0, &self.b1])
+        beside_baselines(&self.trial, &self.compensated, [&self.b0, &self.b1])
+    }
+
+    /// What is claimed of the compensator in this scenario, of this plant; bounded where it has worked before.
+    ///
+    /// # Errors
+    /// A plant whose stiffness line is none.
+    pub fn claims(&self, file: &GearFile) -> Result<Vec<Figure>, strainwave::Error> {
+        let Trial { scenario, conditions, worked } = self.trial;
+        let [ours, b0, b1] =
+            [&self.compensated, &self.b0, &self.b1].map(|run| Judge::new(scenario, &self.plant, &run.trace));
+        let mut figures = Vec::new();
+        for claim in CLAIMS.iter().filter(|claim| claim.mark.is_of(scenario)) {
+            let [ours, b0, b1] = [&ours, &b0, &b1].map(|judge| judge.mark(claim.mark));
+            let value = claim.relative(ours?, [b0?, b1?], file.gear.rated_torque);
+            let figure = claim.of_target(conditions.sensors, value).of_draw(conditions.seed);
+            figures.push(if worked { figure } else { figure.without_bound() });
+        }
+        Ok(figures)
     }
 
     /// Width and stiffness of the loop of S6, each beside what the plant's parameters ask; of others none.
@@ -89,7 +134,7 @@ impl ScenarioRun {
     pub fn loop_figures(&self) -> Result<Vec<Figure>, strainwave::Error> {
         let sample = |row: &Row| Sample { torsion: row.torsion, torque: row.transmitted };
         let samples: Vec<_> = self.compensated.trace.iter().map(sample).collect();
-        let (Scenario::S6, Some(found)) = (self.scenario, TorqueLoop::of(&samples)) else {
+        let (Scenario::S6, Some(found)) = (self.trial.scenario, TorqueLoop::of(&samples)) else {
             return Ok(Vec::new());
         };
         let asked = found.chord_stiffness_of(&self.plant.flexspline.line.build()?);
@@ -103,9 +148,9 @@ impl ScenarioRun {
 }
 
 /// The compensated output error; in S2 it must be below both baselines on the same plant.
-pub fn beside_baselines(scenario: Scenario, compensated: &Run, [b0, b1]: [&Run; 2]) -> Figure {
-    let name = format!("pil.{}.compensated.rms", scenario.name());
-    match scenario {
+pub fn beside_baselines(trial: &Trial, compensated: &Run, [b0, b1]: [&Run; 2]) -> Figure {
+    let name = format!("pil.{}.compensated.rms", trial.name());
+    match trial.scenario {
         Scenario::S2 => Figure::bounded(name, compensated.rms, "rad", b0.rms.min(b1.rms)),
         _ => Figure::reported(name, compensated.rms, "rad"),
     }
@@ -150,32 +195,34 @@ pub fn build_program(board: &str, program: &str, file: &GearFile) -> Result<Firm
     firmware::build_program(board, program, Some(&generated))
 }
 
-/// Runs a scenario on the plant of `seed`, the firmware and both baselines side by side, and counts what the
-/// control step costs on the target.
+/// Runs a trial with the firmware and, from rest, both baselines side by side, and counts what the control step costs
+/// on the target.
 ///
 /// # Errors
 /// When the machine or the count fails, or a parameter is out of range.
 pub fn run(
     elf: &Path,
     file: &GearFile,
-    scenario: Scenario,
-    seed: u64,
+    trial: &Trial,
     progress: impl FnMut(f64),
 ) -> Result<ScenarioRun, Error> {
     std::thread::scope(|scope| {
         let baseline = |build: fn(&GearFile) -> Result<Baseline, strainwave::Error>| {
-            scope.spawn(move || closed_loop::run(file, scenario, seed, &mut build(file)?, |_| ()))
+            scope.spawn(move || {
+                let mut bench = Bench::build(file, &trial.conditions)?;
+                closed_loop::go_on(&mut bench, trial.scenario, &mut build(file)?, |_| ())
+            })
         };
         let image = Image::read(elf)?;
         let counting = Counting::prepare(&image, &image.find(CONTROL_STEP)?)?;
         let (b0, b1) = (baseline(Baseline::b0), baseline(Baseline::b1));
         let (compensated, agreement, ending) =
-            compensated(elf, &counting.arguments(), file, scenario, seed, progress)?;
+            compensated(elf, &counting.arguments(), file, trial, progress)?;
         let control_step = counting.finish(&image)?.counts.into_iter().next().flatten();
         let (b0, b1) = (joined(b0)?, joined(b1)?);
         let control_step = control_step.ok_or(counting::Error::NoResult)?;
-        let plant = Draw::from_seed(seed).apply(&firmware_gear_params(file).map_err(target::Error::from)?);
-        Ok(ScenarioRun { scenario, plant, compensated, b0, b1, agreement, control_step, ending })
+        let plant = trial.conditions.plant(file).map_err(target::Error::from)?;
+        Ok(ScenarioRun { trial: *trial, plant, compensated, b0, b1, agreement, control_step, ending })
     })
 }
 
@@ -184,7 +231,7 @@ fn joined<T>(thread: ScopedJoinHandle<'_, Result<T, RunError>>) -> Result<T, tar
     Ok(thread.join().unwrap_or_else(|panic| resume_unwind(panic))?)
 }
 
-/// Runs a scenario on the plant of `seed` with the firmware alone.
+/// Runs a trial with the firmware alone.
 ///
 /// # Errors
 /// When the machine fails, or a parameter is out of range.
@@ -192,12 +239,19 @@ pub fn compensated(
     elf: &Path,
     qemu_arguments: &[String],
     file: &GearFile,
-    scenario: Scenario,
-    seed: u64,
-    progress: impl FnMut(f64),
+    trial: &Trial,
+    mut progress: impl FnMut(f64),
 ) -> Result<(Run, Agreement, Ending), target::Error> {
     let mut target = Target::new(Machine::boot(elf, qemu_arguments)?, &joint_params(file)?)?;
-    let run = closed_loop::run(file, scenario, seed, &mut target, progress)?;
+    let mut bench = Bench::build(file, &trial.conditions)?;
+    let work = if trial.worked { WorkingMotion.duration() } else { 0.0 };
+    let whole = work + trial.scenario.duration();
+    if trial.worked {
+        let count = periods(&WorkingMotion) as f64;
+        bench.go(&WorkingMotion, &mut target, |k, _, _, _| progress(k as f64 / count * work / whole))?;
+    }
+    let part = |share: f64| progress((work + share * trial.scenario.duration()) / whole);
+    let run = closed_loop::go_on(&mut bench, trial.scenario, &mut target, part)?;
     let agreement = target.agreement();
     Ok((run, agreement, target.finish()?))
 }

@@ -14,6 +14,7 @@ use strainwave_desktop::{BadInput, Figure, GearFile, bounds, data, gear_file};
 
 use crate::artifact::Image;
 use crate::budget::{self, Budget};
+use crate::pil::Trial;
 use crate::target::{self, Agreement};
 use crate::{firmware, pil};
 
@@ -177,7 +178,8 @@ fn scenarios(
     let mut runs = Vec::new();
     for (done, scenario) in Scenario::ALL.into_iter().enumerate() {
         let part = |share: f64| progress((done as f64 + share) / Scenario::ALL.len() as f64);
-        let (run, agreement, _) = pil::compensated(elf, arguments, &gear, scenario, SEED, part)?;
+        let trial = Trial::from_rest(&gear, scenario, SEED);
+        let (run, agreement, _) = pil::compensated(elf, arguments, &gear, &trial, part)?;
         runs.push(TargetRun { scenario, run, agreement });
     }
     Ok(runs)
@@ -190,7 +192,8 @@ fn control_step(runs: &[TargetRun]) -> Result<Vec<Figure>, Error> {
         let name = |rest: &str| format!("pil.{}.{rest}", scenario.name());
         if *scenario == Scenario::S2 {
             let [b0, b1] = baselines(*scenario)?;
-            figures.push(pil::beside_baselines(*scenario, run, [&b0, &b1]));
+            let trial = Trial::from_rest(&GearFile::default_gear(), *scenario, SEED);
+            figures.push(pil::beside_baselines(&trial, run, [&b0, &b1]));
         }
         figures.push(agreement.figure(name("steps_unlike_host")));
         figures.push(bounds::figure_as(name("power_balance"), "plant.power_balance", run.imbalance));

@@ -206,6 +206,6 @@ fn parameters_out_of_range_are_refused_by_name() {
     assert_eq!(build(|p| p.gear.flexspline_inertia = f32::NAN), Some(OutOfRange("flexspline_inertia")));
     assert_eq!(build(|p| p.motor_encoder_bits = 40), Some(OutOfRange("encoder_bits")));
     assert_eq!(build(|p| p.limits.motor_torque = 0.0), Some(OutOfRange("motor_torque")));
-    assert_eq!(build(|p| p.observer.gains[0].motor[2] = f32::INFINITY), Some(OutOfRange("gains")));
+    assert_eq!(build(|p| p.observer.moving[0].motor[2] = f32::INFINITY), Some(OutOfRange("gains")));
     assert_eq!(build(|p| p.feedback.velocity_gain = -1.0), Some(OutOfRange("velocity_gain")));
 }

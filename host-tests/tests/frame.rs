@@ -3,7 +3,9 @@
 use proptest::array;
 use proptest::prelude::*;
 use strainwave::Angle;
-use strainwave::compensator::{Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares};
+use strainwave::compensator::{
+    Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
+};
 use strainwave_app::frame::{
     INPUT_BYTES, OUTPUT_BYTES, decode_input, decode_output, encode_input, encode_output,
 };

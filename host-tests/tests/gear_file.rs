@@ -8,9 +8,7 @@ use strainwave::friction::FrictionParams;
 use strainwave_desktop::GearFile;
 use strainwave_desktop::friction_params::friction_params;
 use strainwave_desktop::gear_file::friction::{Backward, Friction, FrictionModel, StateRow};
-use strainwave_desktop::gear_file::{
-    Allowed, Arrangement, DEFAULT, KEYS, LARA8_J5, LARA8_MOVING, RELATIONS,
-};
+use strainwave_desktop::gear_file::{Allowed, Arrangement, DEFAULT, KEYS, LARA8_J5, LARA8_MOVING, RELATIONS};
 use strainwave_desktop::joint::joint_params;
 use toml::{Table, Value};
 

@@ -143,7 +143,7 @@ impl<R: Real> FeedForward<R> {
     ) -> Demand<R> {
         let inertia = self.flexspline_inertia * shares.inertia;
         let motor_velocity = setpoint.velocity * self.inverse_ratio;
-        let reference = state.reference.unwrap_or(gear.ratio().undo(setpoint.position));
+        let reference = state.reference.unwrap_or_else(|| gear.ratio().undo(setpoint.position));
         let heading = reference.heading();
         let slip = |velocity, load| Slip {
             wave_generator: heading,

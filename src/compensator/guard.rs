@@ -107,6 +107,9 @@ impl<R: Real> InputGuard<R> {
 
     #[inline(always)]
     fn shares(&self, last: &mut Shares<R>, new: &Shares<R>, faults: &mut Faults) -> Shares<R> {
+        if have_arrived(last, new) {
+            return *last;
+        }
         let mut follow = |new, last: &mut R| follow(new, last, self.share_step, faults);
         Shares {
             feedback: follow(new.feedback, &mut last.feedback),
@@ -116,6 +119,17 @@ impl<R: Real> InputGuard<R> {
             kinematic_error: follow(new.kinematic_error, &mut last.kinematic_error),
         }
     }
+}
+
+/// The usual case: no share is on its way.
+#[inline(always)]
+fn have_arrived<R: Real>(now: &Shares<R>, wanted: &Shares<R>) -> bool {
+    let Shares { feedback, inertia, friction, wind_up, kinematic_error } = *wanted;
+    now.feedback.is_same(feedback)
+        && now.inertia.is_same(inertia)
+        && now.friction.is_same(friction)
+        && now.wind_up.is_same(wind_up)
+        && now.kinematic_error.is_same(kinematic_error)
 }
 
 /// A value within +-`bound`: the `new` one, limited and reported as `limited`; in the place of one that is not

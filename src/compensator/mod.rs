@@ -167,8 +167,6 @@ pub struct JointParams<R> {
     pub motor_encoder_bits: u32,
     /// Resolution of the output encoder, 2^bits counts a turn.
     pub output_encoder_bits: u32,
-    /// Control periods from one reading of the output encoder to the next.
-    pub output_encoder_period: u32,
     /// What the joint can do.
     pub limits: Limits<R>,
     /// The observer's gains.
@@ -221,7 +219,8 @@ impl<R: Real> JointParams<R> {
             motor_encoder: encoder(self.motor_encoder_bits, self.limits.motor_speed)?,
             output_encoder: encoder(
                 self.output_encoder_bits,
-                self.limits.output_speed(self.gear.ratio) * R::from_i32(self.output_encoder_period as i32),
+                self.limits.output_speed(self.gear.ratio)
+                    * R::from_i32(self.observer.output_encoder_period as i32),
             )?,
             frozen_encoder: FrozenEncoder::build(self.dt),
             observer: self.observer.build(&self.gear, &self.limits, self.dt)?,

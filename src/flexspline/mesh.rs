@@ -307,6 +307,7 @@ impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Mesh<R, N, M> {
         let links = virtual_work(&force[0], &shapes.by_rim);
         let (contact, contact_loss) = self.advance_rim(state, ends, links);
         Reaction {
+            torsion: ends.drive.minus(ends.flange),
             contact,
             flange: virtual_work(&force[M - 1], &shapes.by_flange),
             ellipse: virtual_work(&force[0], &shapes.by_wave_generator),

@@ -52,6 +52,8 @@ pub struct Ends<R> {
 /// Torques of the flexspline on what holds it (N m).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reaction<R> {
+    /// Torsion, by which the drive is ahead of the flange (rad).
+    pub torsion: R,
     /// Through the tooth contact, positive when the drive is ahead: it loads the wave generator by r + de/dtheta.
     pub contact: R,
     /// On the output flange, positive when the drive is ahead.

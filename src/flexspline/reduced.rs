@@ -213,12 +213,7 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
 
     #[inline(always)]
     fn damping(&self, torsion: R) -> R {
-        let [first, second, third] = self.damping;
-        match self.line.piece(torsion) {
-            0 => first,
-            1 => second,
-            _ => third,
-        }
+        self.damping[self.line.piece(torsion)]
     }
 }
 
@@ -233,6 +228,7 @@ impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Reduced<R, N, M>
         let torque = self.torque(torsion, rate);
         let elastic = self.line.torque(torsion).limit(self.largest_torque);
         Reaction {
+            torsion,
             contact: torque,
             flange: torque,
             ellipse: R::ZERO,

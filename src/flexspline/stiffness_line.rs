@@ -28,51 +28,57 @@ pub struct StiffnessLine<R> {
     by_torque: Pieces<R>,
 }
 
-/// `sign(x) * (slope*a + gain1*max(0, a - knee1) + gain2*max(0, a - knee2))`.
+/// Odd and continuous in x: `slope*x + offset*sign(x)` on each piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Pieces<R> {
-    slope: R,
-    gain: [R; 2],
+    pieces: [Piece<R>; 3],
+    /// Magnitudes of x where the second and the third begin.
     knee: [R; 2],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Piece<R> {
+    slope: R,
+    /// Where the piece would be at x = 0, coming from above.
+    offset: R,
 }
 
 impl<R: Real> Pieces<R> {
     fn new(slope: [R; 3], knee: [R; 2]) -> Self {
-        Self { slope: slope[0], gain: [slope[1] - slope[0], slope[2] - slope[1]], knee }
+        let [first, second, third] = slope;
+        let middle = (first - second) * knee[0];
+        let offset = [R::ZERO, middle, middle + (second - third) * knee[1]];
+        Self { pieces: core::array::from_fn(|k| Piece { slope: slope[k], offset: offset[k] }), knee }
     }
 
-    #[inline(always)]
-    fn excess(&self, magnitude: R) -> [R; 2] {
-        [(magnitude - self.knee[0]).max(R::ZERO), (magnitude - self.knee[1]).max(R::ZERO)]
+    fn slopes(&self) -> [R; 3] {
+        self.pieces.map(|piece| piece.slope)
     }
 
     #[inline(always)]
     fn value(&self, x: R) -> R {
-        let [first, second] = self.excess(x.abs());
-        self.slope * x + (self.gain[0] * first + self.gain[1] * second) * x.sign()
+        let Piece { slope, offset } = self.pieces[self.piece(x)];
+        slope * x + if x < R::ZERO { -offset } else { offset }
     }
 
     #[inline(always)]
     fn slope_at(&self, x: R) -> R {
-        let magnitude = x.abs();
-        let first = if magnitude > self.knee[0] { self.gain[0] } else { R::ZERO };
-        let second = if magnitude > self.knee[1] { self.gain[1] } else { R::ZERO };
-        self.slope + first + second
+        self.pieces[self.piece(x)].slope
     }
 
     /// Integral of `value` from 0 to x.
     fn integral(&self, x: R) -> R {
-        let [first, second] = self.excess(x.abs());
-        R::lit(0.5) * (self.slope * x * x + self.gain[0] * first * first + self.gain[1] * second * second)
+        let excess = |knee: R| (x.abs() - knee).max(R::ZERO);
+        let ([first, second, third], [near, far]) = (self.slopes(), self.knee.map(excess));
+        R::lit(0.5) * (first * x * x + (second - first) * near * near + (third - second) * far * far)
     }
 
     /// Slope just above x, and where that slope ends.
     #[inline(always)]
     fn piece_from(&self, x: R) -> (R, R) {
-        let ([first, second], [near, far]) = (self.gain, self.knee);
-        let (inner, middle) = (self.slope, self.slope + first);
+        let ([inner, middle, outer], [near, far]) = (self.slopes(), self.knee);
         if x < -far {
-            (middle + second, -far)
+            (outer, -far)
         } else if x < -near {
             (middle, -near)
         } else if x < near {
@@ -80,7 +86,7 @@ impl<R: Real> Pieces<R> {
         } else if x < far {
             (middle, far)
         } else {
-            (middle + second, R::MAX)
+            (outer, R::MAX)
         }
     }
 
@@ -150,8 +156,7 @@ impl<R: Real> StiffnessLine<R> {
 
     /// Its least slope (N m/rad).
     pub fn least_stiffness(&self) -> R {
-        let [first, second] = self.by_torsion.gain;
-        self.by_torsion.slope.min(self.by_torsion.slope + first).min(self.by_torsion.slope + first + second)
+        self.by_torsion.slopes().into_iter().fold(R::MAX, R::min)
     }
 
     /// Slope of the piece that goes on from a torsion upwards (N m/rad), and the torsion where that ends (rad).

@@ -7,7 +7,9 @@
 //! Any other flag byte makes the whole frame invalid: the two sides do not speak the same frame.
 
 use strainwave::Angle;
-use strainwave::compensator::{Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares};
+use strainwave::compensator::{
+    Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
+};
 
 const WORD: usize = 4;
 const ANGLE: usize = 8 + WORD;

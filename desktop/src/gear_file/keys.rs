@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::ops::{Bound, RangeBounds};
 
+use strainwave::compensator::observer::LONGEST_PERIOD;
 use strainwave::compensator::observer::past::LONGEST_DELAY;
 use strainwave::flexspline::shell::link_law::VALID_STRAIN;
 use strainwave::friction::RIPPLE_ORDERS;
@@ -170,7 +171,7 @@ const CONTROL: &[Key] = &[
     key("sensors.motor_encoder_bits", Allowed::Whole(10, 32)),
     optional("sensors.output_encoder_bits", Allowed::Whole(10, 32)),
     optional("sensors.output_encoder_delay_periods", Allowed::Whole(0, LONGEST_DELAY as i64)),
-    optional("sensors.output_encoder_period_periods", Allowed::Whole(1, 100)),
+    optional("sensors.output_encoder_period_periods", Allowed::Whole(1, LONGEST_PERIOD as i64)),
     key("sensors.output_torque", Allowed::Flag),
     key("sensors.motor_torque_noise_nm", within(0.0, 1e3, "N m")),
     key("sensors.output_torque_noise_nm", within(0.0, 1e4, "N m")),

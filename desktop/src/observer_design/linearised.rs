@@ -8,20 +8,39 @@
 //! A is one semi-implicit Euler step of the control period dt, as in the observer itself; friction
 //! enters as noise, but for its viscous part.
 //!
-//! Noise: encoders by their resolution (q/sqrt(12)) plus [`ENCODER_JITTER`] counts of a 19-bit encoder; motor
-//! torque and strain gauge by the gear file; what the model does not know of the Coulomb friction of either side,
-//! [`UNKNOWN_FRICTION`] renewed every control period; an external torque that wanders in a second by what the gear
-//! file says, the rated torque when it says nothing. s wanders by the stiffness' share of that, b by what a brake takes of it, r times.
+//! Noise: encoders by their resolution (q/sqrt(12)) plus jitter in counts of a 19-bit encoder; motor
+//! torque and strain gauge by the gear file; a share of the Coulomb friction of either side, renewed every control
+//! period; an external torque that wanders ([`DESIGN`]). s wanders by the stiffness' share of that, b by what a brake takes of it, r times.
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 
-use crate::gear_file::GearFile;
+use crate::draw;
+use crate::gear_file::{Friction, GearFile};
 use crate::joint::CONTROL_PERIOD;
 
-/// Share of the Coulomb friction that is renewed every control period.
-const UNKNOWN_FRICTION: f64 = 0.05;
-/// Noise of an encoder besides its resolution, in counts of 2^19 a turn.
-const ENCODER_JITTER: f64 = 0.5;
+/// What the filter takes the world to be like.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Unknown {
+    /// Way of the external torque in a second, as a share of the rated torque.
+    pub wander: f64,
+    /// Share of the Coulomb friction that is renewed every control period.
+    pub friction: f64,
+    /// Noise of an encoder besides its resolution, in counts of 2^19 a turn.
+    pub jitter: f64,
+}
+
+/// As the gains are designed. They grow with the wander: where the stiffness is off by 10 %, the filter of the motor
+/// encoder alone loses its stability at four times this.
+pub(super) const DESIGN: Unknown = Unknown { wander: 0.45, friction: 0.05, jitter: 0.5 };
+
+impl Unknown {
+    /// As the gains of a gear are designed, whose file may have a wander of its own.
+    pub(super) fn designed(file: &GearFile) -> Self {
+        let own = file.compensation.external_torque_wander.map(|wander| wander / file.gear.rated_torque);
+        Self { wander: own.unwrap_or(DESIGN.wander), ..DESIGN }
+    }
+}
+
 /// Least noise of a torque, as a share of the rated one: a torque that is exactly known has no filter.
 const LEAST_NOISE: f64 = 1e-3;
 /// Torsion that makes the unit of each state (rad).
@@ -60,8 +79,8 @@ pub(super) struct Linearised {
 }
 
 /// Standard deviation of an encoder's noise (rad).
-pub(super) fn encoder_noise(bits: u32) -> f64 {
-    (resolution(bits).powi(2) / 12.0 + (ENCODER_JITTER * resolution(19)).powi(2)).sqrt()
+pub(super) fn encoder_noise(bits: u32, jitter: f64) -> f64 {
+    (resolution(bits).powi(2) / 12.0 + (jitter * resolution(19)).powi(2)).sqrt()
 }
 
 /// One count (rad).
@@ -70,28 +89,28 @@ pub(super) fn resolution(bits: u32) -> f64 {
 }
 
 impl Linearised {
-    pub(super) fn of(file: &GearFile, sixth: Sixth) -> Self {
+    pub(super) fn of(file: &GearFile, sixth: Sixth, unknown: &Unknown) -> Self {
         let size = if sixth == Sixth::None { 5 } else { 6 };
         let units = DVector::from_row_slice(&units(file, sixth)[..size]);
         let scaled = |row: [f64; 6]| RowDVector::from_fn(size, |_, k| row[k] * units[k]);
         let rows = transition(file, sixth);
-        let transition = DMatrix::from_fn(size, size, |row, column| {
-            rows[row][column] * units[column] / units[row]
-        });
-        let noise = process_noise(file, sixth);
+        let transition =
+            DMatrix::from_fn(size, size, |row, column| rows[row][column] * units[column] / units[row]);
+        let noise = process_noise(file, sixth, unknown);
         let variances = DVector::from_fn(size, |k, _| noise[k] / units[k].powi(2));
         let torque_noise = file.sensors.output_torque_noise.max(LEAST_NOISE * file.gear.rated_torque);
         let sensor = |row, deviation: f64| Sensor { row: scaled(row), variance: deviation.powi(2) };
         let r: f64 = file.gear.signed_ratio().value();
         let transmitted = torque(file, sixth);
         let bits = file.sensors.motor_encoder_bits;
+        let encoder = |bits| encoder_noise(bits, unknown.jitter);
         Self {
             transition,
             noise: DMatrix::from_diagonal(&variances),
             sensors: [
-                sensor(unit(0), encoder_noise(bits)),
+                sensor(unit(0), encoder(bits)),
                 sensor(transmitted, torque_noise),
-                sensor(unit(2), encoder_noise(file.sensors.output_encoder_bits.unwrap_or(bits))),
+                sensor(unit(2), encoder(file.sensors.output_encoder_bits.unwrap_or(bits))),
             ],
             torsion: scaled([r, 0.0, -1.0, 0.0, 0.0, 0.0]),
             transmitted: scaled(transmitted),
@@ -148,17 +167,17 @@ fn transition(file: &GearFile, sixth: Sixth) -> [[f64; 6]; 6] {
 }
 
 /// Variances of what one control period adds that the model does not know.
-fn process_noise(file: &GearFile, sixth: Sixth) -> [f64; 6] {
+fn process_noise(file: &GearFile, sixth: Sixth, unknown: &Unknown) -> [f64; 6] {
     let dt = CONTROL_PERIOD;
     let r: f64 = file.gear.signed_ratio().value();
     let least = LEAST_NOISE * file.gear.rated_torque;
-    let friction = |side: &crate::gear_file::Friction| UNKNOWN_FRICTION * side.coulomb.unwrap_or_default();
+    let friction = |side: &Friction| unknown.friction * side.coulomb.unwrap_or_default();
     let motor = file.sensors.motor_torque_noise.hypot(friction(&file.friction.input)).max(least * r.abs());
     let output = friction(&file.friction.output).max(least);
     let speed = |torque: f64, inertia: f64| (torque / inertia * dt).powi(2);
     let motor = speed(motor, file.inertia.wave_generator);
     let output = speed(output, file.inertia.flexspline);
-    let wander = file.compensation.external_torque_wander.unwrap_or(file.gear.rated_torque).powi(2) * dt;
-    let last = if sixth == Sixth::Held { r } else { crate::draw::STIFFNESS / 3f64.sqrt() };
+    let wander = (unknown.wander * file.gear.rated_torque).powi(2) * dt;
+    let last = if sixth == Sixth::Held { r } else { draw::STIFFNESS / 3f64.sqrt() };
     [motor * dt * dt, motor, output * dt * dt, output, wander, last * last * wander]
 }

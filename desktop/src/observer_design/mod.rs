@@ -9,6 +9,8 @@
 
 mod linearised;
 mod riccati;
+#[cfg(test)]
+mod tests;
 
 use nalgebra::{DMatrix, DVector};
 use strainwave::compensator::EstimateDeviation;
@@ -20,15 +22,16 @@ use strainwave::{Error, Real};
 use crate::draw;
 use crate::gear_file::{Friction, GearFile};
 use crate::joint::CONTROL_PERIOD;
-use linearised::{Linearised, Sensor, Sixth, encoder_noise, resolution};
+use linearised::{DESIGN, Linearised, Sensor, Sixth, Unknown, encoder_noise, resolution};
 
 /// Way of the motor that is a motion, in deviations of its encoder's noise.
 const STIR: f64 = 8.0;
 /// Speed at which a load that is not seen may grow, in rated torques a second.
 const UNSEEN_RATE: f64 = 1.0;
-/// Deviation of friction whose path is not exactly known, as a share of its static level: at the motor, at the output
-/// that is measured, and at one that is not.
-const PATH: [f64; 3] = [0.03, 0.1, 0.3];
+/// Deviation of friction at rest, where it may be anything up to break-away, as a share of its static level: at the motor,
+/// whose path an encoder follows; at a motor that a brake may hold; at the output, whose presliding is shorter than what
+/// is known of its path.
+const PATH: [f64; 3] = [0.03, 0.4, 0.75];
 
 /// What the observer of a gear is built from.
 ///
@@ -39,8 +42,9 @@ pub fn observer_params<R: Real>(file: &GearFile) -> Result<ObserverParams<R>, Er
     Ok(ObserverParams {
         moving: sets(file, Sixth::Stiffness)?,
         standing: sets(file, Sixth::Held)?,
-        stir: R::lit(STIR * encoder_noise(file.sensors.motor_encoder_bits)),
+        stir: R::lit(STIR * encoder_noise(file.sensors.motor_encoder_bits, DESIGN.jitter)),
         output_encoder_delay: file.sensors.output_encoder_delay,
+        output_encoder_period: file.sensors.output_encoder_period,
         uncertainty: Uncertainty {
             friction: R::lit(span(draw::FRICTION)),
             stiffness: R::lit(span(draw::STIFFNESS)),
@@ -64,6 +68,21 @@ fn sets<R: Real>(file: &GearFile, sixth: Sixth) -> Result<GainSets<R>, Error> {
         *set = Filter::design(file, sixth, k).ok_or(Error::OutOfRange(NAMES[k]))?.gains(file);
     }
     Ok(sets)
+}
+
+/// The least error of the external torque (N m), rms over the `time` (s) that begins with a step of it by `step` (N m),
+/// that a linear filter of the motor encoder, or of both encoders, can have with nothing unknown but that step.
+///
+/// The error's energy after a step is that filter's variance under a walk of step^2/time a second; no filter's is
+/// less than that of the Kalman filter for that walk, friction, stiffness and inertia exactly known, encoders without jitter.
+pub fn least_load_error(file: &GearFile, step: f64, time: f64, with_output: bool) -> Option<f64> {
+    let wander = step / time.sqrt() / file.gear.rated_torque;
+    let model = Linearised::of(file, Sixth::None, &Unknown { wander, friction: 0.0, jitter: 0.0 });
+    let sensors = [Some(&model.sensors[0]), with_output.then_some(&model.sensors[2])];
+    let sensors = || sensors.iter().flatten().copied();
+    let p = riccati::covariance(&model.transition, &information(sensors(), 5), &model.noise)?;
+    let after = sensors().fold(p, |p, sensor| corrected(&optimal(sensor, &p), sensor, &p));
+    Some(after[(4, 4)].sqrt() * model.units[4])
 }
 
 /// A filter of one set of sensors, in scaled states.
@@ -115,7 +134,7 @@ impl Filter {
             (false, false, _) | (false, true, Sixth::Stiffness) => Sixth::None,
             _ => sixth,
         };
-        let model = Linearised::of(file, sixth);
+        let model = Linearised::of(file, sixth, &Unknown::designed(file));
         let sensors = &file.sensors;
         let period = if has_output { sensors.output_encoder_period } else { 1 };
         let delay = if has_output { sensors.output_encoder_delay } else { 0 };
@@ -205,8 +224,7 @@ impl Filter {
     /// Slowest mode of the error (control periods).
     fn settling(&self) -> f64 {
         let one = DMatrix::identity(self.after.nrows(), self.after.nrows());
-        let error =
-            (one - &self.gains[2] * &self.model.sensors[2].row) * power(&self.between, self.period);
+        let error = (one - &self.gains[2] * &self.model.sensors[2].row) * power(&self.between, self.period);
         let slowest = error.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max);
         f64::from(self.period) / -slowest.ln()
     }
@@ -261,10 +279,8 @@ impl Filter {
                 output_velocity: R::lit(state(3)),
                 torsion: R::lit(of(&self.model.torsion) + zero),
                 transmitted_torque: R::lit(of(&self.model.transmitted)),
-                input_friction: R::lit(PATH[0] * static_level(&file.friction.input)),
-                output_friction: R::lit(
-                    PATH[if self.has_output { 1 } else { 2 }] * static_level(&file.friction.output),
-                ),
+                input_friction: R::lit(PATH[usize::from(standing)] * static_level(&file.friction.input)),
+                output_friction: R::lit(PATH[2] * static_level(&file.friction.output)),
                 external_torque: R::lit(state(4)),
             },
             torque_by_friction: share(moving_balance, n),
@@ -279,6 +295,9 @@ impl Filter {
             unseen: [share(blind, UNSEEN_RATE * rated * CONTROL_PERIOD), share(blind, rated / 3f64.sqrt())],
             settling: R::lit(settling),
             inverse_settling: R::lit(1.0 / settling),
+            inverse_sliding_speed: R::lit(
+                1.0 / file.friction.output.stribeck_velocity.unwrap_or(f64::INFINITY),
+            ),
         }
     }
 }

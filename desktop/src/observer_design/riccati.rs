@@ -59,9 +59,11 @@ pub(super) fn residual(
     let change = step(a, information, noise, p)? - p;
     let scale = |row: usize, column: usize| (p[(row, row)] * p[(column, column)]).sqrt();
     let size = change.nrows();
-    Some((0..size * size).map(|k| (k / size, k % size)).fold(0.0, |worst: f64, (row, column)| {
-        worst.max(change[(row, column)].abs() / scale(row, column))
-    }))
+    Some(
+        (0..size * size).map(|k| (k / size, k % size)).fold(0.0, |worst: f64, (row, column)| {
+            worst.max(change[(row, column)].abs() / scale(row, column))
+        }),
+    )
 }
 
 fn from_eigenvectors(
@@ -77,6 +79,9 @@ fn from_eigenvectors(
     z.view_mut((0, n), (n, n)).copy_from(&-(information * &inverse));
     z.view_mut((n, 0), (n, n)).copy_from(&-(&inverse * noise));
     z.view_mut((n, n), (n, n)).copy_from(&inverse);
+    if !z.iter().all(|entry| entry.is_finite()) {
+        return None;
+    }
     let eigen = Mat::from_fn(2 * n, 2 * n, |row, column| z[(row, column)]).eigen().ok()?;
     let (values, vectors) = (eigen.S(), eigen.U());
     let inside: Vec<usize> = (0..2 * n)
@@ -93,4 +98,28 @@ fn from_eigenvectors(
     };
     let p = (part(n) * part(0).try_inverse()?).map(|entry| entry.re);
     Some((&p + p.transpose()) * 0.5)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// x(k+1) = x + w, y = x + v with variances q and 1: p^2 = q*(p + 1).
+    #[test]
+    fn a_random_walk_has_its_closed_form() {
+        let one = |value: f64| DMatrix::from_element(1, 1, value);
+        for q in [1e-6, 1.0, 1e3] {
+            let p = covariance(&one(1.0), &one(1.0), &one(q)).unwrap()[(0, 0)];
+            let exact = 0.5 * q + (0.25 * q * q + q).sqrt();
+            assert!((p / exact - 1.0).abs() < 1e-12, "{p} {exact}");
+        }
+    }
+
+    #[test]
+    fn what_no_sensor_sees_has_no_covariance() {
+        let a = DMatrix::identity(2, 2);
+        let sees_one = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 0.0, 0.0]);
+        assert_eq!(covariance(&a, &sees_one, &DMatrix::identity(2, 2)), None);
+        assert_eq!(covariance(&(a * f64::NAN), &sees_one, &DMatrix::identity(2, 2)), None);
+    }
 }

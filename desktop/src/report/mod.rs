@@ -6,6 +6,7 @@
 mod flexspline;
 mod friction;
 mod hysteresis;
+mod two_port;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -21,7 +22,7 @@ const STYLE: &str = include_str!("style.css");
 type Make = fn(&GearFile, &mut dyn FnMut(f64)) -> Result<Chapter, BadInput>;
 
 /// The chapters, in the order of the page.
-const CHAPTERS: &[Make] = &[flexspline::chapter, friction::chapter, hysteresis::chapter];
+const CHAPTERS: &[Make] = &[flexspline::chapter, friction::chapter, hysteresis::chapter, two_port::chapter];
 
 /// A part of the page.
 struct Chapter {

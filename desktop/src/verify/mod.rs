@@ -2,7 +2,7 @@
 //!
 //! These parts need no emulator; what is measured on the firmware image stands with the emulator.
 
-mod angle;
+pub mod compensator;
 pub mod flexspline;
 pub mod friction;
 pub mod hysteresis;
@@ -85,7 +85,8 @@ impl Part {
         }
     }
 
-    /// Measures the part's figures, but for those of the clock ([`flexspline::speed`], [`hysteresis::speed`]) and of [`replay`].
+    /// Measures the part's figures, but for those of the clock ([`flexspline::speed`], [`hysteresis::speed`]) and those
+    /// of many runs or logs ([`compensator::against_baselines`], [`replay`]).
     ///
     /// # Errors
     /// Measured data that are there and cannot be used.
@@ -94,7 +95,7 @@ impl Part {
             Self::Flexspline => flexspline::measure(),
             Self::Friction => friction::measure(),
             Self::Hysteresis => hysteresis::measure(),
-            Self::Compensator => Ok(angle::measure().into()),
+            Self::Compensator => Ok(compensator::measure()),
         }
     }
 }

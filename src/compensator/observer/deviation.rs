@@ -1,7 +1,7 @@
 //! How far off the estimates may be: a standard deviation for each, at the price of a few multiplications.
 //!
 //! ```text
-//! s_in   = b_in  + u_F*|tau_fric_in|            s_out = b_out + u_F*|tau_fric_out|
+//! s_in   = b_in  + u_F*|tau_fric_in|            s_out = b_out*(1 - |omega_fs|/v_s, at least a tenth) + u_F*|tau_fric_out|
 //! e     += g*(l_d.innovation - e)                what the innovations keep asking of d, low-passed
 //! h      = max(T*|e|, (1 - 1/T)*h)               what d still misses then; T: slowest mode of the observer (periods)
 //! w      = w + rated*dt while the motor stands, up to rated/sqrt(3); 0 where it moves, or where the output is seen
@@ -59,6 +59,8 @@ pub struct Spread<R> {
     pub settling: R,
     /// 1/T.
     pub inverse_settling: R,
+    /// 1/v_s, of the speed at which the output slides (s/rad).
+    pub inverse_sliding_speed: R,
 }
 
 /// What is remembered of the innovations.
@@ -89,6 +91,8 @@ pub struct Magnitudes<R> {
     pub torsion: R,
     /// dphi (rad/s).
     pub torsion_rate: R,
+    /// omega_fs (rad/s).
+    pub output_speed: R,
     /// ddtheta_fs (rad/s^2).
     pub acceleration: R,
 }
@@ -108,11 +112,17 @@ impl<R: Real> Spread<R> {
         [
             [output_position, output_velocity, torsion, transmitted_torque],
             [input_friction, output_friction, external_torque, self.settling],
-            [self.torque_by_friction, self.torque_by_stiffness, self.angle_by_stiffness, self.angle_by_torque],
+            [
+                self.torque_by_friction,
+                self.torque_by_stiffness,
+                self.angle_by_stiffness,
+                self.angle_by_torque,
+            ],
             [self.velocity_by_torque, self.unseen[0], self.unseen[1], self.inverse_settling],
         ]
         .iter()
         .flatten()
+        .chain([&self.inverse_sliding_speed])
         .all(|number| number.is_finite())
     }
 
@@ -128,7 +138,8 @@ impl<R: Real> Spread<R> {
         let missed = self.missed(state, now.asked);
         let unseen = self.unseen(state, now.moved);
         let input_friction = self.base.input_friction + friction * now.input_friction.abs();
-        let output_friction = self.base.output_friction + friction * now.output_friction.abs();
+        let resting = (R::ONE - now.output_speed.abs() * self.inverse_sliding_speed).max(R::lit(0.1));
+        let output_friction = self.base.output_friction * resting + friction * now.output_friction.abs();
         let torque = self.torque_by_friction * input_friction
             + self.torque_by_stiffness * stiffness * now.transmitted.abs()
             + missed

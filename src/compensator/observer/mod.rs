@@ -53,6 +53,9 @@ pub const STATES: usize = 6;
 /// Control periods without motion after which the motor stands.
 pub const STANDSTILL: u32 = 200;
 
+/// Most control periods from one reading of the output encoder to the next.
+pub const LONGEST_PERIOD: u32 = 100;
+
 /// Part of the rated torque that s may have beside its share of the torque: hysteresis, the encoders' zero.
 const LEAST_STIFFNESS_TORQUE: f64 = 0.03;
 
@@ -88,6 +91,8 @@ pub struct ObserverParams<R> {
     pub stir: R,
     /// Delay of the output encoder's reading (control periods).
     pub output_encoder_delay: u32,
+    /// Control periods from one reading of the output encoder to the next.
+    pub output_encoder_period: u32,
     /// How uncertain the model is.
     pub uncertainty: Uncertainty<R>,
 }
@@ -100,6 +105,7 @@ pub struct Observer<R> {
     /// Counts of 2^32 a turn.
     stir: u32,
     delay: usize,
+    period: u32,
     uncertainty: Uncertainty<R>,
     limits: Range<R>,
     inverse_wave_generator_inertia: R,
@@ -118,6 +124,8 @@ pub struct ObserverState<R: Real> {
     /// b (N m).
     held_torque: R,
     standstill: Standstill,
+    /// Control periods since a reading of the output encoder, up to the period in which it is missed.
+    since_output: u32,
     past: Past,
     spread: SpreadState<R>,
     started: bool,
@@ -160,7 +168,7 @@ impl<R: Real> ObserverParams<R> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `gains` unless all are finite, `stir` unless in 0..=1, `output_encoder_delay` beyond
-    /// [`LONGEST_DELAY`], or as [`Limits::check`] and the gear's parts.
+    /// [`LONGEST_DELAY`], `output_encoder_period` unless in 1..=[`LONGEST_PERIOD`], or as [`Limits::check`] and the gear's parts.
     pub fn build(&self, gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Result<Observer<R>, Error> {
         let sets = || self.moving.iter().chain(&self.standing);
         let mut gains = sets().flat_map(|g| g.motor.iter().chain(&g.output).chain(&g.torque).chain(&g.past));
@@ -169,6 +177,7 @@ impl<R: Real> ObserverParams<R> {
         require(self.stir >= R::ZERO && self.stir <= R::ONE, "stir")?;
         let delay = self.output_encoder_delay as usize;
         require(delay <= LONGEST_DELAY, "output_encoder_delay")?;
+        require((1..=LONGEST_PERIOD).contains(&self.output_encoder_period), "output_encoder_period")?;
         limits.check()?;
         let wave_generator_inertia = gear.wave_generator_inertia;
         require(wave_generator_inertia > R::ZERO, "wave_generator_inertia")?;
@@ -177,6 +186,7 @@ impl<R: Real> ObserverParams<R> {
             standing: self.standing,
             stir: (self.stir * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs(),
             delay,
+            period: self.output_encoder_period,
             uncertainty: self.uncertainty,
             limits: Range {
                 motor_speed: R::lit(2.0) * limits.motor_speed,
@@ -221,6 +231,7 @@ impl<R: Real> Observer<R> {
             stiffness_torque: R::ZERO,
             held_torque: R::ZERO,
             standstill: Standstill { phase: 0, periods: STANDSTILL },
+            since_output: u32::MAX,
             past: Past::default(),
             spread: SpreadState::default(),
             started: false,
@@ -255,7 +266,10 @@ impl<R: Real> Observer<R> {
         let torques = gear.torques(&mut state.gear, &state.wave_generator, &state.flange, applied);
         faults.raise_if(torques.saturated, Faults::TORSION_BEYOND_RANGE);
         let moved = state.standstill.step(measured.motor.phase(), self.stir);
-        let gains = self.gains(measured, moved);
+        let sets = if moved { &self.moving } else { &self.standing };
+        let gauge = measured.output_torque.is_some();
+        let gains = set(sets, measured.output.is_some(), gauge);
+        let output_seen = self.output_seen(state, measured);
         let torsion_rate = torques.drive_rate - state.flange.velocity;
         let acceleration = self.predict(gear, state, &torques, measured.motor_torque);
         let asked = self.correct(gains, state, measured, &torques, moved);
@@ -269,6 +283,7 @@ impl<R: Real> Observer<R> {
             transmitted,
             torsion: torques.torsion.limit(self.limits.torsion),
             torsion_rate,
+            output_speed: state.flange.velocity,
             acceleration,
         };
         Estimate {
@@ -279,20 +294,20 @@ impl<R: Real> Observer<R> {
             input_friction: torques.input_friction,
             output_friction: torques.output_friction,
             external_torque: state.external_torque,
-            deviation: gains.spread.step(&mut state.spread, &self.uncertainty, &magnitudes),
+            deviation: set(sets, output_seen, gauge).spread.step(
+                &mut state.spread,
+                &self.uncertainty,
+                &magnitudes,
+            ),
         }
     }
 
-    /// The gains for what is there in this control period.
+    /// Whether the output encoder has read within its period.
     #[inline(always)]
-    fn gains(&self, measured: &Measurement<R>, moved: bool) -> &Gains<R> {
-        let sets = if moved { &self.moving } else { &self.standing };
-        match (measured.output.is_some(), measured.output_torque.is_some()) {
-            (false, false) => &sets[0],
-            (true, false) => &sets[1],
-            (false, true) => &sets[2],
-            (true, true) => &sets[3],
-        }
+    fn output_seen(&self, state: &mut ObserverState<R>, measured: &Measurement<R>) -> bool {
+        let since = state.since_output.saturating_add(1);
+        state.since_output = if measured.output.is_some() { 0 } else { since };
+        state.since_output < self.period
     }
 
     /// Starts at rest at the motor's angle, without torsion.
@@ -380,6 +395,17 @@ impl<R: Real> Observer<R> {
         if lost {
             self.start(gear, state, measured);
         }
+    }
+}
+
+/// The set of what is there.
+#[inline(always)]
+fn set<R>(sets: &GainSets<R>, output: bool, gauge: bool) -> &Gains<R> {
+    match (output, gauge) {
+        (false, false) => &sets[0],
+        (true, false) => &sets[1],
+        (false, true) => &sets[2],
+        (true, true) => &sets[3],
     }
 }
 

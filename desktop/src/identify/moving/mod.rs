@@ -14,10 +14,10 @@
 //! | n | what is in no column: noise that is alike over a short path and a short time |
 //!
 //! In this order: friction from the motor's torque over its motion ([`friction`]); with it, for every observer of
-//! [`WANDERS`], [`LOADS`] and [`DAMPINGS`], its torsion and the regularised least squares of the above ([`residual`]); the
-//! observer with the least sum of squares is kept. The wander says how much of the motor torque that friction does not
-//! explain winds the gear up: where friction is not known to a fraction of the rated torque, hardly any. The load's inertia
-//! and the damping say how much of what the motor's angle does: where time stamps jitter, much of that never was.
+//! [`WANDERS`] and [`DAMPINGS`], its torsion and the regularised least squares of the above ([`residual`]); the observer
+//! with the least sum of squares is kept. The wander says how much of the motor torque that friction does not explain
+//! winds the gear up: where friction is not known to a fraction of the rated torque, hardly any. The damping says how long
+//! the load swings after what the motor's angle does: where time stamps jitter, much of that never was.
 //!
 //! The first share of the motor's path trains, the rest is predicted; a path holds few turns, so every unknown has a
 //! prior of catalogue size and an order that the path does not show is not learnt. The two kinds of orders beat
@@ -39,10 +39,9 @@ use crate::log::MeasuredLog;
 use crate::replay::{Judgement, ReplayRow, replay, time_of_path};
 pub use residual::{ORDERS, Residual};
 
-/// Wanders of the external torque that are tried, in rated torques and the square root of a second.
-pub const WANDERS: [f64; 3] = [1e-2, 1e-4, 1e-8];
-/// Inertias of the load that are tried, in the base gear's.
-pub const LOADS: [f64; 3] = [1.0, 0.1, 0.02];
+/// Wanders of the external torque that are tried, in rated torques and the square root of a second: an observer's that
+/// is designed without a log, a hundredth, and none over any log. One between would be followed more slowly than a log moves, and drift through it.
+pub const WANDERS: [f64; 3] = [0.45, 1e-2, 1e-7];
 /// Damping ratios of the torsion mode that are tried, where they are more than the base gear's: a metal gear's, and that of
 /// a mode that an arm's other joints damp.
 pub const DAMPINGS: [f64; 2] = [0.02, 0.3];
@@ -120,10 +119,9 @@ pub fn learn_gear(
 /// are left out.
 fn observers(gear: &GearFile) -> Vec<GearFile> {
     let mut tried = Vec::new();
-    for (damping, (load, wander)) in product(&DAMPINGS, &product(&LOADS, &WANDERS)) {
+    for (damping, wander) in DAMPINGS.iter().flat_map(|damping| WANDERS.map(|wander| (*damping, wander))) {
         let mut one = gear.clone();
         one.damping.torsion_mode_ratio = damping.max(gear.damping.torsion_mode_ratio);
-        one.inertia.flexspline *= load;
         one.compensation.external_torque_wander = Some(wander * gear.gear.rated_torque);
         if is_sound(&residual::stiffest(&one)) && !tried.contains(&one) {
             tried.push(one);

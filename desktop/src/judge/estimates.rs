@@ -1,0 +1,191 @@
+//! Estimates beside what is true, and how often they are off by more than three of their stated deviations.
+//!
+//! Motion is estimated at the time of the reading; torsion, torques and friction are those of the period before, and
+//! so is the load that acted.
+
+use strainwave::compensator::Estimate;
+
+use crate::closed_loop::Row;
+
+/// Deviations within which an estimate is to be.
+const WITHIN: f64 = 3.0;
+
+/// One of the estimates.
+#[derive(Clone, Copy, Debug)]
+pub struct Estimated {
+    /// For people.
+    pub name: &'static str,
+    /// SI unit.
+    pub unit: &'static str,
+    estimate: fn(&Estimate<f32>) -> f64,
+    deviation: fn(&Estimate<f32>) -> f32,
+    truth: fn(&Row) -> f64,
+    /// It is that of the period before.
+    before: bool,
+}
+
+/// How many there are.
+pub const ESTIMATES: usize = 7;
+
+/// All of them.
+pub const ALL: [Estimated; ESTIMATES] = [
+    Estimated {
+        name: "output",
+        unit: "rad",
+        estimate: |estimate| estimate.output_position.to_radians(),
+        deviation: |estimate| estimate.deviation.output_position,
+        truth: |row| row.output,
+        before: false,
+    },
+    Estimated {
+        name: "output velocity",
+        unit: "rad/s",
+        estimate: |estimate| estimate.output_velocity.into(),
+        deviation: |estimate| estimate.deviation.output_velocity,
+        truth: |row| row.output_velocity,
+        before: false,
+    },
+    Estimated {
+        name: "torsion",
+        unit: "rad",
+        estimate: |estimate| estimate.torsion.into(),
+        deviation: |estimate| estimate.deviation.torsion,
+        truth: |row| row.torsion,
+        before: true,
+    },
+    Estimated {
+        name: "transmitted torque",
+        unit: "N m",
+        estimate: |estimate| estimate.transmitted_torque.into(),
+        deviation: |estimate| estimate.deviation.transmitted_torque,
+        truth: |row| row.transmitted,
+        before: true,
+    },
+    Estimated {
+        name: "friction at the wave generator",
+        unit: "N m",
+        estimate: |estimate| estimate.input_friction.into(),
+        deviation: |estimate| estimate.deviation.input_friction,
+        truth: |row| row.friction[0],
+        before: true,
+    },
+    Estimated {
+        name: "friction at the output",
+        unit: "N m",
+        estimate: |estimate| estimate.output_friction.into(),
+        deviation: |estimate| estimate.deviation.output_friction,
+        truth: |row| row.friction[1],
+        before: true,
+    },
+    Estimated {
+        name: "external torque",
+        unit: "N m",
+        estimate: |estimate| estimate.external_torque.into(),
+        deviation: |estimate| estimate.deviation.external_torque,
+        truth: |row| row.demand.load,
+        before: true,
+    },
+];
+
+impl Estimated {
+    /// Estimate less truth, in the unit, of two rows that follow each other.
+    pub fn error(&self, [before, now]: [&Row; 2]) -> f64 {
+        (self.estimate)(&now.answer.estimate) - (self.truth)(if self.before { before } else { now })
+    }
+
+    /// Its standard deviation as stated, in the unit.
+    pub fn deviation(&self, row: &Row) -> f64 {
+        (self.deviation)(&row.answer.estimate).into()
+    }
+
+    fn is_outside(&self, before: &Row, now: &Row) -> bool {
+        let inside = self.error([before, now]).abs() <= WITHIN * self.deviation(now);
+        !inside
+    }
+}
+
+/// How often each estimate was outside, in how many periods.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Outside {
+    times: [usize; ESTIMATES],
+    periods: usize,
+}
+
+impl Outside {
+    /// Counts rows that follow each other.
+    pub fn count(&mut self, rows: &[Row]) {
+        for pair in rows.windows(2) {
+            for (times, estimated) in self.times.iter_mut().zip(&ALL) {
+                *times += usize::from(estimated.is_outside(&pair[0], &pair[1]));
+            }
+        }
+        self.periods += rows.len().saturating_sub(1);
+    }
+
+    /// Share of the periods in which that estimate was outside which was so most often; NaN of none.
+    pub fn worst_share(&self) -> f64 {
+        let most = self.times.iter().copied().max().unwrap_or_default();
+        most as f64 / self.periods as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use strainwave::Angle;
+
+    use super::*;
+
+    /// A row whose estimates are off by `off` deviations of one.
+    fn row(off: f64) -> Row {
+        let mut row =
+            Row { output: 0.3, output_velocity: 2.0, torsion: 1e-3, transmitted: 20.0, ..Row::default() };
+        row.friction = [0.05, 1.0];
+        row.demand.load = 30.0;
+        let estimate = &mut row.answer.estimate;
+        estimate.output_position = Angle::from_radians_f64(0.3 + off);
+        for (value, truth) in [
+            (&mut estimate.output_velocity, 2.0),
+            (&mut estimate.torsion, 1e-3),
+            (&mut estimate.transmitted_torque, 20.0),
+            (&mut estimate.input_friction, 0.05),
+            (&mut estimate.output_friction, 1.0),
+            (&mut estimate.external_torque, 30.0),
+        ] {
+            *value = (truth + off) as f32;
+        }
+        let deviation = &mut estimate.deviation;
+        for value in [
+            &mut deviation.output_position,
+            &mut deviation.output_velocity,
+            &mut deviation.torsion,
+            &mut deviation.transmitted_torque,
+            &mut deviation.input_friction,
+            &mut deviation.output_friction,
+            &mut deviation.external_torque,
+        ] {
+            *value = 1.0;
+        }
+        row
+    }
+
+    fn worst_share(rows: &[Row]) -> f64 {
+        let mut outside = Outside::default();
+        outside.count(rows);
+        outside.worst_share()
+    }
+
+    #[test]
+    fn three_deviations_are_inside_and_more_are_not() {
+        assert_eq!(worst_share(&[row(0.0), row(2.9), row(-2.9)]), 0.0);
+        assert_eq!(worst_share(&[row(0.0), row(3.1), row(-3.1), row(0.0), row(0.0)]), 0.5);
+        assert!(worst_share(&[]).is_nan() && worst_share(&[row(0.0), row(f64::NAN)]) == 1.0);
+    }
+
+    /// One estimate that is off is not hidden by six that are not.
+    #[test]
+    fn the_worst_estimate_counts() {
+        let mut off = row(0.0);
+        off.answer.estimate.external_torque += 10.0;
+        assert_eq!(worst_share(&[row(0.0), off, row(0.0)]), 0.5);
+    }
+}

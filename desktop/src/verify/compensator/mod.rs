@@ -1,0 +1,127 @@
+//! The compensator against the baselines, on plants that it does not know.
+//!
+//! Every draw of the box (friction of either side +-20 %, stiffness +-10 %, load inertia +-30 %) is one plant with its
+//! noise. B0 and B1 run S1 to S5 on it from rest; the compensator first works for 10 s
+//! ([`crate::working_motion`]), once with the motor's sensors alone and once with an output encoder too, and goes into
+//! each scenario from there. Marks are those of [`crate::judge`]; a claim is the worst ratio over 20 draws, and names
+//! the draw. The plant is the condensed one ([`crate::plant::Plant::condensed`]).
+//!
+//! With both encoders the ripple of S4 is that of a compensator which was not told the kinematic error and has learnt it
+//! while it worked.
+//!
+//! The whole box is gone through by 1000 draws with the noise of all sensors doubled; there a run is
+//!
+//! - unstable when it diverges, when its motor torque is at the limit for more than 10 ms of the judged part, or when
+//!   the torsion's vibration over the last fifth of the run is more than three times B0's and more than 10 urad;
+//! - worse than B0 when the rms of its output error is more than 1 % larger than B0's in the same scenario.
+
+mod angle;
+mod claims;
+mod performance;
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
+
+use crate::bench::{Conditions, SensorSet};
+use crate::divergence::RunError;
+use crate::gear_file::GearFile;
+use crate::step_response;
+use crate::verify::Measured;
+pub use claims::{CLAIMS, Claim, Reference, worst_draw};
+pub use performance::{Performance, Rivals};
+
+/// Draws that every claim is judged on.
+pub const DRAWS: u64 = 20;
+/// Draws of the whole box.
+pub const BOX_DRAWS: u64 = 1000;
+/// Factor on the noise in the box.
+const BOX_NOISE: f64 = 2.0;
+
+/// What needs no run: angles.
+pub fn measure() -> Measured {
+    angle::measure().into()
+}
+
+/// Every claim on so many draws, and so many of the box; `progress` is called with the share done.
+///
+/// # Errors
+/// A gear that no compensator can be built for, or a baseline that diverges.
+pub fn against_baselines(
+    file: &GearFile,
+    draws: u64,
+    box_draws: u64,
+    mut progress: impl FnMut(f64),
+) -> Result<Measured, RunError> {
+    let (rivals, rated) = (Rivals::build(file)?, file.gear.rated_torque);
+    let claimed = (1..=draws).map(|seed| (seed, 1.0));
+    let all: Vec<_> = claimed.chain((1..=box_draws).map(|seed| (seed, BOX_NOISE))).collect();
+    let compare = |(seed, noise): &(u64, f64)| {
+        let conditions = Conditions { noise: *noise, ..Conditions::of(file, *seed) };
+        if *noise == BOX_NOISE {
+            rivals.compare(file, &conditions)
+        } else {
+            rivals.compare_learning(file, &conditions)
+        }
+    };
+    let compared = each(&all, compare, &mut progress).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let (claimed, boxed) = compared.split_at(draws as usize);
+    let mut figures = step_response::measure(file)?;
+    figures.extend(
+        SensorSet::ALL
+            .into_iter()
+            .flat_map(|sensors| CLAIMS.iter().map(move |claim| claim.figure(sensors, claimed, rated))),
+    );
+    if !boxed.is_empty() {
+        figures.extend(SensorSet::ALL.into_iter().flat_map(|sensors| claims::in_the_box(sensors, boxed)));
+    }
+    Ok(figures.into())
+}
+
+/// Does the same work for every item on all processors; `progress` is called with the share done.
+fn each<I: Sync, T: Send>(
+    items: &[I],
+    work: impl Fn(&I) -> T + Sync,
+    progress: &mut impl FnMut(f64),
+) -> Vec<T> {
+    let next = AtomicUsize::new(0);
+    let mut done: Vec<Option<T>> = items.iter().map(|_| None).collect();
+    thread::scope(|scope| {
+        let (send, results) = mpsc::channel();
+        for _ in 0..thread::available_parallelism().map_or(1, usize::from) {
+            let (send, next, work) = (send.clone(), &next, &work);
+            scope.spawn(move || {
+                while let Some((place, item)) = next_of(items, next) {
+                    if send.send((place, work(item))).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(send);
+        for (count, (place, result)) in results.into_iter().enumerate() {
+            done[place] = Some(result);
+            progress((count + 1) as f64 / items.len() as f64);
+        }
+    });
+    done.into_iter().flatten().collect()
+}
+
+fn next_of<'a, I>(items: &'a [I], next: &AtomicUsize) -> Option<(usize, &'a I)> {
+    let place = next.fetch_add(1, Ordering::Relaxed);
+    items.get(place).map(|item| (place, item))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_item_is_worked_on_once_and_in_its_place() {
+        let items: Vec<u64> = (0..100).collect();
+        let mut shares = Vec::new();
+        let squares = each(&items, |item| item * item, &mut |share| shares.push(share));
+        assert_eq!(squares, items.iter().map(|item| item * item).collect::<Vec<_>>());
+        assert!(shares.is_sorted() && shares.len() == 100 && shares[99] == 1.0);
+    }
+}

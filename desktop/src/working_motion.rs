@@ -1,0 +1,85 @@
+//! What a joint does for 10 s before it is judged: an ordinary working motion, from which a controller may learn.
+//!
+//! Moves of several sizes and speeds there and back, slow reversals and crawls, both ways alike, without load; no part
+//! of it repeats a scenario. It starts and ends at rest at the zero angle, where every scenario starts.
+
+use crate::bench::Task;
+use crate::scenario::{Demand, rest_to_rest};
+
+/// Length (s).
+const DURATION: f64 = 10.0;
+/// Rest between two moves (s).
+const REST: f64 = 0.1;
+
+/// Where each move ends (rad) and how long it takes (s).
+const MOVES: [(f64, f64); 17] = [
+    (0.50, 0.30),
+    (0.00, 0.35),
+    (-0.25, 0.25),
+    (-0.22, 0.15),
+    (-0.27, 0.20),
+    (-0.17, 1.10),
+    (-0.20, 0.70),
+    (-0.14, 0.80),
+    (0.30, 0.40),
+    (0.305, 0.05),
+    (0.30, 0.05),
+    (0.10, 0.30),
+    (0.04, 0.80),
+    (0.10, 0.80),
+    (0.00, 1.10),
+    (-0.05, 0.25),
+    (0.00, 0.25),
+];
+
+/// The working motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WorkingMotion;
+
+impl Task for WorkingMotion {
+    fn duration(&self) -> f64 {
+        DURATION
+    }
+
+    fn at(&self, time: f64, _rated_torque: f64) -> Demand {
+        let (mut from, mut elapsed) = (0.0, time);
+        for (to, duration) in MOVES {
+            if elapsed < duration + REST {
+                let demand = rest_to_rest(elapsed, to - from, duration);
+                return Demand { position: from + demand.position, ..demand };
+            }
+            (from, elapsed) = (to, elapsed - duration - REST);
+        }
+        Demand { position: from, ..Demand::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gear_file::GearFile;
+
+    #[test]
+    fn it_comes_back_in_time_and_stays_within_the_joint() {
+        let asked = |k: u32| WorkingMotion.at(f64::from(k) * 1e-3, 67.0);
+        let (start, end) = (asked(0), asked(9_900));
+        assert_eq!((start.position, end.position), (0.0, 0.0));
+        assert_eq!((end.velocity, end.acceleration, end.load), (0.0, 0.0, 0.0));
+        let file = GearFile::default_gear();
+        let speed = file.motor.rotor_speed_limit / f64::from(file.gear.ratio);
+        let acceleration = file.gear.peak_torque / file.inertia.flexspline;
+        for demand in (0..10_000).map(asked) {
+            assert!(demand.velocity.abs() < speed && demand.acceleration.abs() < acceleration, "{demand:?}");
+        }
+    }
+
+    /// Without a jump, the slope of the position is the velocity.
+    #[test]
+    fn it_is_one_motion() {
+        for k in 1..100_000 {
+            let at = |offset: f64| WorkingMotion.at(f64::from(k) * 1e-4 + offset, 67.0);
+            let slope = (at(1e-6).position - at(-1e-6).position) / 2e-6;
+            assert!((slope - at(0.0).velocity).abs() < 1e-5, "{k}");
+        }
+    }
+}
