@@ -110,6 +110,7 @@ fn what_the_log_does_not_show_is_refused_by_name() {
 #[test]
 fn measured_joints_are_predicted_or_their_absence_is_told() {
     let measured = replay::measure().unwrap();
+    measured.figures.iter().for_each(|figure| println!("{}", figure.cells().join("  ")));
     assert!(measured.figures.iter().all(|figure| figure.holds), "{:#?}", measured.figures);
     if measured.figures.is_empty() {
         assert!(measured.notes.iter().all(|note| note.ends_with("skipped: no data (lara8)")));
