@@ -143,7 +143,6 @@ fn moving_figures(found: &LearntGear) -> Vec<Figure> {
         Figure::reported("identify.friction_factor", found.friction_factor, "1"),
         Figure::reported("identify.stiffness_factor", found.stiffness_factor, "1"),
         Figure::reported("identify.external_torque_wander", wander, "N m/s^0.5"),
-        Figure::reported("identify.torsion_mode_ratio", found.gear.damping.torsion_mode_ratio, "1"),
     ];
     for harmonic in &found.gear.kinematic_error.flexspline {
         let name = format!("identify.kinematic_error.order_{}", harmonic.order);

@@ -20,18 +20,37 @@ const ECCENTRIC: Harmonic = Harmonic { order: 1, amplitude: 3e-4, phase: 0.4 };
 const ERROR: [Harmonic; 2] =
     [Harmonic { order: 2, amplitude: 7e-5, phase: 1.0 }, Harmonic { order: 4, amplitude: 2e-5, phase: -2.0 }];
 
+/// The default gear without friction at the output.
 fn base() -> GearFile {
-    GearFile::default_gear()
+    let mut gear = GearFile::default_gear();
+    let output = &mut gear.friction.output;
+    for level in [&mut output.coulomb, &mut output.static_level, &mut output.viscous] {
+        *level = Some(0.0);
+    }
+    gear
 }
 
-/// Angle and speed of a motor that stands, turns `turns` there and back, and stands.
-fn motion(t: f64, turns: f64) -> (f64, f64) {
-    let u = ((t - 0.5) / (DURATION - 1.0)).clamp(0.0, 1.0);
+/// Angle, speed and acceleration of a motor that stands, turns `turns` there and back, and stands.
+fn motion(t: f64, turns: f64) -> [f64; 3] {
+    let rate = TAU / (DURATION - 1.0);
+    let u = rate * (t - 0.5).clamp(0.0, DURATION - 1.0);
     let amplitude = turns * TAU / 2.0;
-    (amplitude * (1.0 - (TAU * u).cos()), amplitude * (TAU * u).sin() * TAU / (DURATION - 1.0))
+    let moves = f64::from(u8::from(u > 0.0 && u < TAU));
+    [amplitude * (1.0 - u.cos()), amplitude * rate * u.sin(), moves * amplitude * rate * rate * u.cos()]
 }
 
-/// A joint whose load is its own friction: its gear does not wind up.
+/// Torque of a motor with this speed and acceleration.
+fn motor_torque(gear: &GearFile, speed: f64, acceleration: f64) -> f64 {
+    let friction = &gear.friction.input;
+    let (coulomb, level) = (friction.coulomb.unwrap(), friction.static_level.unwrap());
+    let stribeck = (-speed.abs() / friction.stribeck_velocity.unwrap()).exp();
+    let r: f64 = gear.gear.signed_ratio().value();
+    let inertia = gear.inertia.wave_generator + r * r * gear.inertia.flexspline;
+    let dry = LEVEL * (coulomb + (level - coulomb) * stribeck) * (speed / 0.3).tanh();
+    dry + friction.viscous.unwrap() * speed + inertia * acceleration
+}
+
+/// A joint that its load's inertia alone winds up.
 fn log(turns: f64) -> MeasuredLog {
     let gear = base();
     let r: f64 = gear.gear.signed_ratio().value();
@@ -48,12 +67,12 @@ fn log(turns: f64) -> MeasuredLog {
         model_torque: None,
     };
     for k in 0..stamps {
-        let (motor, speed) = motion(k as f64 * INTERVAL, turns);
-        let friction = LEVEL * gear.friction.input.coulomb.unwrap() * (speed / 0.3).tanh();
+        let [motor, speed, acceleration] = motion(k as f64 * INTERVAL, turns);
+        let torsion = gear.inertia.flexspline * r * acceleration / gear.stiffness.k1;
         let error: f64 = ERROR.iter().map(|harmonic| harmonic.at(motor * (1.0 - r))).sum();
         log.motor_position.push(motor + 2e-5 * sample());
-        log.motor_torque.push(friction + 2e-3 * sample());
-        let output = r * motor + error + ECCENTRIC.at(r * motor) + 2e-6 * sample();
+        log.motor_torque.push(motor_torque(&gear, speed, acceleration) + 2e-3 * sample());
+        let output = r * motor + error - torsion + ECCENTRIC.at(r * motor) + 2e-6 * sample();
         log.output_position.as_mut().unwrap().push(output + 0.25);
     }
     log

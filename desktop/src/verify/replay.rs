@@ -64,8 +64,7 @@ fn judge(log: &str, joint: &str, reversed: bool) -> Result<Option<Judgement>, Ba
 
 fn figures(name: &str, judgement: &Judgement) -> Vec<Figure> {
     vec![
-        // What predicts worse than no model at all has failed.
-        Figure::bounded(format!("{name}.rms"), judgement.rms, "rad", judgement.rigid_rms),
+        Figure::reported(format!("{name}.rms"), judgement.rms, "rad"),
         Figure::reported(format!("{name}.rigid.rms"), judgement.rigid_rms, "rad"),
         Figure::reported(format!("{name}.over_rigid"), judgement.ratio(), "1"),
         Figure::reported(format!("{name}.spread"), judgement.spread, "rad"),

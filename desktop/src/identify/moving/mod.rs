@@ -14,10 +14,9 @@
 //! | n | what is in no column: noise that is alike over a short path and a short time |
 //!
 //! In this order: friction from the motor's torque over its motion ([`friction`]); with it, for every observer of
-//! [`WANDERS`] and [`DAMPINGS`], its torsion and the regularised least squares of the above ([`residual`]); the observer
-//! with the least sum of squares is kept. The wander says how much of the motor torque that friction does not explain
-//! winds the gear up: where friction is not known to a fraction of the rated torque, hardly any. The damping says how long
-//! the load swings after what the motor's angle does: where time stamps jitter, much of that never was.
+//! [`WANDERS`], its torsion and the regularised least squares of the above ([`residual`]); the observer with the least sum of
+//! squares is kept. The wander says how much of the motor torque that friction does not explain winds the gear up: where
+//! friction is not known to a fraction of the rated torque, hardly any.
 //!
 //! The first share of the motor's path trains, the rest is predicted; a path holds few turns, so every unknown has a
 //! prior of catalogue size and an order that the path does not show is not learnt. The two kinds of orders beat
@@ -42,9 +41,6 @@ pub use residual::{ORDERS, Residual};
 /// Wanders of the external torque that are tried, in rated torques and the square root of a second: an observer's that
 /// is designed without a log, a hundredth, and none over any log. One between would be followed more slowly than a log moves, and drift through it.
 pub const WANDERS: [f64; 3] = [0.45, 1e-2, 1e-7];
-/// Damping ratios of the torsion mode that are tried, where they are more than the base gear's: a metal gear's, and that of
-/// a mode that an arm's other joints damp.
-pub const DAMPINGS: [f64; 2] = [0.02, 0.3];
 /// Every how many control periods a row is used: 4 ms.
 const EVERY: usize = 40;
 
@@ -118,16 +114,12 @@ pub fn learn_gear(
 /// The gear with each of the observers that are tried; those that could not be built once the gear is as stiff as its cup
 /// are left out.
 fn observers(gear: &GearFile) -> Vec<GearFile> {
-    let mut tried = Vec::new();
-    for (damping, wander) in DAMPINGS.iter().flat_map(|damping| WANDERS.map(|wander| (*damping, wander))) {
+    let with = |wander: f64| {
         let mut one = gear.clone();
-        one.damping.torsion_mode_ratio = damping.max(gear.damping.torsion_mode_ratio);
         one.compensation.external_torque_wander = Some(wander * gear.gear.rated_torque);
-        if is_sound(&residual::stiffest(&one)) && !tried.contains(&one) {
-            tried.push(one);
-        }
-    }
-    tried
+        one
+    };
+    WANDERS.map(with).into_iter().filter(|one| is_sound(&residual::stiffest(one))).collect()
 }
 
 /// A gear file may say it, and a compensator can be built from it.
