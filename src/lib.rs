@@ -10,6 +10,7 @@
 //! | [`kinematic_error`] | the ideal gear's position error, over either rim |
 //! | [`gear`] | the two-port that these make: composes, no physics of its own |
 //! | [`compensator`] | encoder, observer, feed-forward, feedback, limits and faults: one `step` |
+//! | [`trajectory`] | moves from rest to rest with bounded velocity, acceleration, jerk and snap |
 //! | [`angle`], [`real`], [`error`] | angles without bound, the scalar and its functions, why a build fails |
 //!
 //! Equation, figure and table numbers are those of "Modeling of torsional vibration in harmonic drives".
@@ -57,6 +58,7 @@ pub mod hysteresis;
 pub mod kinematic_error;
 pub mod real;
 mod sine_cosine;
+pub mod trajectory;
 
 pub use angle::{Angle, Heading, Ratio};
 pub use error::Error;

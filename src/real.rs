@@ -74,8 +74,6 @@ pub trait Real:
     fn to_i32(self) -> i32;
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
-    /// Within `-bound..=bound`, `bound` >= 0; not NaN. One comparison of integers.
-    fn is_within(self, bound: Self) -> bool;
     /// The same bits. One comparison of integers.
     fn is_same(self, other: Self) -> bool;
     /// Within 0..=1, without -0; not NaN. One comparison of integers.
@@ -104,10 +102,15 @@ pub trait Real:
     fn max(self, other: Self) -> Self {
         if self > other { self } else { other }
     }
+    /// Within `-bound..=bound`; not NaN.
+    #[inline(always)]
+    fn is_within(self, bound: Self) -> bool {
+        self.abs() <= bound
+    }
     /// Limited to `-bound..=bound`; `-bound` when `self` is NaN.
     #[inline(always)]
     fn limit(self, bound: Self) -> Self {
-        if self.abs() <= bound {
+        if self.is_within(bound) {
             return self;
         }
         seldom();
@@ -158,10 +161,6 @@ impl Real for f64 {
     #[inline(always)]
     fn is_finite(self) -> bool {
         Self::is_finite(self)
-    }
-    #[inline(always)]
-    fn is_within(self, bound: Self) -> bool {
-        Self::abs(self).to_bits() <= bound.to_bits()
     }
     #[inline(always)]
     fn is_same(self, other: Self) -> bool {
@@ -224,10 +223,6 @@ impl Real for f32 {
     #[inline(always)]
     fn is_finite(self) -> bool {
         Self::is_finite(self)
-    }
-    #[inline(always)]
-    fn is_within(self, bound: Self) -> bool {
-        Self::abs(self).to_bits() <= bound.to_bits()
     }
     #[inline(always)]
     fn is_same(self, other: Self) -> bool {

@@ -7,9 +7,9 @@
 //! tau_ff = (J_wg/r + r*J_fs)*ddq + Fc_in*sign(dq/r) + r*Fc_out*sign(dq) + (Fv_in/r + r*Fv_out)*dq
 //! ```
 
-use strainwave::compensator::Input;
 use strainwave::compensator::encoder::{Encoder, EncoderParams, EncoderState};
 use strainwave::compensator::feedback::{Feedback, FeedbackState};
+use strainwave::compensator::{Command, Input};
 use strainwave::friction::JointFrictionParams;
 use strainwave::gear::{GearParams, Motion};
 use strainwave::{Angle, Error, Ratio, Real};
@@ -58,16 +58,16 @@ impl Baseline {
         Ok(Self { feed_forward: Some(firmware_gear_params(file)?), ..Self::b0(file)? })
     }
 
-    /// Torque command for one control period (N m).
+    /// Torque command for one control period (N m); it follows positions alone.
     pub fn step(&mut self, input: &Input<f32>) -> f64 {
         let (motor, _) = self.encoder.step(&mut self.encoder_state, input.sensors.motor_encoder);
-        let setpoint = &input.setpoint;
+        let Command::Position(setpoint) = input.command else { return 0.0 };
         let position = Angle { counts: setpoint.position.counts, rest: f64::from(setpoint.position.rest) };
         let reference = Motion {
             angle: self.ratio.undo(position),
             velocity: f64::from(setpoint.velocity) * f64::from(self.ratio.n()),
         };
-        let feedback = self.feedback.step(&mut self.feedback_state, motor, &reference, self.limited);
+        let feedback = self.feedback.step(&mut self.feedback_state, motor, &reference, 0.0, self.limited);
         let wanted = feedback + self.rigid_body(setpoint.velocity.into(), setpoint.acceleration.into());
         let limited = wanted.clamp(-self.torque_limit, self.torque_limit);
         self.limited = limited != wanted;
@@ -95,6 +95,7 @@ fn rigid_friction(side: &JointFrictionParams<f64>, velocity: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::gear_file::Arrangement;
+    use strainwave::compensator::Setpoint;
 
     fn file(arrangement: Arrangement) -> GearFile {
         let mut file = GearFile::default_gear();
@@ -139,7 +140,7 @@ mod tests {
         {
             let mut baseline = Baseline::b0(&file(arrangement)).unwrap();
             let mut input = Input::default();
-            input.setpoint.position = Angle::from_radians(1e-4);
+            input.command = Setpoint { position: Angle::from_radians(1e-4), ..Setpoint::default() }.into();
             let torque = baseline.step(&input);
             assert!(torque * sign > 0.0, "{torque}");
         }

@@ -185,13 +185,7 @@ impl SensorModel {
 
 /// All corrections on, friction by the gear file's share.
 fn all_shares(file: &GearFile) -> Shares<f32> {
-    Shares {
-        feedback: 1.0,
-        inertia: 1.0,
-        friction: file.compensation.friction_share as f32,
-        wind_up: 1.0,
-        kinematic_error: 1.0,
-    }
+    Shares { friction: file.compensation.friction_share as f32, ..Shares::ALL }
 }
 
 /// Plant, sensors, and the torque that was last commanded.
@@ -257,7 +251,7 @@ impl<F: Flexspline<f64>> Bench<F> {
         for k in 0..periods(task) {
             let demand = task.at(k as f64 * CONTROL_PERIOD, self.rated_torque);
             let sensors = self.sensors.read(&self.plant, self.torque);
-            let input = Input { sensors, setpoint: demand.setpoint(), shares: self.shares };
+            let input = Input { sensors, command: demand.setpoint().into(), shares: self.shares.into() };
             let answer = controller.step(&input)?;
             visit(k, demand, &self.plant, answer);
             self.torque = if task.blocked() { 0.0 } else { f64::from(answer.motor_torque) };

@@ -14,7 +14,7 @@ use strainwave::{Error, Real};
 use crate::any_friction::AnyFrictionParams;
 use crate::friction_params::{friction_params, joint_friction_params};
 use crate::gear_file::{GearFile, Harmonic};
-use crate::observer_design;
+use crate::{compensation, observer_design};
 
 /// Control period (s).
 pub const CONTROL_PERIOD: f64 = 1e-4;
@@ -114,6 +114,8 @@ pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
         },
         observer: observer_design::observer_params(file)?,
         feedback: feedback_params(file),
+        output_feedback: compensation::output_feedback_params(file),
+        learning: compensation::learning_params(file),
     })
 }
 
@@ -128,9 +130,13 @@ pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
     };
     format!(
         "// Generated from the gear file `{gear_name}`; do not edit.\n\
+         use strainwave::compensator::adaptation::{{AdaptationParams, Factors}};\n\
          use strainwave::compensator::feedback::FeedbackParams;\n\
+         use strainwave::compensator::learning::LearningParams;\n\
+         use strainwave::compensator::learnt_ripple::{{LearntRippleParams, RippleOrder}};\n\
          use strainwave::compensator::observer::deviation::{{Spread, Uncertainty}};\n\
          use strainwave::compensator::observer::{{Gains, ObserverParams}};\n\
+         use strainwave::compensator::output_feedback::OutputFeedbackParams;\n\
          use strainwave::compensator::{{EstimateDeviation, JointParams, Limits}};\n\
          use strainwave::flexspline::stiffness_line::StiffnessLineParams;\n\
          use strainwave::flexspline::{{Bend, Cup, FlexsplineParams}};\n\

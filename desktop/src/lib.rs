@@ -5,6 +5,7 @@ pub mod baseline;
 pub mod bench;
 pub mod bounds;
 pub mod closed_loop;
+pub mod compensation;
 pub mod data;
 pub mod divergence;
 pub mod draw;

@@ -20,7 +20,7 @@
 use std::f64::consts::{PI, TAU};
 
 use strainwave::Angle;
-use strainwave::compensator::{Input, Sensors, Setpoint, Shares};
+use strainwave::compensator::{Directions, Input, Sensors, Setpoint};
 
 use crate::closed_loop::Controller;
 use crate::gear_file::GearFile;
@@ -106,8 +106,8 @@ fn step<C: Controller>(
             ..Sensors::default()
         },
         // Nothing is commanded: the setpoint is where the joint already is.
-        setpoint: Setpoint { position: Angle::from_radians_f64(rigid), ..Setpoint::default() },
-        shares: Shares::default(),
+        command: Setpoint { position: Angle::from_radians_f64(rigid), ..Setpoint::default() }.into(),
+        shares: Directions::default(),
     };
     Ok((rigid, controller.step(&input)?.estimate.output_position.to_radians()))
 }

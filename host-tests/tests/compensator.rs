@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use strainwave::Angle;
 use strainwave::compensator::{
-    Compensator, Faults, Input, JointParams, Output, Sensors, Setpoint, Shares, State,
+    Command, Compensator, Directions, Faults, Input, JointParams, Output, Sensors, Setpoint, Shares, State,
 };
 use strainwave_desktop::GearFile;
 use strainwave_desktop::joint::joint_params;
@@ -13,15 +13,15 @@ fn joint() -> JointParams<f32> {
 }
 
 fn shares() -> Shares<f32> {
-    Shares { feedback: 1.0, inertia: 1.0, friction: 0.8, wind_up: 1.0, kinematic_error: 1.0 }
+    Shares { friction: 0.8, ..Shares::ALL }
 }
 
 /// A joint at rest whose encoder reads `motor_encoder`.
 fn resting(motor_encoder: u32) -> Input<f32> {
     Input {
         sensors: Sensors { motor_encoder, ..Sensors::default() },
-        setpoint: Setpoint::default(),
-        shares: shares(),
+        command: Command::default(),
+        shares: shares().into(),
     }
 }
 
@@ -57,6 +57,19 @@ fn any_float() -> impl Strategy<Value = f32> {
 }
 
 prop_compose! {
+    fn any_shares()(
+        [feedback, inertia, friction, wind_up, kinematic_error] in prop::array::uniform5(any_float()),
+    ) -> Shares<f32> {
+        Shares { feedback, inertia, friction, wind_up, kinematic_error }
+    }
+}
+
+/// Rest with another setpoint.
+fn commanded(setpoint: Setpoint<f32>) -> Input<f32> {
+    Input { command: setpoint.into(), ..resting(0) }
+}
+
+prop_compose! {
     fn any_input()(
         encoders in any::<(u32, Option<u32>)>(),
         torque in any_float(),
@@ -64,7 +77,9 @@ prop_compose! {
         counts in any::<i64>(),
         rest in any_float(),
         [velocity, acceleration, jerk, snap] in prop::array::uniform4(any_float()),
-        [feedback, inertia, friction, wind_up, kinematic_error] in prop::array::uniform5(any_float()),
+        kind in 0..3u8,
+        forward in any_shares(),
+        backward in any_shares(),
     ) -> Input<f32> {
         Input {
             sensors: Sensors {
@@ -73,8 +88,18 @@ prop_compose! {
                 motor_torque: torque,
                 output_torque: gauge,
             },
-            setpoint: Setpoint { position: Angle { counts, rest }, velocity, acceleration, jerk, snap },
-            shares: Shares { feedback, inertia, friction, wind_up, kinematic_error },
+            command: match kind {
+                0 => Command::Torque(velocity),
+                1 => Command::Velocity { velocity, acceleration },
+                _ => Command::Position(Setpoint {
+                    position: Angle { counts, rest },
+                    velocity,
+                    acceleration,
+                    jerk,
+                    snap,
+                }),
+            },
+            shares: Directions { forward, backward },
         }
     }
 }
@@ -104,19 +129,20 @@ fn nan_and_infinity_are_held_and_named() {
         for place in 0..9 {
             let (compensator, mut state) = settled();
             let before = compensator.step(&mut state.clone(), &resting(0));
-            let mut input = resting(0);
+            let (mut input, mut setpoint) = (resting(0), Setpoint::default());
             let values = [
                 &mut input.sensors.motor_torque,
-                &mut input.setpoint.velocity,
-                &mut input.setpoint.acceleration,
-                &mut input.setpoint.jerk,
-                &mut input.setpoint.snap,
-                &mut input.setpoint.position.rest,
-                &mut input.shares.feedback,
-                &mut input.shares.friction,
-                &mut input.shares.wind_up,
+                &mut setpoint.velocity,
+                &mut setpoint.acceleration,
+                &mut setpoint.jerk,
+                &mut setpoint.snap,
+                &mut setpoint.position.rest,
+                &mut input.shares.forward.feedback,
+                &mut input.shares.backward.friction,
+                &mut input.shares.forward.wind_up,
             ];
             *values.into_iter().nth(place).unwrap() = bad;
+            input.command = setpoint.into();
             let output = compensator.step(&mut state, &input);
             assert!(output.faults.contains(Faults::INPUT_NOT_FINITE), "{place}");
             assert_eq!(Output { faults: before.faults, ..output }, before, "held, place {place}");
@@ -138,9 +164,8 @@ fn a_frozen_encoder_is_named_while_the_joint_is_asked_to_move() {
     let (compensator, mut state) = settled();
     let mut faults = Faults::NONE;
     for k in 0..10_000 {
-        let mut input = resting(0);
-        input.setpoint.velocity = 0.05;
-        input.setpoint.position = Angle::from_radians(0.05 * 1e-4 * k as f32);
+        let position = Angle::from_radians(0.05 * 1e-4 * k as f32);
+        let input = commanded(Setpoint { position, velocity: 0.05, ..Setpoint::default() });
         let output = compensator.step(&mut state, &input);
         assert_bounded(&output);
         faults = output.faults;
@@ -173,11 +198,11 @@ fn a_torsion_beyond_the_gears_range_is_named() {
 #[test]
 fn switching_a_share_makes_no_step_in_the_torque() {
     let (compensator, mut state) = settled();
-    let mut input = resting(0);
-    input.setpoint.acceleration = 5.0;
+    let mut input = commanded(Setpoint { acceleration: 5.0, ..Setpoint::default() });
     let mut last = None;
     for k in 0..2000 {
-        input.shares.inertia = if (k / 500) % 2 == 0 { 1.0 } else { 0.0 };
+        let inertia = if (k / 500) % 2 == 0 { 1.0 } else { 0.0 };
+        input.shares = Shares { inertia, ..shares() }.into();
         let torque = compensator.step(&mut state, &input).feed_forward_torque;
         if k > 0 {
             assert!((torque - last.unwrap_or(torque)).abs() < 0.02, "step {k}");

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 use std::rc::Rc;
-use strainwave::compensator::{Input, Output};
+use strainwave::compensator::{Input, Output, Setpoint, Shares};
 use strainwave_app::telemetry::CAPACITY;
 use strainwave_app::{Board, Control, JOINT, Log, Telemetry, control_step};
 
@@ -51,8 +51,8 @@ fn control(board: &Played) -> (Control<Played>, Log) {
 fn input(encoder: u32) -> Input<f32> {
     let mut input = Input::default();
     input.sensors.motor_encoder = encoder;
-    input.setpoint.velocity = 0.1;
-    input.shares.feedback = 1.0;
+    input.command = Setpoint { velocity: 0.1, ..Setpoint::default() }.into();
+    input.shares = Shares { feedback: 1.0, ..Shares::default() }.into();
     input
 }
 

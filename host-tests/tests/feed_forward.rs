@@ -16,7 +16,16 @@ const FRICTION_SHARE: f64 = 0.8;
 
 /// Friction alone.
 const SHARES: Shares<f64> =
-    Shares { feedback: 0.0, inertia: 0.0, friction: FRICTION_SHARE, wind_up: 0.0, kinematic_error: 0.0 };
+    Shares {
+        feedback: 0.0,
+        inertia: 0.0,
+        friction: FRICTION_SHARE,
+        wind_up: 0.0,
+        kinematic_error: 0.0,
+        output_feedback: 0.0,
+        adaptation: 0.0,
+        ripple: 0.0,
+    };
 
 fn gear(params: &GearParams<f64>) -> RealTimeGear<f64> {
     let flexspline = Reduced::build(&params.flexspline, params.rated_torque).unwrap();

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use strainwave::Angle;
-use strainwave::compensator::{Input, Sensors, Setpoint, Shares};
+use strainwave::compensator::{Command, Directions, Input, Sensors, Setpoint, Shares};
 use strainwave_app::frame::{INPUT_BYTES, decode_input, encode_input, encode_output};
 use strainwave_app::{JOINT, control_step};
 use strainwave_desktop::joint;
@@ -42,9 +42,28 @@ impl Sequence {
 /// Within a turn of an encoder of 19 bits.
 const TURN: u32 = (1 << 19) - 1;
 
+const SHARES: Shares<f32> =
+    Shares { friction: 0.8, ..Shares::ALL };
+
+/// A position that moves at -1 rad/s, and for some time a velocity and a torque.
+fn command(sequence: &mut Sequence, period: u32) -> Command<f32> {
+    let velocity = -1.0 + 0.1 * sequence.unit();
+    let acceleration = 10.0 * sequence.unit();
+    match period / 100 % 8 {
+        3 => Command::Velocity { velocity, acceleration },
+        5 => Command::Torque(20.0 * sequence.unit()),
+        _ => Command::Position(Setpoint {
+            position: Angle { counts: -68_321 * i64::from(period), rest: 0.5 * sequence.unit() },
+            velocity,
+            acceleration,
+            jerk: 100.0 * sequence.unit(),
+            snap: 1e4 * sequence.unit(),
+        }),
+    }
+}
+
 /// What a joint reports that turns at 100 rad/s in front of the gear, with sensors that come and go.
 fn plausible(sequence: &mut Sequence, period: u32) -> Input<f32> {
-    let velocity = -1.0 + 0.1 * sequence.unit();
     Input {
         sensors: Sensors {
             // 0.01 rad are 834 counts; the last two bits are noise.
@@ -53,14 +72,8 @@ fn plausible(sequence: &mut Sequence, period: u32) -> Input<f32> {
             motor_torque: 0.6 * sequence.unit(),
             output_torque: period.is_multiple_of(5).then(|| 60.0 * sequence.unit()),
         },
-        setpoint: Setpoint {
-            position: Angle { counts: -68_321 * i64::from(period), rest: 0.5 * sequence.unit() },
-            velocity,
-            acceleration: 10.0 * sequence.unit(),
-            jerk: 100.0 * sequence.unit(),
-            snap: 1e4 * sequence.unit(),
-        },
-        shares: Shares { feedback: 1.0, inertia: 1.0, friction: 0.8, wind_up: 1.0, kinematic_error: 1.0 },
+        command: command(sequence, period),
+        shares: Directions { forward: SHARES, backward: Shares { friction: 0.6, ..SHARES } },
     }
 }
 
@@ -68,8 +81,8 @@ fn plausible(sequence: &mut Sequence, period: u32) -> Input<f32> {
 fn arbitrary(sequence: &mut Sequence) -> Input<f32> {
     let mut frame = [0; INPUT_BYTES];
     frame.fill_with(|| sequence.word() as u8);
-    (frame[4], frame[13]) = (frame[4] & 1, frame[13] & 1);
-    decode_input(&frame).expect("both flags are valid")
+    (frame[4], frame[13], frame[18]) = (frame[4] & 1, frame[13] & 1, frame[18] % 3);
+    decode_input(&frame).expect("flags and kind are valid")
 }
 
 #[test]

@@ -3,8 +3,9 @@
 use proptest::array;
 use proptest::prelude::*;
 use strainwave::Angle;
+use strainwave::compensator::adaptation::Factors;
 use strainwave::compensator::{
-    Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
+    Command, Directions, Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
 };
 use strainwave_app::frame::{
     INPUT_BYTES, OUTPUT_BYTES, decode_input, decode_output, encode_input, encode_output,
@@ -13,9 +14,23 @@ use strainwave_app::frame::{
 /// Offsets of the two flag bytes in an input frame.
 const OUTPUT_ENCODER_FLAG: usize = 4;
 const OUTPUT_TORQUE_FLAG: usize = 13;
+/// Offset of the byte that says which kind the command is.
+const COMMAND_KIND: usize = 18;
+/// Length of the command behind it: an angle and four floats.
+const COMMAND: usize = 12 + 16;
 
-fn input_of(words: [u32; 15], counts: i64, flags: [bool; 2]) -> Input<f32> {
+fn input_of(words: [u32; 25], counts: i64, flags: [bool; 2], kind: u8) -> Input<f32> {
     let f = |k: usize| f32::from_bits(words[k]);
+    let shares = |k: usize| Shares {
+        feedback: f(k),
+        inertia: f(k + 1),
+        friction: f(k + 2),
+        wind_up: f(k + 3),
+        kinematic_error: f(k + 4),
+        output_feedback: f(k + 5),
+        adaptation: f(k + 6),
+        ripple: f(k + 7),
+    };
     Input {
         sensors: Sensors {
             motor_encoder: words[0],
@@ -23,24 +38,22 @@ fn input_of(words: [u32; 15], counts: i64, flags: [bool; 2]) -> Input<f32> {
             motor_torque: f(2),
             output_torque: flags[1].then_some(f(3)),
         },
-        setpoint: Setpoint {
-            position: Angle { counts, rest: f(4) },
-            velocity: f(5),
-            acceleration: f(6),
-            jerk: f(7),
-            snap: f(8),
+        command: match kind {
+            0 => Command::Position(Setpoint {
+                position: Angle { counts, rest: f(4) },
+                velocity: f(5),
+                acceleration: f(6),
+                jerk: f(7),
+                snap: f(8),
+            }),
+            1 => Command::Velocity { velocity: f(5), acceleration: f(6) },
+            _ => Command::Torque(f(5)),
         },
-        shares: Shares {
-            feedback: f(9),
-            inertia: f(10),
-            friction: f(11),
-            wind_up: f(12),
-            kinematic_error: f(13),
-        },
+        shares: Directions { forward: shares(9), backward: shares(17) },
     }
 }
 
-fn output_of(words: [u32; 18], counts: [i64; 2]) -> Output<f32> {
+fn output_of(words: [u32; 22], counts: [i64; 2]) -> Output<f32> {
     let f = |k: usize| f32::from_bits(words[k]);
     Output {
         motor_torque: f(0),
@@ -64,32 +77,42 @@ fn output_of(words: [u32; 18], counts: [i64; 2]) -> Output<f32> {
                 external_torque: f(16),
             },
         },
-        faults: Faults::from_bits(words[17]),
+        factors: Factors {
+            inertia: f(17),
+            input_friction: f(18),
+            output_friction: f(19),
+            compliance: f(20),
+        },
+        faults: Faults::from_bits(words[21]),
     }
 }
 
 /// Every bit of a value, NaN payloads too, as its `Debug` text cannot show them.
 fn input_bits(input: &Input<f32>) -> Vec<u64> {
-    let Input { sensors, setpoint, shares } = input;
+    let Input { sensors, command, shares } = input;
     let bits = |x: f32| u64::from(x.to_bits());
     let some = |x: Option<u32>| x.map_or(u64::MAX, u64::from);
-    vec![
+    let mut all = vec![
         u64::from(sensors.motor_encoder),
         some(sensors.output_encoder),
         bits(sensors.motor_torque),
         some(sensors.output_torque.map(f32::to_bits)),
-        setpoint.position.counts.cast_unsigned(),
-        bits(setpoint.position.rest),
-        bits(setpoint.velocity),
-        bits(setpoint.acceleration),
-        bits(setpoint.jerk),
-        bits(setpoint.snap),
-        bits(shares.feedback),
-        bits(shares.inertia),
-        bits(shares.friction),
-        bits(shares.wind_up),
-        bits(shares.kinematic_error),
-    ]
+    ];
+    match command {
+        Command::Position(Setpoint { position, velocity, acceleration, jerk, snap }) => {
+            all.extend([0, position.counts.cast_unsigned()]);
+            all.extend([position.rest, *velocity, *acceleration, *jerk, *snap].map(bits));
+        }
+        Command::Velocity { velocity, acceleration } => all.extend([1, bits(*velocity), bits(*acceleration)]),
+        Command::Torque(torque) => all.extend([2, bits(*torque)]),
+    }
+    for shares in [&shares.forward, &shares.backward] {
+        let Shares { feedback, inertia, friction, wind_up, kinematic_error, output_feedback, adaptation, ripple } =
+            *shares;
+        all.extend([feedback, inertia, friction, wind_up].map(bits));
+        all.extend([kinematic_error, output_feedback, adaptation, ripple].map(bits));
+    }
+    all
 }
 
 fn output_bits(output: &Output<f32>) -> Vec<u64> {
@@ -97,6 +120,10 @@ fn output_bits(output: &Output<f32>) -> Vec<u64> {
     let bits = |x: f32| u64::from(x.to_bits());
     vec![
         bits(output.motor_torque),
+        bits(output.factors.inertia),
+        bits(output.factors.input_friction),
+        bits(output.factors.output_friction),
+        bits(output.factors.compliance),
         bits(output.feed_forward_torque),
         output.motor_reference.counts.cast_unsigned(),
         bits(output.motor_reference.rest),
@@ -127,14 +154,19 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
     #[test]
-    fn an_input_survives_the_frame(words in array::uniform15(any::<u32>()), counts: i64, flags: [bool; 2]) {
-        let input = input_of(words, counts, flags);
+    fn an_input_survives_the_frame(
+        words in array::uniform25(any::<u32>()),
+        counts: i64,
+        flags: [bool; 2],
+        kind in 0..3u8,
+    ) {
+        let input = input_of(words, counts, flags, kind);
         let back = decode_input(&encode_input(&input)).expect("a valid frame");
         prop_assert_eq!(input_bits(&back), input_bits(&input));
     }
 
     #[test]
-    fn an_output_survives_the_frame(words in array::uniform18(any::<u32>()), counts: [i64; 2]) {
+    fn an_output_survives_the_frame(words in array::uniform22(any::<u32>()), counts: [i64; 2]) {
         let output = output_of(words, counts);
         prop_assert_eq!(output_bits(&decode_output(&encode_output(&output))), output_bits(&output));
     }
@@ -152,28 +184,36 @@ proptest! {
     fn an_input_frame_survives_the_input(
         bytes in prop::collection::vec(any::<u8>(), INPUT_BYTES),
         flags: [bool; 2],
+        kind in 0..3u8,
     ) {
         let mut frame = input_frame(&bytes);
+        frame[COMMAND_KIND] = kind;
+        // Velocity and acceleration, or torque, lie behind the angle.
+        let (from, to) = [(0, 0), (20, 12), (16, 12)][usize::from(kind)];
+        if kind > 0 {
+            frame[COMMAND_KIND + 1..][..to].fill(0);
+            frame[COMMAND_KIND + 1..][from..COMMAND].fill(0);
+        }
         for (at, present) in [(OUTPUT_ENCODER_FLAG, flags[0]), (OUTPUT_TORQUE_FLAG, flags[1])] {
             frame[at] = u8::from(present);
             if !present {
                 frame[at + 1..at + 5].fill(0);
             }
         }
-        let input = decode_input(&frame).expect("both flags are valid");
+        let input = decode_input(&frame).expect("flags and kind are valid");
         prop_assert_eq!(encode_input(&input), frame);
     }
 
     #[test]
     fn any_other_flag_invalidates_the_frame(
         bytes in prop::collection::vec(any::<u8>(), INPUT_BYTES),
-        flag in 2u8..,
-        second: bool,
+        flag in 3u8..,
+        at in prop::sample::select(&[OUTPUT_ENCODER_FLAG, OUTPUT_TORQUE_FLAG, COMMAND_KIND][..]),
     ) {
         let mut frame = input_frame(&bytes);
-        (frame[OUTPUT_ENCODER_FLAG], frame[OUTPUT_TORQUE_FLAG]) = (1, 0);
+        (frame[OUTPUT_ENCODER_FLAG], frame[OUTPUT_TORQUE_FLAG], frame[COMMAND_KIND]) = (1, 0, 2);
         prop_assert!(decode_input(&frame).is_some());
-        frame[if second { OUTPUT_TORQUE_FLAG } else { OUTPUT_ENCODER_FLAG }] = flag;
+        frame[at] = flag;
         prop_assert!(decode_input(&frame).is_none());
     }
 }
@@ -181,9 +221,10 @@ proptest! {
 #[test]
 fn fields_are_little_endian_in_the_order_of_their_declaration() {
     let words = std::array::from_fn(|k| 0x0403_0200 + k as u32);
-    let frame = encode_input(&input_of(words, -2, [true, false]));
+    let frame = encode_input(&input_of(words, -2, [true, false], 0));
     assert_eq!(frame[..9], [0, 2, 3, 4, 1, 1, 2, 3, 4]);
     assert_eq!(frame[OUTPUT_TORQUE_FLAG..18], [0, 0, 0, 0, 0]);
-    assert_eq!(frame[18..26], [0xfe, 255, 255, 255, 255, 255, 255, 255]);
-    assert_eq!(frame[INPUT_BYTES - 4..], [13, 2, 3, 4]);
+    assert_eq!(frame[COMMAND_KIND], 0);
+    assert_eq!(frame[19..27], [0xfe, 255, 255, 255, 255, 255, 255, 255]);
+    assert_eq!(frame[INPUT_BYTES - 4..], [18, 2, 3, 4]);
 }

@@ -49,6 +49,7 @@ fn full() -> Table {
     gear.kinematic_error.flexspline = gear.kinematic_error.wave_generator.clone();
     gear.sensors.output_encoder_error = gear.kinematic_error.wave_generator.clone();
     gear.compensation.external_torque_wander = Some(3.0);
+    (gear.sensors.output_encoder_delay, gear.sensors.output_encoder_period) = (3, 10);
     gear.hysteresis.half_range = Some(2e-3);
     gear.hysteresis.weights = Some(vec![vec![0.1], vec![0.3, 0.2], vec![0.5, 0.3, 0.1]]);
     for side in [&mut gear.friction.input, &mut gear.friction.output] {

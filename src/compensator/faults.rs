@@ -25,6 +25,8 @@ faults! {
     6 OBSERVER_RESET "observer reset": "The observer's torsion left the range of the gear; it starts again from the motor's angle.";
     7 ESTIMATE_LIMITED "estimate limited": "An estimate was beyond what the joint can do; it was limited.";
     8 TORSION_BEYOND_RANGE "torsion beyond range": "The observed torsion or its rate asks for more torque than the gear can carry; the model's torque ends there.";
+    9 SETPOINT_STEP "setpoint step": "The position moved farther in a control period than the output can.";
+    10 OUTPUT_ENCODER_FROZEN "output encoder frozen": "The output encoder stood still while the motor was asked to move; it is ignored until it moves.";
 }
 
 impl Faults {
@@ -44,6 +46,12 @@ impl Faults {
     /// All of `other` are in the set.
     pub const fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
+    }
+
+    /// Any of `other` is in the set.
+    #[inline(always)]
+    pub const fn intersects(self, other: Self) -> bool {
+        self.0 & other.0 != 0
     }
 
     /// Adds `other` when `condition` holds.

@@ -1,24 +1,25 @@
 //! Feed-forward: where the motor should be, and with what torque, for the output to follow its setpoint.
 //!
 //! ```text
-//! tau_fric_out = friction of the output along the setpoint
-//! tau_t     = s_i*J_fs*ddq + s_f*tau_fric_out - d           what the flexspline must carry
-//! phi       = line^-1(tau_t - tau_hyst)                      wind-up that carries it
-//! theta_ref = (q + s_w*phi - s_e*e(theta_ref)) / r           put in advance
-//! tau_ff    = s_i*(J_wg/r + r*J_fs)*ddq + s_f*(tau_fric_in + r*tau_fric_out)
+//! J = f_J*J_fs,  tau_fric = f*friction of the gear's model along the setpoint       f: learnt factors
+//! tau_t     = s_i*J*ddq + tau_fric_out - d                    what the flexspline must carry
+//! phi       = c*line^-1(tau_t - tau_hyst)                      wind-up that carries it
+//! theta_ref = (q + s_w*phi - s_e*e(theta_ref) - ripple) / r    put in advance
+//! tau_ff    = J_wg/r*(ddq + dt/2*dddq + s_w*c/k*J*ddddq) + r*J*(ddq + dt/2*dddq) + s_f*(tau_fric_in + r*tau_fric_out)
 //! ```
 //!
 //! q is the setpoint of the output with its derivatives, d the external torque that the observer believes,
-//! and s the shares (0..=1) of inertia, friction, wind-up and kinematic error. Units: rad, N m; signs as in
-//! [`crate::gear`]. Evaluated once per control period, for the setpoint of that instant.
+//! k the line's stiffness at tau_t, c its compliance factor, and s the shares (0..=1) of inertia, friction, wind-up and kinematic
+//! error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per control period, for the setpoint of that instant; the
+//! torque, which is held over the period, for its middle.
 //!
 //! The flexible joint is flat: motor angle and torque follow from the output's trajectory without solving a
-//! differential equation. Friction is the gear's own model driven along the setpoint, so its
-//! presliding before a reversal is contained.
+//! differential equation: the motor's speed takes the setpoint's jerk, its acceleration the snap. Friction is the gear's own model
+//! driven along the setpoint, so its presliding before a reversal is contained.
 //!
 //! At rest the setpoint covers no path and the model's friction stays what it was, up to the static level. A
 //! joint of 20 % less friction would be driven by 80 % of that: once it slides, its friction is less than its
-//! static level. What is fed forward therefore fades where nothing moves: s_f stands for s_f*w,
+//! static level. What is fed forward as torque therefore fades where nothing moves: s_f stands for s_f*w,
 //!
 //! ```text
 //! w <- w + min(4*ds/eps, 1)*(1 - w) - dt/T*w          ds: path of the motor, eps: its presliding, T = 0.5 s
@@ -34,13 +35,15 @@
 //! tau_t of the step before (contraction: the load's factor).
 //!
 //! The external torque winds the gear up but is left to the feedback's integral as a torque: it is
-//! estimated from that very torque.
+//! estimated from that very torque. Its wind-up follows it through a low pass of 10 Hz: faster, observer and motor
+//! loop would answer each other where the gear is not what the model says.
 //!
 //! M. Fliess, J. Levine, P. Martin, P. Rouchon, "Flatness and defect of non-linear systems", International
 //! Journal of Control 61 (1995); A. De Luca, "Feedforward/feedback laws for the control of flexible robots",
 //! IEEE International Conference on Robotics and Automation (2000).
 
 use crate::angle::{Angle, Ratio};
+use crate::compensator::adaptation::{Excitation, Factors};
 use crate::compensator::{HYSTERESIS_MEMORY, RealTimeGear, Setpoint, Shares};
 use crate::error::{Error, require};
 use crate::friction::{FrictionModel, JointFrictionState, Slip, StepTime};
@@ -50,6 +53,9 @@ use crate::real::Real;
 
 /// T (s): how long friction is fed forward at rest.
 const FADING_TIME: f64 = 0.5;
+
+/// Corner of the external torque's way into the wind-up (rad/s).
+const EXTERNAL_CORNER: f64 = 60.0;
 
 /// The built feed-forward.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,6 +69,8 @@ pub struct FeedForward<R> {
     engagement: R,
     /// dt/T.
     fading: R,
+    external_gain: R,
+    half_step: R,
 }
 
 /// What the feed-forward remembers of the setpoint's motion.
@@ -74,6 +82,8 @@ pub struct FeedForwardState<R: Real> {
     hysteresis_torque: R,
     /// tau_t of the step before (N m).
     carried: R,
+    /// d, low-passed (N m).
+    external_torque: R,
     /// w.
     engaged: R,
     reference: Option<Angle<R>>,
@@ -87,10 +97,24 @@ impl<R: Real> Default for FeedForwardState<R> {
             hysteresis: TorsionHysteresisState::default(),
             hysteresis_torque: R::ZERO,
             carried: R::ZERO,
+            external_torque: R::ZERO,
             engaged: R::ZERO,
             reference: None,
         }
     }
+}
+
+/// What is believed of the joint beside its model.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Believed<R: Real> {
+    /// Factors on the nominal gear.
+    pub factors: Factors<R>,
+    /// d, the external torque on the output (N m).
+    pub external_torque: R,
+    /// How far the output is ahead of the gear's model at the reference (rad).
+    pub ripple: R,
+    /// Torque that the motor needs there beside the model's (N m).
+    pub torque: R,
 }
 
 /// What the feed-forward asks of the motor.
@@ -98,8 +122,24 @@ impl<R: Real> Default for FeedForwardState<R> {
 pub struct Demand<R> {
     /// Where the motor should be, and how fast it should turn.
     pub motor: Motion<R>,
+    /// How fast its speed should change (rad/s^2).
+    pub acceleration: R,
     /// Torque at the motor shaft (N m).
     pub torque: R,
+    /// r + s_e*de/dtheta there: what of a torque at the output the motor carries.
+    pub transmission: R,
+    /// tau_t that the gear is wound up for (N m).
+    pub carried: R,
+    /// What it rests on, from the nominal gear.
+    pub excitation: Excitation<R>,
+}
+
+impl<R: Real> FeedForwardState<R> {
+    /// Where the motor was sent in the last step; the zero angle before the first.
+    #[inline(always)]
+    pub fn reference(&self) -> Angle<R> {
+        self.reference.unwrap_or_default()
+    }
 }
 
 impl<R: Real> FeedForward<R> {
@@ -121,6 +161,8 @@ impl<R: Real> FeedForward<R> {
             step_time: StepTime::new(dt),
             engagement: R::lit(4.0) / gear.input_friction.presliding,
             fading: (dt / R::lit(FADING_TIME)).min(R::ONE),
+            external_gain: (dt * R::lit(EXTERNAL_CORNER)).one_minus_exp_neg(),
+            half_step: R::lit(0.5) * dt,
         })
     }
 
@@ -131,7 +173,7 @@ impl<R: Real> FeedForward<R> {
         *engaged
     }
 
-    /// Demand for a setpoint; `external_torque` (N m) is what the observer believes acts on the output.
+    /// Demand for a setpoint; `believed` is what is believed of the joint beside its model.
     #[inline(never)] // The timing budget counts blocks by their symbols.
     pub fn step(
         &self,
@@ -139,9 +181,11 @@ impl<R: Real> FeedForward<R> {
         state: &mut FeedForwardState<R>,
         setpoint: &Setpoint<R>,
         shares: &Shares<R>,
-        external_torque: R,
+        believed: &Believed<R>,
     ) -> Demand<R> {
-        let inertia = self.flexspline_inertia * shares.inertia;
+        let Believed { factors, external_torque, ripple, torque } = *believed;
+        state.external_torque += self.external_gain * (external_torque - state.external_torque);
+        let inertia = self.flexspline_inertia * factors.inertia * shares.inertia;
         let motor_velocity = setpoint.velocity * self.inverse_ratio;
         let reference = state.reference.unwrap_or_else(|| gear.ratio().undo(setpoint.position));
         let heading = reference.heading();
@@ -152,33 +196,44 @@ impl<R: Real> FeedForward<R> {
         let (input, output) = gear.frictions();
         let input_slip = slip(motor_velocity, self.ratio * state.carried);
         let output_slip = slip(setpoint.velocity, state.carried);
-        let share = shares.friction * self.engage(&mut state.engaged, input_slip.displacement().abs());
-        let input_friction = share * input.step(&mut state.input_friction, &input_slip).force;
-        let output_friction = share * output.step(&mut state.output_friction, &output_slip).force;
-        let driven = inertia * setpoint.acceleration + output_friction;
+        let engaged = self.engage(&mut state.engaged, input_slip.displacement().abs());
+        let input_friction = input.step(&mut state.input_friction, &input_slip).force;
+        let output_friction = output.step(&mut state.output_friction, &output_slip).force;
+        let on_output = factors.output_friction * output_friction;
 
-        let carried = driven - external_torque - state.hysteresis_torque;
-        let torsion = gear.flexspline().torsion(carried);
-        state.carried = driven - external_torque;
+        let carried = inertia * setpoint.acceleration + on_output - state.external_torque;
+        let on_line = carried - state.hysteresis_torque;
+        let torsion = factors.compliance * gear.flexspline().torsion(on_line);
+        state.carried = carried;
         state.hysteresis_torque = gear.hysteresis().step(&mut state.hysteresis, torsion).torque;
-        let torsion_rate = gear.flexspline().compliance(carried) * inertia * setpoint.jerk;
+        let wound = shares.wind_up * factors.compliance * gear.flexspline().compliance(on_line) * inertia;
 
         let deviation = gear.kinematic_error(reference, heading);
-        let ahead = shares.wind_up * torsion - shares.kinematic_error * deviation.error;
-        let ahead_rate =
-            shares.wind_up * torsion_rate - shares.kinematic_error * deviation.slope * motor_velocity;
+        let ahead = shares.wind_up * torsion - shares.kinematic_error * deviation.error - ripple;
+        let ahead_rate = wound * setpoint.jerk - shares.kinematic_error * deviation.slope * motor_velocity;
         let reference = gear.ratio().undo(setpoint.position.plus(ahead));
         state.reference = Some(reference);
 
-        let motor_inertia = self.wave_generator_inertia * shares.inertia;
+        let acceleration = setpoint.acceleration + self.half_step * setpoint.jerk;
+        let motor_acceleration = (acceleration + wound * setpoint.snap) * self.inverse_ratio;
+        let share = shares.friction * engaged;
         Demand {
             motor: Motion {
                 angle: reference,
                 velocity: (setpoint.velocity + ahead_rate) * self.inverse_ratio,
             },
-            torque: motor_inertia * setpoint.acceleration * self.inverse_ratio
-                + input_friction
-                + self.ratio * driven,
+            acceleration: motor_acceleration,
+            torque: self.wave_generator_inertia * shares.inertia * motor_acceleration
+                + share * factors.input_friction * input_friction
+                + self.ratio * (inertia * acceleration + share * on_output)
+                + torque,
+            transmission: self.ratio + shares.kinematic_error * deviation.slope,
+            carried,
+            excitation: Excitation {
+                acceleration: setpoint.acceleration,
+                input_friction: engaged * input_friction,
+                output_friction: engaged * output_friction,
+            },
         }
     }
 }

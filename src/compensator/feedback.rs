@@ -1,12 +1,13 @@
 //! Motor-side cascade: proportional position control around proportional-integral speed control.
 //!
 //! ```text
-//! omega_ref = k_p*(theta_ref - theta) + dtheta_ref
+//! omega_ref = k_p*(theta_ref - theta) + dtheta_ref - T*ddtheta_ref
 //! omega     = low pass of the encoder's difference quotient, corner omega_f
 //! tau       = k_v*(omega_ref - omega) + I,   I += k_v/T_i*dt*(omega_ref - omega), |I| <= tau_max
 //! ```
 //!
-//! Units: rad, rad/s, N m at the motor shaft; positive torque accelerates the motor. Backward
+//! T = 1/omega_f + dt/2 is by how much omega is late, so that a reference whose acceleration is known is not held back by
+//! the filter; who does not know it gives 0. Units: rad, rad/s, N m at the motor shaft; positive torque accelerates the motor. Backward
 //! differences and explicit Euler with the control period dt. The integral is limited to the motor's
 //! peak torque and stands still while the command is limited (conditional anti-windup).
 //!
@@ -44,6 +45,8 @@ pub struct Feedback<R> {
     filter_gain: R,
     torque_limit: R,
     inverse_dt: R,
+    /// T (s).
+    lateness: R,
 }
 
 /// What the cascade remembers.
@@ -66,31 +69,43 @@ impl<R: Real> FeedbackParams<R> {
         require(positive(self.integral_time), "integral_time")?;
         require(positive(self.filter_corner), "filter_corner")?;
         require(positive(self.torque_limit), "torque_limit")?;
+        let filter_gain = (dt * self.filter_corner).one_minus_exp_neg();
         Ok(Feedback {
             position_gain: self.position_gain,
             velocity_gain: self.velocity_gain,
             integral_gain: self.velocity_gain * dt / self.integral_time,
-            filter_gain: (dt * self.filter_corner).one_minus_exp_neg(),
+            filter_gain,
             torque_limit: self.torque_limit,
             inverse_dt: R::ONE / dt,
+            lateness: dt * (R::ONE / filter_gain - R::lit(0.5)),
         })
     }
 }
 
 impl<R: Real> Feedback<R> {
-    /// Torque for the measured motor angle and where it should be; `limited`: the last command was.
+    /// Takes a torque (N m) that another controller leaves behind into the integral: as much of it as goes in.
+    pub fn take_over(&self, state: &mut FeedbackState<R>, torque: R) -> R {
+        let before = state.integral;
+        state.integral = (before + torque).limit(self.torque_limit);
+        state.integral - before
+    }
+
+    /// Torque for the measured motor angle and where it should be, with the acceleration (rad/s^2) as far as it is
+    /// known; `limited`: the last command was.
     #[inline(never)] // The timing budget counts blocks by their symbols.
     pub fn step(
         &self,
         state: &mut FeedbackState<R>,
         angle: Angle<R>,
         reference: &Motion<R>,
+        acceleration: R,
         limited: bool,
     ) -> R {
         let moved = angle.minus(state.last.unwrap_or(angle));
         state.last = Some(angle);
         state.velocity += self.filter_gain * (moved * self.inverse_dt - state.velocity);
-        let wanted = self.position_gain * reference.angle.minus(angle) + reference.velocity;
+        let late = self.lateness * acceleration;
+        let wanted = self.position_gain * reference.angle.minus(angle) + reference.velocity - late;
         let lag = wanted - state.velocity;
         if !limited {
             state.integral = (state.integral + self.integral_gain * lag).limit(self.torque_limit);

@@ -9,13 +9,15 @@
 //! ```
 //!
 //! Measured torques are limited to twice the peak torque of motor and gear: a torque sensor that says
-//! more is off its range. The shares are limited to 0..=1 and follow their command at 1 per 10 ms, so that
+//! more is off its range; a commanded torque ends at the gear's peak torque. The shares, those of the direction of
+//! motion, are limited to 0..=1 and follow their command at 1 per 10 ms, so that
 //! switching one makes no step in the output. The setpoint's position may be any angle; the feedback's
-//! answer to a jump of it ends at the motor's torque. Units: rad, N m, s; signs as in [`crate::gear`].
+//! answer to a jump of it ends at the motor's torque, and is ramped ([`crate::compensator::fallback`]). Units: rad, N m, s; signs as in [`crate::gear`].
 
 use crate::angle::Angle;
+use crate::compensator::directions::Crossover;
 use crate::compensator::faults::Faults;
-use crate::compensator::{Input, Limits, Sensors, Setpoint, Shares};
+use crate::compensator::{Command, Directions, Input, Limits, Sensors, Setpoint, Shares};
 use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::{Real, seldom};
@@ -32,7 +34,9 @@ pub struct InputGuard<R> {
     snap: R,
     motor_torque: R,
     output_torque: R,
+    peak_output_torque: R,
     share_step: R,
+    crossover: Crossover<R>,
 }
 
 /// What passed last.
@@ -44,7 +48,28 @@ pub struct InputGuardState<R> {
     snap: R,
     motor_torque: R,
     output_torque: R,
+    command_torque: R,
     shares: Shares<R>,
+}
+
+/// What passed the guard.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Passed<R> {
+    /// The joint's sensors.
+    pub sensors: Sensors<R>,
+    /// The outer controller's wish.
+    pub command: Command<R>,
+    /// What is switched on now, in the direction of the motion.
+    pub shares: Shares<R>,
+}
+
+/// What the shares depend on beside their command.
+#[derive(Clone, Copy, Debug)]
+pub struct Course<R> {
+    /// Speed of the reference of the output (rad/s).
+    pub velocity: R,
+    /// What is compensated may rest on the model.
+    pub trusted: bool,
 }
 
 impl<R: Real> InputGuard<R> {
@@ -65,17 +90,45 @@ impl<R: Real> InputGuard<R> {
             snap: acceleration / (dt * dt),
             motor_torque: R::lit(2.0) * limits.motor_torque,
             output_torque: R::lit(2.0) * limits.output_torque,
+            peak_output_torque: limits.output_torque,
             share_step: dt * R::lit(1.0 / SHARE_RAMP),
+            crossover: Crossover::build(limits.output_speed(gear.ratio)),
         })
+    }
+
+    /// Largest acceleration of a setpoint (rad/s^2).
+    pub fn acceleration(&self) -> R {
+        self.acceleration
     }
 
     /// The input as the control step may use it.
     #[inline(always)]
-    pub fn step(&self, state: &mut InputGuardState<R>, input: &Input<R>, faults: &mut Faults) -> Input<R> {
-        Input {
+    pub fn step(
+        &self,
+        state: &mut InputGuardState<R>,
+        input: &Input<R>,
+        course: Course<R>,
+        faults: &mut Faults,
+    ) -> Passed<R> {
+        Passed {
             sensors: self.sensors(state, &input.sensors, faults),
-            setpoint: self.setpoint(state, &input.setpoint, faults),
-            shares: self.shares(&mut state.shares, &input.shares, faults),
+            command: self.command(state, &input.command, faults),
+            shares: self.shares(&mut state.shares, &input.shares, course, faults),
+        }
+    }
+
+    #[inline(always)]
+    fn command(&self, last: &mut InputGuardState<R>, new: &Command<R>, faults: &mut Faults) -> Command<R> {
+        let mut pass = |new, last: &mut R, bound| pass(new, last, bound, Faults::SETPOINT_LIMITED, faults);
+        match new {
+            Command::Position(setpoint) => Command::Position(self.setpoint(last, setpoint, faults)),
+            Command::Velocity { velocity, acceleration } => Command::Velocity {
+                velocity: pass(*velocity, &mut last.velocity, self.velocity),
+                acceleration: pass(*acceleration, &mut last.acceleration, self.acceleration),
+            },
+            Command::Torque(torque) => {
+                Command::Torque(pass(*torque, &mut last.command_torque, self.peak_output_torque))
+            }
         }
     }
 
@@ -106,30 +159,58 @@ impl<R: Real> InputGuard<R> {
     }
 
     #[inline(always)]
-    fn shares(&self, last: &mut Shares<R>, new: &Shares<R>, faults: &mut Faults) -> Shares<R> {
-        if have_arrived(last, new) {
+    fn shares(
+        &self,
+        last: &mut Shares<R>,
+        new: &Directions<R>,
+        course: Course<R>,
+        faults: &mut Faults,
+    ) -> Shares<R> {
+        let Directions { forward, backward } = new;
+        if course.trusted && have_arrived(last, forward) && have_arrived(last, backward) {
             return *last;
         }
-        let mut follow = |new, last: &mut R| follow(new, last, self.share_step, faults);
+        let w = self.crossover.forward(course.velocity);
+        let mut follow = |forward: R, backward: R, last: &mut R, allowed| {
+            follow(backward + w * (forward - backward), last, allowed, self.share_step, faults)
+        };
+        let model = if course.trusted { R::ONE } else { R::ZERO };
         Shares {
-            feedback: follow(new.feedback, &mut last.feedback),
-            inertia: follow(new.inertia, &mut last.inertia),
-            friction: follow(new.friction, &mut last.friction),
-            wind_up: follow(new.wind_up, &mut last.wind_up),
-            kinematic_error: follow(new.kinematic_error, &mut last.kinematic_error),
+            feedback: follow(forward.feedback, backward.feedback, &mut last.feedback, R::ONE),
+            inertia: follow(forward.inertia, backward.inertia, &mut last.inertia, model),
+            friction: follow(forward.friction, backward.friction, &mut last.friction, model),
+            wind_up: follow(forward.wind_up, backward.wind_up, &mut last.wind_up, model),
+            kinematic_error: follow(
+                forward.kinematic_error,
+                backward.kinematic_error,
+                &mut last.kinematic_error,
+                model,
+            ),
+            output_feedback: follow(
+                forward.output_feedback,
+                backward.output_feedback,
+                &mut last.output_feedback,
+                model,
+            ),
+            adaptation: follow(forward.adaptation, backward.adaptation, &mut last.adaptation, model),
+            ripple: follow(forward.ripple, backward.ripple, &mut last.ripple, model),
         }
     }
 }
 
-/// The usual case: no share is on its way.
+/// The usual case, in both directions: no share is on its way.
 #[inline(always)]
 fn have_arrived<R: Real>(now: &Shares<R>, wanted: &Shares<R>) -> bool {
-    let Shares { feedback, inertia, friction, wind_up, kinematic_error } = *wanted;
+    let Shares { feedback, inertia, friction, wind_up, kinematic_error, output_feedback, adaptation, ripple } =
+        *wanted;
     now.feedback.is_same(feedback)
         && now.inertia.is_same(inertia)
         && now.friction.is_same(friction)
         && now.wind_up.is_same(wind_up)
         && now.kinematic_error.is_same(kinematic_error)
+        && now.output_feedback.is_same(output_feedback)
+        && now.adaptation.is_same(adaptation)
+        && now.ripple.is_same(ripple)
 }
 
 /// A value within +-`bound`: the `new` one, limited and reported as `limited`; in the place of one that is not
@@ -146,39 +227,47 @@ fn pass<R: Real>(new: R, last: &mut R, bound: R, limited: Faults, faults: &mut F
     new
 }
 
-/// A share on its way to `wanted`, limited to 0..=1, by at most `step`.
+/// A share on its way to `wanted`, limited to 0..=1, of which so much is `allowed`, by at most `step`.
 #[inline(always)]
-fn follow<R: Real>(wanted: R, share: &mut R, step: R, faults: &mut Faults) -> R {
+fn follow<R: Real>(wanted: R, share: &mut R, allowed: R, step: R, faults: &mut Faults) -> R {
     let mut target = wanted;
     if !wanted.is_share() {
         seldom();
         faults.raise_if(!wanted.is_finite(), Faults::INPUT_NOT_FINITE);
         target = wanted.finite_or(*share).max(R::ZERO).min(R::ONE);
     }
-    *share += (target - *share).max(-step).min(step);
+    *share += (allowed * target - *share).max(-step).min(step);
     *share
 }
 
 /// Path that the motor may be asked to move while its encoder stands still (rad).
-const FROZEN_PATH: f64 = 0.5;
+const MOTOR_PATH: f64 = 0.5;
+
+/// The same while the output's encoder does: more than winds up the gear from one peak torque to the other.
+const OUTPUT_PATH: f64 = 2.0;
 
 /// Notices an encoder that stands still while the motor is asked to move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrozenEncoder<R> {
     dt: R,
+    farthest: R,
 }
 
 impl<R: Real> FrozenEncoder<R> {
-    /// For the control period dt (s).
-    pub fn build(dt: R) -> Self {
-        Self { dt }
+    /// The motor's, for the control period dt (s).
+    pub fn of_motor(dt: R) -> Self {
+        Self { dt, farthest: R::lit(MOTOR_PATH) }
+    }
+
+    /// The output's.
+    pub fn of_output(dt: R) -> Self {
+        Self { dt, farthest: R::lit(OUTPUT_PATH) }
     }
 
     /// Adds to the path while the encoder stands still; true once the path is too long.
     #[inline]
     pub fn step(&self, path: &mut R, stood_still: bool, velocity: R) -> bool {
-        let limit = R::lit(FROZEN_PATH);
-        *path = if stood_still { (*path + self.dt * velocity.abs()).min(limit) } else { R::ZERO };
-        *path >= limit
+        *path = if stood_still { (*path + self.dt * velocity.abs()).min(self.farthest) } else { R::ZERO };
+        *path >= self.farthest
     }
 }

@@ -1,20 +1,30 @@
 //! What runs on the joint controller, once every 0.1 ms.
 //!
 //! ```text
-//! encoders -> observer -> feed-forward -> feedback -> torque command
+//! guard, encoders -> observer -> command -> feed-forward -> feedback -> fallback -> torque command
 //! ```
 //!
 //! [`Compensator::step`] is total: for any input bits every output is finite and bounded, and what is
 //! wrong is reported as [`Faults`] by name. Units: rad, rad/s, N m; signs as in [`crate::gear`].
 
+pub mod adaptation;
+pub mod command;
+pub mod directions;
 pub mod encoder;
+pub mod fallback;
 pub mod faults;
 pub mod feed_forward;
 pub mod feedback;
 pub mod guard;
+pub mod learning;
+pub mod learnt_ripple;
 pub mod limits;
+pub mod motor_torque;
 pub mod observer;
+pub mod output_feedback;
 
+pub use command::Command;
+pub use directions::Directions;
 pub use faults::Faults;
 pub use limits::Limits;
 
@@ -24,11 +34,17 @@ use crate::flexspline::Reduced;
 use crate::friction::JointFriction;
 use crate::gear::{Gear, GearParams};
 use crate::real::Real;
+use adaptation::Factors;
+use command::{Commander, CommanderState, Followed};
 use encoder::{Encoder, EncoderParams, EncoderState};
-use feed_forward::{FeedForward, FeedForwardState};
+use fallback::{BLIND, Fallback, FallbackState};
+use feed_forward::{Demand, FeedForward, FeedForwardState};
 use feedback::{Feedback, FeedbackParams, FeedbackState};
-use guard::{FrozenEncoder, InputGuard, InputGuardState};
+use guard::{Course, FrozenEncoder, InputGuard, InputGuardState};
+use learning::{Learning, LearningParams, LearningState, Learnt};
+use motor_torque::{MotorTorque, MotorTorqueState};
 use observer::{Measurement, Observer, ObserverParams, ObserverState};
+use output_feedback::{Deviation, OutputFeedback, OutputFeedbackParams, OutputFeedbackState};
 
 /// Levels of the hysteresis that runs in real time.
 pub const HYSTERESIS_LEVELS: usize = 24;
@@ -87,6 +103,26 @@ pub struct Shares<R> {
     pub wind_up: R,
     /// Kinematic error.
     pub kinematic_error: R,
+    /// Output feedback: the torsional vibration's damping.
+    pub output_feedback: R,
+    /// Factors that have been learnt; 0 also stops the learning.
+    pub adaptation: R,
+    /// Ripple that has been learnt; 0 also stops the learning.
+    pub ripple: R,
+}
+
+impl<R: Real> Shares<R> {
+    /// Everything on.
+    pub const ALL: Self = Self {
+        feedback: R::ONE,
+        inertia: R::ONE,
+        friction: R::ONE,
+        wind_up: R::ONE,
+        kinematic_error: R::ONE,
+        output_feedback: R::ONE,
+        adaptation: R::ONE,
+        ripple: R::ONE,
+    };
 }
 
 /// What one step reads.
@@ -95,9 +131,9 @@ pub struct Input<R> {
     /// The joint's sensors.
     pub sensors: Sensors<R>,
     /// The outer controller's wish.
-    pub setpoint: Setpoint<R>,
-    /// What is switched on.
-    pub shares: Shares<R>,
+    pub command: Command<R>,
+    /// What is switched on, for either direction of the output.
+    pub shares: Directions<R>,
 }
 
 /// What the observer believes: motion and external torque at the end of the control period, torsion
@@ -143,7 +179,7 @@ pub struct EstimateDeviation<R> {
 
 /// What one step writes: finite and bounded for any input bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Output<R> {
+pub struct Output<R: Real> {
     /// Torque command to the motor (N m).
     pub motor_torque: R,
     /// The part of it that is feed-forward (N m).
@@ -152,6 +188,8 @@ pub struct Output<R> {
     pub motor_reference: Angle<R>,
     /// The observer's estimates.
     pub estimate: Estimate<R>,
+    /// What has been learnt of the joint, as far as it is applied.
+    pub factors: Factors<R>,
     /// What is wrong, by name.
     pub faults: Faults,
 }
@@ -173,6 +211,10 @@ pub struct JointParams<R> {
     pub observer: ObserverParams<R>,
     /// The motor-side cascade.
     pub feedback: FeedbackParams<R>,
+    /// Output feedback without and with an output encoder.
+    pub output_feedback: [OutputFeedbackParams<R>; 2],
+    /// Adaptation and ripple.
+    pub learning: LearningParams<R>,
 }
 
 /// The built compensator of a joint.
@@ -183,9 +225,15 @@ pub struct Compensator<R: Real> {
     motor_encoder: Encoder,
     output_encoder: Encoder,
     frozen_encoder: FrozenEncoder<R>,
+    frozen_output: FrozenEncoder<R>,
+    commander: Commander<R>,
     observer: Observer<R>,
     feed_forward: FeedForward<R>,
     feedback: Feedback<R>,
+    output_feedback: OutputFeedback<R>,
+    learning: Learning<R>,
+    motor_torque: MotorTorque<R>,
+    fallback: Fallback<R>,
     limits: Limits<R>,
 }
 
@@ -198,10 +246,19 @@ pub struct State<R: Real> {
     /// Output encoder's angle where the observer's output angle is zero.
     output_zero: Option<Angle<R>>,
     frozen_path: R,
+    frozen_output_path: R,
+    /// Speed that the motor was asked for (rad/s).
+    asked: R,
+    last_output: Option<u32>,
     last_motor: Angle<R>,
+    commander: CommanderState<R>,
     observer: ObserverState<R>,
     feed_forward: FeedForwardState<R>,
     feedback: FeedbackState<R>,
+    output_feedback: OutputFeedbackState<R>,
+    learning: LearningState<R>,
+    motor_torque: MotorTorqueState<R>,
+    fallback: FallbackState<R>,
     limited: bool,
 }
 
@@ -213,19 +270,29 @@ impl<R: Real> JointParams<R> {
     pub fn build(&self) -> Result<Compensator<R>, Error> {
         self.limits.check()?;
         let encoder = |bits, speed| EncoderParams { bits, speed_limit: R::lit(2.0) * speed }.build(self.dt);
+        let guard = InputGuard::build(&self.gear, &self.limits, self.dt)?;
+        let (limits, n) = (&self.limits, self.gear.ratio);
+        // Periods between readings of the output encoder.
+        let readings = R::from_i32(self.observer.output_encoder_period as i32);
         Ok(Compensator {
             gear: self.gear.build(Reduced::build(&self.gear.flexspline, self.gear.rated_torque)?, self.dt)?,
-            guard: InputGuard::build(&self.gear, &self.limits, self.dt)?,
+            commander: Commander::build(limits, n, guard.acceleration(), self.dt)?,
+            guard,
             motor_encoder: encoder(self.motor_encoder_bits, self.limits.motor_speed)?,
-            output_encoder: encoder(
-                self.output_encoder_bits,
-                self.limits.output_speed(self.gear.ratio)
-                    * R::from_i32(self.observer.output_encoder_period as i32),
-            )?,
-            frozen_encoder: FrozenEncoder::build(self.dt),
+            output_encoder: encoder(self.output_encoder_bits, limits.output_speed(n) * readings)?,
+            frozen_encoder: FrozenEncoder::of_motor(self.dt),
+            frozen_output: FrozenEncoder::of_output(self.dt * readings),
             observer: self.observer.build(&self.gear, &self.limits, self.dt)?,
             feed_forward: FeedForward::build(&self.gear, self.dt)?,
             feedback: self.feedback.build(self.dt)?,
+            output_feedback: OutputFeedback::build(
+                &self.output_feedback,
+                self.gear.flexspline_inertia,
+                self.dt,
+            )?,
+            learning: self.learning.build(&self.gear, &self.limits, self.dt)?,
+            motor_torque: MotorTorque::build(self.dt)?,
+            fallback: Fallback::build(self.limits.motor_torque, self.dt),
             limits: self.limits,
         })
     }
@@ -240,42 +307,124 @@ impl<R: Real> Compensator<R> {
             output_encoder: EncoderState::default(),
             output_zero: None,
             frozen_path: R::ZERO,
+            frozen_output_path: R::ZERO,
+            asked: R::ZERO,
+            last_output: None,
             last_motor: Angle::default(),
+            commander: CommanderState::default(),
             observer: self.observer.rest(&self.gear),
             feed_forward: FeedForwardState::default(),
             feedback: FeedbackState::default(),
+            output_feedback: OutputFeedbackState::default(),
+            learning: LearningState::default(),
+            motor_torque: MotorTorqueState::default(),
+            fallback: FallbackState::default(),
             limited: false,
         }
+    }
+
+    /// The state before the first step, for a joint of which something is known already.
+    pub fn starting_from(&self, stored: &Learnt<R>) -> State<R> {
+        State { learning: self.learning.starting_from(stored), ..self.rest() }
+    }
+
+    /// What has been learnt of the joint, to be stored.
+    pub fn learnt(&self, state: &State<R>) -> Learnt<R> {
+        state.learning.learnt()
     }
 
     /// One control step.
     #[inline(never)] // The timing budget counts blocks by their symbols.
     pub fn step(&self, state: &mut State<R>, input: &Input<R>) -> Output<R> {
         let mut faults = Faults::NONE;
-        let input = self.guard.step(&mut state.guard, input, &mut faults);
+        let course = Course { velocity: state.commander.velocity(), trusted: state.fallback.trusted() };
+        let input = self.guard.step(&mut state.guard, input, course, &mut faults);
+        let shares = &input.shares;
         let measured = self.measure(state, &input.sensors, &mut faults);
-        let estimate = self.observer.step(&self.gear, &mut state.observer, &measured, &mut faults);
-        let demand = self.feed_forward.step(
-            &self.gear,
-            &mut state.feed_forward,
-            &input.setpoint,
-            &input.shares,
-            estimate.external_torque,
+        let estimate = self.observe(state, &measured, shares, &mut faults);
+        // The estimate is written where it stays.
+        let mut output = Output { estimate, ..Output::default() };
+        let learns = faults == Faults::NONE && !state.limited && shares.adaptation > R::ZERO;
+        let followed =
+            self.commander.step(&mut state.commander, &input.command, &output.estimate, &mut faults);
+        let learns = learns && followed.torque.is_none();
+        let believed = self.learning.believe(
+            &mut state.learning,
+            &mut output.estimate,
+            measured.output.and(state.observer.stiffness_torque()),
+            shares,
+            learns,
         );
+        let setpoint = &followed.setpoint;
+        let mut demand =
+            self.feed_forward.step(&self.gear, &mut state.feed_forward, setpoint, shares, &believed);
+        let error = measured.output.map(|angle| angle.minus(setpoint.position));
+        let learnt =
+            learning::Course { excitation: demand.excitation, speed: demand.motor.velocity, position: error };
+        self.learning.follow(&mut state.learning, &learnt, learns);
+        self.give_way(state, &mut demand, setpoint, &output.estimate, shares, error);
+        // Where a torque is commanded no motion is.
+        state.asked = if followed.torque.is_some() { R::ZERO } else { demand.motor.velocity };
         let stood_still = measured.motor == state.last_motor;
         state.last_motor = measured.motor;
-        let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, demand.motor.velocity);
+        let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, state.asked);
         faults.raise_if(frozen, Faults::MOTOR_ENCODER_FROZEN);
-        let feedback = self.feedback.step(&mut state.feedback, measured.motor, &demand.motor, state.limited);
-        let wanted = demand.torque + input.shares.feedback * feedback;
-        let motor_torque = self.command(state, wanted, &mut faults);
-        Output {
-            motor_torque,
-            feed_forward_torque: demand.torque.limit(self.limits.motor_torque),
-            motor_reference: demand.motor.angle,
-            estimate,
-            faults,
-        }
+        let held = state.limited || followed.torque.is_some();
+        let feedback = self.feedback.step(
+            &mut state.feedback,
+            measured.motor,
+            &demand.motor,
+            shares.wind_up * demand.acceleration,
+            held,
+        );
+        let closed = match followed.torque {
+            Some(torque) => demand.transmission * torque,
+            None => shares.feedback * self.taken_over(state, &followed, demand.torque, feedback),
+        };
+        output.motor_torque = self.command(state, demand.torque + closed, followed.switched, &mut faults);
+        output.feed_forward_torque = demand.torque.limit(self.limits.motor_torque);
+        output.motor_reference = demand.motor.angle;
+        output.factors = state.learning.applied(shares);
+        output.faults = faults;
+        output
+    }
+
+    /// What the observer believes.
+    #[inline(always)]
+    fn observe(
+        &self,
+        state: &mut State<R>,
+        measured: &Measurement<R>,
+        shares: &Shares<R>,
+        faults: &mut Faults,
+    ) -> Estimate<R> {
+        let reference = state.feed_forward.reference();
+        self.learning.turn_to(&mut state.learning, reference, self.gear.ratio().apply(reference));
+        let told = self.learning.told(&state.learning, measured, shares);
+        self.observer.step(&self.gear, &mut state.observer, &told, faults)
+    }
+
+    /// Moves the motor's reference for the output to behave like its reference model.
+    #[inline(always)]
+    fn give_way(
+        &self,
+        state: &mut State<R>,
+        demand: &mut Demand<R>,
+        setpoint: &Setpoint<R>,
+        estimate: &Estimate<R>,
+        shares: &Shares<R>,
+        measured: Option<R>,
+    ) {
+        let deviation = Deviation {
+            position: estimate.output_position.minus(setpoint.position),
+            velocity: estimate.output_velocity - setpoint.velocity,
+            torque: estimate.transmitted_torque - demand.carried,
+            measured,
+        };
+        let shift = self.output_feedback.step(&mut state.output_feedback, &deviation, !state.limited);
+        let share = shares.output_feedback * R::from_i32(self.gear.ratio().n());
+        demand.motor.angle = demand.motor.angle.plus(share * shift.angle);
+        demand.motor.velocity += share * shift.rate;
     }
 
     /// The sensors' raw counts as unbounded angles.
@@ -285,31 +434,43 @@ impl<R: Real> Compensator<R> {
         let output = sensors.output_encoder.and_then(|raw| {
             let (angle, output_believed) = self.output_encoder.step::<R>(&mut state.output_encoder, raw);
             faults.raise_if(!output_believed, Faults::OUTPUT_ENCODER_JUMP);
+            let stood_still = state.last_output.replace(raw) == Some(raw);
+            let frozen = self.frozen_output.step(&mut state.frozen_output_path, stood_still, state.asked);
+            faults.raise_if(frozen, Faults::OUTPUT_ENCODER_FROZEN);
             // The two encoders are mounted at any angle to each other: the first readings that are both
             // believed are their zero, with the torsion of that moment.
             if state.output_zero.is_none() && believed && output_believed {
                 let then = self.observer.output_at_reading(&self.gear, &state.observer, motor);
                 state.output_zero = then.map(|then| angle.less(then));
             }
-            state.output_zero.filter(|_| output_believed).map(|zero| angle.less(zero))
+            state.output_zero.filter(|_| output_believed && !frozen).map(|zero| angle.less(zero))
         });
+        let commanded = state.fallback.torque();
         Measurement {
             motor,
             output,
-            motor_torque: sensors.motor_torque,
+            motor_torque: self.motor_torque.step(&mut state.motor_torque, commanded, sensors.motor_torque),
             output_torque: sensors.output_torque,
         }
     }
 
+    /// The feedback, which goes on from the torque (N m) so far when it was switched to.
+    fn taken_over(&self, state: &mut State<R>, followed: &Followed<R>, fed: R, feedback: R) -> R {
+        if !followed.switched {
+            return feedback;
+        }
+        let left = state.fallback.torque() - fed - feedback;
+        feedback + self.feedback.take_over(&mut state.feedback, left)
+    }
+
     /// The torque that is commanded: none without a motor encoder, never more than the motor's peak.
-    fn command(&self, state: &mut State<R>, wanted: R, faults: &mut Faults) -> R {
-        let blind =
-            faults.contains(Faults::MOTOR_ENCODER_JUMP) || faults.contains(Faults::MOTOR_ENCODER_FROZEN);
-        let wanted = if blind { R::ZERO } else { wanted };
+    fn command(&self, state: &mut State<R>, wanted: R, switched: bool, faults: &mut Faults) -> R {
+        let wanted = if faults.intersects(BLIND) { R::ZERO } else { wanted };
         let limited = wanted.limit(self.limits.motor_torque);
         faults.raise_if(limited != wanted, Faults::TORQUE_LIMITED);
+        let torque = self.fallback.step(&mut state.fallback, limited, *faults, switched);
         // The feedback's integral must not run while its torque does not reach the motor.
-        state.limited = blind || limited != wanted;
-        limited
+        state.limited = faults.intersects(BLIND) || torque != wanted;
+        torque
     }
 }

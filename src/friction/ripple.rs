@@ -54,20 +54,17 @@ impl<R: Real, const K: usize> Harmonics<R, K> {
         self.cosines.iter().chain(&self.sines).all(|&amplitude| amplitude == R::ZERO)
     }
 
-    /// Level over its mean, of harmonics over the mean: the real part of sum (a_k - i*b_k)*e^(i*k*theta), by
-    /// Horner's rule.
+    /// Level over its mean, of harmonics over the mean, each order's heading the one below it turned on.
     #[inline(always)]
     pub(super) fn share(&self, heading: Heading<R>) -> R {
-        let Heading { cosine, sine } = heading;
-        let (mut real, mut imaginary) = (R::ZERO, R::ZERO);
-        for (order, (&a, &b)) in self.cosines.iter().zip(&self.sines).enumerate().rev() {
-            (real, imaginary) = if order + 1 == K {
-                (a, -b)
-            } else {
-                (a + (cosine * real - sine * imaginary), sine * real + cosine * imaginary - b)
-            };
+        let (mut at, mut share) = (heading, R::ONE);
+        for (order, (&a, &b)) in self.cosines.iter().zip(&self.sines).enumerate() {
+            if order > 0 {
+                at = at.plus(heading);
+            }
+            share += a * at.cosine + b * at.sine;
         }
-        R::ONE + (cosine * real - sine * imaginary)
+        share
     }
 }
 

@@ -4,21 +4,26 @@
 //! that NaNs and signed zeros survive; a set of faults as its bits, of which those without a name are
 //! ignored; an `Option` as a flag byte (0 absent, 1 present) followed by the value, which is sent as zero and
 //! ignored when absent.
-//! Any other flag byte makes the whole frame invalid: the two sides do not speak the same frame.
+//! A command is a byte of its kind (0 position, 1 velocity, 2 torque), an angle and four floats, of which those that the
+//! kind has not are zero, and ignored: position and its derivatives; velocity, acceleration; torque.
+//! Any other flag or kind byte makes the whole frame invalid: the two sides do not speak the same frame.
 
 use strainwave::Angle;
+use strainwave::compensator::adaptation::Factors;
 use strainwave::compensator::{
-    Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
+    Command, Directions, Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
 };
 
 const WORD: usize = 4;
 const ANGLE: usize = 8 + WORD;
 const OPTION: usize = 1 + WORD;
 
-/// Length of an input frame (bytes): sensors, setpoint, shares.
-pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + (ANGLE + 4 * WORD) + 5 * WORD;
-/// Length of an output frame (bytes): torques and reference, estimate, its deviation, faults.
-pub const OUTPUT_BYTES: usize = (2 * WORD + ANGLE) + (ANGLE + 6 * WORD) + 7 * WORD + WORD;
+const COMMAND: usize = 1 + ANGLE + 4 * WORD;
+
+/// Length of an input frame (bytes): sensors, command, shares forward and backward.
+pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + COMMAND + 2 * 8 * WORD;
+/// Length of an output frame (bytes): torques and reference, estimate, its deviation, factors, faults.
+pub const OUTPUT_BYTES: usize = (2 * WORD + ANGLE) + (ANGLE + 6 * WORD) + 7 * WORD + 4 * WORD + WORD;
 
 /// The bytes of an input.
 pub fn encode_input(input: &Input<f32>) -> [u8; INPUT_BYTES] {
@@ -27,16 +32,9 @@ pub fn encode_input(input: &Input<f32>) -> [u8; INPUT_BYTES] {
     writer.option(input.sensors.output_encoder);
     writer.f32(input.sensors.motor_torque);
     writer.option(input.sensors.output_torque.map(f32::to_bits));
-    writer.angle(input.setpoint.position);
-    writer.f32(input.setpoint.velocity);
-    writer.f32(input.setpoint.acceleration);
-    writer.f32(input.setpoint.jerk);
-    writer.f32(input.setpoint.snap);
-    writer.f32(input.shares.feedback);
-    writer.f32(input.shares.inertia);
-    writer.f32(input.shares.friction);
-    writer.f32(input.shares.wind_up);
-    writer.f32(input.shares.kinematic_error);
+    writer.command(&input.command);
+    writer.shares(&input.shares.forward);
+    writer.shares(&input.shares.backward);
     writer.bytes
 }
 
@@ -49,21 +47,9 @@ pub fn decode_input(frame: &[u8; INPUT_BYTES]) -> Option<Input<f32>> {
         motor_torque: reader.f32(),
         output_torque: reader.option()?.map(f32::from_bits),
     };
-    let setpoint = Setpoint {
-        position: reader.angle(),
-        velocity: reader.f32(),
-        acceleration: reader.f32(),
-        jerk: reader.f32(),
-        snap: reader.f32(),
-    };
-    let shares = Shares {
-        feedback: reader.f32(),
-        inertia: reader.f32(),
-        friction: reader.f32(),
-        wind_up: reader.f32(),
-        kinematic_error: reader.f32(),
-    };
-    Some(Input { sensors, setpoint, shares })
+    let command = reader.command()?;
+    let shares = Directions { forward: reader.shares(), backward: reader.shares() };
+    Some(Input { sensors, command, shares })
 }
 
 /// The bytes of an output.
@@ -86,6 +72,10 @@ pub fn encode_output(output: &Output<f32>) -> [u8; OUTPUT_BYTES] {
     writer.f32(output.estimate.deviation.input_friction);
     writer.f32(output.estimate.deviation.output_friction);
     writer.f32(output.estimate.deviation.external_torque);
+    writer.f32(output.factors.inertia);
+    writer.f32(output.factors.input_friction);
+    writer.f32(output.factors.output_friction);
+    writer.f32(output.factors.compliance);
     writer.u32(output.faults.bits());
     writer.bytes
 }
@@ -114,6 +104,12 @@ pub fn decode_output(frame: &[u8; OUTPUT_BYTES]) -> Output<f32> {
                 output_friction: reader.f32(),
                 external_torque: reader.f32(),
             },
+        },
+        factors: Factors {
+            inertia: reader.f32(),
+            input_friction: reader.f32(),
+            output_friction: reader.f32(),
+            compliance: reader.f32(),
         },
         faults: Faults::from_bits(reader.u32()),
     }
@@ -154,6 +150,33 @@ impl<const N: usize> Writer<N> {
         self.put(value.counts.to_le_bytes());
         self.f32(value.rest);
     }
+
+    fn command(&mut self, command: &Command<f32>) {
+        let (kind, setpoint) = match *command {
+            Command::Position(setpoint) => (0, setpoint),
+            Command::Velocity { velocity, acceleration } => {
+                (1, Setpoint { velocity, acceleration, ..Setpoint::default() })
+            }
+            Command::Torque(torque) => (2, Setpoint { velocity: torque, ..Setpoint::default() }),
+        };
+        self.put([kind]);
+        self.angle(setpoint.position);
+        self.f32(setpoint.velocity);
+        self.f32(setpoint.acceleration);
+        self.f32(setpoint.jerk);
+        self.f32(setpoint.snap);
+    }
+
+    fn shares(&mut self, shares: &Shares<f32>) {
+        self.f32(shares.feedback);
+        self.f32(shares.inertia);
+        self.f32(shares.friction);
+        self.f32(shares.wind_up);
+        self.f32(shares.kinematic_error);
+        self.f32(shares.output_feedback);
+        self.f32(shares.adaptation);
+        self.f32(shares.ripple);
+    }
 }
 
 /// Reads a frame from its start. Past the end there are zeros.
@@ -193,5 +216,36 @@ impl<'a> Reader<'a> {
     fn angle(&mut self) -> Angle<f32> {
         let counts = i64::from_le_bytes(self.take());
         Angle { counts, rest: self.f32() }
+    }
+
+    fn command(&mut self) -> Option<Command<f32>> {
+        let [kind] = self.take();
+        let setpoint = Setpoint {
+            position: self.angle(),
+            velocity: self.f32(),
+            acceleration: self.f32(),
+            jerk: self.f32(),
+            snap: self.f32(),
+        };
+        let Setpoint { velocity, acceleration, .. } = setpoint;
+        match kind {
+            0 => Some(Command::Position(setpoint)),
+            1 => Some(Command::Velocity { velocity, acceleration }),
+            2 => Some(Command::Torque(velocity)),
+            _ => None,
+        }
+    }
+
+    fn shares(&mut self) -> Shares<f32> {
+        Shares {
+            feedback: self.f32(),
+            inertia: self.f32(),
+            friction: self.f32(),
+            wind_up: self.f32(),
+            kinematic_error: self.f32(),
+            output_feedback: self.f32(),
+            adaptation: self.f32(),
+            ripple: self.f32(),
+        }
     }
 }

@@ -8,12 +8,12 @@ use stm32f4xx_hal::gpio::GpioExt;
 use stm32f4xx_hal::pac::{IWDG, Peripherals, TIM2};
 use stm32f4xx_hal::rcc::{Enable, RccExt};
 use strainwave_app::compensator::{Sensors, Setpoint, Shares};
-use strainwave_app::jog::Jog;
+use strainwave_app::jog::{Jog, LIMITS, Trajectory};
 use strainwave_app::{Input, JOINT, Output};
 
 /// What is applied once the joint holds: everything, but of the friction only what cannot drive it.
 const SHARES: Shares<f32> =
-    Shares { feedback: 1.0, inertia: 1.0, friction: 0.8, wind_up: 1.0, kinematic_error: 1.0 };
+    Shares { friction: 0.8, ..Shares::ALL };
 
 /// Periods in which the observer only watches, before the joint holds where it then is: 0.1 s.
 const WATCHING: u32 = 1000;
@@ -40,8 +40,13 @@ pub fn start() -> Option<(Board, Hardware)> {
     }
     let drive = Drive::new(device.DAC, a.pa4, b.pb0, &mut rcc);
     let encoder = MotorEncoder::new(device.SPI1, (a.pa5, a.pa6, a.pa7), b.pb6, &mut rcc)?;
+    let Ok(trajectory) = LIMITS.build(JOINT.dt) else {
+        defmt::error!("no moves can be planned with the joint's control period");
+        return None;
+    };
     TIM2::enable(&mut rcc);
-    let board = Board { encoder, drive, torque: 0.0, watched: 0, jog: None };
+    let board =
+        Board { encoder, drive, trajectory, torque: 0.0, watched: 0, here: Setpoint::default(), jog: None };
     Some((board, Hardware { interrupts: core.NVIC, timer: device.TIM2, watchdog: device.IWDG }))
 }
 
@@ -49,9 +54,12 @@ pub fn start() -> Option<(Board, Hardware)> {
 pub struct Board {
     encoder: MotorEncoder,
     drive: Drive,
+    trajectory: Trajectory<f32>,
     /// The last torque command (N m).
     torque: f32,
     watched: u32,
+    /// Where the output is, at rest.
+    here: Setpoint<f32>,
     /// Absent while the observer only watches.
     jog: Option<Jog>,
 }
@@ -60,7 +68,7 @@ impl Board {
     fn wish(&mut self) -> (Setpoint<f32>, Shares<f32>) {
         match &mut self.jog {
             Some(jog) => (jog.step(serial::target()), SHARES),
-            None => (Setpoint::default(), Shares::default()),
+            None => (self.here, Shares::default()),
         }
     }
 }
@@ -77,15 +85,16 @@ impl strainwave_app::Board for Board {
             output_torque: None,
         };
         let (setpoint, shares) = self.wish();
-        Some(Input { sensors, setpoint, shares })
+        Some(Input { sensors, command: setpoint.into(), shares: shares.into() })
     }
 
     fn output(&mut self, output: &Output<f32>) {
         self.torque = output.motor_torque;
         self.drive.command(output.motor_torque);
+        self.here.position = output.estimate.output_position;
         self.watched = (self.watched + 1).min(WATCHING);
         if self.watched == WATCHING && self.jog.is_none() {
-            self.jog = Some(Jog::at(output.estimate.output_position, JOINT.dt));
+            self.jog = Some(Jog::at(self.trajectory, self.here.position));
         }
     }
 

@@ -410,6 +410,11 @@ fn set<R>(sets: &GainSets<R>, output: bool, gauge: bool) -> &Gains<R> {
 }
 
 impl<R: Real> ObserverState<R> {
+    /// s (N m), where the motor moves and s is learnt.
+    pub fn stiffness_torque(&self) -> Option<R> {
+        (self.standstill.periods < STANDSTILL).then_some(self.stiffness_torque)
+    }
+
     /// Corrects by one sensor's innovation.
     #[inline(always)]
     fn correct(&mut self, by: &Correction<R>, innovation: R, moved: bool) {

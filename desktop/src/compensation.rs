@@ -1,0 +1,104 @@
+//! What the compensator's adaptation, output feedback and learnt ripple are built from, for the joint of a gear file.
+//!
+//! Output feedback ([`strainwave::compensator::output_feedback`]): with the stiffness K of the line's middle and J_fs,
+//! `b = 2*zeta*sqrt((1 + a)*J_fs/K)` makes the reference model's damping ratio zeta. Units: rad, s, N m.
+
+use strainwave::Real;
+use strainwave::compensator::adaptation::{AdaptationParams, Factors};
+use strainwave::compensator::learning::LearningParams;
+use strainwave::compensator::learnt_ripple::{LearntRippleParams, RIPPLE_ORDERS, RippleOrder};
+use strainwave::compensator::output_feedback::OutputFeedbackParams;
+
+use crate::draw;
+use crate::gear_file::{Friction, GearFile};
+
+/// a without and with an output encoder.
+const STIFFENING: [f64; 2] = [0.5, 1.0];
+/// zeta, alike.
+const DAMPING: [f64; 2] = [0.6, 0.65];
+/// k (1/s), alike.
+const INTEGRAL: [f64; 2] = [30.0, 60.0];
+
+/// Room that a factor has beyond the box that a plant is drawn from.
+const ROOM: f64 = 1.25;
+/// How fast inertia is learnt where its torque is the rated one (1/s).
+const INERTIA_RATE: f64 = 13.5;
+/// How fast friction is learnt at its Coulomb level, on the motor's and on the output's side (1/s).
+const FRICTION_RATES: [f64; 2] = [0.4, 0.1];
+/// How fast compliance is learnt at the rated torque (1/s).
+const COMPLIANCE_RATE: f64 = 20.0;
+/// Half width of the dead zone, in rated torques.
+const DEAD_ZONE: f64 = 0.001;
+/// Corners of F(s) and of the slow part (rad/s).
+const CORNERS: [f64; 2] = [200.0, 2.0];
+
+/// How fast ripple is learnt, of position and of torque (1/s).
+const RIPPLE_RATES: [f64; 2] = [5.0, 1.0];
+/// Largest ripple of position (rad), and of torque in Coulomb levels of the motor's side.
+const RIPPLE_BOUNDS: [f64; 2] = [3e-4, 0.3];
+/// Speeds of the motor between which ripple is learnt; the upper is of order 1 (rad/s).
+const RIPPLE_SPEEDS: [f64; 2] = [1.0, 60.0];
+
+/// Gains without and with an output encoder.
+pub fn output_feedback_params<R: Real>(file: &GearFile) -> [OutputFeedbackParams<R>; 2] {
+    let mode = (file.inertia.flexspline / file.stiffness.k2).sqrt();
+    std::array::from_fn(|k| OutputFeedbackParams {
+        stiffening: R::lit(STIFFENING[k]),
+        damping: R::lit(2.0 * DAMPING[k] * (1.0 + STIFFENING[k]).sqrt() * mode),
+        integral: R::lit(INTEGRAL[k]),
+    })
+}
+
+/// What is learnt of the joint.
+pub fn learning_params<R: Real>(file: &GearFile) -> LearningParams<R> {
+    LearningParams { adaptation: adaptation_params(file), ripple: learnt_ripple_params(file) }
+}
+
+/// Bounds, rates and levels of the factors: those of the box that a joint may lie in, with some room.
+fn adaptation_params<R: Real>(file: &GearFile) -> AdaptationParams<R> {
+    let n = f64::from(file.gear.signed_ratio().n()).abs();
+    let coulomb = |side: &Friction| side.coulomb.unwrap_or_default().max(1e-3 * file.gear.rated_torque / n);
+    let (input, output) = (n * coulomb(&file.friction.input), coulomb(&file.friction.output));
+    let rated = file.gear.rated_torque;
+    AdaptationParams {
+        bounds: Factors {
+            inertia: R::lit(ROOM * draw::INERTIA),
+            input_friction: R::lit(ROOM * draw::FRICTION),
+            output_friction: R::lit(ROOM * draw::FRICTION),
+            compliance: R::lit(ROOM * draw::STIFFNESS),
+        },
+        rates: Factors {
+            inertia: R::lit(INERTIA_RATE),
+            input_friction: R::lit(FRICTION_RATES[0]),
+            output_friction: R::lit(FRICTION_RATES[1]),
+            compliance: R::lit(COMPLIANCE_RATE),
+        },
+        levels: Factors {
+            inertia: R::lit(rated),
+            input_friction: R::lit(input),
+            output_friction: R::lit(output),
+            compliance: R::lit(rated),
+        },
+        dead_zone: R::lit(DEAD_ZONE * rated),
+        filter_corner: R::lit(CORNERS[0]),
+        bias_corner: R::lit(CORNERS[1]),
+    }
+}
+
+/// Orders 1, 2 and 4 of the wave generator relative to the case, and 2 relative to the flexspline: 2 - 2/N.
+fn learnt_ripple_params<R: Real>(file: &GearFile) -> LearntRippleParams<R> {
+    let mut orders = [RippleOrder::default(); RIPPLE_ORDERS];
+    for (place, (order, to_flexspline)) in
+        orders.iter_mut().zip([(1, false), (2, false), (4, false), (2, true)])
+    {
+        *place = RippleOrder { order, to_flexspline };
+    }
+    LearntRippleParams {
+        orders,
+        position_rate: R::lit(RIPPLE_RATES[0]),
+        torque_rate: R::lit(RIPPLE_RATES[1]),
+        position_bound: R::lit(RIPPLE_BOUNDS[0]),
+        torque_bound: R::lit(RIPPLE_BOUNDS[1] * file.friction.input.coulomb.unwrap_or_default()),
+        speeds: RIPPLE_SPEEDS.map(R::lit),
+    }
+}

@@ -1,0 +1,274 @@
+//! Commands of position, velocity and torque around one joint, switched while it moves, and faults on the way: every
+//! torque is finite, every fault has its name, and no switch makes a step.
+
+use strainwave::Angle;
+use strainwave::compensator::fallback::TORQUE_RAMP;
+use strainwave::compensator::{
+    Command, Compensator, Directions, Faults, Input, JointParams, Output, RealTimeGear, Sensors, Setpoint,
+    Shares, State,
+};
+use strainwave::flexspline::Reduced;
+use strainwave::gear::{Applied, GearState, Motion};
+use strainwave_desktop::GearFile;
+use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
+use strainwave_desktop::plant::encoder_count;
+
+const SHARES: Shares<f32> =
+    Shares::ALL;
+
+/// Periods in a second.
+const SECOND: usize = 10_000;
+
+/// A joint that is what its controller believes, and its controller.
+struct Joint {
+    params: JointParams<f64>,
+    gear: RealTimeGear<f64>,
+    plant: GearState<f64, (), strainwave::friction::JointFrictionState<f64>, 28>,
+    motor: Motion<f64>,
+    flange: Motion<f64>,
+    compensator: Compensator<f32>,
+    state: State<f32>,
+    torque: f32,
+    shares: Directions<f32>,
+}
+
+impl Joint {
+    /// At rest, with all shares on.
+    fn new() -> Self {
+        let file = GearFile::default_gear();
+        let params: JointParams<f64> = joint_params(&file).unwrap();
+        let reduced = Reduced::build(&params.gear.flexspline, params.gear.rated_torque).unwrap();
+        let gear: RealTimeGear<f64> = params.gear.build(reduced, CONTROL_PERIOD).unwrap();
+        let compensator = joint_params::<f32>(&file).unwrap().build().unwrap();
+        let mut joint = Self {
+            plant: gear.rest(),
+            gear,
+            params,
+            motor: Motion::default(),
+            flange: Motion::default(),
+            state: compensator.rest(),
+            compensator,
+            torque: 0.0,
+            shares: SHARES.into(),
+        };
+        joint.run(300, |_| Command::default());
+        joint
+    }
+
+    fn sensors(&self) -> Sensors<f32> {
+        let count = |motion: &Motion<f64>, bits| encoder_count(motion.angle, bits);
+        Sensors {
+            motor_encoder: count(&self.motor, self.params.motor_encoder_bits),
+            output_encoder: Some(count(&self.flange, self.params.output_encoder_bits)),
+            motor_torque: self.torque,
+            output_torque: None,
+        }
+    }
+
+    /// One control period; `change` is what is wrong with its input.
+    fn step(&mut self, command: Command<f32>, change: impl Fn(&mut Input<f32>)) -> Output<f32> {
+        let mut input = Input { sensors: self.sensors(), command, shares: self.shares };
+        change(&mut input);
+        let output = self.compensator.step(&mut self.state, &input);
+        assert!(output.motor_torque.is_finite() && output.feed_forward_torque.is_finite(), "{output:?}");
+        self.torque = output.motor_torque;
+        let held = f64::from(self.torque);
+        let torques =
+            self.gear.torques(&mut self.plant, &self.motor, &self.flange, Applied { motor: held, load: 0.0 });
+        let inertia = self.params.gear.wave_generator_inertia;
+        self.motor.advance((held - torques.wave_generator) / inertia, CONTROL_PERIOD);
+        self.flange.advance(self.gear.flange_acceleration(&torques, 0.0), CONTROL_PERIOD);
+        output
+    }
+
+    fn run(&mut self, periods: usize, command: impl Fn(usize) -> Command<f32>) -> Vec<Output<f32>> {
+        (0..periods).map(|k| self.step(command(k), |_| ())).collect()
+    }
+
+    /// What the torque may change by in a period while it is ramped, with what rounding adds.
+    fn largest_change(&self) -> f32 {
+        (2.0 * self.params.limits.motor_torque * CONTROL_PERIOD / TORQUE_RAMP * (1.0 + 1e-5)) as f32
+    }
+
+    /// Where the output is (rad).
+    fn position(&self) -> f64 {
+        self.flange.angle.to_radians()
+    }
+}
+
+fn hold(position: f64) -> Command<f32> {
+    Setpoint { position: Angle::from_radians_f64(position), ..Setpoint::default() }.into()
+}
+
+/// At a constant speed (rad/s), from zero on.
+fn crawl(speed: f64, k: usize) -> Setpoint<f32> {
+    let position = Angle::from_radians_f64(speed * CONTROL_PERIOD * k as f64);
+    Setpoint { position, velocity: speed as f32, ..Setpoint::default() }
+}
+
+fn turn(velocity: f32) -> Command<f32> {
+    Command::Velocity { velocity, acceleration: 0.0 }
+}
+
+fn largest_step(outputs: &[Output<f32>], before: f32) -> f32 {
+    let torques = std::iter::once(before).chain(outputs.iter().map(|output| output.motor_torque));
+    let torques: Vec<_> = torques.collect();
+    torques.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f32::max)
+}
+
+#[test]
+fn a_velocity_goes_on_from_the_reference_that_is_there() {
+    let mut joint = Joint::new();
+    joint.run(SECOND / 2, |k| crawl(0.1, k).into());
+    let from = joint.position();
+    let outputs = joint.run(SECOND, |_| turn(0.2));
+    assert!(outputs.iter().all(|output| !output.faults.contains(Faults::SETPOINT_STEP)));
+    assert!((joint.position() - from - 0.2).abs() < 1e-3, "{}", joint.position() - from);
+    // It takes the speed no faster than the joint can.
+    assert!(outputs[0].faults.contains(Faults::SETPOINT_LIMITED));
+    assert!(!outputs[SECOND - 1].faults.contains(Faults::SETPOINT_LIMITED));
+}
+
+/// Friction and inertia of the motor are left to the torque's own: with the friction fed forward the output
+/// accelerates as the torque alone would have it, without it by what friction leaves.
+#[test]
+fn a_torque_accelerates_what_it_should() {
+    let accelerate = |friction: f32| {
+        let mut joint = Joint::new();
+        joint.shares = Shares { friction, ..SHARES }.into();
+        joint.run(500, |_| Command::Torque(20.0));
+        let from = joint.flange.velocity;
+        joint.run(500, |_| Command::Torque(20.0));
+        (joint.flange.velocity - from) / (500.0 * CONTROL_PERIOD)
+    };
+    let gear = Joint::new().params.gear;
+    let inertia = gear.flexspline_inertia + gear.wave_generator_inertia * f64::from(gear.ratio).powi(2);
+    let (with, without) = (accelerate(1.0), accelerate(0.0));
+    assert!((with / (20.0 / inertia) - 1.0).abs() < 0.1, "{with} of {}", 20.0 / inertia);
+    assert!(without < 0.8 * with, "{without} {with}");
+}
+
+#[test]
+fn switching_the_kind_of_command_makes_no_step_in_the_torque() {
+    let mut joint = Joint::new();
+    joint.run(SECOND / 2, |k| crawl(0.3, k).into());
+    let at = joint.position();
+    let limit = joint.largest_change();
+    let commands =
+        [turn(0.3), Command::Torque(30.0), turn(-0.3), Command::Torque(-40.0), hold(at), turn(0.5), hold(at)];
+    for command in commands {
+        let before = joint.torque;
+        let outputs = joint.run(SECOND / 20, |_| command);
+        let step = largest_step(&outputs[..100], before);
+        assert!(step <= limit, "{command:?}: {step} of {limit}");
+    }
+}
+
+/// What held a load by torque goes on in the cascade's integral.
+#[test]
+fn the_feedback_takes_the_torque_over() {
+    let mut joint = Joint::new();
+    joint.run(SECOND / 10, |_| Command::Torque(3.0));
+    let (before, at) = (joint.torque, joint.position());
+    let after = joint.step(turn(0.0), |_| ());
+    assert!(before.abs() > 0.02, "{before}");
+    assert!((after.motor_torque - before).abs() < 0.01 * before.abs(), "{before} {after:?} at {at}");
+}
+
+#[test]
+fn shares_of_either_direction_cross_over_without_a_step() {
+    let mut joint = Joint::new();
+    joint.shares = Directions { forward: SHARES, backward: Shares { inertia: 0.0, friction: 0.0, ..SHARES } };
+    let mut outputs = Vec::new();
+    for k in 0..4000 {
+        // From -0.2 to 0.2 rad/s at 1 rad/s^2.
+        let time = CONTROL_PERIOD * k as f64;
+        let (position, velocity) = (0.5 * time * time - 0.2 * time, (time - 0.2) as f32);
+        let position = Angle::from_radians_f64(position);
+        outputs.push(
+            joint.step(
+                Setpoint { position, velocity, acceleration: 1.0, ..Setpoint::default() }.into(),
+                |_| (),
+            ),
+        );
+    }
+    let fed: Vec<f32> = outputs.iter().map(|output| output.feed_forward_torque).collect();
+    assert!(fed[500..1000].iter().all(|torque| *torque == 0.0), "backward nothing is fed forward");
+    assert!(fed[3999].abs() > 0.01, "{}", fed[3999]);
+    let step = fed[500..].windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f32::max);
+    // A share goes from 0 to 1 within 10 ms at the fastest.
+    assert!(step <= 0.02 * fed[3999].abs().max(0.05), "{step}");
+}
+
+/// What can go wrong with an input, its fault's name, and whether the motor's encoder is lost.
+type Wrong = (&'static str, fn(&mut Input<f32>, usize), bool);
+
+const WRONG: [Wrong; 6] = [
+    ("input not finite", |input, _| input.sensors.motor_torque = f32::NAN, false),
+    ("input not finite", |input, _| input.sensors.output_torque = Some(f32::INFINITY), false),
+    (
+        "output encoder jump",
+        |input, k| input.sensors.output_encoder = Some((k as u32 * 99_991) & 0x7_ffff),
+        false,
+    ),
+    ("motor encoder jump", |input, _| input.sensors.motor_encoder = 1 << 19, true),
+    ("output encoder frozen", |input, _| input.sensors.output_encoder = Some(1000), false),
+    (
+        "setpoint step",
+        |input, k| {
+            if let Command::Position(setpoint) = &mut input.command {
+                setpoint.position = setpoint.position.plus(if k.is_multiple_of(2) { 0.1 } else { -0.1 });
+            }
+        },
+        false,
+    ),
+];
+
+#[test]
+fn a_fault_falls_back_to_the_cascade_without_a_step() {
+    for (name, wrong, blind) in WRONG {
+        let mut joint = Joint::new();
+        let before: Vec<_> = joint.run(SECOND / 2, |k| crawl(0.2, k).into());
+        let (last, limit) = (before[SECOND / 2 - 1], joint.largest_change());
+        assert!(last.feed_forward_torque.abs() > 0.01, "{last:?}");
+        let command = |k: usize| Command::Position(crawl(0.2, SECOND / 2 + k));
+        let faulty: Vec<_> =
+            (0..SECOND / 5).map(|k| joint.step(command(k), |input| wrong(input, k))).collect();
+        let named = faulty.iter().position(|output| output.faults.names().any(|fault| fault == name));
+        let named = named.unwrap_or_else(|| panic!("{name}: no output names it"));
+        let fallen = &faulty[named..];
+        assert!(
+            largest_step(fallen, if named == 0 { last.motor_torque } else { faulty[named - 1].motor_torque })
+                <= limit,
+            "{name}"
+        );
+        // After the ramp: the cascade alone, or nothing where there is nothing to control with.
+        let output = fallen.last().unwrap();
+        assert_eq!(output.feed_forward_torque, 0.0, "{name}");
+        assert!(!blind || fallen.iter().rev().take(10).all(|output| output.motor_torque == 0.0), "{name}");
+        // Sound again: what is compensated returns, without a step.
+        let sound: Vec<_> = (0..SECOND / 2).map(|k| joint.step(command(SECOND / 5 + k), |_| ())).collect();
+        assert!(largest_step(&sound[..1000], output.motor_torque) <= limit, "{name}");
+        let end = sound.last().unwrap();
+        assert!(end.feed_forward_torque.abs() > 0.01, "{name}: {end:?}");
+        assert_eq!(end.faults, Faults::NONE, "{name}");
+    }
+}
+
+/// With the fallback the motor's reference is the ideal gear's, as the cascade alone has it.
+#[test]
+fn the_fallback_follows_the_ideal_gear() {
+    let mut joint = Joint::new();
+    let ideal = |k: usize| joint_ratio().undo(crawl(0.2, k).position);
+    joint.run(1000, |k| crawl(0.2, k).into());
+    let sound = joint.step(crawl(0.2, 1000).into(), |_| ());
+    assert_ne!(sound.motor_reference, ideal(1000));
+    for k in 1001..1300 {
+        let output = joint.step(crawl(0.2, k).into(), |input| input.sensors.motor_torque = f32::NAN);
+        assert!(k < 1150 || output.motor_reference.minus(ideal(k)).abs() < 1e-8, "{k}: {output:?}");
+    }
+}
+
+fn joint_ratio() -> strainwave::Ratio {
+    GearFile::default_gear().gear.signed_ratio()
+}

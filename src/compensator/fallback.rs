@@ -1,0 +1,99 @@
+//! What happens when the model cannot be trusted: the joint falls back to its cascade, without a step.
+//!
+//! ```text
+//! fault of the model's inputs  ->  shares of all but the feedback go to 0, by the guard's ramp (10 ms)
+//! T_q = 0.1 s without one      ->  they return, by the same ramp
+//! |tau_k - tau_(k-1)| <= 2*tau_max*dt/T_r,   T_r = 10 ms
+//! ```
+//!
+//! With these shares at 0 torque and reference of the motor are those of the motor-side cascade alone. The last
+//! line, the ramp of the motor's torque, holds from a fault or a switch of the kind of command on, until the torque has
+//! been for T_r where it is wanted; else the torque is limited by tau_max alone. Units: s, N m at the motor.
+//!
+//! An encoder of the motor that jumps or is frozen leaves nothing to control with: the same ramp takes the torque to 0.
+
+use crate::compensator::Faults;
+use crate::real::Real;
+
+/// T_q (s): how long the inputs must be sound.
+const QUIET_TIME: f64 = 0.1;
+
+/// T_r (s): in which the motor's torque goes from one end of its range to the other.
+pub const TORQUE_RAMP: f64 = 0.01;
+
+/// Without these the motor is controlled blindly.
+pub const BLIND: Faults = Faults::MOTOR_ENCODER_JUMP.with(Faults::MOTOR_ENCODER_FROZEN);
+
+/// With these the model's inputs are not what the joint does.
+pub const UNTRUSTED: Faults = Faults::INPUT_NOT_FINITE
+    .with(Faults::SETPOINT_STEP)
+    .with(Faults::OUTPUT_ENCODER_JUMP)
+    .with(Faults::OUTPUT_ENCODER_FROZEN)
+    .with(Faults::OBSERVER_RESET)
+    .with(Faults::TORSION_BEYOND_RANGE)
+    .with(BLIND);
+
+/// The built fallback.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fallback<R> {
+    /// T_q/dt.
+    quiet: u32,
+    /// T_r/dt.
+    ramp: u32,
+    /// Largest change of the torque in a period while it is ramped (N m).
+    change: R,
+    /// No change is larger (N m).
+    range: R,
+}
+
+/// What is left to wait for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FallbackState<R> {
+    /// Periods until the model is trusted again.
+    untrusted: u32,
+    /// Periods of the torque's ramp.
+    ramped: u32,
+    torque: R,
+}
+
+impl<R: Real> FallbackState<R> {
+    /// What is compensated may rest on the model.
+    pub fn trusted(&self) -> bool {
+        self.untrusted == 0
+    }
+
+    /// The last command (N m).
+    pub fn torque(&self) -> R {
+        self.torque
+    }
+}
+
+impl<R: Real> Fallback<R> {
+    /// For a motor of this peak torque (N m) and the control period dt (s), both positive.
+    pub fn build(peak_torque: R, dt: R) -> Self {
+        let periods = |time: f64| (R::lit(time) / dt).to_i32().unsigned_abs() + 1;
+        let range = R::lit(2.0) * peak_torque;
+        let change = (range * dt * R::lit(1.0 / TORQUE_RAMP)).min(range);
+        Self { quiet: periods(QUIET_TIME), ramp: periods(TORQUE_RAMP), change, range }
+    }
+
+    /// The torque for what is wanted (N m), within the motor's peak; `switched`: the kind of command was.
+    #[inline]
+    pub fn step(&self, state: &mut FallbackState<R>, wanted: R, faults: Faults, switched: bool) -> R {
+        let untrusted = faults.intersects(UNTRUSTED);
+        state.untrusted = if untrusted { self.quiet } else { state.untrusted.saturating_sub(1) };
+        if untrusted || switched {
+            state.ramped = self.ramp;
+        }
+        let bound = if state.ramped > 0 { self.change } else { self.range };
+        let change = wanted - state.torque;
+        let limited = change.limit(bound);
+        if limited == change {
+            state.ramped = state.ramped.saturating_sub(1);
+            state.torque = wanted;
+        } else {
+            state.torque += limited;
+        }
+        state.torque
+    }
+}

@@ -1,0 +1,184 @@
+//! Ripple that turns with the wave generator, learnt while the joint works: a map of sines.
+//!
+//! ```text
+//! ripple = sum_k a_k*cos(k*alpha) + b_k*sin(k*alpha),       alpha = theta_wg or theta_wg - r*theta_wg
+//! law      a_k <- limit(a_k + dt*g*m*cos(k*alpha), bound),  b_k alike with the sine
+//! ```
+//!
+//! One map is of the position, what the kinematic error that the gear file gives leaves (rad at the output; m is the measured output less its
+//! setpoint): the motor is sent so much less far. The other is of the torque at the motor's shaft (N m; m is what the observer misses
+//! there): it is fed forward. Orders per turn are relative to the case, or to the flexspline, which gives k - k/N of both rims.
+//!
+//! With the true coefficients constant, x the error of the coefficients and V = x'x/(2*g), dV/dt = -(m's ripple)^2 + noise: the law is
+//! the gradient of m^2. The loop around it must answer within a quarter period, so that it only learns where
+//! k*|omega_wg| is below a corner, and only in motion: at rest a ripple cannot be told from any constant.
+//!
+//! Discretisation: explicit Euler; stable for dt*g < 1. Bounded by `bound` in each coefficient.
+//!
+//! M. Bodson, A. Sacks, P. Khosla, "Harmonic generation in adaptive feedforward cancellation schemes", IEEE
+//! Transactions on Automatic Control 39 (1994).
+
+use crate::angle::Angle;
+use crate::error::{Error, require};
+use crate::real::Real;
+
+/// Orders that are learnt.
+pub const RIPPLE_ORDERS: usize = 4;
+
+/// An order of the ripple.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RippleOrder {
+    /// k, periods per turn of the wave generator, 1..=1000; 0 leaves the place unused.
+    pub order: u32,
+    /// Turns relative to the flexspline, not to the case.
+    pub to_flexspline: bool,
+}
+
+/// Coefficients [a_k, b_k] of every order.
+pub type Coefficients<R> = [[R; 2]; RIPPLE_ORDERS];
+
+/// What has been learnt: the map that is kept in a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RippleMap<R> {
+    /// Of the position (rad at the output).
+    pub position: Coefficients<R>,
+    /// Of the torque (N m at the motor).
+    pub torque: Coefficients<R>,
+}
+
+/// Parameters of the learning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LearntRippleParams<R> {
+    /// The orders.
+    pub orders: [RippleOrder; RIPPLE_ORDERS],
+    /// g of the position (1/s), >= 0.
+    pub position_rate: R,
+    /// g of the torque (1/s), >= 0.
+    pub torque_rate: R,
+    /// Largest coefficient of the position, >= 0 (rad).
+    pub position_bound: R,
+    /// Largest coefficient of the torque, >= 0 (N m).
+    pub torque_bound: R,
+    /// Speeds of the motor between which it learns, 0 < least < most (rad/s); `most` is of order 1.
+    pub speeds: [R; 2],
+}
+
+/// The built ripple.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LearntRipple<R> {
+    orders: [RippleOrder; RIPPLE_ORDERS],
+    position_gain: R,
+    torque_gain: R,
+    position_bound: R,
+    torque_bound: R,
+    least_speed: R,
+    /// Fastest speed at which each order learns (rad/s); 0 for a place that is not used.
+    fastest: [R; RIPPLE_ORDERS],
+}
+
+/// Ripple at one angle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RippleNow<R> {
+    /// (rad at the output)
+    pub position: R,
+    /// (N m at the motor)
+    pub torque: R,
+    basis: Coefficients<R>,
+}
+
+/// What one control period teaches.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lesson<R> {
+    /// Speed of the motor's reference (rad/s).
+    pub speed: R,
+    /// Measured output less setpoint (rad), where there is an output encoder.
+    pub position: Option<R>,
+    /// Torque that is missed at the motor (N m).
+    pub torque: R,
+}
+
+impl<R: Real> LearntRippleParams<R> {
+    /// Prepares the ripple for the control period dt (s).
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `ripple_order`, `ripple_rate`, `ripple_bound` or `ripple_speeds`.
+    pub fn build(&self, dt: R) -> Result<LearntRipple<R>, Error> {
+        require(self.orders.iter().all(|order| order.order <= 1000), "ripple_order")?;
+        let rate = |rate: R| rate >= R::ZERO && rate * dt < R::ONE;
+        require(rate(self.position_rate) && rate(self.torque_rate), "ripple_rate")?;
+        let bound = |bound: R| bound.is_finite() && bound >= R::ZERO;
+        require(bound(self.position_bound) && bound(self.torque_bound), "ripple_bound")?;
+        let [least, most] = self.speeds;
+        require(least > R::ZERO && most.is_finite() && least < most, "ripple_speeds")?;
+        Ok(LearntRipple {
+            orders: self.orders,
+            position_gain: R::lit(2.0) * dt * self.position_rate,
+            torque_gain: R::lit(2.0) * dt * self.torque_rate,
+            position_bound: self.position_bound,
+            torque_bound: self.torque_bound,
+            least_speed: least,
+            fastest: self.orders.map(|order| match order.order {
+                0 => R::ZERO,
+                k => most / R::from_i32(k.cast_signed()),
+            }),
+        })
+    }
+}
+
+impl<R: Real> RippleMap<R> {
+    /// Every coefficient limited to its bound; one that is not finite is 0.
+    #[must_use]
+    pub fn within(&self, ripple: &LearntRipple<R>) -> Self {
+        let limited = |map: &Coefficients<R>, bound: R| {
+            map.map(|pair| pair.map(|coefficient| coefficient.finite_or(R::ZERO).limit(bound)))
+        };
+        Self {
+            position: limited(&self.position, ripple.position_bound),
+            torque: limited(&self.torque, ripple.torque_bound),
+        }
+    }
+}
+
+impl<R: Real> LearntRipple<R> {
+    /// The ripple at the wave generator's angle `theta`; `reduced` is r*theta.
+    #[inline(always)]
+    pub fn at(&self, map: &RippleMap<R>, theta: Angle<R>, reduced: Angle<R>) -> RippleNow<R> {
+        let to_case = theta.phase();
+        let to_flexspline = to_case.wrapping_sub(reduced.phase());
+        let mut now = RippleNow::default();
+        for (k, order) in self.orders.iter().enumerate() {
+            if order.order != 0 {
+                let angle = if order.to_flexspline { to_flexspline } else { to_case };
+                let (sine, cosine) = R::sin_cos_phase(order.order.wrapping_mul(angle));
+                now.position += map.position[k][0] * cosine + map.position[k][1] * sine;
+                now.torque += map.torque[k][0] * cosine + map.torque[k][1] * sine;
+                now.basis[k] = [cosine, sine];
+            }
+        }
+        now
+    }
+
+    /// Learns from one control period.
+    #[inline(always)]
+    pub fn learn(&self, map: &mut RippleMap<R>, now: &RippleNow<R>, lesson: &Lesson<R>) {
+        let speed = lesson.speed.abs();
+        if speed < self.least_speed {
+            return;
+        }
+        let position = self.position_gain * lesson.position.unwrap_or(R::ZERO);
+        let torque = self.torque_gain * lesson.torque;
+        for (k, basis) in now.basis.iter().enumerate() {
+            if speed < self.fastest[k] {
+                for (side, wave) in basis.iter().enumerate() {
+                    add(&mut map.position[k][side], position * *wave, self.position_bound);
+                    add(&mut map.torque[k][side], torque * *wave, self.torque_bound);
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn add<R: Real>(coefficient: &mut R, by: R, bound: R) {
+    *coefficient = (*coefficient + by).limit(bound);
+}
