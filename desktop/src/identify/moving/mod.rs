@@ -38,9 +38,10 @@ use crate::log::MeasuredLog;
 use crate::replay::{Judgement, ReplayRow, replay, time_of_path};
 pub use residual::{ORDERS, Residual};
 
-/// Wanders of the external torque that are tried, in rated torques and the square root of a second: an observer's that
-/// is designed without a log, a hundredth, and none over any log. One between would be followed more slowly than a log moves, and drift through it.
-pub const WANDERS: [f64; 3] = [0.45, 1e-2, 1e-7];
+/// Wanders of the external torque that are tried, in rated torques and the square root of a second: an observer's that is
+/// designed without a log, and none over any log. One between would be followed more slowly than a log moves, and
+/// drift through it.
+pub const WANDERS: [f64; 2] = [0.45, 1e-7];
 /// Every how many control periods a row is used: 4 ms.
 const EVERY: usize = 40;
 
@@ -125,10 +126,6 @@ fn observers(gear: &GearFile) -> Vec<GearFile> {
 /// A gear file may say it, and a compensator can be built from it.
 fn is_sound(gear: &GearFile) -> bool {
     gear.check().is_ok() && joint_params::<f32>(gear).is_ok_and(|joint| joint.build().is_ok())
-}
-
-fn product<A: Copy, B: Copy>(a: &[A], b: &[B]) -> Vec<(A, B)> {
-    a.iter().flat_map(|a| b.iter().map(|b| (*a, *b))).collect()
 }
 
 /// The log through the observer in the firmware's precision, up to `until` (s).
