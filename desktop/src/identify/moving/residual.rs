@@ -196,7 +196,7 @@ impl Problem {
     fn sine_or_cosine(&self, index: usize, row: &ReplayRow) -> f64 {
         let (kind, order) = self.columns[index / 2];
         let (sine, cosine) = (f64::from(order) * kind.angle(row)).sin_cos();
-        kind.prior(order) * if index % 2 == 0 { sine } else { cosine }
+        kind.prior(order) * if index.is_multiple_of(2) { sine } else { cosine }
     }
 
     fn terms(&self, x: &DVector<f64>) -> Vec<(Kind, Harmonic)> {
