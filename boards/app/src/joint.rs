@@ -1,7 +1,11 @@
 // Generated from the gear file `hd25-100`; do not edit.
+use strainwave::compensator::adaptation::{AdaptationParams, Factors};
 use strainwave::compensator::feedback::FeedbackParams;
+use strainwave::compensator::learning::LearningParams;
+use strainwave::compensator::learnt_ripple::{LearntRippleParams, RippleOrder};
 use strainwave::compensator::observer::deviation::{Spread, Uncertainty};
 use strainwave::compensator::observer::{Gains, ObserverParams};
+use strainwave::compensator::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::{EstimateDeviation, JointParams, Limits};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
 use strainwave::flexspline::{Bend, Cup, FlexsplineParams};
@@ -793,5 +797,70 @@ pub const JOINT: JointParams<f32> = JointParams {
         integral_time: 0.02,
         filter_corner: 3769.9111,
         torque_limit: 2.4,
+    },
+    output_feedback: [
+        OutputFeedbackParams {
+            stiffening: 0.5,
+            damping: 0.0072,
+            integral: 30.0,
+        },
+        OutputFeedbackParams {
+            stiffening: 1.0,
+            damping: 0.009006664,
+            integral: 60.0,
+        },
+    ],
+    learning: LearningParams {
+        adaptation: AdaptationParams {
+            bounds: Factors {
+                inertia: 0.375,
+                input_friction: 0.25,
+                output_friction: 0.25,
+                compliance: 0.125,
+            },
+            rates: Factors {
+                inertia: 13.5,
+                input_friction: 0.4,
+                output_friction: 0.1,
+                compliance: 20.0,
+            },
+            levels: Factors {
+                inertia: 67.0,
+                input_friction: 3.5,
+                output_friction: 1.0,
+                compliance: 67.0,
+            },
+            dead_zone: 0.067,
+            filter_corner: 200.0,
+            bias_corner: 2.0,
+        },
+        ripple: LearntRippleParams {
+            orders: [
+                RippleOrder {
+                    order: 1,
+                    to_flexspline: false,
+                },
+                RippleOrder {
+                    order: 2,
+                    to_flexspline: false,
+                },
+                RippleOrder {
+                    order: 4,
+                    to_flexspline: false,
+                },
+                RippleOrder {
+                    order: 2,
+                    to_flexspline: true,
+                },
+            ],
+            position_rate: 5.0,
+            torque_rate: 1.0,
+            position_bound: 0.0003,
+            torque_bound: 0.0105,
+            speeds: [
+                1.0,
+                60.0,
+            ],
+        },
     },
 };
