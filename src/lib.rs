@@ -45,6 +45,8 @@
 #![warn(missing_docs)]
 
 #[cfg(test)]
+extern crate std;
+
 pub mod angle;
 pub mod compensator;
 pub mod error;

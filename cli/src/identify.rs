@@ -4,16 +4,19 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use strainwave_desktop::identify::joint::LEVELS;
-use strainwave_desktop::identify::{GearLog, GearOptions, IdentifiedGear, Smoothing, identify_gear};
+use strainwave_desktop::identify::{
+    GearLog, GearOptions, IdentifiedGear, LearntGear, Smoothing, identify_gear, learn_gear,
+};
 use strainwave_desktop::log::{Jitter, MeasuredLog};
 use strainwave_desktop::plot::{Page, Panel, Series};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 
 use crate::figures::{Figures, FiguresArguments, say};
 use crate::files;
+use crate::pil_plots;
 use crate::progress::Progress;
 
-/// Identify a gear's hysteresis from measured logs of the held joint, and write its gear file
+/// Identify a gear from measured logs, of the held joint its hysteresis, of a moving one the rest, and write its gear file
 ///
 /// A log has the columns t_s, theta_motor_rad, tau_motor_nm, theta_out_rad and tau_out_nm; SI units. Its torque must
 /// reverse, its motor hold the joint: loops up to rated torque, with smaller ones between, show the most. Each log starts
@@ -36,6 +39,16 @@ pub struct Arguments {
     /// Share of each log, from its start, that trains; 0.2 to 1
     #[arg(long, value_name = "SHARE", default_value_t = 0.5, allow_hyphen_values = true)]
     training: f64,
+    /// The joint moves: learn friction, kinematic error and stiffness instead, from one log
+    ///
+    /// Needed are t_s, theta_motor_rad, tau_motor_nm and theta_out_rad. The share that trains is that of the motor's path. What
+    /// is learnt: levels of the input friction, orders of the kinematic error at the log's motor angle, the error
+    /// of the output encoder's scale, a factor on the stiffness line, and how far the observer trusts the motor torque.
+    #[arg(long, conflicts_with_all = ["levels", "smoothing"])]
+    moving: bool,
+    /// The motor torque counts against the motor angle
+    #[arg(long, requires = "moving")]
+    reversed_torque: bool,
     /// Levels of the grid, 6, 8, 12 or 24; chosen by cross-validation when left out
     #[arg(long, value_name = "L")]
     levels: Option<usize>,
@@ -68,6 +81,9 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     files::require_distinct(&logs.chain(named).collect::<Vec<_>>())?;
     let options = options(arguments)?;
     let base = GearFile::read(&arguments.gear)?;
+    if arguments.moving {
+        return moving(arguments, &base);
+    }
     let read = |path: &PathBuf| read(path, &base, &options);
     let (logs, jitters): (Vec<_>, Vec<_>) =
         arguments.logs.iter().map(read).collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
@@ -85,6 +101,59 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     say(format_args!("{}", told(&found)));
     let jitters = jitters.iter().flat_map(Jitter::figures);
     Ok(Figures::new(jitters.chain(figures(&found)).collect(), &arguments.figures))
+}
+
+/// Learns from a moving joint's log.
+fn moving(arguments: &Arguments, base: &GearFile) -> Result<Figures, BadInput> {
+    let [path] = arguments.logs.as_slice() else {
+        let why = format_args!("--moving with {} logs; allowed: one", arguments.logs.len());
+        return Err(BadInput::message(why));
+    };
+    base.require_firmware_friction().map_err(|why| BadInput::new(&arguments.gear, why))?;
+    let mut log = MeasuredLog::read(path)?;
+    if log.output_position.is_none() {
+        return Err(BadInput::new(path, "column theta_out_rad is missing; the kinematic error is its"));
+    }
+    if arguments.reversed_torque {
+        log = log.with_reversed_torque();
+    }
+    for path in
+        [Some(arguments.output.as_path()), arguments.plot.as_deref(), arguments.figures.json.as_deref()]
+    {
+        files::require_writable(path)?;
+    }
+    let mut progress = Progress::new(1000, "learning");
+    let found = learn_gear(base, &log, arguments.training, |share| progress.set((share * 1e3) as u64))
+        .map_err(|why| BadInput::new(path, why))?;
+    drop(progress);
+    found.gear.write(&arguments.output)?;
+    if let Some(path) = &arguments.plot {
+        pil_plots::replay(&found.rows, Some(found.learnt)).write(path)?;
+    }
+    let jitter = log.time.jitter().into_iter().flat_map(|jitter| jitter.figures());
+    Ok(Figures::new(jitter.chain(moving_figures(&found)).collect(), &arguments.figures))
+}
+
+fn moving_figures(found: &LearntGear) -> Vec<Figure> {
+    let wander = found.gear.compensation.external_torque_wander.unwrap_or(f64::NAN);
+    let mut figures = vec![
+        Figure::reported("identify.training.time", found.learnt, "s"),
+        Figure::reported("identify.training.turns", found.turns, "1"),
+        Figure::reported("identify.training.rms", found.training_rms, "rad"),
+        Figure::reported("identify.friction_factor", found.friction_factor, "1"),
+        Figure::reported("identify.stiffness_factor", found.stiffness_factor, "1"),
+        Figure::reported("identify.external_torque_wander", wander, "N m/s^0.5"),
+    ];
+    for harmonic in &found.gear.kinematic_error.flexspline {
+        let name = format!("identify.kinematic_error.order_{}", harmonic.order);
+        figures.push(Figure::reported(name, harmonic.amplitude, "rad"));
+    }
+    if let Some(judgement) = &found.judgement {
+        // What predicts worse than no model at all has failed.
+        figures.push(Figure::bounded("identify.held_out.rms", judgement.rms, "rad", judgement.rigid_rms));
+        figures.push(Figure::reported("identify.held_out.rigid.rms", judgement.rigid_rms, "rad"));
+    }
+    figures
 }
 
 fn options(arguments: &Arguments) -> Result<GearOptions, BadInput> {

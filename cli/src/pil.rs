@@ -6,6 +6,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use strainwave_desktop::bench::{Conditions, SensorSet};
 use strainwave_desktop::draw::Draw;
+use strainwave_desktop::identify::learn_gear;
 use strainwave_desktop::log::MeasuredLog;
 use strainwave_desktop::scenario::Scenario;
 use strainwave_desktop::verify::compensator;
@@ -24,7 +25,8 @@ use crate::progress::Progress;
 /// alone, B1 adds a rigid joint's feed-forward. Every output of the firmware is compared bit for bit with the
 /// host's f32 build, and the instructions (exact) and cycles (a model of a Cortex-M4F with zero wait states,
 /// not silicon) of the control step are counted. With --replay a measured log goes through the firmware's observer instead, and the
-/// output that it predicts is compared with the output encoder. Gets the cross compiler and the emulator
+/// output that it predicts is compared with the output encoder; with --learn the first part of the log first teaches the gear, as
+/// `identify --moving` does, and what is compared is the rest. Gets the cross compiler and the emulator
 /// when they are missing, and says so first.
 #[derive(Args)]
 pub struct Arguments {
@@ -42,6 +44,12 @@ pub struct Arguments {
     /// Measured log for the observer; needs --gear
     #[arg(long, value_name = "LOG.csv", requires = "gear")]
     replay: Option<PathBuf>,
+    /// First learn the gear from this share of the log's motion, 0.2 to 0.9, and judge on the rest
+    #[arg(long, value_name = "SHARE", requires = "replay", allow_hyphen_values = true)]
+    learn: Option<f64>,
+    /// The log's motor torque counts against its motor angle
+    #[arg(long, requires = "replay")]
+    reversed_torque: bool,
     /// Which plant: a draw of what the controller does not know; 0 is the plant that it knows [default: 1; for all
     /// scenarios the draw that is worst in each]
     #[arg(long, conflicts_with = "replay")]
@@ -82,13 +90,15 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         ("--replay", arguments.replay.as_deref()),
         ("--json", json),
     ])?;
-    let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), firmware_gear)?;
-    let log = arguments.replay.as_deref().map(replayable).transpose()?;
+    let mut gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), firmware_gear)?;
+    let log =
+        arguments.replay.as_deref().map(|path| replayable(path, arguments.reversed_torque)).transpose()?;
     files::require_writable(json)?;
     files::require_folder(&arguments.plots)?;
+    let learnt = learn(arguments, &mut gear, log.as_ref())?;
     let firmware = pil::prepare(&arguments.board, &gear).map_err(BadInput::message)?;
     let figures = match &log {
-        Some(log) => replay(arguments, &firmware.elf, &gear, log)?,
+        Some(log) => replay(arguments, &firmware.elf, &gear, log, learnt)?,
         None => scenarios(arguments, &firmware.elf, &gear)?,
     };
     Ok(Figures::new(figures, &arguments.figures))
@@ -102,12 +112,33 @@ fn firmware_gear(path: &Path) -> Result<GearFile, BadInput> {
 }
 
 /// A log that has what a replay compares with.
-fn replayable(path: &Path) -> Result<MeasuredLog, BadInput> {
+fn replayable(path: &Path, reversed_torque: bool) -> Result<MeasuredLog, BadInput> {
     let log = MeasuredLog::read(path)?;
     if log.output_position.is_none() {
         return Err(BadInput::new(path, "column theta_out_rad is missing; a replay compares with it"));
     }
-    Ok(log)
+    Ok(if reversed_torque { log.with_reversed_torque() } else { log })
+}
+
+/// Teaches the gear from the share of the log that is asked for; the time up to which (s).
+fn learn(
+    arguments: &Arguments,
+    gear: &mut GearFile,
+    log: Option<&MeasuredLog>,
+) -> Result<Option<f64>, BadInput> {
+    let (Some(share), Some(log), Some(path)) = (arguments.learn, log, &arguments.replay) else {
+        return Ok(None);
+    };
+    if !(0.2..=0.9).contains(&share) {
+        let why = format_args!("--learn {share} is out of range; allowed: a number from 0.2 to 0.9");
+        return Err(BadInput::message(why));
+    }
+    let mut progress = Progress::new(1000, "learning");
+    let found = learn_gear(gear, log, share, |share| progress.set((share * 1e3) as u64))
+        .map_err(|why| BadInput::new(path, why))?;
+    drop(progress);
+    *gear = found.gear;
+    Ok(Some(found.learnt))
 }
 
 /// Everything that is run: one scenario; or the whole table, and every scenario on the draw that is worst there.
@@ -201,24 +232,27 @@ fn replay(
     elf: &Path,
     gear: &GearFile,
     log: &MeasuredLog,
+    learnt: Option<f64>,
 ) -> Result<Vec<Figure>, BadInput> {
     let mut progress = Progress::new(1000, "replay");
-    let replay =
-        pil::replay(elf, gear, log, |share| progress.set((share * 1e3) as u64)).map_err(BadInput::message)?;
+    let replay = pil::replay(elf, gear, log, learnt, |share| progress.set((share * 1e3) as u64))
+        .map_err(BadInput::message)?;
     drop(progress);
     files::make_folder(&arguments.plots)?;
     let path = arguments.plots.join("pil.replay.svg");
-    pil_plots::replay(&replay).write(&path)?;
+    pil_plots::replay(&replay.rows, learnt).write(&path)?;
     say(format_args!("replay through the observer; plot {}", path.display()));
     let jitter = log.time.jitter().into_iter().flat_map(|jitter| jitter.figures());
     Ok(jitter.chain(replay_figures(&replay)).collect())
 }
 
 fn replay_figures(replay: &Replay) -> Vec<Figure> {
+    let judgement = &replay.judgement;
     vec![
         // An observer that predicts worse than no model at all has failed.
-        Figure::bounded("pil.replay.predicted.rms", replay.rms, "rad", replay.rigid_rms),
-        Figure::reported("pil.replay.rigid.rms", replay.rigid_rms, "rad"),
+        Figure::bounded("pil.replay.predicted.rms", judgement.rms, "rad", judgement.rigid_rms),
+        Figure::reported("pil.replay.rigid.rms", judgement.rigid_rms, "rad"),
+        Figure::reported("pil.replay.over_rigid", judgement.ratio(), "1"),
         Figure::reported("pil.replay.steps", replay.agreement.steps as f64, "1"),
         replay.agreement.figure("pil.replay.steps_unlike_host"),
     ]

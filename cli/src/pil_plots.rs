@@ -1,13 +1,19 @@
 //! What a control engineer wants to see of a run.
 
+use std::f64::consts::TAU;
+
 use strainwave::compensator::adaptation::Factors;
 use strainwave_desktop::GearFile;
 use strainwave_desktop::closed_loop::Row;
 use strainwave_desktop::judge::estimates::{self, Estimated};
 use strainwave_desktop::judge::{Judge, error, spectrum};
 use strainwave_desktop::plot::{Page, Panel, Series};
+use strainwave_desktop::replay::ReplayRow;
 use strainwave_desktop::scenario::Scenario;
-use strainwave_emulator::pil::{Replay, ReplayRow, ScenarioRun};
+use strainwave_emulator::pil::ScenarioRun;
+
+/// Control periods from one drawn row of a replay to the next.
+const EVERY: usize = 10;
 
 /// Highest frequency of a spectrum (Hz): some times that of the torsion mode.
 const HIGHEST: f64 = 200.0;
@@ -109,21 +115,31 @@ fn torque_over_torsion(rows: &[Row]) -> Panel {
     ))
 }
 
-/// Measured and predicted output, and what is left.
-pub fn replay(replay: &Replay) -> Page {
-    let rows = &replay.rows;
-    let time = column(rows, |row| row.time);
+/// Measured and predicted output and what is left, over time and over the motor's angle, the means over the rows up to
+/// `learnt` (s) removed.
+pub fn replay(rows: &[ReplayRow], learnt: Option<f64>) -> Page {
+    // A pixel holds many control periods.
+    let rows: Vec<_> = rows.iter().step_by(EVERY).copied().collect();
+    let (time, turns) = (column(&rows, |row| row.time), column(&rows, |row| row.motor / TAU));
+    let taught = rows.partition_point(|row| row.time <= learnt.unwrap_or(f64::INFINITY)).max(1);
     let against = |figure: fn(&ReplayRow) -> f64| {
-        let difference = column(rows, |row| (figure(row) - row.measured) * 1e6);
-        let mean = difference.iter().sum::<f64>() / difference.len() as f64;
+        let difference = column(&rows, |row| (figure(row) - row.measured) * 1e6);
+        let mean = difference[..taught].iter().sum::<f64>() / taught as f64;
         difference.into_iter().map(|d| d - mean).collect::<Vec<_>>()
     };
+    let [observer, rigid] = [against(|row| row.predicted), against(|row| row.rigid)];
     let output = Panel::new("time", "s", "output", "rad")
-        .with(Series::line("measured", &time, &column(rows, |row| row.measured)))
-        .with(Series::line("predicted", &time, &column(rows, |row| row.predicted)))
-        .with(Series::dashed("rigid gear", &time, &column(rows, |row| row.rigid)));
-    let error = Panel::new("time", "s", "predicted - measured", "urad")
-        .with(Series::line("observer", &time, &against(|row| row.predicted)))
-        .with(Series::dashed("rigid gear", &time, &against(|row| row.rigid)));
-    Page::new("Replay of a measured log through the observer").with(output).with(error)
+        .with(Series::line("measured", &time, &column(&rows, |row| row.measured)))
+        .with(Series::line("predicted", &time, &column(&rows, |row| row.predicted)))
+        .with(Series::dashed("rigid gear", &time, &column(&rows, |row| row.rigid)));
+    let error = |panel: Panel, x: &[f64]| {
+        panel.with(Series::line("observer", x, &observer)).with(Series::dashed("rigid gear", x, &rigid))
+    };
+    let over_time = error(Panel::new("time", "s", "predicted - measured", "urad"), &time);
+    let over_motor = error(Panel::new("motor", "turn", "predicted - measured", "urad"), &turns);
+    let title = match learnt {
+        Some(learnt) => format!("Replay of a measured log through the observer, learnt up to {learnt:.2} s"),
+        None => "Replay of a measured log through the observer".into(),
+    };
+    Page::new(title).with(output).with(over_time).with(over_motor)
 }

@@ -4,7 +4,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, value_parser};
 use strainwave_desktop::verify::flexspline::speed;
 use strainwave_desktop::verify::{self, Measured};
-use strainwave_desktop::verify::{compensator, friction, hysteresis};
+use strainwave_desktop::verify::{compensator, friction, hysteresis, replay};
 use strainwave_desktop::{BadInput, GearFile};
 use strainwave_emulator::verify::{self as emulated, Parts};
 
@@ -65,6 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         measured.add(emulated::hysteresis().map_err(BadInput::message)?);
     }
     if parts.contains(&verify::Part::Compensator) {
+        measured.add(replay::measure()?);
         measured.add(against_baselines(arguments)?);
     }
     if let Some(parts) = emulated_parts(wanted(FIRMWARE), flexspline) {

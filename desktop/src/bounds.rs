@@ -714,6 +714,13 @@ pub const BOUNDS: &[Bound] = &[
 /// What a figure must at least be, by name.
 pub const FLOORS: &[Bound] = &[
     Bound {
+        name: "compensator.replay.joints_at_half",
+        value: 4.0,
+        unit: "1",
+        why: "measured joints of six whose output is predicted from the motor side with at most half of a rigid gear's \
+              error, after the first third of their motion; as asked",
+    },
+    Bound {
         name: "flexspline.target.literal_over_reduced",
         value: 2000.0,
         unit: "1",

@@ -21,6 +21,7 @@ pub mod mesh_size;
 pub mod observer_design;
 pub mod plant;
 pub mod plot;
+pub mod replay;
 pub mod report;
 pub mod ripple_fit;
 pub mod scenario;

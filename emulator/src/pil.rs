@@ -4,18 +4,16 @@ use std::panic::resume_unwind;
 use std::path::Path;
 use std::thread::ScopedJoinHandle;
 
-use strainwave::Angle;
-use strainwave::compensator::{Directions, Input, Sensors, Setpoint};
 use strainwave::gear::GearParams;
 use strainwave_desktop::baseline::Baseline;
 use strainwave_desktop::bench::{Bench, Conditions, SensorSet, Task, periods};
-use strainwave_desktop::closed_loop::{self, Controller, Row, Run};
+use strainwave_desktop::closed_loop::{self, Row, Run};
 use strainwave_desktop::divergence::RunError;
 use strainwave_desktop::gear_file::KinematicError;
-use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params, source};
+use strainwave_desktop::joint::{joint_params, source};
 use strainwave_desktop::judge::Judge;
 use strainwave_desktop::log::MeasuredLog;
-use strainwave_desktop::plant::encoder_count;
+use strainwave_desktop::replay::{self, Judgement, ReplayRow};
 use strainwave_desktop::scenario::Scenario;
 use strainwave_desktop::torque_loop::{Sample, TorqueLoop};
 use strainwave_desktop::verify::compensator::CLAIMS;
@@ -273,34 +271,20 @@ pub fn compensated(
     Ok((run, agreement, target.finish()?))
 }
 
-/// One control period of a replay.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ReplayRow {
-    /// (s)
-    pub time: f64,
-    /// Measured output encoder, from the first sample (rad).
-    pub measured: f64,
-    /// Output that the observer predicts from the motor side (rad).
-    pub predicted: f64,
-    /// Output of a rigid gear (rad).
-    pub rigid: f64,
-}
-
 /// What came of a replay.
 pub struct Replay {
     /// One row a control period.
     pub rows: Vec<ReplayRow>,
-    /// Predicted against measured output, mean removed, rms (rad).
-    pub rms: f64,
-    /// The same of a rigid gear.
-    pub rigid_rms: f64,
+    /// Predicted against measured output.
+    pub judgement: Judgement,
     /// Target against host.
     pub agreement: Agreement,
     /// The firmware's report.
     pub ending: Ending,
 }
 
-/// Feeds a measured log through the firmware's observer; the output encoder is kept from it.
+/// Feeds a measured log through the firmware's observer; the output encoder is kept from it. Judged are the rows after the
+/// time `learnt` (s), all of them when there is none.
 ///
 /// # Errors
 /// When the machine fails, or a parameter is out of range.
@@ -308,47 +292,12 @@ pub fn replay(
     elf: &Path,
     file: &GearFile,
     log: &MeasuredLog,
-    mut progress: impl FnMut(f64),
+    learnt: Option<f64>,
+    progress: impl FnMut(f64),
 ) -> Result<Replay, target::Error> {
     let mut target = Target::new(Machine::boot(elf, &[])?, &joint_params(file)?)?;
-    let ratio = file.gear.signed_ratio();
-    let instants = log.time.resampled(CONTROL_PERIOD);
-    let count = instants.len() as f64;
-    let mut rows = Vec::with_capacity(instants.len());
-    for (k, instant) in instants.enumerate() {
-        let motor = Angle::<f64>::from_radians_f64(instant.of(&log.motor_position));
-        let rigid = ratio.apply(motor).to_radians();
-        let input = Input {
-            sensors: Sensors {
-                motor_encoder: encoder_count(motor, file.sensors.motor_encoder_bits),
-                output_encoder: None,
-                motor_torque: instant.of(&log.motor_torque) as f32,
-                output_torque: log.output_torque.as_ref().map(|torque| instant.of(torque) as f32),
-            },
-            // Nothing is commanded: the setpoint is where the joint already is.
-            command: Setpoint { position: Angle::from_radians_f64(rigid), ..Setpoint::default() }.into(),
-            shares: Directions::default(),
-        };
-        let answer = target.step(&input)?;
-        rows.push(ReplayRow {
-            time: instant.elapsed,
-            measured: log.output_position.as_ref().map_or(f64::NAN, |angle| instant.of(angle)),
-            predicted: answer.estimate.output_position.to_radians(),
-            rigid,
-        });
-        if k % 100 == 0 {
-            progress(k as f64 / count);
-        }
-    }
-    let rms = spread(&rows, |row| row.predicted - row.measured);
-    let rigid_rms = spread(&rows, |row| row.rigid - row.measured);
+    let rows = replay::replay(&mut target, file, log, f64::INFINITY, progress)?;
+    let judgement = Judgement::of(&rows, learnt.unwrap_or(f64::NEG_INFINITY));
     let agreement = target.agreement();
-    Ok(Replay { rows, rms, rigid_rms, agreement, ending: target.finish()? })
-}
-
-/// Standard deviation of a figure over all rows.
-fn spread(rows: &[ReplayRow], figure: impl Fn(&ReplayRow) -> f64) -> f64 {
-    let count = rows.len() as f64;
-    let mean = rows.iter().map(&figure).sum::<f64>() / count;
-    (rows.iter().map(|row| (figure(row) - mean).powi(2)).sum::<f64>() / count).sqrt()
+    Ok(Replay { rows, judgement, agreement, ending: target.finish()? })
 }

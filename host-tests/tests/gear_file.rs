@@ -8,11 +8,11 @@ use strainwave::friction::FrictionParams;
 use strainwave_desktop::GearFile;
 use strainwave_desktop::friction_params::friction_params;
 use strainwave_desktop::gear_file::friction::{Backward, Friction, FrictionModel, StateRow};
-use strainwave_desktop::gear_file::{Allowed, Arrangement, DEFAULT, KEYS, RELATIONS};
+use strainwave_desktop::gear_file::{Allowed, Arrangement, DEFAULT, KEYS, LARA8_J5, LARA8_MOVING, RELATIONS};
 use strainwave_desktop::joint::joint_params;
 use toml::{Table, Value};
 
-const LARA8: &str = include_str!("../../gears/lara8-j5.toml");
+const LARA8: &str = LARA8_J5;
 
 fn parse(text: &str) -> Result<GearFile, String> {
     GearFile::parse(Path::new("g.toml"), text.as_bytes()).map_err(|error| error.to_string())
@@ -27,8 +27,8 @@ fn refusal(from: &str, to: &str) -> String {
 }
 
 #[test]
-fn both_gears_are_read_and_written_back_unchanged() {
-    for text in [DEFAULT, LARA8] {
+fn every_gear_is_read_and_written_back_unchanged() {
+    for text in [DEFAULT, LARA8].into_iter().chain(LARA8_MOVING.map(|(_, text)| text)) {
         let gear = parse(text).unwrap();
         assert_eq!(parse(&gear.to_toml()).unwrap(), gear);
     }
@@ -47,6 +47,8 @@ fn the_signed_ratio_follows_the_arrangement() {
 fn full() -> Table {
     let mut gear = parse(LARA8).unwrap();
     gear.kinematic_error.flexspline = gear.kinematic_error.wave_generator.clone();
+    gear.sensors.output_encoder_error = gear.kinematic_error.wave_generator.clone();
+    gear.compensation.external_torque_wander = Some(3.0);
     (gear.sensors.output_encoder_delay, gear.sensors.output_encoder_period) = (3, 10);
     gear.hysteresis.half_range = Some(2e-3);
     gear.hysteresis.weights = Some(vec![vec![0.1], vec![0.3, 0.2], vec![0.5, 0.3, 0.1]]);

@@ -175,10 +175,14 @@ const CONTROL: &[Key] = &[
     key("sensors.output_torque", Allowed::Flag),
     key("sensors.motor_torque_noise_nm", within(0.0, 1e3, "N m")),
     key("sensors.output_torque_noise_nm", within(0.0, 1e4, "N m")),
+    key("sensors.output_encoder_error[].order", Allowed::Whole(1, 20)),
+    key("sensors.output_encoder_error[].amplitude_rad", within(0.0, 0.01, "rad")),
+    key("sensors.output_encoder_error[].phase_rad", within(-PI, PI, "rad")),
     key("feedback.position_bandwidth_hz", positive(1e3, "Hz")),
     key("feedback.velocity_bandwidth_hz", positive(1e3, "Hz")),
     key("feedback.integral_time_s", positive(1e3, "s")),
     key("compensation.friction_share", within(0.0, 1.0, "1")),
+    optional("compensation.external_torque_wander_nm_per_sqrt_s", positive(1e5, "N m/s^0.5")),
 ];
 
 /// How one number must stand to another in the same file.

@@ -32,6 +32,14 @@ pub const DEFAULT: &str = include_str!("../../../gears/hd25-100.toml");
 /// The gear of a measured joint, size 17 by its catalogue line, as a file.
 pub const LARA8_J5: &str = include_str!("../../../gears/lara8-j5.toml");
 
+/// Gears of measured joints that move, by their catalogue lines, as files: joint and text.
+pub const LARA8_MOVING: [(&str, &str); 4] = [
+    ("j1", include_str!("../../../gears/lara8-j1.toml")),
+    ("j2", include_str!("../../../gears/lara8-j2.toml")),
+    ("j3", include_str!("../../../gears/lara8-j3.toml")),
+    ("j6", include_str!("../../../gears/lara8-j6.toml")),
+];
+
 /// Longest gear file (bytes).
 const LONGEST_FILE: u64 = 1 << 20;
 
@@ -185,6 +193,13 @@ pub struct Harmonic {
     pub phase: f64,
 }
 
+impl Harmonic {
+    /// A_k sin(k x + p_k) (rad).
+    pub fn at(&self, x: f64) -> f64 {
+        self.amplitude * (f64::from(self.order) * x + self.phase).sin()
+    }
+}
+
 /// `[flexspline]`: a cylinder.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -250,7 +265,7 @@ pub struct Motor {
 }
 
 /// `[sensors]`
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sensors {
     /// Bits a turn of the motor encoder.
@@ -276,6 +291,17 @@ pub struct Sensors {
     /// Standard deviation of the output torque's noise (N m).
     #[serde(rename = "output_torque_noise_nm")]
     pub output_torque_noise: f64,
+    /// Error of the output encoder's scale, as its eccentricity makes it: reading = theta_fs + sum of A_k sin(k x + p_k),
+    /// x the angle of the output.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub output_encoder_error: Vec<Harmonic>,
+}
+
+impl Sensors {
+    /// What the output encoder reads too much at the output angle x (rad).
+    pub fn output_encoder_error_at(&self, x: f64) -> f64 {
+        self.output_encoder_error.iter().map(|harmonic| harmonic.at(x)).sum()
+    }
 }
 
 fn one() -> u32 {
@@ -307,6 +333,14 @@ pub struct Feedback {
 pub struct Compensation {
     /// Share of the friction that is fed forward: all of it can drive the joint by itself.
     pub friction_share: f64,
+    /// By how much the external torque wanders in a second [N m/s^0.5]; the observer's design has one when it is left out. It is how much of
+    /// the motor torque that friction and inertia do not explain the observer takes for external torque.
+    #[serde(
+        rename = "external_torque_wander_nm_per_sqrt_s",
+        default,
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub external_torque_wander: Option<f64>,
 }
 
 impl GearFile {
@@ -334,6 +368,14 @@ impl GearFile {
             table.try_into().map_err(|error: toml::de::Error| refuse(error.message().to_owned()))?;
         physics::check(&gear).map_err(refuse)?;
         Ok(gear)
+    }
+
+    /// The file could be written and read again.
+    ///
+    /// # Errors
+    /// One line that names the key, its value and what is allowed.
+    pub fn check(&self) -> Result<(), BadInput> {
+        Self::parse(Path::new(&self.gear.name), self.to_toml().as_bytes()).map(|_| ())
     }
 
     /// The friction models of both sides are those that the firmware has.

@@ -24,7 +24,7 @@ const STEPS_BACK: usize = 8;
 
 pub(super) fn check(gear: &GearFile) -> Result<(), String> {
     let stiffness = &gear.stiffness;
-    let shell = cup(gear).stiffness();
+    let shell = gear.cup_stiffness();
     if stiffness.k3 >= shell {
         let allowed = format!("below the cup's own stiffness G*J/l = {shell:.0} N m/rad");
         return refuse("stiffness.k3_nm_per_rad", stiffness.k3, &allowed);
@@ -92,6 +92,13 @@ fn check_slope(gear: &GearFile, half_range: f64) -> Result<(), String> {
 
 fn refuse(path: &str, value: f64, allowed: &str) -> Result<(), String> {
     Err(format!("{path} = {value} is out of range; allowed: {allowed}"))
+}
+
+impl GearFile {
+    /// Stiffness of the cup itself, without the teeth, G*J/l (N m/rad).
+    pub fn cup_stiffness(&self) -> f64 {
+        cup(self).stiffness()
+    }
 }
 
 fn cup(gear: &GearFile) -> Cup<f64> {

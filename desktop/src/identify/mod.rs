@@ -16,6 +16,7 @@
 //! | `law` | the gear's torque over torsion, and its inverse |
 //! | `gear_log` | a measured log as torque and torsion |
 //! | `joint` | weights of a gear from measured logs: torque over torsion |
+//! | `moving` | friction, kinematic error and stiffness from a moving joint's log |
 //!
 //! From a catalogue's figure alone there is nothing to fit: the loss in arc minutes is the gap of the standard
 //! shape ([`strainwave::hysteresis::gap_for_width`], [`strainwave::hysteresis::Weights::uniform`]). The identified
@@ -29,6 +30,7 @@ mod gear_log;
 pub mod joint;
 pub(crate) mod law;
 mod least_squares;
+pub mod moving;
 pub mod regressors;
 pub mod reversal;
 mod sequence;
@@ -38,6 +40,7 @@ pub use choice::Smoothing;
 pub use excitation::Excitation;
 pub use gear_log::GearLog;
 pub use joint::{GearOptions, IdentifiedGear, identify_gear};
+pub use moving::{LearntGear, learn_gear};
 pub use sequence::{Identified, Options, Sequence, identify};
 
 /// Why nothing could be identified.
@@ -81,6 +84,30 @@ pub enum Error {
         /// Span of its angle (rad).
         travel: f64,
         /// The most allowed (rad).
+        most: f64,
+    },
+    /// An order that is not seen cannot be learnt.
+    #[error(
+        "the motor turns by {turns:.3} turns in the part that trains; order {order} of the kinematic error needs at least \
+         {least}"
+    )]
+    TooFewTurns {
+        /// Of the kinematic error.
+        order: u32,
+        /// Span of the motor's angle (turns).
+        turns: f64,
+        /// Least span (turns).
+        least: f64,
+    },
+    /// Friction would drive.
+    #[error(
+        "column tau_motor_nm: with its sign changed it fits the motion {ratio:.1} times as well; allowed: at most {most}, \
+         friction never drives"
+    )]
+    ReversedTorque {
+        /// Sum of squares as logged over that with the sign changed.
+        ratio: f64,
+        /// The most allowed.
         most: f64,
     },
     /// A parameter of the operator or an option.

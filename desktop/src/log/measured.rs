@@ -50,6 +50,13 @@ impl MeasuredLog {
         Self::parse(path, &file::read(path, LONGEST_FILE)?)
     }
 
+    /// The same log of a motor whose torque was logged with the other sign.
+    #[must_use]
+    pub fn with_reversed_torque(mut self) -> Self {
+        self.motor_torque.iter_mut().for_each(|torque| *torque = -*torque);
+        self
+    }
+
     /// The file in `bytes`; `path` is only named in errors.
     ///
     /// # Errors

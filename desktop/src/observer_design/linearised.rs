@@ -36,6 +36,14 @@ pub(super) struct Unknown {
 /// encoder alone loses its stability at four times this.
 pub(super) const DESIGN: Unknown = Unknown { wander: 0.45, friction: 0.05, jitter: 2.0, output_jitter: 40.0 };
 
+impl Unknown {
+    /// As the gains of a gear are designed, whose file may have a wander of its own.
+    pub(super) fn designed(file: &GearFile) -> Self {
+        let own = file.compensation.external_torque_wander.map(|wander| wander / file.gear.rated_torque);
+        Self { wander: own.unwrap_or(DESIGN.wander), ..DESIGN }
+    }
+}
+
 /// Least noise of a torque, as a share of the rated one: a torque that is exactly known has no filter.
 const LEAST_NOISE: f64 = 1e-3;
 /// Torsion that makes the unit of each state (rad).

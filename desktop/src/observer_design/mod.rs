@@ -22,7 +22,7 @@ use strainwave::{Error, Real};
 use crate::draw;
 use crate::gear_file::{Friction, GearFile};
 use crate::joint::CONTROL_PERIOD;
-use linearised::{DESIGN, Linearised, Sensor, Sixth, Unknown, encoder_noise, resolution};
+use linearised::{Linearised, Sensor, Sixth, Unknown, encoder_noise, resolution};
 
 /// Noise of a motor encoder that stands, besides its resolution, in counts of 2^19 a turn.
 const STILL: f64 = 0.5;
@@ -140,7 +140,7 @@ impl Filter {
             (false, false, _) | (false, true, Sixth::Stiffness) => Sixth::None,
             _ => sixth,
         };
-        let model = Linearised::of(file, sixth, &DESIGN);
+        let model = Linearised::of(file, sixth, &Unknown::designed(file));
         let sensors = &file.sensors;
         let period = if has_output { sensors.output_encoder_period } else { 1 };
         let delay = if has_output { sensors.output_encoder_delay } else { 0 };

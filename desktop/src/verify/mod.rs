@@ -6,6 +6,7 @@ pub mod compensator;
 pub mod flexspline;
 pub mod friction;
 pub mod hysteresis;
+pub mod replay;
 
 use std::time::Instant;
 
@@ -85,7 +86,7 @@ impl Part {
     }
 
     /// Measures the part's figures, but for those of the clock ([`flexspline::speed`], [`hysteresis::speed`]) and those
-    /// of many runs ([`compensator::against_baselines`]).
+    /// of many runs or logs ([`compensator::against_baselines`], [`replay`]).
     ///
     /// # Errors
     /// Measured data that are there and cannot be used.

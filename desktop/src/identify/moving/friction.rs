@@ -1,0 +1,90 @@
+//! Friction at the wave generator, from the motor's torque over its motion.
+//!
+//! ```text
+//! tau_motor = g0 + g1*r*theta + F*curve(omega)*sliding(omega) + V*Fv*omega + M*(J_wg + r^2*J_fs)*domega
+//! curve(omega) = Fc + (Fs - Fc)*exp(-|omega|/vs)            sliding(omega) = tanh(omega/SLIDING)
+//! ```
+//!
+//! F, V, M >= 0 are factors on what the base gear says, with the prior 1 +- 1; g0 and g1 (N m, N m/rad) are the load's
+//! weight along the path, free up to the gear's peak torque. F and V are put into the gear; M is not: the load that it
+//! weighs is the base gear's affair. Noise: [`UNKNOWN`] of the Coulomb level, alike over [`ALIKE`].
+//!
+//! Motion with the torque's sign the other way round is told apart by friction alone, which never drives.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::super::Error;
+use super::super::least_squares::Factor;
+use super::EVERY;
+use crate::gear_file::{Friction, GearFile};
+use crate::joint::CONTROL_PERIOD;
+use crate::replay::ReplayRow;
+
+/// Speed from which on the contact slides (rad/s).
+const SLIDING: f64 = 0.3;
+/// Share of the Coulomb level that friction varies by beside the curve.
+const UNKNOWN: f64 = 0.2;
+/// Time over which this is alike (s).
+const ALIKE: f64 = 0.1;
+/// Half of the time over which speeds and accelerations are taken (s).
+const HALF_SPAN: f64 = 0.024;
+/// Sum of squares with the torque as logged, over that with its sign changed, from which on the sign is wrong.
+const REVERSED: f64 = 2.0;
+
+/// Puts the learnt levels into the gear; F.
+pub(super) fn learn(gear: &mut GearFile, rows: &[ReplayRow]) -> Result<f64, Error> {
+    let (factors, squares) = fit(gear, rows, 1.0)?;
+    let (_, reversed) = fit(gear, rows, -1.0)?;
+    if squares > REVERSED * reversed {
+        return Err(Error::ReversedTorque { ratio: squares / reversed, most: REVERSED });
+    }
+    let [level, viscous, _] = factors;
+    let input = &mut gear.friction.input;
+    for value in [&mut input.coulomb, &mut input.static_level] {
+        *value = value.map(|value| value * level);
+    }
+    input.viscous = input.viscous.map(|value| value * viscous);
+    Ok(level)
+}
+
+/// F, V, M, and the sum of squares with the priors'.
+fn fit(gear: &GearFile, rows: &[ReplayRow], sign: f64) -> Result<([f64; 3], f64), Error> {
+    let rows = equations(gear, rows, sign);
+    let factor = Factor::of(rows);
+    let prior = DVector::from_vec(vec![0.0, 0.0, 1.0, 1.0, 1.0]);
+    let x = factor.solve(&DMatrix::identity(5, 5), &prior, 2)?;
+    let pulled: f64 = x.iter().zip(&prior).map(|(x, p)| (x - p).powi(2)).sum();
+    Ok(([x[2], x[3], x[4]], factor.squares(&x) + pulled))
+}
+
+/// Rows [g0, g1, F, V, M | tau], each of unit noise and each unknown of unit prior.
+fn equations(gear: &GearFile, rows: &[ReplayRow], sign: f64) -> DMatrix<f64> {
+    let friction = &gear.friction.input;
+    let r: f64 = gear.gear.signed_ratio().value();
+    let inertia = gear.inertia.wave_generator + r * r * gear.inertia.flexspline;
+    let weight = r * gear.gear.peak_torque;
+    let alike = (ALIKE / (EVERY as f64 * CONTROL_PERIOD)).sqrt();
+    let noise = UNKNOWN * friction.coulomb.unwrap_or_default().max(gear.sensors.motor_torque_noise) * alike;
+    let span = (HALF_SPAN / CONTROL_PERIOD) as usize;
+    let used: Vec<_> = (span..rows.len().saturating_sub(span)).step_by(EVERY).collect();
+    DMatrix::from_fn(used.len(), 6, |row, column| {
+        let at = |k: usize| rows[k].motor;
+        let (before, now, after) = (at(used[row] - span), at(used[row]), at(used[row] + span));
+        let speed = (after - before) / (2.0 * HALF_SPAN);
+        let value = match column {
+            0 => weight,
+            1 => weight * rows[used[row]].rigid,
+            2 => curve(friction, speed) * (speed / SLIDING).tanh(),
+            3 => friction.viscous.unwrap_or_default() * speed,
+            4 => inertia * (after - 2.0 * now + before) / (HALF_SPAN * HALF_SPAN),
+            _ => sign * rows[used[row]].motor_torque,
+        };
+        value / noise
+    })
+}
+
+fn curve(friction: &Friction, speed: f64) -> f64 {
+    let coulomb = friction.coulomb.unwrap_or_default();
+    let more = friction.static_level.unwrap_or(coulomb) - coulomb;
+    coulomb + more * (-speed.abs() / friction.stribeck_velocity.unwrap_or(f64::INFINITY)).exp()
+}

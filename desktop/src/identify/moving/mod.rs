@@ -1,0 +1,135 @@
+//! What a moving joint's log shows of its gear, beside both encoders: friction, kinematic error, stiffness.
+//!
+//! ```text
+//! theta_out - r*theta_motor = c + e(theta_motor) - s*phi + E(r*theta_motor) + n
+//! ```
+//!
+//! | unknown | what it is |
+//! | --- | --- |
+//! | c | offset of the encoders (rad) |
+//! | e | kinematic error, orders [`ORDERS`] of the motor's angle relative to the flexspline, and relative to the case |
+//! | E | error of the output encoder's scale, as eccentricity makes it, orders 1 and 2 a turn of the output |
+//! | phi | torsion that the observer finds with the base gear's stiffness, from the motor side (rad) |
+//! | s | the base gear's stiffness over the gear's |
+//! | n | what is in no column: noise that is alike over a short path and a short time |
+//!
+//! In this order: friction from the motor's torque over its motion ([`friction`]); with it, for every observer of
+//! [`WANDERS`], its torsion and the regularised least squares of the above ([`residual`]); the observer with the least sum of
+//! squares is kept. The wander says how much of the motor torque that friction does not explain winds the gear up: where
+//! friction is not known to a fraction of the rated torque, hardly any.
+//!
+//! The first share of the motor's path trains, the rest is predicted; a path holds few turns, so every unknown has a
+//! prior of catalogue size and an order that the path does not show is not learnt. The two kinds of orders beat
+//! once in a turn of the output: over less than half a beat they are one, and counted relative to the flexspline.
+//!
+//! C. Rasmussen, C. Williams, "Gaussian Processes for Machine Learning", MIT Press (2006), section 2.7, for the
+//! columns with priors under correlated noise.
+
+mod friction;
+mod residual;
+
+use strainwave::Error as ParameterError;
+
+use super::Error;
+use crate::closed_loop::HostCompensator;
+use crate::gear_file::{GearFile, KinematicError};
+use crate::joint::joint_params;
+use crate::log::MeasuredLog;
+use crate::replay::{Judgement, ReplayRow, replay, time_of_path};
+pub use residual::{ORDERS, Residual};
+
+/// Wanders of the external torque that are tried, in rated torques and the square root of a second: an observer's that is
+/// designed without a log, and none over any log. One between would be followed more slowly than a log moves, and
+/// drift through it.
+pub const WANDERS: [f64; 2] = [0.45, 1e-7];
+/// Every how many control periods a row is used: 4 ms.
+const EVERY: usize = 40;
+
+/// What was learnt, and how well it predicts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LearntGear {
+    /// The base gear with what was learnt.
+    pub gear: GearFile,
+    /// Time up to which the log trained (s).
+    pub learnt: f64,
+    /// Span of the motor's angle until then (turns).
+    pub turns: f64,
+    /// K1, K2, K3 over the base gear's.
+    pub stiffness_factor: f64,
+    /// Levels of the input friction over the base gear's.
+    pub friction_factor: f64,
+    /// Rms of what the trained rows are missed by (rad).
+    pub training_rms: f64,
+    /// How well the rest is predicted by the observer in the firmware's precision; `None` without a rest.
+    pub judgement: Option<Judgement>,
+    /// The log through the observer of the learnt gear.
+    pub rows: Vec<ReplayRow>,
+}
+
+/// Learns from the first `training` of the motor's path, 0.2..=1; `progress` is called with the share done.
+///
+/// # Errors
+/// [`Error`] when the log lacks the output's angle, turns too little, or its torque counts against its motion; a gear
+/// that no compensator can be built from.
+pub fn learn_gear(
+    base: &GearFile,
+    log: &MeasuredLog,
+    training: f64,
+    mut progress: impl FnMut(f64),
+) -> Result<LearntGear, Error> {
+    if !(0.2..=1.0).contains(&training) {
+        return Err(ParameterError::OutOfRange("training").into());
+    }
+    let learnt = time_of_path(log, training);
+    let mut gear = base.clone();
+    gear.kinematic_error = KinematicError::default();
+    gear.sensors.output_encoder_error = Vec::new();
+    let rows = observe(&gear, log, learnt)?;
+    let turns = residual::require_turns(&rows)?;
+    let friction_factor = friction::learn(&mut gear, &rows)?;
+    let mut best: Option<(Residual, GearFile)> = None;
+    let observers = observers(&gear);
+    for (done, gear) in observers.iter().enumerate() {
+        progress(done as f64 / observers.len() as f64);
+        let found = Residual::solve(gear, &observe(gear, log, learnt)?)?;
+        if best.as_ref().is_none_or(|(best, _)| found.squares < best.squares) {
+            best = Some((found, gear.clone()));
+        }
+    }
+    let (found, mut gear) = best.ok_or(ParameterError::OutOfRange("gear"))?;
+    found.put_into(&mut gear);
+    let rows = observe(&gear, log, f64::INFINITY)?;
+    let rest = rows.last().is_some_and(|last| last.time > learnt);
+    Ok(LearntGear {
+        learnt,
+        turns,
+        stiffness_factor: 1.0 / found.compliance_factor,
+        friction_factor,
+        training_rms: found.rms,
+        judgement: rest.then(|| Judgement::of(&rows, learnt)),
+        gear,
+        rows,
+    })
+}
+
+/// The gear with each of the observers that are tried; those that could not be built once the gear is as stiff as its cup
+/// are left out.
+fn observers(gear: &GearFile) -> Vec<GearFile> {
+    let with = |wander: f64| {
+        let mut one = gear.clone();
+        one.compensation.external_torque_wander = Some(wander * gear.gear.rated_torque);
+        one
+    };
+    WANDERS.map(with).into_iter().filter(|one| is_sound(&residual::stiffest(one))).collect()
+}
+
+/// A gear file may say it, and a compensator can be built from it.
+fn is_sound(gear: &GearFile) -> bool {
+    gear.check().is_ok() && joint_params::<f32>(gear).is_ok_and(|joint| joint.build().is_ok())
+}
+
+/// The log through the observer in the firmware's precision, up to `until` (s).
+fn observe(gear: &GearFile, log: &MeasuredLog, until: f64) -> Result<Vec<ReplayRow>, Error> {
+    let mut controller = HostCompensator::build(&joint_params(gear)?)?;
+    replay(&mut controller, gear, log, until, |_| ()).map_err(|error| Error::Solver(error.to_string()))
+}

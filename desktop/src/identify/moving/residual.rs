@@ -1,0 +1,223 @@
+//! The output encoder beside the motor's: offset, kinematic error, scale error and stiffness by regularised least squares.
+//!
+//! ```text
+//! min  sum of (what is left of a row - rho*what is left of the row before)^2/(sigma^2 (1 - rho^2) + q^2) + priors
+//! rho = exp(-path/PATH_ALIKE - time/TIME_ALIKE)
+//! ```
+//!
+//! path (rad) and time (s) are those from row to row: what no column explains is alike along a short piece of either, with
+//! the standard deviation sigma = [`LEFT`], beside the encoders' own noise q = [`READING`]. Without it the rows of a
+//! fraction of a turn would be taken for thousands of witnesses.
+//!
+//! Priors (standard deviations): an order k of e has [`ORDER_2`]*(2/k)^2, order 1 a quarter of it; order k of E has
+//! [`ECCENTRICITY`]/k^2; s = 1 +- [`COMPLIANCE`]. s > 0 ends where the gear would be stiffer than its own cup.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::super::Error;
+use super::super::least_squares::Factor;
+use super::super::sequence::span;
+use super::EVERY;
+use crate::gear_file::{GearFile, Harmonic};
+use crate::joint::CONTROL_PERIOD;
+use crate::replay::ReplayRow;
+
+/// Orders of the kinematic error, a turn of the motor.
+pub const ORDERS: [u32; 6] = [1, 2, 4, 6, 8, 10];
+/// The order of the wave generator's two lobes: every harmonic drive has it.
+const LOBES: u32 = 2;
+/// Orders of the output encoder's scale, a turn of the output.
+const SCALE_ORDERS: [u32; 2] = [1, 2];
+/// Periods of an order that a path must show.
+const PERIODS: f64 = 0.5;
+/// Beats between the two kinds of orders that a path must show.
+const BEATS: f64 = 0.5;
+/// Of a sine and of a cosine of order 2 (rad): the catalogue's positioning accuracy is 2.9e-4 rad from peak to peak.
+const ORDER_2: f64 = 8e-5;
+/// Of a sine and of a cosine of order 1 a turn of the output (rad): 80 seconds of arc, a ring of 100 mm radius that is
+/// mounted 40 um off centre.
+const ECCENTRICITY: f64 = 4e-4;
+/// Of s.
+const COMPLIANCE: f64 = 0.3;
+/// Of c (rad).
+const OFFSET: f64 = 1e-2;
+/// sigma (rad): the size of orders that have no column.
+const LEFT: f64 = 2e-5;
+/// q (rad): two counts of a 19-bit encoder, a tenth of it by averaging.
+const READING: f64 = 2e-6;
+/// Path over which what is left is alike (rad): a period of order 5, which like 3 and 7 has no column.
+const PATH_ALIKE: f64 = TAU / 5.0;
+/// Time over which it is alike (s): a period of an arm's sway.
+const TIME_ALIKE: f64 = 0.2;
+
+/// Which angle an order counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// theta
+    Case,
+    /// theta - r*theta
+    Flexspline,
+    /// r*theta
+    Scale,
+}
+
+impl Kind {
+    fn angle(self, row: &ReplayRow) -> f64 {
+        match self {
+            Self::Case => row.motor,
+            Self::Flexspline => row.motor - row.rigid,
+            Self::Scale => row.rigid,
+        }
+    }
+
+    fn prior(self, order: u32) -> f64 {
+        let k = f64::from(order);
+        match self {
+            Self::Scale => ECCENTRICITY / (k * k),
+            _ if order == 1 => ORDER_2 / 4.0,
+            _ => ORDER_2 * 4.0 / (k * k),
+        }
+    }
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Residual {
+    /// Sum of squares, with those of the priors.
+    pub squares: f64,
+    /// s
+    pub compliance_factor: f64,
+    /// What the rows are missed by, rms (rad).
+    pub rms: f64,
+    terms: Vec<(Kind, Harmonic)>,
+}
+
+/// Turns that the motor's angle spans.
+///
+/// # Errors
+/// [`Error::TooFewTurns`] when the order of the two lobes would not show.
+pub(super) fn require_turns(rows: &[ReplayRow]) -> Result<f64, Error> {
+    let turns = turns(rows);
+    let least = PERIODS / f64::from(LOBES);
+    if turns < least { Err(Error::TooFewTurns { order: LOBES, turns, least }) } else { Ok(turns) }
+}
+
+fn turns(rows: &[ReplayRow]) -> f64 {
+    span(&rows.iter().map(|row| row.motor).collect::<Vec<_>>()) / TAU
+}
+
+impl Residual {
+    /// The least squares of rows that the observer of `gear` was fed with; its kinematic error is none.
+    pub(super) fn solve(gear: &GearFile, rows: &[ReplayRow]) -> Result<Self, Error> {
+        let rows: Vec<_> = rows.iter().step_by(EVERY).copied().collect();
+        let problem = Problem { columns: columns(gear, turns(&rows)), least: least_compliance(gear) };
+        let (unknowns, equations) = (problem.unknowns(), problem.equations(&rows));
+        let factor = Factor::of(whitened(&equations, &rows));
+        let mut prior = DVector::zeros(unknowns);
+        prior[unknowns - 1] = (1.0 - problem.least) / COMPLIANCE;
+        let x = factor.solve(&DMatrix::identity(unknowns, unknowns), &prior, unknowns - 1)?;
+        let x = DVector::from_vec(x);
+        let left = equations.columns(0, unknowns) * &x - equations.column(unknowns);
+        Ok(Self {
+            squares: factor.squares(x.as_slice()) + (&x - &prior).norm_squared(),
+            compliance_factor: problem.least + COMPLIANCE * x[unknowns - 1],
+            rms: (left.norm_squared() / rows.len() as f64).sqrt(),
+            terms: problem.terms(&x),
+        })
+    }
+
+    /// Into the gear that the observer had.
+    pub(super) fn put_into(&self, gear: &mut GearFile) {
+        soften(gear, self.compliance_factor);
+        let of = |kind| self.terms.iter().filter(|term| term.0 == kind).map(|term| term.1).collect();
+        gear.kinematic_error.wave_generator = of(Kind::Case);
+        gear.kinematic_error.flexspline = of(Kind::Flexspline);
+        gear.sensors.output_encoder_error = of(Kind::Scale);
+    }
+}
+
+/// The orders that a path of so many turns shows.
+fn columns(gear: &GearFile, turns: f64) -> Vec<(Kind, u32)> {
+    let shown = ORDERS.into_iter().filter(move |order| turns * f64::from(*order) >= PERIODS);
+    let apart = turns >= BEATS * f64::from(gear.gear.signed_ratio().n().abs());
+    let scale = SCALE_ORDERS.into_iter().map(|order| (Kind::Scale, order));
+    let flexspline = shown.clone().map(|order| (Kind::Flexspline, order));
+    scale.chain(flexspline).chain(shown.filter(|_| apart).map(|order| (Kind::Case, order))).collect()
+}
+
+fn soften(gear: &mut GearFile, factor: f64) {
+    for stiffness in [&mut gear.stiffness.k1, &mut gear.stiffness.k2, &mut gear.stiffness.k3] {
+        *stiffness /= factor;
+    }
+}
+
+/// The gear with the stiffness that s ends at.
+pub(super) fn stiffest(gear: &GearFile) -> GearFile {
+    let mut stiffest = gear.clone();
+    soften(&mut stiffest, least_compliance(gear));
+    stiffest
+}
+
+/// s of a gear nearly as stiff as its cup.
+fn least_compliance(gear: &GearFile) -> f64 {
+    1.05 * gear.stiffness.k3 / gear.cup_stiffness()
+}
+
+/// Unknowns: c, sine and cosine of each column, s from its least on; each in units of its prior.
+struct Problem {
+    columns: Vec<(Kind, u32)>,
+    /// Least s.
+    least: f64,
+}
+
+impl Problem {
+    fn unknowns(&self) -> usize {
+        2 + 2 * self.columns.len()
+    }
+
+    /// Rows [unknowns | theta_out - r*theta_motor] (rad).
+    fn equations(&self, rows: &[ReplayRow]) -> DMatrix<f64> {
+        let last = self.unknowns() - 1;
+        DMatrix::from_fn(rows.len(), last + 2, |row, column| {
+            let row = &rows[row];
+            let torsion = row.rigid - row.predicted;
+            match column {
+                0 => OFFSET,
+                k if k < last => self.sine_or_cosine(k - 1, row),
+                k if k == last => -torsion * COMPLIANCE,
+                _ => row.measured - row.rigid + self.least * torsion,
+            }
+        })
+    }
+
+    /// Sines stand before their cosines.
+    fn sine_or_cosine(&self, index: usize, row: &ReplayRow) -> f64 {
+        let (kind, order) = self.columns[index / 2];
+        let (sine, cosine) = (f64::from(order) * kind.angle(row)).sin_cos();
+        kind.prior(order) * if index.is_multiple_of(2) { sine } else { cosine }
+    }
+
+    fn terms(&self, x: &DVector<f64>) -> Vec<(Kind, Harmonic)> {
+        let term = |(index, (kind, order)): (usize, &(Kind, u32))| {
+            let (sine, cosine) = (x[1 + 2 * index], x[2 + 2 * index]);
+            let amplitude = kind.prior(*order) * sine.hypot(cosine);
+            (*kind, Harmonic { order: *order, amplitude, phase: cosine.atan2(sine) })
+        };
+        self.columns.iter().enumerate().map(term).collect()
+    }
+}
+
+/// Rows of unit noise each: what a row adds to the one before.
+fn whitened(equations: &DMatrix<f64>, rows: &[ReplayRow]) -> DMatrix<f64> {
+    let mut white = equations.clone();
+    white.row_mut(0).scale_mut(1.0 / LEFT.hypot(READING));
+    for k in 1..rows.len() {
+        let path = (rows[k].motor - rows[k - 1].motor).abs();
+        let rho = (-path / PATH_ALIKE - EVERY as f64 * CONTROL_PERIOD / TIME_ALIKE).exp();
+        let noise = (LEFT * LEFT * (1.0 - rho * rho) + READING * READING).sqrt();
+        white.set_row(k, &((equations.row(k) - equations.row(k - 1) * rho) / noise));
+    }
+    white
+}

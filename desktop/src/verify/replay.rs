@@ -1,0 +1,73 @@
+//! Measured joints that move: the output encoder predicted from the motor side, after a third of the motion.
+//!
+//! The observer is the firmware's f32 build on this machine; that the firmware's own bits are the same is
+//! measured with `strainwave pil --replay`. What each prediction misses by is about the mean that it had in the part
+//! learnt from; `spread` is about its own mean.
+
+use std::path::Path;
+
+use crate::bounds;
+use crate::data;
+use crate::figure::Figure;
+use crate::file::BadInput;
+use crate::gear_file::{GearFile, LARA8_MOVING};
+use crate::identify::learn_gear;
+use crate::log::MeasuredLog;
+use crate::replay::Judgement;
+use crate::verify::Measured;
+
+/// Share of the motor's path that is learnt from.
+const LEARNT: f64 = 1.0 / 3.0;
+/// Logs, their joints, and whether the motor torque counts against the angle: the encoders of joints 1, 2 and 6 count against
+/// the joint's angle, in whose direction the controller states torques.
+const LOGS: [(&str, &str, bool); 6] = [
+    ("jog_j1", "j1", true),
+    ("jog_j2_mass", "j2", true),
+    ("jog_linear_mass", "j1", true),
+    ("jog_linear_mass", "j2", true),
+    ("jog_linear_mass", "j3", false),
+    ("jog_linear_mass", "j6", true),
+];
+
+/// Every log's figures, and how many joints are predicted twice as well as by a rigid gear.
+///
+/// # Errors
+/// Logs that are there and cannot be used.
+pub fn measure() -> Result<Measured, BadInput> {
+    let mut measured = Measured::default();
+    let mut at_half = Vec::new();
+    for (log, joint, reversed) in LOGS {
+        let Some(judgement) = judge(log, joint, reversed)? else {
+            measured.notes.push(format!("compensator.replay.{log}_{joint}: skipped: no data (lara8)"));
+            continue;
+        };
+        measured.figures.extend(figures(&format!("compensator.replay.{log}_{joint}"), &judgement));
+        at_half.push(judgement.ratio() <= 0.5);
+    }
+    if at_half.len() == LOGS.len() {
+        let count = at_half.iter().filter(|half| **half).count();
+        measured.figures.push(bounds::figure("compensator.replay.joints_at_half", count as f64));
+    }
+    Ok(measured)
+}
+
+/// `None` without the data.
+fn judge(log: &str, joint: &str, reversed: bool) -> Result<Option<Judgement>, BadInput> {
+    let Some(path) = data::find(&format!("lara8/joint/{log}.{joint}.csv")) else { return Ok(None) };
+    let (_, text) = LARA8_MOVING.iter().find(|gear| gear.0 == joint).expect("each joint has a gear file");
+    let gear = GearFile::parse(Path::new(&format!("gears/lara8-{joint}.toml")), text.as_bytes())?;
+    let measured = MeasuredLog::read(&path)?;
+    let measured = if reversed { measured.with_reversed_torque() } else { measured };
+    let found = learn_gear(&gear, &measured, LEARNT, |_| ()).map_err(|why| BadInput::new(&path, why))?;
+    Ok(found.judgement)
+}
+
+fn figures(name: &str, judgement: &Judgement) -> Vec<Figure> {
+    vec![
+        Figure::reported(format!("{name}.rms"), judgement.rms, "rad"),
+        Figure::reported(format!("{name}.rigid.rms"), judgement.rigid_rms, "rad"),
+        Figure::reported(format!("{name}.over_rigid"), judgement.ratio(), "1"),
+        Figure::reported(format!("{name}.spread"), judgement.spread, "rad"),
+        Figure::reported(format!("{name}.rigid.spread"), judgement.rigid_spread, "rad"),
+    ]
+}

@@ -1,0 +1,138 @@
+//! Learning from a moving joint's log: what comes back from a joint of known parameters, and what is refused.
+
+use std::f64::consts::TAU;
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+use strainwave_desktop::GearFile;
+use strainwave_desktop::gear_file::Harmonic;
+use strainwave_desktop::identify::{Error, LearntGear, learn_gear};
+use strainwave_desktop::log::{MeasuredLog, Time};
+use strainwave_desktop::verify::replay;
+
+const INTERVAL: f64 = 0.004;
+const TURNS: f64 = 9.0;
+const DURATION: f64 = 6.0;
+/// Level of the friction over the base gear's.
+const LEVEL: f64 = 1.6;
+const ECCENTRIC: Harmonic = Harmonic { order: 1, amplitude: 3e-4, phase: 0.4 };
+const ERROR: [Harmonic; 2] =
+    [Harmonic { order: 2, amplitude: 7e-5, phase: 1.0 }, Harmonic { order: 4, amplitude: 2e-5, phase: -2.0 }];
+
+/// The default gear without friction at the output.
+fn base() -> GearFile {
+    let mut gear = GearFile::default_gear();
+    let output = &mut gear.friction.output;
+    for level in [&mut output.coulomb, &mut output.static_level, &mut output.viscous] {
+        *level = Some(0.0);
+    }
+    gear
+}
+
+/// Angle, speed and acceleration of a motor that stands, turns `turns` there and back, and stands.
+fn motion(t: f64, turns: f64) -> [f64; 3] {
+    let rate = TAU / (DURATION - 1.0);
+    let u = rate * (t - 0.5).clamp(0.0, DURATION - 1.0);
+    let amplitude = turns * TAU / 2.0;
+    let moves = f64::from(u8::from(u > 0.0 && u < TAU));
+    [amplitude * (1.0 - u.cos()), amplitude * rate * u.sin(), moves * amplitude * rate * rate * u.cos()]
+}
+
+/// Torque of a motor with this speed and acceleration.
+fn motor_torque(gear: &GearFile, speed: f64, acceleration: f64) -> f64 {
+    let friction = &gear.friction.input;
+    let (coulomb, level) = (friction.coulomb.unwrap(), friction.static_level.unwrap());
+    let stribeck = (-speed.abs() / friction.stribeck_velocity.unwrap()).exp();
+    let r: f64 = gear.gear.signed_ratio().value();
+    let inertia = gear.inertia.wave_generator + r * r * gear.inertia.flexspline;
+    let dry = LEVEL * (coulomb + (level - coulomb) * stribeck) * (speed / 0.3).tanh();
+    dry + friction.viscous.unwrap() * speed + inertia * acceleration
+}
+
+/// A joint that its load's inertia alone winds up.
+fn log(turns: f64) -> MeasuredLog {
+    let gear = base();
+    let r: f64 = gear.gear.signed_ratio().value();
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let noise = Normal::new(0.0, 1.0).unwrap();
+    let mut sample = || noise.sample(&mut random);
+    let stamps = (DURATION / INTERVAL) as usize;
+    let mut log = MeasuredLog {
+        time: Time::every(INTERVAL, stamps),
+        motor_position: Vec::new(),
+        motor_torque: Vec::new(),
+        output_position: Some(Vec::new()),
+        output_torque: None,
+        model_torque: None,
+    };
+    for k in 0..stamps {
+        let [motor, speed, acceleration] = motion(k as f64 * INTERVAL, turns);
+        let torsion = gear.inertia.flexspline * r * acceleration / gear.stiffness.k1;
+        let error: f64 = ERROR.iter().map(|harmonic| harmonic.at(motor * (1.0 - r))).sum();
+        log.motor_position.push(motor + 2e-5 * sample());
+        log.motor_torque.push(motor_torque(&gear, speed, acceleration) + 2e-3 * sample());
+        let output = r * motor + error - torsion + ECCENTRIC.at(r * motor) + 2e-6 * sample();
+        log.output_position.as_mut().unwrap().push(output + 0.25);
+    }
+    log
+}
+
+fn learn(log: &MeasuredLog, training: f64) -> Result<LearntGear, Error> {
+    learn_gear(&base(), log, training, |_| ())
+}
+
+/// The complex amplitudes of two harmonics differ by so much (rad).
+fn apart(a: &Harmonic, b: &Harmonic) -> f64 {
+    let (sa, ca) = a.phase.sin_cos();
+    let (sb, cb) = b.phase.sin_cos();
+    (a.amplitude * ca - b.amplitude * cb).hypot(a.amplitude * sa - b.amplitude * sb)
+}
+
+#[test]
+fn kinematic_error_and_friction_come_back_from_a_third_of_the_motion() {
+    let found = learn(&log(TURNS), 1.0 / 3.0).unwrap();
+    assert!((found.turns - 2.0 / 3.0 * TURNS).abs() < 0.1, "{}", found.turns);
+    for truth in &ERROR {
+        let orders = &found.gear.kinematic_error.flexspline;
+        let learnt = orders.iter().find(|harmonic| harmonic.order == truth.order).unwrap();
+        assert!(apart(learnt, truth) < 5e-6, "{learnt:?} {truth:?}");
+    }
+    let level = found.gear.friction.input.coulomb.unwrap() / base().friction.input.coulomb.unwrap();
+    assert!((level / LEVEL - 1.0).abs() < 0.15, "{level}");
+    let judgement = found.judgement.unwrap();
+    assert!(judgement.ratio() < 0.25, "{judgement:?}");
+    // The gear file says all of it.
+    let again = GearFile::parse("learnt.toml".as_ref(), found.gear.to_toml().as_bytes()).unwrap();
+    assert_eq!(again, found.gear);
+}
+
+#[test]
+fn all_of_the_log_may_train_and_then_nothing_is_judged() {
+    let found = learn(&log(TURNS), 1.0).unwrap();
+    assert!(found.judgement.is_none() && found.training_rms < 1.5e-5, "{:e}", found.training_rms);
+}
+
+#[test]
+fn what_the_log_does_not_show_is_refused_by_name() {
+    match learn(&log(0.3), 1.0 / 3.0) {
+        Err(Error::TooFewTurns { order: 2, turns, least }) => assert!(turns < least && least == 0.25),
+        other => panic!("{:?}", other.map(|found| found.turns)),
+    }
+    let line = learn(&log(0.3), 1.0 / 3.0).unwrap_err().to_string();
+    assert!(line.contains("order 2 of the kinematic error needs at least 0.25"), "{line}");
+    let reversed = log(TURNS).with_reversed_torque();
+    assert!(matches!(learn(&reversed, 0.5), Err(Error::ReversedTorque { .. })));
+    assert!(learn(&log(TURNS), 0.1).is_err());
+}
+
+#[test]
+fn measured_joints_are_predicted_or_their_absence_is_told() {
+    let measured = replay::measure().unwrap();
+    measured.figures.iter().for_each(|figure| println!("{}", figure.cells().join("  ")));
+    assert!(measured.figures.iter().all(|figure| figure.holds), "{:#?}", measured.figures);
+    if measured.figures.is_empty() {
+        assert!(measured.notes.iter().all(|note| note.ends_with("skipped: no data (lara8)")));
+        measured.notes.iter().for_each(|note| println!("{note}"));
+    }
+}
