@@ -182,3 +182,85 @@ impl<R: Real> LearntRipple<R> {
 fn add<R: Real>(coefficient: &mut R, by: R, bound: R) {
     *coefficient = (*coefficient + by).limit(bound);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::angle::Ratio;
+
+    const DT: f64 = 1e-4;
+
+    fn params() -> LearntRippleParams<f64> {
+        let order = |order, to_flexspline| RippleOrder { order, to_flexspline };
+        LearntRippleParams {
+            orders: [order(1, false), order(2, false), order(2, true), RippleOrder::default()],
+            position_rate: 5.0,
+            torque_rate: 5.0,
+            position_bound: 3e-4,
+            torque_bound: 0.01,
+            speeds: [1.0, 60.0],
+        }
+    }
+
+    const TRUTH: RippleMap<f64> = RippleMap {
+        position: [[0.0, 2e-5], [1e-4, 0.0], [-3e-5, 4e-5], [0.0; 2]],
+        torque: [[2e-3, 0.0], [0.0, 1e-3], [0.0; 2], [0.0; 2]],
+    };
+
+    /// The map that is learnt at `speed` (rad/s) in `seconds` of a joint with the ripple of `TRUTH`.
+    fn learnt(speed: f64, seconds: f64) -> RippleMap<f64> {
+        let (ripple, ratio) = (params().build(DT).unwrap(), Ratio::one_over(-20).unwrap());
+        let mut map = RippleMap::default();
+        for k in 0..(seconds / DT) as usize {
+            let theta = Angle::from_radians_f64(speed * DT * k as f64);
+            let now = ripple.at(&map, theta, ratio.apply(theta));
+            let there = ripple.at(&TRUTH, theta, ratio.apply(theta));
+            let lesson = Lesson {
+                speed,
+                position: Some(there.position - now.position),
+                torque: there.torque - now.torque,
+            };
+            ripple.learn(&mut map, &now, &lesson);
+        }
+        map
+    }
+
+    /// Orders 2 of both rims beat once in ten turns, which must be seen to tell them apart.
+    #[test]
+    fn it_finds_the_ripple_of_both_rims() {
+        let map = learnt(25.0, 60.0);
+        for (found, truth) in [(map.position, TRUTH.position), (map.torque, TRUTH.torque)] {
+            let largest = truth.as_flattened().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            for (found, truth) in found.as_flattened().iter().zip(truth.as_flattened()) {
+                assert!((found - truth).abs() < 0.01 * largest, "{found} of {truth}");
+            }
+        }
+    }
+
+    #[test]
+    fn it_learns_nothing_at_rest_nor_where_the_loop_is_too_slow() {
+        assert_eq!(learnt(0.5, 1.0), RippleMap::default());
+        let map = learnt(40.0, 1.0);
+        assert!(map.position[0] != [0.0; 2] && map.position[1] == [0.0; 2], "{map:?}");
+        assert_eq!(learnt(70.0, 1.0), RippleMap::default());
+    }
+
+    #[test]
+    fn a_map_is_kept_within_its_bounds() {
+        let ripple = params().build(DT).unwrap();
+        let wild = RippleMap { position: [[1.0, f64::NAN]; 4], torque: [[-1.0, 0.005]; 4] };
+        let kept = wild.within(&ripple);
+        assert_eq!(kept, RippleMap { position: [[3e-4, 0.0]; 4], torque: [[-0.01, 0.005]; 4] });
+    }
+
+    #[test]
+    fn a_parameter_out_of_range_is_named() {
+        let build = |params: LearntRippleParams<f64>| params.build(DT).unwrap_err();
+        let named = |name| Error::OutOfRange(name);
+        let order = RippleOrder { order: 1001, to_flexspline: false };
+        assert_eq!(build(LearntRippleParams { orders: [order; 4], ..params() }), named("ripple_order"));
+        assert_eq!(build(LearntRippleParams { torque_rate: -1.0, ..params() }), named("ripple_rate"));
+        assert_eq!(build(LearntRippleParams { position_bound: f64::NAN, ..params() }), named("ripple_bound"));
+        assert_eq!(build(LearntRippleParams { speeds: [2.0, 1.0], ..params() }), named("ripple_speeds"));
+    }
+}

@@ -130,3 +130,88 @@ impl<R: Real> OutputFeedback<R> {
         Shift { angle: -angle.limit(R::lit(LARGEST)), rate: -rate }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::vec;
+    use std::vec::Vec;
+
+    use super::*;
+
+    const DT: f64 = 1e-4;
+    const INERTIA: f64 = 1.2;
+    const STIFFNESS: f64 = 4e4;
+    const GAINS: OutputFeedbackParams<f64> =
+        OutputFeedbackParams { stiffening: 0.5, damping: 0.0081, integral: 0.0 };
+
+    fn feedback(gains: OutputFeedbackParams<f64>) -> OutputFeedback<f64> {
+        OutputFeedback::build(&[gains; 2], INERTIA, 5.86, DT).unwrap()
+    }
+
+    /// Largest deviation after each quarter second of a load on its spring, whose motor follows at once, that starts 1 mrad off
+    /// under a constant `load` (N m); what the observer knows of it is taken for the truth.
+    fn decay(gains: OutputFeedbackParams<f64>, load: f64, seconds: f64) -> (Vec<f64>, f64) {
+        let (feedback, mut state) = (feedback(gains), OutputFeedbackState::default());
+        let (mut e, mut rate, mut torque) = (1e-3, 0.0, 0.0);
+        let mut largest = vec![0.0; (seconds * 4.0) as usize];
+        for k in 0..(seconds / DT) as usize {
+            let deviation =
+                Deviation { position: e, velocity: rate, torque, measured: None, asked_velocity: 0.0 };
+            let shift = feedback.step(&mut state, &deviation, true);
+            torque = STIFFNESS * (shift.angle - e);
+            rate += DT * (torque + load) / INERTIA;
+            e += DT * rate;
+            let place = (k as f64 * DT * 4.0) as usize;
+            largest[place] = f64::max(largest[place], e.abs());
+        }
+        (largest, e)
+    }
+
+    /// omega_m^2 = (1 + a)*K/J and 2*zeta*omega_m = b*K/J.
+    #[test]
+    fn a_load_obeys_the_reference_model() {
+        let frequency = (1.5 * STIFFNESS / INERTIA).sqrt();
+        let damping = GAINS.damping * STIFFNESS / INERTIA / (2.0 * frequency);
+        assert!((0.59..0.62).contains(&damping), "{damping}");
+        let (with, _) = decay(GAINS, 0.0, 0.5);
+        let (without, _) = decay(OutputFeedbackParams::default(), 0.0, 0.5);
+        assert!(with[1] < 1e-3 * (-0.9 * damping * frequency * 0.25).exp(), "{with:?}");
+        assert!(without[1] > 0.99e-3, "{without:?}");
+    }
+
+    #[test]
+    fn what_stays_is_less_by_the_stiffening_and_gone_with_the_integral() {
+        let alone = 40.0 / STIFFNESS;
+        let (_, stiffened) = decay(GAINS, 40.0, 2.0);
+        assert!((stiffened - alone / 1.5).abs() < 1e-3 * alone, "{stiffened}");
+        let (_, integrated) = decay(OutputFeedbackParams { integral: 20.0, ..GAINS }, 40.0, 2.0);
+        assert!(integrated.abs() < 1e-3 * alone, "{integrated}");
+    }
+
+    #[test]
+    fn the_shift_is_bounded_and_the_integral_waits() {
+        let feedback = feedback(OutputFeedbackParams { integral: 30.0, ..GAINS });
+        let far = Deviation { position: 1e3, velocity: 1e3, ..Deviation::default() };
+        let mut state = OutputFeedbackState::default();
+        for _ in 0..10_000 {
+            assert!(feedback.step(&mut state, &far, true).angle.abs() <= LARGEST);
+        }
+        for (deviation, runs) in [
+            (Deviation { position: 1e-3, ..Deviation::default() }, false),
+            (Deviation { position: 1e-3, asked_velocity: 1.0, ..Deviation::default() }, true),
+        ] {
+            let before = state;
+            feedback.step(&mut state, &deviation, runs);
+            assert_eq!(state, before);
+        }
+    }
+
+    #[test]
+    fn a_gain_out_of_range_is_named() {
+        let build = |gains| OutputFeedback::build(&[GAINS, gains], INERTIA, 5.86, DT).unwrap_err();
+        let named = |name| Error::OutOfRange(name);
+        assert_eq!(build(OutputFeedbackParams { stiffening: f64::NAN, ..GAINS }), named("stiffening"));
+        assert_eq!(build(OutputFeedbackParams { damping: -0.1, ..GAINS }), named("damping"));
+        assert_eq!(build(OutputFeedbackParams { integral: 2000.0, ..GAINS }), named("integral"));
+    }
+}

@@ -35,7 +35,7 @@ fn slowest(filter: &Filter, gear: &GearFile) -> f64 {
     let size = filter.after.nrows();
     let design = &filter.model;
     let scale = |row: usize, column: usize, units: &DVector<f64>| units[row] / units[column];
-    let other = Linearised::of(gear, filter.sixth, &DESIGN);
+    let other = Linearised::of(gear, filter.sixth, &Unknown::designed(gear));
     let a = DMatrix::from_fn(size, size, |row, column| {
         other.transition[(row, column)] * scale(row, column, &other.units) / scale(row, column, &design.units)
     });
