@@ -53,7 +53,7 @@ fn judge(board: &str, overwrite: bool) -> Result<Vec<Figure>, BadInput> {
         for scenario in Scenario::ALL {
             let mut progress = Progress::new(1000, scenario.title());
             let trial = Trial::from_rest(&gear, scenario, 1);
-            let (_, _, ending) = pil::compensated(&firmware.elf, arguments, &gear, &trial, |share| {
+            let (_, _, ending, _) = pil::compensated(&firmware.elf, arguments, &gear, &trial, |share| {
                 progress.set((share * 1e3) as u64)
             })?;
             deepest = deepest.max(Some(ending.stack));

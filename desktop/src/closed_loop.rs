@@ -1,6 +1,7 @@
 //! The loop of a scenario: a joint on the bench, any controller, and what came of it.
 
 use strainwave::Error;
+use strainwave::compensator::learning::Learnt;
 use strainwave::compensator::{Compensator, Input, JointParams, Output, State};
 use strainwave::flexspline::Flexspline;
 
@@ -44,6 +45,11 @@ impl HostCompensator {
         let model = joint.build()?;
         let state = model.rest();
         Ok(Self { model, state })
+    }
+
+    /// What has been learnt so far.
+    pub fn learnt(&self) -> Learnt<f32> {
+        self.model.learnt(&self.state)
     }
 
     /// One control step.

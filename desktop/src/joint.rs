@@ -116,6 +116,7 @@ pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
         feedback: feedback_params(file),
         output_feedback: compensation::output_feedback_params(file),
         learning: compensation::learning_params(file),
+        learnt: file.learnt.as_ref().map_or_else(Default::default, |learnt| learnt.start()),
     })
 }
 
@@ -132,8 +133,8 @@ pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
         "// Generated from the gear file `{gear_name}`; do not edit.\n\
          use strainwave::compensator::adaptation::{{AdaptationParams, Factors}};\n\
          use strainwave::compensator::feedback::FeedbackParams;\n\
-         use strainwave::compensator::learning::LearningParams;\n\
-         use strainwave::compensator::learnt_ripple::{{LearntRippleParams, RippleOrder}};\n\
+         use strainwave::compensator::learning::{{LearningParams, Learnt}};\n\
+         use strainwave::compensator::learnt_ripple::{{LearntRippleParams, RippleMap, RippleOrder}};\n\
          use strainwave::compensator::observer::deviation::{{Spread, Uncertainty}};\n\
          use strainwave::compensator::observer::{{Gains, ObserverParams}};\n\
          use strainwave::compensator::output_feedback::OutputFeedbackParams;\n\

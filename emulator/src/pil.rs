@@ -9,7 +9,7 @@ use strainwave_desktop::baseline::Baseline;
 use strainwave_desktop::bench::{Bench, Conditions, SensorSet, Task, periods};
 use strainwave_desktop::closed_loop::{self, Row, Run};
 use strainwave_desktop::divergence::RunError;
-use strainwave_desktop::gear_file::KinematicError;
+use strainwave_desktop::gear_file::{KinematicError, Learnt};
 use strainwave_desktop::joint::{joint_params, source};
 use strainwave_desktop::judge::Judge;
 use strainwave_desktop::log::MeasuredLog;
@@ -116,6 +116,8 @@ pub struct ScenarioRun {
     pub control_step: Counts,
     /// The firmware's report.
     pub ending: Ending,
+    /// What the compensator has learnt.
+    pub learnt: Learnt,
 }
 
 impl ScenarioRun {
@@ -231,13 +233,13 @@ pub fn run(
         let image = Image::read(elf)?;
         let counting = Counting::prepare(&image, &image.find(CONTROL_STEP)?)?;
         let (b0, b1) = (baseline(Baseline::b0), baseline(Baseline::b1));
-        let (compensated, agreement, ending) =
+        let (compensated, agreement, ending, learnt) =
             compensated(elf, &counting.arguments(), file, trial, progress)?;
         let control_step = counting.finish(&image)?.counts.into_iter().next().flatten();
         let (b0, b1) = (joined(b0)?, joined(b1)?);
         let control_step = control_step.ok_or(counting::Error::NoResult)?;
         let plant = trial.conditions.plant(file).map_err(target::Error::from)?;
-        Ok(ScenarioRun { trial: *trial, plant, compensated, b0, b1, agreement, control_step, ending })
+        Ok(ScenarioRun { trial: *trial, plant, compensated, b0, b1, agreement, control_step, ending, learnt })
     })
 }
 
@@ -256,7 +258,7 @@ pub fn compensated(
     file: &GearFile,
     trial: &Trial,
     mut progress: impl FnMut(f64),
-) -> Result<(Run, Agreement, Ending), target::Error> {
+) -> Result<(Run, Agreement, Ending, Learnt), target::Error> {
     let mut target = Target::new(Machine::boot(elf, qemu_arguments)?, &joint_params(&trial.told(file))?)?;
     let mut bench = Bench::build(file, &trial.conditions)?;
     let work = if trial.worked { WorkingMotion.duration() } else { 0.0 };
@@ -267,8 +269,8 @@ pub fn compensated(
     }
     let part = |share: f64| progress((work + share * trial.scenario.duration()) / whole);
     let run = closed_loop::go_on(&mut bench, trial.scenario, &mut target, part)?;
-    let agreement = target.agreement();
-    Ok((run, agreement, target.finish()?))
+    let (agreement, learnt) = (target.agreement(), Learnt::of(&target.learnt()));
+    Ok((run, agreement, target.finish()?, learnt))
 }
 
 /// What came of a replay.

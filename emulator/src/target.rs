@@ -1,5 +1,6 @@
 //! The firmware as a controller: every step on the emulated processor, and the same step on the host.
 
+use strainwave::compensator::learning::Learnt;
 use strainwave::compensator::{Input, JointParams, Output};
 use strainwave_app::frame::{decode_output, encode_input, encode_output};
 use strainwave_desktop::closed_loop::{Controller, HostCompensator};
@@ -57,6 +58,11 @@ impl Target {
     /// How often both answered alike so far.
     pub fn agreement(&self) -> Agreement {
         self.agreement
+    }
+
+    /// What the compensator has learnt, by the host's build: it answers as the target does.
+    pub fn learnt(&self) -> Learnt<f32> {
+        self.host.learnt()
     }
 
     /// Ends the firmware and reads its report.

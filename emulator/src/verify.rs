@@ -179,7 +179,7 @@ fn scenarios(
     for (done, scenario) in Scenario::ALL.into_iter().enumerate() {
         let part = |share: f64| progress((done as f64 + share) / Scenario::ALL.len() as f64);
         let trial = Trial::from_rest(&gear, scenario, SEED);
-        let (run, agreement, _) = pil::compensated(elf, arguments, &gear, &trial, part)?;
+        let (run, agreement, ..) = pil::compensated(elf, arguments, &gear, &trial, part)?;
         runs.push(TargetRun { scenario, run, agreement });
     }
     Ok(runs)

@@ -196,7 +196,7 @@ pub struct Output<R: Real> {
 
 /// Everything that a joint's compensator is built from; generated from a gear file.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct JointParams<R> {
+pub struct JointParams<R: Real> {
     /// Control period (s).
     pub dt: R,
     /// The gear.
@@ -215,6 +215,8 @@ pub struct JointParams<R> {
     pub output_feedback: [OutputFeedbackParams<R>; 2],
     /// Adaptation and ripple.
     pub learning: LearningParams<R>,
+    /// What has been learnt of the joint before.
+    pub learnt: Learnt<R>,
 }
 
 /// The built compensator of a joint.
@@ -232,6 +234,8 @@ pub struct Compensator<R: Real> {
     feedback: Feedback<R>,
     output_feedback: OutputFeedback<R>,
     learning: Learning<R>,
+    /// What it starts from.
+    learnt: Learnt<R>,
     motor_torque: MotorTorque<R>,
     fallback: Fallback<R>,
     limits: Limits<R>,
@@ -292,6 +296,7 @@ impl<R: Real> JointParams<R> {
                 self.dt,
             )?,
             learning: self.learning.build(&self.gear, &self.limits, self.dt)?,
+            learnt: self.learnt,
             motor_torque: MotorTorque::build(self.dt)?,
             fallback: Fallback::build(self.limits.motor_torque, self.dt),
             limits: self.limits,
@@ -300,7 +305,7 @@ impl<R: Real> JointParams<R> {
 }
 
 impl<R: Real> Compensator<R> {
-    /// The state before the first step.
+    /// The state before the first step: what was learnt before, within its bounds.
     pub fn rest(&self) -> State<R> {
         State {
             guard: InputGuardState::default(),
@@ -317,16 +322,11 @@ impl<R: Real> Compensator<R> {
             feed_forward: FeedForwardState::default(),
             feedback: FeedbackState::default(),
             output_feedback: OutputFeedbackState::default(),
-            learning: LearningState::default(),
+            learning: self.learning.starting_from(&self.learnt),
             motor_torque: MotorTorqueState::default(),
             fallback: FallbackState::default(),
             limited: false,
         }
-    }
-
-    /// The state before the first step, for a joint of which something is known already.
-    pub fn starting_from(&self, stored: &Learnt<R>) -> State<R> {
-        State { learning: self.learning.starting_from(stored), ..self.rest() }
     }
 
     /// What has been learnt of the joint, to be stored.
@@ -341,7 +341,7 @@ impl<R: Real> Compensator<R> {
         let course = Course { velocity: state.commander.velocity(), trusted: state.fallback.trusted() };
         let input = self.guard.step(&mut state.guard, input, course, &mut faults);
         let shares = &input.shares;
-        let measured = self.measure(state, &input.sensors, &mut faults);
+        let measured = self.measure(state, &input.sensors, shares.feedback, &mut faults);
         let estimate = self.observe(state, &measured, shares, &mut faults);
         // The estimate is written where it stays.
         let mut output = Output { estimate, ..Output::default() };
@@ -430,7 +430,13 @@ impl<R: Real> Compensator<R> {
     }
 
     /// The sensors' raw counts as unbounded angles.
-    fn measure(&self, state: &mut State<R>, sensors: &Sensors<R>, faults: &mut Faults) -> Measurement<R> {
+    fn measure(
+        &self,
+        state: &mut State<R>,
+        sensors: &Sensors<R>,
+        feedback: R,
+        faults: &mut Faults,
+    ) -> Measurement<R> {
         let (motor, believed) = self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder);
         faults.raise_if(!believed, Faults::MOTOR_ENCODER_JUMP);
         let output = sensors.output_encoder.and_then(|raw| {
@@ -448,10 +454,11 @@ impl<R: Real> Compensator<R> {
             state.output_zero.filter(|_| output_believed && !frozen).map(|zero| angle.less(zero))
         });
         let commanded = state.fallback.torque();
+        let torque = sensors.motor_torque;
         Measurement {
             motor,
             output,
-            motor_torque: self.motor_torque.step(&mut state.motor_torque, commanded, sensors.motor_torque),
+            motor_torque: self.motor_torque.step(&mut state.motor_torque, commanded, feedback, torque),
             known_torque: R::ZERO,
             output_torque: sensors.output_torque,
         }

@@ -1,23 +1,27 @@
 //! The motor's torque as the observer may believe it: what was commanded where it is fast, what was measured where it is slow.
 //!
 //! ```text
-//! tau = tau_commanded + y,    y <- y + omega*dt*(tau_measured - tau_commanded - y)
+//! tau = s*tau_commanded + y,    y <- y + g*(tau_measured - s*tau_commanded - y),    g = 1 - e^(-omega*dt)
 //! ```
 //!
 //! A drive gives what it is commanded, up to an offset, a gain or a limit; what it measures carries noise. Complementary
-//! filter of the two with the corner omega: the noise of the measurement beyond it is gone, the drive's errors below it are
-//! seen. Units: N m at the motor's shaft, rad/s. Explicit Euler.
+//! filter of the two with the corner omega = 10 rad/s: the noise of the measurement beyond it is gone, the drive's errors below it are
+//! seen. Where the share s of the feedback is 0, somebody else moves the motor and nothing is known of the command: then the
+//! measurement alone passes a low pass of 100 rad/s, between the two g changes with s. Units: N m at the motor's shaft, rad/s. Exact for inputs that are held.
 
 use crate::error::{Error, require};
 use crate::real::Real;
 
-/// omega (rad/s).
+/// omega beside a command (rad/s).
 const CORNER: f64 = 10.0;
+/// omega without one (rad/s).
+const ALONE: f64 = 100.0;
 
 /// The built filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorTorque<R> {
-    gain: R,
+    /// g without a command, and what a command changes of it.
+    gain: [R; 2],
 }
 
 /// y (N m).
@@ -33,13 +37,17 @@ impl<R: Real> MotorTorque<R> {
     /// [`Error::OutOfRange`] `dt` unless above 0 and up to 1.
     pub fn build(dt: R) -> Result<Self, Error> {
         require(dt > R::ZERO && dt <= R::ONE, "dt")?;
-        Ok(Self { gain: (dt * R::lit(CORNER)).one_minus_exp_neg() })
+        let [alone, beside] = [ALONE, CORNER].map(|corner| (dt * R::lit(corner)).one_minus_exp_neg());
+        Ok(Self { gain: [alone, beside - alone] })
     }
 
-    /// Torque over the control period that ended, from what was `commanded` for it and what was `measured`.
+    /// Torque over the control period that ended, from what was `commanded` for it, of which the motor followed the
+    /// share `followed`, and what was `measured`.
     #[inline(always)]
-    pub fn step(&self, state: &mut MotorTorqueState<R>, commanded: R, measured: R) -> R {
-        state.off += self.gain * (measured - commanded - state.off);
+    pub fn step(&self, state: &mut MotorTorqueState<R>, commanded: R, followed: R, measured: R) -> R {
+        let [alone, change] = self.gain;
+        let commanded = followed * commanded;
+        state.off += (alone + followed * change) * (measured - commanded - state.off);
         commanded + state.off
     }
 }
@@ -51,25 +59,29 @@ mod tests {
     const DT: f64 = 1e-4;
 
     /// Output for a measurement that differs from the command by a wave of `frequency` (rad/s), largest after a while.
-    fn passed(frequency: f64) -> f64 {
+    fn passed(frequency: f64, followed: f64) -> f64 {
         let (filter, mut state) = (MotorTorque::build(DT).unwrap(), MotorTorqueState::default());
-        let outputs = (0..100_000)
-            .map(|k| filter.step(&mut state, 2.0, 2.0 + (frequency * DT * f64::from(k)).sin()) - 2.0);
+        let outputs = (0..100_000).map(|k| {
+            let wave = (frequency * DT * f64::from(k)).sin();
+            filter.step(&mut state, 2.0, followed, 2.0 * followed + wave) - 2.0 * followed
+        });
         outputs.skip(50_000).fold(0.0, f64::max)
     }
 
     #[test]
     fn slow_differences_are_believed_and_fast_ones_are_not() {
-        assert!(passed(0.1 * CORNER) > 0.99);
-        assert!((passed(CORNER) - 0.5f64.sqrt()).abs() < 0.01);
-        assert!(passed(100.0 * CORNER) < 0.012);
+        for (corner, followed) in [(CORNER, 1.0), (ALONE, 0.0)] {
+            assert!(passed(0.1 * corner, followed) > 0.99);
+            assert!((passed(corner, followed) - 0.5f64.sqrt()).abs() < 0.01);
+            assert!(passed(100.0 * corner, followed) < 0.013);
+        }
     }
 
     #[test]
     fn a_command_that_is_followed_passes_at_once() {
         let (filter, mut state) = (MotorTorque::<f64>::build(DT).unwrap(), MotorTorqueState::default());
         for commanded in [1.0, -2.0, 0.5] {
-            assert_eq!(filter.step(&mut state, commanded, commanded), commanded);
+            assert_eq!(filter.step(&mut state, commanded, 1.0, commanded), commanded);
         }
     }
 }

@@ -1,8 +1,8 @@
 // Generated from the gear file `hd25-100`; do not edit.
 use strainwave::compensator::adaptation::{AdaptationParams, Factors};
 use strainwave::compensator::feedback::FeedbackParams;
-use strainwave::compensator::learning::LearningParams;
-use strainwave::compensator::learnt_ripple::{LearntRippleParams, RippleOrder};
+use strainwave::compensator::learning::{LearningParams, Learnt};
+use strainwave::compensator::learnt_ripple::{LearntRippleParams, RippleMap, RippleOrder};
 use strainwave::compensator::observer::deviation::{Spread, Uncertainty};
 use strainwave::compensator::observer::{Gains, ObserverParams};
 use strainwave::compensator::output_feedback::OutputFeedbackParams;
@@ -807,7 +807,7 @@ pub const JOINT: JointParams<f32> = JointParams {
         OutputFeedbackParams {
             stiffening: 1.0,
             damping: 0.009006664,
-            integral: 60.0,
+            integral: 50.0,
         },
     ],
     learning: LearningParams {
@@ -860,6 +860,52 @@ pub const JOINT: JointParams<f32> = JointParams {
             speeds: [
                 1.0,
                 60.0,
+            ],
+        },
+    },
+    learnt: Learnt {
+        factors: Factors {
+            inertia: 1.0,
+            input_friction: 1.0,
+            output_friction: 1.0,
+            compliance: 1.0,
+        },
+        ripple: RippleMap {
+            position: [
+                [
+                    0.0,
+                    0.0,
+                ],
+                [
+                    0.0,
+                    0.0,
+                ],
+                [
+                    0.0,
+                    0.0,
+                ],
+                [
+                    0.0,
+                    0.0,
+                ],
+            ],
+            torque: [
+                [
+                    0.0,
+                    0.0,
+                ],
+                [
+                    0.0,
+                    0.0,
+                ],
+                [
+                    0.0,
+                    0.0,
+                ],
+                [
+                    0.0,
+                    0.0,
+                ],
             ],
         },
     },

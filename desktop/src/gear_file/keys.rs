@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::ops::{Bound, RangeBounds};
 
+use strainwave::compensator::learnt_ripple::RIPPLE_ORDERS as RIPPLE_MAP;
 use strainwave::compensator::observer::LONGEST_PERIOD;
 use strainwave::compensator::observer::past::LONGEST_DELAY;
 use strainwave::flexspline::shell::link_law::VALID_STRAIN;
@@ -169,7 +170,9 @@ const CONTROL: &[Key] = &[
     key("motor.peak_torque_nm", positive(1e4, "N m")),
     key("motor.rotor_speed_limit_rad_per_s", positive(1e4, "rad/s")),
     key("sensors.motor_encoder_bits", Allowed::Whole(10, 32)),
+    optional("sensors.motor_encoder_noise_rad", within(0.0, 0.01, "rad")),
     optional("sensors.output_encoder_bits", Allowed::Whole(10, 32)),
+    optional("sensors.output_encoder_noise_rad", within(0.0, 0.01, "rad")),
     optional("sensors.output_encoder_delay_periods", Allowed::Whole(0, LONGEST_DELAY as i64)),
     optional("sensors.output_encoder_period_periods", Allowed::Whole(1, LONGEST_PERIOD as i64)),
     key("sensors.output_torque", Allowed::Flag),
@@ -183,6 +186,14 @@ const CONTROL: &[Key] = &[
     key("feedback.integral_time_s", positive(1e3, "s")),
     key("compensation.friction_share", within(0.0, 1.0, "1")),
     optional("compensation.external_torque_wander_nm_per_sqrt_s", positive(1e5, "N m/s^0.5")),
+    optional("learnt.inertia", within(0.1, 1.9, "1")),
+    optional("learnt.input_friction", within(0.1, 1.9, "1")),
+    optional("learnt.output_friction", within(0.1, 1.9, "1")),
+    optional("learnt.compliance", within(0.1, 1.9, "1")),
+    optional("learnt.ripple_position_cosines_rad", Allowed::Numbers(RIPPLE_MAP, 0.01, "rad")),
+    optional("learnt.ripple_position_sines_rad", Allowed::Numbers(RIPPLE_MAP, 0.01, "rad")),
+    optional("learnt.ripple_torque_cosines_nm", Allowed::Numbers(RIPPLE_MAP, 1e3, "N m")),
+    optional("learnt.ripple_torque_sines_nm", Allowed::Numbers(RIPPLE_MAP, 1e3, "N m")),
 ];
 
 /// How one number must stand to another in the same file.

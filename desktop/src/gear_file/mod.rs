@@ -13,6 +13,7 @@
 mod check;
 pub mod friction;
 mod keys;
+mod learnt;
 mod physics;
 
 use std::path::Path;
@@ -25,6 +26,7 @@ use toml::Table;
 use crate::file::{self, BadInput};
 pub use friction::{Backward, BothFrictions, Friction, FrictionModel, StateRow};
 pub use keys::{Allowed, KEYS, Key, RELATIONS, Relation};
+pub use learnt::Learnt;
 
 /// The default gear `hd25-100`, as a file.
 pub const DEFAULT: &str = include_str!("../../../gears/hd25-100.toml");
@@ -72,6 +74,9 @@ pub struct GearFile {
     pub feedback: Feedback,
     /// How much is compensated.
     pub compensation: Compensation,
+    /// What a compensator has learnt of the joint; nothing when it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub learnt: Option<Learnt>,
 }
 
 /// Which of the three parts stands still.
@@ -270,6 +275,12 @@ pub struct Motor {
 pub struct Sensors {
     /// Bits a turn of the motor encoder.
     pub motor_encoder_bits: u32,
+    /// Noise of the motor's encoder beside its resolution, as the observer is designed for (rad); it has one when it is left out.
+    #[serde(rename = "motor_encoder_noise_rad", default, skip_serializing_if = "Option::is_none")]
+    pub motor_encoder_noise: Option<f64>,
+    /// The same of the output's encoder (rad).
+    #[serde(rename = "output_encoder_noise_rad", default, skip_serializing_if = "Option::is_none")]
+    pub output_encoder_noise: Option<f64>,
     /// Bits a turn of the output encoder, when there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output_encoder_bits: Option<u32>,

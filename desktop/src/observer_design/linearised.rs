@@ -37,10 +37,16 @@ pub(super) struct Unknown {
 pub(super) const DESIGN: Unknown = Unknown { wander: 0.45, friction: 0.05, jitter: 2.0, output_jitter: 40.0 };
 
 impl Unknown {
-    /// As the gains of a gear are designed, whose file may have a wander of its own.
+    /// As the gains of a gear are designed, whose file may have a wander and encoder noise of its own.
     pub(super) fn designed(file: &GearFile) -> Self {
         let own = file.compensation.external_torque_wander.map(|wander| wander / file.gear.rated_torque);
-        Self { wander: own.unwrap_or(DESIGN.wander), ..DESIGN }
+        let counts = |noise: Option<f64>| noise.map(|noise| noise / resolution(19));
+        Self {
+            wander: own.unwrap_or(DESIGN.wander),
+            jitter: counts(file.sensors.motor_encoder_noise).unwrap_or(DESIGN.jitter),
+            output_jitter: counts(file.sensors.output_encoder_noise).unwrap_or(DESIGN.output_jitter),
+            ..DESIGN
+        }
     }
 }
 

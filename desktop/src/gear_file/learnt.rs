@@ -1,0 +1,108 @@
+//! `[learnt]`: what a compensator has learnt of its joint, kept for its next start.
+
+use serde::{Deserialize, Serialize};
+use strainwave::Real;
+use strainwave::compensator::adaptation::Factors;
+use strainwave::compensator::learning;
+use strainwave::compensator::learnt_ripple::{Coefficients, RippleMap};
+
+/// Factors on the gear's parameters, and the ripple by the coefficients of its orders.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Learnt {
+    /// On the inertia of flexspline and load.
+    pub inertia: f64,
+    /// On the friction of the wave generator.
+    pub input_friction: f64,
+    /// On the friction of the flexspline.
+    pub output_friction: f64,
+    /// On the compliance of the flexspline.
+    pub compliance: f64,
+    /// Ripple of the position at the output (rad).
+    #[serde(rename = "ripple_position_cosines_rad", default)]
+    pub position_cosines: Vec<f64>,
+    /// (rad)
+    #[serde(rename = "ripple_position_sines_rad", default)]
+    pub position_sines: Vec<f64>,
+    /// Ripple of the torque at the motor (N m).
+    #[serde(rename = "ripple_torque_cosines_nm", default)]
+    pub torque_cosines: Vec<f64>,
+    /// (N m)
+    #[serde(rename = "ripple_torque_sines_nm", default)]
+    pub torque_sines: Vec<f64>,
+}
+
+impl Learnt {
+    /// What a compensator has learnt.
+    pub fn of(learnt: &learning::Learnt<f32>) -> Self {
+        let Factors { inertia, input_friction, output_friction, compliance } = learnt.factors;
+        let side = |map: &Coefficients<f32>, side: usize| map.iter().map(|pair| pair[side].into()).collect();
+        let RippleMap { position, torque } = &learnt.ripple;
+        Self {
+            inertia: inertia.into(),
+            input_friction: input_friction.into(),
+            output_friction: output_friction.into(),
+            compliance: compliance.into(),
+            position_cosines: side(position, 0),
+            position_sines: side(position, 1),
+            torque_cosines: side(torque, 0),
+            torque_sines: side(torque, 1),
+        }
+    }
+
+    /// As a compensator starts from it.
+    pub fn start<R: Real>(&self) -> learning::Learnt<R> {
+        let at = |values: &[f64], k: usize| values.get(k).copied().map_or(R::ZERO, R::lit);
+        let map = |cosines: &[f64], sines: &[f64]| std::array::from_fn(|k| [at(cosines, k), at(sines, k)]);
+        learning::Learnt {
+            factors: Factors {
+                inertia: R::lit(self.inertia),
+                input_friction: R::lit(self.input_friction),
+                output_friction: R::lit(self.output_friction),
+                compliance: R::lit(self.compliance),
+            },
+            ripple: RippleMap {
+                position: map(&self.position_cosines, &self.position_sines),
+                torque: map(&self.torque_cosines, &self.torque_sines),
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::gear_file::GearFile;
+
+    /// Through the file and back nothing of an f32 is lost.
+    #[test]
+    fn what_is_kept_is_what_is_started_from() {
+        let learnt = learning::Learnt {
+            factors: Factors {
+                inertia: 0.833_333_3_f32,
+                input_friction: 1.1,
+                output_friction: 0.95,
+                compliance: 1.01,
+            },
+            ripple: RippleMap {
+                position: [[1e-4, -2e-5], [0.0, 3.3e-6], [0.0; 2], [1e-9, 0.0]],
+                torque: [[1e-3, 2e-3], [0.0; 2], [0.0; 2], [-1e-4, 0.0]],
+            },
+        };
+        let mut file = GearFile::default_gear();
+        file.learnt = Some(Learnt::of(&learnt));
+        let again = GearFile::parse(Path::new("kept.toml"), file.to_toml().as_bytes()).unwrap();
+        assert_eq!(again, file);
+        assert_eq!(again.learnt.unwrap().start::<f32>(), learnt);
+    }
+
+    #[test]
+    fn a_factor_out_of_range_is_named() {
+        let text = GearFile::default_gear().to_toml()
+            + "\n[learnt]\ninertia = 2.5\ninput_friction = 1.0\noutput_friction = 1.0\ncompliance = 1.0\n";
+        let refused = GearFile::parse(Path::new("g.toml"), text.as_bytes()).unwrap_err().to_string();
+        assert!(refused.contains("learnt.inertia") && refused.contains("2.5"), "{refused}");
+    }
+}
