@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use strainwave::Angle;
-use strainwave::compensator::{Command, Directions, Input, Sensors, Setpoint, Shares};
+use strainwave::compensator::{Command as JointCommand, Directions, Input, Sensors, Setpoint, Shares};
 use strainwave_app::frame::{INPUT_BYTES, decode_input, encode_input, encode_output};
 use strainwave_app::{JOINT, control_step};
 use strainwave_desktop::joint;
@@ -45,13 +45,13 @@ const TURN: u32 = (1 << 19) - 1;
 const SHARES: Shares<f32> = Shares { friction: 0.8, ..Shares::ALL };
 
 /// A position that moves at -1 rad/s, and for some time a velocity and a torque.
-fn command(sequence: &mut Sequence, period: u32) -> Command<f32> {
+fn command(sequence: &mut Sequence, period: u32) -> JointCommand<f32> {
     let velocity = -1.0 + 0.1 * sequence.unit();
     let acceleration = 10.0 * sequence.unit();
     match period / 100 % 8 {
-        3 => Command::Velocity { velocity, acceleration },
-        5 => Command::Torque(20.0 * sequence.unit()),
-        _ => Command::Position(Setpoint {
+        3 => JointCommand::Velocity { velocity, acceleration },
+        5 => JointCommand::Torque(20.0 * sequence.unit()),
+        _ => JointCommand::Position(Setpoint {
             position: Angle { counts: -68_321 * i64::from(period), rest: 0.5 * sequence.unit() },
             velocity,
             acceleration,

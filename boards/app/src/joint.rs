@@ -807,7 +807,7 @@ pub const JOINT: JointParams<f32> = JointParams {
         OutputFeedbackParams {
             stiffening: 1.0,
             damping: 0.009006664,
-            integral: 50.0,
+            integral: 45.0,
         },
     ],
     learning: LearningParams {

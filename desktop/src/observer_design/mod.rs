@@ -269,7 +269,7 @@ impl Filter {
         let settling = self.settling();
         let time = settling * CONTROL_PERIOD;
         let standing = self.sixth == Sixth::Held;
-        let moving_balance = !self.has_torque && !(standing && self.has_output);
+        let moving_balance = !(self.has_torque || standing && self.has_output);
         let blind = !self.has_output && !self.has_torque;
         // Each encoder's zero is known to half a count.
         let zero = if self.has_output {
