@@ -139,8 +139,8 @@ mod tests {
             [(Arrangement::CircularSplineFixed, -1.0), (Arrangement::FlexsplineFixed, 1.0)]
         {
             let mut baseline = Baseline::b0(&file(arrangement)).unwrap();
-            let mut input = Input::default();
-            input.command = Setpoint { position: Angle::from_radians(1e-4), ..Setpoint::default() }.into();
+            let setpoint = Setpoint { position: Angle::from_radians(1e-4), ..Setpoint::default() };
+            let input = Input { command: setpoint.into(), ..Input::default() };
             let torque = baseline.step(&input);
             assert!(torque * sign > 0.0, "{torque}");
         }

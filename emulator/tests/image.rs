@@ -65,7 +65,7 @@ fn run(elf: &Path, periods: u32, arguments: &[String]) {
     for period in 0..periods {
         let sensors = Sensors { motor_encoder: period * 70_000, motor_torque: 0.1, ..Sensors::default() };
         let shares = Shares { friction: 0.8, ..Shares::ALL };
-        let input = Input { sensors, shares, ..Input::default() };
+        let input = Input { sensors, shares: shares.into(), ..Input::default() };
         machine.exchange(&encode_input(&input)).expect("answers");
     }
     machine.finish().expect("ends");

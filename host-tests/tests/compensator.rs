@@ -58,9 +58,10 @@ fn any_float() -> impl Strategy<Value = f32> {
 
 prop_compose! {
     fn any_shares()(
-        [feedback, inertia, friction, wind_up, kinematic_error] in prop::array::uniform5(any_float()),
+        [feedback, inertia, friction, wind_up, kinematic_error, output_feedback, adaptation, ripple]
+            in prop::array::uniform8(any_float()),
     ) -> Shares<f32> {
-        Shares { feedback, inertia, friction, wind_up, kinematic_error }
+        Shares { feedback, inertia, friction, wind_up, kinematic_error, output_feedback, adaptation, ripple }
     }
 }
 

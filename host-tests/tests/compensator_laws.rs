@@ -48,6 +48,7 @@ impl Twins {
                 motor: motor.angle,
                 output: self.with_output_encoder.then_some(flange.angle),
                 motor_torque,
+                known_torque: 0.0,
                 output_torque: None,
             };
             let mut faults = Faults::NONE;

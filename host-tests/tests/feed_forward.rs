@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use strainwave::Angle;
-use strainwave::compensator::feed_forward::{FeedForward, FeedForwardState};
+use strainwave::compensator::feed_forward::{Believed, FeedForward, FeedForwardState};
 use strainwave::compensator::{JointParams, RealTimeGear, Setpoint, Shares};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
@@ -54,7 +54,7 @@ impl Joint {
     fn torque(&mut self, position: f64, velocity: f64) -> f64 {
         let setpoint =
             Setpoint { position: Angle::from_radians_f64(position), velocity, ..Setpoint::default() };
-        self.feed_forward.step(&self.gear, &mut self.state, &setpoint, &SHARES, 0.0).torque
+        self.feed_forward.step(&self.gear, &mut self.state, &setpoint, &SHARES, &Believed::default()).torque
     }
 
     /// Levels of both sides at standstill, at the motor (N m).

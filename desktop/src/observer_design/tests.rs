@@ -116,6 +116,7 @@ impl Twin {
                 motor: motor.angle,
                 output: reading.map(|at| angles[at]),
                 motor_torque,
+                known_torque: 0.0,
                 output_torque: None,
             };
             let estimate = self.observer.step(&self.model, &mut state, &measured, &mut Faults::default());
