@@ -17,7 +17,7 @@ const STIFFENING: [f64; 2] = [0.5, 1.0];
 /// zeta, alike.
 const DAMPING: [f64; 2] = [0.6, 0.65];
 /// k (1/s), alike.
-const INTEGRAL: [f64; 2] = [30.0, 45.0];
+const INTEGRAL: [f64; 2] = [30.0, 50.0];
 
 /// Room that a factor has beyond the box that a plant is drawn from.
 const ROOM: f64 = 1.25;

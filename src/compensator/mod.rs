@@ -293,6 +293,7 @@ impl<R: Real> JointParams<R> {
                 &self.output_feedback,
                 self.gear.flexspline_inertia,
                 limits.output_speed(n),
+                R::lit(core::f64::consts::TAU) / R::from_i32(1 << self.output_encoder_bits.min(30)),
                 self.dt,
             )?,
             learning: self.learning.build(&self.gear, &self.limits, self.dt)?,

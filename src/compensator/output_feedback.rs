@@ -19,7 +19,8 @@
 //! kept out by b: over the whole box of gears that a controller may meet, the linearised loop with the cascade, its filter and
 //! its integral keeps a damping ratio above 0.4 (`desktop/src/joint.rs`).
 //!
-//! z only runs where the setpoint is slow: what a fast move leaves, the wind-up of a gear that is stiffer or softer than
+//! Where the setpoint rests, a measured m within one count of the output encoder is 0: static friction and the integral would
+//! answer every change of the last count. z only runs where the setpoint is slow: what a fast move leaves, the wind-up of a gear that is stiffer or softer than
 //! believed, changes its sign before z could follow. z and the shift are limited. Discretisation: explicit Euler for z. Units: rad, rad/s, N m; signs as in [`crate::gear`].
 //!
 //! A. Albu-Schaeffer, Ch. Ott, G. Hirzinger, "A unified passivity-based control framework for position, torque and impedance
@@ -53,6 +54,8 @@ pub struct OutputFeedback<R> {
     inverse_flexspline_inertia: R,
     /// Fastest setpoint at which z runs (rad/s).
     slow: R,
+    /// One count of the output encoder (rad).
+    count: R,
     dt: R,
 }
 
@@ -87,8 +90,8 @@ pub struct Shift<R> {
 }
 
 impl<R: Real> OutputFeedback<R> {
-    /// From the gains without and with an output encoder, J_fs (kg m^2), the output's fastest speed (rad/s) and the
-    /// control period dt (s).
+    /// From the gains without and with an output encoder, J_fs (kg m^2), the output's fastest speed (rad/s), one count of its
+    /// encoder (rad) and the control period dt (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `stiffening`, `damping`, `integral` or `flexspline_inertia`.
@@ -96,6 +99,7 @@ impl<R: Real> OutputFeedback<R> {
         gains: &[OutputFeedbackParams<R>; 2],
         flexspline_inertia: R,
         fastest: R,
+        count: R,
         dt: R,
     ) -> Result<Self, Error> {
         let within = |value: R, most: f64| value >= R::ZERO && value <= R::lit(most);
@@ -109,17 +113,28 @@ impl<R: Real> OutputFeedback<R> {
             gains: *gains,
             inverse_flexspline_inertia: R::ONE / flexspline_inertia,
             slow: R::lit(SLOW) * fastest,
+            count,
             dt,
         })
+    }
+
+    /// m.
+    #[inline(always)]
+    fn error(&self, deviation: &Deviation<R>) -> R {
+        let speed = deviation.asked_velocity.abs();
+        match deviation.measured {
+            _ if speed >= self.slow => R::ZERO,
+            Some(measured) if speed == R::ZERO => measured - measured.limit(self.count),
+            Some(measured) => measured,
+            None => deviation.position,
+        }
     }
 
     /// One control period; `runs` is false while the motor cannot follow, and z stands still.
     #[inline(always)]
     pub fn step(&self, state: &mut OutputFeedbackState<R>, deviation: &Deviation<R>, runs: bool) -> Shift<R> {
         let gains = &self.gains[usize::from(deviation.measured.is_some())];
-        let slow = deviation.asked_velocity.abs() < self.slow;
-        let error = if slow { deviation.measured.unwrap_or(deviation.position) } else { R::ZERO };
-        let to_integrate = gains.integral * error;
+        let to_integrate = gains.integral * self.error(deviation);
         if runs {
             state.integral = (state.integral + self.dt * to_integrate).limit(R::lit(LARGEST));
         }
@@ -145,7 +160,7 @@ mod tests {
         OutputFeedbackParams { stiffening: 0.5, damping: 0.0081, integral: 0.0 };
 
     fn feedback(gains: OutputFeedbackParams<f64>) -> OutputFeedback<f64> {
-        OutputFeedback::build(&[gains; 2], INERTIA, 5.86, DT).unwrap()
+        OutputFeedback::build(&[gains; 2], INERTIA, 5.86, 1.2e-5, DT).unwrap()
     }
 
     /// Largest deviation after each quarter second of a load on its spring, whose motor follows at once, that starts 1 mrad off
@@ -207,8 +222,21 @@ mod tests {
     }
 
     #[test]
+    fn at_rest_the_last_count_moves_nothing() {
+        let feedback = feedback(OutputFeedbackParams { integral: 30.0, ..GAINS });
+        let integral = |measured, asked_velocity| {
+            let mut state = OutputFeedbackState::default();
+            let deviation = Deviation { measured: Some(measured), asked_velocity, ..Deviation::default() };
+            feedback.step(&mut state, &deviation, true);
+            state.integral
+        };
+        assert_eq!(integral(1.1e-5, 0.0), 0.0);
+        assert!(integral(1.1e-5, 0.1) > 0.0 && integral(3e-5, 0.0) > 0.0);
+    }
+
+    #[test]
     fn a_gain_out_of_range_is_named() {
-        let build = |gains| OutputFeedback::build(&[GAINS, gains], INERTIA, 5.86, DT).unwrap_err();
+        let build = |gains| OutputFeedback::build(&[GAINS, gains], INERTIA, 5.86, 1.2e-5, DT).unwrap_err();
         let named = |name| Error::OutOfRange(name);
         assert_eq!(build(OutputFeedbackParams { stiffening: f64::NAN, ..GAINS }), named("stiffening"));
         assert_eq!(build(OutputFeedbackParams { damping: -0.1, ..GAINS }), named("damping"));

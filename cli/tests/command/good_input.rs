@@ -198,7 +198,7 @@ fn figures_are_printed_and_written() {
 #[test]
 fn verify_measures_the_part_asked_for() {
     // The one part that neither boots an image nor looks at the clock.
-    let answer = Bench::new().run("verify compensator");
+    let answer = Bench::new().run("verify compensator --draws 1 --box 1");
     assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""));
     let figures: Vec<_> = answer.output.lines().skip(1).collect();
     assert!(!figures.is_empty());

@@ -24,6 +24,8 @@ use crate::gear_file::{Friction, GearFile};
 use crate::joint::CONTROL_PERIOD;
 use linearised::{Linearised, Sensor, Sixth, Unknown, encoder_noise, resolution};
 
+/// Eigenvalue from which on a mode counts as one that the motor's encoder does not show: slower than a second.
+const UNSEEN: f64 = 1.0 - 1e-4;
 /// Noise of a motor encoder that stands, besides its resolution, in counts of 2^19 a turn.
 const STILL: f64 = 0.5;
 /// Way of the motor that is a motion, in deviations of its encoder's noise.
@@ -227,12 +229,15 @@ impl Filter {
         &self.between * p * self.between.transpose() + &self.between_noise
     }
 
-    /// Slowest mode of the error (control periods).
+    /// Slowest mode of what the external torque is followed by (control periods): that of the motor's encoder, which sees a
+    /// load first; the output's only takes the offsets away.
     fn settling(&self) -> f64 {
         let one = DMatrix::identity(self.after.nrows(), self.after.nrows());
-        let error = (one - &self.gains[2] * &self.model.sensors[2].row) * power(&self.between, self.period);
-        let slowest = error.complex_eigenvalues().iter().map(|z| z.norm()).fold(0.0, f64::max);
-        f64::from(self.period) / -slowest.ln()
+        let seen = (one - &self.gains[0] * &self.model.sensors[0].row) * &self.model.transition;
+        let norms = seen.complex_eigenvalues().map(|z| z.norm());
+        // What the motor's encoder does not show, the stiffness, stays where it is.
+        let slowest = norms.iter().copied().filter(|norm| *norm < UNSEEN).fold(0.0, f64::max);
+        -1.0 / slowest.ln()
     }
 
     fn gains<R: Real>(&self, file: &GearFile) -> Gains<R> {
