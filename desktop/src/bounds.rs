@@ -196,7 +196,7 @@ pub const BOUNDS: &[Bound] = &[
     },
     Bound {
         name: "compensator.both.box.unstable",
-        value: 5.0,
+        value: 10.0,
         unit: "run",
         why: "runs of S1-S5 on 1000 draws with doubled sensor noise that diverge, stay at the torque limit or keep ringing; 0 is asked: the integral hunts where two counts of the output encoder are one",
     },

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! theta_fs is the observer's estimate, from the motor's angle and torque alone. A log may begin in motion, the observer
-//! begins at rest: before its first row the motor is led up to that row's speed v over [`LEAD_IN`] T,
+//! begins at rest: before its first row the motor is led up to that row's speed v over `LEAD_IN` T,
 //!
 //! ```text
 //! theta(u) = theta_0 - v*((T - u)/2 + T/(2 pi)*sin(pi u/T)),        u from 0 to T

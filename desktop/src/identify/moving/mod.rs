@@ -13,8 +13,8 @@
 //! | s | the base gear's stiffness over the gear's |
 //! | n | what is in no column: noise that is alike over a short path and a short time |
 //!
-//! In this order: friction from the motor's torque over its motion ([`friction`]); with it, for every observer of
-//! [`WANDERS`], its torsion and the regularised least squares of the above ([`residual`]); the observer with the least sum of
+//! In this order: friction from the motor's torque over its motion (`friction.rs`); with it, for every observer of
+//! [`WANDERS`], its torsion and the regularised least squares of the above (`residual.rs`); the observer with the least sum of
 //! squares is kept. The wander says how much of the motor torque that friction does not explain winds the gear up: where
 //! friction is not known to a fraction of the rated torque, hardly any.
 //!
