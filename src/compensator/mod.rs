@@ -364,9 +364,9 @@ impl<R: Real> Compensator<R> {
         let learnt =
             learning::Course { excitation: demand.excitation, speed: demand.motor.velocity, position: error };
         self.learning.follow(&mut state.learning, &learnt, learns);
-        self.give_way(state, &mut demand, setpoint, &output.estimate, shares, error);
-        // Where a torque is commanded no motion is.
+        // Where a torque is commanded no motion is; what answers a deviation is no motion either.
         state.asked = if followed.torque.is_some() { R::ZERO } else { demand.motor.velocity };
+        self.give_way(state, &mut demand, setpoint, &output.estimate, shares, error);
         let stood_still = measured.motor == state.last_motor;
         state.last_motor = measured.motor;
         let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, state.asked);
