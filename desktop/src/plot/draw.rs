@@ -127,14 +127,22 @@ fn draw_panel<DB: DrawingBackend>(panel: &Panel, area: &Area<DB>, frame: &Frame)
     }
     let mut chart = builder.build_cartesian_2d(x.0..x.1, y.0..y.1)?;
     draw_axes(panel, &mut chart, frame)?;
-    for (index, series) in panel.series.iter().enumerate() {
-        draw_series(series, COLOURS[index % COLOURS.len()], &mut chart, frame.pixel)?;
+    for (series, colour) in panel.series.iter().zip(colours(&panel.series)) {
+        draw_series(series, colour, &mut chart, frame.pixel)?;
     }
     if panel.series.iter().any(|series| !series.name.is_empty()) {
         let points: Vec<_> = points().collect();
         draw_legend(&mut chart, emptiest_place(&points, frame, legend_share(panel)))?;
     }
     Ok(())
+}
+
+/// One each; a curve without a name goes with the last that has one, as the other edge of a band does.
+fn colours(series: &[Series]) -> impl Iterator<Item = RGBColor> {
+    (0..series.len()).map(|index| {
+        let named = series[..=index].iter().rposition(|series| !series.name.is_empty());
+        COLOURS[named.unwrap_or(index) % COLOURS.len()]
+    })
 }
 
 fn draw_axes<'a, DB: DrawingBackend + 'a>(
