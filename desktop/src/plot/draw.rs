@@ -302,6 +302,18 @@ mod tests {
     }
 
     #[test]
+    fn a_curve_without_a_name_goes_with_the_one_before() {
+        let of = |names: &[&str]| -> Vec<_> {
+            let series: Vec<_> = names.iter().map(|name| Series::line(*name, &[], &[])).collect();
+            colours(&series)
+                .map(|colour| COLOURS.iter().position(|known| *known == colour).unwrap())
+                .collect()
+        };
+        assert_eq!(of(&["error", "band", "", "last"]), [0, 1, 1, 3]);
+        assert_eq!(of(&["", ""]), [0, 1]);
+    }
+
+    #[test]
     fn a_legend_stands_where_it_covers_least() {
         let frame =
             Frame { x: (0.0, 1.0), y: (0.0, 1.0), small: false, pixel: 1e-3, describes: (true, true) };
