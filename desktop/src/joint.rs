@@ -124,7 +124,7 @@ pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
 /// A joint's parameters as the Rust source that firmware includes.
 ///
 /// `Debug` prints a float with the shortest digits that read back as the same bits, and a struct as
-/// the expression that makes it; [`dense`] puts on one line what fits there.
+/// the expression that makes it; what fits on a line is put on one.
 pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
     let table = match params.gear.hysteresis_table {
         Some(_) => "use strainwave::hysteresis::HysteresisTable;\n",
