@@ -10,8 +10,9 @@
 //!
 //! q is the setpoint of the output with its derivatives, d the external torque that the observer believes,
 //! k the line's stiffness at tau_t, c its compliance factor, and s the shares (0..=1) of inertia, friction, wind-up and kinematic
-//! error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per control period, for the setpoint of that instant; the
-//! torque, which is held over the period, for its middle.
+//! error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per control period dt, for the setpoint of that instant; the
+//! torque, which is held over the period, for its middle. Friction takes its turn in every second period, with a step of
+//! 2*dt, and in the others hysteresis and kinematic error do: what had no turn is held, the kinematic error on its slope.
 //!
 //! The flexible joint is flat: motor angle and torque follow from the output's trajectory without solving a
 //! differential equation: the motor's speed takes the setpoint's jerk, its acceleration the snap. Friction is the gear's own model
@@ -29,7 +30,7 @@
 //! the torque only falls there, so it does not hunt. At a motor speed of eps/(4*T) w is a half.
 //!
 //! Hysteresis, kinematic error and the friction's load are implicit equations; all are solved by one
-//! fixed-point step per control period: the hysteresis torque follows the torsion of the step before
+//! fixed-point step in their turn: the hysteresis torque follows the torsion of the step before
 //! (contraction: its slope over K1, about 0.2), e and the friction's ripple follow the motor reference of the
 //! step before (contraction: N*de/dtheta, below 0.03 for the default gear), and the friction's load is the
 //! tau_t of the step before (contraction: the load's factor).
@@ -49,6 +50,7 @@ use crate::error::{Error, require};
 use crate::friction::{FrictionModel, JointFrictionState, Slip, StepTime};
 use crate::gear::{GearParams, Motion};
 use crate::hysteresis::torsion::TorsionHysteresisState;
+use crate::kinematic_error::Deviation;
 use crate::real::Real;
 
 /// T (s): how long friction is fed forward at rest.
@@ -64,10 +66,12 @@ pub struct FeedForward<R> {
     flexspline_inertia: R,
     ratio: R,
     inverse_ratio: R,
-    step_time: StepTime<R>,
+    dt: R,
+    /// 2*dt, from one turn of the friction to the next.
+    friction_time: StepTime<R>,
     /// 4/eps.
     engagement: R,
-    /// dt/T.
+    /// 2*dt/T.
     fading: R,
     external_gain: R,
     half_step: R,
@@ -80,6 +84,10 @@ pub struct FeedForwardState<R: Real> {
     output_friction: JointFrictionState<R>,
     hysteresis: TorsionHysteresisState<R, HYSTERESIS_MEMORY>,
     hysteresis_torque: R,
+    /// e and de/dtheta of the last turn, e moved on since.
+    deviation: Deviation<R>,
+    /// The next turn is the friction's.
+    frictions_turn: bool,
     /// tau_t of the step before (N m).
     carried: R,
     /// d, low-passed (N m).
@@ -96,6 +104,8 @@ impl<R: Real> Default for FeedForwardState<R> {
             output_friction: JointFrictionState::default(),
             hysteresis: TorsionHysteresisState::default(),
             hysteresis_torque: R::ZERO,
+            deviation: Deviation::default(),
+            frictions_turn: false,
             carried: R::ZERO,
             external_torque: R::ZERO,
             engaged: R::ZERO,
@@ -158,19 +168,29 @@ impl<R: Real> FeedForward<R> {
             flexspline_inertia: gear.flexspline_inertia,
             ratio: ratio.value(),
             inverse_ratio: R::from_i32(ratio.n()),
-            step_time: StepTime::new(dt),
+            dt,
+            friction_time: StepTime::new(R::lit(2.0) * dt),
             engagement: R::lit(4.0) / gear.input_friction.presliding,
-            fading: (dt / R::lit(FADING_TIME)).min(R::ONE),
+            fading: (R::lit(2.0) * dt / R::lit(FADING_TIME)).min(R::ONE),
             external_gain: (dt * R::lit(EXTERNAL_CORNER)).one_minus_exp_neg(),
             half_step: R::lit(0.5) * dt,
         })
     }
 
-    /// w after a step over `path` (rad) of the motor.
+    /// The friction's turn, at this speed of output and motor (rad/s): both sides and w.
     #[inline(always)]
-    fn engage(&self, engaged: &mut R, path: R) -> R {
-        *engaged += (path * self.engagement).min(R::ONE) * (R::ONE - *engaged) - self.fading * *engaged;
-        *engaged
+    fn rub(&self, gear: &RealTimeGear<R>, state: &mut FeedForwardState<R>, output: R, motor: R) {
+        let heading = state.reference().heading();
+        let slip = |velocity, load| Slip {
+            wave_generator: heading,
+            ..Slip::over(velocity, self.friction_time).under(R::ZERO, load)
+        };
+        let (on_input, on_output) = gear.frictions();
+        let input = slip(motor, self.ratio * state.carried);
+        let engaged = (input.displacement().abs() * self.engagement).min(R::ONE) * (R::ONE - state.engaged);
+        state.engaged += engaged - self.fading * state.engaged;
+        on_input.step(&mut state.input_friction, &input);
+        on_output.step(&mut state.output_friction, &slip(output, state.carried));
     }
 
     /// Demand for a setpoint; `believed` is what is believed of the joint beside its model.
@@ -187,28 +207,29 @@ impl<R: Real> FeedForward<R> {
         state.external_torque += self.external_gain * (external_torque - state.external_torque);
         let inertia = self.flexspline_inertia * factors.inertia * shares.inertia;
         let motor_velocity = setpoint.velocity * self.inverse_ratio;
-        let reference = state.reference.unwrap_or_else(|| gear.ratio().undo(setpoint.position));
-        let heading = reference.heading();
-        let slip = |velocity, load| Slip {
-            wave_generator: heading,
-            ..Slip::over(velocity, self.step_time).under(R::ZERO, load)
-        };
+        let before = state.reference.unwrap_or_else(|| gear.ratio().undo(setpoint.position));
+        let frictions_turn = state.frictions_turn;
+        state.frictions_turn = !frictions_turn;
+        if frictions_turn {
+            self.rub(gear, state, setpoint.velocity, motor_velocity);
+        }
         let (input, output) = gear.frictions();
-        let input_slip = slip(motor_velocity, self.ratio * state.carried);
-        let output_slip = slip(setpoint.velocity, state.carried);
-        let engaged = self.engage(&mut state.engaged, input_slip.displacement().abs());
-        let input_friction = input.step(&mut state.input_friction, &input_slip).force;
-        let output_friction = output.step(&mut state.output_friction, &output_slip).force;
+        let input_friction = input.force(&state.input_friction);
+        let output_friction = output.force(&state.output_friction);
         let on_output = factors.output_friction * output_friction;
 
         let carried = inertia * setpoint.acceleration + on_output - state.external_torque;
         let on_line = carried - state.hysteresis_torque;
         let torsion = factors.compliance * gear.flexspline().torsion(on_line);
         state.carried = carried;
-        state.hysteresis_torque = gear.hysteresis().step(&mut state.hysteresis, torsion).torque;
+        if !frictions_turn {
+            state.hysteresis_torque = gear.hysteresis().step(&mut state.hysteresis, torsion).torque;
+            state.deviation = gear.kinematic_error(before, before.heading());
+        }
         let wound = shares.wind_up * factors.compliance * gear.flexspline().compliance(on_line) * inertia;
 
-        let deviation = gear.kinematic_error(reference, heading);
+        state.deviation.error += state.deviation.slope * motor_velocity * self.dt;
+        let deviation = state.deviation;
         let ahead = shares.wind_up * torsion - shares.kinematic_error * deviation.error - ripple;
         let ahead_rate = wound * setpoint.jerk - shares.kinematic_error * deviation.slope * motor_velocity;
         let reference = gear.ratio().undo(setpoint.position.plus(ahead));
@@ -216,6 +237,7 @@ impl<R: Real> FeedForward<R> {
 
         let acceleration = setpoint.acceleration + self.half_step * setpoint.jerk;
         let motor_acceleration = (acceleration + wound * setpoint.snap) * self.inverse_ratio;
+        let engaged = state.engaged;
         let share = shares.friction * engaged;
         let moving = if setpoint.velocity == R::ZERO { R::ZERO } else { engaged };
         Demand {
