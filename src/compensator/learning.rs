@@ -10,6 +10,9 @@
 //! so that it need not be built anew, and what it still misses is what is learnt from. tau_fric are its own frictions of the
 //! step before. Everything is scaled by its share and
 //! comes back as it was when the share does. Units: rad, N m; signs as in [`crate::gear`].
+//!
+//! Both are slow, so they take turns: the factors are learnt in every second control period dt, with a step of 2*dt, and
+//! one order of the ripple in the others.
 
 use crate::angle::{Angle, Ratio};
 use crate::compensator::adaptation::{
@@ -46,7 +49,8 @@ pub struct LearningParams<R> {
 pub struct Learning<R> {
     adaptation: Adaptation<R>,
     ripple: LearntRipple<R>,
-    ratio: R,
+    ratio: Ratio,
+    reduction: R,
     flexspline_inertia: R,
 }
 
@@ -54,13 +58,19 @@ pub struct Learning<R> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LearningState<R: Real> {
     adaptation: AdaptationState<R>,
+    /// The factors as far as they are applied.
+    applied: Factors<R>,
     map: RippleMap<R>,
     now: RippleNow<R>,
+    /// This turn is the ripple's.
+    ripples_turn: bool,
     /// Friction of the wave generator in the last step, of the nominal gear (N m).
     input_friction: R,
     /// Of the flexspline.
     output_friction: R,
     excitation: Excitation<R>,
+    /// Speed of the motor's reference (rad/s).
+    speed: R,
     /// epsilon (N m).
     missed: R,
 }
@@ -82,11 +92,13 @@ impl<R: Real> LearningParams<R> {
     /// # Errors
     /// As [`AdaptationParams::build`], [`LearntRippleParams::build`] and [`Ratio::one_over`].
     pub fn build(&self, gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Result<Learning<R>, Error> {
-        let n = R::from_i32(gear.ratio);
+        let (n, turn) = (R::from_i32(gear.ratio), R::lit(2.0) * dt);
+        let ratio = Ratio::one_over(gear.ratio)?;
         Ok(Learning {
-            adaptation: self.adaptation.build(n, gear.flexspline_inertia, limits.output_torque, dt)?,
+            adaptation: self.adaptation.build(n, gear.flexspline_inertia, limits.output_torque, turn)?,
             ripple: self.ripple.build(dt)?,
-            ratio: Ratio::one_over(gear.ratio)?.value(),
+            ratio,
+            reduction: ratio.value(),
             flexspline_inertia: gear.flexspline_inertia,
         })
     }
@@ -100,8 +112,8 @@ impl<R: Real> LearningState<R> {
 
     /// The factors as far as they are applied.
     #[inline(always)]
-    pub fn applied(&self, shares: &Shares<R>) -> Factors<R> {
-        self.adaptation.factors().scaled(shares.adaptation)
+    pub fn applied(&self) -> &Factors<R> {
+        &self.applied
     }
 }
 
@@ -115,10 +127,12 @@ impl<R: Real> Learning<R> {
         }
     }
 
-    /// Takes the ripple where the motor's reference is, `reduced` being r times it.
+    /// Begins the next control period, with the motor's reference at this angle.
     #[inline(always)]
-    pub fn turn_to(&self, state: &mut LearningState<R>, reference: Angle<R>, reduced: Angle<R>) {
-        state.now = self.ripple.at(&state.map, reference, reduced);
+    pub fn turn_to(&self, state: &mut LearningState<R>, reference: Angle<R>) {
+        state.ripples_turn = !state.ripples_turn;
+        let reduced = self.ratio.apply(reference);
+        self.ripple.turn_to(&state.map, &mut state.now, reference, reduced, state.speed);
     }
 
     /// What the observer is told of a measurement.
@@ -129,7 +143,7 @@ impl<R: Real> Learning<R> {
         measured: &Measurement<R>,
         shares: &Shares<R>,
     ) -> Measurement<R> {
-        let factors = state.applied(shares);
+        let factors = &state.applied;
         let inertia = self.flexspline_inertia * state.excitation.acceleration;
         let position = shares.ripple * state.now.position;
         Measurement {
@@ -153,15 +167,18 @@ impl<R: Real> Learning<R> {
         shares: &Shares<R>,
         learns: bool,
     ) -> Believed<R> {
-        let observed = Observed {
-            external_torque: estimate.external_torque,
-            transmitted_torque: estimate.transmitted_torque,
-            stiffness_torque,
-        };
-        state.missed = self.adaptation.step(&mut state.adaptation, &state.excitation, &observed, learns);
+        if !state.ripples_turn {
+            let observed = Observed {
+                external_torque: estimate.external_torque,
+                transmitted_torque: estimate.transmitted_torque,
+                stiffness_torque,
+            };
+            state.missed = self.adaptation.step(&mut state.adaptation, &state.excitation, &observed, learns);
+            state.applied = state.adaptation.factors().scaled(shares.adaptation);
+        }
         state.input_friction = estimate.input_friction;
         state.output_friction = estimate.output_friction;
-        let factors = state.applied(shares);
+        let factors = state.applied;
         let ripple = shares.ripple * state.now.position;
         estimate.output_position = estimate.output_position.plus(ripple);
         estimate.input_friction = factors.input_friction * estimate.input_friction;
@@ -174,8 +191,9 @@ impl<R: Real> Learning<R> {
     #[inline(always)]
     pub fn follow(&self, state: &mut LearningState<R>, course: &Course<R>, learns: bool) {
         state.excitation = course.excitation;
+        state.speed = course.speed;
         if learns {
-            let torque = -self.ratio * state.missed;
+            let torque = -self.reduction * state.missed;
             let lesson = Lesson { speed: course.speed, position: course.position, torque };
             self.ripple.learn(&mut state.map, &state.now, &lesson);
         }

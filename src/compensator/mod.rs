@@ -386,7 +386,7 @@ impl<R: Real> Compensator<R> {
         output.motor_torque = self.command(state, demand.torque + closed, followed.switched, &mut faults);
         output.feed_forward_torque = demand.torque.limit(self.limits.motor_torque);
         output.motor_reference = demand.motor.angle;
-        output.factors = state.learning.applied(shares);
+        output.factors = *state.learning.applied();
         output.faults = faults;
         output
     }
@@ -400,8 +400,7 @@ impl<R: Real> Compensator<R> {
         shares: &Shares<R>,
         faults: &mut Faults,
     ) -> Estimate<R> {
-        let reference = state.feed_forward.reference();
-        self.learning.turn_to(&mut state.learning, reference, self.gear.ratio().apply(reference));
+        self.learning.turn_to(&mut state.learning, state.feed_forward.reference());
         let told = self.learning.told(&state.learning, measured, shares);
         self.observer.step(&self.gear, &mut state.observer, &told, faults)
     }
