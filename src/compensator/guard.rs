@@ -10,7 +10,7 @@
 //!
 //! Measured torques are limited to twice the peak torque of motor and gear: a torque sensor that says
 //! more is off its range; a commanded torque ends at the gear's peak torque. The shares, those of the direction of
-//! motion, are limited to 0..=1 and follow their command at 1 per 10 ms, so that
+//! motion, are limited to 0..=1 and follow their command at 1 per 10 ms, one half of them in each second control period, so that
 //! switching one makes no step in the output. The setpoint's position may be any angle; the feedback's
 //! answer to a jump of it ends at the motor's torque, and is ramped ([`crate::compensator::fallback`]). Units: rad, N m, s; signs as in [`crate::gear`].
 
@@ -35,6 +35,7 @@ pub struct InputGuard<R> {
     motor_torque: R,
     output_torque: R,
     peak_output_torque: R,
+    /// Most that a share moves in its turn.
     share_step: R,
     crossover: Crossover<R>,
 }
@@ -50,6 +51,8 @@ pub struct InputGuardState<R> {
     output_torque: R,
     command_torque: R,
     shares: Shares<R>,
+    /// The second half of the shares has moved last.
+    second_half: bool,
 }
 
 /// What passed the guard.
@@ -91,7 +94,7 @@ impl<R: Real> InputGuard<R> {
             motor_torque: R::lit(2.0) * limits.motor_torque,
             output_torque: R::lit(2.0) * limits.output_torque,
             peak_output_torque: limits.output_torque,
-            share_step: dt * R::lit(1.0 / SHARE_RAMP),
+            share_step: R::lit(2.0 / SHARE_RAMP) * dt,
             crossover: Crossover::build(limits.output_speed(gear.ratio)),
         })
     }
@@ -113,7 +116,7 @@ impl<R: Real> InputGuard<R> {
         Passed {
             sensors: self.sensors(state, &input.sensors, faults),
             command: self.command(state, &input.command, faults),
-            shares: self.shares(&mut state.shares, &input.shares, course, faults),
+            shares: self.shares(state, &input.shares, course, faults),
         }
     }
 
@@ -161,56 +164,38 @@ impl<R: Real> InputGuard<R> {
     #[inline(always)]
     fn shares(
         &self,
-        last: &mut Shares<R>,
+        last: &mut InputGuardState<R>,
         new: &Directions<R>,
         course: Course<R>,
         faults: &mut Faults,
     ) -> Shares<R> {
-        let Directions { forward, backward } = new;
-        if course.trusted && have_arrived(last, forward) && have_arrived(last, backward) {
-            return *last;
+        last.second_half = !last.second_half;
+        let parts = half(&mut last.shares, last.second_half);
+        let [forward, backward] = [new.forward, new.backward].map(|mut to| half(&mut to, last.second_half).map(|share| *share));
+        let arrived = |k: usize| parts[k].is_same(forward[k]) && parts[k].is_same(backward[k]);
+        if !(course.trusted && arrived(0) && arrived(1) && arrived(2) && arrived(3)) {
+            let w = self.crossover.forward(course.velocity);
+            let model = if course.trusted { R::ONE } else { R::ZERO };
+            for (k, share) in parts.into_iter().enumerate() {
+                // The first of all is the feedback's.
+                let allowed = if k == 0 && !last.second_half { R::ONE } else { model };
+                let wanted = backward[k] + w * (forward[k] - backward[k]);
+                follow(wanted, share, allowed, self.share_step, faults);
+            }
         }
-        let w = self.crossover.forward(course.velocity);
-        let mut follow = |forward: R, backward: R, last: &mut R, allowed| {
-            follow(backward + w * (forward - backward), last, allowed, self.share_step, faults)
-        };
-        let model = if course.trusted { R::ONE } else { R::ZERO };
-        Shares {
-            feedback: follow(forward.feedback, backward.feedback, &mut last.feedback, R::ONE),
-            inertia: follow(forward.inertia, backward.inertia, &mut last.inertia, model),
-            friction: follow(forward.friction, backward.friction, &mut last.friction, model),
-            wind_up: follow(forward.wind_up, backward.wind_up, &mut last.wind_up, model),
-            kinematic_error: follow(
-                forward.kinematic_error,
-                backward.kinematic_error,
-                &mut last.kinematic_error,
-                model,
-            ),
-            output_feedback: follow(
-                forward.output_feedback,
-                backward.output_feedback,
-                &mut last.output_feedback,
-                model,
-            ),
-            adaptation: follow(forward.adaptation, backward.adaptation, &mut last.adaptation, model),
-            ripple: follow(forward.ripple, backward.ripple, &mut last.ripple, model),
-        }
+        last.shares
     }
 }
 
-/// The usual case, in both directions: no share is on its way.
+/// The shares whose turn it is, in the order of the fields.
 #[inline(always)]
-fn have_arrived<R: Real>(now: &Shares<R>, wanted: &Shares<R>) -> bool {
-    let Shares { feedback, inertia, friction, wind_up, kinematic_error, output_feedback, adaptation, ripple } =
-        *wanted;
-    now.feedback.is_same(feedback)
-        && now.inertia.is_same(inertia)
-        && now.friction.is_same(friction)
-        && now.wind_up.is_same(wind_up)
-        && now.kinematic_error.is_same(kinematic_error)
-        && now.output_feedback.is_same(output_feedback)
-        && now.adaptation.is_same(adaptation)
-        && now.ripple.is_same(ripple)
+fn half<R>(shares: &mut Shares<R>, second: bool) -> [&mut R; 4] {
+    let Shares { feedback, inertia, friction, wind_up, kinematic_error, output_feedback, adaptation, ripple } = shares;
+    if second {
+        [kinematic_error, output_feedback, adaptation, ripple]
+    } else {
+        [feedback, inertia, friction, wind_up]
+    }
 }
 
 /// A value within +-`bound`: the `new` one, limited and reported as `limited`; in the place of one that is not
@@ -227,9 +212,9 @@ fn pass<R: Real>(new: R, last: &mut R, bound: R, limited: Faults, faults: &mut F
     new
 }
 
-/// A share on its way to `wanted`, limited to 0..=1, of which so much is `allowed`, by at most `step`.
+/// Moves a share towards `wanted`, limited to 0..=1, of which so much is `allowed`, by at most `step`.
 #[inline(always)]
-fn follow<R: Real>(wanted: R, share: &mut R, allowed: R, step: R, faults: &mut Faults) -> R {
+fn follow<R: Real>(wanted: R, share: &mut R, allowed: R, step: R, faults: &mut Faults) {
     let mut target = wanted;
     if !wanted.is_share() {
         seldom();
@@ -237,7 +222,6 @@ fn follow<R: Real>(wanted: R, share: &mut R, allowed: R, step: R, faults: &mut F
         target = wanted.finite_or(*share).max(R::ZERO).min(R::ONE);
     }
     *share += (allowed * target - *share).max(-step).min(step);
-    *share
 }
 
 /// Path that the motor may be asked to move while its encoder stands still (rad).

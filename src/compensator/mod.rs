@@ -343,16 +343,13 @@ impl<R: Real> Compensator<R> {
         let input = self.guard.step(&mut state.guard, input, course, &mut faults);
         let shares = &input.shares;
         let measured = self.measure(state, &input.sensors, shares.feedback, &mut faults);
-        let estimate = self.observe(state, &measured, shares, &mut faults);
-        // The estimate is written where it stays.
-        let mut output = Output { estimate, ..Output::default() };
+        let mut estimate = self.observe(state, &measured, shares, &mut faults);
         let learns = faults == Faults::NONE && !state.limited && shares.adaptation > R::ZERO;
-        let followed =
-            self.commander.step(&mut state.commander, &input.command, &output.estimate, &mut faults);
+        let followed = self.commander.step(&mut state.commander, &input.command, &estimate, &mut faults);
         let learns = learns && followed.torque.is_none();
         let believed = self.learning.believe(
             &mut state.learning,
-            &mut output.estimate,
+            &mut estimate,
             measured.output.and(state.observer.stiffness_torque()),
             shares,
             learns,
@@ -364,7 +361,7 @@ impl<R: Real> Compensator<R> {
         let learnt =
             learning::Course { excitation: demand.excitation, speed: demand.motor.velocity, position: error };
         self.learning.follow(&mut state.learning, &learnt, learns);
-        self.give_way(state, &mut demand, setpoint, &output.estimate, shares, error);
+        self.give_way(state, &mut demand, setpoint, &estimate, shares, error);
         // Where a torque is commanded no motion is.
         state.asked = if followed.torque.is_some() { R::ZERO } else { demand.motor.velocity };
         let stood_still = measured.motor == state.last_motor;
@@ -383,12 +380,14 @@ impl<R: Real> Compensator<R> {
             Some(torque) => demand.transmission * torque,
             None => shares.feedback * self.taken_over(state, &followed, demand.torque, feedback),
         };
-        output.motor_torque = self.command(state, demand.torque + closed, followed.switched, &mut faults);
-        output.feed_forward_torque = demand.torque.limit(self.limits.motor_torque);
-        output.motor_reference = demand.motor.angle;
-        output.factors = *state.learning.applied();
-        output.faults = faults;
-        output
+        Output {
+            motor_torque: self.command(state, demand.torque + closed, followed.switched, &mut faults),
+            feed_forward_torque: demand.torque.limit(self.limits.motor_torque),
+            motor_reference: demand.motor.angle,
+            estimate,
+            factors: *state.learning.applied(),
+            faults,
+        }
     }
 
     /// What the observer believes.

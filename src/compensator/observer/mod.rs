@@ -43,7 +43,7 @@ use crate::compensator::{Estimate, HYSTERESIS_MEMORY, Limits, RealTimeGear};
 use crate::error::{Error, require};
 use crate::friction::JointFrictionState;
 use crate::gear::{Applied, GearParams, GearState, Motion, Torques};
-use crate::real::{RADIANS_PER_COUNT, Real};
+use crate::real::{RADIANS_PER_COUNT, Real, seldom};
 use deviation::{Magnitudes, Spread, SpreadState, Uncertainty};
 use past::{LONGEST_DELAY, Past};
 
@@ -262,7 +262,8 @@ impl<R: Real> Observer<R> {
         faults: &mut Faults,
     ) -> Estimate<R> {
         if !state.started {
-            self.start(gear, state, measured);
+            seldom();
+            return self.first(gear, state, measured);
         }
         let applied = Applied { motor: measured.motor_torque, load: state.external_torque };
         let torques = gear.torques(&mut state.gear, &state.wave_generator, &state.flange, applied);
@@ -312,6 +313,22 @@ impl<R: Real> Observer<R> {
         state.since_output < self.period
     }
 
+    /// The first step: the joint rests, and nothing is known of its torques.
+    #[cold]
+    #[inline(never)]
+    fn first(
+        &self,
+        gear: &RealTimeGear<R>,
+        state: &mut ObserverState<R>,
+        measured: &Measurement<R>,
+    ) -> Estimate<R> {
+        self.start(gear, state, measured);
+        state.past.push(state.flange.angle.phase());
+        let set = set(&self.standing, false, measured.output_torque.is_some());
+        let (output_position, deviation) = (state.flange.angle, set.spread.base);
+        Estimate { output_position, deviation, ..Estimate::default() }
+    }
+
     /// Starts at rest at the motor's angle, without torsion.
     #[cold]
     fn start(&self, gear: &RealTimeGear<R>, state: &mut ObserverState<R>, measured: &Measurement<R>) {
@@ -324,7 +341,7 @@ impl<R: Real> Observer<R> {
         state.started = true;
     }
 
-    /// Moves both ends by one control period; answers with the flange's acceleration (rad/s^2).
+    /// Moves both speeds by one control period; answers with the flange's acceleration (rad/s^2).
     #[inline(always)]
     fn predict(
         &self,
@@ -338,12 +355,13 @@ impl<R: Real> Observer<R> {
             (measured.motor_torque + state.held_torque - resisting) * self.inverse_wave_generator_inertia;
         let load = state.external_torque + measured.known_torque + state.stiffness_torque;
         let flange = gear.flange_acceleration(torques, load);
-        state.wave_generator.advance(motor, self.dt);
-        state.flange.advance(flange, self.dt);
+        state.wave_generator.velocity += self.dt * motor;
+        state.flange.velocity += self.dt * flange;
         flange
     }
 
-    /// Corrects by each sensor in turn; answers with what they asked of d (N m).
+    /// Moves both angles by one control period and corrects by each sensor in turn; answers with what they asked of d (N m).
+    /// An angle takes its prediction and its corrections as one way.
     #[inline(always)]
     fn correct(
         &self,
@@ -357,18 +375,24 @@ impl<R: Real> Observer<R> {
         if moved {
             state.held_torque = R::ZERO;
         }
-        state.correct(&gains.motor, measured.motor.minus(state.wave_generator.angle), moved);
+        let mut way = [self.dt * state.wave_generator.velocity, self.dt * state.flange.velocity];
+        let innovation = measured.motor.minus(state.wave_generator.angle) - way[0];
+        state.correct(&mut way, &gains.motor, innovation, moved);
         if let Some(torque) = measured.output_torque {
             let innovation = torque - torques.transmitted - state.stiffness_torque;
-            state.correct(&gains.torque, innovation, moved);
+            state.correct(&mut way, &gains.torque, innovation, moved);
         }
+        state.flange.angle = state.flange.angle.plus(way[1]);
         state.past.push(state.flange.angle.phase());
         if let (Some(angle), Some(then)) = (measured.output, state.past.before(self.delay)) {
             let counts = angle.phase().wrapping_sub(then).cast_signed();
             let innovation = R::from_i32(counts) * R::lit(RADIANS_PER_COUNT);
-            state.correct(&gains.output, innovation, moved);
+            way[1] = R::ZERO;
+            state.correct(&mut way, &gains.output, innovation, moved);
+            state.flange.angle = state.flange.angle.plus(way[1]);
             state.past.correct(self.delay, &gains.past, innovation);
         }
+        state.wave_generator.angle = state.wave_generator.angle.plus(way[0]);
         state.external_torque - before
     }
 
@@ -387,16 +411,18 @@ impl<R: Real> Observer<R> {
             (&mut state.flange.velocity, limits.output_speed),
             (&mut state.external_torque, limits.external_torque),
         ] {
-            let limited = value.limit(bound);
-            faults.raise_if(limited != *value, Faults::ESTIMATE_LIMITED);
-            *value = limited;
+            if !value.is_within(bound) {
+                seldom();
+                faults.raise_if(true, Faults::ESTIMATE_LIMITED);
+                *value = value.limit(bound);
+            }
         }
         let [share, least] = limits.stiffness_torque;
         state.stiffness_torque = state.stiffness_torque.limit(share * torques.transmitted.abs() + least);
         state.held_torque = state.held_torque.limit(limits.held_torque);
-        let lost = !torques.torsion.is_finite() || torques.torsion.abs() > limits.torsion;
-        faults.raise_if(lost, Faults::OBSERVER_RESET);
-        if lost {
+        if !torques.torsion.is_within(limits.torsion) {
+            seldom();
+            faults.raise_if(true, Faults::OBSERVER_RESET);
             self.start(gear, state, measured);
         }
     }
@@ -419,12 +445,12 @@ impl<R: Real> ObserverState<R> {
         (self.standstill.periods < STANDSTILL).then_some(self.stiffness_torque)
     }
 
-    /// Corrects by one sensor's innovation.
+    /// Corrects by one sensor's innovation; adds to the `way` (rad) of both angles.
     #[inline(always)]
-    fn correct(&mut self, by: &Correction<R>, innovation: R, moved: bool) {
-        self.wave_generator.angle = self.wave_generator.angle.plus(by[0] * innovation);
+    fn correct(&mut self, way: &mut [R; 2], by: &Correction<R>, innovation: R, moved: bool) {
+        way[0] += by[0] * innovation;
         self.wave_generator.velocity += by[1] * innovation;
-        self.flange.angle = self.flange.angle.plus(by[2] * innovation);
+        way[1] += by[2] * innovation;
         self.flange.velocity += by[3] * innovation;
         self.external_torque += by[4] * innovation;
         let last = if moved { &mut self.stiffness_torque } else { &mut self.held_torque };
