@@ -170,31 +170,52 @@ impl<R: Real> InputGuard<R> {
         faults: &mut Faults,
     ) -> Shares<R> {
         last.second_half = !last.second_half;
-        let parts = half(&mut last.shares, last.second_half);
-        let [forward, backward] = [new.forward, new.backward].map(|mut to| half(&mut to, last.second_half).map(|share| *share));
-        let arrived = |k: usize| parts[k].is_same(forward[k]) && parts[k].is_same(backward[k]);
-        if !(course.trusted && arrived(0) && arrived(1) && arrived(2) && arrived(3)) {
-            let w = self.crossover.forward(course.velocity);
-            let model = if course.trusted { R::ONE } else { R::ZERO };
-            for (k, share) in parts.into_iter().enumerate() {
-                // The first of all is the feedback's.
-                let allowed = if k == 0 && !last.second_half { R::ONE } else { model };
-                let wanted = backward[k] + w * (forward[k] - backward[k]);
-                follow(wanted, share, allowed, self.share_step, faults);
-            }
+        let [forward, backward] = [&new.forward, &new.backward]
+            .map(|wanted| have_arrived(&last.shares, wanted, last.second_half));
+        if !(course.trusted && forward && backward) {
+            self.lead(last, new, course, faults);
         }
         last.shares
     }
+
+    /// Moves the half of the shares whose turn it is.
+    #[cold]
+    #[inline(never)]
+    fn lead(&self, last: &mut InputGuardState<R>, new: &Directions<R>, course: Course<R>, faults: &mut Faults) {
+        let Directions { forward, backward } = new;
+        let w = self.crossover.forward(course.velocity);
+        let model = if course.trusted { R::ONE } else { R::ZERO };
+        let mut follow = |forward: R, backward: R, share: &mut R, allowed| {
+            follow(backward + w * (forward - backward), share, allowed, self.share_step, faults);
+        };
+        let now = &mut last.shares;
+        if last.second_half {
+            follow(forward.kinematic_error, backward.kinematic_error, &mut now.kinematic_error, model);
+            follow(forward.output_feedback, backward.output_feedback, &mut now.output_feedback, model);
+            follow(forward.adaptation, backward.adaptation, &mut now.adaptation, model);
+            follow(forward.ripple, backward.ripple, &mut now.ripple, model);
+        } else {
+            follow(forward.feedback, backward.feedback, &mut now.feedback, R::ONE);
+            follow(forward.inertia, backward.inertia, &mut now.inertia, model);
+            follow(forward.friction, backward.friction, &mut now.friction, model);
+            follow(forward.wind_up, backward.wind_up, &mut now.wind_up, model);
+        }
+    }
 }
 
-/// The shares whose turn it is, in the order of the fields.
+/// The usual case, in both directions: no share of this half is on its way.
 #[inline(always)]
-fn half<R>(shares: &mut Shares<R>, second: bool) -> [&mut R; 4] {
-    let Shares { feedback, inertia, friction, wind_up, kinematic_error, output_feedback, adaptation, ripple } = shares;
-    if second {
-        [kinematic_error, output_feedback, adaptation, ripple]
+fn have_arrived<R: Real>(now: &Shares<R>, wanted: &Shares<R>, second_half: bool) -> bool {
+    if second_half {
+        now.kinematic_error.is_same(wanted.kinematic_error)
+            && now.output_feedback.is_same(wanted.output_feedback)
+            && now.adaptation.is_same(wanted.adaptation)
+            && now.ripple.is_same(wanted.ripple)
     } else {
-        [feedback, inertia, friction, wind_up]
+        now.feedback.is_same(wanted.feedback)
+            && now.inertia.is_same(wanted.inertia)
+            && now.friction.is_same(wanted.friction)
+            && now.wind_up.is_same(wanted.wind_up)
     }
 }
 

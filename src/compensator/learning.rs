@@ -11,8 +11,8 @@
 //! step before. Everything is scaled by its share and
 //! comes back as it was when the share does. Units: rad, N m; signs as in [`crate::gear`].
 //!
-//! Both are slow, so they take turns: the factors are learnt in every second control period dt, with a step of 2*dt, and
-//! one order of the ripple in the others.
+//! Both are slow: the factors are learnt in every second control period dt, with a step of 2*dt, and of the ripple one order in
+//! each period.
 
 use crate::angle::{Angle, Ratio};
 use crate::compensator::adaptation::{
@@ -49,8 +49,7 @@ pub struct LearningParams<R> {
 pub struct Learning<R> {
     adaptation: Adaptation<R>,
     ripple: LearntRipple<R>,
-    ratio: Ratio,
-    reduction: R,
+    ratio: R,
     flexspline_inertia: R,
 }
 
@@ -62,8 +61,8 @@ pub struct LearningState<R: Real> {
     applied: Factors<R>,
     map: RippleMap<R>,
     now: RippleNow<R>,
-    /// This turn is the ripple's.
-    ripples_turn: bool,
+    /// This turn is the factors'.
+    factors_turn: bool,
     /// Friction of the wave generator in the last step, of the nominal gear (N m).
     input_friction: R,
     /// Of the flexspline.
@@ -93,12 +92,10 @@ impl<R: Real> LearningParams<R> {
     /// As [`AdaptationParams::build`], [`LearntRippleParams::build`] and [`Ratio::one_over`].
     pub fn build(&self, gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Result<Learning<R>, Error> {
         let (n, turn) = (R::from_i32(gear.ratio), R::lit(2.0) * dt);
-        let ratio = Ratio::one_over(gear.ratio)?;
         Ok(Learning {
             adaptation: self.adaptation.build(n, gear.flexspline_inertia, limits.output_torque, turn)?,
             ripple: self.ripple.build(dt)?,
-            ratio,
-            reduction: ratio.value(),
+            ratio: Ratio::one_over(gear.ratio)?.value(),
             flexspline_inertia: gear.flexspline_inertia,
         })
     }
@@ -127,12 +124,11 @@ impl<R: Real> Learning<R> {
         }
     }
 
-    /// Begins the next control period, with the motor's reference at this angle.
+    /// Begins the next control period, with motor and output meant to be at these angles.
     #[inline(always)]
-    pub fn turn_to(&self, state: &mut LearningState<R>, reference: Angle<R>) {
-        state.ripples_turn = !state.ripples_turn;
-        let reduced = self.ratio.apply(reference);
-        self.ripple.turn_to(&state.map, &mut state.now, reference, reduced, state.speed);
+    pub fn turn_to(&self, state: &mut LearningState<R>, motor: Angle<R>, output: Angle<R>) {
+        state.factors_turn = !state.factors_turn;
+        self.ripple.turn_to(&state.map, &mut state.now, motor, output, state.speed);
     }
 
     /// What the observer is told of a measurement.
@@ -167,7 +163,7 @@ impl<R: Real> Learning<R> {
         shares: &Shares<R>,
         learns: bool,
     ) -> Believed<R> {
-        if !state.ripples_turn {
+        if state.factors_turn {
             let observed = Observed {
                 external_torque: estimate.external_torque,
                 transmitted_torque: estimate.transmitted_torque,
@@ -193,7 +189,7 @@ impl<R: Real> Learning<R> {
         state.excitation = course.excitation;
         state.speed = course.speed;
         if learns {
-            let torque = -self.reduction * state.missed;
+            let torque = -self.ratio * state.missed;
             let lesson = Lesson { speed: course.speed, position: course.position, torque };
             self.ripple.learn(&mut state.map, &state.now, &lesson);
         }

@@ -1,13 +1,13 @@
 //! Ripple that turns with the wave generator, learnt while the joint works: a map of sines.
 //!
 //! ```text
-//! ripple = sum_k a_k*cos(k*alpha) + b_k*sin(k*alpha),       alpha = theta_wg or theta_wg - r*theta_wg
+//! ripple = sum_k a_k*cos(k*alpha) + b_k*sin(k*alpha),       alpha = theta_wg or theta_wg - theta_fs
 //! law      a_k <- limit(a_k + dt*g*m*cos(k*alpha), bound),  b_k alike with the sine
 //! ```
 //!
 //! One map is of the position, what the kinematic error that the gear file gives leaves (rad at the output; m is the measured output less its
 //! setpoint): the motor is sent so much less far. The other is of the torque at the motor's shaft (N m; m is what the observer misses
-//! there): it is fed forward. Orders per turn are relative to the case, or to the flexspline, which gives k - k/N of both rims.
+//! there): it is fed forward. Orders per turn are relative to the case, or to the flexspline, where the output is meant to be: which gives k - k/N of both rims.
 //!
 //! With the true coefficients constant, x the error of the coefficients and V = x'x/(2*g), dV/dt = -(m's ripple)^2 + noise: the law is
 //! the gradient of m^2. The loop around it must answer within a quarter period, so that it only learns where
@@ -153,14 +153,14 @@ impl<R: Real> RippleMap<R> {
 }
 
 impl<R: Real> LearntRipple<R> {
-    /// The next order's turn, at the wave generator's angle `theta` and `speed` (rad/s); `reduced` is r*theta.
+    /// The next order's turn, at the wave generator's angle `theta` and `speed` (rad/s), the flexspline being at `output`.
     #[inline(always)]
     pub fn turn_to(
         &self,
         map: &RippleMap<R>,
         now: &mut RippleNow<R>,
         theta: Angle<R>,
-        reduced: Angle<R>,
+        output: Angle<R>,
         speed: R,
     ) {
         now.turn = (now.turn + 1) % RIPPLE_ORDERS;
@@ -168,7 +168,7 @@ impl<R: Real> LearntRipple<R> {
         let lead = (self.lead * speed).to_i32().cast_unsigned();
         let to_case = theta.phase().wrapping_add(lead);
         // Less r*lead: below a hundredth of what the wave is off.
-        let angle = if to_flexspline { to_case.wrapping_sub(reduced.phase()) } else { to_case };
+        let angle = if to_flexspline { to_case.wrapping_sub(output.phase()) } else { to_case };
         let (sine, cosine) = R::sin_cos_phase(order.wrapping_mul(angle));
         let wave = |[a, b]: [R; 2]| a * cosine + b * sine;
         now.basis = [cosine, sine];

@@ -399,7 +399,8 @@ impl<R: Real> Compensator<R> {
         shares: &Shares<R>,
         faults: &mut Faults,
     ) -> Estimate<R> {
-        self.learning.turn_to(&mut state.learning, state.feed_forward.reference());
+        let (motor, output) = (state.feed_forward.reference(), state.commander.position());
+        self.learning.turn_to(&mut state.learning, motor, output);
         let told = self.learning.told(&state.learning, measured, shares);
         self.observer.step(&self.gear, &mut state.observer, &told, faults)
     }
