@@ -11,8 +11,8 @@
 //! q is the setpoint of the output with its derivatives, d the external torque that the observer believes,
 //! k the line's stiffness at tau_t, c its compliance factor, and s the shares (0..=1) of inertia, friction, wind-up and kinematic
 //! error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per control period dt, for the setpoint of that instant; the
-//! torque, which is held over the period, for its middle. Friction takes its turn in every second period, with a step of
-//! 2*dt, and in the others hysteresis and kinematic error do: what had no turn is held, the kinematic error on its slope.
+//! torque, which is held over the period, for its middle. Kinematic error, hysteresis and the friction of either side take
+//! turns of one period each, with steps of T = 4*dt: what had no turn is held, the kinematic error on its slope.
 //!
 //! The flexible joint is flat: motor angle and torque follow from the output's trajectory without solving a
 //! differential equation: the motor's speed takes the setpoint's jerk, its acceleration the snap. Friction is the gear's own model
@@ -23,11 +23,11 @@
 //! static level. What is fed forward as torque therefore fades where nothing moves: s_f stands for s_f*w,
 //!
 //! ```text
-//! w <- w + min(4*ds/eps, 1)*(1 - w) - dt/T*w          ds: path of the motor, eps: its presliding, T = 0.5 s
+//! w <- w + min(4*ds/eps, 1)*(1 - w) - T/T_f*w         ds: path of the motor, eps: its presliding, T_f = 0.5 s
 //! ```
 //!
 //! which is there after a quarter of the presliding, passes a reversal within a few percent, and is 0 at rest:
-//! the torque only falls there, so it does not hunt. At a motor speed of eps/(4*T) w is a half.
+//! the torque only falls there, so it does not hunt. At a motor speed of eps/(4*T_f) w is a half.
 //!
 //! Hysteresis, kinematic error and the friction's load are implicit equations; all are solved by one
 //! fixed-point step in their turn: the hysteresis torque follows the torsion of the step before
@@ -53,7 +53,7 @@ use crate::hysteresis::torsion::TorsionHysteresisState;
 use crate::kinematic_error::Deviation;
 use crate::real::Real;
 
-/// T (s): how long friction is fed forward at rest.
+/// T_f (s): how long friction is fed forward at rest.
 const FADING_TIME: f64 = 0.5;
 
 /// Corner of the external torque's way into the wind-up (rad/s).
@@ -67,11 +67,11 @@ pub struct FeedForward<R> {
     ratio: R,
     inverse_ratio: R,
     dt: R,
-    /// 2*dt, from one turn of the friction to the next.
-    friction_time: StepTime<R>,
+    /// T.
+    round: StepTime<R>,
     /// 4/eps.
     engagement: R,
-    /// 2*dt/T.
+    /// T/T_f.
     fading: R,
     external_gain: R,
     half_step: R,
@@ -86,8 +86,7 @@ pub struct FeedForwardState<R: Real> {
     hysteresis_torque: R,
     /// e and de/dtheta of the last turn, e moved on since.
     deviation: Deviation<R>,
-    /// The next turn is the friction's.
-    frictions_turn: bool,
+    turn: Turn,
     /// tau_t of the step before (N m).
     carried: R,
     /// d, low-passed (N m).
@@ -95,6 +94,28 @@ pub struct FeedForwardState<R: Real> {
     /// w.
     engaged: R,
     reference: Option<Angle<R>>,
+}
+
+/// What has its turn in a control period.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Turn {
+    #[default]
+    KinematicError,
+    InputFriction,
+    Hysteresis,
+    OutputFriction,
+}
+
+impl Turn {
+    #[inline(always)]
+    fn next(self) -> Self {
+        match self {
+            Self::KinematicError => Self::InputFriction,
+            Self::InputFriction => Self::Hysteresis,
+            Self::Hysteresis => Self::OutputFriction,
+            Self::OutputFriction => Self::KinematicError,
+        }
+    }
 }
 
 impl<R: Real> Default for FeedForwardState<R> {
@@ -105,7 +126,7 @@ impl<R: Real> Default for FeedForwardState<R> {
             hysteresis: TorsionHysteresisState::default(),
             hysteresis_torque: R::ZERO,
             deviation: Deviation::default(),
-            frictions_turn: false,
+            turn: Turn::default(),
             carried: R::ZERO,
             external_torque: R::ZERO,
             engaged: R::ZERO,
@@ -162,35 +183,38 @@ impl<R: Real> FeedForward<R> {
         let positive = |value: R| value.is_finite() && value > R::ZERO;
         require(positive(gear.wave_generator_inertia), "wave_generator_inertia")?;
         require(positive(gear.flexspline_inertia), "flexspline_inertia")?;
-        let ratio = Ratio::one_over(gear.ratio)?;
+        let (ratio, round) = (Ratio::one_over(gear.ratio)?, R::lit(4.0) * dt);
         Ok(Self {
             wave_generator_inertia: gear.wave_generator_inertia,
             flexspline_inertia: gear.flexspline_inertia,
             ratio: ratio.value(),
             inverse_ratio: R::from_i32(ratio.n()),
             dt,
-            friction_time: StepTime::new(R::lit(2.0) * dt),
+            round: StepTime::new(round),
             engagement: R::lit(4.0) / gear.input_friction.presliding,
-            fading: (R::lit(2.0) * dt / R::lit(FADING_TIME)).min(R::ONE),
+            fading: (round / R::lit(FADING_TIME)).min(R::ONE),
             external_gain: (dt * R::lit(EXTERNAL_CORNER)).one_minus_exp_neg(),
             half_step: R::lit(0.5) * dt,
         })
     }
 
-    /// The friction's turn, at this speed of output and motor (rad/s): both sides and w.
+    /// The friction's turn on either side, at this speed of output and motor (rad/s); w with that of the motor.
     #[inline(always)]
     fn rub(&self, gear: &RealTimeGear<R>, state: &mut FeedForwardState<R>, output: R, motor: R) {
         let heading = state.reference().heading();
         let slip = |velocity, load| Slip {
             wave_generator: heading,
-            ..Slip::over(velocity, self.friction_time).under(R::ZERO, load)
+            ..Slip::over(velocity, self.round).under(R::ZERO, load)
         };
         let (on_input, on_output) = gear.frictions();
-        let input = slip(motor, self.ratio * state.carried);
-        let engaged = (input.displacement().abs() * self.engagement).min(R::ONE) * (R::ONE - state.engaged);
+        if state.turn == Turn::OutputFriction {
+            on_output.step(&mut state.output_friction, &slip(output, state.carried));
+            return;
+        }
+        let slip = slip(motor, self.ratio * state.carried);
+        let engaged = (slip.displacement().abs() * self.engagement).min(R::ONE) * (R::ONE - state.engaged);
         state.engaged += engaged - self.fading * state.engaged;
-        on_input.step(&mut state.input_friction, &input);
-        on_output.step(&mut state.output_friction, &slip(output, state.carried));
+        on_input.step(&mut state.input_friction, &slip);
     }
 
     /// Demand for a setpoint; `believed` is what is believed of the joint beside its model.
@@ -208,10 +232,12 @@ impl<R: Real> FeedForward<R> {
         let inertia = self.flexspline_inertia * factors.inertia * shares.inertia;
         let motor_velocity = setpoint.velocity * self.inverse_ratio;
         let before = state.reference.unwrap_or_else(|| gear.ratio().undo(setpoint.position));
-        let frictions_turn = state.frictions_turn;
-        state.frictions_turn = !frictions_turn;
-        if frictions_turn {
-            self.rub(gear, state, setpoint.velocity, motor_velocity);
+        match state.turn {
+            Turn::KinematicError => state.deviation = gear.kinematic_error(before, before.heading()),
+            Turn::Hysteresis => {}
+            Turn::InputFriction | Turn::OutputFriction => {
+                self.rub(gear, state, setpoint.velocity, motor_velocity);
+            }
         }
         let (input, output) = gear.frictions();
         let input_friction = input.force(&state.input_friction);
@@ -222,10 +248,10 @@ impl<R: Real> FeedForward<R> {
         let on_line = carried - state.hysteresis_torque;
         let torsion = factors.compliance * gear.flexspline().torsion(on_line);
         state.carried = carried;
-        if !frictions_turn {
+        if state.turn == Turn::Hysteresis {
             state.hysteresis_torque = gear.hysteresis().step(&mut state.hysteresis, torsion).torque;
-            state.deviation = gear.kinematic_error(before, before.heading());
         }
+        state.turn = state.turn.next();
         let wound = shares.wind_up * factors.compliance * gear.flexspline().compliance(on_line) * inertia;
 
         state.deviation.error += state.deviation.slope * motor_velocity * self.dt;

@@ -11,8 +11,8 @@
 //! step before. Everything is scaled by its share and
 //! comes back as it was when the share does. Units: rad, N m; signs as in [`crate::gear`].
 //!
-//! Both are slow: the factors are learnt in every second control period dt, with a step of 2*dt, and of the ripple one order in
-//! each period.
+//! Both are slow: the factors are learnt in one of [`TURNS`] control periods dt, with a step of [`TURNS`]*dt, and of the ripple
+//! one order in each period.
 
 use crate::angle::{Angle, Ratio};
 use crate::compensator::adaptation::{
@@ -25,6 +25,9 @@ use crate::compensator::{Estimate, Limits, Shares};
 use crate::error::Error;
 use crate::gear::GearParams;
 use crate::real::Real;
+
+/// Control periods from one turn of the factors to the next.
+pub const TURNS: u32 = 4;
 
 /// What has been learnt: kept in a file, and started from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -61,8 +64,8 @@ pub struct LearningState<R: Real> {
     applied: Factors<R>,
     map: RippleMap<R>,
     now: RippleNow<R>,
-    /// This turn is the factors'.
-    factors_turn: bool,
+    /// Control periods since the factors' turn.
+    since_factors: u32,
     /// Friction of the wave generator in the last step, of the nominal gear (N m).
     input_friction: R,
     /// Of the flexspline.
@@ -91,7 +94,7 @@ impl<R: Real> LearningParams<R> {
     /// # Errors
     /// As [`AdaptationParams::build`], [`LearntRippleParams::build`] and [`Ratio::one_over`].
     pub fn build(&self, gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Result<Learning<R>, Error> {
-        let (n, turn) = (R::from_i32(gear.ratio), R::lit(2.0) * dt);
+        let (n, turn) = (R::from_i32(gear.ratio), R::from_i32(TURNS as i32) * dt);
         Ok(Learning {
             adaptation: self.adaptation.build(n, gear.flexspline_inertia, limits.output_torque, turn)?,
             ripple: self.ripple.build(dt)?,
@@ -120,6 +123,7 @@ impl<R: Real> Learning<R> {
         LearningState {
             adaptation: self.adaptation.starting_from(&stored.factors),
             map: stored.ripple.within(&self.ripple),
+            since_factors: TURNS - 1,
             ..LearningState::default()
         }
     }
@@ -127,7 +131,7 @@ impl<R: Real> Learning<R> {
     /// Begins the next control period, with motor and output meant to be at these angles.
     #[inline(always)]
     pub fn turn_to(&self, state: &mut LearningState<R>, motor: Angle<R>, output: Angle<R>) {
-        state.factors_turn = !state.factors_turn;
+        state.since_factors = (state.since_factors + 1) % TURNS;
         self.ripple.turn_to(&state.map, &mut state.now, motor, output, state.speed);
     }
 
@@ -163,7 +167,7 @@ impl<R: Real> Learning<R> {
         shares: &Shares<R>,
         learns: bool,
     ) -> Believed<R> {
-        if state.factors_turn {
+        if state.since_factors == 0 {
             let observed = Observed {
                 external_torque: estimate.external_torque,
                 transmitted_torque: estimate.transmitted_torque,

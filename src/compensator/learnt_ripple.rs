@@ -14,7 +14,8 @@
 //! k*|omega_wg| is below a corner, and only in motion: at rest a ripple cannot be told from any constant.
 //!
 //! Discretisation: one order has its turn at a time, the others are held at what they were: each is taken for the middle of
-//! the [`RIPPLE_ORDERS`] turns that it is held, T = [`RIPPLE_ORDERS`]*dt, and learnt by explicit Euler over T; stable for T*g < 1.
+//! the [`RIPPLE_ORDERS`] turns that it is held, T = [`RIPPLE_ORDERS`]*dt, and learnt by explicit Euler over 2*T, position and torque by
+//! turns; stable for 2*T*g < 1.
 //! Bounded by `bound` in each coefficient. A held wave of order k is off by k*|omega_wg|*T/2 of its amplitude at most.
 //!
 //! M. Bodson, A. Sacks, P. Khosla, "Harmonic generation in adaptive feedforward cancellation schemes", IEEE
@@ -89,7 +90,7 @@ pub struct RippleNow<R> {
     pub torque: R,
     /// Position and torque of each order.
     waves: [[R; 2]; RIPPLE_ORDERS],
-    /// Whose turn it was last, and the cosine and sine of its angle.
+    /// The last turn: its order is the remainder of [`RIPPLE_ORDERS`], and the cosine and sine of that one's angle.
     turn: usize,
     basis: [R; 2],
 }
@@ -113,7 +114,7 @@ impl<R: Real> LearntRippleParams<R> {
     pub fn build(&self, dt: R) -> Result<LearntRipple<R>, Error> {
         require(self.orders.iter().all(|order| order.order <= 1000), "ripple_order")?;
         let round = R::from_i32(RIPPLE_ORDERS as i32) * dt;
-        let rate = |rate: R| rate >= R::ZERO && rate * round < R::ONE;
+        let rate = |rate: R| rate >= R::ZERO && rate * (round + round) < R::ONE;
         require(rate(self.position_rate) && rate(self.torque_rate), "ripple_rate")?;
         let bound = |bound: R| bound.is_finite() && bound >= R::ZERO;
         require(bound(self.position_bound) && bound(self.torque_bound), "ripple_bound")?;
@@ -121,8 +122,8 @@ impl<R: Real> LearntRippleParams<R> {
         require(least > R::ZERO && most.is_finite() && least < most, "ripple_speeds")?;
         Ok(LearntRipple {
             orders: self.orders,
-            position_gain: R::lit(2.0) * round * self.position_rate,
-            torque_gain: R::lit(2.0) * round * self.torque_rate,
+            position_gain: R::lit(4.0) * round * self.position_rate,
+            torque_gain: R::lit(4.0) * round * self.torque_rate,
             position_bound: self.position_bound,
             torque_bound: self.torque_bound,
             least_speed: least,
@@ -163,8 +164,9 @@ impl<R: Real> LearntRipple<R> {
         output: Angle<R>,
         speed: R,
     ) {
-        now.turn = (now.turn + 1) % RIPPLE_ORDERS;
-        let RippleOrder { order, to_flexspline } = self.orders[now.turn];
+        now.turn = (now.turn + 1) % (2 * RIPPLE_ORDERS);
+        let place = now.turn % RIPPLE_ORDERS;
+        let RippleOrder { order, to_flexspline } = self.orders[place];
         let lead = (self.lead * speed).to_i32().cast_unsigned();
         let to_case = theta.phase().wrapping_add(lead);
         // Less r*lead: below a hundredth of what the wave is off.
@@ -172,31 +174,34 @@ impl<R: Real> LearntRipple<R> {
         let (sine, cosine) = R::sin_cos_phase(order.wrapping_mul(angle));
         let wave = |[a, b]: [R; 2]| a * cosine + b * sine;
         now.basis = [cosine, sine];
-        now.waves[now.turn] = [wave(map.position[now.turn]), wave(map.torque[now.turn])];
+        now.waves[place] = [wave(map.position[place]), wave(map.torque[place])];
         let [first, second, third, fourth] = now.waves;
         now.position = (first[0] + second[0]) + (third[0] + fourth[0]);
         now.torque = (first[1] + second[1]) + (third[1] + fourth[1]);
     }
 
-    /// The order whose turn it was learns from this control period.
+    /// The order whose turn it was learns from this control period: its position and its torque by turns.
     #[inline(always)]
     pub fn learn(&self, map: &mut RippleMap<R>, now: &RippleNow<R>, lesson: &Lesson<R>) {
-        let (speed, turn) = (lesson.speed.abs(), now.turn % RIPPLE_ORDERS);
-        if speed < self.least_speed || speed >= self.fastest[turn] {
+        let (speed, order) = (lesson.speed.abs(), now.turn % RIPPLE_ORDERS);
+        if speed < self.least_speed || speed >= self.fastest[order] {
             return;
         }
-        let position = self.position_gain * lesson.position.unwrap_or(R::ZERO);
-        let torque = self.torque_gain * lesson.torque;
-        for (side, wave) in now.basis.into_iter().enumerate() {
-            add(&mut map.position[turn][side], position * wave, self.position_bound);
-            add(&mut map.torque[turn][side], torque * wave, self.torque_bound);
+        let [cosine, sine] = now.basis;
+        if now.turn >= RIPPLE_ORDERS {
+            let by = self.torque_gain * lesson.torque;
+            add(&mut map.torque[order], [by * cosine, by * sine], self.torque_bound);
+        } else if let Some(position) = lesson.position {
+            let by = self.position_gain * position;
+            add(&mut map.position[order], [by * cosine, by * sine], self.position_bound);
         }
     }
 }
 
 #[inline(always)]
-fn add<R: Real>(coefficient: &mut R, by: R, bound: R) {
-    *coefficient = (*coefficient + by).limit(bound);
+fn add<R: Real>([cosine, sine]: &mut [R; 2], by: [R; 2], bound: R) {
+    *cosine = (*cosine + by[0]).limit(bound);
+    *sine = (*sine + by[1]).limit(bound);
 }
 
 #[cfg(test)]

@@ -39,12 +39,12 @@ pub mod past;
 
 use crate::angle::Angle;
 use crate::compensator::faults::Faults;
-use crate::compensator::{Estimate, HYSTERESIS_MEMORY, Limits, RealTimeGear};
+use crate::compensator::{Estimate, EstimateDeviation, HYSTERESIS_MEMORY, Limits, RealTimeGear};
 use crate::error::{Error, require};
 use crate::friction::JointFrictionState;
 use crate::gear::{Applied, GearParams, GearState, Motion, Torques};
 use crate::real::{RADIANS_PER_COUNT, Real, seldom};
-use deviation::{Magnitudes, Spread, SpreadState, Uncertainty};
+use deviation::{Magnitudes, PERIODS, Spread, SpreadState, Uncertainty};
 use past::{LONGEST_DELAY, Past};
 
 /// Number of observed states: the sixth is s where the motor moves, b where it stands.
@@ -128,6 +128,10 @@ pub struct ObserverState<R: Real> {
     since_output: u32,
     past: Past,
     spread: SpreadState<R>,
+    deviation: EstimateDeviation<R>,
+    /// Control periods since it was evaluated, and what the innovations asked of d in them (N m).
+    periods: u32,
+    asked: R,
     started: bool,
 }
 
@@ -236,6 +240,9 @@ impl<R: Real> Observer<R> {
             since_output: u32::MAX,
             past: Past::default(),
             spread: SpreadState::default(),
+            deviation: EstimateDeviation::default(),
+            periods: PERIODS - 1,
+            asked: R::ZERO,
             started: false,
         }
     }
@@ -278,30 +285,34 @@ impl<R: Real> Observer<R> {
         let asked = self.correct(gains, state, measured, &torques, moved);
         self.keep_in_range(gear, state, measured, &torques, faults);
         let transmitted = (torques.transmitted + state.stiffness_torque).limit(self.limits.transmitted);
-        let magnitudes = Magnitudes {
-            asked,
-            moved,
-            input_friction: torques.input_friction,
-            output_friction: torques.output_friction,
-            transmitted,
-            torsion: torques.torsion.limit(self.limits.torsion),
-            torsion_rate,
-            output_speed: state.flange.velocity,
-            acceleration,
-        };
+        let torsion = torques.torsion.limit(self.limits.torsion);
+        state.asked += asked;
+        state.periods += 1;
+        if state.periods == PERIODS {
+            let magnitudes = Magnitudes {
+                asked: state.asked,
+                moved,
+                input_friction: torques.input_friction,
+                output_friction: torques.output_friction,
+                transmitted,
+                torsion,
+                torsion_rate,
+                output_speed: state.flange.velocity,
+                acceleration,
+            };
+            let spread = &set(sets, output_seen, gauge).spread;
+            state.deviation = spread.step(&mut state.spread, &self.uncertainty, &magnitudes);
+            (state.asked, state.periods) = (R::ZERO, 0);
+        }
         Estimate {
             output_position: state.flange.angle,
             output_velocity: state.flange.velocity,
-            torsion: magnitudes.torsion,
+            torsion,
             transmitted_torque: transmitted,
             input_friction: torques.input_friction,
             output_friction: torques.output_friction,
             external_torque: state.external_torque,
-            deviation: set(sets, output_seen, gauge).spread.step(
-                &mut state.spread,
-                &self.uncertainty,
-                &magnitudes,
-            ),
+            deviation: state.deviation,
         }
     }
 
@@ -325,7 +336,8 @@ impl<R: Real> Observer<R> {
         self.start(gear, state, measured);
         state.past.push(state.flange.angle.phase());
         let set = set(&self.standing, false, measured.output_torque.is_some());
-        let (output_position, deviation) = (state.flange.angle, set.spread.base);
+        state.deviation = set.spread.base;
+        let (output_position, deviation) = (state.flange.angle, state.deviation);
         Estimate { output_position, deviation, ..Estimate::default() }
     }
 
