@@ -62,8 +62,14 @@ pub struct Passed<R> {
     pub sensors: Sensors<R>,
     /// The outer controller's wish.
     pub command: Command<R>,
+}
+
+impl<R: Real> InputGuardState<R> {
     /// What is switched on now, in the direction of the motion.
-    pub shares: Shares<R>,
+    #[inline(always)]
+    pub fn shares(&self) -> &Shares<R> {
+        &self.shares
+    }
 }
 
 /// What the shares depend on beside their command.
@@ -113,10 +119,10 @@ impl<R: Real> InputGuard<R> {
         course: Course<R>,
         faults: &mut Faults,
     ) -> Passed<R> {
+        self.shares(state, &input.shares, course, faults);
         Passed {
             sensors: self.sensors(state, &input.sensors, faults),
             command: self.command(state, &input.command, faults),
-            shares: self.shares(state, &input.shares, course, faults),
         }
     }
 
@@ -168,14 +174,13 @@ impl<R: Real> InputGuard<R> {
         new: &Directions<R>,
         course: Course<R>,
         faults: &mut Faults,
-    ) -> Shares<R> {
+    ) {
         last.second_half = !last.second_half;
         let [forward, backward] = [&new.forward, &new.backward]
             .map(|wanted| have_arrived(&last.shares, wanted, last.second_half));
         if !(course.trusted && forward && backward) {
             self.lead(last, new, course, faults);
         }
-        last.shares
     }
 
     /// Moves the half of the shares whose turn it is.

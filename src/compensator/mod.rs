@@ -341,9 +341,9 @@ impl<R: Real> Compensator<R> {
         let mut faults = Faults::NONE;
         let course = Course { velocity: state.commander.velocity(), trusted: state.fallback.trusted() };
         let input = self.guard.step(&mut state.guard, input, course, &mut faults);
-        let shares = &input.shares;
-        let measured = self.measure(state, &input.sensors, shares.feedback, &mut faults);
-        let mut estimate = self.observe(state, &measured, shares, &mut faults);
+        let measured = self.measure(state, &input.sensors, &mut faults);
+        let mut estimate = self.observe(state, &measured, &mut faults);
+        let shares = state.guard.shares();
         let learns = faults == Faults::NONE && !state.limited && shares.adaptation > R::ZERO;
         let followed = self.commander.step(&mut state.commander, &input.command, &estimate, &mut faults);
         let learns = learns && followed.torque.is_none();
@@ -361,7 +361,8 @@ impl<R: Real> Compensator<R> {
         let learnt =
             learning::Course { excitation: demand.excitation, speed: demand.motor.velocity, position: error };
         self.learning.follow(&mut state.learning, &learnt, learns);
-        self.give_way(state, &mut demand, setpoint, &estimate, shares, error);
+        self.give_way(state, &mut demand, setpoint, &estimate, error);
+        let shares = state.guard.shares();
         // Where a torque is commanded no motion is.
         state.asked = if followed.torque.is_some() { R::ZERO } else { demand.motor.velocity };
         let stood_still = measured.motor == state.last_motor;
@@ -378,7 +379,10 @@ impl<R: Real> Compensator<R> {
         );
         let closed = match followed.torque {
             Some(torque) => demand.transmission * torque,
-            None => shares.feedback * self.taken_over(state, &followed, demand.torque, feedback),
+            None => {
+                let share = shares.feedback;
+                share * self.taken_over(state, &followed, demand.torque, feedback)
+            }
         };
         Output {
             motor_torque: self.command(state, demand.torque + closed, followed.switched, &mut faults),
@@ -396,12 +400,11 @@ impl<R: Real> Compensator<R> {
         &self,
         state: &mut State<R>,
         measured: &Measurement<R>,
-        shares: &Shares<R>,
         faults: &mut Faults,
     ) -> Estimate<R> {
         let (motor, output) = (state.feed_forward.reference(), state.commander.position());
         self.learning.turn_to(&mut state.learning, motor, output);
-        let told = self.learning.told(&state.learning, measured, shares);
+        let told = self.learning.told(&state.learning, measured, state.guard.shares());
         self.observer.step(&self.gear, &mut state.observer, &told, faults)
     }
 
@@ -413,7 +416,6 @@ impl<R: Real> Compensator<R> {
         demand: &mut Demand<R>,
         setpoint: &Setpoint<R>,
         estimate: &Estimate<R>,
-        shares: &Shares<R>,
         measured: Option<R>,
     ) {
         let deviation = Deviation {
@@ -424,7 +426,7 @@ impl<R: Real> Compensator<R> {
             measured,
         };
         let shift = self.output_feedback.step(&mut state.output_feedback, &deviation, !state.limited);
-        let share = shares.output_feedback * R::from_i32(self.gear.ratio().n());
+        let share = state.guard.shares().output_feedback * R::from_i32(self.gear.ratio().n());
         demand.motor.angle = demand.motor.angle.plus(share * shift.angle);
         demand.motor.velocity += share * shift.rate;
     }
@@ -434,7 +436,6 @@ impl<R: Real> Compensator<R> {
         &self,
         state: &mut State<R>,
         sensors: &Sensors<R>,
-        feedback: R,
         faults: &mut Faults,
     ) -> Measurement<R> {
         let (motor, believed) = self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder);
@@ -453,7 +454,7 @@ impl<R: Real> Compensator<R> {
             }
             state.output_zero.filter(|_| output_believed && !frozen).map(|zero| angle.less(zero))
         });
-        let commanded = state.fallback.torque();
+        let (commanded, feedback) = (state.fallback.torque(), state.guard.shares().feedback);
         let torque = sensors.motor_torque;
         Measurement {
             motor,
