@@ -229,5 +229,5 @@ fn fields_are_little_endian_in_the_order_of_their_declaration() {
     assert_eq!(frame[OUTPUT_TORQUE_FLAG..18], [0, 0, 0, 0, 0]);
     assert_eq!(frame[COMMAND_KIND], 0);
     assert_eq!(frame[19..27], [0xfe, 255, 255, 255, 255, 255, 255, 255]);
-    assert_eq!(frame[INPUT_BYTES - 4..], [18, 2, 3, 4]);
+    assert_eq!(frame[INPUT_BYTES - 4..], [24, 2, 3, 4]);
 }

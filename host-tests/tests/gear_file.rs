@@ -8,7 +8,9 @@ use strainwave::friction::FrictionParams;
 use strainwave_desktop::GearFile;
 use strainwave_desktop::friction_params::friction_params;
 use strainwave_desktop::gear_file::friction::{Backward, Friction, FrictionModel, StateRow};
-use strainwave_desktop::gear_file::{Allowed, Arrangement, DEFAULT, KEYS, LARA8_J5, LARA8_MOVING, RELATIONS};
+use strainwave_desktop::gear_file::{
+    Allowed, Arrangement, DEFAULT, KEYS, LARA8_J5, LARA8_MOVING, Learnt, RELATIONS,
+};
 use strainwave_desktop::joint::joint_params;
 use toml::{Table, Value};
 
@@ -50,12 +52,28 @@ fn full() -> Table {
     gear.sensors.output_encoder_error = gear.kinematic_error.wave_generator.clone();
     gear.compensation.external_torque_wander = Some(3.0);
     (gear.sensors.output_encoder_delay, gear.sensors.output_encoder_period) = (3, 10);
+    (gear.sensors.motor_encoder_noise, gear.sensors.output_encoder_noise) = (Some(1e-5), Some(2e-5));
+    gear.learnt = Some(learnt());
     gear.hysteresis.half_range = Some(2e-3);
     gear.hysteresis.weights = Some(vec![vec![0.1], vec![0.3, 0.2], vec![0.5, 0.3, 0.1]]);
     for side in [&mut gear.friction.input, &mut gear.friction.output] {
         *side = every_friction(side);
     }
     gear.to_toml().parse().unwrap()
+}
+
+/// What a compensator may have learnt.
+fn learnt() -> Learnt {
+    Learnt {
+        inertia: 1.1,
+        input_friction: 0.9,
+        output_friction: 1.2,
+        compliance: 0.95,
+        position_cosines: vec![1e-6, -2e-6],
+        position_sines: vec![3e-6],
+        torque_cosines: vec![1e-3],
+        torque_sines: vec![-1e-3, 2e-3],
+    }
 }
 
 /// What every friction model needs and may have.

@@ -110,7 +110,7 @@ fn kinematic_error_and_friction_come_back_from_a_third_of_the_motion() {
 #[test]
 fn all_of_the_log_may_train_and_then_nothing_is_judged() {
     let found = learn(&log(TURNS), 1.0).unwrap();
-    assert!(found.judgement.is_none() && found.training_rms < 1.5e-5, "{:e}", found.training_rms);
+    assert!(found.judgement.is_none() && found.training_rms < 2e-5, "{:e}", found.training_rms);
 }
 
 #[test]

@@ -176,8 +176,8 @@ impl<R: Real> InputGuard<R> {
         faults: &mut Faults,
     ) {
         last.second_half = !last.second_half;
-        let [forward, backward] = [&new.forward, &new.backward]
-            .map(|wanted| have_arrived(&last.shares, wanted, last.second_half));
+        let [forward, backward] =
+            [&new.forward, &new.backward].map(|wanted| have_arrived(&last.shares, wanted, last.second_half));
         if !(course.trusted && forward && backward) {
             self.lead(last, new, course, faults);
         }
@@ -186,7 +186,13 @@ impl<R: Real> InputGuard<R> {
     /// Moves the half of the shares whose turn it is.
     #[cold]
     #[inline(never)]
-    fn lead(&self, last: &mut InputGuardState<R>, new: &Directions<R>, course: Course<R>, faults: &mut Faults) {
+    fn lead(
+        &self,
+        last: &mut InputGuardState<R>,
+        new: &Directions<R>,
+        course: Course<R>,
+        faults: &mut Faults,
+    ) {
         let Directions { forward, backward } = new;
         let w = self.crossover.forward(course.velocity);
         let model = if course.trusted { R::ONE } else { R::ZERO };

@@ -361,10 +361,10 @@ impl<R: Real> Compensator<R> {
         let learnt =
             learning::Course { excitation: demand.excitation, speed: demand.motor.velocity, position: error };
         self.learning.follow(&mut state.learning, &learnt, learns);
+        // Where a torque is commanded no motion is; what answers a deviation is no motion either.
+        state.asked = if followed.torque.is_some() { R::ZERO } else { demand.motor.velocity };
         self.give_way(state, &mut demand, setpoint, &estimate, error);
         let shares = state.guard.shares();
-        // Where a torque is commanded no motion is.
-        state.asked = if followed.torque.is_some() { R::ZERO } else { demand.motor.velocity };
         let stood_still = measured.motor == state.last_motor;
         state.last_motor = measured.motor;
         let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, state.asked);
@@ -396,12 +396,7 @@ impl<R: Real> Compensator<R> {
 
     /// What the observer believes.
     #[inline(always)]
-    fn observe(
-        &self,
-        state: &mut State<R>,
-        measured: &Measurement<R>,
-        faults: &mut Faults,
-    ) -> Estimate<R> {
+    fn observe(&self, state: &mut State<R>, measured: &Measurement<R>, faults: &mut Faults) -> Estimate<R> {
         let (motor, output) = (state.feed_forward.reference(), state.commander.position());
         self.learning.turn_to(&mut state.learning, motor, output);
         let told = self.learning.told(&state.learning, measured, state.guard.shares());
@@ -432,12 +427,7 @@ impl<R: Real> Compensator<R> {
     }
 
     /// The sensors' raw counts as unbounded angles.
-    fn measure(
-        &self,
-        state: &mut State<R>,
-        sensors: &Sensors<R>,
-        faults: &mut Faults,
-    ) -> Measurement<R> {
+    fn measure(&self, state: &mut State<R>, sensors: &Sensors<R>, faults: &mut Faults) -> Measurement<R> {
         let (motor, believed) = self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder);
         faults.raise_if(!believed, Faults::MOTOR_ENCODER_JUMP);
         let output = sensors.output_encoder.and_then(|raw| {

@@ -6,17 +6,21 @@ use strainwave::compensator::adaptation::Factors;
 use strainwave::compensator::learning;
 use strainwave::compensator::learnt_ripple::{Coefficients, RippleMap};
 
-/// Factors on the gear's parameters, and the ripple by the coefficients of its orders.
+/// Factors on the gear's parameters, and the ripple by the coefficients of its orders; what is left out is the nominal gear's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Learnt {
     /// On the inertia of flexspline and load.
+    #[serde(default = "nominal")]
     pub inertia: f64,
     /// On the friction of the wave generator.
+    #[serde(default = "nominal")]
     pub input_friction: f64,
     /// On the friction of the flexspline.
+    #[serde(default = "nominal")]
     pub output_friction: f64,
     /// On the compliance of the flexspline.
+    #[serde(default = "nominal")]
     pub compliance: f64,
     /// Ripple of the position at the output (rad).
     #[serde(rename = "ripple_position_cosines_rad", default)]
@@ -30,6 +34,11 @@ pub struct Learnt {
     /// (N m)
     #[serde(rename = "ripple_torque_sines_nm", default)]
     pub torque_sines: Vec<f64>,
+}
+
+/// The factor that is left out.
+fn nominal() -> f64 {
+    1.0
 }
 
 impl Learnt {

@@ -28,7 +28,7 @@ pub(super) struct Unknown {
     /// Noise of the motor's encoder besides its resolution, in counts of 2^19 a turn.
     pub jitter: f64,
     /// Of the output's: in slow motion the error of a count is no noise but a wave that follows the angle, so that its
-    /// readings are averaged over a time in which many counts pass.
+    /// readings are averaged over a time in which many counts pass. Of readings in every control period.
     pub output_jitter: f64,
 }
 
@@ -113,6 +113,8 @@ impl Linearised {
         let transmitted = torque(file, sixth);
         let bits = file.sensors.motor_encoder_bits;
         let encoder = |bits| encoder_noise(bits, unknown.jitter);
+        // Averaged over the same time: the fewer readings it has, the more each of them says.
+        let output_jitter = unknown.output_jitter / f64::from(file.sensors.output_encoder_period).sqrt();
         Self {
             transition,
             noise: DMatrix::from_diagonal(&variances),
@@ -121,7 +123,7 @@ impl Linearised {
                 sensor(transmitted, torque_noise),
                 sensor(
                     unit(2),
-                    encoder_noise(file.sensors.output_encoder_bits.unwrap_or(bits), unknown.output_jitter),
+                    encoder_noise(file.sensors.output_encoder_bits.unwrap_or(bits), output_jitter),
                 ),
             ],
             torsion: scaled([r, 0.0, -1.0, 0.0, 0.0, 0.0]),
