@@ -14,6 +14,7 @@
 //! is farther from the last reference than the output can go in a period is a step, and reported.
 //! What a switch or a step would do to the motor's torque is limited by [`crate::compensator::fallback`].
 
+use crate::angle::Angle;
 use crate::compensator::{Estimate, Faults, Limits, Setpoint};
 use crate::error::Error;
 use crate::real::{RADIANS_PER_COUNT, Real};
@@ -84,6 +85,12 @@ pub struct Followed<R> {
 }
 
 impl<R: Real> CommanderState<R> {
+    /// Angle of the reference; the zero angle before the first.
+    #[inline(always)]
+    pub fn position(&self) -> Angle<R> {
+        self.reference.map_or(Angle::default(), |reference| reference.position)
+    }
+
     /// Speed of the reference (rad/s).
     pub fn velocity(&self) -> R {
         self.reference.map_or(R::ZERO, |reference| reference.velocity)

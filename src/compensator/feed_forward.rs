@@ -10,8 +10,9 @@
 //!
 //! q is the setpoint of the output with its derivatives, d the external torque that the observer believes,
 //! k the line's stiffness at tau_t, c its compliance factor, and s the shares (0..=1) of inertia, friction, wind-up and kinematic
-//! error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per control period, for the setpoint of that instant; the
-//! torque, which is held over the period, for its middle.
+//! error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per control period dt, for the setpoint of that instant; the
+//! torque, which is held over the period, for its middle. Kinematic error, hysteresis and the friction of either side take
+//! turns of one period each, with steps of T = 4*dt: what had no turn is held, the kinematic error on its slope.
 //!
 //! The flexible joint is flat: motor angle and torque follow from the output's trajectory without solving a
 //! differential equation: the motor's speed takes the setpoint's jerk, its acceleration the snap. Friction is the gear's own model
@@ -22,14 +23,14 @@
 //! static level. What is fed forward as torque therefore fades where nothing moves: s_f stands for s_f*w,
 //!
 //! ```text
-//! w <- w + min(4*ds/eps, 1)*(1 - w) - dt/T*w          ds: path of the motor, eps: its presliding, T = 0.5 s
+//! w <- w + min(4*ds/eps, 1)*(1 - w) - T/T_f*w         ds: path of the motor, eps: its presliding, T_f = 0.5 s
 //! ```
 //!
 //! which is there after a quarter of the presliding, passes a reversal within a few percent, and is 0 at rest:
-//! the torque only falls there, so it does not hunt. At a motor speed of eps/(4*T) w is a half.
+//! the torque only falls there, so it does not hunt. At a motor speed of eps/(4*T_f) w is a half.
 //!
 //! Hysteresis, kinematic error and the friction's load are implicit equations; all are solved by one
-//! fixed-point step per control period: the hysteresis torque follows the torsion of the step before
+//! fixed-point step in their turn: the hysteresis torque follows the torsion of the step before
 //! (contraction: its slope over K1, about 0.2), e and the friction's ripple follow the motor reference of the
 //! step before (contraction: N*de/dtheta, below 0.03 for the default gear), and the friction's load is the
 //! tau_t of the step before (contraction: the load's factor).
@@ -49,9 +50,10 @@ use crate::error::{Error, require};
 use crate::friction::{FrictionModel, JointFrictionState, Slip, StepTime};
 use crate::gear::{GearParams, Motion};
 use crate::hysteresis::torsion::TorsionHysteresisState;
+use crate::kinematic_error::Deviation;
 use crate::real::Real;
 
-/// T (s): how long friction is fed forward at rest.
+/// T_f (s): how long friction is fed forward at rest.
 const FADING_TIME: f64 = 0.5;
 
 /// Corner of the external torque's way into the wind-up (rad/s).
@@ -64,10 +66,12 @@ pub struct FeedForward<R> {
     flexspline_inertia: R,
     ratio: R,
     inverse_ratio: R,
-    step_time: StepTime<R>,
+    dt: R,
+    /// T.
+    round: StepTime<R>,
     /// 4/eps.
     engagement: R,
-    /// dt/T.
+    /// T/T_f.
     fading: R,
     external_gain: R,
     half_step: R,
@@ -80,6 +84,9 @@ pub struct FeedForwardState<R: Real> {
     output_friction: JointFrictionState<R>,
     hysteresis: TorsionHysteresisState<R, HYSTERESIS_MEMORY>,
     hysteresis_torque: R,
+    /// e and de/dtheta of the last turn, e moved on since.
+    deviation: Deviation<R>,
+    turn: Turn,
     /// tau_t of the step before (N m).
     carried: R,
     /// d, low-passed (N m).
@@ -89,6 +96,28 @@ pub struct FeedForwardState<R: Real> {
     reference: Option<Angle<R>>,
 }
 
+/// What has its turn in a control period.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Turn {
+    #[default]
+    KinematicError,
+    InputFriction,
+    Hysteresis,
+    OutputFriction,
+}
+
+impl Turn {
+    #[inline(always)]
+    fn next(self) -> Self {
+        match self {
+            Self::KinematicError => Self::InputFriction,
+            Self::InputFriction => Self::Hysteresis,
+            Self::Hysteresis => Self::OutputFriction,
+            Self::OutputFriction => Self::KinematicError,
+        }
+    }
+}
+
 impl<R: Real> Default for FeedForwardState<R> {
     fn default() -> Self {
         Self {
@@ -96,6 +125,8 @@ impl<R: Real> Default for FeedForwardState<R> {
             output_friction: JointFrictionState::default(),
             hysteresis: TorsionHysteresisState::default(),
             hysteresis_torque: R::ZERO,
+            deviation: Deviation::default(),
+            turn: Turn::default(),
             carried: R::ZERO,
             external_torque: R::ZERO,
             engaged: R::ZERO,
@@ -152,25 +183,38 @@ impl<R: Real> FeedForward<R> {
         let positive = |value: R| value.is_finite() && value > R::ZERO;
         require(positive(gear.wave_generator_inertia), "wave_generator_inertia")?;
         require(positive(gear.flexspline_inertia), "flexspline_inertia")?;
-        let ratio = Ratio::one_over(gear.ratio)?;
+        let (ratio, round) = (Ratio::one_over(gear.ratio)?, R::lit(4.0) * dt);
         Ok(Self {
             wave_generator_inertia: gear.wave_generator_inertia,
             flexspline_inertia: gear.flexspline_inertia,
             ratio: ratio.value(),
             inverse_ratio: R::from_i32(ratio.n()),
-            step_time: StepTime::new(dt),
+            dt,
+            round: StepTime::new(round),
             engagement: R::lit(4.0) / gear.input_friction.presliding,
-            fading: (dt / R::lit(FADING_TIME)).min(R::ONE),
+            fading: (round / R::lit(FADING_TIME)).min(R::ONE),
             external_gain: (dt * R::lit(EXTERNAL_CORNER)).one_minus_exp_neg(),
             half_step: R::lit(0.5) * dt,
         })
     }
 
-    /// w after a step over `path` (rad) of the motor.
+    /// The friction's turn on either side, at this speed of output and motor (rad/s); w with that of the motor.
     #[inline(always)]
-    fn engage(&self, engaged: &mut R, path: R) -> R {
-        *engaged += (path * self.engagement).min(R::ONE) * (R::ONE - *engaged) - self.fading * *engaged;
-        *engaged
+    fn rub(&self, gear: &RealTimeGear<R>, state: &mut FeedForwardState<R>, output: R, motor: R) {
+        let heading = state.reference().heading();
+        let slip = |velocity, load| Slip {
+            wave_generator: heading,
+            ..Slip::over(velocity, self.round).under(R::ZERO, load)
+        };
+        let (on_input, on_output) = gear.frictions();
+        if state.turn == Turn::OutputFriction {
+            on_output.step(&mut state.output_friction, &slip(output, state.carried));
+            return;
+        }
+        let slip = slip(motor, self.ratio * state.carried);
+        let engaged = (slip.displacement().abs() * self.engagement).min(R::ONE) * (R::ONE - state.engaged);
+        state.engaged += engaged - self.fading * state.engaged;
+        on_input.step(&mut state.input_friction, &slip);
     }
 
     /// Demand for a setpoint; `believed` is what is believed of the joint beside its model.
@@ -187,28 +231,31 @@ impl<R: Real> FeedForward<R> {
         state.external_torque += self.external_gain * (external_torque - state.external_torque);
         let inertia = self.flexspline_inertia * factors.inertia * shares.inertia;
         let motor_velocity = setpoint.velocity * self.inverse_ratio;
-        let reference = state.reference.unwrap_or_else(|| gear.ratio().undo(setpoint.position));
-        let heading = reference.heading();
-        let slip = |velocity, load| Slip {
-            wave_generator: heading,
-            ..Slip::over(velocity, self.step_time).under(R::ZERO, load)
-        };
+        let before = state.reference.unwrap_or_else(|| gear.ratio().undo(setpoint.position));
+        match state.turn {
+            Turn::KinematicError => state.deviation = gear.kinematic_error(before, before.heading()),
+            Turn::Hysteresis => {}
+            Turn::InputFriction | Turn::OutputFriction => {
+                self.rub(gear, state, setpoint.velocity, motor_velocity);
+            }
+        }
         let (input, output) = gear.frictions();
-        let input_slip = slip(motor_velocity, self.ratio * state.carried);
-        let output_slip = slip(setpoint.velocity, state.carried);
-        let engaged = self.engage(&mut state.engaged, input_slip.displacement().abs());
-        let input_friction = input.step(&mut state.input_friction, &input_slip).force;
-        let output_friction = output.step(&mut state.output_friction, &output_slip).force;
+        let input_friction = input.force(&state.input_friction);
+        let output_friction = output.force(&state.output_friction);
         let on_output = factors.output_friction * output_friction;
 
         let carried = inertia * setpoint.acceleration + on_output - state.external_torque;
         let on_line = carried - state.hysteresis_torque;
         let torsion = factors.compliance * gear.flexspline().torsion(on_line);
         state.carried = carried;
-        state.hysteresis_torque = gear.hysteresis().step(&mut state.hysteresis, torsion).torque;
+        if state.turn == Turn::Hysteresis {
+            state.hysteresis_torque = gear.hysteresis().step(&mut state.hysteresis, torsion).torque;
+        }
+        state.turn = state.turn.next();
         let wound = shares.wind_up * factors.compliance * gear.flexspline().compliance(on_line) * inertia;
 
-        let deviation = gear.kinematic_error(reference, heading);
+        state.deviation.error += state.deviation.slope * motor_velocity * self.dt;
+        let deviation = state.deviation;
         let ahead = shares.wind_up * torsion - shares.kinematic_error * deviation.error - ripple;
         let ahead_rate = wound * setpoint.jerk - shares.kinematic_error * deviation.slope * motor_velocity;
         let reference = gear.ratio().undo(setpoint.position.plus(ahead));
@@ -216,6 +263,7 @@ impl<R: Real> FeedForward<R> {
 
         let acceleration = setpoint.acceleration + self.half_step * setpoint.jerk;
         let motor_acceleration = (acceleration + wound * setpoint.snap) * self.inverse_ratio;
+        let engaged = state.engaged;
         let share = shares.friction * engaged;
         let moving = if setpoint.velocity == R::ZERO { R::ZERO } else { engaged };
         Demand {

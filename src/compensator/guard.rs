@@ -10,7 +10,7 @@
 //!
 //! Measured torques are limited to twice the peak torque of motor and gear: a torque sensor that says
 //! more is off its range; a commanded torque ends at the gear's peak torque. The shares, those of the direction of
-//! motion, are limited to 0..=1 and follow their command at 1 per 10 ms, so that
+//! motion, are limited to 0..=1 and follow their command at 1 per 10 ms, one half of them in each second control period, so that
 //! switching one makes no step in the output. The setpoint's position may be any angle; the feedback's
 //! answer to a jump of it ends at the motor's torque, and is ramped ([`crate::compensator::fallback`]). Units: rad, N m, s; signs as in [`crate::gear`].
 
@@ -35,6 +35,7 @@ pub struct InputGuard<R> {
     motor_torque: R,
     output_torque: R,
     peak_output_torque: R,
+    /// Most that a share moves in its turn.
     share_step: R,
     crossover: Crossover<R>,
 }
@@ -50,6 +51,8 @@ pub struct InputGuardState<R> {
     output_torque: R,
     command_torque: R,
     shares: Shares<R>,
+    /// The second half of the shares has moved last.
+    second_half: bool,
 }
 
 /// What passed the guard.
@@ -59,8 +62,14 @@ pub struct Passed<R> {
     pub sensors: Sensors<R>,
     /// The outer controller's wish.
     pub command: Command<R>,
+}
+
+impl<R: Real> InputGuardState<R> {
     /// What is switched on now, in the direction of the motion.
-    pub shares: Shares<R>,
+    #[inline(always)]
+    pub fn shares(&self) -> &Shares<R> {
+        &self.shares
+    }
 }
 
 /// What the shares depend on beside their command.
@@ -91,7 +100,7 @@ impl<R: Real> InputGuard<R> {
             motor_torque: R::lit(2.0) * limits.motor_torque,
             output_torque: R::lit(2.0) * limits.output_torque,
             peak_output_torque: limits.output_torque,
-            share_step: dt * R::lit(1.0 / SHARE_RAMP),
+            share_step: R::lit(2.0 / SHARE_RAMP) * dt,
             crossover: Crossover::build(limits.output_speed(gear.ratio)),
         })
     }
@@ -110,10 +119,10 @@ impl<R: Real> InputGuard<R> {
         course: Course<R>,
         faults: &mut Faults,
     ) -> Passed<R> {
+        self.shares(state, &input.shares, course, faults);
         Passed {
             sensors: self.sensors(state, &input.sensors, faults),
             command: self.command(state, &input.command, faults),
-            shares: self.shares(&mut state.shares, &input.shares, course, faults),
         }
     }
 
@@ -161,56 +170,64 @@ impl<R: Real> InputGuard<R> {
     #[inline(always)]
     fn shares(
         &self,
-        last: &mut Shares<R>,
+        last: &mut InputGuardState<R>,
         new: &Directions<R>,
         course: Course<R>,
         faults: &mut Faults,
-    ) -> Shares<R> {
-        let Directions { forward, backward } = new;
-        if course.trusted && have_arrived(last, forward) && have_arrived(last, backward) {
-            return *last;
+    ) {
+        last.second_half = !last.second_half;
+        let [forward, backward] =
+            [&new.forward, &new.backward].map(|wanted| have_arrived(&last.shares, wanted, last.second_half));
+        if !(course.trusted && forward && backward) {
+            self.lead(last, new, course, faults);
         }
+    }
+
+    /// Moves the half of the shares whose turn it is.
+    #[cold]
+    #[inline(never)]
+    fn lead(
+        &self,
+        last: &mut InputGuardState<R>,
+        new: &Directions<R>,
+        course: Course<R>,
+        faults: &mut Faults,
+    ) {
+        let Directions { forward, backward } = new;
         let w = self.crossover.forward(course.velocity);
-        let mut follow = |forward: R, backward: R, last: &mut R, allowed| {
-            follow(backward + w * (forward - backward), last, allowed, self.share_step, faults)
-        };
         let model = if course.trusted { R::ONE } else { R::ZERO };
-        Shares {
-            feedback: follow(forward.feedback, backward.feedback, &mut last.feedback, R::ONE),
-            inertia: follow(forward.inertia, backward.inertia, &mut last.inertia, model),
-            friction: follow(forward.friction, backward.friction, &mut last.friction, model),
-            wind_up: follow(forward.wind_up, backward.wind_up, &mut last.wind_up, model),
-            kinematic_error: follow(
-                forward.kinematic_error,
-                backward.kinematic_error,
-                &mut last.kinematic_error,
-                model,
-            ),
-            output_feedback: follow(
-                forward.output_feedback,
-                backward.output_feedback,
-                &mut last.output_feedback,
-                model,
-            ),
-            adaptation: follow(forward.adaptation, backward.adaptation, &mut last.adaptation, model),
-            ripple: follow(forward.ripple, backward.ripple, &mut last.ripple, model),
+        let mut follow = |forward: R, backward: R, share: &mut R, allowed| {
+            follow(backward + w * (forward - backward), share, allowed, self.share_step, faults);
+        };
+        let now = &mut last.shares;
+        if last.second_half {
+            follow(forward.kinematic_error, backward.kinematic_error, &mut now.kinematic_error, model);
+            follow(forward.output_feedback, backward.output_feedback, &mut now.output_feedback, model);
+            follow(forward.adaptation, backward.adaptation, &mut now.adaptation, model);
+            follow(forward.ripple, backward.ripple, &mut now.ripple, model);
+        } else {
+            follow(forward.feedback, backward.feedback, &mut now.feedback, R::ONE);
+            follow(forward.inertia, backward.inertia, &mut now.inertia, model);
+            follow(forward.friction, backward.friction, &mut now.friction, model);
+            follow(forward.wind_up, backward.wind_up, &mut now.wind_up, model);
         }
     }
 }
 
-/// The usual case, in both directions: no share is on its way.
+/// The usual case, in both directions: no share of this half is on its way.
 #[inline(always)]
-fn have_arrived<R: Real>(now: &Shares<R>, wanted: &Shares<R>) -> bool {
-    let Shares { feedback, inertia, friction, wind_up, kinematic_error, output_feedback, adaptation, ripple } =
-        *wanted;
-    now.feedback.is_same(feedback)
-        && now.inertia.is_same(inertia)
-        && now.friction.is_same(friction)
-        && now.wind_up.is_same(wind_up)
-        && now.kinematic_error.is_same(kinematic_error)
-        && now.output_feedback.is_same(output_feedback)
-        && now.adaptation.is_same(adaptation)
-        && now.ripple.is_same(ripple)
+fn have_arrived<R: Real>(now: &Shares<R>, wanted: &Shares<R>, second_half: bool) -> bool {
+    if second_half {
+        now.kinematic_error.is_same(wanted.kinematic_error)
+            && now.output_feedback.is_same(wanted.output_feedback)
+            && now.adaptation.is_same(wanted.adaptation)
+            && now.ripple.is_same(wanted.ripple)
+    } else {
+        now.feedback.is_same(wanted.feedback)
+            && now.inertia.is_same(wanted.inertia)
+            && now.friction.is_same(wanted.friction)
+            && now.wind_up.is_same(wanted.wind_up)
+    }
 }
 
 /// A value within +-`bound`: the `new` one, limited and reported as `limited`; in the place of one that is not
@@ -227,9 +244,9 @@ fn pass<R: Real>(new: R, last: &mut R, bound: R, limited: Faults, faults: &mut F
     new
 }
 
-/// A share on its way to `wanted`, limited to 0..=1, of which so much is `allowed`, by at most `step`.
+/// Moves a share towards `wanted`, limited to 0..=1, of which so much is `allowed`, by at most `step`.
 #[inline(always)]
-fn follow<R: Real>(wanted: R, share: &mut R, allowed: R, step: R, faults: &mut Faults) -> R {
+fn follow<R: Real>(wanted: R, share: &mut R, allowed: R, step: R, faults: &mut Faults) {
     let mut target = wanted;
     if !wanted.is_share() {
         seldom();
@@ -237,7 +254,6 @@ fn follow<R: Real>(wanted: R, share: &mut R, allowed: R, step: R, faults: &mut F
         target = wanted.finite_or(*share).max(R::ZERO).min(R::ONE);
     }
     *share += (allowed * target - *share).max(-step).min(step);
-    *share
 }
 
 /// Path that the motor may be asked to move while its encoder stands still (rad).

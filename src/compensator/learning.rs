@@ -10,6 +10,9 @@
 //! so that it need not be built anew, and what it still misses is what is learnt from. tau_fric are its own frictions of the
 //! step before. Everything is scaled by its share and
 //! comes back as it was when the share does. Units: rad, N m; signs as in [`crate::gear`].
+//!
+//! Both are slow: the factors are learnt in one of [`TURNS`] control periods dt, with a step of [`TURNS`]*dt, and of the ripple
+//! one order in each period.
 
 use crate::angle::{Angle, Ratio};
 use crate::compensator::adaptation::{
@@ -22,6 +25,9 @@ use crate::compensator::{Estimate, Limits, Shares};
 use crate::error::Error;
 use crate::gear::GearParams;
 use crate::real::Real;
+
+/// Control periods from one turn of the factors to the next.
+pub const TURNS: u32 = 4;
 
 /// What has been learnt: kept in a file, and started from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -54,13 +60,19 @@ pub struct Learning<R> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LearningState<R: Real> {
     adaptation: AdaptationState<R>,
+    /// The factors as far as they are applied.
+    applied: Factors<R>,
     map: RippleMap<R>,
     now: RippleNow<R>,
+    /// Control periods since the factors' turn.
+    since_factors: u32,
     /// Friction of the wave generator in the last step, of the nominal gear (N m).
     input_friction: R,
     /// Of the flexspline.
     output_friction: R,
     excitation: Excitation<R>,
+    /// Speed of the motor's reference (rad/s).
+    speed: R,
     /// epsilon (N m).
     missed: R,
 }
@@ -82,9 +94,9 @@ impl<R: Real> LearningParams<R> {
     /// # Errors
     /// As [`AdaptationParams::build`], [`LearntRippleParams::build`] and [`Ratio::one_over`].
     pub fn build(&self, gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Result<Learning<R>, Error> {
-        let n = R::from_i32(gear.ratio);
+        let (n, turn) = (R::from_i32(gear.ratio), R::from_i32(TURNS as i32) * dt);
         Ok(Learning {
-            adaptation: self.adaptation.build(n, gear.flexspline_inertia, limits.output_torque, dt)?,
+            adaptation: self.adaptation.build(n, gear.flexspline_inertia, limits.output_torque, turn)?,
             ripple: self.ripple.build(dt)?,
             ratio: Ratio::one_over(gear.ratio)?.value(),
             flexspline_inertia: gear.flexspline_inertia,
@@ -100,8 +112,8 @@ impl<R: Real> LearningState<R> {
 
     /// The factors as far as they are applied.
     #[inline(always)]
-    pub fn applied(&self, shares: &Shares<R>) -> Factors<R> {
-        self.adaptation.factors().scaled(shares.adaptation)
+    pub fn applied(&self) -> &Factors<R> {
+        &self.applied
     }
 }
 
@@ -111,14 +123,16 @@ impl<R: Real> Learning<R> {
         LearningState {
             adaptation: self.adaptation.starting_from(&stored.factors),
             map: stored.ripple.within(&self.ripple),
+            since_factors: TURNS - 1,
             ..LearningState::default()
         }
     }
 
-    /// Takes the ripple where the motor's reference is, `reduced` being r times it.
+    /// Begins the next control period, with motor and output meant to be at these angles.
     #[inline(always)]
-    pub fn turn_to(&self, state: &mut LearningState<R>, reference: Angle<R>, reduced: Angle<R>) {
-        state.now = self.ripple.at(&state.map, reference, reduced);
+    pub fn turn_to(&self, state: &mut LearningState<R>, motor: Angle<R>, output: Angle<R>) {
+        state.since_factors = (state.since_factors + 1) % TURNS;
+        self.ripple.turn_to(&state.map, &mut state.now, motor, output, state.speed);
     }
 
     /// What the observer is told of a measurement.
@@ -129,7 +143,7 @@ impl<R: Real> Learning<R> {
         measured: &Measurement<R>,
         shares: &Shares<R>,
     ) -> Measurement<R> {
-        let factors = state.applied(shares);
+        let factors = &state.applied;
         let inertia = self.flexspline_inertia * state.excitation.acceleration;
         let position = shares.ripple * state.now.position;
         Measurement {
@@ -153,15 +167,18 @@ impl<R: Real> Learning<R> {
         shares: &Shares<R>,
         learns: bool,
     ) -> Believed<R> {
-        let observed = Observed {
-            external_torque: estimate.external_torque,
-            transmitted_torque: estimate.transmitted_torque,
-            stiffness_torque,
-        };
-        state.missed = self.adaptation.step(&mut state.adaptation, &state.excitation, &observed, learns);
+        if state.since_factors == 0 {
+            let observed = Observed {
+                external_torque: estimate.external_torque,
+                transmitted_torque: estimate.transmitted_torque,
+                stiffness_torque,
+            };
+            state.missed = self.adaptation.step(&mut state.adaptation, &state.excitation, &observed, learns);
+            state.applied = state.adaptation.factors().scaled(shares.adaptation);
+        }
         state.input_friction = estimate.input_friction;
         state.output_friction = estimate.output_friction;
-        let factors = state.applied(shares);
+        let factors = state.applied;
         let ripple = shares.ripple * state.now.position;
         estimate.output_position = estimate.output_position.plus(ripple);
         estimate.input_friction = factors.input_friction * estimate.input_friction;
@@ -174,6 +191,7 @@ impl<R: Real> Learning<R> {
     #[inline(always)]
     pub fn follow(&self, state: &mut LearningState<R>, course: &Course<R>, learns: bool) {
         state.excitation = course.excitation;
+        state.speed = course.speed;
         if learns {
             let torque = -self.ratio * state.missed;
             let lesson = Lesson { speed: course.speed, position: course.position, torque };

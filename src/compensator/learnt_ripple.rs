@@ -1,26 +1,29 @@
 //! Ripple that turns with the wave generator, learnt while the joint works: a map of sines.
 //!
 //! ```text
-//! ripple = sum_k a_k*cos(k*alpha) + b_k*sin(k*alpha),       alpha = theta_wg or theta_wg - r*theta_wg
+//! ripple = sum_k a_k*cos(k*alpha) + b_k*sin(k*alpha),       alpha = theta_wg or theta_wg - theta_fs
 //! law      a_k <- limit(a_k + dt*g*m*cos(k*alpha), bound),  b_k alike with the sine
 //! ```
 //!
 //! One map is of the position, what the kinematic error that the gear file gives leaves (rad at the output; m is the measured output less its
 //! setpoint): the motor is sent so much less far. The other is of the torque at the motor's shaft (N m; m is what the observer misses
-//! there): it is fed forward. Orders per turn are relative to the case, or to the flexspline, which gives k - k/N of both rims.
+//! there): it is fed forward. Orders per turn are relative to the case, or to the flexspline, where the output is meant to be: which gives k - k/N of both rims.
 //!
 //! With the true coefficients constant, x the error of the coefficients and V = x'x/(2*g), dV/dt = -(m's ripple)^2 + noise: the law is
 //! the gradient of m^2. The loop around it must answer within a quarter period, so that it only learns where
 //! k*|omega_wg| is below a corner, and only in motion: at rest a ripple cannot be told from any constant.
 //!
-//! Discretisation: explicit Euler; stable for dt*g < 1. Bounded by `bound` in each coefficient.
+//! Discretisation: one order has its turn at a time, the others are held at what they were: each is taken for the middle of
+//! the [`RIPPLE_ORDERS`] turns that it is held, T = [`RIPPLE_ORDERS`]*dt, and learnt by explicit Euler over 2*T, position and torque by
+//! turns; stable for 2*T*g < 1.
+//! Bounded by `bound` in each coefficient. A held wave of order k is off by k*|omega_wg|*T/2 of its amplitude at most.
 //!
 //! M. Bodson, A. Sacks, P. Khosla, "Harmonic generation in adaptive feedforward cancellation schemes", IEEE
 //! Transactions on Automatic Control 39 (1994).
 
 use crate::angle::Angle;
 use crate::error::{Error, require};
-use crate::real::Real;
+use crate::real::{RADIANS_PER_COUNT, Real};
 
 /// Orders that are learnt.
 pub const RIPPLE_ORDERS: usize = 4;
@@ -74,16 +77,22 @@ pub struct LearntRipple<R> {
     least_speed: R,
     /// Fastest speed at which each order learns (rad/s); 0 for a place that is not used.
     fastest: [R; RIPPLE_ORDERS],
+    /// Counts per speed that the angle moves on to the middle of the turns (2^32 a turn, s).
+    lead: R,
 }
 
-/// Ripple at one angle.
+/// The ripple, each order from its last turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RippleNow<R> {
     /// (rad at the output)
     pub position: R,
     /// (N m at the motor)
     pub torque: R,
-    basis: Coefficients<R>,
+    /// Position and torque of each order.
+    waves: [[R; 2]; RIPPLE_ORDERS],
+    /// The last turn: its order is the remainder of [`RIPPLE_ORDERS`], and the cosine and sine of that one's angle.
+    turn: usize,
+    basis: [R; 2],
 }
 
 /// What one control period teaches.
@@ -98,13 +107,14 @@ pub struct Lesson<R> {
 }
 
 impl<R: Real> LearntRippleParams<R> {
-    /// Prepares the ripple for the control period dt (s).
+    /// Prepares the ripple for turns that come every dt (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `ripple_order`, `ripple_rate`, `ripple_bound` or `ripple_speeds`.
     pub fn build(&self, dt: R) -> Result<LearntRipple<R>, Error> {
         require(self.orders.iter().all(|order| order.order <= 1000), "ripple_order")?;
-        let rate = |rate: R| rate >= R::ZERO && rate * dt < R::ONE;
+        let round = R::from_i32(RIPPLE_ORDERS as i32) * dt;
+        let rate = |rate: R| rate >= R::ZERO && rate * (round + round) < R::ONE;
         require(rate(self.position_rate) && rate(self.torque_rate), "ripple_rate")?;
         let bound = |bound: R| bound.is_finite() && bound >= R::ZERO;
         require(bound(self.position_bound) && bound(self.torque_bound), "ripple_bound")?;
@@ -112,8 +122,8 @@ impl<R: Real> LearntRippleParams<R> {
         require(least > R::ZERO && most.is_finite() && least < most, "ripple_speeds")?;
         Ok(LearntRipple {
             orders: self.orders,
-            position_gain: R::lit(2.0) * dt * self.position_rate,
-            torque_gain: R::lit(2.0) * dt * self.torque_rate,
+            position_gain: R::lit(4.0) * round * self.position_rate,
+            torque_gain: R::lit(4.0) * round * self.torque_rate,
             position_bound: self.position_bound,
             torque_bound: self.torque_bound,
             least_speed: least,
@@ -121,16 +131,20 @@ impl<R: Real> LearntRippleParams<R> {
                 0 => R::ZERO,
                 k => most / R::from_i32(k.cast_signed()),
             }),
+            lead: R::lit(0.5 / RADIANS_PER_COUNT) * (round - dt),
         })
     }
 }
 
 impl<R: Real> RippleMap<R> {
-    /// Every coefficient limited to its bound; one that is not finite is 0.
+    /// Every coefficient limited to its bound; one that is not finite, or of a place that is not used, is 0.
     #[must_use]
     pub fn within(&self, ripple: &LearntRipple<R>) -> Self {
         let limited = |map: &Coefficients<R>, bound: R| {
-            map.map(|pair| pair.map(|coefficient| coefficient.finite_or(R::ZERO).limit(bound)))
+            core::array::from_fn(|k| match ripple.orders[k].order {
+                0 => [R::ZERO; 2],
+                _ => map[k].map(|coefficient| coefficient.finite_or(R::ZERO).limit(bound)),
+            })
         };
         Self {
             position: limited(&self.position, ripple.position_bound),
@@ -140,47 +154,54 @@ impl<R: Real> RippleMap<R> {
 }
 
 impl<R: Real> LearntRipple<R> {
-    /// The ripple at the wave generator's angle `theta`; `reduced` is r*theta.
+    /// The next order's turn, at the wave generator's angle `theta` and `speed` (rad/s), the flexspline being at `output`.
     #[inline(always)]
-    pub fn at(&self, map: &RippleMap<R>, theta: Angle<R>, reduced: Angle<R>) -> RippleNow<R> {
-        let to_case = theta.phase();
-        let to_flexspline = to_case.wrapping_sub(reduced.phase());
-        let mut now = RippleNow::default();
-        for (k, order) in self.orders.iter().enumerate() {
-            if order.order != 0 {
-                let angle = if order.to_flexspline { to_flexspline } else { to_case };
-                let (sine, cosine) = R::sin_cos_phase(order.order.wrapping_mul(angle));
-                now.position += map.position[k][0] * cosine + map.position[k][1] * sine;
-                now.torque += map.torque[k][0] * cosine + map.torque[k][1] * sine;
-                now.basis[k] = [cosine, sine];
-            }
-        }
-        now
+    pub fn turn_to(
+        &self,
+        map: &RippleMap<R>,
+        now: &mut RippleNow<R>,
+        theta: Angle<R>,
+        output: Angle<R>,
+        speed: R,
+    ) {
+        now.turn = (now.turn + 1) % (2 * RIPPLE_ORDERS);
+        let place = now.turn % RIPPLE_ORDERS;
+        let RippleOrder { order, to_flexspline } = self.orders[place];
+        let lead = (self.lead * speed).to_i32().cast_unsigned();
+        let to_case = theta.phase().wrapping_add(lead);
+        // Less r*lead: below a hundredth of what the wave is off.
+        let angle = if to_flexspline { to_case.wrapping_sub(output.phase()) } else { to_case };
+        let (sine, cosine) = R::sin_cos_phase(order.wrapping_mul(angle));
+        let wave = |[a, b]: [R; 2]| a * cosine + b * sine;
+        now.basis = [cosine, sine];
+        now.waves[place] = [wave(map.position[place]), wave(map.torque[place])];
+        let [first, second, third, fourth] = now.waves;
+        now.position = (first[0] + second[0]) + (third[0] + fourth[0]);
+        now.torque = (first[1] + second[1]) + (third[1] + fourth[1]);
     }
 
-    /// Learns from one control period.
+    /// The order whose turn it was learns from this control period: its position and its torque by turns.
     #[inline(always)]
     pub fn learn(&self, map: &mut RippleMap<R>, now: &RippleNow<R>, lesson: &Lesson<R>) {
-        let speed = lesson.speed.abs();
-        if speed < self.least_speed {
+        let (speed, order) = (lesson.speed.abs(), now.turn % RIPPLE_ORDERS);
+        if speed < self.least_speed || speed >= self.fastest[order] {
             return;
         }
-        let position = self.position_gain * lesson.position.unwrap_or(R::ZERO);
-        let torque = self.torque_gain * lesson.torque;
-        for (k, basis) in now.basis.iter().enumerate() {
-            if speed < self.fastest[k] {
-                for (side, wave) in basis.iter().enumerate() {
-                    add(&mut map.position[k][side], position * *wave, self.position_bound);
-                    add(&mut map.torque[k][side], torque * *wave, self.torque_bound);
-                }
-            }
+        let [cosine, sine] = now.basis;
+        if now.turn >= RIPPLE_ORDERS {
+            let by = self.torque_gain * lesson.torque;
+            add(&mut map.torque[order], [by * cosine, by * sine], self.torque_bound);
+        } else if let Some(position) = lesson.position {
+            let by = self.position_gain * position;
+            add(&mut map.position[order], [by * cosine, by * sine], self.position_bound);
         }
     }
 }
 
 #[inline(always)]
-fn add<R: Real>(coefficient: &mut R, by: R, bound: R) {
-    *coefficient = (*coefficient + by).limit(bound);
+fn add<R: Real>([cosine, sine]: &mut [R; 2], by: [R; 2], bound: R) {
+    *cosine = (*cosine + by[0]).limit(bound);
+    *sine = (*sine + by[1]).limit(bound);
 }
 
 #[cfg(test)]
@@ -210,11 +231,12 @@ mod tests {
     /// The map that is learnt at `speed` (rad/s) in `seconds` of a joint with the ripple of `TRUTH`.
     fn learnt(speed: f64, seconds: f64) -> RippleMap<f64> {
         let (ripple, ratio) = (params().build(DT).unwrap(), Ratio::one_over(-20).unwrap());
-        let mut map = RippleMap::default();
+        let (mut map, mut now, mut there) =
+            (RippleMap::default(), RippleNow::default(), RippleNow::default());
         for k in 0..(seconds / DT) as usize {
             let theta = Angle::from_radians_f64(speed * DT * k as f64);
-            let now = ripple.at(&map, theta, ratio.apply(theta));
-            let there = ripple.at(&TRUTH, theta, ratio.apply(theta));
+            ripple.turn_to(&map, &mut now, theta, ratio.apply(theta), speed);
+            ripple.turn_to(&TRUTH, &mut there, theta, ratio.apply(theta), speed);
             let lesson = Lesson {
                 speed,
                 position: Some(there.position - now.position),
@@ -250,7 +272,8 @@ mod tests {
         let ripple = params().build(DT).unwrap();
         let wild = RippleMap { position: [[1.0, f64::NAN]; 4], torque: [[-1.0, 0.005]; 4] };
         let kept = wild.within(&ripple);
-        assert_eq!(kept, RippleMap { position: [[3e-4, 0.0]; 4], torque: [[-0.01, 0.005]; 4] });
+        let used = |pair| [pair, pair, pair, [0.0; 2]];
+        assert_eq!(kept, RippleMap { position: used([3e-4, 0.0]), torque: used([-0.01, 0.005]) });
     }
 
     #[test]

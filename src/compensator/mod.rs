@@ -341,18 +341,15 @@ impl<R: Real> Compensator<R> {
         let mut faults = Faults::NONE;
         let course = Course { velocity: state.commander.velocity(), trusted: state.fallback.trusted() };
         let input = self.guard.step(&mut state.guard, input, course, &mut faults);
-        let shares = &input.shares;
-        let measured = self.measure(state, &input.sensors, shares.feedback, &mut faults);
-        let estimate = self.observe(state, &measured, shares, &mut faults);
-        // The estimate is written where it stays.
-        let mut output = Output { estimate, ..Output::default() };
+        let measured = self.measure(state, &input.sensors, &mut faults);
+        let mut estimate = self.observe(state, &measured, &mut faults);
+        let shares = state.guard.shares();
         let learns = faults == Faults::NONE && !state.limited && shares.adaptation > R::ZERO;
-        let followed =
-            self.commander.step(&mut state.commander, &input.command, &output.estimate, &mut faults);
+        let followed = self.commander.step(&mut state.commander, &input.command, &estimate, &mut faults);
         let learns = learns && followed.torque.is_none();
         let believed = self.learning.believe(
             &mut state.learning,
-            &mut output.estimate,
+            &mut estimate,
             measured.output.and(state.observer.stiffness_torque()),
             shares,
             learns,
@@ -366,7 +363,8 @@ impl<R: Real> Compensator<R> {
         self.learning.follow(&mut state.learning, &learnt, learns);
         // Where a torque is commanded no motion is; what answers a deviation is no motion either.
         state.asked = if followed.torque.is_some() { R::ZERO } else { demand.motor.velocity };
-        self.give_way(state, &mut demand, setpoint, &output.estimate, shares, error);
+        self.give_way(state, &mut demand, setpoint, &estimate, error);
+        let shares = state.guard.shares();
         let stood_still = measured.motor == state.last_motor;
         state.last_motor = measured.motor;
         let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, state.asked);
@@ -381,28 +379,27 @@ impl<R: Real> Compensator<R> {
         );
         let closed = match followed.torque {
             Some(torque) => demand.transmission * torque,
-            None => shares.feedback * self.taken_over(state, &followed, demand.torque, feedback),
+            None => {
+                let share = shares.feedback;
+                share * self.taken_over(state, &followed, demand.torque, feedback)
+            }
         };
-        output.motor_torque = self.command(state, demand.torque + closed, followed.switched, &mut faults);
-        output.feed_forward_torque = demand.torque.limit(self.limits.motor_torque);
-        output.motor_reference = demand.motor.angle;
-        output.factors = state.learning.applied(shares);
-        output.faults = faults;
-        output
+        Output {
+            motor_torque: self.command(state, demand.torque + closed, followed.switched, &mut faults),
+            feed_forward_torque: demand.torque.limit(self.limits.motor_torque),
+            motor_reference: demand.motor.angle,
+            estimate,
+            factors: *state.learning.applied(),
+            faults,
+        }
     }
 
     /// What the observer believes.
     #[inline(always)]
-    fn observe(
-        &self,
-        state: &mut State<R>,
-        measured: &Measurement<R>,
-        shares: &Shares<R>,
-        faults: &mut Faults,
-    ) -> Estimate<R> {
-        let reference = state.feed_forward.reference();
-        self.learning.turn_to(&mut state.learning, reference, self.gear.ratio().apply(reference));
-        let told = self.learning.told(&state.learning, measured, shares);
+    fn observe(&self, state: &mut State<R>, measured: &Measurement<R>, faults: &mut Faults) -> Estimate<R> {
+        let (motor, output) = (state.feed_forward.reference(), state.commander.position());
+        self.learning.turn_to(&mut state.learning, motor, output);
+        let told = self.learning.told(&state.learning, measured, state.guard.shares());
         self.observer.step(&self.gear, &mut state.observer, &told, faults)
     }
 
@@ -414,7 +411,6 @@ impl<R: Real> Compensator<R> {
         demand: &mut Demand<R>,
         setpoint: &Setpoint<R>,
         estimate: &Estimate<R>,
-        shares: &Shares<R>,
         measured: Option<R>,
     ) {
         let deviation = Deviation {
@@ -425,19 +421,13 @@ impl<R: Real> Compensator<R> {
             measured,
         };
         let shift = self.output_feedback.step(&mut state.output_feedback, &deviation, !state.limited);
-        let share = shares.output_feedback * R::from_i32(self.gear.ratio().n());
+        let share = state.guard.shares().output_feedback * R::from_i32(self.gear.ratio().n());
         demand.motor.angle = demand.motor.angle.plus(share * shift.angle);
         demand.motor.velocity += share * shift.rate;
     }
 
     /// The sensors' raw counts as unbounded angles.
-    fn measure(
-        &self,
-        state: &mut State<R>,
-        sensors: &Sensors<R>,
-        feedback: R,
-        faults: &mut Faults,
-    ) -> Measurement<R> {
+    fn measure(&self, state: &mut State<R>, sensors: &Sensors<R>, faults: &mut Faults) -> Measurement<R> {
         let (motor, believed) = self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder);
         faults.raise_if(!believed, Faults::MOTOR_ENCODER_JUMP);
         let output = sensors.output_encoder.and_then(|raw| {
@@ -454,7 +444,7 @@ impl<R: Real> Compensator<R> {
             }
             state.output_zero.filter(|_| output_believed && !frozen).map(|zero| angle.less(zero))
         });
-        let commanded = state.fallback.torque();
+        let (commanded, feedback) = (state.fallback.torque(), state.guard.shares().feedback);
         let torque = sensors.motor_torque;
         Measurement {
             motor,

@@ -17,12 +17,20 @@
 //! friction (n = 1/|r|), and the torsion from the torque; with the output's the torsion is measured, and where the motor
 //! stands the torque follows from it (k = 1). Torque in N m, angle in rad.
 //!
+//! Evaluated once in [`PERIODS`] control periods, with the sum of what the innovations asked in them, and held in between.
+//!
 //! It is a declared uncertainty, not a covariance that is carried along: terms are added as if they all erred the same way,
 //! so that the true error lies inside three of them at least as often as a normal distribution would have it.
 //! What a motor that stands still does not show (a brake may hold any load) is admitted as w.
 
 use crate::compensator::EstimateDeviation;
 use crate::real::Real;
+
+/// Control periods from one evaluation to the next.
+pub const PERIODS: u32 = 2;
+
+/// The same as a number.
+const STEP: f64 = PERIODS as f64;
 
 /// Periods of the low pass of what the innovations ask, 3.2 ms at 10 kHz.
 const FILTER: f64 = 32.0;
@@ -77,7 +85,7 @@ pub struct SpreadState<R> {
 /// What the deviations scale with, in this control period.
 #[derive(Clone, Copy, Debug)]
 pub struct Magnitudes<R> {
-    /// l_d.innovation (N m).
+    /// l_d.innovation, all of the [`PERIODS`] (N m).
     pub asked: R,
     /// The motor moved lately.
     pub moved: bool,
@@ -126,7 +134,7 @@ impl<R: Real> Spread<R> {
         .all(|number| number.is_finite())
     }
 
-    /// Deviations after one more control period; `uncertainty` is the model's.
+    /// Deviations after [`PERIODS`] more control periods; `uncertainty` is the model's.
     #[inline(always)]
     pub fn step(
         &self,
@@ -165,8 +173,8 @@ impl<R: Real> Spread<R> {
     /// h: what the innovations show that d misses.
     #[inline(always)]
     fn missed(&self, state: &mut SpreadState<R>, asked: R) -> R {
-        state.asked += R::lit(1.0 / FILTER) * (asked - state.asked);
-        let fallen = state.missed - state.missed * self.inverse_settling;
+        state.asked += R::lit(1.0 / FILTER) * (asked - R::lit(STEP) * state.asked);
+        let fallen = state.missed - R::lit(STEP) * state.missed * self.inverse_settling;
         state.missed = (self.settling * state.asked.abs()).max(fallen);
         state.missed
     }
@@ -175,7 +183,7 @@ impl<R: Real> Spread<R> {
     #[inline(always)]
     fn unseen(&self, state: &mut SpreadState<R>, moved: bool) -> R {
         let [rate, most] = self.unseen;
-        state.unseen = if moved { R::ZERO } else { (state.unseen + rate).min(most) };
+        state.unseen = if moved { R::ZERO } else { (state.unseen + R::lit(STEP) * rate).min(most) };
         state.unseen
     }
 }

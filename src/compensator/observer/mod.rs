@@ -39,12 +39,12 @@ pub mod past;
 
 use crate::angle::Angle;
 use crate::compensator::faults::Faults;
-use crate::compensator::{Estimate, HYSTERESIS_MEMORY, Limits, RealTimeGear};
+use crate::compensator::{Estimate, EstimateDeviation, HYSTERESIS_MEMORY, Limits, RealTimeGear};
 use crate::error::{Error, require};
 use crate::friction::JointFrictionState;
 use crate::gear::{Applied, GearParams, GearState, Motion, Torques};
-use crate::real::{RADIANS_PER_COUNT, Real};
-use deviation::{Magnitudes, Spread, SpreadState, Uncertainty};
+use crate::real::{RADIANS_PER_COUNT, Real, seldom};
+use deviation::{Magnitudes, PERIODS, Spread, SpreadState, Uncertainty};
 use past::{LONGEST_DELAY, Past};
 
 /// Number of observed states: the sixth is s where the motor moves, b where it stands.
@@ -128,6 +128,10 @@ pub struct ObserverState<R: Real> {
     since_output: u32,
     past: Past,
     spread: SpreadState<R>,
+    deviation: EstimateDeviation<R>,
+    /// Control periods since it was evaluated, and what the innovations asked of d in them (N m).
+    periods: u32,
+    asked: R,
     started: bool,
 }
 
@@ -236,6 +240,9 @@ impl<R: Real> Observer<R> {
             since_output: u32::MAX,
             past: Past::default(),
             spread: SpreadState::default(),
+            deviation: EstimateDeviation::default(),
+            periods: PERIODS - 1,
+            asked: R::ZERO,
             started: false,
         }
     }
@@ -262,7 +269,8 @@ impl<R: Real> Observer<R> {
         faults: &mut Faults,
     ) -> Estimate<R> {
         if !state.started {
-            self.start(gear, state, measured);
+            seldom();
+            return self.first(gear, state, measured);
         }
         let applied = Applied { motor: measured.motor_torque, load: state.external_torque };
         let torques = gear.torques(&mut state.gear, &state.wave_generator, &state.flange, applied);
@@ -277,30 +285,34 @@ impl<R: Real> Observer<R> {
         let asked = self.correct(gains, state, measured, &torques, moved);
         self.keep_in_range(gear, state, measured, &torques, faults);
         let transmitted = (torques.transmitted + state.stiffness_torque).limit(self.limits.transmitted);
-        let magnitudes = Magnitudes {
-            asked,
-            moved,
-            input_friction: torques.input_friction,
-            output_friction: torques.output_friction,
-            transmitted,
-            torsion: torques.torsion.limit(self.limits.torsion),
-            torsion_rate,
-            output_speed: state.flange.velocity,
-            acceleration,
-        };
+        let torsion = torques.torsion.limit(self.limits.torsion);
+        state.asked += asked;
+        state.periods += 1;
+        if state.periods == PERIODS {
+            let magnitudes = Magnitudes {
+                asked: state.asked,
+                moved,
+                input_friction: torques.input_friction,
+                output_friction: torques.output_friction,
+                transmitted,
+                torsion,
+                torsion_rate,
+                output_speed: state.flange.velocity,
+                acceleration,
+            };
+            let spread = &set(sets, output_seen, gauge).spread;
+            state.deviation = spread.step(&mut state.spread, &self.uncertainty, &magnitudes);
+            (state.asked, state.periods) = (R::ZERO, 0);
+        }
         Estimate {
             output_position: state.flange.angle,
             output_velocity: state.flange.velocity,
-            torsion: magnitudes.torsion,
+            torsion,
             transmitted_torque: transmitted,
             input_friction: torques.input_friction,
             output_friction: torques.output_friction,
             external_torque: state.external_torque,
-            deviation: set(sets, output_seen, gauge).spread.step(
-                &mut state.spread,
-                &self.uncertainty,
-                &magnitudes,
-            ),
+            deviation: state.deviation,
         }
     }
 
@@ -310,6 +322,23 @@ impl<R: Real> Observer<R> {
         let since = state.since_output.saturating_add(1);
         state.since_output = if measured.output.is_some() { 0 } else { since };
         state.since_output < self.period
+    }
+
+    /// The first step: the joint rests, and nothing is known of its torques.
+    #[cold]
+    #[inline(never)]
+    fn first(
+        &self,
+        gear: &RealTimeGear<R>,
+        state: &mut ObserverState<R>,
+        measured: &Measurement<R>,
+    ) -> Estimate<R> {
+        self.start(gear, state, measured);
+        state.past.push(state.flange.angle.phase());
+        let set = set(&self.standing, false, measured.output_torque.is_some());
+        state.deviation = set.spread.base;
+        let (output_position, deviation) = (state.flange.angle, state.deviation);
+        Estimate { output_position, deviation, ..Estimate::default() }
     }
 
     /// Starts at rest at the motor's angle, without torsion.
@@ -324,7 +353,7 @@ impl<R: Real> Observer<R> {
         state.started = true;
     }
 
-    /// Moves both ends by one control period; answers with the flange's acceleration (rad/s^2).
+    /// Moves both speeds by one control period; answers with the flange's acceleration (rad/s^2).
     #[inline(always)]
     fn predict(
         &self,
@@ -338,12 +367,13 @@ impl<R: Real> Observer<R> {
             (measured.motor_torque + state.held_torque - resisting) * self.inverse_wave_generator_inertia;
         let load = state.external_torque + measured.known_torque + state.stiffness_torque;
         let flange = gear.flange_acceleration(torques, load);
-        state.wave_generator.advance(motor, self.dt);
-        state.flange.advance(flange, self.dt);
+        state.wave_generator.velocity += self.dt * motor;
+        state.flange.velocity += self.dt * flange;
         flange
     }
 
-    /// Corrects by each sensor in turn; answers with what they asked of d (N m).
+    /// Moves both angles by one control period and corrects by each sensor in turn; answers with what they asked of d (N m).
+    /// An angle takes its prediction and its corrections as one way.
     #[inline(always)]
     fn correct(
         &self,
@@ -357,18 +387,24 @@ impl<R: Real> Observer<R> {
         if moved {
             state.held_torque = R::ZERO;
         }
-        state.correct(&gains.motor, measured.motor.minus(state.wave_generator.angle), moved);
+        let mut way = [self.dt * state.wave_generator.velocity, self.dt * state.flange.velocity];
+        let innovation = measured.motor.minus(state.wave_generator.angle) - way[0];
+        state.correct(&mut way, &gains.motor, innovation, moved);
         if let Some(torque) = measured.output_torque {
             let innovation = torque - torques.transmitted - state.stiffness_torque;
-            state.correct(&gains.torque, innovation, moved);
+            state.correct(&mut way, &gains.torque, innovation, moved);
         }
+        state.flange.angle = state.flange.angle.plus(way[1]);
         state.past.push(state.flange.angle.phase());
         if let (Some(angle), Some(then)) = (measured.output, state.past.before(self.delay)) {
             let counts = angle.phase().wrapping_sub(then).cast_signed();
             let innovation = R::from_i32(counts) * R::lit(RADIANS_PER_COUNT);
-            state.correct(&gains.output, innovation, moved);
+            way[1] = R::ZERO;
+            state.correct(&mut way, &gains.output, innovation, moved);
+            state.flange.angle = state.flange.angle.plus(way[1]);
             state.past.correct(self.delay, &gains.past, innovation);
         }
+        state.wave_generator.angle = state.wave_generator.angle.plus(way[0]);
         state.external_torque - before
     }
 
@@ -387,16 +423,18 @@ impl<R: Real> Observer<R> {
             (&mut state.flange.velocity, limits.output_speed),
             (&mut state.external_torque, limits.external_torque),
         ] {
-            let limited = value.limit(bound);
-            faults.raise_if(limited != *value, Faults::ESTIMATE_LIMITED);
-            *value = limited;
+            if !value.is_within(bound) {
+                seldom();
+                faults.raise_if(true, Faults::ESTIMATE_LIMITED);
+                *value = value.limit(bound);
+            }
         }
         let [share, least] = limits.stiffness_torque;
         state.stiffness_torque = state.stiffness_torque.limit(share * torques.transmitted.abs() + least);
         state.held_torque = state.held_torque.limit(limits.held_torque);
-        let lost = !torques.torsion.is_finite() || torques.torsion.abs() > limits.torsion;
-        faults.raise_if(lost, Faults::OBSERVER_RESET);
-        if lost {
+        if !torques.torsion.is_within(limits.torsion) {
+            seldom();
+            faults.raise_if(true, Faults::OBSERVER_RESET);
             self.start(gear, state, measured);
         }
     }
@@ -419,12 +457,12 @@ impl<R: Real> ObserverState<R> {
         (self.standstill.periods < STANDSTILL).then_some(self.stiffness_torque)
     }
 
-    /// Corrects by one sensor's innovation.
+    /// Corrects by one sensor's innovation; adds to the `way` (rad) of both angles.
     #[inline(always)]
-    fn correct(&mut self, by: &Correction<R>, innovation: R, moved: bool) {
-        self.wave_generator.angle = self.wave_generator.angle.plus(by[0] * innovation);
+    fn correct(&mut self, way: &mut [R; 2], by: &Correction<R>, innovation: R, moved: bool) {
+        way[0] += by[0] * innovation;
         self.wave_generator.velocity += by[1] * innovation;
-        self.flange.angle = self.flange.angle.plus(by[2] * innovation);
+        way[1] += by[2] * innovation;
         self.flange.velocity += by[3] * innovation;
         self.external_torque += by[4] * innovation;
         let last = if moved { &mut self.stiffness_torque } else { &mut self.held_torque };
