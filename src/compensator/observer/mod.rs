@@ -29,7 +29,7 @@
 //! Bounds: speeds are limited to twice what the joint can do, the external torque to the gear's peak
 //! torque; a torsion beyond that of four times the peak torque starts the observer again at the motor's
 //! angle. Both are reported as faults, as is a torsion past the range of the gear's law
-//! ([`crate::flexspline::reduced::RANGE`]), which goes on at its largest torque. The reported torsion and transmitted torque end at those four times.
+//! ([`crate::flexspline::reduced::RANGE`]), which goes on at its largest torque. The reported transmitted torque ends at those four times.
 //!
 //! H. Taghirad, P. Belanger, "Modeling and parameter identification of harmonic drive systems", Journal of
 //! Dynamic Systems, Measurement, and Control 120 (1998) for the two masses; R. Kalman, "A new approach to
@@ -281,6 +281,11 @@ impl<R: Real> Observer<R> {
         let applied = Applied { motor: measured.motor_torque, load: state.external_torque };
         let torques = gear.torques(&mut state.gear, &state.wave_generator, &state.flange, applied);
         faults.raise_if(torques.saturated, Faults::TORSION_BEYOND_RANGE);
+        if !torques.torsion.is_within(self.limits.torsion) {
+            seldom();
+            faults.raise_if(true, Faults::OBSERVER_RESET);
+            return self.first(gear, state, measured);
+        }
         let moved = state.standstill.step(measured.motor.phase(), self.stir);
         let sets = if moved { &self.moving } else { &self.standing };
         let gauge = measured.output_torque.is_some();
@@ -290,10 +295,10 @@ impl<R: Real> Observer<R> {
         let known = measured.known_stiffness * torques.transmitted;
         let acceleration = self.predict(gear, state, &torques, known, measured);
         let asked = self.correct(gains, state, measured, torques.transmitted + known, moved);
-        self.keep_in_range(gear, state, measured, &torques, faults);
+        self.keep_in_range(state, &torques, faults);
         let transmitted =
             (torques.transmitted + known + state.stiffness_torque).limit(self.limits.transmitted);
-        let torsion = torques.torsion.limit(self.limits.torsion);
+        let torsion = torques.torsion;
         state.asked += asked;
         state.periods += 1;
         if state.periods == PERIODS {
@@ -332,7 +337,7 @@ impl<R: Real> Observer<R> {
         state.since_output < self.period
     }
 
-    /// The first step: the joint rests, and nothing is known of its torques.
+    /// The first step, or the first again: the joint rests, and nothing is known of its torques.
     #[cold]
     #[inline(never)]
     fn first(
@@ -341,17 +346,6 @@ impl<R: Real> Observer<R> {
         state: &mut ObserverState<R>,
         measured: &Measurement<R>,
     ) -> Estimate<R> {
-        self.start(gear, state, measured);
-        state.past.push(state.flange.angle.phase());
-        let set = set(&self.standing, false, measured.output_torque.is_some());
-        state.deviation = set.spread.base;
-        let (output_position, deviation) = (state.flange.angle, state.deviation);
-        Estimate { output_position, deviation, ..Estimate::default() }
-    }
-
-    /// Starts at rest at the motor's angle, without torsion.
-    #[cold]
-    fn start(&self, gear: &RealTimeGear<R>, state: &mut ObserverState<R>, measured: &Measurement<R>) {
         state.wave_generator = Motion { angle: measured.motor, velocity: R::ZERO };
         state.flange = Motion { angle: gear.drive(measured.motor), velocity: R::ZERO };
         state.external_torque = R::ZERO;
@@ -359,6 +353,11 @@ impl<R: Real> Observer<R> {
         state.held_torque = R::ZERO;
         state.past = Past::default();
         state.started = true;
+        state.past.push(state.flange.angle.phase());
+        let set = set(&self.standing, false, measured.output_torque.is_some());
+        state.deviation = set.spread.base;
+        let (output_position, deviation) = (state.flange.angle, state.deviation);
+        Estimate { output_position, deviation, ..Estimate::default() }
     }
 
     /// Moves both speeds by one control period, with `known` (N m) beside the model's transmitted torque; answers with the
@@ -421,14 +420,7 @@ impl<R: Real> Observer<R> {
     }
 
     #[inline(always)]
-    fn keep_in_range(
-        &self,
-        gear: &RealTimeGear<R>,
-        state: &mut ObserverState<R>,
-        measured: &Measurement<R>,
-        torques: &Torques<R>,
-        faults: &mut Faults,
-    ) {
+    fn keep_in_range(&self, state: &mut ObserverState<R>, torques: &Torques<R>, faults: &mut Faults) {
         let limits = &self.limits;
         for (value, bound) in [
             (&mut state.wave_generator.velocity, limits.motor_speed),
@@ -444,11 +436,6 @@ impl<R: Real> Observer<R> {
         let [share, least] = limits.stiffness_torque;
         state.stiffness_torque = state.stiffness_torque.limit(share * torques.transmitted.abs() + least);
         state.held_torque = state.held_torque.limit(limits.held_torque);
-        if !torques.torsion.is_within(limits.torsion) {
-            seldom();
-            faults.raise_if(true, Faults::OBSERVER_RESET);
-            self.start(gear, state, measured);
-        }
     }
 }
 
