@@ -134,11 +134,43 @@ pub trait Real:
     }
 }
 
+/// What is written alike for both.
+macro_rules! common {
+    () => {
+        const ZERO: Self = 0.0;
+        const ONE: Self = 1.0;
+        const MAX: Self = Self::MAX;
+        const MANTISSA_DIGITS: u32 = Self::MANTISSA_DIGITS;
+
+        #[inline(always)]
+        fn to_i32(self) -> i32 {
+            self as i32
+        }
+        #[inline(always)]
+        fn is_finite(self) -> bool {
+            Self::is_finite(self)
+        }
+        #[inline(always)]
+        fn is_same(self, other: Self) -> bool {
+            self.to_bits() == other.to_bits()
+        }
+        #[inline(always)]
+        fn is_share(self) -> bool {
+            self.to_bits() <= Self::ONE.to_bits()
+        }
+        #[inline(always)]
+        fn abs(self) -> Self {
+            Self::abs(self)
+        }
+        #[inline(always)]
+        fn copysign(self, other: Self) -> Self {
+            Self::copysign(self, other)
+        }
+    };
+}
+
 impl Real for f64 {
-    const ZERO: Self = 0.0;
-    const ONE: Self = 1.0;
-    const MAX: Self = Self::MAX;
-    const MANTISSA_DIGITS: u32 = Self::MANTISSA_DIGITS;
+    common!();
 
     type Fixed = i64;
 
@@ -153,30 +185,6 @@ impl Real for f64 {
     #[inline(always)]
     fn from_i32(value: i32) -> Self {
         Self::from(value)
-    }
-    #[inline(always)]
-    fn to_i32(self) -> i32 {
-        self as i32
-    }
-    #[inline(always)]
-    fn is_finite(self) -> bool {
-        Self::is_finite(self)
-    }
-    #[inline(always)]
-    fn is_same(self, other: Self) -> bool {
-        self.to_bits() == other.to_bits()
-    }
-    #[inline(always)]
-    fn is_share(self) -> bool {
-        self.to_bits() <= Self::ONE.to_bits()
-    }
-    #[inline(always)]
-    fn abs(self) -> Self {
-        Self::abs(self)
-    }
-    #[inline(always)]
-    fn copysign(self, other: Self) -> Self {
-        Self::copysign(self, other)
     }
     #[inline]
     fn sqrt(self) -> Self {
@@ -197,10 +205,7 @@ impl Real for f64 {
 }
 
 impl Real for f32 {
-    const ZERO: Self = 0.0;
-    const ONE: Self = 1.0;
-    const MAX: Self = Self::MAX;
-    const MANTISSA_DIGITS: u32 = Self::MANTISSA_DIGITS;
+    common!();
 
     type Fixed = i32;
 
@@ -215,30 +220,6 @@ impl Real for f32 {
     #[inline(always)]
     fn from_i32(value: i32) -> Self {
         value as Self
-    }
-    #[inline(always)]
-    fn to_i32(self) -> i32 {
-        self as i32
-    }
-    #[inline(always)]
-    fn is_finite(self) -> bool {
-        Self::is_finite(self)
-    }
-    #[inline(always)]
-    fn is_same(self, other: Self) -> bool {
-        self.to_bits() == other.to_bits()
-    }
-    #[inline(always)]
-    fn is_share(self) -> bool {
-        self.to_bits() <= Self::ONE.to_bits()
-    }
-    #[inline(always)]
-    fn abs(self) -> Self {
-        Self::abs(self)
-    }
-    #[inline(always)]
-    fn copysign(self, other: Self) -> Self {
-        Self::copysign(self, other)
     }
     #[inline]
     fn sqrt(self) -> Self {

@@ -6,6 +6,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use strainwave_desktop::bench::{Conditions, SensorSet};
 use strainwave_desktop::draw::Draw;
+use strainwave_desktop::gear_file::DEFAULT;
 use strainwave_desktop::identify::learn_gear;
 use strainwave_desktop::log::MeasuredLog;
 use strainwave_desktop::scenario::Scenario;
@@ -58,6 +59,14 @@ pub struct Arguments {
     /// compensator`; left out, those of the gear file, from rest
     #[arg(long, value_name = "motor|both", conflicts_with = "replay", value_parser = sensors_parser())]
     sensors: Option<SensorSet>,
+    /// Write the gear file again, to this file, with what the compensator has learnt in the run as its [learnt]; one
+    /// scenario only
+    ///
+    /// The next run, or the firmware of the joint, starts from it: factors on inertia, friction and compliance, and the ripple.
+    /// All else of the file stays as it is, comments too; it may be the file that --gear names. Written complete or not
+    /// at all, once the run has ended.
+    #[arg(long, value_name = "KEPT.toml", conflicts_with = "replay")]
+    keep: Option<PathBuf>,
     /// Folder for the plots
     #[arg(long, value_name = "DIR", default_value = "out")]
     plots: PathBuf,
@@ -90,25 +99,48 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         ("--replay", arguments.replay.as_deref()),
         ("--json", json),
     ])?;
-    let mut gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), firmware_gear)?;
+    // The gear file itself may be kept anew.
+    files::require_distinct(&[("--keep", arguments.keep.as_deref()), ("--json", json)])?;
+    require_keepable(arguments)?;
+    let (mut gear, text) = arguments.gear.as_deref().map_or_else(|| Ok(default_gear()), firmware_gear)?;
     let log =
         arguments.replay.as_deref().map(|path| replayable(path, arguments.reversed_torque)).transpose()?;
-    files::require_writable(json)?;
+    for path in [arguments.keep.as_deref(), json] {
+        files::require_writable(path)?;
+    }
     files::require_folder(&arguments.plots)?;
     let learnt = learn(arguments, &mut gear, log.as_ref())?;
     let firmware = pil::prepare(&arguments.board, &gear).map_err(BadInput::message)?;
     let figures = match &log {
         Some(log) => replay(arguments, &firmware.elf, &gear, log, learnt)?,
-        None => scenarios(arguments, &firmware.elf, &gear)?,
+        None => scenarios(arguments, &firmware.elf, &gear, &text)?,
     };
     Ok(Figures::new(figures, &arguments.figures))
 }
 
-/// A gear that the firmware can be built for.
-fn firmware_gear(path: &Path) -> Result<GearFile, BadInput> {
-    let gear = GearFile::read(path)?;
+/// A gear that the firmware can be built for, and its text.
+fn firmware_gear(path: &Path) -> Result<(GearFile, String), BadInput> {
+    let (gear, text) = GearFile::read_with_text(path)?;
     gear.require_firmware_friction().map_err(|why| BadInput::new(path, why))?;
-    Ok(gear)
+    Ok((gear, text))
+}
+
+fn default_gear() -> (GearFile, String) {
+    (GearFile::default_gear(), DEFAULT.into())
+}
+
+/// What is learnt in one run on a gear of which the compensator was told all that the file says.
+fn require_keepable(arguments: &Arguments) -> Result<(), BadInput> {
+    let refuse = |why: &str| Err(BadInput::message(format_args!("--keep {why}")));
+    match (&arguments.keep, arguments.scenario.0.as_slice(), arguments.sensors) {
+        (None, ..) => Ok(()),
+        (_, [Scenario::S4], Some(SensorSet::Both)) => refuse(
+            "with --scenario S4 --sensors both: there the kinematic error that the gear file has is learnt anew; allowed: \
+             another scenario or --sensors motor",
+        ),
+        (_, [_], _) => Ok(()),
+        _ => refuse("with --scenario all: what is learnt is of one plant; allowed: one of S1..S6"),
+    }
 }
 
 /// A log that has what a replay compares with.
@@ -142,7 +174,12 @@ fn learn(
 }
 
 /// Everything that is run: one scenario; or the whole table, and every scenario on the draw that is worst there.
-fn scenarios(arguments: &Arguments, elf: &Path, gear: &GearFile) -> Result<Vec<Figure>, BadInput> {
+fn scenarios(
+    arguments: &Arguments,
+    elf: &Path,
+    gear: &GearFile,
+    text: &str,
+) -> Result<Vec<Figure>, BadInput> {
     let mut figures = Vec::new();
     let all = arguments.scenario.0.len() > 1;
     if all && arguments.seed.is_none() {
@@ -162,7 +199,12 @@ fn scenarios(arguments: &Arguments, elf: &Path, gear: &GearFile) -> Result<Vec<F
         trials.extend((sensor_sets.is_empty() || scenario.blocked()).then_some(rest));
     }
     for trial in &trials {
-        figures.extend(run_trial(arguments, elf, gear, trial)?);
+        let run = run_trial(arguments, elf, gear, trial)?;
+        figures.extend(trial_figures(&run, gear)?);
+        if let Some(path) = &arguments.keep {
+            run.learnt.keep_in(text, path)?;
+            say(format_args!("    learnt: {}", path.display()));
+        }
     }
     Ok(figures)
 }
@@ -182,7 +224,7 @@ fn run_trial(
     elf: &Path,
     gear: &GearFile,
     trial: &Trial,
-) -> Result<Vec<Figure>, BadInput> {
+) -> Result<ScenarioRun, BadInput> {
     let (scenario, seed) = (trial.scenario, trial.conditions.seed);
     let mut progress = Progress::new(1000, scenario.title());
     let learning = trial.learns_ripple().then(|| pil::build(&arguments.board, &trial.told(gear)));
@@ -200,15 +242,19 @@ fn run_trial(
         "    plant of seed {seed}: friction x {:.3} (input) x {:.3} (output), stiffness x {:.3}, load inertia x {:.3}",
         draw.friction[0], draw.friction[1], draw.stiffness, draw.inertia
     ));
+    Ok(run)
+}
+
+fn trial_figures(run: &ScenarioRun, gear: &GearFile) -> Result<Vec<Figure>, BadInput> {
     let mut figures = run.claims(gear).map_err(BadInput::message)?;
-    figures.extend(scenario_figures(&run));
+    figures.extend(scenario_figures(run));
     figures.extend(run.loop_figures().map_err(BadInput::message)?);
     Ok(figures)
 }
 
 fn scenario_figures(run: &ScenarioRun) -> Vec<Figure> {
     let name = |rest: &str| format!("pil.{}.{rest}", run.trial.name());
-    let (estimate, cost) = (&run.compensated.estimate, &run.control_step);
+    let (estimate, cost, learnt) = (&run.compensated.estimate, &run.control_step, &run.learnt);
     vec![
         run.beside_baselines(),
         Figure::reported(name("b0.rms"), run.b0.rms, "rad"),
@@ -218,6 +264,10 @@ fn scenario_figures(run: &ScenarioRun) -> Vec<Figure> {
         Figure::reported(name("b1.max"), run.b1.max, "rad"),
         Figure::reported(name("estimate.output.rms"), estimate.output, "rad"),
         Figure::reported(name("estimate.external_torque.rms"), estimate.external_torque, "N m"),
+        Figure::reported(name("learnt.inertia"), learnt.inertia, "1"),
+        Figure::reported(name("learnt.input_friction"), learnt.input_friction, "1"),
+        Figure::reported(name("learnt.output_friction"), learnt.output_friction, "1"),
+        Figure::reported(name("learnt.compliance"), learnt.compliance, "1"),
         Figure::reported(name("control_step.instructions_max"), cost.instructions.max as f64, "instruction"),
         Figure::reported(name("control_step.cycles_max"), cost.cycles.max as f64, "cycle"),
         bounds::figure_as(name("power_balance"), "plant.power_balance", run.compensated.imbalance),

@@ -22,10 +22,10 @@ const INTEGRAL: [f64; 2] = [30.0, 50.0];
 /// Room that a factor has beyond the box that a plant is drawn from.
 const ROOM: f64 = 1.25;
 /// How fast inertia is learnt where its torque is the rated one (1/s).
-const INERTIA_RATE: f64 = 13.5;
+const INERTIA_RATE: f64 = 30.0;
 /// How fast friction is learnt at its Coulomb level, on the motor's and on the output's side (1/s).
-const FRICTION_RATES: [f64; 2] = [0.4, 0.1];
-/// How fast compliance is learnt at the rated torque (1/s).
+const FRICTION_RATES: [f64; 2] = [1.2, 0.3];
+/// How fast compliance is learnt at the rated torque's torsion (1/s).
 const COMPLIANCE_RATE: f64 = 20.0;
 /// Half width of the dead zone, in rated torques.
 const DEAD_ZONE: f64 = 0.001;
@@ -77,7 +77,7 @@ fn adaptation_params<R: Real>(file: &GearFile) -> AdaptationParams<R> {
             inertia: R::lit(rated),
             input_friction: R::lit(input),
             output_friction: R::lit(output),
-            compliance: R::lit(rated),
+            compliance: R::lit(rated / file.stiffness.k2),
         },
         dead_zone: R::lit(DEAD_ZONE * rated),
         filter_corner: R::lit(CORNERS[0]),

@@ -12,6 +12,7 @@ use strainwave::kinematic_error::{KinematicErrorParams, Term};
 use strainwave::{Error, Real};
 
 use crate::any_friction::AnyFrictionParams;
+use crate::dense::dense;
 use crate::friction_params::{friction_params, joint_friction_params};
 use crate::gear_file::{GearFile, Harmonic};
 use crate::{compensation, observer_design};
@@ -123,12 +124,13 @@ pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
 /// A joint's parameters as the Rust source that firmware includes.
 ///
 /// `Debug` prints a float with the shortest digits that read back as the same bits, and a struct as
-/// the expression that makes it.
+/// the expression that makes it; what fits on a line is put on one.
 pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
     let table = match params.gear.hysteresis_table {
         Some(_) => "use strainwave::hysteresis::HysteresisTable;\n",
         None => "",
     };
+    let joint = dense(&format!("pub const JOINT: JointParams<f32> = {params:#?};"));
     format!(
         "// Generated from the gear file `{gear_name}`; do not edit.\n\
          use strainwave::compensator::adaptation::{{AdaptationParams, Factors}};\n\
@@ -146,6 +148,6 @@ pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
          use strainwave::gear::GearParams;\n{table}\
          use strainwave::kinematic_error::{{KinematicErrorParams, Term}};\n\n\
          /// The joint that this firmware controls.\n\
-         pub const JOINT: JointParams<f32> = {params:#?};\n"
+         {joint}\n"
     )
 }

@@ -7,6 +7,7 @@ pub mod bounds;
 pub mod closed_loop;
 pub mod compensation;
 pub mod data;
+mod dense;
 pub mod divergence;
 pub mod draw;
 pub mod figure;

@@ -16,7 +16,7 @@ use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::process::ExitStatus;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use strainwave_app::frame::{INPUT_BYTES, OUTPUT_BYTES};
 
 /// Emulated time per instruction is `2^shift` ns: 8 ns, or 12 500 instructions in a control period. The
@@ -27,7 +27,7 @@ pub const SHIFT: u8 = 3;
 pub const PATIENCE: Duration = Duration::from_secs(10);
 
 /// How often a waiting host looks whether QEMU is still there.
-const GLANCE: Timespec = Timespec { tv_sec: 0, tv_nsec: 50_000_000 };
+const GLANCE: Duration = Duration::from_millis(50);
 
 /// Why the lockstep ended.
 #[derive(Debug, thiserror::Error)]
@@ -133,13 +133,12 @@ impl Machine {
     pub fn exchange(&mut self, input: &[u8; INPUT_BYTES]) -> Result<[u8; OUTPUT_BYTES], Error> {
         // The last frame was taken before it was answered: a pipe has room for this one.
         self.sensors.write_all(input)?;
-        let deadline = Instant::now() + self.patience;
         let mut output = [0; OUTPUT_BYTES];
-        let mut filled = 0;
+        let (mut filled, mut waited) = (0, Duration::ZERO);
         while filled < OUTPUT_BYTES {
             match self.command.read(&mut output[filled..]) {
                 Ok(count) => filled += count,
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => self.wait_until(deadline)?,
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => self.wait(&mut waited)?,
                 Err(error) => return Err(error.into()),
             }
         }
@@ -189,17 +188,20 @@ impl Machine {
         Ok(telemetry::decode(&self.elf, &uart(&self.process))?)
     }
 
-    /// Returns when there may be something to read.
-    fn wait_until(&self, deadline: Instant) -> Result<(), Error> {
-        let mut waited = [PollFd::new(&self.command, PollFlags::IN)];
-        if poll(&mut waited, Some(&GLANCE)).map_err(io::Error::from)? > 0 {
+    /// Returns when there may be something to read, or after a glance, which counts as `waited`: a host that has stood still
+    /// meanwhile has not waited.
+    fn wait(&self, waited: &mut Duration) -> Result<(), Error> {
+        let mut answer = [PollFd::new(&self.command, PollFlags::IN)];
+        let glance = Timespec { tv_sec: 0, tv_nsec: GLANCE.subsec_nanos().into() };
+        if poll(&mut answer, Some(&glance)).map_err(io::Error::from)? > 0 {
             return Ok(());
         }
+        *waited += GLANCE;
         let said = || last_words(&self.elf, &self.process);
         if let Some(status) = self.process.ended() {
             return Err(Error::Ended { status, said: said() });
         }
-        if Instant::now() > deadline {
+        if *waited > self.patience {
             return Err(Error::Hung { patience: self.patience, said: said() });
         }
         Ok(())

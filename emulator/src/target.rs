@@ -2,7 +2,7 @@
 
 use strainwave::compensator::learning::Learnt;
 use strainwave::compensator::{Input, JointParams, Output};
-use strainwave_app::frame::{decode_output, encode_input, encode_output};
+use strainwave_app::frame::{Fields, decode_output, encode_input, encode_output};
 use strainwave_desktop::closed_loop::{Controller, HostCompensator};
 use strainwave_desktop::divergence::RunError;
 use strainwave_desktop::{Figure, bounds};
@@ -89,30 +89,19 @@ impl Controller for Target {
 /// An output's bits with every NaN alike: which NaN an operation makes differs between processors.
 fn canonical(output: &Output<f32>) -> impl PartialEq {
     let mut output = *output;
-    let estimate = &mut output.estimate;
-    let deviation = &mut estimate.deviation;
-    for value in [
-        &mut output.motor_torque,
-        &mut output.feed_forward_torque,
-        &mut output.motor_reference.rest,
-        &mut estimate.output_position.rest,
-        &mut estimate.output_velocity,
-        &mut estimate.torsion,
-        &mut estimate.transmitted_torque,
-        &mut estimate.input_friction,
-        &mut estimate.output_friction,
-        &mut estimate.external_torque,
-        &mut deviation.output_position,
-        &mut deviation.output_velocity,
-        &mut deviation.torsion,
-        &mut deviation.transmitted_torque,
-        &mut deviation.input_friction,
-        &mut deviation.output_friction,
-        &mut deviation.external_torque,
-    ] {
+    OneNan.output(&mut output);
+    encode_output(&output)
+}
+
+/// Makes every NaN the same.
+struct OneNan;
+
+impl Fields for OneNan {
+    fn bytes<const K: usize>(&mut self, _: &mut [u8; K]) {}
+
+    fn f32(&mut self, value: &mut f32) {
         if value.is_nan() {
             *value = f32::NAN;
         }
     }
-    encode_output(&output)
 }

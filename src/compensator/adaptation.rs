@@ -6,13 +6,15 @@
 //! error      epsilon = zone(d - d_0)
 //! law        theta <- limit(theta + dt*Gamma*phi*epsilon, bounds),        Gamma = diag(rate_i/level_i^2)
 //! slow part  d_0   <- d_0 + dt*omega_0*(epsilon before the zone)
-//! stiffness  c     <- limit(c - dt*gamma_c*tau_t*(s - (1 - c)*tau_t), bounds)
+//! stiffness  c     <- limit(c - dt*gamma_c*phi*nu, bounds),                gamma_c = rate_c/level_c^2
 //! ```
 //!
 //! The model reference is the observer's own gear, run beside the joint (series-parallel) and told of what has been learnt
 //! ([`super::learning`]): what it still misses, d, is the model error, in N m at the output. q is the setpoint, tau_fric the feed-forward's friction along it, F(s) two low passes that
-//! are as slow as the observer's d; d_0 (N m) is a load or gravity that is there anyway. s (N m), what the
-//! transmitted torque is off the stiffness line where an output encoder shows it, gives the compliance factor c.
+//! are as slow as the observer's d; d_0 (N m) is a load or gravity that is there anyway.
+//! nu = theta_o - theta_fs (rad), what the observer misses of an output encoder, gives the compliance factor c: the torque
+//! follows from the motor's, so in fast motion nu is what the torsion phi is short of the believed one, nu = (c - c*)*phi/c, while
+//! offsets are taken away by the observer's slow gain. The observer is told of c.
 //! w is the share of friction that is fed forward: 0 at rest, so that friction is learnt in motion alone.
 //!
 //! # Lyapunov
@@ -20,7 +22,7 @@
 //! With the true theta* constant and inside its bounds, and e = theta - theta*, take V = e' Gamma^-1 e/2. Without
 //! the dead zone dV/dt = e' phi epsilon = -(phi' e)^2 + (phi' e)*noise, so V falls wherever |phi' e| exceeds the noise. The dead zone,
 //! wider than the noise, takes away just the rest: where |epsilon| > zone, phi' e has the sign of -epsilon and dV/dt <= 0;
-//! elsewhere theta stands still. Limiting theta to a box that holds theta* (projection) only shortens e, and with a diagonal
+//! elsewhere theta stands still. c alike, with V = (c - c*)^2/(2*gamma_c): dV/dt = -(c - c*)*phi*nu <= 0. Limiting theta to a box that holds theta* (projection) only shortens e, and with a diagonal
 //! Gamma each component by itself. Euler's step keeps this while dt*phi' Gamma phi < 2 ([`AdaptationParams::build`] checks it
 //! at the joint's peak torque). theta converges along the directions that the motion excites and stands still along the
 //! others: with the motor encoder alone the two frictions are told apart only by their different Stribeck speeds and presliding.
@@ -60,7 +62,8 @@ pub struct AdaptationParams<R> {
     pub bounds: Factors<R>,
     /// rate_i (1/s), > 0 or 0 for none: how fast each factor is learnt where its torque is at its level.
     pub rates: Factors<R>,
-    /// level_i > 0 (N m at the output): torque of inertia, of the friction of either side, and transmitted.
+    /// level_i > 0: torque of inertia, of the friction of either side (N m at the output), and torsion (rad), where the gear
+    /// bears its rated torque.
     pub levels: Factors<R>,
     /// Half width of the dead zone, >= 0 (N m at the output).
     pub dead_zone: R,
@@ -104,15 +107,15 @@ pub struct Excitation<R> {
     pub output_friction: R,
 }
 
-/// What the observer says of this control period (N m).
+/// What the observer says of this control period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Observed<R> {
-    /// d.
+    /// d (N m).
     pub external_torque: R,
-    /// tau_t.
-    pub transmitted_torque: R,
-    /// s, where the sensors show it.
-    pub stiffness_torque: Option<R>,
+    /// phi (rad).
+    pub torsion: R,
+    /// nu, where the sensors show it (rad).
+    pub output_innovation: Option<R>,
 }
 
 /// Two low passes in a row.
@@ -149,6 +152,13 @@ impl<R: Real> Factors<R> {
         Self::from_all(self.all().map(|factor| R::ONE + share * (factor - R::ONE)))
     }
 
+    /// 1/c - 1, by how much the flexspline is stiffer: to second order, within 0.2 % where |c - 1| <= 0.125.
+    #[inline(always)]
+    pub fn stiffening(&self) -> R {
+        let off = R::ONE - self.compliance;
+        off + off * off
+    }
+
     /// Each limited to 1 +- its bound; one that is not finite is 1.
     #[must_use]
     pub fn within(&self, bounds: &Self) -> Self {
@@ -178,8 +188,9 @@ impl<R: Real> AdaptationParams<R> {
         require(within(self.bias_corner, R::lit(1e-6), fastest), "bias_corner")?;
         let (rates, levels) = (self.rates.all(), self.levels.all());
         let gains = core::array::from_fn(|k| dt * rates[k] / (levels[k] * levels[k]));
-        let stable = |gain: R| gain * peak_torque * peak_torque < R::ONE;
-        require(stable(gains[0]) && stable(gains[3]), "adaptation_rates")?;
+        let overload = peak_torque / self.levels.inertia;
+        let stable = |rate: R| dt * rate * overload * overload < R::ONE;
+        require(stable(self.rates.inertia) && stable(self.rates.compliance), "adaptation_rates")?;
         Ok(Adaptation {
             bounds: self.bounds,
             gains: Factors::from_all(gains),
@@ -238,10 +249,12 @@ impl<R: Real> Adaptation<R> {
             gains.output_friction * output * error,
             bounds.output_friction,
         );
-        if let Some(missed) = observed.stiffness_torque {
-            let torque = observed.transmitted_torque;
-            let error = missed - (R::ONE - state.factors.compliance) * torque;
-            learn(&mut state.factors.compliance, -gains.compliance * torque * error, bounds.compliance);
+        if let Some(innovation) = observed.output_innovation {
+            learn(
+                &mut state.factors.compliance,
+                -gains.compliance * observed.torsion * innovation,
+                bounds.compliance,
+            );
         }
         error
     }
@@ -268,7 +281,7 @@ mod tests {
         AdaptationParams {
             bounds: Factors { inertia: 0.4, input_friction: 0.25, output_friction: 0.25, compliance: 0.125 },
             rates: Factors { inertia: 13.5, input_friction: 0.4, output_friction: 0.1, compliance: 20.0 },
-            levels: Factors { inertia: 67.0, input_friction: 3.5, output_friction: 1.0, compliance: 67.0 },
+            levels: Factors { inertia: 67.0, input_friction: 3.5, output_friction: 1.0, compliance: 1.3e-3 },
             dead_zone: 0.067,
             filter_corner: 200.0,
             bias_corner: 2.0,
@@ -310,11 +323,11 @@ mod tests {
             ];
             let missed: f64 =
                 self.observed.iter_mut().zip(parts).map(|(low, part)| low.step(part, filter)).sum();
-            let torque = 40.0 * slow.sin();
+            let torsion = 1e-3 * slow.sin();
             let observed = Observed {
                 external_torque: 5.0 + missed,
-                transmitted_torque: torque,
-                stiffness_torque: Some((1.0 - self.truth.compliance) * torque),
+                torsion,
+                output_innovation: Some((believed.compliance - self.truth.compliance) * torsion),
             };
             (excitation, observed)
         }
@@ -357,6 +370,14 @@ mod tests {
         // From second to second, once the load is found.
         for pair in levels.windows(2).skip(2) {
             assert!(pair[1] <= pair[0] * (1.0 + 1e-3), "{levels:?}");
+        }
+    }
+
+    #[test]
+    fn a_stiffening_is_the_inverse_of_the_compliance() {
+        for compliance in [0.875, 0.95, 1.0, 1.1, 1.125] {
+            let factors = Factors { compliance, ..Factors::<f64>::default() };
+            assert!((1.0 + factors.stiffening() - 1.0 / compliance).abs() < 2.3e-3, "{compliance}");
         }
     }
 
@@ -418,8 +439,8 @@ mod tests {
                     Excitation { acceleration: at(0), input_friction: 0.001 * at(1), output_friction: at(2) };
                 let observed = Observed {
                     external_torque: at(3),
-                    transmitted_torque: at(4),
-                    stiffness_torque: Some(at(5)),
+                    torsion: 1e-4 * at(4),
+                    output_innovation: Some(1e-4 * at(5)),
                 };
                 adaptation.step(&mut state, &excitation, &observed, true);
             }

@@ -36,8 +36,14 @@
 //! tau_t of the step before (contraction: the load's factor).
 //!
 //! The external torque winds the gear up but is left to the feedback's integral as a torque: it is
-//! estimated from that very torque. Its wind-up follows it through a low pass of 130 rad/s: faster, observer and motor
-//! loop would answer each other where the gear is not what the model says.
+//! estimated from that very torque. Its wind-up follows
+//!
+//! ```text
+//! d_ff = l + f,   l: low pass of d, 30 rad/s,   f: low pass of zone(d - l), 400 rad/s,   zone: +-1.5 % of the rated torque
+//! ```
+//!
+//! What is small follows slowly: observer and motor loop would answer each other where the gear is not what the
+//! model says, and noise would shake the joint. A load that leaves the zone is followed within 3 ms.
 //!
 //! M. Fliess, J. Levine, P. Martin, P. Rouchon, "Flatness and defect of non-linear systems", International
 //! Journal of Control 61 (1995); A. De Luca, "Feedforward/feedback laws for the control of flexible robots",
@@ -56,8 +62,11 @@ use crate::real::Real;
 /// T_f (s): how long friction is fed forward at rest.
 const FADING_TIME: f64 = 0.5;
 
-/// Corner of the external torque's way into the wind-up (rad/s).
-const EXTERNAL_CORNER: f64 = 130.0;
+/// Corners of the external torque's way into the wind-up: of what is small and of what is large (rad/s).
+const EXTERNAL_CORNERS: [f64; 2] = [30.0, 400.0];
+
+/// What of it is small, as a share of the rated torque.
+const SMALL: f64 = 0.015;
 
 /// The built feed-forward.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +82,10 @@ pub struct FeedForward<R> {
     engagement: R,
     /// dt/T_f.
     fading: R,
-    external_gain: R,
+    /// Of l and f.
+    external_gains: [R; 2],
+    /// Half width of the zone (N m).
+    small: R,
     half_step: R,
 }
 
@@ -89,11 +101,19 @@ pub struct FeedForwardState<R: Real> {
     turn: Turn,
     /// tau_t of the step before (N m).
     carried: R,
-    /// d, low-passed (N m).
-    external_torque: R,
+    external_torque: ExternalTorque<R>,
     /// w.
     engaged: R,
     reference: Option<Angle<R>>,
+}
+
+/// d as the gear is wound up for it (N m).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct ExternalTorque<R> {
+    /// l.
+    small: R,
+    /// f.
+    large: R,
 }
 
 /// What has its turn in a control period.
@@ -128,7 +148,7 @@ impl<R: Real> Default for FeedForwardState<R> {
             deviation: Deviation::default(),
             turn: Turn::default(),
             carried: R::ZERO,
-            external_torque: R::ZERO,
+            external_torque: ExternalTorque::default(),
             engaged: R::ZERO,
             reference: None,
         }
@@ -161,6 +181,8 @@ pub struct Demand<R> {
     pub transmission: R,
     /// tau_t that the gear is wound up for (N m).
     pub carried: R,
+    /// What of it is friction at the flexspline (N m).
+    pub output_friction: R,
     /// What it rests on, from the nominal gear.
     pub excitation: Excitation<R>,
 }
@@ -193,9 +215,20 @@ impl<R: Real> FeedForward<R> {
             round: StepTime::new(round),
             engagement: R::lit(4.0) / gear.input_friction.presliding,
             fading: (dt / R::lit(FADING_TIME)).min(R::ONE),
-            external_gain: (dt * R::lit(EXTERNAL_CORNER)).one_minus_exp_neg(),
+            external_gains: EXTERNAL_CORNERS.map(|corner| (dt * R::lit(corner)).one_minus_exp_neg()),
+            small: R::lit(SMALL) * gear.rated_torque,
             half_step: R::lit(0.5) * dt,
         })
+    }
+
+    /// d_ff for d (N m).
+    #[inline(always)]
+    fn follow(&self, state: &mut ExternalTorque<R>, torque: R) -> R {
+        let off = torque - state.small;
+        let [small, large] = self.external_gains;
+        state.small += small * off;
+        state.large += large * (off - off.limit(self.small) - state.large);
+        state.small + state.large
     }
 
     /// The friction's turn on either side, at this speed of output and motor (rad/s); w with that of the motor.
@@ -227,7 +260,7 @@ impl<R: Real> FeedForward<R> {
         believed: &Believed<R>,
     ) -> Demand<R> {
         let Believed { factors, external_torque, ripple, torque } = *believed;
-        state.external_torque += self.external_gain * (external_torque - state.external_torque);
+        let external_torque = self.follow(&mut state.external_torque, external_torque);
         let inertia = self.flexspline_inertia * factors.inertia * shares.inertia;
         let motor_velocity = setpoint.velocity * self.inverse_ratio;
         let before = state.reference.unwrap_or_else(|| gear.ratio().undo(setpoint.position));
@@ -244,7 +277,7 @@ impl<R: Real> FeedForward<R> {
         let output_friction = output.force(&state.output_friction);
         let on_output = factors.output_friction * output_friction;
 
-        let carried = inertia * setpoint.acceleration + on_output - state.external_torque;
+        let carried = inertia * setpoint.acceleration + on_output - external_torque;
         let on_line = carried - state.hysteresis_torque;
         let torsion = factors.compliance * gear.flexspline().torsion(on_line);
         state.carried = carried;
@@ -278,6 +311,7 @@ impl<R: Real> FeedForward<R> {
                 + torque,
             transmission: self.ratio + shares.kinematic_error * deviation.slope,
             carried,
+            output_friction: on_output,
             excitation: Excitation {
                 acceleration: setpoint.acceleration,
                 input_friction: moving * input_friction,

@@ -153,6 +153,7 @@ impl<R: Real> Learning<R> {
                 - shares.ripple * state.now.torque,
             known_torque: (R::ONE - factors.inertia) * inertia
                 + (R::ONE - factors.output_friction) * state.output_friction,
+            known_stiffness: factors.stiffening(),
             ..*measured
         }
     }
@@ -163,15 +164,15 @@ impl<R: Real> Learning<R> {
         &self,
         state: &mut LearningState<R>,
         estimate: &mut Estimate<R>,
-        stiffness_torque: Option<R>,
+        output_innovation: Option<R>,
         shares: &Shares<R>,
         learns: bool,
     ) -> Believed<R> {
         if state.since_factors == 0 {
             let observed = Observed {
                 external_torque: estimate.external_torque,
-                transmitted_torque: estimate.transmitted_torque,
-                stiffness_torque,
+                torsion: estimate.torsion,
+                output_innovation,
             };
             state.missed = self.adaptation.step(&mut state.adaptation, &state.excitation, &observed, learns);
             state.applied = state.adaptation.factors().scaled(shares.adaptation);

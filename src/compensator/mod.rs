@@ -350,7 +350,7 @@ impl<R: Real> Compensator<R> {
         let believed = self.learning.believe(
             &mut state.learning,
             &mut estimate,
-            measured.output.and(state.observer.stiffness_torque()),
+            measured.output.and(state.observer.output_innovation()),
             shares,
             learns,
         );
@@ -417,7 +417,9 @@ impl<R: Real> Compensator<R> {
             position: estimate.output_position.minus(setpoint.position),
             velocity: estimate.output_velocity - setpoint.velocity,
             asked_velocity: setpoint.velocity,
-            torque: estimate.transmitted_torque - demand.carried,
+            torque: estimate.transmitted_torque
+                - estimate.output_friction
+                - (demand.carried - demand.output_friction),
             measured,
         };
         let shift = self.output_feedback.step(&mut state.output_feedback, &deviation, !state.limited);
@@ -451,6 +453,7 @@ impl<R: Real> Compensator<R> {
             output,
             motor_torque: self.motor_torque.step(&mut state.motor_torque, commanded, feedback, torque),
             known_torque: R::ZERO,
+            known_stiffness: R::ZERO,
             output_torque: sensors.output_torque,
         }
     }

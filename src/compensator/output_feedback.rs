@@ -1,12 +1,13 @@
 //! Output feedback: the motor's reference gives way so that the output behaves like a well-damped reference model.
 //!
 //! ```text
-//! e      = theta_fs - q,   e' = omega_fs - dq,   e'' = (tau_t - tau_asked)/(s_J*J_fs)
+//! e      = theta_fs - q,   e' = omega_fs - dq,   e'' = (tau_t - tau_fric_out + d - J_fs*ddq)/J_fs
 //! shift  = -(a*e + b*e' + z),   dshift = -(a*e' + b*e'' + k*m),   dz/dt = k*m
 //! ```
 //!
-//! theta_fs, omega_fs and tau_t are the observer's, q the setpoint, tau_asked what the feed-forward winds the gear up for;
-//! m is e, or the measured output less q where an output encoder shows it. The shift (rad at the output) is added to where the motor
+//! theta_fs, omega_fs, tau_t and tau_fric_out are the observer's, q the setpoint, J_fs and the external torque d as the
+//! feed-forward winds the gear up for them. The friction is that of the believed motion: at rest it holds whatever there
+//! is, and so the shift rests with it. m is e, or the measured output less q where an output encoder shows it. The shift (rad at the output) is added to where the motor
 //! side should be, and the cascade follows it. With a motor that follows, the load on its spring,
 //! J_fs*e'' = K*(shift - e), obeys the reference model
 //!
@@ -74,7 +75,7 @@ pub struct Deviation<R> {
     pub velocity: R,
     /// dq (rad/s).
     pub asked_velocity: R,
-    /// tau_t - tau_asked (N m).
+    /// J_fs*e'' (N m).
     pub torque: R,
     /// Measured output less setpoint (rad), where there is an output encoder.
     pub measured: Option<R>,

@@ -7,11 +7,13 @@
 //! A command is a byte of its kind (0 position, 1 velocity, 2 torque), an angle and four floats, of which those that the
 //! kind has not are zero, and ignored: position and its derivatives; velocity, acceleration; torque.
 //! Any other flag or kind byte makes the whole frame invalid: the two sides do not speak the same frame.
+//!
+//! The fields are listed once: [`Fields`] goes through them, whether it writes a frame, reads one or has other plans.
 
 use strainwave::Angle;
 use strainwave::compensator::adaptation::Factors;
 use strainwave::compensator::{
-    Command, Directions, Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
+    Command, Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
 };
 
 const WORD: usize = 4;
@@ -28,90 +30,167 @@ pub const OUTPUT_BYTES: usize = (2 * WORD + ANGLE) + (ANGLE + 6 * WORD) + 7 * WO
 /// The bytes of an input.
 pub fn encode_input(input: &Input<f32>) -> [u8; INPUT_BYTES] {
     let mut writer = Writer::new();
-    writer.u32(input.sensors.motor_encoder);
-    writer.option(input.sensors.output_encoder);
-    writer.f32(input.sensors.motor_torque);
-    writer.option(input.sensors.output_torque.map(f32::to_bits));
-    writer.command(&input.command);
-    writer.shares(&input.shares.forward);
-    writer.shares(&input.shares.backward);
+    // An input that there is has a valid frame.
+    let _ = writer.input(&mut { *input });
     writer.bytes
 }
 
-/// The input in a frame; `None` when a flag byte is neither 0 nor 1.
+/// The input in a frame; `None` when a flag or kind byte is not one of its values.
 pub fn decode_input(frame: &[u8; INPUT_BYTES]) -> Option<Input<f32>> {
-    let mut reader = Reader::new(frame);
-    let sensors = Sensors {
-        motor_encoder: reader.u32(),
-        output_encoder: reader.option()?,
-        motor_torque: reader.f32(),
-        output_torque: reader.option()?.map(f32::from_bits),
-    };
-    let command = reader.command()?;
-    let shares = Directions { forward: reader.shares(), backward: reader.shares() };
-    Some(Input { sensors, command, shares })
+    let mut input = Input::default();
+    Reader { rest: frame }.input(&mut input)?;
+    Some(input)
 }
 
 /// The bytes of an output.
 pub fn encode_output(output: &Output<f32>) -> [u8; OUTPUT_BYTES] {
     let mut writer = Writer::new();
-    writer.f32(output.motor_torque);
-    writer.f32(output.feed_forward_torque);
-    writer.angle(output.motor_reference);
-    writer.angle(output.estimate.output_position);
-    writer.f32(output.estimate.output_velocity);
-    writer.f32(output.estimate.torsion);
-    writer.f32(output.estimate.transmitted_torque);
-    writer.f32(output.estimate.input_friction);
-    writer.f32(output.estimate.output_friction);
-    writer.f32(output.estimate.external_torque);
-    writer.f32(output.estimate.deviation.output_position);
-    writer.f32(output.estimate.deviation.output_velocity);
-    writer.f32(output.estimate.deviation.torsion);
-    writer.f32(output.estimate.deviation.transmitted_torque);
-    writer.f32(output.estimate.deviation.input_friction);
-    writer.f32(output.estimate.deviation.output_friction);
-    writer.f32(output.estimate.deviation.external_torque);
-    writer.f32(output.factors.inertia);
-    writer.f32(output.factors.input_friction);
-    writer.f32(output.factors.output_friction);
-    writer.f32(output.factors.compliance);
-    writer.u32(output.faults.bits());
+    writer.output(&mut { *output });
     writer.bytes
 }
 
 /// The output in a frame.
 pub fn decode_output(frame: &[u8; OUTPUT_BYTES]) -> Output<f32> {
-    let mut reader = Reader::new(frame);
-    Output {
-        motor_torque: reader.f32(),
-        feed_forward_torque: reader.f32(),
-        motor_reference: reader.angle(),
-        estimate: Estimate {
-            output_position: reader.angle(),
-            output_velocity: reader.f32(),
-            torsion: reader.f32(),
-            transmitted_torque: reader.f32(),
-            input_friction: reader.f32(),
-            output_friction: reader.f32(),
-            external_torque: reader.f32(),
-            deviation: EstimateDeviation {
-                output_position: reader.f32(),
-                output_velocity: reader.f32(),
-                torsion: reader.f32(),
-                transmitted_torque: reader.f32(),
-                input_friction: reader.f32(),
-                output_friction: reader.f32(),
-                external_torque: reader.f32(),
-            },
-        },
-        factors: Factors {
-            inertia: reader.f32(),
-            input_friction: reader.f32(),
-            output_friction: reader.f32(),
-            compliance: reader.f32(),
-        },
-        faults: Faults::from_bits(reader.u32()),
+    let mut output = Output::default();
+    Reader { rest: frame }.output(&mut output);
+    output
+}
+
+/// Goes through the fields of a frame in their order, and may change what it comes to.
+pub trait Fields {
+    /// What every field consists of.
+    fn bytes<const K: usize>(&mut self, bytes: &mut [u8; K]);
+
+    /// A word.
+    fn u32(&mut self, value: &mut u32) {
+        let mut bytes = value.to_le_bytes();
+        self.bytes(&mut bytes);
+        *value = u32::from_le_bytes(bytes);
+    }
+
+    /// A float.
+    fn f32(&mut self, value: &mut f32) {
+        let mut bits = value.to_bits();
+        self.u32(&mut bits);
+        *value = f32::from_bits(bits);
+    }
+
+    /// Floats.
+    fn f32s<const K: usize>(&mut self, values: [&mut f32; K]) {
+        for value in values {
+            self.f32(value);
+        }
+    }
+
+    /// A word that may be absent; `None` when the flag is neither 0 nor 1.
+    fn option(&mut self, value: &mut Option<u32>) -> Option<()> {
+        let (mut flag, mut word) = ([u8::from(value.is_some())], value.unwrap_or(0));
+        self.bytes(&mut flag);
+        self.u32(&mut word);
+        *value = match flag {
+            [0] => None,
+            [1] => Some(word),
+            _ => return None,
+        };
+        Some(())
+    }
+
+    /// An angle.
+    fn angle(&mut self, angle: &mut Angle<f32>) {
+        let mut counts = angle.counts.to_le_bytes();
+        self.bytes(&mut counts);
+        angle.counts = i64::from_le_bytes(counts);
+        self.f32(&mut angle.rest);
+    }
+
+    /// An input; `None` when it is not valid.
+    fn input(&mut self, input: &mut Input<f32>) -> Option<()> {
+        self.sensors(&mut input.sensors)?;
+        self.command(&mut input.command)?;
+        self.shares(&mut input.shares.forward);
+        self.shares(&mut input.shares.backward);
+        Some(())
+    }
+
+    /// Sensors; `None` when a flag is not valid.
+    fn sensors(&mut self, sensors: &mut Sensors<f32>) -> Option<()> {
+        let Sensors { motor_encoder, output_encoder, motor_torque, output_torque } = sensors;
+        let mut output_torque_bits = output_torque.map(f32::to_bits);
+        self.u32(motor_encoder);
+        self.option(output_encoder)?;
+        self.f32(motor_torque);
+        self.option(&mut output_torque_bits)?;
+        *output_torque = output_torque_bits.map(f32::from_bits);
+        Some(())
+    }
+
+    /// A command; `None` when it is of no kind.
+    fn command(&mut self, command: &mut Command<f32>) -> Option<()> {
+        let (kind, mut setpoint) = parts(command);
+        let mut kind = [kind];
+        self.bytes(&mut kind);
+        let Setpoint { position, velocity, acceleration, jerk, snap } = &mut setpoint;
+        self.angle(position);
+        self.f32s([velocity, acceleration, jerk, snap]);
+        *command = of_parts(kind[0], setpoint)?;
+        Some(())
+    }
+
+    /// Shares of one direction.
+    fn shares(&mut self, shares: &mut Shares<f32>) {
+        let Shares { feedback, inertia, friction, wind_up, .. } = shares;
+        self.f32s([feedback, inertia, friction, wind_up]);
+        let Shares { kinematic_error, output_feedback, adaptation, ripple, .. } = shares;
+        self.f32s([kinematic_error, output_feedback, adaptation, ripple]);
+    }
+
+    /// An output.
+    fn output(&mut self, output: &mut Output<f32>) {
+        let Output { motor_torque, feed_forward_torque, motor_reference, estimate, factors, faults } = output;
+        self.f32s([motor_torque, feed_forward_torque]);
+        self.angle(motor_reference);
+        self.estimate(estimate);
+        let Factors { inertia, input_friction, output_friction, compliance } = factors;
+        self.f32s([inertia, input_friction, output_friction, compliance]);
+        let mut bits = faults.bits();
+        self.u32(&mut bits);
+        *faults = Faults::from_bits(bits);
+    }
+
+    /// An estimate with its deviation.
+    fn estimate(&mut self, estimate: &mut Estimate<f32>) {
+        let Estimate { output_position, output_velocity, torsion, transmitted_torque, .. } = estimate;
+        self.angle(output_position);
+        self.f32s([output_velocity, torsion, transmitted_torque]);
+        let Estimate { input_friction, output_friction, external_torque, deviation, .. } = estimate;
+        self.f32s([input_friction, output_friction, external_torque]);
+        let EstimateDeviation { output_position, output_velocity, torsion, transmitted_torque, .. } =
+            deviation;
+        self.f32s([output_position, output_velocity, torsion, transmitted_torque]);
+        let EstimateDeviation { input_friction, output_friction, external_torque, .. } = deviation;
+        self.f32s([input_friction, output_friction, external_torque]);
+    }
+}
+
+/// Kind of a command, and what it has of a setpoint; a torque stands in the place of the velocity.
+fn parts(command: &Command<f32>) -> (u8, Setpoint<f32>) {
+    match *command {
+        Command::Position(setpoint) => (0, setpoint),
+        Command::Velocity { velocity, acceleration } => {
+            (1, Setpoint { velocity, acceleration, ..Setpoint::default() })
+        }
+        Command::Torque(torque) => (2, Setpoint { velocity: torque, ..Setpoint::default() }),
+    }
+}
+
+/// The command of these parts; `None` when there is no such kind.
+fn of_parts(kind: u8, setpoint: Setpoint<f32>) -> Option<Command<f32>> {
+    let Setpoint { velocity, acceleration, .. } = setpoint;
+    match kind {
+        0 => Some(Command::Position(setpoint)),
+        1 => Some(Command::Velocity { velocity, acceleration }),
+        2 => Some(Command::Torque(velocity)),
+        _ => None,
     }
 }
 
@@ -125,57 +204,14 @@ impl<const N: usize> Writer<N> {
     fn new() -> Self {
         Self { bytes: [0; N], length: 0 }
     }
+}
 
-    fn put<const K: usize>(&mut self, value: [u8; K]) {
-        for (slot, byte) in self.bytes.iter_mut().skip(self.length).zip(value) {
-            *slot = byte;
+impl<const N: usize> Fields for Writer<N> {
+    fn bytes<const K: usize>(&mut self, bytes: &mut [u8; K]) {
+        for (slot, byte) in self.bytes.iter_mut().skip(self.length).zip(bytes) {
+            *slot = *byte;
         }
         self.length += K;
-    }
-
-    fn u32(&mut self, value: u32) {
-        self.put(value.to_le_bytes());
-    }
-
-    fn f32(&mut self, value: f32) {
-        self.u32(value.to_bits());
-    }
-
-    fn option(&mut self, value: Option<u32>) {
-        self.put([u8::from(value.is_some())]);
-        self.u32(value.unwrap_or(0));
-    }
-
-    fn angle(&mut self, value: Angle<f32>) {
-        self.put(value.counts.to_le_bytes());
-        self.f32(value.rest);
-    }
-
-    fn command(&mut self, command: &Command<f32>) {
-        let (kind, setpoint) = match *command {
-            Command::Position(setpoint) => (0, setpoint),
-            Command::Velocity { velocity, acceleration } => {
-                (1, Setpoint { velocity, acceleration, ..Setpoint::default() })
-            }
-            Command::Torque(torque) => (2, Setpoint { velocity: torque, ..Setpoint::default() }),
-        };
-        self.put([kind]);
-        self.angle(setpoint.position);
-        self.f32(setpoint.velocity);
-        self.f32(setpoint.acceleration);
-        self.f32(setpoint.jerk);
-        self.f32(setpoint.snap);
-    }
-
-    fn shares(&mut self, shares: &Shares<f32>) {
-        self.f32(shares.feedback);
-        self.f32(shares.inertia);
-        self.f32(shares.friction);
-        self.f32(shares.wind_up);
-        self.f32(shares.kinematic_error);
-        self.f32(shares.output_feedback);
-        self.f32(shares.adaptation);
-        self.f32(shares.ripple);
     }
 }
 
@@ -184,68 +220,10 @@ struct Reader<'a> {
     rest: &'a [u8],
 }
 
-impl<'a> Reader<'a> {
-    fn new(frame: &'a [u8]) -> Self {
-        Self { rest: frame }
-    }
-
-    fn take<const K: usize>(&mut self) -> [u8; K] {
+impl Fields for Reader<'_> {
+    fn bytes<const K: usize>(&mut self, bytes: &mut [u8; K]) {
         let (value, rest) = self.rest.split_first_chunk().unwrap_or((&[0; K], &[]));
         self.rest = rest;
-        *value
-    }
-
-    fn u32(&mut self) -> u32 {
-        u32::from_le_bytes(self.take())
-    }
-
-    fn f32(&mut self) -> f32 {
-        f32::from_bits(self.u32())
-    }
-
-    fn option(&mut self) -> Option<Option<u32>> {
-        let [flag] = self.take();
-        let value = self.u32();
-        match flag {
-            0 => Some(None),
-            1 => Some(Some(value)),
-            _ => None,
-        }
-    }
-
-    fn angle(&mut self) -> Angle<f32> {
-        let counts = i64::from_le_bytes(self.take());
-        Angle { counts, rest: self.f32() }
-    }
-
-    fn command(&mut self) -> Option<Command<f32>> {
-        let [kind] = self.take();
-        let setpoint = Setpoint {
-            position: self.angle(),
-            velocity: self.f32(),
-            acceleration: self.f32(),
-            jerk: self.f32(),
-            snap: self.f32(),
-        };
-        let Setpoint { velocity, acceleration, .. } = setpoint;
-        match kind {
-            0 => Some(Command::Position(setpoint)),
-            1 => Some(Command::Velocity { velocity, acceleration }),
-            2 => Some(Command::Torque(velocity)),
-            _ => None,
-        }
-    }
-
-    fn shares(&mut self) -> Shares<f32> {
-        Shares {
-            feedback: self.f32(),
-            inertia: self.f32(),
-            friction: self.f32(),
-            wind_up: self.f32(),
-            kinematic_error: self.f32(),
-            output_feedback: self.f32(),
-            adaptation: self.f32(),
-            ripple: self.f32(),
-        }
+        *bytes = *value;
     }
 }

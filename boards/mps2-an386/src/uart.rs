@@ -1,6 +1,6 @@
 //! CMSDK UART 0, transmit only: the telemetry (Arm DDI 0479, CMSDK APB UART).
 
-use crate::register::Register;
+use super::register::Register;
 
 // SAFETY: UART 0 of this board is at 0x4000_4000; these are its registers.
 const DATA: Register = unsafe { Register::at(0x4000_4000) };

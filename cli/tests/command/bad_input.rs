@@ -205,6 +205,12 @@ fn files_that_cannot_be_read_or_written_are_named() {
             "none/out.json: cannot be written: there is no folder none",
         ),
         ("pil --json folder".into(), "folder: cannot be written: it is a folder"),
+        ("pil --keep folder".into(), "folder: cannot be written: it is a folder"),
+        ("pil --keep none/kept.toml".into(), "none/kept.toml: cannot be written: there is no folder none"),
+        (
+            "pil --gear g.toml --keep in.csv/g.toml".into(),
+            "in.csv/g.toml: cannot be written: there is no folder in.csv",
+        ),
         ("pil --plots in.csv".into(), "in.csv: is a file; a folder is needed"),
         ("pil --plots in.csv/out".into(), "in.csv/out: cannot be written: there is no folder in.csv"),
         ("report --json none/out.json".into(), "none/out.json: cannot be written: there is no folder none"),
@@ -370,6 +376,8 @@ fn one_file_in_two_places_is_refused() {
         let line = bench.refused(&SIM.replace(from, to));
         assert!(line.ends_with("are the same file"), "{line}");
     }
+    let line = bench.refused("pil --keep kept.toml --json ./kept.toml");
+    assert!(line.ends_with("kept.toml: --json and --keep are the same file"), "{line}");
 }
 
 #[test]
@@ -386,6 +394,18 @@ fn mistakes_on_the_command_line_are_one_line_too() {
         ("pil --seed -1", "error: unexpected argument '-1' found"),
         ("pil --seed many", "error: invalid value 'many' for '--seed <SEED>'"),
         ("pil --replay in.csv", "error: the following required arguments were not provided: --gear <G.toml>"),
+        (
+            "pil --gear g.toml --replay in.csv --keep kept.toml",
+            "error: the argument '--replay <LOG.csv>' cannot be used with '--keep <KEPT.toml>'",
+        ),
+        (
+            "pil --scenario all --keep kept.toml",
+            "error: --keep with --scenario all: what is learnt is of one plant;",
+        ),
+        (
+            "pil --scenario S4 --sensors both --keep kept.toml",
+            "error: --keep with --scenario S4 --sensors both: there the kinematic error",
+        ),
         (&format!("{SIM} --build fast"), "error: invalid value 'fast' for '--build <BUILD>'"),
     ] {
         let line = bench.refused(words);

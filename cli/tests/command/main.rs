@@ -4,4 +4,5 @@ mod bad_input;
 mod bench;
 mod good_input;
 mod identify;
+mod keep;
 mod missed;

@@ -1,10 +1,16 @@
 //! `[learnt]`: what a compensator has learnt of its joint, kept for its next start.
 
+use std::path::Path;
+
 use serde::{Deserialize, Serialize};
 use strainwave::Real;
 use strainwave::compensator::adaptation::Factors;
 use strainwave::compensator::learning;
 use strainwave::compensator::learnt_ripple::{Coefficients, RippleMap};
+use toml_edit::{DocumentMut, Item, Table};
+
+use super::GearFile;
+use crate::file::{self, BadInput};
 
 /// Factors on the gear's parameters, and the ripple by the coefficients of its orders; what is left out is the nominal gear's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -76,19 +82,38 @@ impl Learnt {
             },
         }
     }
+
+    /// Writes the gear file of this `text` with this as its `[learnt]` to `path`, complete or not at all. All else of it,
+    /// comments too, stays as it is.
+    ///
+    /// # Errors
+    /// What was learnt is out of the file's range, `text` is no gear file, or the file cannot be written.
+    pub fn keep_in(&self, text: &str, path: &Path) -> Result<(), BadInput> {
+        let kept = self.put_into(text).map_err(|error| BadInput::new(path, error.message()))?;
+        GearFile::parse(path, kept.as_bytes())?;
+        file::write(path, |out| Ok(out.write_all(kept.as_bytes())?))
+    }
+
+    /// The text with this as its `[learnt]`, where it stood, at the end when there was none.
+    fn put_into(&self, text: &str) -> Result<String, toml_edit::TomlError> {
+        let mut document: DocumentMut = text.parse()?;
+        let learnt = toml_edit::ser::to_document(self).expect("every field has a TOML form");
+        let section = document.entry("learnt").or_insert(Item::Table(Table::new()));
+        let mut kept = section.as_table().cloned().unwrap_or_default();
+        kept.clear();
+        kept.extend(learnt.iter().map(|(key, value)| (key, value.clone())));
+        *section = Item::Table(kept);
+        Ok(document.to_string())
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
-    use crate::gear_file::GearFile;
+    use crate::gear_file::DEFAULT;
 
-    /// Through the file and back nothing of an f32 is lost.
-    #[test]
-    fn what_is_kept_is_what_is_started_from() {
-        let learnt = learning::Learnt {
+    fn learnt() -> learning::Learnt<f32> {
+        learning::Learnt {
             factors: Factors {
                 inertia: 0.833_333_3_f32,
                 input_friction: 1.1,
@@ -99,12 +124,63 @@ mod tests {
                 position: [[1e-4, -2e-5], [0.0, 3.3e-6], [0.0; 2], [1e-9, 0.0]],
                 torque: [[1e-3, 2e-3], [0.0; 2], [0.0; 2], [-1e-4, 0.0]],
             },
-        };
+        }
+    }
+
+    fn parsed(text: &str) -> GearFile {
+        GearFile::parse(Path::new("kept.toml"), text.as_bytes()).unwrap()
+    }
+
+    /// Through the file and back nothing of an f32 is lost.
+    #[test]
+    fn what_is_kept_is_what_is_started_from() {
         let mut file = GearFile::default_gear();
-        file.learnt = Some(Learnt::of(&learnt));
-        let again = GearFile::parse(Path::new("kept.toml"), file.to_toml().as_bytes()).unwrap();
+        file.learnt = Some(Learnt::of(&learnt()));
+        let again = parsed(&file.to_toml());
         assert_eq!(again, file);
-        assert_eq!(again.learnt.unwrap().start::<f32>(), learnt);
+        assert_eq!(again.learnt.unwrap().start::<f32>(), learnt());
+    }
+
+    /// With comments before, in and behind the section, and without a section: the rest is there to the letter.
+    #[test]
+    fn the_rest_of_the_file_stays_as_it_is() {
+        let kept = Learnt::of(&learnt());
+        let appended = kept.put_into(DEFAULT).unwrap();
+        let section = appended.strip_prefix(DEFAULT).unwrap();
+        assert!(section.trim_start().starts_with("[learnt]\ninertia = 0.8333"), "{section}");
+        assert_eq!(parsed(&appended).learnt.as_ref(), Some(&kept));
+
+        let old = "# on the bench\n[learnt] # by hand\ninertia = 1.2\ninput_friction = 1.0\noutput_friction = 1.0\n\
+                   compliance = 1.0\n";
+        let (first, rest) = DEFAULT.split_once("[motor]").unwrap();
+        let before = format!("{first}{old}\n# which?\n[motor]{rest}");
+        let replaced = kept.put_into(&before).unwrap();
+        let (head, tail) = replaced.split_once("# on the bench\n[learnt] # by hand\n").unwrap();
+        assert!(head == first && tail.ends_with(&format!("\n\n# which?\n[motor]{rest}")), "{replaced}");
+        assert_eq!(parsed(&replaced), parsed(&appended));
+        assert_eq!(kept.put_into(&replaced).unwrap(), replaced);
+    }
+
+    /// The other way to write a table.
+    #[test]
+    fn an_inline_section_is_replaced_too() {
+        let factors =
+            "learnt = { inertia = 1.2, input_friction = 1.0, output_friction = 1.0, compliance = 1.0 }\n";
+        let kept = Learnt::of(&learnt());
+        let replaced = kept.put_into(&format!("{factors}{DEFAULT}")).unwrap();
+        assert_eq!(parsed(&replaced).learnt, Some(kept));
+    }
+
+    #[test]
+    fn what_could_not_be_read_again_is_not_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("kept.toml");
+        let wrong = Learnt { inertia: f64::NAN, ..Learnt::of(&learnt()) };
+        let refused = wrong.keep_in(DEFAULT, &path).unwrap_err().to_string();
+        assert!(refused.contains("kept.toml: learnt.inertia"), "{refused}");
+        assert!(!path.exists());
+        Learnt::of(&learnt()).keep_in(DEFAULT, &path).unwrap();
+        assert_eq!(GearFile::read(&path).unwrap().learnt, Some(Learnt::of(&learnt())));
     }
 
     #[test]

@@ -360,7 +360,16 @@ impl GearFile {
     /// # Errors
     /// One line that names the file, the key, its value and what is allowed.
     pub fn read(path: &Path) -> Result<Self, BadInput> {
-        Self::parse(path, &file::read(path, LONGEST_FILE)?)
+        Self::read_with_text(path).map(|(gear, _)| gear)
+    }
+
+    /// The same with the text that it was read from.
+    ///
+    /// # Errors
+    /// As [`GearFile::read`].
+    pub fn read_with_text(path: &Path) -> Result<(Self, String), BadInput> {
+        let bytes = file::read(path, LONGEST_FILE)?;
+        Ok((Self::parse(path, &bytes)?, String::from_utf8_lossy(&bytes).into_owned()))
     }
 
     /// The gear file in `bytes`; `path` is only named in errors.

@@ -127,14 +127,22 @@ fn draw_panel<DB: DrawingBackend>(panel: &Panel, area: &Area<DB>, frame: &Frame)
     }
     let mut chart = builder.build_cartesian_2d(x.0..x.1, y.0..y.1)?;
     draw_axes(panel, &mut chart, frame)?;
-    for (index, series) in panel.series.iter().enumerate() {
-        draw_series(series, COLOURS[index % COLOURS.len()], &mut chart, frame.pixel)?;
+    for (series, colour) in panel.series.iter().zip(colours(&panel.series)) {
+        draw_series(series, colour, &mut chart, frame.pixel)?;
     }
     if panel.series.iter().any(|series| !series.name.is_empty()) {
         let points: Vec<_> = points().collect();
         draw_legend(&mut chart, emptiest_place(&points, frame, legend_share(panel)))?;
     }
     Ok(())
+}
+
+/// One each; a curve without a name goes with the last that has one, as the other edge of a band does.
+fn colours(series: &[Series]) -> impl Iterator<Item = RGBColor> {
+    (0..series.len()).map(|index| {
+        let named = series[..=index].iter().rposition(|series| !series.name.is_empty());
+        COLOURS[named.unwrap_or(index) % COLOURS.len()]
+    })
 }
 
 fn draw_axes<'a, DB: DrawingBackend + 'a>(
@@ -291,6 +299,18 @@ mod tests {
         assert_eq!(tick(2.5e-4, (-1e-3, 1e-3)), "2.5e-4");
         assert_eq!(tick(31_000.5, (31_000.0, 31_001.0)), "31000.5");
         assert_eq!(tick(0.0, (-1e-3, 1e-3)), "0");
+    }
+
+    #[test]
+    fn a_curve_without_a_name_goes_with_the_one_before() {
+        let of = |names: &[&str]| -> Vec<_> {
+            let series: Vec<_> = names.iter().map(|name| Series::line(*name, &[], &[])).collect();
+            colours(&series)
+                .map(|colour| COLOURS.iter().position(|known| *known == colour).unwrap())
+                .collect()
+        };
+        assert_eq!(of(&["error", "band", "", "last"]), [0, 1, 1, 3]);
+        assert_eq!(of(&["", ""]), [0, 1]);
     }
 
     #[test]

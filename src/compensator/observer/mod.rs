@@ -3,9 +3,9 @@
 //! ```text
 //! state   theta_wg, omega_wg, theta_fs, omega_fs, d (external torque on the flexspline),
 //!         s (what tau_t is off the model's), b (what the motor's torque is off it)
-//! predict omega_wg += dt*(tau_motor + b - tau_res - (r + de/dtheta_wg)*s)/J_wg,   theta_wg += dt*omega_wg
-//!         omega_fs += dt*(tau_t + s - tau_fric_out + d)/J_fs,                     theta_fs += dt*omega_fs
-//! correct state += l_m*(theta_m - theta_wg),  then l_t*(tau_s - tau_t - s),  then l_o*(theta_o - theta_fs)
+//! predict omega_wg += dt*(tau_motor + b - tau_res - (r + de/dtheta_wg)*(k*tau_t + s))/J_wg,   theta_wg += dt*omega_wg
+//!         omega_fs += dt*((1 + k)*tau_t + s - tau_fric_out + d)/J_fs,                         theta_fs += dt*omega_fs
+//! correct state += l_m*(theta_m - theta_wg),  then l_t*(tau_s - (1 + k)*tau_t - s),  then l_o*(theta_o - theta_fs)
 //! ```
 //!
 //! tau_res = tau_wg - J_wg*domega_wg, tau_t and the frictions come from [`crate::gear::Gear`], the two-port
@@ -16,7 +16,8 @@
 //! number of periods late ([`past`]). The gains l are those of the steady-state Kalman filter of the linearised
 //! model, one set for each combination of sensors, computed off line. Units: rad, rad/s, N m.
 //!
-//! A gear that is stiffer or softer than the model by 10 % makes a torsion that is measured disagree with the
+//! k is by how much the flexspline is known to be stiffer than the model, as [`crate::compensator::adaptation`] learns it.
+//! A gear that is stiffer or softer than is known by 10 % makes a torsion that is measured disagree with the
 //! motor's torque by 10 %. Which to believe depends on the motor. Where it moves, its friction is known to a
 //! few N m at the output and the rest is blamed on the stiffness: s. Where it stands, static friction or a brake may
 //! hold whatever there is, so its torque says nothing and what is left over is blamed on b, while s keeps what it learnt.
@@ -121,6 +122,8 @@ pub struct ObserverState<R: Real> {
     external_torque: R,
     /// s (N m).
     stiffness_torque: R,
+    /// theta_o - theta_fs at the last reading (rad).
+    output_innovation: R,
     /// b (N m).
     held_torque: R,
     standstill: Standstill,
@@ -165,6 +168,8 @@ pub struct Measurement<R> {
     pub motor_torque: R,
     /// What is known to act on the flexspline beside the model (N m).
     pub known_torque: R,
+    /// By how much the flexspline is known to be stiffer than the model, relative to it.
+    pub known_stiffness: R,
     /// Torque through the flexspline (N m).
     pub output_torque: Option<R>,
 }
@@ -235,6 +240,7 @@ impl<R: Real> Observer<R> {
             flange: Motion::default(),
             external_torque: R::ZERO,
             stiffness_torque: R::ZERO,
+            output_innovation: R::ZERO,
             held_torque: R::ZERO,
             standstill: Standstill { phase: 0, periods: STANDSTILL },
             since_output: u32::MAX,
@@ -286,10 +292,12 @@ impl<R: Real> Observer<R> {
         let gains = set(sets, measured.output.is_some(), gauge);
         let output_seen = self.output_seen(state, measured);
         let torsion_rate = torques.drive_rate - state.flange.velocity;
-        let acceleration = self.predict(gear, state, &torques, measured);
-        let asked = self.correct(gains, state, measured, &torques, moved);
+        let known = measured.known_stiffness * torques.transmitted;
+        let acceleration = self.predict(gear, state, &torques, known, measured);
+        let asked = self.correct(gains, state, measured, torques.transmitted + known, moved);
         self.keep_in_range(state, &torques, faults);
-        let transmitted = (torques.transmitted + state.stiffness_torque).limit(self.limits.transmitted);
+        let transmitted =
+            (torques.transmitted + known + state.stiffness_torque).limit(self.limits.transmitted);
         let torsion = torques.torsion;
         state.asked += asked;
         state.periods += 1;
@@ -352,34 +360,37 @@ impl<R: Real> Observer<R> {
         Estimate { output_position, deviation, ..Estimate::default() }
     }
 
-    /// Moves both speeds by one control period; answers with the flange's acceleration (rad/s^2).
+    /// Moves both speeds by one control period, with `known` (N m) beside the model's transmitted torque; answers with the
+    /// flange's acceleration (rad/s^2).
     #[inline(always)]
     fn predict(
         &self,
         gear: &RealTimeGear<R>,
         state: &mut ObserverState<R>,
         torques: &Torques<R>,
+        known: R,
         measured: &Measurement<R>,
     ) -> R {
-        let resisting = torques.wave_generator + torques.slope * state.stiffness_torque;
+        let stiffness_torque = known + state.stiffness_torque;
+        let resisting = torques.wave_generator + torques.slope * stiffness_torque;
         let motor =
             (measured.motor_torque + state.held_torque - resisting) * self.inverse_wave_generator_inertia;
-        let load = state.external_torque + measured.known_torque + state.stiffness_torque;
+        let load = state.external_torque + measured.known_torque + stiffness_torque;
         let flange = gear.flange_acceleration(torques, load);
         state.wave_generator.velocity += self.dt * motor;
         state.flange.velocity += self.dt * flange;
         flange
     }
 
-    /// Moves both angles by one control period and corrects by each sensor in turn; answers with what they asked of d (N m).
-    /// An angle takes its prediction and its corrections as one way.
+    /// Moves both angles by one control period and corrects by each sensor in turn, for the torque `transmitted` (N m) less s;
+    /// answers with what they asked of d (N m). An angle takes its prediction and its corrections as one way.
     #[inline(always)]
     fn correct(
         &self,
         gains: &Gains<R>,
         state: &mut ObserverState<R>,
         measured: &Measurement<R>,
-        torques: &Torques<R>,
+        transmitted: R,
         moved: bool,
     ) -> R {
         let before = state.external_torque;
@@ -390,7 +401,7 @@ impl<R: Real> Observer<R> {
         let innovation = measured.motor.minus(state.wave_generator.angle) - way[0];
         state.correct(&mut way, &gains.motor, innovation, moved);
         if let Some(torque) = measured.output_torque {
-            let innovation = torque - torques.transmitted - state.stiffness_torque;
+            let innovation = torque - transmitted - state.stiffness_torque;
             state.correct(&mut way, &gains.torque, innovation, moved);
         }
         state.flange.angle = state.flange.angle.plus(way[1]);
@@ -398,6 +409,7 @@ impl<R: Real> Observer<R> {
         if let (Some(angle), Some(then)) = (measured.output, state.past.before(self.delay)) {
             let counts = angle.phase().wrapping_sub(then).cast_signed();
             let innovation = R::from_i32(counts) * R::lit(RADIANS_PER_COUNT);
+            state.output_innovation = innovation;
             way[1] = R::ZERO;
             state.correct(&mut way, &gains.output, innovation, moved);
             state.flange.angle = state.flange.angle.plus(way[1]);
@@ -439,9 +451,9 @@ fn set<R>(sets: &GainSets<R>, output: bool, gauge: bool) -> &Gains<R> {
 }
 
 impl<R: Real> ObserverState<R> {
-    /// s (N m), where the motor moves and s is learnt.
-    pub fn stiffness_torque(&self) -> Option<R> {
-        (self.standstill.periods < STANDSTILL).then_some(self.stiffness_torque)
+    /// Measured less believed output angle at the last reading (rad), where the motor moves.
+    pub fn output_innovation(&self) -> Option<R> {
+        (self.standstill.periods < STANDSTILL).then_some(self.output_innovation)
     }
 
     /// Corrects by one sensor's innovation; adds to the `way` (rad) of both angles.

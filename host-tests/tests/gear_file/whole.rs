@@ -1,0 +1,60 @@
+//! What only the whole gear can tell.
+
+use toml::Value;
+
+use crate::full::changed;
+use crate::refusal;
+
+#[test]
+fn what_only_the_whole_gear_can_tell_is_refused_by_key() {
+    for (from, to, wanted) in [
+        (
+            "k3_nm_per_rad = 5.7e4",
+            "k3_nm_per_rad = 1e6",
+            "stiffness.k3_nm_per_rad = 1000000 is out of range; allowed: below the cup's own stiffness G*J/l = 1603",
+        ),
+        (
+            "width_arcmin = 1.0",
+            "width_arcmin = 6",
+            "hysteresis.width_arcmin = 6 is out of range; allowed: below the torsion at rated torque = 5.036",
+        ),
+        (
+            "flexspline_kg_m2 = 1.2",
+            "flexspline_kg_m2 = 0.002",
+            "inertia.flexspline_kg_m2 = 0.002 is out of range; allowed: above 4*dt^2*K3 = 2.280e-3 kg m^2",
+        ),
+    ] {
+        let line = refusal(from, to);
+        assert!(line.starts_with(&format!("g.toml: {wanted}")), "{line}");
+    }
+}
+
+/// The message for a gear with these rows as its weights.
+fn weights_refusal(rows: &[&[f64]]) -> String {
+    let list = |row: &&[f64]| Value::Array(row.iter().map(|weight| Value::Float(*weight)).collect());
+    changed("hysteresis.weights_nm", rows.iter().map(list).collect::<Vec<_>>()).unwrap_err()
+}
+
+#[test]
+fn weights_are_a_triangle_that_a_gear_can_have() {
+    let allowed = "allowed: rows of 1, 2, 3, ... numbers from 0 to 10000 N m, 2 to 24 rows";
+    for (rows, wanted) in [
+        (&[&[1.0][..]][..], "has 1 rows"),
+        (&[&[1.0], &[1.0]], "[1] is not a list of 2 numbers"),
+        (&[&[1.0], &[1.0, 1.0, 1.0]], "[1] is not a list of 2 numbers"),
+        (&[&[1.0], &[-1.0, 1.0]], "[1][0] = -1.0 is out of range"),
+        (&[&[1.0], &[f64::NAN, 1.0]], "[1][0] = nan is out of range"),
+    ] {
+        let space = if wanted.starts_with('[') { "" } else { " " };
+        let wanted = format!("g.toml: hysteresis.weights_nm{space}{wanted}; {allowed}");
+        assert_eq!(weights_refusal(rows), wanted);
+    }
+    let line = weights_refusal(&[&[1.0], &[1.0, 0.5]]);
+    let mirror = "g.toml: hysteresis.weights_nm[0][0] = 1 is out of range; allowed: its mirror image \
+                  hysteresis.weights_nm[1][1] = 0.5";
+    assert_eq!(line, mirror);
+    let line = weights_refusal(&[&[1.0], &[100.0, 1.0]]);
+    assert!(line.starts_with("g.toml: hysteresis.weights_nm: the torque falls with the torsion"), "{line}");
+    let line = refusal("width_arcmin = 1.0", "width_arcmin = 1.0\nhalf_range_rad = 1e-3");
+    assert_eq!(line, "g.toml: hysteresis.half_range_rad without hysteresis.weights_nm");
+}
