@@ -49,6 +49,7 @@ impl Twins {
                 output: self.with_output_encoder.then_some(flange.angle),
                 motor_torque,
                 known_torque: 0.0,
+                known_stiffness: 0.0,
                 output_torque: None,
             };
             let mut faults = Faults::NONE;

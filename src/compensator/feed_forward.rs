@@ -23,7 +23,7 @@
 //! static level. What is fed forward as torque therefore fades where nothing moves: s_f stands for s_f*w,
 //!
 //! ```text
-//! w <- w + min(4*ds/eps, 1)*(1 - w) - T/T_f*w         ds: path of the motor, eps: its presliding, T_f = 0.5 s
+//! w <- w + min(4*ds/eps, 1)*(1 - w) - dt/T_f*w        ds: path of the motor over T, eps: its presliding, T_f = 0.5 s
 //! ```
 //!
 //! which is there after a quarter of the presliding, passes a reversal within a few percent, and is 0 at rest:
@@ -80,7 +80,7 @@ pub struct FeedForward<R> {
     round: StepTime<R>,
     /// 4/eps.
     engagement: R,
-    /// T/T_f.
+    /// dt/T_f.
     fading: R,
     /// Of l and f.
     external_gains: [R; 2],
@@ -214,7 +214,7 @@ impl<R: Real> FeedForward<R> {
             dt,
             round: StepTime::new(round),
             engagement: R::lit(4.0) / gear.input_friction.presliding,
-            fading: (round / R::lit(FADING_TIME)).min(R::ONE),
+            fading: (dt / R::lit(FADING_TIME)).min(R::ONE),
             external_gains: EXTERNAL_CORNERS.map(|corner| (dt * R::lit(corner)).one_minus_exp_neg()),
             small: R::lit(SMALL) * gear.rated_torque,
             half_step: R::lit(0.5) * dt,
@@ -245,8 +245,7 @@ impl<R: Real> FeedForward<R> {
             return;
         }
         let slip = slip(motor, self.ratio * state.carried);
-        let engaged = (slip.displacement().abs() * self.engagement).min(R::ONE) * (R::ONE - state.engaged);
-        state.engaged += engaged - self.fading * state.engaged;
+        state.engaged += (slip.displacement().abs() * self.engagement).min(R::ONE) * (R::ONE - state.engaged);
         on_input.step(&mut state.input_friction, &slip);
     }
 
@@ -265,6 +264,7 @@ impl<R: Real> FeedForward<R> {
         let inertia = self.flexspline_inertia * factors.inertia * shares.inertia;
         let motor_velocity = setpoint.velocity * self.inverse_ratio;
         let before = state.reference.unwrap_or_else(|| gear.ratio().undo(setpoint.position));
+        state.engaged = state.engaged - self.fading * state.engaged;
         match state.turn {
             Turn::KinematicError => state.deviation = gear.kinematic_error(before, before.heading()),
             Turn::Hysteresis => {}
