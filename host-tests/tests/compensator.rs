@@ -179,7 +179,8 @@ fn a_frozen_encoder_is_named_while_the_joint_is_asked_to_move() {
         let output = compensator.step(&mut state, &input);
         assert_bounded(&output);
         faults = output.faults;
-        assert!(k > 500 || !faults.contains(Faults::MOTOR_ENCODER_FROZEN));
+        // 0.5 rad of the motor are asked for in 0.1 s; sooner by what the output feedback adds.
+        assert!(k > 250 || !faults.contains(Faults::MOTOR_ENCODER_FROZEN), "{k}");
     }
     assert!(faults.contains(Faults::MOTOR_ENCODER_FROZEN));
     assert_eq!(faults.names().filter(|name| *name == "motor encoder frozen").count(), 1);

@@ -298,7 +298,7 @@ impl<R: Real> JointParams<R> {
             )?,
             learning: self.learning.build(&self.gear, &self.limits, self.dt)?,
             learnt: self.learnt,
-            motor_torque: MotorTorque::build(self.dt)?,
+            motor_torque: MotorTorque::build(self.limits.motor_torque, self.dt)?,
             fallback: Fallback::build(self.limits.motor_torque, self.dt),
             limits: self.limits,
         })
@@ -361,9 +361,10 @@ impl<R: Real> Compensator<R> {
         let learnt =
             learning::Course { excitation: demand.excitation, speed: demand.motor.velocity, position: error };
         self.learning.follow(&mut state.learning, &learnt, learns);
-        // Where a torque is commanded no motion is; what answers a deviation is no motion either.
-        state.asked = if followed.torque.is_some() { R::ZERO } else { demand.motor.velocity };
         self.give_way(state, &mut demand, setpoint, &estimate, error);
+        // Where a torque is commanded no motion is. What the output feedback asks is one: a joint that is held against its
+        // load by a brake, or by an encoder that no longer moves, is noticed by it.
+        state.asked = if followed.torque.is_some() { R::ZERO } else { demand.motor.velocity };
         let shares = state.guard.shares();
         let stood_still = measured.motor == state.last_motor;
         state.last_motor = measured.motor;

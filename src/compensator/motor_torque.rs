@@ -1,13 +1,15 @@
 //! The motor's torque as the observer may believe it: what was commanded where it is fast, what was measured where it is slow.
 //!
 //! ```text
-//! tau = s*tau_commanded + y,    y <- y + g*(tau_measured - s*tau_commanded - y),    g = 1 - e^(-omega*dt)
+//! tau = s*tau_commanded + y,    x = tau_measured - s*tau_commanded - y,    g = 1 - e^(-omega*dt)
+//! y  <- y + g*x where |x| <= w, and what x is more than that at once,      w: 2 % of the peak torque
 //! ```
 //!
 //! A drive gives what it is commanded, up to an offset, a gain or a limit; what it measures carries noise. Complementary
 //! filter of the two with the corner omega = 10 rad/s: the noise of the measurement beyond it is gone, the drive's errors below it are
 //! seen. Where the share s of the feedback is 0, somebody else moves the motor and nothing is known of the command: then the
-//! measurement alone passes a low pass of 100 rad/s, between the two g changes with s. Units: N m at the motor's shaft, rad/s. Exact for inputs that are held.
+//! measurement alone passes a low pass of 100 rad/s, between the two g changes with s. What no noise is, a drive at its limit or a
+//! brake that keeps it off, is believed at once. Units: N m at the motor's shaft, rad/s. Exact for inputs that are held.
 
 use crate::error::{Error, require};
 use crate::real::Real;
@@ -17,11 +19,16 @@ const CORNER: f64 = 10.0;
 /// omega without one (rad/s).
 const ALONE: f64 = 100.0;
 
+/// w, as a share of the peak torque.
+const GROSS: f64 = 0.02;
+
 /// The built filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorTorque<R> {
     /// g without a command, and what a command changes of it.
     gain: [R; 2],
+    /// w (N m).
+    gross: R,
 }
 
 /// y (N m).
@@ -31,14 +38,15 @@ pub struct MotorTorqueState<R> {
 }
 
 impl<R: Real> MotorTorque<R> {
-    /// For the control period dt (s).
+    /// For a motor of this peak torque (N m) and the control period dt (s).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `dt` unless above 0 and up to 1.
-    pub fn build(dt: R) -> Result<Self, Error> {
+    /// [`Error::OutOfRange`] `dt` unless above 0 and up to 1, `motor_torque` unless positive.
+    pub fn build(peak_torque: R, dt: R) -> Result<Self, Error> {
         require(dt > R::ZERO && dt <= R::ONE, "dt")?;
+        require(peak_torque > R::ZERO, "motor_torque")?;
         let [alone, beside] = [ALONE, CORNER].map(|corner| (dt * R::lit(corner)).one_minus_exp_neg());
-        Ok(Self { gain: [alone, beside - alone] })
+        Ok(Self { gain: [alone, beside - alone], gross: R::lit(GROSS) * peak_torque })
     }
 
     /// Torque over the control period that ended, from what was `commanded` for it, of which the motor followed the
@@ -47,7 +55,9 @@ impl<R: Real> MotorTorque<R> {
     pub fn step(&self, state: &mut MotorTorqueState<R>, commanded: R, followed: R, measured: R) -> R {
         let [alone, change] = self.gain;
         let commanded = followed * commanded;
-        state.off += (alone + followed * change) * (measured - commanded - state.off);
+        let off = measured - commanded - state.off;
+        let small = off.limit(self.gross);
+        state.off += off - small + (alone + followed * change) * small;
         commanded + state.off
     }
 }
@@ -60,7 +70,7 @@ mod tests {
 
     /// Output for a measurement that differs from the command by a wave of `frequency` (rad/s), largest after a while.
     fn passed(frequency: f64, followed: f64) -> f64 {
-        let (filter, mut state) = (MotorTorque::build(DT).unwrap(), MotorTorqueState::default());
+        let (filter, mut state) = (MotorTorque::build(200.0, DT).unwrap(), MotorTorqueState::default());
         let outputs = (0..100_000).map(|k| {
             let wave = (frequency * DT * f64::from(k)).sin();
             filter.step(&mut state, 2.0, followed, 2.0 * followed + wave) - 2.0 * followed
@@ -79,9 +89,18 @@ mod tests {
 
     #[test]
     fn a_command_that_is_followed_passes_at_once() {
-        let (filter, mut state) = (MotorTorque::<f64>::build(DT).unwrap(), MotorTorqueState::default());
+        let (filter, mut state) =
+            (MotorTorque::<f64>::build(200.0, DT).unwrap(), MotorTorqueState::default());
         for commanded in [1.0, -2.0, 0.5] {
             assert_eq!(filter.step(&mut state, commanded, 1.0, commanded), commanded);
+        }
+    }
+
+    #[test]
+    fn a_drive_that_is_kept_off_is_seen_at_once() {
+        let (filter, mut state) = (MotorTorque::build(2.0, DT).unwrap(), MotorTorqueState::default());
+        for commanded in [1.0, -2.0, 0.5, 2.0] {
+            assert!(filter.step(&mut state, commanded, 1.0, 0.0).abs() <= GROSS * 2.0);
         }
     }
 }
