@@ -118,6 +118,7 @@ impl Twin {
                 output: reading.map(|at| angles[at]),
                 motor_torque,
                 known_torque: 0.0,
+                known_stiffness: 0.0,
                 output_torque: None,
             };
             let estimate = self.observer.step(&self.model, &mut state, &measured, &mut Faults::default());
