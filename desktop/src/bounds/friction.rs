@@ -66,7 +66,7 @@ pub(super) const ROWS: &[Bound] = &[
     },
     Bound {
         name: "friction.target.cycles",
-        value: 280.0,
+        value: 300.0,
         unit: "cycle",
         why: "dearest path of one side, order 2, with load, direction and ripple: 216 within the limits, more beyond \
               them, 178 without load and ripple; 150 is asked: three exponentials, a division and 23 numbers to load \

@@ -33,7 +33,7 @@ pub(super) struct Unknown {
 }
 
 /// As the gains are designed. They grow with the wander: where the stiffness is off by 10 %, the filter of the motor
-/// encoder alone loses its stability at four times this.
+/// encoder alone loses its stability at less than five times this.
 pub(super) const DESIGN: Unknown = Unknown { wander: 0.38, friction: 0.05, jitter: 2.0, output_jitter: 40.0 };
 
 impl Unknown {
