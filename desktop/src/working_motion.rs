@@ -57,7 +57,11 @@ impl Task for WorkingMotion {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bench::{Bench, Conditions, SensorSet};
+    use crate::closed_loop::HostCompensator;
+    use crate::draw::Draw;
     use crate::gear_file::GearFile;
+    use crate::joint::joint_params;
 
     #[test]
     fn it_comes_back_in_time_and_stays_within_the_joint() {
@@ -80,6 +84,25 @@ mod tests {
             let at = |offset: f64| WorkingMotion.at(f64::from(k) * 1e-4 + offset, 67.0);
             let slope = (at(1e-6).position - at(-1e-6).position) / 2e-6;
             assert!((slope - at(0.0).velocity).abs() < 1e-5, "{k}");
+        }
+    }
+
+    /// However often the output encoder reads, and on a late one.
+    #[test]
+    fn it_teaches_inertia_and_stiffness() {
+        for (seed, period, delay) in [(14, 1, 0), (16, 1, 3), (14, 2, 0), (16, 3, 2), (14, 4, 0), (16, 10, 5)]
+        {
+            let mut file = GearFile::default_gear();
+            (file.sensors.output_encoder_period, file.sensors.output_encoder_delay) = (period, delay);
+            let conditions = Conditions { sensors: SensorSet::Both, ..Conditions::of(&file, seed) };
+            let mut bench = Bench::condensed(&file, &conditions).unwrap();
+            let mut controller = HostCompensator::build(&joint_params(&file).unwrap()).unwrap();
+            bench.go(&WorkingMotion, &mut controller, |_, _, _, _| ()).unwrap();
+            let (draw, factors) = (Draw::from_seed(seed), controller.learnt().factors);
+            let (inertia, compliance) =
+                (f64::from(factors.inertia) / draw.inertia, f64::from(factors.compliance) * draw.stiffness);
+            assert!((inertia - 1.0).abs() < 0.04, "{seed}, {period}: {inertia}");
+            assert!((compliance - 1.0).abs() < 0.04, "{seed}, {period}: {compliance}");
         }
     }
 }

@@ -350,7 +350,7 @@ impl<R: Real> Compensator<R> {
         let believed = self.learning.believe(
             &mut state.learning,
             &mut estimate,
-            measured.output.and(state.observer.output_innovation()),
+            self.observer.output_innovation(&state.observer),
             shares,
             learns,
         );

@@ -265,6 +265,13 @@ impl<R: Real> Observer<R> {
         self.delay.checked_sub(1).map_or(Some(gear.drive(motor)), before)
     }
 
+    /// Measured less believed output angle at the last reading (rad), where there is one within its period and the motor moves.
+    #[inline(always)]
+    pub fn output_innovation(&self, state: &ObserverState<R>) -> Option<R> {
+        let told = state.since_output < self.period && state.standstill.periods < STANDSTILL;
+        told.then_some(state.output_innovation)
+    }
+
     /// Predicts over one control period, corrects by the measurement, and estimates.
     #[inline(never)] // The timing budget counts blocks by their symbols.
     pub fn step(
@@ -451,11 +458,6 @@ fn set<R>(sets: &GainSets<R>, output: bool, gauge: bool) -> &Gains<R> {
 }
 
 impl<R: Real> ObserverState<R> {
-    /// Measured less believed output angle at the last reading (rad), where the motor moves.
-    pub fn output_innovation(&self) -> Option<R> {
-        (self.standstill.periods < STANDSTILL).then_some(self.output_innovation)
-    }
-
     /// Corrects by one sensor's innovation; adds to the `way` (rad) of both angles.
     #[inline(always)]
     fn correct(&mut self, way: &mut [R; 2], by: &Correction<R>, innovation: R, moved: bool) {
