@@ -13,7 +13,7 @@ use crate::draw;
 use crate::gear_file::{Friction, GearFile};
 
 /// a without and with an output encoder.
-const STIFFENING: [f64; 2] = [0.4, 0.8];
+const STIFFENING: [f64; 2] = [0.4, 0.7];
 /// zeta, alike.
 const DAMPING: [f64; 2] = [0.6, 0.65];
 /// k (1/s), alike.
