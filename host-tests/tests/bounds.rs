@@ -21,6 +21,17 @@ fn rows_are_unique_and_complete() {
     }
 }
 
+#[test]
+fn what_was_asked_and_is_not_reached_is_said() {
+    for (name, asked) in bounds::ASKED {
+        let bound = bounds::find(name).unwrap_or_else(|| panic!("{name} is no bound"));
+        assert!(bound.value > *asked && bound.why.contains("is asked"), "{name}");
+        assert_eq!(bounds::misses_what_was_asked(&bound.figure(*asked)), None);
+        let line = bounds::misses_what_was_asked(&bound.figure(bound.value)).unwrap();
+        assert!(line.contains(name) && line.contains(&format!("{asked} was asked")), "{line}");
+    }
+}
+
 /// Every Rust file of the repository but the table and this test, both of which are named `bounds`.
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {

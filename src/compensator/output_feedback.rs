@@ -17,8 +17,8 @@
 //!
 //! a stiffens the joint against its load, b damps the torsional vibration, k takes away what stays. Lyapunov: with
 //! V = (e'^2 + omega_m^2*e^2)/2, dV/dt = -2*zeta*omega_m*e'^2 <= 0, and LaSalle gives e -> 0; the motor's own lag is
-//! kept out by b: over the whole box of gears that a controller may meet, the linearised loop with the cascade, its filter and
-//! its integral keeps a damping ratio above 0.4 (`desktop/src/joint.rs`).
+//! not in it: that the loop stays quiet with the cascade and its filter is judged on gears all over the box that a
+//! controller may meet (`strainwave verify compensator`).
 //!
 //! Where the setpoint rests, a measured m within one count of the output encoder is 0: static friction and the integral would
 //! answer every change of the last count. z only runs where the setpoint is slow: what a fast move leaves, the wind-up of a gear that is stiffer or softer than

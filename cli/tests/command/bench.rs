@@ -49,6 +49,13 @@ impl Bench {
         self.folder.path().join(name)
     }
 
+    /// The figures that a run has written to a file of the folder.
+    pub fn figures(&self, name: &str) -> Vec<serde_json::Value> {
+        let text = std::fs::read_to_string(self.path(name)).unwrap();
+        let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        json["figures"].as_array_mut().map(std::mem::take).unwrap()
+    }
+
     /// Every file and its content; folders without.
     pub fn files(&self) -> BTreeMap<PathBuf, Vec<u8>> {
         let entries = std::fs::read_dir(self.folder.path()).unwrap();

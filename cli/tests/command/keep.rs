@@ -18,10 +18,8 @@ fn kept(bench: &Bench, name: &str) -> (GearFile, Learnt) {
 
 /// A figure of the fast move in a file of figures.
 fn figure(bench: &Bench, name: &str) -> f64 {
-    let text = std::fs::read_to_string(bench.path("out.json")).unwrap();
-    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     let named = |figure: &&serde_json::Value| figure["name"] == format!("pil.s3.{name}");
-    json["figures"].as_array().unwrap().iter().find(named).unwrap()["value"].as_f64().unwrap()
+    bench.figures("out.json").iter().find(named).unwrap()["value"].as_f64().unwrap()
 }
 
 fn run(bench: &Bench, words: &str) {

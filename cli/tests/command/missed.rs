@@ -27,9 +27,7 @@ fn a_replay_that_predicts_worse_than_a_rigid_gear_is_told_by_the_exit_code() {
     bench.write("log.csv", log_of_a_gear_without_torsion());
     let answer = bench.run("pil --gear g.toml --replay log.csv --json out.json");
     assert_eq!((answer.code, answer.error.as_str()), (Some(1), ""), "{}", answer.output);
-    let text = std::fs::read_to_string(bench.path("out.json")).unwrap();
-    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
-    let figures = json["figures"].as_array().unwrap();
+    let figures = bench.figures("out.json");
     let missed: Vec<_> = figures.iter().filter(|figure| figure["holds"] == false).collect();
     assert_eq!(missed.len(), 1, "{missed:?}");
     assert_eq!(missed[0]["name"], "pil.replay.predicted.rms");

@@ -39,8 +39,7 @@ pub(super) const ROWS: &[Bound] = claims! {
         "torsion's vibration after the move of S3 over that of the cascade alone, worst of 20 draws":
         motor 0.25, "0.1 (-20 dB) is asked: a cascade without feed-forward arrives so late that it hardly rings, \
                      on the worst draw 2.2 urad rms";
-        both 0.5, "0.05 (-26 dB) is asked: of 1.4 urad it is less than what the cascade's own noise shakes at rest; the \
-                   output encoder's count of 12 urad leaves 0.2 to 0.6 urad";
+        both 0.5, "0.05 (-26 dB) is asked: of 1.4 urad, half a count of the motor's encoder seen at the output";
     "s3.settling_to_b0", "1",
         "time until the output stays within 20 urad after S3, over that of the cascade alone, worst of 20 draws":
         motor 0.25, "as asked";

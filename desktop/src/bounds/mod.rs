@@ -32,6 +32,22 @@ pub const LOOSE: f64 = 10.0;
 pub const BOUNDS: [&[Bound]; 5] =
     [joint::ROWS, compensator::ROWS, flexspline::ROWS, friction::ROWS, hysteresis::ROWS];
 
+/// What was asked of a figure whose bound stands at what is reached, by name.
+pub const ASKED: &[(&str, f64)] = &[
+    ("compensator.motor.s3.vibration_to_b0", 0.1),
+    ("compensator.both.s3.vibration_to_b0", 0.05),
+    ("compensator.both.s5.peak_to_b0", 0.5),
+    ("compensator.both.box.unstable", 0.0),
+    ("friction.target.cycles", 150.0),
+];
+
+/// The line that says so of a figure which misses what was asked.
+pub fn misses_what_was_asked(figure: &Figure) -> Option<String> {
+    let (name, asked) = ASKED.iter().find(|(name, _)| *name == figure.name)?;
+    let missed = figure.value.is_nan() || figure.value > *asked;
+    missed.then(|| format!("{name} is {:.4}: {asked} was asked and is not reached", figure.value))
+}
+
 /// What a figure must at least be, by name.
 pub const FLOORS: &[Bound] = &[
     Bound {
