@@ -150,7 +150,7 @@ impl SensorModel {
             Normal::new(0.0, factor * deviation).expect("the gear file's noise is not negative")
         };
         let sensors = &file.sensors;
-        let output_bits = sensors.output_encoder_bits.unwrap_or(sensors.motor_encoder_bits);
+        let output_bits = sensors.output_bits();
         let output_encoder = LateEncoder {
             encoder: EncoderModel::new(output_bits, factor),
             delay: sensors.output_encoder_delay as usize,

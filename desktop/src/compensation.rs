@@ -15,7 +15,7 @@ use crate::gear_file::{Friction, GearFile};
 /// a without and with an output encoder.
 const STIFFENING: [f64; 2] = [0.4, 0.7];
 /// zeta, alike.
-const DAMPING: [f64; 2] = [0.6, 0.65];
+const DAMPING: [f64; 2] = [0.6, 0.5];
 /// k (1/s), alike.
 const INTEGRAL: [f64; 2] = [30.0, 50.0];
 
@@ -27,6 +27,9 @@ const INERTIA_RATE: f64 = 30.0;
 const FRICTION_RATES: [f64; 2] = [1.2, 0.3];
 /// How fast compliance is learnt at the rated torque's torsion (1/s).
 const COMPLIANCE_RATE: f64 = 20.0;
+/// The same without an output encoder, at a flexing torque of so many rated torques, which is also the largest that counts.
+const FLEXING_RATE: f64 = 60.0;
+const FLEXING_LEVEL: f64 = 0.06;
 /// Half width of the dead zone, in rated torques.
 const DEAD_ZONE: f64 = 0.001;
 /// Corners of F(s) and of the slow part (rad/s).
@@ -41,12 +44,17 @@ const RIPPLE_SPEEDS: [f64; 2] = [1.0, 60.0];
 
 /// Gains without and with an output encoder.
 pub fn output_feedback_params<R: Real>(file: &GearFile) -> [OutputFeedbackParams<R>; 2] {
-    let mode = (file.inertia.flexspline / file.stiffness.k2).sqrt();
+    let mode = mode(file);
     std::array::from_fn(|k| OutputFeedbackParams {
         stiffening: R::lit(STIFFENING[k]),
         damping: R::lit(2.0 * DAMPING[k] * (1.0 + STIFFENING[k]).sqrt() * mode),
         integral: R::lit(INTEGRAL[k]),
     })
+}
+
+/// 1/frequency of the torsion's mode, the motor held (s/rad).
+fn mode(file: &GearFile) -> f64 {
+    (file.inertia.flexspline / file.stiffness.k2).sqrt()
 }
 
 /// What is learnt of the joint.
@@ -82,6 +90,10 @@ fn adaptation_params<R: Real>(file: &GearFile) -> AdaptationParams<R> {
         dead_zone: R::lit(DEAD_ZONE * rated),
         filter_corner: R::lit(CORNERS[0]),
         bias_corner: R::lit(CORNERS[1]),
+        flexing_rate: R::lit(FLEXING_RATE),
+        flexing_level: R::lit(FLEXING_LEVEL * rated),
+        // Of the kinematic error most is twice a turn.
+        flexing_speed: R::lit(0.5 / (n * mode(file))),
     }
 }
 

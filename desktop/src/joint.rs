@@ -107,7 +107,7 @@ pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
         dt: R::lit(CONTROL_PERIOD),
         gear: firmware_gear_params(file)?,
         motor_encoder_bits: file.sensors.motor_encoder_bits,
-        output_encoder_bits: file.sensors.output_encoder_bits.unwrap_or(file.sensors.motor_encoder_bits),
+        output_encoder_bits: file.sensors.output_bits(),
         limits: Limits {
             motor_torque: R::lit(file.motor.peak_torque),
             motor_speed: R::lit(file.motor.rotor_speed_limit),

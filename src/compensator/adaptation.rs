@@ -6,7 +6,9 @@
 //! error      epsilon = zone(d - d_0)
 //! law        theta <- limit(theta + dt*Gamma*phi*epsilon, bounds),        Gamma = diag(rate_i/level_i^2)
 //! slow part  d_0   <- d_0 + dt*omega_0*(epsilon before the zone)
-//! stiffness  c     <- limit(c - dt*gamma_c*phi*nu, bounds),                gamma_c = rate_c/level_c^2
+//! stiffness  c     <- limit(c - dt*gamma_c*phi*nu, bounds),                gamma_c = rate_c/level_c^2    with an output encoder
+//!            c     <- limit(c + dt*gamma_f*psi*epsilon, bounds),           gamma_f = rate_f/level_f^2    without
+//! flexing    psi   = F(s)*limit(c_0*(f_J*J_fs)^2*ddddq, level_f) where |dq| < v_f, else F(s)*0
 //! ```
 //!
 //! The model reference is the observer's own gear, run beside the joint (series-parallel) and told of what has been learnt
@@ -15,6 +17,11 @@
 //! nu = theta_o - theta_fs (rad), what the observer misses of an output encoder, gives the compliance factor c: the torque
 //! follows from the motor's, so in fast motion nu is what the torsion phi is short of the believed one, nu = (c - c*)*phi/c, while
 //! offsets are taken away by the observer's slow gain. The observer is told of c.
+//! Without that encoder c shows where the torque's rate changes: the load's way is then what the motor made, less the torsion, and the
+//! observer misses the torque by which the torsion accelerates the load, d = J*c_0*(c* - c)*ddtau_t with tau_t of J*ddq. c_0 is the nominal
+//! compliance. That needs motions whose jerk changes within a few periods of the torsion's mode; slow ones teach nothing. psi is limited:
+//! the step is stable however quick the motion. Above v_f, the speed at which the kinematic error excites that mode, it is learnt
+//! from the beginning and the end of a move alone.
 //! w is the share of friction that is fed forward: 0 at rest, so that friction is learnt in motion alone.
 //!
 //! # Lyapunov
@@ -22,7 +29,8 @@
 //! With the true theta* constant and inside its bounds, and e = theta - theta*, take V = e' Gamma^-1 e/2. Without
 //! the dead zone dV/dt = e' phi epsilon = -(phi' e)^2 + (phi' e)*noise, so V falls wherever |phi' e| exceeds the noise. The dead zone,
 //! wider than the noise, takes away just the rest: where |epsilon| > zone, phi' e has the sign of -epsilon and dV/dt <= 0;
-//! elsewhere theta stands still. c alike, with V = (c - c*)^2/(2*gamma_c): dV/dt = -(c - c*)*phi*nu <= 0. Limiting theta to a box that holds theta* (projection) only shortens e, and with a diagonal
+//! elsewhere theta stands still. c alike, with V = (c - c*)^2/(2*gamma_c): dV/dt = -(c - c*)*phi*nu <= 0; without an output encoder it
+//! is one more component of theta, with psi in phi. Limiting theta to a box that holds theta* (projection) only shortens e, and with a diagonal
 //! Gamma each component by itself. Euler's step keeps this while dt*phi' Gamma phi < 2 ([`AdaptationParams::build`] checks it
 //! at the joint's peak torque). theta converges along the directions that the motion excites and stands still along the
 //! others: with the motor encoder alone the two frictions are told apart only by their different Stribeck speeds and presliding.
@@ -71,6 +79,12 @@ pub struct AdaptationParams<R> {
     pub filter_corner: R,
     /// omega_0 (rad/s), > 0.
     pub bias_corner: R,
+    /// rate_f (1/s), >= 0.
+    pub flexing_rate: R,
+    /// level_f (N m), > 0.
+    pub flexing_level: R,
+    /// v_f, at the output (rad/s), >= 0.
+    pub flexing_speed: R,
 }
 
 /// The built adaptation.
@@ -84,6 +98,12 @@ pub struct Adaptation<R> {
     bias: R,
     n: R,
     flexspline_inertia: R,
+    /// dt*gamma_f.
+    flexing_gain: R,
+    flexing_level: R,
+    flexing_speed: R,
+    /// c_0 (rad/(N m)).
+    flexibility: R,
 }
 
 /// What has been learnt, and the filters' states.
@@ -93,14 +113,19 @@ pub struct AdaptationState<R: Real> {
     inertia: Delayed<R>,
     input_friction: Delayed<R>,
     output_friction: Delayed<R>,
+    flexing: Delayed<R>,
     bias: R,
 }
 
 /// What the model says of this control period, from the nominal gear.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Excitation<R> {
+    /// dq (rad/s).
+    pub velocity: R,
     /// ddq (rad/s^2).
     pub acceleration: R,
+    /// ddddq (rad/s^4).
+    pub snap: R,
     /// w*tau_fric_in, 0 where the setpoint rests (N m).
     pub input_friction: R,
     /// w*tau_fric_out, 0 where the setpoint rests (N m).
@@ -175,7 +200,8 @@ impl<R: Real> AdaptationParams<R> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `adaptation_bounds`, `adaptation_levels`, `adaptation_rates` (also when so fast that a step at the peak torque
-    /// would not be stable), `dead_zone`, `filter_corner` or `bias_corner`.
+    /// would not be stable), `dead_zone`, `filter_corner`, `bias_corner`, `flexing_rate`, `flexing_level`
+    /// or `flexing_speed`.
     pub fn build(&self, n: R, flexspline_inertia: R, peak_torque: R, dt: R) -> Result<Adaptation<R>, Error> {
         let within = |value: R, least: R, most: R| value.is_finite() && value >= least && value <= most;
         let every = |factors: &Factors<R>, holds: &dyn Fn(R) -> bool| factors.all().into_iter().all(holds);
@@ -186,6 +212,9 @@ impl<R: Real> AdaptationParams<R> {
         require(within(self.dead_zone, R::ZERO, peak_torque), "dead_zone")?;
         require(within(self.filter_corner, R::lit(1e-3), fastest), "filter_corner")?;
         require(within(self.bias_corner, R::lit(1e-6), fastest), "bias_corner")?;
+        require(within(self.flexing_rate, R::ZERO, fastest), "flexing_rate")?;
+        require(within(self.flexing_level, R::lit(1e-6), R::lit(1e6)), "flexing_level")?;
+        require(within(self.flexing_speed, R::ZERO, R::lit(1e6)), "flexing_speed")?;
         let (rates, levels) = (self.rates.all(), self.levels.all());
         let gains = core::array::from_fn(|k| dt * rates[k] / (levels[k] * levels[k]));
         let overload = peak_torque / self.levels.inertia;
@@ -199,6 +228,10 @@ impl<R: Real> AdaptationParams<R> {
             bias: dt * self.bias_corner,
             n,
             flexspline_inertia,
+            flexing_gain: dt * self.flexing_rate / (self.flexing_level * self.flexing_level),
+            flexing_level: self.flexing_level,
+            flexing_speed: self.flexing_speed,
+            flexibility: self.levels.compliance / self.levels.inertia,
         })
     }
 }
@@ -229,6 +262,7 @@ impl<R: Real> Adaptation<R> {
         let inertia = state.inertia.step(-self.flexspline_inertia * excitation.acceleration, self.filter);
         let input = state.input_friction.step(-self.n * excitation.input_friction, self.filter);
         let output = state.output_friction.step(-excitation.output_friction, self.filter);
+        let flexing = state.flexing.step(self.flexing(excitation, &state.factors), self.filter);
         let left = observed.external_torque - state.bias;
         let (gains, bounds) = (&self.gains, &self.bounds);
         let reach = inertia.abs() * bounds.inertia
@@ -249,14 +283,22 @@ impl<R: Real> Adaptation<R> {
             gains.output_friction * output * error,
             bounds.output_friction,
         );
-        if let Some(innovation) = observed.output_innovation {
-            learn(
-                &mut state.factors.compliance,
-                -gains.compliance * observed.torsion * innovation,
-                bounds.compliance,
-            );
-        }
+        let softer = match observed.output_innovation {
+            Some(innovation) => -gains.compliance * observed.torsion * innovation,
+            None => self.flexing_gain * flexing * error,
+        };
+        learn(&mut state.factors.compliance, softer, bounds.compliance);
         error
+    }
+
+    /// psi before its filter.
+    #[inline(always)]
+    fn flexing(&self, excitation: &Excitation<R>, factors: &Factors<R>) -> R {
+        if excitation.velocity.abs() >= self.flexing_speed {
+            return R::ZERO;
+        }
+        let inertia = factors.inertia * self.flexspline_inertia;
+        (self.flexibility * inertia * inertia * excitation.snap).limit(self.flexing_level)
     }
 }
 
@@ -285,6 +327,9 @@ mod tests {
             dead_zone: 0.067,
             filter_corner: 200.0,
             bias_corner: 2.0,
+            flexing_rate: 0.4,
+            flexing_level: 0.1,
+            flexing_speed: 10.0,
         }
     }
 
@@ -295,13 +340,14 @@ mod tests {
     /// A joint of these factors whose friction is Coulomb's, in a motion of two tones; d_0 is a load of 5 N m.
     struct Joint {
         truth: Factors<f64>,
-        observed: [Delayed<f64>; 3],
+        observed: [Delayed<f64>; 4],
+        sees_output: bool,
         time: f64,
     }
 
     impl Joint {
-        fn new(truth: Factors<f64>) -> Self {
-            Self { truth, observed: [Delayed::default(); 3], time: 0.0 }
+        fn new(truth: Factors<f64>, sees_output: bool) -> Self {
+            Self { truth, observed: [Delayed::default(); 4], sees_output, time: 0.0 }
         }
 
         /// What moves, and what an observer that was told `believed` still misses.
@@ -310,24 +356,29 @@ mod tests {
             let (slow, fast) = (2.0 * self.time, 11.0 * self.time);
             let velocity = slow.cos() + 0.6 * fast.cos();
             let excitation = Excitation {
+                velocity,
                 acceleration: -20.0 * slow.sin() - 30.0 * fast.sin(),
+                snap: 80.0 * slow.sin() + 3630.0 * fast.sin(),
                 input_friction: 0.035 * (N * velocity).signum(),
                 output_friction: velocity.signum() * (1.0 - 0.9 * (-velocity.abs()).exp()),
             };
             let off = |truth: f64, believed: f64| truth - believed;
-            let filter = adaptation().filter;
+            let (filter, compliance) = (adaptation().filter, adaptation().flexibility);
+            let load = INERTIA * self.truth.inertia;
             let parts = [
                 -INERTIA * excitation.acceleration * off(self.truth.inertia, believed.inertia),
                 -N * excitation.input_friction * off(self.truth.input_friction, believed.input_friction),
                 -excitation.output_friction * off(self.truth.output_friction, believed.output_friction),
+                load * load * compliance * excitation.snap * off(self.truth.compliance, believed.compliance),
             ];
             let missed: f64 =
                 self.observed.iter_mut().zip(parts).map(|(low, part)| low.step(part, filter)).sum();
             let torsion = 1e-3 * slow.sin();
+            let innovation = (believed.compliance - self.truth.compliance) * torsion;
             let observed = Observed {
                 external_torque: 5.0 + missed,
                 torsion,
-                output_innovation: Some((believed.compliance - self.truth.compliance) * torsion),
+                output_innovation: self.sees_output.then_some(innovation),
             };
             (excitation, observed)
         }
@@ -340,11 +391,20 @@ mod tests {
     }
 
     /// Without noise, hence with a narrow dead zone; output friction as fast as input friction.
-    fn after(seconds: f64, truth: Factors<f64>, learns: bool) -> (AdaptationState<f64>, Vec<f64>) {
+    fn patient() -> AdaptationParams<f64> {
         let mut params = AdaptationParams { dead_zone: 1e-3, ..params() };
         params.rates.output_friction = 0.4;
+        params
+    }
+
+    fn after(
+        seconds: f64,
+        params: &AdaptationParams<f64>,
+        truth: Factors<f64>,
+        mut joint: Joint,
+        learns: bool,
+    ) -> (AdaptationState<f64>, Vec<f64>) {
         let adaptation = params.build(N, INERTIA, 157.0, DT).unwrap();
-        let mut joint = Joint::new(truth);
         let (mut state, mut levels) = (AdaptationState::default(), Vec::new());
         for k in 0..(seconds / DT) as usize {
             let (excitation, observed) = joint.period(&state.factors);
@@ -361,7 +421,7 @@ mod tests {
 
     #[test]
     fn it_finds_the_joint_and_the_error_only_falls() {
-        let (state, levels) = after(400.0, TRUTH, true);
+        let (state, levels) = after(400.0, &patient(), TRUTH, Joint::new(TRUTH, true), true);
         let found = state.factors.all();
         for (k, (found, truth)) in found.iter().zip(TRUTH.all()).enumerate() {
             assert!((found - truth).abs() < [0.005, 0.03, 0.06, 1e-6][k], "{k}: {found} of {truth}");
@@ -374,6 +434,20 @@ mod tests {
     }
 
     #[test]
+    fn without_an_output_encoder_flexing_shows_the_compliance() {
+        let truth = Factors { compliance: TRUTH.compliance, ..Factors::default() };
+        let found = |params: &AdaptationParams<f64>| {
+            after(60.0, params, truth, Joint::new(truth, false), true).0.factors
+        };
+        let learnt = found(&AdaptationParams { dead_zone: 0.0, ..patient() });
+        assert!((learnt.compliance - truth.compliance).abs() < 0.01, "{learnt:?}");
+        assert!((learnt.inertia - 1.0).abs() < 2e-3, "{learnt:?}");
+        // Not where every motion is too fast for it.
+        let fast = found(&AdaptationParams { dead_zone: 0.0, flexing_speed: 0.0, ..patient() });
+        assert_eq!(fast.compliance, 1.0);
+    }
+
+    #[test]
     fn a_stiffening_is_the_inverse_of_the_compliance() {
         for compliance in [0.875, 0.95, 1.0, 1.1, 1.125] {
             let factors = Factors { compliance, ..Factors::<f64>::default() };
@@ -383,10 +457,16 @@ mod tests {
 
     #[test]
     fn it_stands_still_when_told_to_at_rest_and_under_a_load_that_is_no_factor() {
-        assert_eq!(after(1.0, TRUTH, false).0.factors, Factors::default());
+        let (state, _) = after(1.0, &patient(), TRUTH, Joint::new(TRUTH, true), false);
+        assert_eq!(state.factors, Factors::default());
         let mut state = AdaptationState::default();
         let load = Observed { external_torque: 40.0, ..Observed::default() };
-        let moving = Excitation { acceleration: 3.0, input_friction: 0.03, output_friction: 1.0 };
+        let moving = Excitation {
+            acceleration: 3.0,
+            input_friction: 0.03,
+            output_friction: 1.0,
+            ..Excitation::default()
+        };
         for excitation in [Excitation::default(), moving] {
             for _ in 0..1000 {
                 adaptation().step(&mut state, &excitation, &load, true);
@@ -399,7 +479,12 @@ mod tests {
     fn what_is_within_the_dead_zone_teaches_nothing() {
         let mut state = AdaptationState::default();
         let noise = Observed { external_torque: 0.06, ..Observed::default() };
-        let moving = Excitation { acceleration: 30.0, input_friction: 0.03, output_friction: 1.0 };
+        let moving = Excitation {
+            acceleration: 30.0,
+            input_friction: 0.03,
+            output_friction: 1.0,
+            ..Excitation::default()
+        };
         for _ in 0..1000 {
             adaptation().step(&mut state, &moving, &noise, true);
         }
@@ -426,6 +511,8 @@ mod tests {
         assert_eq!(build(wide), Error::OutOfRange("adaptation_bounds"));
         let named = AdaptationParams { dead_zone: -1.0, ..params() };
         assert_eq!(build(named), Error::OutOfRange("dead_zone"));
+        let none = AdaptationParams { flexing_level: 0.0, ..params() };
+        assert_eq!(build(none), Error::OutOfRange("flexing_level"));
     }
 
     proptest! {
@@ -435,12 +522,17 @@ mod tests {
             let (adaptation, mut state) = (adaptation(), AdaptationState::default());
             for k in 0..steps {
                 let at = |place: usize| torques[(k / 50 + place) % torques.len()];
-                let excitation =
-                    Excitation { acceleration: at(0), input_friction: 0.001 * at(1), output_friction: at(2) };
+                let excitation = Excitation {
+                    velocity: 0.1 * at(6),
+                    acceleration: at(0),
+                    snap: 1e4 * at(7),
+                    input_friction: 0.001 * at(1),
+                    output_friction: at(2),
+                };
                 let observed = Observed {
                     external_torque: at(3),
                     torsion: 1e-4 * at(4),
-                    output_innovation: Some(1e-4 * at(5)),
+                    output_innovation: (at(8) > 0.0).then_some(1e-4 * at(5)),
                 };
                 adaptation.step(&mut state, &excitation, &observed, true);
             }

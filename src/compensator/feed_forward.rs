@@ -3,20 +3,24 @@
 //! ```text
 //! J = f_J*J_fs,  tau_fric = f*friction of the gear's model along the setpoint       f: learnt factors
 //! tau_t     = s_i*J*ddq + tau_fric_out - d                    what the flexspline must carry
-//! phi       = c*line^-1(tau_t - tau_hyst)                      wind-up that carries it
+//! phi       = c*line^-1(tau_t - tau_hyst)                      wind-up that carries it; tau_hyst: the model's of phi/c, over c
 //! theta_ref = (q + s_w*phi - s_e*e(theta_ref) - ripple) / r    put in advance
-//! tau_ff    = J_wg/r*(ddq + dt/2*dddq + s_w*c/k*J*ddddq) + r*J*(ddq + dt/2*dddq) + s_f*(tau_fric_in + r*tau_fric_out)
+//! tau_ff    = J_wg*ddtheta_ref + r*J*(ddq + dt/2*dddq) + s_f*(tau_fric_in + r*tau_fric_out) - s_w*r*f
+//! dtheta_ref  = (dq + s_w*c/k*(J*dddq + d(tau_fric_out - tau_hyst)/dt - df) - s_e*de/dt) / r
+//! ddtheta_ref = (ddq + dt/2*dddq + s_w*c/k*(J*ddddq - ddf) - s_e*dde/dt^2) / r
 //! ```
 //!
 //! q is the setpoint of the output with its derivatives, d the external torque that the observer believes,
 //! k the line's stiffness at tau_t, c its compliance factor, and s the shares (0..=1) of inertia, friction, wind-up and kinematic
 //! error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per control period dt, for the setpoint of that instant; the
 //! torque, which is held over the period, for its middle. Kinematic error, hysteresis and the friction of either side take
-//! turns of one period each, with steps of T = 4*dt: what had no turn is held, the kinematic error on its slope.
+//! turns of one period each, with steps of T = 4*dt: what had no turn is held, the kinematic error on its slope and bend.
+//! Rates of friction, hysteresis and slope are their differences over T.
 //!
 //! The flexible joint is flat: motor angle and torque follow from the output's trajectory without solving a
 //! differential equation: the motor's speed takes the setpoint's jerk, its acceleration the snap. Friction is the gear's own model
-//! driven along the setpoint, so its presliding before a reversal is contained.
+//! driven along the setpoint, so its presliding before a reversal is contained, and the speed at which the wind-up that carries it
+//! comes and goes: without it the cascade lags by what the friction changes, and that is still there when a move ends.
 //!
 //! At rest the setpoint covers no path and the model's friction stays what it was, up to the static level. A
 //! joint of 20 % less friction would be driven by 80 % of that: once it slides, its friction is less than its
@@ -35,15 +39,16 @@
 //! step before (contraction: N*de/dtheta, below 0.03 for the default gear), and the friction's load is the
 //! tau_t of the step before (contraction: the load's factor).
 //!
-//! The external torque winds the gear up but is left to the feedback's integral as a torque: it is
+//! The external torque d winds the gear up. What is small of it is left to the feedback's integral as a torque: it is
 //! estimated from that very torque. Its wind-up follows
 //!
 //! ```text
-//! d_ff = l + f,   l: low pass of d, 30 rad/s,   f: low pass of zone(d - l), 400 rad/s,   zone: +-1.5 % of the rated torque
+//! d_ff = l + f,   l: low pass of d, 30 rad/s,   ddf = omega^2*(zone(d - l) - f) - 2*omega*df,   omega = 3500 rad/s
 //! ```
 //!
-//! What is small follows slowly: observer and motor loop would answer each other where the gear is not what the
-//! model says, and noise would shake the joint. A load that leaves the zone is followed within 3 ms.
+//! with zone: +-5 % of the rated torque, semi-implicit Euler. What is small follows slowly: observer and motor loop would answer each other
+//! where the gear is not what the model says, and noise would shake the joint. A load that leaves the zone is followed within
+//! 1 ms, motor speed, acceleration and torque with it.
 //!
 //! M. Fliess, J. Levine, P. Martin, P. Rouchon, "Flatness and defect of non-linear systems", International
 //! Journal of Control 61 (1995); A. De Luca, "Feedforward/feedback laws for the control of flexible robots",
@@ -62,11 +67,14 @@ use crate::real::Real;
 /// T_f (s): how long friction is fed forward at rest.
 const FADING_TIME: f64 = 0.5;
 
-/// Corners of the external torque's way into the wind-up: of what is small and of what is large (rad/s).
-const EXTERNAL_CORNERS: [f64; 2] = [30.0, 400.0];
+/// Corner of the external torque's way into the wind-up where it is small (rad/s).
+const SMALL_CORNER: f64 = 30.0;
+
+/// omega, of what is large of it (rad/s).
+const LARGE_CORNER: f64 = 3500.0;
 
 /// What of it is small, as a share of the rated torque.
-const SMALL: f64 = 0.015;
+const SMALL: f64 = 0.05;
 
 /// The built feed-forward.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,8 +90,12 @@ pub struct FeedForward<R> {
     engagement: R,
     /// dt/T_f.
     fading: R,
-    /// Of l and f.
-    external_gains: [R; 2],
+    /// 1/T (1/s).
+    inverse_round: R,
+    /// Of l.
+    small_gain: R,
+    /// omega (rad/s).
+    large_corner: R,
     /// Half width of the zone (N m).
     small: R,
     half_step: R,
@@ -96,8 +108,14 @@ pub struct FeedForwardState<R: Real> {
     output_friction: JointFrictionState<R>,
     hysteresis: TorsionHysteresisState<R, HYSTERESIS_MEMORY>,
     hysteresis_torque: R,
-    /// e and de/dtheta of the last turn, e moved on since.
+    /// tau_fric_out - tau_hyst in the hysteresis' last turn (N m), and its rate.
+    rubbing: R,
+    rubbing_rate: R,
+    /// e and de/dtheta of the last turn, moved on since.
     deviation: Deviation<R>,
+    /// de/dtheta in the last turn, and its rate (1/s).
+    slope: R,
+    bend: R,
     turn: Turn,
     /// tau_t of the step before (N m).
     carried: R,
@@ -112,8 +130,10 @@ pub struct FeedForwardState<R: Real> {
 struct ExternalTorque<R> {
     /// l.
     small: R,
-    /// f.
+    /// f, with its derivatives.
     large: R,
+    rate: R,
+    acceleration: R,
 }
 
 /// What has its turn in a control period.
@@ -145,7 +165,11 @@ impl<R: Real> Default for FeedForwardState<R> {
             output_friction: JointFrictionState::default(),
             hysteresis: TorsionHysteresisState::default(),
             hysteresis_torque: R::ZERO,
+            rubbing: R::ZERO,
+            rubbing_rate: R::ZERO,
             deviation: Deviation::default(),
+            slope: R::ZERO,
+            bend: R::ZERO,
             turn: Turn::default(),
             carried: R::ZERO,
             external_torque: ExternalTorque::default(),
@@ -179,10 +203,12 @@ pub struct Demand<R> {
     pub torque: R,
     /// r + s_e*de/dtheta there: what of a torque at the output the motor carries.
     pub transmission: R,
-    /// tau_t that the gear is wound up for (N m).
-    pub carried: R,
-    /// What of it is friction at the flexspline (N m).
-    pub output_friction: R,
+    /// What of the motor's speed winds the gear up for the external torque (rad/s); not in `motor`.
+    pub yielding: R,
+    /// J*ddq that the gear is wound up for (N m).
+    pub accelerating: R,
+    /// d as far as the output feedback may rest on it: d_ff, and at once what d is more than the zone off it (N m).
+    pub external_torque: R,
     /// What it rests on, from the nominal gear.
     pub excitation: Excitation<R>,
 }
@@ -215,7 +241,9 @@ impl<R: Real> FeedForward<R> {
             round: StepTime::new(round),
             engagement: R::lit(4.0) / gear.input_friction.presliding,
             fading: (dt / R::lit(FADING_TIME)).min(R::ONE),
-            external_gains: EXTERNAL_CORNERS.map(|corner| (dt * R::lit(corner)).one_minus_exp_neg()),
+            inverse_round: R::ONE / round,
+            small_gain: (dt * R::lit(SMALL_CORNER)).one_minus_exp_neg(),
+            large_corner: R::lit(LARGE_CORNER).min(R::lit(0.5) / dt),
             small: R::lit(SMALL) * gear.rated_torque,
             half_step: R::lit(0.5) * dt,
         })
@@ -224,11 +252,38 @@ impl<R: Real> FeedForward<R> {
     /// d_ff for d (N m).
     #[inline(always)]
     fn follow(&self, state: &mut ExternalTorque<R>, torque: R) -> R {
-        let off = torque - state.small;
-        let [small, large] = self.external_gains;
-        state.small += small * off;
-        state.large += large * (off - off.limit(self.small) - state.large);
+        let (off, omega) = (torque - state.small, self.large_corner);
+        state.small += self.small_gain * off;
+        let lag = off - off.limit(self.small) - state.large;
+        state.acceleration = omega * (omega * lag - R::lit(2.0) * state.rate);
+        state.rate += self.dt * state.acceleration;
+        state.large += self.dt * state.rate;
         state.small + state.large
+    }
+
+    /// The kinematic error's turn, at the reference of the step before.
+    #[inline(always)]
+    fn deviate(&self, gear: &RealTimeGear<R>, state: &mut FeedForwardState<R>, reference: Angle<R>) {
+        state.deviation = gear.kinematic_error(reference, reference.heading());
+        state.bend = (state.deviation.slope - state.slope) * self.inverse_round;
+        state.slope = state.deviation.slope;
+    }
+
+    /// The hysteresis' turn, at this torsion of the model (rad), in a gear whose torques are `scale` times the model's, with
+    /// this friction at the flexspline (N m).
+    #[inline(always)]
+    fn remember(
+        &self,
+        gear: &RealTimeGear<R>,
+        state: &mut FeedForwardState<R>,
+        torsion: R,
+        scale: R,
+        friction: R,
+    ) {
+        state.hysteresis_torque = scale * gear.hysteresis().step(&mut state.hysteresis, torsion).torque;
+        let rubbing = friction - state.hysteresis_torque;
+        state.rubbing_rate = (rubbing - state.rubbing) * self.inverse_round;
+        state.rubbing = rubbing;
     }
 
     /// The friction's turn on either side, at this speed of output and motor (rad/s); w with that of the motor.
@@ -259,14 +314,15 @@ impl<R: Real> FeedForward<R> {
         shares: &Shares<R>,
         believed: &Believed<R>,
     ) -> Demand<R> {
-        let Believed { factors, external_torque, ripple, torque } = *believed;
-        let external_torque = self.follow(&mut state.external_torque, external_torque);
+        let Believed { factors, ripple, torque, .. } = *believed;
+        let external_torque = self.follow(&mut state.external_torque, believed.external_torque);
+        let sudden = believed.external_torque - external_torque;
         let inertia = self.flexspline_inertia * factors.inertia * shares.inertia;
         let motor_velocity = setpoint.velocity * self.inverse_ratio;
         let before = state.reference.unwrap_or_else(|| gear.ratio().undo(setpoint.position));
         state.engaged = state.engaged - self.fading * state.engaged;
         match state.turn {
-            Turn::KinematicError => state.deviation = gear.kinematic_error(before, before.heading()),
+            Turn::KinematicError => self.deviate(gear, state, before),
             Turn::Hysteresis => {}
             Turn::InputFriction | Turn::OutputFriction => {
                 self.rub(gear, state, setpoint.velocity, motor_velocity);
@@ -277,25 +333,34 @@ impl<R: Real> FeedForward<R> {
         let output_friction = output.force(&state.output_friction);
         let on_output = factors.output_friction * output_friction;
 
-        let carried = inertia * setpoint.acceleration + on_output - external_torque;
-        let on_line = carried - state.hysteresis_torque;
-        let torsion = factors.compliance * gear.flexspline().torsion(on_line);
-        state.carried = carried;
+        let accelerating = inertia * setpoint.acceleration;
+        state.carried = accelerating + on_output - external_torque;
+        let on_line = state.carried - state.hysteresis_torque;
+        let nominal = gear.flexspline().torsion(on_line);
+        let torsion = factors.compliance * nominal;
         if state.turn == Turn::Hysteresis {
-            state.hysteresis_torque = gear.hysteresis().step(&mut state.hysteresis, torsion).torque;
+            let scale = R::ONE + factors.stiffening();
+            self.remember(gear, state, nominal, scale, on_output);
         }
         state.turn = state.turn.next();
-        let wound = shares.wind_up * factors.compliance * gear.flexspline().compliance(on_line) * inertia;
+        let wound = shares.wind_up * factors.compliance * gear.flexspline().compliance(on_line);
 
-        state.deviation.error += state.deviation.slope * motor_velocity * self.dt;
+        let moved = self.dt * motor_velocity;
+        state.deviation.error += state.deviation.slope * moved;
+        state.deviation.slope += self.dt * state.bend;
         let deviation = state.deviation;
         let ahead = shares.wind_up * torsion - shares.kinematic_error * deviation.error - ripple;
-        let ahead_rate = wound * setpoint.jerk - shares.kinematic_error * deviation.slope * motor_velocity;
+        let ahead_rate = wound * (inertia * setpoint.jerk + state.rubbing_rate)
+            - shares.kinematic_error * deviation.slope * motor_velocity;
         let reference = gear.ratio().undo(setpoint.position.plus(ahead));
         state.reference = Some(reference);
 
         let acceleration = setpoint.acceleration + self.half_step * setpoint.jerk;
-        let motor_acceleration = (acceleration + wound * setpoint.snap) * self.inverse_ratio;
+        let load = &state.external_torque;
+        let bent = state.bend * motor_velocity + deviation.slope * self.inverse_ratio * setpoint.acceleration;
+        let ahead_acceleration =
+            wound * (inertia * setpoint.snap - load.acceleration) - shares.kinematic_error * bent;
+        let motor_acceleration = (acceleration + ahead_acceleration) * self.inverse_ratio;
         let engaged = state.engaged;
         let share = shares.friction * engaged;
         let moving = if setpoint.velocity == R::ZERO { R::ZERO } else { engaged };
@@ -307,13 +372,16 @@ impl<R: Real> FeedForward<R> {
             acceleration: motor_acceleration,
             torque: self.wave_generator_inertia * shares.inertia * motor_acceleration
                 + share * factors.input_friction * input_friction
-                + self.ratio * (inertia * acceleration + share * on_output)
+                + self.ratio * (inertia * acceleration + share * on_output - shares.wind_up * load.large)
                 + torque,
             transmission: self.ratio + shares.kinematic_error * deviation.slope,
-            carried,
-            output_friction: on_output,
+            yielding: -wound * load.rate * self.inverse_ratio,
+            accelerating,
+            external_torque: external_torque + sudden - sudden.limit(self.small),
             excitation: Excitation {
+                velocity: setpoint.velocity,
                 acceleration: setpoint.acceleration,
+                snap: setpoint.snap,
                 input_friction: moving * input_friction,
                 output_friction: moving * output_friction,
             },

@@ -418,15 +418,14 @@ impl<R: Real> Compensator<R> {
             position: estimate.output_position.minus(setpoint.position),
             velocity: estimate.output_velocity - setpoint.velocity,
             asked_velocity: setpoint.velocity,
-            torque: estimate.transmitted_torque
-                - estimate.output_friction
-                - (demand.carried - demand.output_friction),
+            torque: estimate.transmitted_torque - estimate.output_friction - demand.accelerating
+                + demand.external_torque,
             measured,
         };
         let shift = self.output_feedback.step(&mut state.output_feedback, &deviation, !state.limited);
         let share = state.guard.shares().output_feedback * R::from_i32(self.gear.ratio().n());
         demand.motor.angle = demand.motor.angle.plus(share * shift.angle);
-        demand.motor.velocity += share * shift.rate;
+        demand.motor.velocity += demand.yielding + share * shift.rate;
     }
 
     /// The sensors' raw counts as unbounded angles.

@@ -309,6 +309,13 @@ pub struct Sensors {
 }
 
 impl Sensors {
+    /// Bits a turn of the output encoder; where there is none, of one like the motor's.
+    pub fn output_bits(&self) -> u32 {
+        self.output_encoder_bits.unwrap_or(self.motor_encoder_bits)
+    }
+}
+
+impl Sensors {
     /// What the output encoder reads too much at the output angle x (rad).
     pub fn output_encoder_error_at(&self, x: f64) -> f64 {
         self.output_encoder_error.iter().map(|harmonic| harmonic.at(x)).sum()

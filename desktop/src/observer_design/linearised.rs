@@ -34,7 +34,7 @@ pub(super) struct Unknown {
 
 /// As the gains are designed. They grow with the wander: where the stiffness is off by 10 %, the filter of the motor
 /// encoder alone loses its stability at less than five times this.
-pub(super) const DESIGN: Unknown = Unknown { wander: 0.38, friction: 0.05, jitter: 4.0, output_jitter: 40.0 };
+pub(super) const DESIGN: Unknown = Unknown { wander: 0.32, friction: 0.05, jitter: 3.0, output_jitter: 40.0 };
 
 impl Unknown {
     /// As the gains of a gear are designed, whose file may have a wander and encoder noise of its own.
@@ -121,10 +121,7 @@ impl Linearised {
             sensors: [
                 sensor(unit(0), encoder(bits)),
                 sensor(transmitted, torque_noise),
-                sensor(
-                    unit(2),
-                    encoder_noise(file.sensors.output_encoder_bits.unwrap_or(bits), output_jitter),
-                ),
+                sensor(unit(2), encoder_noise(file.sensors.output_bits(), output_jitter)),
             ],
             torsion: scaled([r, 0.0, -1.0, 0.0, 0.0, 0.0]),
             transmitted: scaled(transmitted),

@@ -49,6 +49,7 @@ pub fn observer_params<R: Real>(file: &GearFile) -> Result<ObserverParams<R>, Er
         stir: R::lit(STIR * encoder_noise(file.sensors.motor_encoder_bits, STILL)),
         output_encoder_delay: file.sensors.output_encoder_delay,
         output_encoder_period: file.sensors.output_encoder_period,
+        output_count: R::lit(resolution(file.sensors.output_bits())),
         uncertainty: Uncertainty {
             friction: R::lit(span(draw::FRICTION)),
             stiffness: R::lit(span(draw::STIFFNESS)),
@@ -276,12 +277,9 @@ impl Filter {
         let standing = self.sixth == Sixth::Held;
         let moving_balance = !(self.has_torque || standing && self.has_output);
         let blind = !self.has_output && !self.has_torque;
-        // Each encoder's zero is known to half a count.
-        let zero = if self.has_output {
-            0.5 * resolution(file.sensors.output_encoder_bits.unwrap_or(file.sensors.motor_encoder_bits))
-        } else {
-            0.0
-        };
+        // Each encoder's zero is known to half a count; of a resting output a count more is taken for nothing.
+        let counts = if standing { 1.5 } else { 0.5 };
+        let zero = if self.has_output { counts * resolution(file.sensors.output_bits()) } else { 0.0 };
         let static_level = |side: &Friction| side.static_level.or(side.coulomb).unwrap_or_default();
         let share = |condition: bool, value: f64| R::lit(if condition { value } else { 0.0 });
         Spread {
