@@ -11,6 +11,7 @@ use strainwave::gear::{Applied, GearParams, Motion};
 use strainwave_desktop::GearFile;
 use strainwave_desktop::draw::FRICTION;
 use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
+use strainwave_desktop::scenario::Scenario;
 
 const FRICTION_SHARE: f64 = 0.8;
 
@@ -151,4 +152,56 @@ fn through_a_reversal_it_follows_presliding() {
         }
     }
     assert!(missed < 0.05 * jumped, "{missed} {jumped}");
+}
+
+/// The angle (rad, at the output) by which the sum of the demanded speeds is off the reference, at its largest, over a fast move.
+fn speed_missed(shares: &Shares<f64>) -> f64 {
+    let mut joint = Joint::new();
+    let ratio = f64::from(joint.params.gear.ratio);
+    let (mut summed, mut first, mut missed) = (0.0, None, 0.0f64);
+    for k in 0..2500 {
+        let demand = Scenario::S3.at(f64::from(k) * CONTROL_PERIOD, joint.params.gear.rated_torque);
+        let setpoint = Setpoint {
+            position: Angle::from_radians_f64(demand.position),
+            velocity: demand.velocity,
+            acceleration: demand.acceleration,
+            jerk: demand.jerk,
+            snap: demand.snap,
+        };
+        let demanded =
+            joint.feed_forward.step(&joint.gear, &mut joint.state, &setpoint, shares, &Believed::default());
+        let reference = demanded.motor.angle.to_radians() - 0.5 * CONTROL_PERIOD * demanded.motor.velocity;
+        missed = missed.max((summed + *first.get_or_insert(reference) - reference).abs());
+        summed += CONTROL_PERIOD * demanded.motor.velocity;
+    }
+    (missed / ratio).abs()
+}
+
+/// What the cascade is told of the motor's speed is how fast its reference moves, friction's wind-up included, which is 400 urad
+/// here: a speed without it would drag the motor along behind its reference.
+#[test]
+fn the_speed_is_that_of_the_reference() {
+    let missed = speed_missed(&Shares { kinematic_error: 0.0, ..Shares::ALL });
+    assert!(missed < 10e-6, "{missed}");
+}
+
+/// How far the gear is wound up (rad, at the output) so many periods after a load of `torque` (N m) is believed.
+fn wound_up(torque: f64, periods: usize) -> f64 {
+    let mut joint = Joint::new();
+    let believed = Believed { external_torque: torque, ..Believed::default() };
+    let wound = (0..periods).map(|_| {
+        let setpoint = Setpoint::default();
+        let shares = Shares { kinematic_error: 0.0, ..Shares::ALL };
+        joint.feed_forward.step(&joint.gear, &mut joint.state, &setpoint, &shares, &believed).motor.angle
+    });
+    wound.last().unwrap().to_radians() / f64::from(joint.params.gear.ratio)
+}
+
+/// Of 40 N m half is wound up for within 0.6 ms, of what may be noise next to nothing.
+#[test]
+fn a_load_is_wound_up_for_at_once_and_noise_is_not() {
+    let line = joint_params::<f64>(&GearFile::default_gear()).unwrap().gear.flexspline.line.build().unwrap();
+    assert!((wound_up(40.0, 20_000) + line.torsion(40.0)).abs() < 1.5e-4);
+    assert!(-wound_up(40.0, 6) > 0.5 * line.torsion(40.0), "{}", wound_up(40.0, 6));
+    assert!(-wound_up(3.0, 6) < 0.1 * line.torsion(3.0), "{}", wound_up(3.0, 6));
 }

@@ -5,9 +5,9 @@
 //! tau_t     = s_i*J*ddq + tau_fric_out - d                    what the flexspline must carry
 //! phi       = c*line^-1(tau_t - tau_hyst)                      wind-up that carries it; tau_hyst: the model's of phi/c, over c
 //! theta_ref = (q + s_w*phi - s_e*e(theta_ref) - ripple) / r    put in advance
-//! tau_ff    = J_wg*ddtheta_ref + r*J*(ddq + dt/2*dddq) + s_f*(tau_fric_in + r*tau_fric_out) - s_w*r*f
-//! dtheta_ref  = (dq + s_w*c/k*(J*dddq + d(tau_fric_out - tau_hyst)/dt - df) - s_e*de/dt) / r
-//! ddtheta_ref = (ddq + dt/2*dddq + s_w*c/k*(J*ddddq - ddf) - s_e*dde/dt^2) / r
+//! tau_ff    = J_wg*ddtheta_ref + r*J*(ddq + dt/2*dddq) + s_f*(tau_fric_in + r*tau_fric_out)
+//! dtheta_ref  = (dq + s_w*c/k*(J*dddq + d(tau_fric_out - tau_hyst)/dt) - s_e*de/dt) / r
+//! ddtheta_ref = (ddq + dt/2*dddq + s_w*c/k*J*ddddq - s_e*dde/dt^2) / r
 //! ```
 //!
 //! q is the setpoint of the output with its derivatives, d the external torque that the observer believes,
@@ -43,12 +43,15 @@
 //! estimated from that very torque. Its wind-up follows
 //!
 //! ```text
-//! d_ff = l + f,   l: low pass of d, 30 rad/s,   ddf = omega^2*(zone(d - l) - f) - 2*omega*df,   omega = 3500 rad/s
+//! d_ff = l + f,   l: low pass of d, 30 rad/s,   ddf = omega^2*(zone(d - l) - f) - 2*omega*df,   omega = 2400 rad/s
 //! ```
 //!
-//! with zone: +-5 % of the rated torque, semi-implicit Euler. What is small follows slowly: observer and motor loop would answer each other
-//! where the gear is not what the model says, and noise would shake the joint. A load that leaves the zone is followed within
-//! 1 ms, motor speed, acceleration and torque with it.
+//! with zone: +-5 % of the rated torque, semi-implicit Euler. What is small follows slowly: observer and motor loop would
+//! answer each other where the gear is not what the model says, and noise would shake the joint. A load that leaves the zone is
+//! followed within 1 ms, motor speed, acceleration and the torque -r*f that it is held by with it ([`Yielding`]).
+//! The loop that this closes through observer and motor has little room for a drive that is later than it is believed to be, and none
+//! while its torque is at its limit. So what leaves the zone must be a load that comes: after 0.15 s beyond it, of which a tenth of
+//! the time within it is taken off, nothing large is followed, and a joint that shakes comes to rest on l alone.
 //!
 //! M. Fliess, J. Levine, P. Martin, P. Rouchon, "Flatness and defect of non-linear systems", International
 //! Journal of Control 61 (1995); A. De Luca, "Feedforward/feedback laws for the control of flexible robots",
@@ -71,10 +74,17 @@ const FADING_TIME: f64 = 0.5;
 const SMALL_CORNER: f64 = 30.0;
 
 /// omega, of what is large of it (rad/s).
-const LARGE_CORNER: f64 = 3500.0;
+const LARGE_CORNER: f64 = 2400.0;
 
 /// What of it is small, as a share of the rated torque.
 const SMALL: f64 = 0.05;
+
+/// How far d may be ahead of d_ff before it counts at once, as a share of the rated torque.
+const SUDDEN: f64 = 0.045;
+
+/// Longest time that d may be beyond the zone as a load that comes (s), and how much faster it is forgotten than it comes.
+const LONGEST_LOAD: f64 = 0.15;
+const FORGOTTEN: f64 = 0.1;
 
 /// The built feed-forward.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,8 +106,10 @@ pub struct FeedForward<R> {
     small_gain: R,
     /// omega (rad/s).
     large_corner: R,
-    /// Half width of the zone (N m).
+    /// Half width of the zone (N m), and what is sudden.
     small: R,
+    sudden: R,
+    longest_load: R,
     half_step: R,
 }
 
@@ -134,6 +146,8 @@ struct ExternalTorque<R> {
     large: R,
     rate: R,
     acceleration: R,
+    /// For how long d has been beyond the zone (s).
+    beyond: R,
 }
 
 /// What has its turn in a control period.
@@ -203,14 +217,25 @@ pub struct Demand<R> {
     pub torque: R,
     /// r + s_e*de/dtheta there: what of a torque at the output the motor carries.
     pub transmission: R,
-    /// What of the motor's speed winds the gear up for the external torque (rad/s); not in `motor`.
-    pub yielding: R,
+    /// What the motor does beside it to wind the gear up for the external torque.
+    pub yielding: Yielding<R>,
     /// J*ddq that the gear is wound up for (N m).
     pub accelerating: R,
     /// d as far as the output feedback may rest on it: d_ff, and at once what d is more than the zone off it (N m).
     pub external_torque: R,
     /// What it rests on, from the nominal gear.
     pub excitation: Excitation<R>,
+}
+
+/// How the motor winds the gear up for an external torque: an answer to an estimate, no feed-forward.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Yielding<R> {
+    /// (rad/s)
+    pub velocity: R,
+    /// (rad/s^2)
+    pub acceleration: R,
+    /// (N m)
+    pub torque: R,
 }
 
 impl<R: Real> FeedForwardState<R> {
@@ -245,6 +270,8 @@ impl<R: Real> FeedForward<R> {
             small_gain: (dt * R::lit(SMALL_CORNER)).one_minus_exp_neg(),
             large_corner: R::lit(LARGE_CORNER).min(R::lit(0.5) / dt),
             small: R::lit(SMALL) * gear.rated_torque,
+            sudden: R::lit(SUDDEN) * gear.rated_torque,
+            longest_load: R::lit(LONGEST_LOAD),
             half_step: R::lit(0.5) * dt,
         })
     }
@@ -254,11 +281,35 @@ impl<R: Real> FeedForward<R> {
     fn follow(&self, state: &mut ExternalTorque<R>, torque: R) -> R {
         let (off, omega) = (torque - state.small, self.large_corner);
         state.small += self.small_gain * off;
-        let lag = off - off.limit(self.small) - state.large;
+        let beyond = off - off.limit(self.small);
+        state.beyond = if beyond == R::ZERO {
+            (state.beyond - R::lit(FORGOTTEN) * self.dt).max(R::ZERO)
+        } else {
+            (state.beyond + self.dt).min(self.longest_load)
+        };
+        let lag = if self.comes(state) { beyond } else { R::ZERO } - state.large;
         state.acceleration = omega * (omega * lag - R::lit(2.0) * state.rate);
         state.rate += self.dt * state.acceleration;
         state.large += self.dt * state.rate;
         state.small + state.large
+    }
+
+    /// What is beyond the zone is a load that comes, and no joint that shakes.
+    #[inline(always)]
+    fn comes(&self, state: &ExternalTorque<R>) -> bool {
+        state.beyond < self.longest_load
+    }
+
+    /// What d_ff takes of the motor where the gear is wound up by `wound` (rad/(N m)) for it, the share `wind_up` of what it is.
+    #[inline(always)]
+    fn yielding(&self, load: &ExternalTorque<R>, wound: R, wind_up: R) -> Yielding<R> {
+        let by_torque = wound * self.inverse_ratio;
+        let acceleration = -by_torque * load.acceleration;
+        Yielding {
+            velocity: -by_torque * load.rate,
+            acceleration,
+            torque: self.wave_generator_inertia * acceleration - self.ratio * wind_up * load.large,
+        }
     }
 
     /// The kinematic error's turn, at the reference of the step before.
@@ -316,7 +367,9 @@ impl<R: Real> FeedForward<R> {
     ) -> Demand<R> {
         let Believed { factors, ripple, torque, .. } = *believed;
         let external_torque = self.follow(&mut state.external_torque, believed.external_torque);
-        let sudden = believed.external_torque - external_torque;
+        let ahead = believed.external_torque - external_torque;
+        let sudden =
+            if self.comes(&state.external_torque) { ahead - ahead.limit(self.sudden) } else { R::ZERO };
         let inertia = self.flexspline_inertia * factors.inertia * shares.inertia;
         let motor_velocity = setpoint.velocity * self.inverse_ratio;
         let before = state.reference.unwrap_or_else(|| gear.ratio().undo(setpoint.position));
@@ -356,10 +409,8 @@ impl<R: Real> FeedForward<R> {
         state.reference = Some(reference);
 
         let acceleration = setpoint.acceleration + self.half_step * setpoint.jerk;
-        let load = &state.external_torque;
         let bent = state.bend * motor_velocity + deviation.slope * self.inverse_ratio * setpoint.acceleration;
-        let ahead_acceleration =
-            wound * (inertia * setpoint.snap - load.acceleration) - shares.kinematic_error * bent;
+        let ahead_acceleration = wound * inertia * setpoint.snap - shares.kinematic_error * bent;
         let motor_acceleration = (acceleration + ahead_acceleration) * self.inverse_ratio;
         let engaged = state.engaged;
         let share = shares.friction * engaged;
@@ -372,12 +423,12 @@ impl<R: Real> FeedForward<R> {
             acceleration: motor_acceleration,
             torque: self.wave_generator_inertia * shares.inertia * motor_acceleration
                 + share * factors.input_friction * input_friction
-                + self.ratio * (inertia * acceleration + share * on_output - shares.wind_up * load.large)
+                + self.ratio * (inertia * acceleration + share * on_output)
                 + torque,
             transmission: self.ratio + shares.kinematic_error * deviation.slope,
-            yielding: -wound * load.rate * self.inverse_ratio,
+            yielding: self.yielding(&state.external_torque, wound, shares.wind_up),
             accelerating,
-            external_torque: external_torque + sudden - sudden.limit(self.small),
+            external_torque: external_torque + sudden,
             excitation: Excitation {
                 velocity: setpoint.velocity,
                 acceleration: setpoint.acceleration,

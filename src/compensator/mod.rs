@@ -375,9 +375,9 @@ impl<R: Real> Compensator<R> {
             &mut state.feedback,
             measured.motor,
             &demand.motor,
-            shares.wind_up * demand.acceleration,
+            shares.wind_up * demand.acceleration + demand.yielding.acceleration,
             held,
-        );
+        ) + demand.yielding.torque;
         let closed = match followed.torque {
             Some(torque) => demand.transmission * torque,
             None => {
@@ -425,7 +425,7 @@ impl<R: Real> Compensator<R> {
         let shift = self.output_feedback.step(&mut state.output_feedback, &deviation, !state.limited);
         let share = state.guard.shares().output_feedback * R::from_i32(self.gear.ratio().n());
         demand.motor.angle = demand.motor.angle.plus(share * shift.angle);
-        demand.motor.velocity += demand.yielding + share * shift.rate;
+        demand.motor.velocity += demand.yielding.velocity + share * shift.rate;
     }
 
     /// The sensors' raw counts as unbounded angles.

@@ -34,7 +34,7 @@ pub(super) struct Unknown {
 
 /// As the gains are designed. They grow with the wander: where the stiffness is off by 10 %, the filter of the motor
 /// encoder alone loses its stability at less than five times this.
-pub(super) const DESIGN: Unknown = Unknown { wander: 0.32, friction: 0.05, jitter: 3.0, output_jitter: 40.0 };
+pub(super) const DESIGN: Unknown = Unknown { wander: 0.34, friction: 0.05, jitter: 3.0, output_jitter: 40.0 };
 
 impl Unknown {
     /// As the gains of a gear are designed, whose file may have a wander and encoder noise of its own.
