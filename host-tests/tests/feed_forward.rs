@@ -205,3 +205,20 @@ fn a_load_is_wound_up_for_at_once_and_noise_is_not() {
     assert!(-wound_up(40.0, 6) > 0.5 * line.torsion(40.0), "{}", wound_up(40.0, 6));
     assert!(-wound_up(3.0, 6) < 0.1 * line.torsion(3.0), "{}", wound_up(3.0, 6));
 }
+
+/// A load that swings by 20 N m at 50 Hz is a joint that shakes: the motor answers it for 0.15 s and no longer.
+#[test]
+fn a_joint_that_shakes_is_not_followed() {
+    let mut joint = Joint::new();
+    let mut answers = (0..4000).map(|k| {
+        let external_torque = 20.0 * (TAU * 50.0 * CONTROL_PERIOD * f64::from(k)).sin();
+        let believed = Believed { external_torque, ..Believed::default() };
+        let setpoint = Setpoint::default();
+        let shares = Shares::ALL;
+        joint.feed_forward.step(&joint.gear, &mut joint.state, &setpoint, &shares, &believed).yielding.torque
+    });
+    let mean = |answers: &mut dyn Iterator<Item = f64>| answers.map(f64::abs).sum::<f64>();
+    let (first, later) = (mean(&mut answers.by_ref().take(1000)) / 1e3, mean(&mut answers.skip(1000)) / 2e3);
+    assert!(first > 0.1, "{first}");
+    assert!(later < 0.1 * first, "{first} N m, later {later} N m");
+}
