@@ -39,19 +39,7 @@
 //! step before (contraction: N*de/dtheta, below 0.03 for the default gear), and the friction's load is the
 //! tau_t of the step before (contraction: the load's factor).
 //!
-//! The external torque d winds the gear up. What is small of it is left to the feedback's integral as a torque: it is
-//! estimated from that very torque. Its wind-up follows
-//!
-//! ```text
-//! d_ff = l + f,   l: low pass of d, 30 rad/s,   ddf = omega^2*(zone(d - l) - f) - 2*omega*df,   omega = 2400 rad/s
-//! ```
-//!
-//! with zone: +-5 % of the rated torque, semi-implicit Euler. What is small follows slowly: observer and motor loop would
-//! answer each other where the gear is not what the model says, and noise would shake the joint. A load that leaves the zone is
-//! followed within 1 ms, motor speed, acceleration and the torque -r*f that it is held by with it ([`Yielding`]).
-//! The loop that this closes through observer and motor has little room for a drive that is later than it is believed to be, and none
-//! while its torque is at its limit. So what leaves the zone must be a load that comes: after 0.15 s beyond it, of which a tenth of
-//! the time within it is taken off, nothing large is followed, and a joint that shakes comes to rest on l alone.
+//! The external torque d winds the gear up as [`super::external_load`] follows it: d_ff.
 //!
 //! M. Fliess, J. Levine, P. Martin, P. Rouchon, "Flatness and defect of non-linear systems", International
 //! Journal of Control 61 (1995); A. De Luca, "Feedforward/feedback laws for the control of flexible robots",
@@ -59,6 +47,7 @@
 
 use crate::angle::{Angle, Ratio};
 use crate::compensator::adaptation::{Excitation, Factors};
+use crate::compensator::external_load::{ExternalLoad, ExternalLoadState, Yielding};
 use crate::compensator::{HYSTERESIS_MEMORY, RealTimeGear, Setpoint, Shares};
 use crate::error::{Error, require};
 use crate::friction::{FrictionModel, JointFrictionState, Slip, StepTime};
@@ -69,22 +58,6 @@ use crate::real::Real;
 
 /// T_f (s): how long friction is fed forward at rest.
 const FADING_TIME: f64 = 0.5;
-
-/// Corner of the external torque's way into the wind-up where it is small (rad/s).
-const SMALL_CORNER: f64 = 30.0;
-
-/// omega, of what is large of it (rad/s).
-const LARGE_CORNER: f64 = 2400.0;
-
-/// What of it is small, as a share of the rated torque.
-const SMALL: f64 = 0.05;
-
-/// How far d may be ahead of d_ff before it counts at once, as a share of the rated torque.
-const SUDDEN: f64 = 0.045;
-
-/// Longest time that d may be beyond the zone as a load that comes (s), and how much faster it is forgotten than it comes.
-const LONGEST_LOAD: f64 = 0.15;
-const FORGOTTEN: f64 = 0.1;
 
 /// The built feed-forward.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,14 +75,7 @@ pub struct FeedForward<R> {
     fading: R,
     /// 1/T (1/s).
     inverse_round: R,
-    /// Of l.
-    small_gain: R,
-    /// omega (rad/s).
-    large_corner: R,
-    /// Half width of the zone (N m), and what is sudden.
-    small: R,
-    sudden: R,
-    longest_load: R,
+    load: ExternalLoad<R>,
     half_step: R,
 }
 
@@ -131,23 +97,10 @@ pub struct FeedForwardState<R: Real> {
     turn: Turn,
     /// tau_t of the step before (N m).
     carried: R,
-    external_torque: ExternalTorque<R>,
+    load: ExternalLoadState<R>,
     /// w.
     engaged: R,
     reference: Option<Angle<R>>,
-}
-
-/// d as the gear is wound up for it (N m).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct ExternalTorque<R> {
-    /// l.
-    small: R,
-    /// f, with its derivatives.
-    large: R,
-    rate: R,
-    acceleration: R,
-    /// For how long d has been beyond the zone (s).
-    beyond: R,
 }
 
 /// What has its turn in a control period.
@@ -186,7 +139,7 @@ impl<R: Real> Default for FeedForwardState<R> {
             bend: R::ZERO,
             turn: Turn::default(),
             carried: R::ZERO,
-            external_torque: ExternalTorque::default(),
+            load: ExternalLoadState::default(),
             engaged: R::ZERO,
             reference: None,
         }
@@ -221,21 +174,10 @@ pub struct Demand<R> {
     pub yielding: Yielding<R>,
     /// J*ddq that the gear is wound up for (N m).
     pub accelerating: R,
-    /// d as far as the output feedback may rest on it: d_ff, and at once what d is more than the zone off it (N m).
+    /// d as far as the output feedback may rest on it (N m).
     pub external_torque: R,
     /// What it rests on, from the nominal gear.
     pub excitation: Excitation<R>,
-}
-
-/// How the motor winds the gear up for an external torque: an answer to an estimate, no feed-forward.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Yielding<R> {
-    /// (rad/s)
-    pub velocity: R,
-    /// (rad/s^2)
-    pub acceleration: R,
-    /// (N m)
-    pub torque: R,
 }
 
 impl<R: Real> FeedForwardState<R> {
@@ -267,49 +209,9 @@ impl<R: Real> FeedForward<R> {
             engagement: R::lit(4.0) / gear.input_friction.presliding,
             fading: (dt / R::lit(FADING_TIME)).min(R::ONE),
             inverse_round: R::ONE / round,
-            small_gain: (dt * R::lit(SMALL_CORNER)).one_minus_exp_neg(),
-            large_corner: R::lit(LARGE_CORNER).min(R::lit(0.5) / dt),
-            small: R::lit(SMALL) * gear.rated_torque,
-            sudden: R::lit(SUDDEN) * gear.rated_torque,
-            longest_load: R::lit(LONGEST_LOAD),
+            load: ExternalLoad::build(gear, dt)?,
             half_step: R::lit(0.5) * dt,
         })
-    }
-
-    /// d_ff for d (N m).
-    #[inline(always)]
-    fn follow(&self, state: &mut ExternalTorque<R>, torque: R) -> R {
-        let (off, omega) = (torque - state.small, self.large_corner);
-        state.small += self.small_gain * off;
-        let beyond = off - off.limit(self.small);
-        state.beyond = if beyond == R::ZERO {
-            (state.beyond - R::lit(FORGOTTEN) * self.dt).max(R::ZERO)
-        } else {
-            (state.beyond + self.dt).min(self.longest_load)
-        };
-        let lag = if self.comes(state) { beyond } else { R::ZERO } - state.large;
-        state.acceleration = omega * (omega * lag - R::lit(2.0) * state.rate);
-        state.rate += self.dt * state.acceleration;
-        state.large += self.dt * state.rate;
-        state.small + state.large
-    }
-
-    /// What is beyond the zone is a load that comes, and no joint that shakes.
-    #[inline(always)]
-    fn comes(&self, state: &ExternalTorque<R>) -> bool {
-        state.beyond < self.longest_load
-    }
-
-    /// What d_ff takes of the motor where the gear is wound up by `wound` (rad/(N m)) for it, the share `wind_up` of what it is.
-    #[inline(always)]
-    fn yielding(&self, load: &ExternalTorque<R>, wound: R, wind_up: R) -> Yielding<R> {
-        let by_torque = wound * self.inverse_ratio;
-        let acceleration = -by_torque * load.acceleration;
-        Yielding {
-            velocity: -by_torque * load.rate,
-            acceleration,
-            torque: self.wave_generator_inertia * acceleration - self.ratio * wind_up * load.large,
-        }
     }
 
     /// The kinematic error's turn, at the reference of the step before.
@@ -366,10 +268,7 @@ impl<R: Real> FeedForward<R> {
         believed: &Believed<R>,
     ) -> Demand<R> {
         let Believed { factors, ripple, torque, .. } = *believed;
-        let external_torque = self.follow(&mut state.external_torque, believed.external_torque);
-        let ahead = believed.external_torque - external_torque;
-        let sudden =
-            if self.comes(&state.external_torque) { ahead - ahead.limit(self.sudden) } else { R::ZERO };
+        let external_torque = self.load.follow(&mut state.load, believed.external_torque);
         let inertia = self.flexspline_inertia * factors.inertia * shares.inertia;
         let motor_velocity = setpoint.velocity * self.inverse_ratio;
         let before = state.reference.unwrap_or_else(|| gear.ratio().undo(setpoint.position));
@@ -426,9 +325,9 @@ impl<R: Real> FeedForward<R> {
                 + self.ratio * (inertia * acceleration + share * on_output)
                 + torque,
             transmission: self.ratio + shares.kinematic_error * deviation.slope,
-            yielding: self.yielding(&state.external_torque, wound, shares.wind_up),
+            yielding: self.load.yielding(&state.load, wound, shares.wind_up),
             accelerating,
-            external_torque: external_torque + sudden,
+            external_torque: self.load.sudden(&state.load, believed.external_torque),
             excitation: Excitation {
                 velocity: setpoint.velocity,
                 acceleration: setpoint.acceleration,

@@ -11,6 +11,7 @@ pub mod adaptation;
 pub mod command;
 pub mod directions;
 pub mod encoder;
+pub mod external_load;
 pub mod fallback;
 pub mod faults;
 pub mod feed_forward;

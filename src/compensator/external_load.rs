@@ -1,0 +1,144 @@
+//! External load: what of the estimated external torque the gear is wound up for, and how the motor moves for it.
+//!
+//! ```text
+//! d_ff = l + f,   l: low pass of d, 30 rad/s,   ddf = omega^2*(zone(d - l) - f) - 2*omega*df,   omega = 2400 rad/s
+//! motor: speed -w*df/r,   acceleration -w*ddf/r,   torque -J_wg*w*ddf/r - r*f
+//! ```
+//!
+//! d is the external torque on the flexspline that the observer believes (N m), zone: +-5 % of the rated torque, w the gear's
+//! compliance (rad/(N m)). Semi-implicit Euler with the control period dt. Units: rad, N m; signs as in [`crate::gear`].
+//!
+//! It is an answer to an estimate, no feed-forward. What is small is left to the feedback's integral as a torque, from which it is
+//! estimated, and its wind-up follows slowly: observer and motor loop would answer each other where the gear is not what the model
+//! says, and noise would shake the joint. A load that leaves the zone is followed within 1 ms, with all that the motor needs for it.
+//!
+//! The loop that this closes through observer and motor has little room for a drive that is later than it is believed to be,
+//! and none while its torque is at its limit. So what leaves the zone must be a load that comes: after 0.15 s beyond it, of which
+//! a tenth of the time within it is taken off, nothing large is followed, and a joint that shakes comes to rest on l alone.
+
+use crate::angle::Ratio;
+use crate::error::{Error, require};
+use crate::gear::GearParams;
+use crate::real::Real;
+
+/// Corner of l (rad/s).
+const SMALL_CORNER: f64 = 30.0;
+
+/// omega (rad/s).
+const LARGE_CORNER: f64 = 2400.0;
+
+/// Half width of the zone, as a share of the rated torque.
+const SMALL: f64 = 0.05;
+
+/// How far d may be ahead of d_ff before it counts at once, as a share of the rated torque.
+const SUDDEN: f64 = 0.045;
+
+/// Longest time that d may be beyond the zone as a load that comes (s), and the share of the time within that is taken off it.
+const LONGEST_LOAD: f64 = 0.15;
+const FORGOTTEN: f64 = 0.1;
+
+/// The built way of the external torque.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExternalLoad<R> {
+    small_gain: R,
+    large_corner: R,
+    small: R,
+    sudden: R,
+    longest: R,
+    wave_generator_inertia: R,
+    ratio: R,
+    inverse_ratio: R,
+    dt: R,
+}
+
+/// What is followed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ExternalLoadState<R> {
+    /// l (N m).
+    small: R,
+    /// f, with its derivatives.
+    large: R,
+    rate: R,
+    acceleration: R,
+    /// d_ff of this period (N m).
+    followed: R,
+    /// For how long d has been beyond the zone (s).
+    beyond: R,
+}
+
+/// What the motor does beside the feed-forward to wind the gear up for a load.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Yielding<R> {
+    /// (rad/s)
+    pub velocity: R,
+    /// (rad/s^2)
+    pub acceleration: R,
+    /// (N m)
+    pub torque: R,
+}
+
+impl<R: Real> ExternalLoad<R> {
+    /// For a gear and the control period dt (s).
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `ratio`, or `dt` unless above 0 and up to 1.
+    pub fn build(gear: &GearParams<R>, dt: R) -> Result<Self, Error> {
+        require(dt > R::ZERO && dt <= R::ONE, "dt")?;
+        let ratio = Ratio::one_over(gear.ratio)?;
+        Ok(Self {
+            small_gain: (dt * R::lit(SMALL_CORNER)).one_minus_exp_neg(),
+            large_corner: R::lit(LARGE_CORNER).min(R::lit(0.5) / dt),
+            small: R::lit(SMALL) * gear.rated_torque,
+            sudden: R::lit(SUDDEN) * gear.rated_torque,
+            longest: R::lit(LONGEST_LOAD),
+            wave_generator_inertia: gear.wave_generator_inertia,
+            ratio: ratio.value(),
+            inverse_ratio: R::from_i32(ratio.n()),
+            dt,
+        })
+    }
+
+    /// d_ff for d (N m).
+    #[inline(always)]
+    pub fn follow(&self, state: &mut ExternalLoadState<R>, torque: R) -> R {
+        let (off, omega) = (torque - state.small, self.large_corner);
+        state.small += self.small_gain * off;
+        let beyond = off - off.limit(self.small);
+        state.beyond = if beyond == R::ZERO {
+            (state.beyond - R::lit(FORGOTTEN) * self.dt).max(R::ZERO)
+        } else {
+            (state.beyond + self.dt).min(self.longest)
+        };
+        let lag = if self.comes(state) { beyond } else { R::ZERO } - state.large;
+        state.acceleration = omega * (omega * lag - R::lit(2.0) * state.rate);
+        state.rate += self.dt * state.acceleration;
+        state.large += self.dt * state.rate;
+        state.followed = state.small + state.large;
+        state.followed
+    }
+
+    /// What is beyond the zone is a load that comes, and no joint that shakes.
+    #[inline(always)]
+    fn comes(&self, state: &ExternalLoadState<R>) -> bool {
+        state.beyond < self.longest
+    }
+
+    /// d as far as the output feedback may rest on it (N m): d_ff, and at once what d is suddenly off it.
+    #[inline(always)]
+    pub fn sudden(&self, state: &ExternalLoadState<R>, torque: R) -> R {
+        let ahead = torque - state.followed;
+        state.followed + if self.comes(state) { ahead - ahead.limit(self.sudden) } else { R::ZERO }
+    }
+
+    /// What d_ff takes of the motor where the gear is wound up by `wound` (rad/(N m)) for it, the share `wind_up` of what it is.
+    #[inline(always)]
+    pub fn yielding(&self, state: &ExternalLoadState<R>, wound: R, wind_up: R) -> Yielding<R> {
+        let by_torque = wound * self.inverse_ratio;
+        let acceleration = -by_torque * state.acceleration;
+        Yielding {
+            velocity: -by_torque * state.rate,
+            acceleration,
+            torque: self.wave_generator_inertia * acceleration - self.ratio * wind_up * state.large,
+        }
+    }
+}
