@@ -60,10 +60,17 @@ pub struct ExternalLoadState<R> {
     large: R,
     rate: R,
     acceleration: R,
-    /// d_ff of this period (N m).
-    followed: R,
     /// For how long d has been beyond the zone (s).
     beyond: R,
+}
+
+/// What of d may be rested on (N m).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Followed<R> {
+    /// d_ff: what the gear is wound up for.
+    pub wound_up: R,
+    /// The same, and at once what d is suddenly off it: what the output feedback may rest on.
+    pub at_once: R,
 }
 
 /// What the motor does beside the feed-forward to wind the gear up for a load.
@@ -98,9 +105,9 @@ impl<R: Real> ExternalLoad<R> {
         })
     }
 
-    /// d_ff for d (N m).
+    /// Follows d (N m) for one control period.
     #[inline(always)]
-    pub fn follow(&self, state: &mut ExternalLoadState<R>, torque: R) -> R {
+    pub fn follow(&self, state: &mut ExternalLoadState<R>, torque: R) -> Followed<R> {
         let (off, omega) = (torque - state.small, self.large_corner);
         state.small += self.small_gain * off;
         let beyond = off - off.limit(self.small);
@@ -109,25 +116,16 @@ impl<R: Real> ExternalLoad<R> {
         } else {
             (state.beyond + self.dt).min(self.longest)
         };
-        let lag = if self.comes(state) { beyond } else { R::ZERO } - state.large;
+        // What is beyond the zone is a load that comes, and no joint that shakes.
+        let comes = state.beyond < self.longest;
+        let lag = if comes { beyond } else { R::ZERO } - state.large;
         state.acceleration = omega * (omega * lag - R::lit(2.0) * state.rate);
         state.rate += self.dt * state.acceleration;
         state.large += self.dt * state.rate;
-        state.followed = state.small + state.large;
-        state.followed
-    }
-
-    /// What is beyond the zone is a load that comes, and no joint that shakes.
-    #[inline(always)]
-    fn comes(&self, state: &ExternalLoadState<R>) -> bool {
-        state.beyond < self.longest
-    }
-
-    /// d as far as the output feedback may rest on it (N m): d_ff, and at once what d is suddenly off it.
-    #[inline(always)]
-    pub fn sudden(&self, state: &ExternalLoadState<R>, torque: R) -> R {
-        let ahead = torque - state.followed;
-        state.followed + if self.comes(state) { ahead - ahead.limit(self.sudden) } else { R::ZERO }
+        let wound_up = state.small + state.large;
+        let ahead = torque - wound_up;
+        let sudden = if comes { ahead - ahead.limit(self.sudden) } else { R::ZERO };
+        Followed { wound_up, at_once: wound_up + sudden }
     }
 
     /// What d_ff takes of the motor where the gear is wound up by `wound` (rad/(N m)) for it, the share `wind_up` of what it is.

@@ -268,7 +268,7 @@ impl<R: Real> FeedForward<R> {
         believed: &Believed<R>,
     ) -> Demand<R> {
         let Believed { factors, ripple, torque, .. } = *believed;
-        let external_torque = self.load.follow(&mut state.load, believed.external_torque);
+        let load = self.load.follow(&mut state.load, believed.external_torque);
         let inertia = self.flexspline_inertia * factors.inertia * shares.inertia;
         let motor_velocity = setpoint.velocity * self.inverse_ratio;
         let before = state.reference.unwrap_or_else(|| gear.ratio().undo(setpoint.position));
@@ -286,7 +286,7 @@ impl<R: Real> FeedForward<R> {
         let on_output = factors.output_friction * output_friction;
 
         let accelerating = inertia * setpoint.acceleration;
-        state.carried = accelerating + on_output - external_torque;
+        state.carried = accelerating + on_output - load.wound_up;
         let on_line = state.carried - state.hysteresis_torque;
         let nominal = gear.flexspline().torsion(on_line);
         let torsion = factors.compliance * nominal;
@@ -327,7 +327,7 @@ impl<R: Real> FeedForward<R> {
             transmission: self.ratio + shares.kinematic_error * deviation.slope,
             yielding: self.load.yielding(&state.load, wound, shares.wind_up),
             accelerating,
-            external_torque: self.load.sudden(&state.load, believed.external_torque),
+            external_torque: load.at_once,
             excitation: Excitation {
                 velocity: setpoint.velocity,
                 acceleration: setpoint.acceleration,
