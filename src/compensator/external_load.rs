@@ -5,16 +5,19 @@
 //! motor: speed -w*df/r,   acceleration -w*ddf/r,   torque -J_wg*w*ddf/r - r*f
 //! ```
 //!
-//! d is the external torque on the flexspline that the observer believes (N m), zone: +-5 % of the rated torque, w the gear's
-//! compliance (rad/(N m)). Semi-implicit Euler with the control period dt. Units: rad, N m; signs as in [`crate::gear`].
+//! d is the external torque on the flexspline that the observer believes (N m), zone: +-5 % of the rated torque, w
+//! the gear's compliance (rad/(N m)). Semi-implicit Euler with the control period dt. Units: rad, N m; signs as in
+//! [`crate::gear`].
 //!
-//! It is an answer to an estimate, no feed-forward. What is small is left to the feedback's integral as a torque, from which it is
-//! estimated, and its wind-up follows slowly: observer and motor loop would answer each other where the gear is not what the model
-//! says, and noise would shake the joint. A load that leaves the zone is followed within 1 ms, with all that the motor needs for it.
+//! It is an answer to an estimate, no feed-forward. What is small is left to the feedback's integral as a torque,
+//! from which it is estimated, and its wind-up follows slowly: observer and motor loop would answer each other where
+//! the gear is not what the model says, and noise would shake the joint. A load that leaves the zone is followed
+//! within 1 ms, with all that the motor needs for it.
 //!
-//! The loop that this closes through observer and motor has little room for a drive that is later than it is believed to be,
-//! and none while its torque is at its limit. So what leaves the zone must be a load that comes: after 0.15 s beyond it, of which
-//! a tenth of the time within it is taken off, nothing large is followed, and a joint that shakes comes to rest on l alone.
+//! The loop that this closes through observer and motor has little room for a drive that is later than it is believed
+//! to be, and none while its torque is at its limit. So what leaves the zone must be a load that comes: after 0.15 s
+//! beyond it, of which a tenth of the time within it is taken off, nothing large is followed, and a joint that shakes
+//! comes to rest on l alone.
 
 use crate::angle::Ratio;
 use crate::error::{Error, require};

@@ -10,40 +10,41 @@
 //! ddtheta_ref = (ddq + dt/2*dddq + s_w*c/k*J*ddddq - s_e*dde/dt^2) / r
 //! ```
 //!
-//! q is the setpoint of the output with its derivatives, d the external torque that the observer believes,
-//! k the line's stiffness at tau_t, c its compliance factor, and s the shares (0..=1) of inertia, friction, wind-up and kinematic
-//! error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per control period dt, for the setpoint of that instant; the
-//! torque, which is held over the period, for its middle. Kinematic error, hysteresis and the friction of either side take
-//! turns of one period each, with steps of T = 4*dt: what had no turn is held, the kinematic error on its slope and bend.
-//! Rates of friction, hysteresis and slope are their differences over T.
+//! q is the setpoint of the output with its derivatives, d the external torque that the observer believes, k the
+//! line's stiffness at tau_t, c its compliance factor, and s the shares (0..=1) of inertia, friction, wind-up and
+//! kinematic error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per control period dt, for the
+//! setpoint of that instant; the torque, which is held over the period, for its middle. Kinematic error, hysteresis
+//! and the friction of either side take turns of one period each, with steps of T = 4*dt: what had no turn is held,
+//! the kinematic error on its slope and bend. Rates of friction, hysteresis and slope are their differences over T.
 //!
 //! The flexible joint is flat: motor angle and torque follow from the output's trajectory without solving a
-//! differential equation: the motor's speed takes the setpoint's jerk, its acceleration the snap. Friction is the gear's own model
-//! driven along the setpoint, so its presliding before a reversal is contained, and the speed at which the wind-up that carries it
-//! comes and goes: without it the cascade lags by what the friction changes, and that is still there when a move ends.
+//! differential equation: the motor's speed takes the setpoint's jerk, its acceleration the snap. Friction is the
+//! gear's own model driven along the setpoint, so its presliding before a reversal is contained, and the speed at
+//! which the wind-up that carries it comes and goes: without it the cascade lags by what the friction changes, and
+//! that is still there when a move ends.
 //!
-//! At rest the setpoint covers no path and the model's friction stays what it was, up to the static level. A
-//! joint of 20 % less friction would be driven by 80 % of that: once it slides, its friction is less than its
-//! static level. What is fed forward as torque therefore fades where nothing moves: s_f stands for s_f*w,
+//! At rest the setpoint covers no path and the model's friction stays what it was, up to the static level. A joint of
+//! 20 % less friction would be driven by 80 % of that: once it slides, its friction is less than its static level.
+//! What is fed forward as torque therefore fades where nothing moves: s_f stands for s_f*w,
 //!
 //! ```text
 //! w <- w + min(4*ds/eps, 1)*(1 - w) - dt/T_f*w        ds: path of the motor over T, eps: its presliding, T_f = 0.5 s
 //! ```
 //!
-//! which is there after a quarter of the presliding, passes a reversal within a few percent, and is 0 at rest:
-//! the torque only falls there, so it does not hunt. At a motor speed of eps/(4*T_f) w is a half.
+//! which is there after a quarter of the presliding, passes a reversal within a few percent, and is 0 at rest: the
+//! torque only falls there, so it does not hunt. At a motor speed of eps/(4*T_f) w is a half.
 //!
-//! Hysteresis, kinematic error and the friction's load are implicit equations; all are solved by one
-//! fixed-point step in their turn: the hysteresis torque follows the torsion of the step before
-//! (contraction: its slope over K1, about 0.2), e and the friction's ripple follow the motor reference of the
-//! step before (contraction: N*de/dtheta, below 0.03 for the default gear), and the friction's load is the
-//! tau_t of the step before (contraction: the load's factor).
+//! Hysteresis, kinematic error and the friction's load are implicit equations; all are solved by one fixed-point step
+//! in their turn: the hysteresis torque follows the torsion of the step before (contraction: its slope over K1, about
+//! 0.2), e and the friction's ripple follow the motor reference of the step before (contraction: N*de/dtheta, below
+//! 0.03 for the default gear), and the friction's load is the tau_t of the step before (contraction: the load's
+//! factor).
 //!
 //! The external torque d winds the gear up as [`super::external_load`] follows it: d_ff.
 //!
-//! M. Fliess, J. Levine, P. Martin, P. Rouchon, "Flatness and defect of non-linear systems", International
-//! Journal of Control 61 (1995); A. De Luca, "Feedforward/feedback laws for the control of flexible robots",
-//! IEEE International Conference on Robotics and Automation (2000).
+//! M. Fliess, J. Levine, P. Martin, P. Rouchon, "Flatness and defect of non-linear systems", International Journal of
+//! Control 61 (1995); A. De Luca, "Feedforward/feedback laws for the control of flexible robots", IEEE International
+//! Conference on Robotics and Automation (2000).
 
 use crate::angle::{Angle, Ratio};
 use crate::compensator::adaptation::{Excitation, Factors};

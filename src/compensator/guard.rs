@@ -1,18 +1,19 @@
 //! What stands between the outside and the control step: its inputs are finite and bounded.
 //!
-//! A value that is not finite is replaced by its last finite one; the setpoint's fraction of a count by 0.
-//! The setpoint's derivatives are limited to what the joint can do, and reported:
+//! A value that is not finite is replaced by its last finite one; the setpoint's fraction of a count by 0. The
+//! setpoint's derivatives are limited to what the joint can do, and reported:
 //!
 //! ```text
 //! |dq| <= motor_speed/|n|,   |ddq| <= 2*motor_torque*|n|/(J_fs + n^2*J_wg),   |dddq| <= that/dt,
 //! |ddddq| <= that/dt,   n = 1/r
 //! ```
 //!
-//! Measured torques are limited to twice the peak torque of motor and gear: a torque sensor that says
-//! more is off its range; a commanded torque ends at the gear's peak torque. The shares, those of the direction of
-//! motion, are limited to 0..=1 and follow their command at 1 per 10 ms, one half of them in each second control period, so that
-//! switching one makes no step in the output. The setpoint's position may be any angle; the feedback's
-//! answer to a jump of it ends at the motor's torque, and is ramped ([`crate::compensator::fallback`]). Units: rad, N m, s; signs as in [`crate::gear`].
+//! Measured torques are limited to twice the peak torque of motor and gear: a torque sensor that says more is off its
+//! range; a commanded torque ends at the gear's peak torque. The shares, those of the direction of motion, are
+//! limited to 0..=1 and follow their command at 1 per 10 ms, one half of them in each second control period, so that
+//! switching one makes no step in the output. The setpoint's position may be any angle; the feedback's answer to a
+//! jump of it ends at the motor's torque, and is ramped ([`crate::compensator::fallback`]). Units: rad, N m, s; signs
+//! as in [`crate::gear`].
 
 use crate::angle::Angle;
 use crate::compensator::directions::Crossover;

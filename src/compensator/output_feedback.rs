@@ -5,29 +5,30 @@
 //! shift  = -(a*e + b*e' + z),   dshift = -(a*e' + b*e'' + k*m),   dz/dt = k*m
 //! ```
 //!
-//! theta_fs, omega_fs, tau_t and tau_fric_out are the observer's, q the setpoint, J_fs as the feed-forward winds the gear up for
-//! it, and the external torque d too, but for one that comes suddenly, which counts at once ([`Demand::external_torque`]). The
-//! friction is that of the believed motion: at rest it holds whatever there is, and so the shift rests with it. m is e, or the
-//! measured output less q where an output encoder shows it. The shift (rad at the output) is added to where the motor side should
-//! be, and the cascade follows it. With a motor that follows, the load on its spring,
-//! J_fs*e'' = K*(shift - e), obeys the reference model
+//! theta_fs, omega_fs, tau_t and tau_fric_out are the observer's, q the setpoint, J_fs as the feed-forward winds the
+//! gear up for it, and the external torque d too, but for one that comes suddenly, which counts at once
+//! ([`Demand::external_torque`]). The friction is that of the believed motion: at rest it holds whatever there is,
+//! and so the shift rests with it. m is e, or the measured output less q where an output encoder shows it. The shift
+//! (rad at the output) is added to where the motor side should be, and the cascade follows it. With a motor that
+//! follows, the load on its spring, J_fs*e'' = K*(shift - e), obeys the reference model
 //!
 //! ```text
 //! e'' + 2*zeta*omega_m*e' + omega_m^2*e = 0,     omega_m^2 = (1 + a)*K/J_fs,   2*zeta*omega_m = b*K/J_fs
 //! ```
 //!
-//! a stiffens the joint against its load, b damps the torsional vibration, k takes away what stays. Lyapunov: with
-//! V = (e'^2 + omega_m^2*e^2)/2, dV/dt = -2*zeta*omega_m*e'^2 <= 0, and LaSalle gives e -> 0; the motor's own lag is
+//! a stiffens the joint against its load, b damps the torsional vibration, k takes away what stays. Lyapunov: with V
+//! = (e'^2 + omega_m^2*e^2)/2, dV/dt = -2*zeta*omega_m*e'^2 <= 0, and LaSalle gives e -> 0; the motor's own lag is
 //! not in it: that the loop stays quiet with the cascade and its filter is judged on gears all over the box that a
 //! controller may meet (`strainwave verify compensator`).
 //!
-//! Where the setpoint rests, a measured m within one count of the output encoder is 0: static friction and the integral would
-//! answer every change of the last count. z only runs where the setpoint is slow: what a fast move leaves, the wind-up of a gear
-//! that is stiffer or softer than believed, changes its sign before z could follow. z and the shift are limited. Discretisation:
-//! explicit Euler for z. Units: rad, rad/s, N m; signs as in [`crate::gear`].
+//! Where the setpoint rests, a measured m within one count of the output encoder is 0: static friction and the
+//! integral would answer every change of the last count. z only runs where the setpoint is slow: what a fast move
+//! leaves, the wind-up of a gear that is stiffer or softer than believed, changes its sign before z could follow. z
+//! and the shift are limited. Discretisation: explicit Euler for z. Units: rad, rad/s, N m; signs as in
+//! [`crate::gear`].
 //!
-//! A. Albu-Schaeffer, Ch. Ott, G. Hirzinger, "A unified passivity-based control framework for position, torque and impedance
-//! control of flexible joint robots", International Journal of Robotics Research 26 (2007).
+//! A. Albu-Schaeffer, Ch. Ott, G. Hirzinger, "A unified passivity-based control framework for position, torque and
+//! impedance control of flexible joint robots", International Journal of Robotics Research 26 (2007).
 //!
 //! [`Demand::external_torque`]: crate::compensator::feed_forward::Demand::external_torque
 

@@ -5,12 +5,13 @@
 //! phi   = r*theta_wg - theta_fs,                             tau_t = K1*phi + c*dphi + s
 //! ```
 //!
-//! A is one semi-implicit Euler step of the control period dt, as in the observer itself; friction
-//! enters as noise, but for its viscous part.
+//! A is one semi-implicit Euler step of the control period dt, as in the observer itself; friction enters as noise,
+//! but for its viscous part.
 //!
-//! Noise: encoders by their resolution (q/sqrt(12)) plus jitter in counts of a 19-bit encoder; motor
-//! torque and strain gauge by the gear file; a share of the Coulomb friction of either side, renewed every control
-//! period; an external torque that wanders ([`DESIGN`]). s wanders by the stiffness' share of that, b by what a brake takes of it, r times.
+//! Noise: encoders by their resolution (q/sqrt(12)) plus jitter in counts of a 19-bit encoder; motor torque and
+//! strain gauge by the gear file; a share of the Coulomb friction of either side, renewed every control period; an
+//! external torque that wanders ([`DESIGN`]). s wanders by the stiffness' share of that, b by what a brake takes of
+//! it, r times.
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 

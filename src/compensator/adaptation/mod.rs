@@ -11,32 +11,34 @@
 //! flexing    psi   = F(s)*limit(c_0*(f_J*J_fs)^2*ddddq, level_f) where |dq| < v_f, else F(s)*0
 //! ```
 //!
-//! The model reference is the observer's own gear, run beside the joint (series-parallel) and told of what has been learnt
-//! ([`super::learning`]): what it still misses, d, is the model error, in N m at the output. q is the setpoint, tau_fric the feed-forward's friction along it, F(s) two low passes that
-//! are as slow as the observer's d; d_0 (N m) is a load or gravity that is there anyway.
-//! nu = theta_o - theta_fs (rad), what the observer misses of an output encoder, gives the compliance factor c: the torque
-//! follows from the motor's, so in fast motion nu is what the torsion phi is short of the believed one, nu = (c - c*)*phi/c, while
-//! offsets are taken away by the observer's slow gain. The observer is told of c.
-//! Without that encoder c shows where the torque's rate changes: the load's way is then what the motor made, less the torsion, and the
-//! observer misses the torque by which the torsion accelerates the load, d = J*c_0*(c* - c)*ddtau_t with tau_t of J*ddq. c_0 is the nominal
-//! compliance. That needs motions whose jerk changes within a few periods of the torsion's mode; slow ones teach nothing. psi is limited:
-//! the step is stable however quick the motion. Above v_f, the speed at which the kinematic error excites that mode, it is learnt
-//! from the beginning and the end of a move alone.
-//! w is the share of friction that is fed forward: 0 at rest, so that friction is learnt in motion alone.
+//! The model reference is the observer's own gear, run beside the joint (series-parallel) and told of what has been
+//! learnt ([`super::learning`]): what it still misses, d, is the model error, in N m at the output. q is the
+//! setpoint, tau_fric the feed-forward's friction along it, F(s) two low passes that are as slow as the observer's d;
+//! d_0 (N m) is a load or gravity that is there anyway. nu = theta_o - theta_fs (rad), what the observer misses of an
+//! output encoder, gives the compliance factor c: the torque follows from the motor's, so in fast motion nu is what
+//! the torsion phi is short of the believed one, nu = (c - c*)*phi/c, while offsets are taken away by the observer's
+//! slow gain. The observer is told of c. Without that encoder c shows where the torque's rate changes: the load's way
+//! is then what the motor made, less the torsion, and the observer misses the torque by which the torsion accelerates
+//! the load, d = J*c_0*(c* - c)*ddtau_t with tau_t of J*ddq. c_0 is the nominal compliance. That needs motions whose
+//! jerk changes within a few periods of the torsion's mode; slow ones teach nothing. psi is limited: the step is
+//! stable however quick the motion. Above v_f, the speed at which the kinematic error excites that mode, it is learnt
+//! from the beginning and the end of a move alone. w is the share of friction that is fed forward: 0 at rest, so that
+//! friction is learnt in motion alone.
 //!
 //! # Lyapunov
 //!
-//! With the true theta* constant and inside its bounds, and e = theta - theta*, take V = e' Gamma^-1 e/2. Without
-//! the dead zone dV/dt = e' phi epsilon = -(phi' e)^2 + (phi' e)*noise, so V falls wherever |phi' e| exceeds the noise. The dead zone,
-//! wider than the noise, takes away just the rest: where |epsilon| > zone, phi' e has the sign of -epsilon and dV/dt <= 0;
-//! elsewhere theta stands still. c alike, with V = (c - c*)^2/(2*gamma_c): dV/dt = -(c - c*)*phi*nu <= 0; without an output encoder it
-//! is one more component of theta, with psi in phi. Limiting theta to a box that holds theta* (projection) only shortens e, and with a diagonal
-//! Gamma each component by itself. Euler's step keeps this while dt*phi' Gamma phi < 2 ([`AdaptationParams::build`] checks it
-//! at the joint's peak torque). theta converges along the directions that the motion excites and stands still along the
-//! others: with the motor encoder alone the two frictions are told apart only by their different Stribeck speeds and presliding.
+//! With the true theta* constant and inside its bounds, and e = theta - theta*, take V = e' Gamma^-1 e/2. Without the
+//! dead zone dV/dt = e' phi epsilon = -(phi' e)^2 + (phi' e)*noise, so V falls wherever |phi' e| exceeds the noise.
+//! The dead zone, wider than the noise, takes away just the rest: where |epsilon| > zone, phi' e has the sign of
+//! -epsilon and dV/dt <= 0; elsewhere theta stands still. c alike, with V = (c - c*)^2/(2*gamma_c): dV/dt = -(c -
+//! c*)*phi*nu <= 0; without an output encoder it is one more component of theta, with psi in phi. Limiting theta to a
+//! box that holds theta* (projection) only shortens e, and with a diagonal Gamma each component by itself. Euler's
+//! step keeps this while dt*phi' Gamma phi < 2 ([`AdaptationParams::build`] checks it at the joint's peak torque).
+//! theta converges along the directions that the motion excites and stands still along the others: with the motor
+//! encoder alone the two frictions are told apart only by their different Stribeck speeds and presliding.
 //!
-//! What the factors could never explain is a load: where |d - d_0| exceeds twice `|phi|'*bounds` nothing is learnt. It stands still
-//! when it is switched off, when the torque command was limited, and on a fault.
+//! What the factors could never explain is a load: where |d - d_0| exceeds twice `|phi|'*bounds` nothing is learnt.
+//! It stands still when it is switched off, when the torque command was limited, and on a fault.
 //!
 //! K. Narendra, A. Annaswamy, "Stable Adaptive Systems", 1989, chapters 3 (series-parallel models) and 8 (dead zone,
 //! projection); P. Ioannou, J. Sun, "Robust Adaptive Control", 1996, section 4.4.

@@ -8,39 +8,40 @@
 //! correct state += l_m*(theta_m - theta_wg),  then l_t*(tau_s - tau_t - s),  then l_o*(theta_o - theta_fs)
 //! ```
 //!
-//! tau_mean is the motor's torque averaged over the last two control periods; tau_res = tau_wg - J_wg*domega_wg, tau_t and the frictions come from [`crate::gear::Gear`], the two-port
-//! in its real-time build, at the motion before the prediction: the observer carries hysteresis,
-//! presliding and kinematic error along. Angles are compared after the prediction, where they are at the
-//! time of the reading; the gauge with a torque that is one control period older. theta_m, theta_o
-//! are the encoders, tau_s a strain gauge; each of the last two may be absent, at any step, and theta_o may come a constant
-//! number of periods late ([`past`]). The gains l are those of the steady-state Kalman filter of the linearised
-//! model, one set for each combination of sensors, computed off line. Units: rad, rad/s, N m.
+//! tau_mean is the motor's torque averaged over the last two control periods; tau_res = tau_wg - J_wg*domega_wg,
+//! tau_t and the frictions come from [`crate::gear::Gear`], the two-port in its real-time build, at the motion before
+//! the prediction: the observer carries hysteresis, presliding and kinematic error along. Angles are compared after
+//! the prediction, where they are at the time of the reading; the gauge with a torque that is one control period
+//! older. theta_m, theta_o are the encoders, tau_s a strain gauge; each of the last two may be absent, at any step,
+//! and theta_o may come a constant number of periods late ([`past`]). The gains l are those of the steady-state
+//! Kalman filter of the linearised model, one set for each combination of sensors, computed off line. Units: rad,
+//! rad/s, N m.
 //!
 //! The gear is that of [`crate::gear::Gear::torques_of_stiffer`], with a flexspline as much stiffer than the model as
-//! [`crate::compensator::adaptation`] has learnt.
-//! A gear that is stiffer or softer than is known by 10 % makes a torsion that is measured disagree with the
-//! motor's torque by 10 %. Which to believe depends on the motor. Where it moves, its friction is known to a
-//! few N m at the output and the rest is blamed on the stiffness: s. Where it stands, static friction or a brake may
-//! hold whatever there is, so its torque says nothing and what is left over is blamed on b, while s keeps what it learnt.
-//! It stands when its encoder has not left a few counts for [`STANDSTILL`] control periods. With the motor encoder alone
-//! neither is observable beside d, and both stay zero. s is limited to 3 deviations of the stiffness.
+//! [`crate::compensator::adaptation`] has learnt. A gear that is stiffer or softer than is known by 10 % makes a
+//! torsion that is measured disagree with the motor's torque by 10 %. Which to believe depends on the motor. Where it
+//! moves, its friction is known to a few N m at the output and the rest is blamed on the stiffness: s. Where it
+//! stands, static friction or a brake may hold whatever there is, so its torque says nothing and what is left over is
+//! blamed on b, while s keeps what it learnt. It stands when its encoder has not left a few counts for [`STANDSTILL`]
+//! control periods. With the motor encoder alone neither is observable beside d, and both stay zero. s is limited to
+//! 3 deviations of the stiffness.
 //!
-//! A resting output may be anywhere within the count that its encoder shows: while the motor stands, an innovation theta_o - theta_fs
-//! within +-q is none, and q is taken from a larger one.
+//! A resting output may be anywhere within the count that its encoder shows: while the motor stands, an innovation
+//! theta_o - theta_fs within +-q is none, and q is taken from a larger one.
 //!
-//! Discretisation: semi-implicit Euler, one step per control period. It is the leapfrog method, whose speeds belong to the
-//! middle of the periods: a torque that acts over one period is shared by the two speeds beside its beginning and its end. Taken for
-//! the whole of one of them it would come half a period early, which an observer that knows its motor well
-//! takes for a load: 5 N m where the torque swings by 100 N m at 130 Hz, both at the output.
+//! Discretisation: semi-implicit Euler, one step per control period. It is the leapfrog method, whose speeds belong
+//! to the middle of the periods: a torque that acts over one period is shared by the two speeds beside its beginning
+//! and its end. Taken for the whole of one of them it would come half a period early, which an observer that knows
+//! its motor well takes for a load: 5 N m where the torque swings by 100 N m at 130 Hz, both at the output.
 //!
-//! Bounds: speeds are limited to twice what the joint can do, the external torque to the gear's peak
-//! torque; a torsion beyond that of four times the peak torque starts the observer again at the motor's
-//! angle. Both are reported as faults, as is a torsion past the range of the gear's law
-//! ([`crate::flexspline::reduced::RANGE`]), which goes on at its largest torque. The reported transmitted torque ends at those four times.
+//! Bounds: speeds are limited to twice what the joint can do, the external torque to the gear's peak torque; a
+//! torsion beyond that of four times the peak torque starts the observer again at the motor's angle. Both are
+//! reported as faults, as is a torsion past the range of the gear's law ([`crate::flexspline::reduced::RANGE`]),
+//! which goes on at its largest torque. The reported transmitted torque ends at those four times.
 //!
-//! H. Taghirad, P. Belanger, "Modeling and parameter identification of harmonic drive systems", Journal of
-//! Dynamic Systems, Measurement, and Control 120 (1998) for the two masses; R. Kalman, "A new approach to
-//! linear filtering and prediction problems", Journal of Basic Engineering 82 (1960).
+//! H. Taghirad, P. Belanger, "Modeling and parameter identification of harmonic drive systems", Journal of Dynamic
+//! Systems, Measurement, and Control 120 (1998) for the two masses; R. Kalman, "A new approach to linear filtering
+//! and prediction problems", Journal of Basic Engineering 82 (1960).
 
 pub mod deviation;
 pub mod past;
