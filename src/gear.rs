@@ -278,7 +278,8 @@ impl<R: Real, F: Flexspline<R>, C: FrictionModel<R>, const L: usize, const MEMOR
 
     /// The same of a gear that is stiffer than the model by the share k: torques of line and hysteresis are 1 + k times
     /// the model's, the hysteresis' at a torsion that is larger by as much, so that its loop under a given torque is as
-    /// wide as the model's.
+    /// wide as the model's. Exact for the hysteresis; the line keeps its knees at their torsion instead of their torque, which for
+    /// a tenth of stiffness and the default gear is off by up to 2.5 % of the rated torque.
     pub fn torques_of_stiffer(
         &self,
         state: &mut GearState<R, F::State, C::State, MEMORY>,

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! J = f_J*J_fs,  tau_fric = f*friction of the gear's model along the setpoint       f: learnt factors
-//! tau_t     = s_i*J*ddq + tau_fric_out - d                    what the flexspline must carry
+//! tau_t     = s_i*J*ddq + tau_fric_out - d_ff                 what the flexspline must carry
 //! phi       = c*line^-1(tau_t - tau_hyst)                      wind-up that carries it; tau_hyst: the model's of phi/c, over c
 //! theta_ref = (q + s_w*phi - s_e*e(theta_ref) - ripple) / r    put in advance
 //! tau_ff    = J_wg*ddtheta_ref + r*J*(ddq + dt/2*dddq) + s_f*(tau_fric_in + r*tau_fric_out)
@@ -10,7 +10,7 @@
 //! ddtheta_ref = (ddq + dt/2*dddq + s_w*c/k*J*ddddq - s_e*dde/dt^2) / r
 //! ```
 //!
-//! q is the setpoint of the output with its derivatives, d the external torque that the observer believes, k the
+//! q is the setpoint of the output with its derivatives, d_ff the external torque as far as it is followed, k the
 //! line's stiffness at tau_t, c its compliance factor, and s the shares (0..=1) of inertia, friction, wind-up and
 //! kinematic error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per control period dt, for the
 //! setpoint of that instant; the torque, which is held over the period, for its middle. Kinematic error, hysteresis
@@ -40,7 +40,7 @@
 //! 0.03 for the default gear), and the friction's load is the tau_t of the step before (contraction: the load's
 //! factor).
 //!
-//! The external torque d winds the gear up as [`super::external_load`] follows it: d_ff.
+//! The external torque that the observer believes winds the gear up as [`super::external_load`] follows it: d_ff.
 //!
 //! M. Fliess, J. Levine, P. Martin, P. Rouchon, "Flatness and defect of non-linear systems", International Journal of
 //! Control 61 (1995); A. De Luca, "Feedforward/feedback laws for the control of flexible robots", IEEE International
