@@ -69,7 +69,7 @@ pub struct ExternalLoadState<R> {
 
 /// What of d may be rested on (N m).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Followed<R> {
+pub struct FollowedLoad<R> {
     /// d_ff: what the gear is wound up for.
     pub wound_up: R,
     /// The same, and at once what d is suddenly off it: what the output feedback may rest on.
@@ -110,7 +110,7 @@ impl<R: Real> ExternalLoad<R> {
 
     /// Follows d (N m) for one control period.
     #[inline(always)]
-    pub fn follow(&self, state: &mut ExternalLoadState<R>, torque: R) -> Followed<R> {
+    pub fn follow(&self, state: &mut ExternalLoadState<R>, torque: R) -> FollowedLoad<R> {
         let (off, omega) = (torque - state.small, self.large_corner);
         state.small += self.small_gain * off;
         let beyond = off - off.limit(self.small);
@@ -128,7 +128,7 @@ impl<R: Real> ExternalLoad<R> {
         let wound_up = state.small + state.large;
         let ahead = torque - wound_up;
         let sudden = if comes { ahead - ahead.limit(self.sudden) } else { R::ZERO };
-        Followed { wound_up, at_once: wound_up + sudden }
+        FollowedLoad { wound_up, at_once: wound_up + sudden }
     }
 
     /// What d_ff takes of the motor where the gear is wound up by `wound` (rad/(N m)) for it, the share `wind_up` of what it is.
