@@ -92,6 +92,13 @@ impl<R: Real> Angle<R> {
         (whole + (self.rest - other.rest)) * R::lit(RADIANS_PER_COUNT)
     }
 
+    /// `self - other` (rad) of two angles that are less than half a turn apart; of others so many turns less.
+    #[inline(always)]
+    pub fn since(self, other: Self) -> R {
+        let counts = self.phase().wrapping_sub(other.phase()).cast_signed();
+        (R::from_i32(counts) + (self.rest - other.rest)) * R::lit(RADIANS_PER_COUNT)
+    }
+
     /// `self - other` as an angle, exact.
     #[inline]
     #[must_use]

@@ -273,29 +273,13 @@ impl<R: Real, F: Flexspline<R>, C: FrictionModel<R>, const L: usize, const MEMOR
         flange: &Motion<R>,
         applied: Applied<R>,
     ) -> Torques<R> {
-        self.torques_of_stiffer(state, wave_generator, flange, applied, R::ZERO)
-    }
-
-    /// The same of a gear that is stiffer than the model by the share k: torques of line and hysteresis are 1 + k times
-    /// the model's, the hysteresis' at a torsion that is larger by as much, so that its loop under a given torque is as
-    /// wide as the model's. Exact for the hysteresis; the line keeps its knees at their torsion instead of their torque, which for
-    /// a tenth of stiffness and the default gear is off by up to 2.5 % of the rated torque.
-    pub fn torques_of_stiffer(
-        &self,
-        state: &mut GearState<R, F::State, C::State, MEMORY>,
-        wave_generator: &Motion<R>,
-        flange: &Motion<R>,
-        applied: Applied<R>,
-        stiffening: R,
-    ) -> Torques<R> {
-        let scale = R::ONE + stiffening;
         let heading = wave_generator.angle.heading();
         let (ends, slope) = self.ends(wave_generator, flange, heading);
         let Reaction { torsion, contact, flange: on_flange, ellipse, loss, saturated } =
             self.flexspline.step(&mut state.flexspline, &ends);
-        let hysteresis = scale * self.hysteresis.step(&mut state.hysteresis, scale * torsion).torque;
-        let transmitted = scale * on_flange + hysteresis;
-        let reflected = slope * (scale * contact + hysteresis);
+        let hysteresis = self.hysteresis.step(&mut state.hysteresis, torsion).torque;
+        let transmitted = on_flange + hysteresis;
+        let reflected = slope * (contact + hysteresis);
         let resisting = reflected - ellipse;
         let slip = |velocity| Slip { wave_generator: heading, ..Slip::over(velocity, self.dt) };
         let input = slip(wave_generator.velocity).under(applied.motor - resisting, reflected);

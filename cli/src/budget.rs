@@ -1,6 +1,7 @@
 //! `budget`: what the control step costs on the target, against the boards' budget files.
 
 use clap::Args;
+use strainwave_desktop::bench::SensorSet;
 use strainwave_desktop::scenario::Scenario;
 use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::budget::{self, Budget, Measurement};
@@ -13,7 +14,7 @@ use crate::progress::Progress;
 
 /// Count instructions and cycles of the control step and of each block in it; flash, RAM and stack
 ///
-/// Runs the firmware through S1-S6 in the emulator with a plugin that counts. Instructions are exact;
+/// Runs the firmware through S1-S6 in the emulator, with the motor's sensors and with both encoders, and a plugin that counts. Instructions are exact;
 /// cycles are a model of a Cortex-M4F with zero wait states, at the pessimistic end, not silicon. Proves
 /// on the linked image that no panic and no allocator is in it and that the control step reaches no
 /// double-precision routine. Counts the literal mesh of eq. (6), 8 x 3 in f32, in an image of its own beside
@@ -50,9 +51,12 @@ fn judge(board: &str, overwrite: bool) -> Result<Vec<Figure>, BadInput> {
     let mut budget = Budget::read(board).map_err(BadInput::message)?;
     let mut measured: Measurement = budget::measure(&budget, &firmware.elf, |arguments| {
         let mut deepest = None;
-        for scenario in Scenario::ALL {
+        let runs =
+            SensorSet::ALL.into_iter().flat_map(|sensors| Scenario::ALL.map(|scenario| (sensors, scenario)));
+        for (sensors, scenario) in runs {
             let mut progress = Progress::new(1000, scenario.title());
-            let trial = Trial::from_rest(&gear, scenario, 1);
+            let mut trial = Trial::from_rest(&gear, scenario, 1);
+            trial.conditions.sensors = sensors;
             let (_, _, ending, _) = pil::compensated(&firmware.elf, arguments, &gear, &trial, |share| {
                 progress.set((share * 1e3) as u64)
             })?;

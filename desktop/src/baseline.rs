@@ -7,11 +7,11 @@
 //! tau_ff = (J_wg/r + r*J_fs)*ddq + Fc_in*sign(dq/r) + r*Fc_out*sign(dq) + (Fv_in/r + r*Fv_out)*dq
 //! ```
 
-use strainwave::compensator::encoder::{Encoder, EncoderParams, EncoderState};
-use strainwave::compensator::feedback::{Feedback, FeedbackState};
+use strainwave::compensator::encoder::{Encoder, EncoderParams, EncoderState, Reading};
+use strainwave::compensator::feedback::{Feedback, FeedbackState, Wanted};
 use strainwave::compensator::{Command, Input};
 use strainwave::friction::JointFrictionParams;
-use strainwave::gear::{GearParams, Motion};
+use strainwave::gear::GearParams;
 use strainwave::{Angle, Error, Ratio, Real};
 
 use crate::gear_file::GearFile;
@@ -60,14 +60,16 @@ impl Baseline {
 
     /// Torque command for one control period (N m); it follows positions alone.
     pub fn step(&mut self, input: &Input<f32>) -> f64 {
-        let (motor, _) = self.encoder.step(&mut self.encoder_state, input.sensors.motor_encoder);
+        let Reading { angle: motor, moved, .. } =
+            self.encoder.step(&mut self.encoder_state, input.sensors.motor_encoder);
         let Command::Position(setpoint) = input.command else { return 0.0 };
         let position = Angle { counts: setpoint.position.counts, rest: f64::from(setpoint.position.rest) };
-        let reference = Motion {
-            angle: self.ratio.undo(position),
+        let reference = Wanted {
+            ahead: self.ratio.undo(position).minus(motor),
             velocity: f64::from(setpoint.velocity) * f64::from(self.ratio.n()),
+            acceleration: 0.0,
         };
-        let feedback = self.feedback.step(&mut self.feedback_state, motor, &reference, 0.0, self.limited);
+        let feedback = self.feedback.step(&mut self.feedback_state, moved, &reference, self.limited);
         let wanted = feedback + self.rigid_body(setpoint.velocity.into(), setpoint.acceleration.into());
         let limited = wanted.clamp(-self.torque_limit, self.torque_limit);
         self.limited = limited != wanted;

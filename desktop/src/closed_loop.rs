@@ -71,7 +71,8 @@ impl Controller for Baseline {
 
     fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, RunError> {
         let motor_torque = Baseline::step(self, input) as f32;
-        Ok(Output { motor_torque, ..Output::default() })
+        // It estimates nothing, in every period.
+        Ok(Output { motor_torque, observed: true, ..Output::default() })
     }
 }
 
@@ -229,8 +230,10 @@ impl Judge {
     fn add(&mut self, row: &Row) {
         let estimate = &row.answer.estimate;
         self.output.add(row.output - row.demand.position);
-        self.estimated_output.add(estimate.output_position.to_radians() - row.output);
-        self.estimated_external_torque.add(f64::from(estimate.external_torque) - row.demand.load);
+        if row.answer.observed {
+            self.estimated_output.add(estimate.output_position.to_radians() - row.output);
+            self.estimated_external_torque.add(f64::from(estimate.external_torque) - row.demand.load);
+        }
     }
 
     fn run(&self, trace: Vec<Row>, imbalance: f64) -> Run {

@@ -13,9 +13,9 @@ use crate::draw;
 use crate::gear_file::{Friction, GearFile};
 
 /// a without and with an output encoder.
-const STIFFENING: [f64; 2] = [0.4, 0.7];
+const STIFFENING: [f64; 2] = [0.5, 0.5];
 /// zeta, alike.
-const DAMPING: [f64; 2] = [0.6, 0.5];
+const DAMPING: [f64; 2] = [0.5, 0.5];
 /// k (1/s), alike.
 const INTEGRAL: [f64; 2] = [30.0, 50.0];
 

@@ -3,6 +3,7 @@
 
 use strainwave::Angle;
 use strainwave::compensator::fallback::TORQUE_RAMP;
+use strainwave::compensator::turns;
 use strainwave::compensator::{
     Command, Compensator, Directions, Faults, Input, JointParams, Output, RealTimeGear, Sensors, Setpoint,
     Shares, State,
@@ -17,6 +18,7 @@ const SHARES: Shares<f32> = Shares::ALL;
 
 /// Periods in a second.
 const SECOND: usize = 10_000;
+const ROUND: usize = turns::ROUND as usize;
 
 /// Periods of the torque's ramp: what the cascade does after it is its own affair.
 const RAMP: usize = 100;
@@ -123,11 +125,11 @@ fn a_velocity_goes_on_from_the_reference_that_is_there() {
     let mut joint = Joint::new();
     joint.run(SECOND / 2, |k| crawl(0.1, k).into());
     let from = joint.position();
-    let outputs = joint.run(SECOND, |_| turn(0.2));
+    let outputs = joint.run(SECOND, |_| turn(0.25));
     assert!(outputs.iter().all(|output| !output.faults.contains(Faults::SETPOINT_STEP)));
-    assert!((joint.position() - from - 0.2).abs() < 1e-3, "{}", joint.position() - from);
+    assert!((joint.position() - from - 0.25).abs() < 1e-3, "{}", joint.position() - from);
     // It takes the speed no faster than the joint can.
-    assert!(outputs[0].faults.contains(Faults::SETPOINT_LIMITED));
+    assert!(outputs[..2 * ROUND].iter().any(|output| output.faults.contains(Faults::SETPOINT_LIMITED)));
     assert!(!outputs[SECOND - 1].faults.contains(Faults::SETPOINT_LIMITED));
 }
 
@@ -199,8 +201,8 @@ fn shares_of_either_direction_cross_over_without_a_step() {
     assert!(fed[500..1000].iter().all(|torque| *torque == 0.0), "backward nothing is fed forward");
     assert!(fed[3999].abs() > 0.01, "{}", fed[3999]);
     let step = fed[500..].windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f32::max);
-    // A share goes from 0 to 1 within 10 ms at the fastest, in steps of two periods; friction has its turn every four.
-    assert!(step <= 0.05 * fed[3999].abs().max(0.05), "{step}");
+    // A share goes from 0 to 1 within 20 ms at the fastest, in a step every 1.2 ms.
+    assert!(step <= 0.07 * fed[3999].abs().max(0.05), "{step}");
 }
 
 /// What can go wrong with an input, its fault's name, and whether the motor's encoder is lost.
@@ -220,7 +222,8 @@ const WRONG: [Wrong; 6] = [
         "setpoint step",
         |input, k| {
             if let Command::Position(setpoint) = &mut input.command {
-                setpoint.position = setpoint.position.plus(if k.is_multiple_of(2) { 0.1 } else { -0.1 });
+                setpoint.position =
+                    setpoint.position.plus(if (k / ROUND).is_multiple_of(2) { 0.1 } else { -0.1 });
             }
         },
         false,
@@ -268,7 +271,7 @@ fn the_fallback_follows_the_ideal_gear() {
     assert_ne!(sound.motor_reference, ideal(1000));
     for k in 1001..1300 {
         let output = joint.step(crawl(0.2, k).into(), |input| input.sensors.motor_torque = f32::NAN);
-        assert!(k < 1150 || output.motor_reference.minus(ideal(k)).abs() < 1e-8, "{k}: {output:?}");
+        assert!(k < 1150 || output.motor_reference.minus(ideal(k)).abs() < 1e-6, "{k}: {output:?}");
     }
 }
 

@@ -65,7 +65,8 @@ fn a_period_is_fetch_step_store_then_the_watchdog() {
     for encoder in [0, 5_000, 9_000, 12_000] {
         board.inputs.borrow_mut().push(Some(input(encoder)));
         control.tick();
-        let wanted = control_step(&compensator, &mut state, &input(encoder));
+        control_step(&compensator, &mut state, &input(encoder));
+        let wanted = compensator.output(&state);
         let events = std::mem::take(&mut *board.events.borrow_mut());
         assert_eq!(events, [Event::Output(wanted), Event::Fed]);
     }

@@ -4,7 +4,10 @@
 use std::f64::consts::TAU;
 
 use strainwave::Angle;
-use strainwave::compensator::feed_forward::{Believed, FeedForward, FeedForwardState};
+use strainwave::compensator::adaptation::Factors;
+use strainwave::compensator::external_load::{ExternalLoad, ExternalLoadState, FollowedLoad};
+use strainwave::compensator::feed_forward::{Believed, Demand, FeedForward, FeedForwardState};
+use strainwave::compensator::turns::{OBSERVED, ROUND};
 use strainwave::compensator::{JointParams, RealTimeGear, Setpoint, Shares};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
@@ -14,6 +17,12 @@ use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
 use strainwave_desktop::scenario::Scenario;
 
 const FRICTION_SHARE: f64 = 0.8;
+
+/// A round (s): the feed-forward has its turn once in it.
+const DT: f64 = ROUND as f64 * CONTROL_PERIOD;
+
+/// Rounds in half a second.
+const HALF: usize = (0.5 / DT) as usize;
 
 /// Friction alone.
 const SHARES: Shares<f64> = Shares {
@@ -29,7 +38,7 @@ const SHARES: Shares<f64> = Shares {
 
 fn gear(params: &GearParams<f64>) -> RealTimeGear<f64> {
     let flexspline = Reduced::build(&params.flexspline, params.rated_torque).unwrap();
-    params.build(flexspline, CONTROL_PERIOD).unwrap()
+    params.build(flexspline, DT).unwrap()
 }
 
 /// The feed-forward of the default joint.
@@ -51,11 +60,20 @@ impl Joint {
         }
     }
 
+    /// One round: the demand, and the models' turn half a round later.
+    fn demand(&mut self, setpoint: &Setpoint<f64>, shares: &Shares<f64>) -> Demand<f64> {
+        let believed = Believed::default();
+        let demand = self.feed_forward.step(&self.gear, &mut self.state, setpoint, shares, &believed);
+        let reference = demand.motor.angle.plus(0.5 * DT * demand.motor.velocity);
+        self.feed_forward.remember(&self.gear, &mut self.state, reference, &Factors::default());
+        demand
+    }
+
     /// Torque for an output angle (rad) and speed (rad/s).
     fn torque(&mut self, position: f64, velocity: f64) -> f64 {
         let setpoint =
             Setpoint { position: Angle::from_radians_f64(position), velocity, ..Setpoint::default() };
-        self.feed_forward.step(&self.gear, &mut self.state, &setpoint, &SHARES, &Believed::default()).torque
+        self.demand(&setpoint, &SHARES).torque
     }
 
     /// Levels of both sides at standstill, at the motor (N m).
@@ -68,11 +86,11 @@ impl Joint {
 
 /// Half a second of a smooth move over `amplitude` (rad), then rest: angle and speed by step.
 fn move_and_rest(amplitude: f64, seconds_of_rest: f64) -> impl Iterator<Item = (f64, f64)> {
-    let moving = (0..5000).map(move |k| {
-        let phase = TAU * f64::from(k) / 5000.0;
+    let moving = (0..HALF).map(move |k| {
+        let phase = TAU * k as f64 / HALF as f64;
         (amplitude * (phase - phase.sin()) / TAU, amplitude * (1.0 - phase.cos()) / 0.5)
     });
-    let rest = (seconds_of_rest / CONTROL_PERIOD) as usize;
+    let rest = (seconds_of_rest / DT) as usize;
     moving.chain(std::iter::repeat_n((amplitude, 0.0), rest))
 }
 
@@ -91,7 +109,7 @@ fn at_rest_it_does_not_hunt() {
             .map(|(position, velocity)| joint.torque(position, velocity))
             .collect();
         // From the second step of rest on: the load that friction sees is that of the step before.
-        let (first, rest) = (torques[5002], &torques[5002..]);
+        let (first, rest) = (torques[HALF + 2], &torques[HALF + 2..]);
         assert!(rest.is_sorted_by(|before, after| after.abs() < before.abs()), "{amplitude}");
         assert!(first.abs() <= FRICTION_SHARE * 1.11 * joint.static_level(), "{amplitude}: {first}");
         assert!(rest.last().is_some_and(|last| last.abs() < 0.01 * first.abs()), "{amplitude}");
@@ -109,19 +127,19 @@ fn at_rest_it_does_not_drive_a_joint_of_less_friction() {
     let gear = gear(&lighter);
     let (mut state, mut motor, mut flange) = (gear.rest(), Motion::default(), Motion::default());
     let mut torques =
-        move_and_rest(0.2, 5.0).map(|(position, velocity)| joint.torque(position, velocity)).skip(5000);
+        move_and_rest(0.2, 5.0).map(|(position, velocity)| joint.torque(position, velocity)).skip(HALF);
     let (mut angles, mut first) = (Vec::new(), None);
     for held in &mut torques {
         first.get_or_insert(held);
         let applied = Applied { motor: held, load: 0.0 };
         let torques = gear.torques(&mut state, &motor, &flange, applied);
-        motor.advance((held - torques.wave_generator) / lighter.wave_generator_inertia, CONTROL_PERIOD);
-        flange.advance(gear.flange_acceleration(&torques, 0.0), CONTROL_PERIOD);
+        motor.advance((held - torques.wave_generator) / lighter.wave_generator_inertia, DT);
+        flange.advance(gear.flange_acceleration(&torques, 0.0), DT);
         angles.push(motor.angle.to_radians());
     }
     let first = first.unwrap_or_default();
     let farthest = angles.iter().fold(0.0, |farthest: f64, angle| farthest.max(angle.abs()));
-    let (late, last) = (angles[40_000], angles[49_999]);
+    let (late, last) = (angles[8 * HALF], angles[10 * HALF - 1]);
     assert!(first.abs() > 0.5 * FRICTION_SHARE * joint.static_level(), "{first}: nothing was fed forward");
     assert!(farthest < 4.0 * lighter.input_friction.presliding, "{farthest}");
     assert!((last - late).abs() < 1e-5, "{late} {last}");
@@ -136,15 +154,15 @@ fn through_a_reversal_it_follows_presliding() {
     let n = f64::from(joint.params.gear.ratio);
     let (mut state, mut missed, mut jumped) = (reference.rest(), 0.0f64, 0.0f64);
     // 0.05 rad at 0.2 Hz, from the second reversal on.
-    for k in 0..100_000 {
-        let phase = TAU * 0.2 * f64::from(k) * CONTROL_PERIOD;
+    for k in 0..20 * HALF {
+        let phase = TAU * 0.2 * k as f64 * DT;
         let (position, velocity) = (0.05 * phase.sin(), 0.05 * TAU * 0.2 * phase.cos());
         let angle = Angle::from_radians_f64(position);
         let motor = Motion { angle: reference.ratio().undo(angle), velocity: n * velocity };
         let torques = reference.torques(&mut state, &motor, &Motion { angle, velocity }, Applied::default());
         let friction = torques.input_friction + torques.output_friction / n;
         let fed = joint.torque(position, velocity) / FRICTION_SHARE;
-        if k > 50_000 {
+        if k > 10 * HALF {
             let level = [&joint.params.gear.input_friction, &joint.params.gear.output_friction]
                 .map(|side| side.forward.coulomb);
             missed = missed.max((fed - friction).abs());
@@ -159,8 +177,8 @@ fn speed_missed(shares: &Shares<f64>) -> f64 {
     let mut joint = Joint::new();
     let ratio = f64::from(joint.params.gear.ratio);
     let (mut summed, mut first, mut missed) = (0.0, None, 0.0f64);
-    for k in 0..2500 {
-        let demand = Scenario::S3.at(f64::from(k) * CONTROL_PERIOD, joint.params.gear.rated_torque);
+    for k in 0..HALF / 2 {
+        let demand = Scenario::S3.at(k as f64 * DT, joint.params.gear.rated_torque);
         let setpoint = Setpoint {
             position: Angle::from_radians_f64(demand.position),
             velocity: demand.velocity,
@@ -168,11 +186,10 @@ fn speed_missed(shares: &Shares<f64>) -> f64 {
             jerk: demand.jerk,
             snap: demand.snap,
         };
-        let demanded =
-            joint.feed_forward.step(&joint.gear, &mut joint.state, &setpoint, shares, &Believed::default());
-        let reference = demanded.motor.angle.to_radians() - 0.5 * CONTROL_PERIOD * demanded.motor.velocity;
+        let demanded = joint.demand(&setpoint, shares);
+        let reference = demanded.motor.angle.to_radians() - 0.5 * DT * demanded.motor.velocity;
         missed = missed.max((summed + *first.get_or_insert(reference) - reference).abs());
-        summed += CONTROL_PERIOD * demanded.motor.velocity;
+        summed += DT * demanded.motor.velocity;
     }
     (missed / ratio).abs()
 }
@@ -185,40 +202,40 @@ fn the_speed_is_that_of_the_reference() {
     assert!(missed < 10e-6, "{missed}");
 }
 
-/// How far the gear is wound up (rad, at the output) so many periods after a load of `torque` (N m) is believed.
-fn wound_up(torque: f64, periods: usize) -> f64 {
-    let mut joint = Joint::new();
-    let believed = Believed { external_torque: torque, ..Believed::default() };
-    let wound = (0..periods).map(|_| {
-        let setpoint = Setpoint::default();
-        let shares = Shares { kinematic_error: 0.0, ..Shares::ALL };
-        joint.feed_forward.step(&joint.gear, &mut joint.state, &setpoint, &shares, &believed).motor.angle
-    });
-    wound.last().unwrap().to_radians() / f64::from(joint.params.gear.ratio)
+/// What of the external torques (N m) that are believed by the observer's turn is followed in every round.
+fn followed(external_torque: impl Fn(f64) -> f64, rounds: u32) -> Vec<(FollowedLoad<f64>, f64)> {
+    let params = joint_params::<f64>(&GearFile::default_gear()).unwrap().gear;
+    let (load, mut state) =
+        (ExternalLoad::build(&params, CONTROL_PERIOD).unwrap(), ExternalLoadState::default());
+    let mut follow = |round: u32| {
+        let mut torque = 0.0;
+        for k in 0..ROUND / OBSERVED {
+            torque = external_torque(f64::from(ROUND * round + OBSERVED * k) * CONTROL_PERIOD);
+            load.follow(&mut state, torque);
+        }
+        let followed = load.rest_on(&mut state, torque);
+        (followed, load.yielding(&state, 1e-5, 1.0).torque)
+    };
+    (0..rounds).map(&mut follow).collect()
 }
 
-/// Of 40 N m half is wound up for within 0.6 ms, of what may be noise next to nothing.
+/// Of 40 N m half is wound up for within 0.8 ms, of what may be noise next to nothing.
 #[test]
 fn a_load_is_wound_up_for_at_once_and_noise_is_not() {
-    let line = joint_params::<f64>(&GearFile::default_gear()).unwrap().gear.flexspline.line.build().unwrap();
-    assert!((wound_up(40.0, 20_000) + line.torsion(40.0)).abs() < 1.5e-4);
-    assert!(-wound_up(40.0, 6) > 0.5 * line.torsion(40.0), "{}", wound_up(40.0, 6));
-    assert!(-wound_up(3.0, 6) < 0.1 * line.torsion(3.0), "{}", wound_up(3.0, 6));
+    let wound_up = |torque: f64, rounds| followed(|_| torque, rounds).pop().unwrap().0.wound_up;
+    assert!((wound_up(40.0, 5_000) - 40.0).abs() < 0.1);
+    assert!(wound_up(40.0, 2) > 0.5 * 40.0, "{}", wound_up(40.0, 2));
+    assert!(wound_up(3.0, 2) < 0.1 * 3.0, "{}", wound_up(3.0, 2));
 }
 
 /// A load that swings by 20 N m at 50 Hz is a joint that shakes: the motor answers it for 0.15 s and no longer.
 #[test]
 fn a_joint_that_shakes_is_not_followed() {
-    let mut joint = Joint::new();
-    let mut answers = (0..4000).map(|k| {
-        let external_torque = 20.0 * (TAU * 50.0 * CONTROL_PERIOD * f64::from(k)).sin();
-        let believed = Believed { external_torque, ..Believed::default() };
-        let setpoint = Setpoint::default();
-        let shares = Shares::ALL;
-        joint.feed_forward.step(&joint.gear, &mut joint.state, &setpoint, &shares, &believed).yielding.torque
-    });
-    let mean = |answers: &mut dyn Iterator<Item = f64>| answers.map(f64::abs).sum::<f64>();
-    let (first, later) = (mean(&mut answers.by_ref().take(1000)) / 1e3, mean(&mut answers.skip(1000)) / 2e3);
+    let answers = followed(|time| 20.0 * (TAU * 50.0 * time).sin(), 1000);
+    let mean = |answers: &[(FollowedLoad<f64>, f64)]| {
+        answers.iter().map(|(_, torque)| torque.abs()).sum::<f64>() / answers.len() as f64
+    };
+    let (first, later) = (mean(&answers[..250]), mean(&answers[500..]));
     assert!(first > 0.1, "{first}");
     assert!(later < 0.1 * first, "{first} N m, later {later} N m");
 }

@@ -78,6 +78,7 @@ fn output_of(words: [u32; 22], counts: [i64; 2]) -> Output<f32> {
             },
         },
         factors: Factors { inertia: f(17), input_friction: f(18), output_friction: f(19), compliance: f(20) },
+        observed: counts[0] & 1 == 1,
         faults: Faults::from_bits(words[21]),
     }
 }
@@ -123,6 +124,7 @@ fn output_bits(output: &Output<f32>) -> Vec<u64> {
     let bits = |x: f32| u64::from(x.to_bits());
     vec![
         bits(output.motor_torque),
+        u64::from(output.observed),
         bits(output.factors.inertia),
         bits(output.factors.input_friction),
         bits(output.factors.output_friction),
@@ -178,8 +180,9 @@ proptest! {
     fn an_output_frame_survives_the_output(bytes in prop::collection::vec(any::<u8>(), OUTPUT_BYTES)) {
         let frame: [u8; OUTPUT_BYTES] = bytes.try_into().expect("the strategy's length");
         let mut wanted = frame;
-        let faults = Faults::from_bits(u32::from_le_bytes(frame[OUTPUT_BYTES - 4..].try_into().expect("four bytes")));
-        wanted[OUTPUT_BYTES - 4..].copy_from_slice(&faults.bits().to_le_bytes());
+        let word = u32::from_le_bytes(frame[OUTPUT_BYTES - 4..].try_into().expect("four bytes"));
+        let named = Faults::from_bits(word).bits() | word & 1 << 31;
+        wanted[OUTPUT_BYTES - 4..].copy_from_slice(&named.to_le_bytes());
         prop_assert_eq!(encode_output(&decode_output(&frame)), wanted);
     }
 

@@ -8,7 +8,7 @@
 //!
 //! tau_c is the torque that the joint gives at its output flange, tau_t less the output's friction. The feed-forward,
 //! which follows the estimated motion, adds the shares of the friction on both sides, s_e is the share of
-//! the kinematic error. Units: rad, N m, s; signs as in [`crate::gear`]. Velocity is integrated once per control period dt.
+//! the kinematic error. Units: rad, N m, s; signs as in [`crate::gear`]. Velocity is integrated once per round dt.
 //!
 //! A reference is always there to go on from: after a torque command it is where the output is. A position that
 //! is farther from the last reference than the output can go in a period is a step, and reported.
@@ -98,7 +98,7 @@ impl<R: Real> CommanderState<R> {
 }
 
 impl<R: Real> Commander<R> {
-    /// For the control period dt (s) of a joint with this ratio 1/n, whose output reaches `acceleration` (rad/s^2).
+    /// For commands that are read every dt (s), of a joint with this ratio 1/n, whose output reaches `acceleration` (rad/s^2).
     ///
     /// # Errors
     /// As [`Limits::check`].
@@ -119,17 +119,18 @@ impl<R: Real> Commander<R> {
         &self,
         state: &mut CommanderState<R>,
         command: &Command<R>,
-        estimate: &Estimate<R>,
+        estimate: impl FnOnce() -> Estimate<R>,
         faults: &mut Faults,
     ) -> Followed<R> {
         let (kind, setpoint, torque) = match *command {
             Command::Position(setpoint) => (Kind::Position, self.positioned(state, setpoint, faults), None),
             Command::Velocity { velocity, acceleration } => {
-                let from = state.reference.unwrap_or(at_rest(estimate));
+                let from = state.reference.unwrap_or_else(|| at_rest(&estimate()));
                 (Kind::Velocity, self.turned(from, velocity, acceleration, faults), None)
             }
             Command::Torque(torque) => {
-                let setpoint = Setpoint { velocity: estimate.output_velocity, ..at_rest(estimate) };
+                let estimate = estimate();
+                let setpoint = Setpoint { velocity: estimate.output_velocity, ..at_rest(&estimate) };
                 (Kind::Torque, setpoint, Some(torque))
             }
         };

@@ -35,6 +35,17 @@ pub struct EncoderState {
     started: bool,
 }
 
+/// What came of a raw count.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading<R> {
+    /// Unbounded angle.
+    pub angle: Angle<R>,
+    /// By how much it is farther than the last one (rad).
+    pub moved: R,
+    /// The count was believed; otherwise the angle is held.
+    pub believed: bool,
+}
+
 /// Readings that may be refused in a row before the allowed range stops growing.
 const MOST_REFUSED: u32 = 1 << 12;
 
@@ -56,10 +67,23 @@ impl<R: Real> EncoderParams<R> {
     }
 }
 
+impl EncoderState {
+    /// Where it stands.
+    pub fn angle<R: Real>(&self) -> Angle<R> {
+        Angle::from_counts(self.counts)
+    }
+
+    /// The last reading was.
+    #[inline(always)]
+    pub fn is_believed(&self) -> bool {
+        self.started && self.refused == 0
+    }
+}
+
 impl Encoder {
-    /// Takes a raw count; answers with the angle and whether the reading was believed.
-    #[inline]
-    pub fn step<R: Real>(&self, state: &mut EncoderState, raw: u32) -> (Angle<R>, bool) {
+    /// Takes a raw count.
+    #[inline(always)]
+    pub fn step<R: Real>(&self, state: &mut EncoderState, raw: u32) -> Reading<R> {
         let phase = raw << self.shift;
         let in_range = phase >> self.shift == raw;
         if !state.started && in_range {
@@ -75,7 +99,9 @@ impl Encoder {
         } else {
             state.refused = (state.refused + 1).min(MOST_REFUSED);
         }
-        (Angle::from_counts(state.counts), believed)
+        let counts = if believed { delta } else { 0 };
+        let moved = R::from_i32(counts) * R::lit(RADIANS_PER_COUNT);
+        Reading { angle: Angle::from_counts(state.counts), moved, believed }
     }
 
     /// A step of so many counts is believable after so many refused ones.
@@ -104,15 +130,15 @@ mod tests {
     fn follows_many_turns_both_ways() {
         let mut state = EncoderState::default();
         for speed in [600.0, -600.0] {
-            let start = encoder().step::<f64>(&mut state, 0).0.to_radians();
+            let start = encoder().step::<f64>(&mut state, 0).angle.to_radians();
             let steps = 20_000;
             let end = (1..=steps)
                 .map(|k| encoder().step::<f64>(&mut state, raw(start + speed * DT * f64::from(k))))
-                .inspect(|(_, believed)| assert!(believed))
+                .inspect(|reading| assert!(reading.believed))
                 .last();
             let wanted = start + speed * DT * f64::from(steps);
-            assert!((end.unwrap().0.to_radians() - wanted).abs() < 2e-5);
-            while encoder().step::<f64>(&mut state, 0).0.phase() != 0 {}
+            assert!((end.unwrap().angle.to_radians() - wanted).abs() < 2e-5);
+            while encoder().step::<f64>(&mut state, 0).angle.phase() != 0 {}
         }
     }
 
@@ -120,12 +146,15 @@ mod tests {
     fn a_jump_is_refused_and_the_angle_held_until_it_could_be_true() {
         let mut state = EncoderState::default();
         let encoder = encoder();
-        let (before, _) = encoder.step::<f64>(&mut state, raw(0.1));
-        let (during, believed) = encoder.step::<f64>(&mut state, raw(2.0));
-        assert!(!believed && during == before);
-        let (after, believed) = encoder.step::<f64>(&mut state, raw(0.1));
-        assert!(believed && after == before);
-        assert!((0..40).any(|_| encoder.step::<f64>(&mut state, raw(2.0)).1), "a lasting value is taken");
+        let before = encoder.step::<f64>(&mut state, raw(0.1)).angle;
+        let during = encoder.step::<f64>(&mut state, raw(2.0));
+        assert!(!during.believed && during.angle == before && during.moved == 0.0);
+        let after = encoder.step::<f64>(&mut state, raw(0.1));
+        assert!(after.believed && after.angle == before);
+        assert!(
+            (0..40).any(|_| encoder.step::<f64>(&mut state, raw(2.0)).believed),
+            "a lasting value is taken"
+        );
     }
 
     #[test]
@@ -133,7 +162,7 @@ mod tests {
         let mut state = EncoderState::default();
         let encoder = encoder();
         encoder.step::<f64>(&mut state, 0);
-        assert!(!encoder.step::<f64>(&mut state, 1 << 19).1);
+        assert!(!encoder.step::<f64>(&mut state, 1 << 19).believed);
     }
 
     proptest! {
@@ -141,7 +170,7 @@ mod tests {
         fn any_counts_are_total(counts in prop::collection::vec(any::<u32>(), 1..200)) {
             let mut state = EncoderState::default();
             for count in counts {
-                let (angle, _) = encoder().step::<f32>(&mut state, count);
+                let angle = encoder().step::<f32>(&mut state, count).angle;
                 prop_assert!(angle.minus(Angle::default()).is_finite());
             }
         }

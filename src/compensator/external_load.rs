@@ -6,7 +6,7 @@
 //! ```
 //!
 //! d is the external torque on the flexspline that the observer believes (N m), zone: +-5 % of the rated torque, w
-//! the gear's compliance (rad/(N m)). Semi-implicit Euler with the control period dt. Units: rad, N m; signs as in
+//! the gear's compliance (rad/(N m)). Semi-implicit Euler: f with the observer's period, l and the time with a round of [`super::turns`]. Units: rad, N m; signs as in
 //! [`crate::gear`].
 //!
 //! It is an answer to an estimate, no feed-forward. What is small is left to the feedback's integral as a torque,
@@ -20,6 +20,7 @@
 //! comes to rest on l alone.
 
 use crate::angle::Ratio;
+use crate::compensator::turns::{OBSERVED, ROUND};
 use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::Real;
@@ -51,7 +52,9 @@ pub struct ExternalLoad<R> {
     wave_generator_inertia: R,
     ratio: R,
     inverse_ratio: R,
+    /// Period of the observer, and of a round (s).
     dt: R,
+    round: R,
 }
 
 /// What is followed.
@@ -65,6 +68,8 @@ pub struct ExternalLoadState<R> {
     acceleration: R,
     /// For how long d has been beyond the zone (s).
     beyond: R,
+    /// That is longer than a load takes to come.
+    shakes: bool,
 }
 
 /// What of d may be rested on (N m).
@@ -95,8 +100,9 @@ impl<R: Real> ExternalLoad<R> {
     pub fn build(gear: &GearParams<R>, dt: R) -> Result<Self, Error> {
         require(dt > R::ZERO && dt <= R::ONE, "dt")?;
         let ratio = Ratio::one_over(gear.ratio)?;
+        let [dt, round] = [OBSERVED, ROUND].map(|periods| R::from_i32(periods as i32) * dt);
         Ok(Self {
-            small_gain: (dt * R::lit(SMALL_CORNER)).one_minus_exp_neg(),
+            small_gain: (round * R::lit(SMALL_CORNER)).one_minus_exp_neg(),
             large_corner: R::lit(LARGE_CORNER).min(R::lit(0.5) / dt),
             small: R::lit(SMALL) * gear.rated_torque,
             sudden: R::lit(SUDDEN) * gear.rated_torque,
@@ -105,29 +111,40 @@ impl<R: Real> ExternalLoad<R> {
             ratio: ratio.value(),
             inverse_ratio: R::from_i32(ratio.n()),
             dt,
+            round,
         })
     }
 
-    /// Follows d (N m) for one control period.
+    /// f follows d (N m) for one period of the observer.
     #[inline(always)]
-    pub fn follow(&self, state: &mut ExternalLoadState<R>, torque: R) -> FollowedLoad<R> {
-        let (off, omega) = (torque - state.small, self.large_corner);
-        state.small += self.small_gain * off;
-        let beyond = off - off.limit(self.small);
-        state.beyond = if beyond == R::ZERO {
-            (state.beyond - R::lit(FORGOTTEN) * self.dt).max(R::ZERO)
-        } else {
-            (state.beyond + self.dt).min(self.longest)
-        };
-        // What is beyond the zone is a load that comes, and no joint that shakes.
-        let comes = state.beyond < self.longest;
-        let lag = if comes { beyond } else { R::ZERO } - state.large;
+    pub fn follow(&self, state: &mut ExternalLoadState<R>, torque: R) {
+        let (beyond, omega) = (self.beyond(torque - state.small), self.large_corner);
+        let lag = if state.shakes { R::ZERO } else { beyond } - state.large;
         state.acceleration = omega * (omega * lag - R::lit(2.0) * state.rate);
         state.rate += self.dt * state.acceleration;
         state.large += self.dt * state.rate;
+    }
+
+    /// What of a load is beyond the zone: one that comes, and no joint that shakes.
+    #[inline(always)]
+    fn beyond(&self, off: R) -> R {
+        off - off.limit(self.small)
+    }
+
+    /// l follows d (N m) for one round; answers with what of d may be rested on (N m).
+    #[inline(always)]
+    pub fn rest_on(&self, state: &mut ExternalLoadState<R>, torque: R) -> FollowedLoad<R> {
+        let off = torque - state.small;
+        state.small += self.small_gain * off;
+        state.beyond = if self.beyond(off) == R::ZERO {
+            (state.beyond - R::lit(FORGOTTEN) * self.round).max(R::ZERO)
+        } else {
+            (state.beyond + self.round).min(self.longest + self.round)
+        };
+        state.shakes = state.beyond >= self.longest;
         let wound_up = state.small + state.large;
         let ahead = torque - wound_up;
-        let sudden = if comes { ahead - ahead.limit(self.sudden) } else { R::ZERO };
+        let sudden = if state.shakes { R::ZERO } else { ahead - ahead.limit(self.sudden) };
         FollowedLoad { wound_up, at_once: wound_up + sudden }
     }
 

@@ -1,7 +1,7 @@
 //! What happens when the model cannot be trusted: the joint falls back to its cascade, without a step.
 //!
 //! ```text
-//! fault of the model's inputs  ->  shares of all but the feedback go to 0, by the guard's ramp (10 ms)
+//! fault of the model's inputs  ->  shares of all but the feedback go to 0, by the guard's ramp (7 ms)
 //! T_q = 0.1 s without one      ->  they return, by the same ramp
 //! |tau_k - tau_(k-1)| <= 2*tau_max*dt/T_r,   T_r = 10 ms
 //! ```
@@ -78,8 +78,19 @@ impl<R: Real> Fallback<R> {
     }
 
     /// The torque for what is wanted (N m), within the motor's peak; `switched`: the kind of command was.
-    #[inline]
+    #[inline(always)]
     pub fn step(&self, state: &mut FallbackState<R>, wanted: R, faults: Faults, switched: bool) -> R {
+        if state.untrusted | state.ramped == 0 && !faults.intersects(UNTRUSTED) && !switched {
+            state.torque = wanted;
+            return wanted;
+        }
+        self.ramp(state, wanted, faults, switched)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn ramp(&self, state: &mut FallbackState<R>, wanted: R, faults: Faults, switched: bool) -> R {
+        let wanted = if faults.intersects(BLIND) { R::ZERO } else { wanted };
         let untrusted = faults.intersects(UNTRUSTED);
         state.untrusted = if untrusted { self.quiet } else { state.untrusted.saturating_sub(1) };
         if untrusted || switched {

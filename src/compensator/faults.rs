@@ -25,7 +25,7 @@ faults! {
     6 OBSERVER_RESET "observer reset": "The observer's torsion left the range of the gear; it starts again from the motor's angle.";
     7 ESTIMATE_LIMITED "estimate limited": "An estimate was beyond what the joint can do; it was limited.";
     8 TORSION_BEYOND_RANGE "torsion beyond range": "The observed torsion or its rate asks for more torque than the gear can carry; the model's torque ends there.";
-    9 SETPOINT_STEP "setpoint step": "The position moved farther in a control period than the output can.";
+    9 SETPOINT_STEP "setpoint step": "The position moved farther from one reading of the command to the next than the output can.";
     10 OUTPUT_ENCODER_FROZEN "output encoder frozen": "The output encoder stood still while the motor was asked to move; it is ignored until it moves.";
 }
 
@@ -67,6 +67,13 @@ impl Faults {
     #[must_use]
     pub const fn with(self, other: Self) -> Self {
         Self(self.0 | other.0)
+    }
+
+    /// Those that are in `others` too.
+    #[inline(always)]
+    #[must_use]
+    pub const fn among(self, others: Self) -> Self {
+        Self(self.0 & others.0)
     }
 
     /// The names of the faults in the set.

@@ -12,10 +12,13 @@
 //!
 //! q is the setpoint of the output with its derivatives, d_ff the external torque as far as it is followed, k the
 //! line's stiffness at tau_t, c its compliance factor, and s the shares (0..=1) of inertia, friction, wind-up and
-//! kinematic error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per control period dt, for the
-//! setpoint of that instant; the torque, which is held over the period, for its middle. Kinematic error, hysteresis
-//! and the friction of either side take turns of one period each, with steps of T = 4*dt: what had no turn is held,
-//! the kinematic error on its slope and bend. Rates of friction, hysteresis and slope are their differences over T.
+//! kinematic error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per round T of [`super::turns`], for
+//! the setpoint of that instant; the torque, which is held over each control period dt, for the middle of the first
+//! one. Until the next setpoint the motor goes on by the acceleration, the jerk and the torque's rate that are answered
+//! with. Half a round later kinematic error, hysteresis and the friction of either side have their turn
+//! ([`FeedForward::remember`]), for where the setpoint will be by then: on its acceleration, the torsion on its rate.
+//! The kinematic error moves on its slope and bend until the next setpoint. Rates of friction, hysteresis and slope are
+//! their differences over T.
 //!
 //! The flexible joint is flat: motor angle and torque follow from the output's trajectory without solving a
 //! differential equation: the motor's speed takes the setpoint's jerk, its acceleration the snap. Friction is the
@@ -28,16 +31,16 @@
 //! What is fed forward as torque therefore fades where nothing moves: s_f stands for s_f*w,
 //!
 //! ```text
-//! w <- w + min(4*ds/eps, 1)*(1 - w) - dt/T_f*w        ds: path of the motor over T, eps: its presliding, T_f = 0.5 s
+//! w <- w + min(4*ds/eps, 1)*(1 - w) - T/T_f*w         ds: path of the motor over T, eps: its presliding, T_f = 0.5 s
 //! ```
 //!
 //! which is there after a quarter of the presliding, passes a reversal within a few percent, and is 0 at rest: the
 //! torque only falls there, so it does not hunt. At a motor speed of eps/(4*T_f) w is a half.
 //!
 //! Hysteresis, kinematic error and the friction's load are implicit equations; all are solved by one fixed-point step
-//! in their turn: the hysteresis torque follows the torsion of the step before (contraction: its slope over K1, about
-//! 0.2), e and the friction's ripple follow the motor reference of the step before (contraction: N*de/dtheta, below
-//! 0.03 for the default gear), and the friction's load is the tau_t of the step before (contraction: the load's
+//! in their turn: the hysteresis torque follows the torsion of the setpoint before (contraction: its slope over K1, about
+//! 0.2), e and the friction's ripple follow the motor reference of half a round before (contraction: N*de/dtheta, below
+//! 0.03 for the default gear), and the friction's load is the tau_t of the setpoint before (contraction: the load's
 //! factor).
 //!
 //! The external torque that the observer believes winds the gear up as [`super::external_load`] follows it: d_ff.
@@ -46,9 +49,10 @@
 //! Control 61 (1995); A. De Luca, "Feedforward/feedback laws for the control of flexible robots", IEEE International
 //! Conference on Robotics and Automation (2000).
 
-use crate::angle::{Angle, Ratio};
+use crate::angle::{Angle, Heading, Ratio};
 use crate::compensator::adaptation::{Excitation, Factors};
-use crate::compensator::external_load::{ExternalLoad, ExternalLoadState, Yielding};
+use crate::compensator::external_load::FollowedLoad;
+use crate::compensator::turns::ROUND;
 use crate::compensator::{HYSTERESIS_MEMORY, RealTimeGear, Setpoint, Shares};
 use crate::error::{Error, require};
 use crate::friction::{FrictionModel, JointFrictionState, Slip, StepTime};
@@ -67,16 +71,17 @@ pub struct FeedForward<R> {
     flexspline_inertia: R,
     ratio: R,
     inverse_ratio: R,
-    dt: R,
     /// T.
     round: StepTime<R>,
+    /// From a setpoint to the models' turn, and from there to the next one (s).
+    between: R,
     /// 4/eps.
     engagement: R,
-    /// dt/T_f.
+    /// T/T_f.
     fading: R,
     /// 1/T (1/s).
     inverse_round: R,
-    load: ExternalLoad<R>,
+    /// Half a control period (s).
     half_step: R,
 }
 
@@ -95,35 +100,14 @@ pub struct FeedForwardState<R: Real> {
     /// de/dtheta in the last turn, and its rate (1/s).
     slope: R,
     bend: R,
-    turn: Turn,
-    /// tau_t of the step before (N m).
+    heading: Heading<R>,
+    /// tau_t of the last setpoint (N m).
     carried: R,
-    load: ExternalLoadState<R>,
+    /// In the models' turn: the model's torsion that carries the torque (rad), and the output's speed (rad/s).
+    nominal: R,
+    velocity: R,
     /// w.
     engaged: R,
-    reference: Option<Angle<R>>,
-}
-
-/// What has its turn in a control period.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Turn {
-    #[default]
-    KinematicError,
-    InputFriction,
-    Hysteresis,
-    OutputFriction,
-}
-
-impl Turn {
-    #[inline(always)]
-    fn next(self) -> Self {
-        match self {
-            Self::KinematicError => Self::InputFriction,
-            Self::InputFriction => Self::Hysteresis,
-            Self::Hysteresis => Self::OutputFriction,
-            Self::OutputFriction => Self::KinematicError,
-        }
-    }
 }
 
 impl<R: Real> Default for FeedForwardState<R> {
@@ -138,11 +122,11 @@ impl<R: Real> Default for FeedForwardState<R> {
             deviation: Deviation::default(),
             slope: R::ZERO,
             bend: R::ZERO,
-            turn: Turn::default(),
+            heading: Heading::default(),
             carried: R::ZERO,
-            load: ExternalLoadState::default(),
+            nominal: R::ZERO,
+            velocity: R::ZERO,
             engaged: R::ZERO,
-            reference: None,
         }
     }
 }
@@ -152,8 +136,8 @@ impl<R: Real> Default for FeedForwardState<R> {
 pub struct Believed<R: Real> {
     /// Factors on the nominal gear.
     pub factors: Factors<R>,
-    /// d, the external torque on the output (N m).
-    pub external_torque: R,
+    /// The external torque as far as it is followed.
+    pub load: FollowedLoad<R>,
     /// How far the output is ahead of the gear's model at the reference (rad).
     pub ripple: R,
     /// Torque that the motor needs there beside the model's (N m).
@@ -167,26 +151,24 @@ pub struct Demand<R> {
     pub motor: Motion<R>,
     /// How fast its speed should change (rad/s^2).
     pub acceleration: R,
+    /// How fast that changes (rad/s^3).
+    pub jerk: R,
+    /// By how much r times the motor's angle is to be ahead of the output (rad).
+    pub ahead: R,
     /// Torque at the motor shaft (N m).
     pub torque: R,
+    /// How fast that changes (N m/s).
+    pub torque_rate: R,
     /// r + s_e*de/dtheta there: what of a torque at the output the motor carries.
     pub transmission: R,
-    /// What the motor does beside it to wind the gear up for the external torque.
-    pub yielding: Yielding<R>,
+    /// By how much the gear's torsion yields to a torque, as far as it is wound up (rad/(N m)).
+    pub wound: R,
     /// J*ddq that the gear is wound up for (N m).
     pub accelerating: R,
-    /// d as far as the output feedback may rest on it (N m).
-    pub external_torque: R,
+    /// How fast that changes (N m/s).
+    pub accelerating_rate: R,
     /// What it rests on, from the nominal gear.
     pub excitation: Excitation<R>,
-}
-
-impl<R: Real> FeedForwardState<R> {
-    /// Where the motor was sent in the last step; the zero angle before the first.
-    #[inline(always)]
-    pub fn reference(&self) -> Angle<R> {
-        self.reference.unwrap_or_default()
-    }
 }
 
 impl<R: Real> FeedForward<R> {
@@ -199,67 +181,68 @@ impl<R: Real> FeedForward<R> {
         let positive = |value: R| value.is_finite() && value > R::ZERO;
         require(positive(gear.wave_generator_inertia), "wave_generator_inertia")?;
         require(positive(gear.flexspline_inertia), "flexspline_inertia")?;
-        let (ratio, round) = (Ratio::one_over(gear.ratio)?, R::lit(4.0) * dt);
+        let (ratio, round) = (Ratio::one_over(gear.ratio)?, R::from_i32(ROUND as i32) * dt);
         Ok(Self {
             wave_generator_inertia: gear.wave_generator_inertia,
             flexspline_inertia: gear.flexspline_inertia,
             ratio: ratio.value(),
             inverse_ratio: R::from_i32(ratio.n()),
-            dt,
             round: StepTime::new(round),
+            between: R::lit(0.5) * round,
             engagement: R::lit(4.0) / gear.input_friction.presliding,
-            fading: (dt / R::lit(FADING_TIME)).min(R::ONE),
+            fading: (round / R::lit(FADING_TIME)).min(R::ONE),
             inverse_round: R::ONE / round,
-            load: ExternalLoad::build(gear, dt)?,
             half_step: R::lit(0.5) * dt,
         })
     }
 
-    /// The kinematic error's turn, at the reference of the step before.
+    /// The kinematic error's turn.
     #[inline(always)]
     fn deviate(&self, gear: &RealTimeGear<R>, state: &mut FeedForwardState<R>, reference: Angle<R>) {
-        state.deviation = gear.kinematic_error(reference, reference.heading());
+        state.deviation = gear.kinematic_error(reference, state.heading);
         state.bend = (state.deviation.slope - state.slope) * self.inverse_round;
         state.slope = state.deviation.slope;
     }
 
-    /// The hysteresis' turn, at this torsion of the model (rad), in a gear whose torques are `scale` times the model's, with
-    /// this friction at the flexspline (N m).
+    /// The frictions' turn; w with that of the motor.
     #[inline(always)]
-    fn remember(
-        &self,
-        gear: &RealTimeGear<R>,
-        state: &mut FeedForwardState<R>,
-        torsion: R,
-        scale: R,
-        friction: R,
-    ) {
-        state.hysteresis_torque = scale * gear.hysteresis().step(&mut state.hysteresis, torsion).torque;
-        let rubbing = friction - state.hysteresis_torque;
-        state.rubbing_rate = (rubbing - state.rubbing) * self.inverse_round;
-        state.rubbing = rubbing;
-    }
-
-    /// The friction's turn on either side, at this speed of output and motor (rad/s); w with that of the motor.
-    #[inline(always)]
-    fn rub(&self, gear: &RealTimeGear<R>, state: &mut FeedForwardState<R>, output: R, motor: R) {
-        let heading = state.reference().heading();
+    fn rub(&self, gear: &RealTimeGear<R>, state: &mut FeedForwardState<R>) {
+        let (heading, output) = (state.heading, state.velocity);
         let slip = |velocity, load| Slip {
             wave_generator: heading,
             ..Slip::over(velocity, self.round).under(R::ZERO, load)
         };
         let (on_input, on_output) = gear.frictions();
-        if state.turn == Turn::OutputFriction {
-            on_output.step(&mut state.output_friction, &slip(output, state.carried));
-            return;
-        }
-        let slip = slip(motor, self.ratio * state.carried);
+        on_output.step(&mut state.output_friction, &slip(output, state.carried));
+        let slip = slip(output * self.inverse_ratio, self.ratio * state.carried);
+        state.engaged = state.engaged - self.fading * state.engaged;
         state.engaged += (slip.displacement().abs() * self.engagement).min(R::ONE) * (R::ONE - state.engaged);
         on_input.step(&mut state.input_friction, &slip);
     }
 
+    /// The models' turn, after the last setpoint's, with the motor sent to `reference` now.
+    #[inline(always)]
+    pub fn remember(
+        &self,
+        gear: &RealTimeGear<R>,
+        state: &mut FeedForwardState<R>,
+        reference: Angle<R>,
+        factors: &Factors<R>,
+    ) {
+        state.heading = reference.heading();
+        self.deviate(gear, state, reference);
+        self.rub(gear, state);
+        let scale = R::ONE + factors.stiffening();
+        state.hysteresis_torque = scale * gear.hysteresis().step(&mut state.hysteresis, state.nominal).torque;
+        let (_, output) = gear.frictions();
+        let rubbing =
+            factors.output_friction * output.force(&state.output_friction) - state.hysteresis_torque;
+        state.rubbing_rate = (rubbing - state.rubbing) * self.inverse_round;
+        state.rubbing = rubbing;
+    }
+
     /// Demand for a setpoint; `believed` is what is believed of the joint beside its model.
-    #[inline(never)] // The timing budget counts blocks by their symbols.
+    #[inline(always)]
     pub fn step(
         &self,
         gear: &RealTimeGear<R>,
@@ -268,45 +251,32 @@ impl<R: Real> FeedForward<R> {
         shares: &Shares<R>,
         believed: &Believed<R>,
     ) -> Demand<R> {
-        let Believed { factors, ripple, torque, .. } = *believed;
-        let load = self.load.follow(&mut state.load, believed.external_torque);
+        let Believed { factors, load, ripple, torque } = *believed;
         let inertia = self.flexspline_inertia * factors.inertia * shares.inertia;
         let motor_velocity = setpoint.velocity * self.inverse_ratio;
-        let before = state.reference.unwrap_or_else(|| gear.ratio().undo(setpoint.position));
-        state.engaged = state.engaged - self.fading * state.engaged;
-        match state.turn {
-            Turn::KinematicError => self.deviate(gear, state, before),
-            Turn::Hysteresis => {}
-            Turn::InputFriction | Turn::OutputFriction => {
-                self.rub(gear, state, setpoint.velocity, motor_velocity);
-            }
-        }
+        state.velocity = setpoint.velocity + self.between * setpoint.acceleration;
         let (input, output) = gear.frictions();
         let input_friction = input.force(&state.input_friction);
         let output_friction = output.force(&state.output_friction);
         let on_output = factors.output_friction * output_friction;
 
-        let accelerating = inertia * setpoint.acceleration;
+        let (accelerating, accelerating_rate) = (inertia * setpoint.acceleration, inertia * setpoint.jerk);
         state.carried = accelerating + on_output - load.wound_up;
         let on_line = state.carried - state.hysteresis_torque;
         let nominal = gear.flexspline().torsion(on_line);
         let torsion = factors.compliance * nominal;
-        if state.turn == Turn::Hysteresis {
-            let scale = R::ONE + factors.stiffening();
-            self.remember(gear, state, nominal, scale, on_output);
-        }
-        state.turn = state.turn.next();
-        let wound = shares.wind_up * factors.compliance * gear.flexspline().compliance(on_line);
+        let compliance = gear.flexspline().compliance(on_line);
+        let wound = shares.wind_up * factors.compliance * compliance;
+        let carried_rate = accelerating_rate + state.rubbing_rate;
+        state.nominal = nominal + self.between * compliance * carried_rate;
 
-        let moved = self.dt * motor_velocity;
+        let moved = self.between * motor_velocity;
         state.deviation.error += state.deviation.slope * moved;
-        state.deviation.slope += self.dt * state.bend;
+        state.deviation.slope += self.between * state.bend;
         let deviation = state.deviation;
         let ahead = shares.wind_up * torsion - shares.kinematic_error * deviation.error - ripple;
-        let ahead_rate = wound * (inertia * setpoint.jerk + state.rubbing_rate)
-            - shares.kinematic_error * deviation.slope * motor_velocity;
+        let ahead_rate = wound * carried_rate - shares.kinematic_error * deviation.slope * motor_velocity;
         let reference = gear.ratio().undo(setpoint.position.plus(ahead));
-        state.reference = Some(reference);
 
         let acceleration = setpoint.acceleration + self.half_step * setpoint.jerk;
         let bent = state.bend * motor_velocity + deviation.slope * self.inverse_ratio * setpoint.acceleration;
@@ -321,17 +291,22 @@ impl<R: Real> FeedForward<R> {
                 velocity: (setpoint.velocity + ahead_rate) * self.inverse_ratio,
             },
             acceleration: motor_acceleration,
+            jerk: self.inverse_ratio * setpoint.jerk,
+            ahead,
+            torque_rate: self.wave_generator_inertia * shares.inertia * self.inverse_ratio * setpoint.jerk
+                + self.ratio * accelerating_rate,
             torque: self.wave_generator_inertia * shares.inertia * motor_acceleration
                 + share * factors.input_friction * input_friction
                 + self.ratio * (inertia * acceleration + share * on_output)
                 + torque,
             transmission: self.ratio + shares.kinematic_error * deviation.slope,
-            yielding: self.load.yielding(&state.load, wound, shares.wind_up),
+            wound,
             accelerating,
-            external_torque: load.at_once,
+            accelerating_rate,
             excitation: Excitation {
                 velocity: setpoint.velocity,
                 acceleration: setpoint.acceleration,
+                jerk: setpoint.jerk,
                 snap: setpoint.snap,
                 input_friction: moving * input_friction,
                 output_friction: moving * output_friction,

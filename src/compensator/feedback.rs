@@ -16,9 +16,7 @@
 //! Baselines and compensated runs share this cascade, so that what differs between them is the
 //! compensation alone.
 
-use crate::angle::Angle;
 use crate::error::{Error, require};
-use crate::gear::Motion;
 use crate::real::Real;
 
 /// Parameters of the cascade.
@@ -49,10 +47,20 @@ pub struct Feedback<R> {
     lateness: R,
 }
 
+/// Where the motor should be.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wanted<R> {
+    /// theta_ref - theta (rad).
+    pub ahead: R,
+    /// dtheta_ref (rad/s).
+    pub velocity: R,
+    /// ddtheta_ref as far as it is known (rad/s^2).
+    pub acceleration: R,
+}
+
 /// What the cascade remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FeedbackState<R> {
-    last: Option<Angle<R>>,
     velocity: R,
     integral: R,
 }
@@ -90,23 +98,13 @@ impl<R: Real> Feedback<R> {
         state.integral - before
     }
 
-    /// Torque for the measured motor angle and where it should be, with the acceleration (rad/s^2) as far as it is
-    /// known; `limited`: the last command was.
-    #[inline(never)] // The timing budget counts blocks by their symbols.
-    pub fn step(
-        &self,
-        state: &mut FeedbackState<R>,
-        angle: Angle<R>,
-        reference: &Motion<R>,
-        acceleration: R,
-        limited: bool,
-    ) -> R {
-        let moved = angle.minus(state.last.unwrap_or(angle));
-        state.last = Some(angle);
+    /// Torque for a motor that has `moved` in this period (rad), and where it should be; `limited`: the last command was.
+    #[inline(always)]
+    pub fn step(&self, state: &mut FeedbackState<R>, moved: R, wanted: &Wanted<R>, limited: bool) -> R {
         state.velocity += self.filter_gain * (moved * self.inverse_dt - state.velocity);
-        let late = self.lateness * acceleration;
-        let wanted = self.position_gain * reference.angle.minus(angle) + reference.velocity - late;
-        let lag = wanted - state.velocity;
+        let late = self.lateness * wanted.acceleration;
+        let velocity = self.position_gain * wanted.ahead + wanted.velocity - late;
+        let lag = velocity - state.velocity;
         if !limited {
             state.integral = (state.integral + self.integral_gain * lag).limit(self.torque_limit);
         }

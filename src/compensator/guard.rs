@@ -10,21 +10,23 @@
 //!
 //! Measured torques are limited to twice the peak torque of motor and gear: a torque sensor that says more is off its
 //! range; a commanded torque ends at the gear's peak torque. The shares, those of the direction of motion, are
-//! limited to 0..=1 and follow their command at 1 per 10 ms, one half of them in each second control period, so that
-//! switching one makes no step in the output. The setpoint's position may be any angle; the feedback's answer to a
+//! limited to 0..=1 and follow their command at 1 per 20 ms, in a turn of their own ([`crate::compensator::turns::Slow`]), so that
+//! switching one makes no step in the output: at most 6 % of it at a time. Where the model cannot be trusted they have their
+//! turn in every round, and are 0 within 7 ms. The setpoint's position may be any angle; the feedback's answer to a
 //! jump of it ends at the motor's torque, and is ramped ([`crate::compensator::fallback`]). Units: rad, N m, s; signs
 //! as in [`crate::gear`].
 
 use crate::angle::Angle;
 use crate::compensator::directions::Crossover;
 use crate::compensator::faults::Faults;
-use crate::compensator::{Command, Directions, Input, Limits, Sensors, Setpoint, Shares};
+use crate::compensator::turns::{ROUND, SLOW_TURNS};
+use crate::compensator::{Command, Directions, Limits, Sensors, Setpoint, Shares};
 use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::{Real, seldom};
 
 /// Time in which a share goes from 0 to 1 (s).
-const SHARE_RAMP: f64 = 0.01;
+const SHARE_RAMP: f64 = 0.02;
 
 /// The built guard.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,17 +54,6 @@ pub struct InputGuardState<R> {
     output_torque: R,
     command_torque: R,
     shares: Shares<R>,
-    /// The second half of the shares has moved last.
-    second_half: bool,
-}
-
-/// What passed the guard.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Passed<R> {
-    /// The joint's sensors.
-    pub sensors: Sensors<R>,
-    /// The outer controller's wish.
-    pub command: Command<R>,
 }
 
 impl<R: Real> InputGuardState<R> {
@@ -101,7 +92,8 @@ impl<R: Real> InputGuard<R> {
             motor_torque: R::lit(2.0) * limits.motor_torque,
             output_torque: R::lit(2.0) * limits.output_torque,
             peak_output_torque: limits.output_torque,
-            share_step: R::lit(2.0 / SHARE_RAMP) * dt,
+            share_step: (R::from_i32((SLOW_TURNS * ROUND) as i32) * dt * R::lit(1.0 / SHARE_RAMP))
+                .min(R::ONE),
             crossover: Crossover::build(limits.output_speed(gear.ratio)),
         })
     }
@@ -111,24 +103,14 @@ impl<R: Real> InputGuard<R> {
         self.acceleration
     }
 
-    /// The input as the control step may use it.
+    /// The outer controller's wish as the control step may use it.
     #[inline(always)]
-    pub fn step(
+    pub fn command(
         &self,
-        state: &mut InputGuardState<R>,
-        input: &Input<R>,
-        course: Course<R>,
+        last: &mut InputGuardState<R>,
+        new: &Command<R>,
         faults: &mut Faults,
-    ) -> Passed<R> {
-        self.shares(state, &input.shares, course, faults);
-        Passed {
-            sensors: self.sensors(state, &input.sensors, faults),
-            command: self.command(state, &input.command, faults),
-        }
-    }
-
-    #[inline(always)]
-    fn command(&self, last: &mut InputGuardState<R>, new: &Command<R>, faults: &mut Faults) -> Command<R> {
+    ) -> Command<R> {
         let mut pass = |new, last: &mut R, bound| pass(new, last, bound, Faults::SETPOINT_LIMITED, faults);
         match new {
             Command::Position(setpoint) => Command::Position(self.setpoint(last, setpoint, faults)),
@@ -142,8 +124,14 @@ impl<R: Real> InputGuard<R> {
         }
     }
 
+    /// The joint's sensors as the control step may use them.
     #[inline(always)]
-    fn sensors(&self, last: &mut InputGuardState<R>, new: &Sensors<R>, faults: &mut Faults) -> Sensors<R> {
+    pub fn sensors(
+        &self,
+        last: &mut InputGuardState<R>,
+        new: &Sensors<R>,
+        faults: &mut Faults,
+    ) -> Sensors<R> {
         let mut pass = |new, last: &mut R, bound| pass(new, last, bound, Faults::NONE, faults);
         Sensors {
             motor_torque: pass(new.motor_torque, &mut last.motor_torque, self.motor_torque),
@@ -168,28 +156,28 @@ impl<R: Real> InputGuard<R> {
         }
     }
 
+    /// The usual case: no share is on its way.
     #[inline(always)]
-    fn shares(
+    pub fn shares_have_arrived(
         &self,
-        last: &mut InputGuardState<R>,
+        state: &InputGuardState<R>,
         new: &Directions<R>,
-        course: Course<R>,
-        faults: &mut Faults,
-    ) {
-        last.second_half = !last.second_half;
-        let [forward, backward] =
-            [&new.forward, &new.backward].map(|wanted| have_arrived(&last.shares, wanted, last.second_half));
-        if !(course.trusted && forward && backward) {
-            self.lead(last, new, course, faults);
-        }
+        trusted: bool,
+    ) -> bool {
+        trusted & is_same(&state.shares, &new.forward) & is_same(&state.shares, &new.backward)
     }
 
-    /// Moves the half of the shares whose turn it is.
+    /// Nothing that rests on the model has a share.
     #[cold]
-    #[inline(never)]
-    fn lead(
+    pub fn model_is_off(&self, state: &InputGuardState<R>) -> bool {
+        is_same(&state.shares, &Shares { feedback: state.shares.feedback, ..Shares::default() })
+    }
+
+    /// Moves the shares towards what is commanded.
+    #[inline(always)]
+    pub fn lead(
         &self,
-        last: &mut InputGuardState<R>,
+        state: &mut InputGuardState<R>,
         new: &Directions<R>,
         course: Course<R>,
         faults: &mut Faults,
@@ -200,35 +188,29 @@ impl<R: Real> InputGuard<R> {
         let mut follow = |forward: R, backward: R, share: &mut R, allowed| {
             follow(backward + w * (forward - backward), share, allowed, self.share_step, faults);
         };
-        let now = &mut last.shares;
-        if last.second_half {
-            follow(forward.kinematic_error, backward.kinematic_error, &mut now.kinematic_error, model);
-            follow(forward.output_feedback, backward.output_feedback, &mut now.output_feedback, model);
-            follow(forward.adaptation, backward.adaptation, &mut now.adaptation, model);
-            follow(forward.ripple, backward.ripple, &mut now.ripple, model);
-        } else {
-            follow(forward.feedback, backward.feedback, &mut now.feedback, R::ONE);
-            follow(forward.inertia, backward.inertia, &mut now.inertia, model);
-            follow(forward.friction, backward.friction, &mut now.friction, model);
-            follow(forward.wind_up, backward.wind_up, &mut now.wind_up, model);
-        }
+        let now = &mut state.shares;
+        follow(forward.feedback, backward.feedback, &mut now.feedback, R::ONE);
+        follow(forward.inertia, backward.inertia, &mut now.inertia, model);
+        follow(forward.friction, backward.friction, &mut now.friction, model);
+        follow(forward.wind_up, backward.wind_up, &mut now.wind_up, model);
+        follow(forward.kinematic_error, backward.kinematic_error, &mut now.kinematic_error, model);
+        follow(forward.output_feedback, backward.output_feedback, &mut now.output_feedback, model);
+        follow(forward.adaptation, backward.adaptation, &mut now.adaptation, model);
+        follow(forward.ripple, backward.ripple, &mut now.ripple, model);
     }
 }
 
-/// The usual case, in both directions: no share of this half is on its way.
+/// Every share is the same. All are compared: one branch costs more than that.
 #[inline(always)]
-fn have_arrived<R: Real>(now: &Shares<R>, wanted: &Shares<R>, second_half: bool) -> bool {
-    if second_half {
-        now.kinematic_error.is_same(wanted.kinematic_error)
-            && now.output_feedback.is_same(wanted.output_feedback)
-            && now.adaptation.is_same(wanted.adaptation)
-            && now.ripple.is_same(wanted.ripple)
-    } else {
-        now.feedback.is_same(wanted.feedback)
-            && now.inertia.is_same(wanted.inertia)
-            && now.friction.is_same(wanted.friction)
-            && now.wind_up.is_same(wanted.wind_up)
-    }
+fn is_same<R: Real>(one: &Shares<R>, other: &Shares<R>) -> bool {
+    one.feedback.is_same(other.feedback)
+        & one.inertia.is_same(other.inertia)
+        & one.friction.is_same(other.friction)
+        & one.wind_up.is_same(other.wind_up)
+        & one.kinematic_error.is_same(other.kinematic_error)
+        & one.output_feedback.is_same(other.output_feedback)
+        & one.adaptation.is_same(other.adaptation)
+        & one.ripple.is_same(other.ripple)
 }
 
 /// A value within +-`bound`: the `new` one, limited and reported as `limited`; in the place of one that is not
@@ -285,6 +267,12 @@ impl<R: Real> FrozenEncoder<R> {
     #[inline]
     pub fn step(&self, path: &mut R, stood_still: bool, velocity: R) -> bool {
         *path = if stood_still { (*path + self.dt * velocity.abs()).min(self.farthest) } else { R::ZERO };
-        *path >= self.farthest
+        self.is_frozen(*path)
+    }
+
+    /// The path is too long.
+    #[inline(always)]
+    pub fn is_frozen(&self, path: R) -> bool {
+        path >= self.farthest
     }
 }

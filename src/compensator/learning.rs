@@ -2,32 +2,29 @@
 //! ([`super::learnt_ripple`]), and where both enter.
 //!
 //! ```text
-//! the observer is told   tau_motor - (f_in - 1)*tau_fric_in - ripple torque,   theta_o - ripple position,
-//!                        -(f_J - 1)*J_fs*ddq - (f_out - 1)*tau_fric_out as a torque on the flexspline
-//! its estimates become   f*tau_fric,   theta_fs + ripple position
+//! the observer knows     f*tau_fric of both sides, 1/c - 1 of the stiffness, the ripple's torque at the motor and its
+//!                        position at the output, (1 - f_J)*J_fs*ddq as a torque on the flexspline
 //! ```
 //!
-//! so that it need not be built anew, and what it still misses is what is learnt from. tau_fric are its own frictions of the
-//! step before. Everything is scaled by its share and
+//! so that it need not be built anew, and what it still misses is what is learnt from. Everything is scaled by its share and
 //! comes back as it was when the share does. Units: rad, N m; signs as in [`crate::gear`].
 //!
-//! Both are slow: the factors are learnt in one of [`TURNS`] control periods dt, with a step of [`TURNS`]*dt, and of the ripple
-//! one order in each period.
+//! Both are slow ([`super::turns`]): the factors are learnt in every second round, with a step of two rounds (in every third while
+//! a share is on its way: as if it were slower by half), and of the ripple one order in each round.
 
 use crate::angle::{Angle, Ratio};
 use crate::compensator::adaptation::{
     Adaptation, AdaptationParams, AdaptationState, Excitation, Factors, Observed,
 };
+use crate::compensator::external_load::FollowedLoad;
 use crate::compensator::feed_forward::Believed;
 use crate::compensator::learnt_ripple::{LearntRipple, LearntRippleParams, Lesson, RippleMap, RippleNow};
-use crate::compensator::observer::Measurement;
-use crate::compensator::{Estimate, Limits, Shares};
+use crate::compensator::observer::Known;
+use crate::compensator::turns::{OBSERVED, ROUND};
+use crate::compensator::{Limits, Shares};
 use crate::error::Error;
 use crate::gear::GearParams;
 use crate::real::Real;
-
-/// Control periods from one turn of the factors to the next.
-pub const TURNS: u32 = 4;
 
 /// What has been learnt: kept in a file, and started from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,6 +50,9 @@ pub struct Learning<R> {
     adaptation: Adaptation<R>,
     ripple: LearntRipple<R>,
     ratio: R,
+    inverse_ratio: R,
+    /// From a plan to the middle of what the observer's next turn but one is about (s).
+    until_observed: R,
     flexspline_inertia: R,
 }
 
@@ -64,14 +64,8 @@ pub struct LearningState<R: Real> {
     applied: Factors<R>,
     map: RippleMap<R>,
     now: RippleNow<R>,
-    /// Control periods since the factors' turn.
-    since_factors: u32,
-    /// Friction of the wave generator in the last step, of the nominal gear (N m).
-    input_friction: R,
-    /// Of the flexspline.
-    output_friction: R,
     excitation: Excitation<R>,
-    /// Speed of the motor's reference (rad/s).
+    /// Speed of the motor by the setpoint: what winds the gear up is no turning (rad/s).
     speed: R,
     /// epsilon (N m).
     missed: R,
@@ -82,8 +76,6 @@ pub struct LearningState<R: Real> {
 pub struct Course<R> {
     /// What it rested on.
     pub excitation: Excitation<R>,
-    /// Speed of the motor's reference (rad/s).
-    pub speed: R,
     /// Measured output less setpoint (rad), where there is an output encoder.
     pub position: Option<R>,
 }
@@ -94,11 +86,14 @@ impl<R: Real> LearningParams<R> {
     /// # Errors
     /// As [`AdaptationParams::build`], [`LearntRippleParams::build`] and [`Ratio::one_over`].
     pub fn build(&self, gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Result<Learning<R>, Error> {
-        let (n, turn) = (R::from_i32(gear.ratio), R::from_i32(TURNS as i32) * dt);
+        let (n, turn) = (R::from_i32(gear.ratio), R::from_i32(ROUND as i32) * dt);
+        let factors = turn + turn;
         Ok(Learning {
-            adaptation: self.adaptation.build(n, gear.flexspline_inertia, limits.output_torque, turn)?,
-            ripple: self.ripple.build(dt)?,
+            adaptation: self.adaptation.build(n, gear.flexspline_inertia, limits.output_torque, factors)?,
+            ripple: self.ripple.build(turn)?,
             ratio: Ratio::one_over(gear.ratio)?.value(),
+            inverse_ratio: n,
+            until_observed: R::from_i32(OBSERVED as i32) * dt,
             flexspline_inertia: gear.flexspline_inertia,
         })
     }
@@ -123,79 +118,66 @@ impl<R: Real> Learning<R> {
         LearningState {
             adaptation: self.adaptation.starting_from(&stored.factors),
             map: stored.ripple.within(&self.ripple),
-            since_factors: TURNS - 1,
             ..LearningState::default()
         }
     }
 
-    /// Begins the next control period, with motor and output meant to be at these angles.
+    /// The ripple's turn, with motor and output meant to be at these angles.
     #[inline(always)]
     pub fn turn_to(&self, state: &mut LearningState<R>, motor: Angle<R>, output: Angle<R>) {
-        state.since_factors = (state.since_factors + 1) % TURNS;
         self.ripple.turn_to(&state.map, &mut state.now, motor, output, state.speed);
     }
 
-    /// What the observer is told of a measurement.
+    /// What is known of the gear beside its model, and by how much its load changes until the observer's next turn but one
+    /// (N m).
     #[inline(always)]
-    pub fn told(
+    pub fn known(&self, state: &LearningState<R>, shares: &Shares<R>) -> (Known<R>, R) {
+        let Factors { inertia, input_friction, output_friction, .. } = state.applied;
+        let Excitation { acceleration, jerk, .. } = state.excitation;
+        let heavier = (R::ONE - inertia) * self.flexspline_inertia;
+        let known = Known {
+            friction: [input_friction - R::ONE, output_friction - R::ONE],
+            stiffening: state.applied.stiffening(),
+            position: shares.ripple * state.now.position,
+            motor_torque: shares.ripple * state.now.torque,
+            load: heavier * acceleration,
+        };
+        (known, heavier * jerk * self.until_observed)
+    }
+
+    /// What is believed beside the model, with the external torque as far as it is followed.
+    #[inline(always)]
+    pub fn believed(
         &self,
         state: &LearningState<R>,
-        measured: &Measurement<R>,
+        load: FollowedLoad<R>,
         shares: &Shares<R>,
-    ) -> Measurement<R> {
-        let factors = &state.applied;
-        let inertia = self.flexspline_inertia * state.excitation.acceleration;
-        let position = shares.ripple * state.now.position;
-        Measurement {
-            output: measured.output.map(|angle| angle.plus(-position)),
-            motor_torque: measured.motor_torque
-                - (factors.input_friction - R::ONE) * state.input_friction
-                - shares.ripple * state.now.torque,
-            known_torque: (R::ONE - factors.inertia) * inertia
-                + (R::ONE - factors.output_friction) * state.output_friction,
-            known_stiffness: factors.stiffening(),
-            ..*measured
-        }
+    ) -> Believed<R> {
+        let [ripple, torque] = [state.now.position, state.now.torque].map(|now| shares.ripple * now);
+        Believed { factors: state.applied, load, ripple, torque }
     }
 
-    /// Puts what has been learnt into the estimate, and learns from what the observer missed, while it `learns`.
+    /// The factors' turn: learns from what the observer missed, while it `learns`.
     #[inline(always)]
-    pub fn believe(
+    pub fn adapt(
         &self,
         state: &mut LearningState<R>,
-        estimate: &mut Estimate<R>,
-        output_innovation: Option<R>,
+        observed: &Observed<R>,
         shares: &Shares<R>,
         learns: bool,
-    ) -> Believed<R> {
-        if state.since_factors == 0 {
-            let observed = Observed {
-                external_torque: estimate.external_torque,
-                torsion: estimate.torsion,
-                output_innovation,
-            };
-            state.missed = self.adaptation.step(&mut state.adaptation, &state.excitation, &observed, learns);
-            state.applied = state.adaptation.factors().scaled(shares.adaptation);
-        }
-        state.input_friction = estimate.input_friction;
-        state.output_friction = estimate.output_friction;
-        let factors = state.applied;
-        let ripple = shares.ripple * state.now.position;
-        estimate.output_position = estimate.output_position.plus(ripple);
-        estimate.input_friction = factors.input_friction * estimate.input_friction;
-        estimate.output_friction = factors.output_friction * estimate.output_friction;
-        let torque = shares.ripple * state.now.torque;
-        Believed { factors, external_torque: estimate.external_torque, ripple, torque }
+    ) {
+        state.missed = self.adaptation.step(&mut state.adaptation, &state.excitation, observed, learns);
+        state.applied = state.adaptation.factors().scaled(shares.adaptation);
     }
 
-    /// Learns the ripple from this control period, while it `learns`.
+    /// Learns the ripple from this round, while it `learns`.
     #[inline(always)]
     pub fn follow(&self, state: &mut LearningState<R>, course: &Course<R>, learns: bool) {
         state.excitation = course.excitation;
-        state.speed = course.speed;
+        state.speed = course.excitation.velocity * self.inverse_ratio;
         if learns {
             let torque = -self.ratio * state.missed;
-            let lesson = Lesson { speed: course.speed, position: course.position, torque };
+            let lesson = Lesson { speed: state.speed, position: course.position, torque };
             self.ripple.learn(&mut state.map, &state.now, &lesson);
         }
     }

@@ -95,7 +95,7 @@ pub struct RippleNow<R> {
     basis: [R; 2],
 }
 
-/// What one control period teaches.
+/// What one turn teaches.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lesson<R> {
     /// Speed of the motor's reference (rad/s).
@@ -180,7 +180,7 @@ impl<R: Real> LearntRipple<R> {
         now.torque = (first[1] + second[1]) + (third[1] + fourth[1]);
     }
 
-    /// The order whose turn it was learns from this control period: its position and its torque by turns.
+    /// The order whose turn it was learns from it: its position and its torque by turns.
     #[inline(always)]
     pub fn learn(&self, map: &mut RippleMap<R>, now: &RippleNow<R>, lesson: &Lesson<R>) {
         let (speed, order) = (lesson.speed.abs(), now.turn % RIPPLE_ORDERS);

@@ -1,10 +1,14 @@
 //! What runs on the joint controller, once every 0.1 ms.
 //!
 //! ```text
-//! guard, encoders -> observer -> command -> feed-forward -> feedback -> fallback -> torque command
+//! guard, encoders -> observer, or feed-forward, or what is learnt -> cascade -> fallback -> torque command
 //! ```
 //!
-//! [`Compensator::step`] is total: for any input bits every output is finite and bounded, and what is
+//! The model takes [`turns`], so that no control period is dearer than the others. From one plan of the feed-forward to the
+//! next the motor goes on by the acceleration and jerk that were planned: what it is sent to is smooth to the third order.
+//! All that is compared in every period is kept relative to the motor's encoder: small numbers, that an f32 holds.
+//!
+//! [`Compensator::control`] is total: for any input bits every output is finite and bounded, and what is
 //! wrong is reported as [`Faults`] by name. Units: rad, rad/s, N m; signs as in [`crate::gear`].
 
 pub mod adaptation;
@@ -23,6 +27,7 @@ pub mod limits;
 pub mod motor_torque;
 pub mod observer;
 pub mod output_feedback;
+pub mod turns;
 
 pub use command::Command;
 pub use directions::Directions;
@@ -34,18 +39,20 @@ use crate::error::Error;
 use crate::flexspline::Reduced;
 use crate::friction::JointFriction;
 use crate::gear::{Gear, GearParams};
-use crate::real::Real;
-use adaptation::Factors;
+use crate::real::{RADIANS_PER_COUNT, Real};
+use adaptation::{Factors, Observed};
 use command::{Commander, CommanderState, Followed};
-use encoder::{Encoder, EncoderParams, EncoderState};
-use fallback::{BLIND, Fallback, FallbackState};
-use feed_forward::{Demand, FeedForward, FeedForwardState};
-use feedback::{Feedback, FeedbackParams, FeedbackState};
-use guard::{Course, FrozenEncoder, InputGuard, InputGuardState};
+use encoder::{Encoder, EncoderParams, EncoderState, Reading};
+use external_load::{ExternalLoad, ExternalLoadState, Yielding};
+use fallback::{Fallback, FallbackState};
+use feed_forward::{FeedForward, FeedForwardState};
+use feedback::{Feedback, FeedbackParams, FeedbackState, Wanted};
+use guard::{FrozenEncoder, InputGuard, InputGuardState};
 use learning::{Learning, LearningParams, LearningState, Learnt};
 use motor_torque::{MotorTorque, MotorTorqueState};
-use observer::{Measurement, Observer, ObserverParams, ObserverState};
+use observer::{Known, Measurement, Observer, ObserverParams, ObserverState};
 use output_feedback::{Deviation, OutputFeedback, OutputFeedbackParams, OutputFeedbackState};
+use turns::{OBSERVED, ROUND, Slow, Turn};
 
 /// Levels of the hysteresis that runs in real time.
 pub const HYSTERESIS_LEVELS: usize = 24;
@@ -131,14 +138,14 @@ impl<R: Real> Shares<R> {
 pub struct Input<R> {
     /// The joint's sensors.
     pub sensors: Sensors<R>,
-    /// The outer controller's wish.
+    /// The outer controller's wish: read once a round ([`turns::ROUND`] control periods).
     pub command: Command<R>,
     /// What is switched on, for either direction of the output.
     pub shares: Directions<R>,
 }
 
-/// What the observer believes: motion and external torque at the end of the control period, torsion
-/// and torques at its beginning.
+/// What the observer believes: motion and external torque at the end of its period, torsion and torques at its
+/// beginning ([`turns::OBSERVED`] control periods before).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimate<R> {
     /// Output angle.
@@ -178,7 +185,16 @@ pub struct EstimateDeviation<R> {
     pub external_torque: R,
 }
 
-/// What one step writes: finite and bounded for any input bits.
+/// What one step commands: finite and bounded for any input bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Commanded<R> {
+    /// Torque command to the motor (N m).
+    pub motor_torque: R,
+    /// What is wrong, by name.
+    pub faults: Faults,
+}
+
+/// The same with what it rested on: finite and bounded for any input bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Output<R: Real> {
     /// Torque command to the motor (N m).
@@ -187,8 +203,10 @@ pub struct Output<R: Real> {
     pub feed_forward_torque: R,
     /// Where the motor should be.
     pub motor_reference: Angle<R>,
-    /// The observer's estimates.
+    /// The observer's estimates, from its last turn.
     pub estimate: Estimate<R>,
+    /// The observer's turn was in this step.
+    pub observed: bool,
     /// What has been learnt of the joint, as far as it is applied.
     pub factors: Factors<R>,
     /// What is wrong, by name.
@@ -231,6 +249,7 @@ pub struct Compensator<R: Real> {
     frozen_output: FrozenEncoder<R>,
     commander: Commander<R>,
     observer: Observer<R>,
+    load: ExternalLoad<R>,
     feed_forward: FeedForward<R>,
     feedback: Feedback<R>,
     output_feedback: OutputFeedback<R>,
@@ -240,31 +259,95 @@ pub struct Compensator<R: Real> {
     motor_torque: MotorTorque<R>,
     fallback: Fallback<R>,
     limits: Limits<R>,
+    dt: R,
+    /// From the torques that the observer saw to the plan (s).
+    behind: R,
 }
 
 /// What the compensator remembers from step to step.
 #[derive(Clone, Debug)]
 pub struct State<R: Real> {
+    turn: Turn,
     guard: InputGuardState<R>,
     motor_encoder: EncoderState,
     output_encoder: EncoderState,
+    heard: Heard<R>,
     /// Output encoder's angle where the observer's output angle is zero.
     output_zero: Option<Angle<R>>,
     frozen_path: R,
     frozen_output_path: R,
-    /// Speed that the motor was asked for (rad/s).
-    asked: R,
+    /// Of the output encoder since its standstill was looked for, and when it was.
+    output_raw: Option<u32>,
     last_output: Option<u32>,
     last_motor: Angle<R>,
     commander: CommanderState<R>,
     observer: ObserverState<R>,
+    load: ExternalLoadState<R>,
+    yielding: Yielding<R>,
     feed_forward: FeedForwardState<R>,
+    course: Course<R>,
     feedback: FeedbackState<R>,
     output_feedback: OutputFeedbackState<R>,
     learning: LearningState<R>,
+    known: Known<R>,
+    /// By how much its load changes until the observer's next turn but one (N m).
+    load_rate: R,
+    /// Whose turn it is among what is slow.
+    slow: Slow,
     motor_torque: MotorTorqueState<R>,
     fallback: FallbackState<R>,
+    /// By how much the motor's reference was ahead of it in the last step (rad), and the feed-forward (N m).
+    sent: [R; 2],
+    /// What the last turns found wrong, and what was reported.
+    faults: TurnsFaults,
+    reported: Faults,
     limited: bool,
+    /// Nothing has been wrong since the factors' last turn.
+    sound: bool,
+}
+
+/// What the sensors have said since the observer's last turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Heard<R> {
+    /// Sum of the motor's torque (N m).
+    motor_torque: R,
+    /// Raw count of the output encoder, and how many control periods ago it was.
+    output: Option<u32>,
+    age: u32,
+    /// Strain gauge (N m).
+    output_torque: Option<R>,
+}
+
+/// Where the motor is sent, from one plan to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Course<R> {
+    /// theta_ref - theta (rad), dtheta_ref (rad/s), ddtheta_ref (rad/s^2) and its rate.
+    ahead: R,
+    velocity: R,
+    acceleration: R,
+    jerk: R,
+    /// Share of the acceleration that the cascade knows of.
+    known: R,
+    /// Feed-forward (N m).
+    torque: R,
+    torque_rate: R,
+    transmission: R,
+    wound: R,
+    /// Torque at the output flange in the place of a motion (N m).
+    output_torque: Option<R>,
+    /// The command is of another kind than the last one.
+    switched: bool,
+    /// There is a plan.
+    planned: bool,
+}
+
+/// What is wrong, by who has found it in its last turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct TurnsFaults {
+    observer: Faults,
+    plan: Faults,
+    standstill: Faults,
+    shares: Faults,
 }
 
 impl<R: Real> JointParams<R> {
@@ -277,17 +360,20 @@ impl<R: Real> JointParams<R> {
         let encoder = |bits, speed| EncoderParams { bits, speed_limit: R::lit(2.0) * speed }.build(self.dt);
         let guard = InputGuard::build(&self.gear, &self.limits, self.dt)?;
         let (limits, n) = (&self.limits, self.gear.ratio);
-        // Periods between readings of the output encoder.
-        let readings = R::from_i32(self.observer.output_encoder_period as i32);
+        let [observed, round] = [OBSERVED, ROUND].map(|periods| R::from_i32(periods as i32) * self.dt);
+        // Periods between readings of the output encoder that the observer sees, and that its standstill is looked for in.
+        let [readings, looks] = [ROUND, 2 * ROUND]
+            .map(|least| R::from_i32(self.observer.output_encoder_period.max(least) as i32));
         Ok(Compensator {
             gear: self.gear.build(Reduced::build(&self.gear.flexspline, self.gear.rated_torque)?, self.dt)?,
-            commander: Commander::build(limits, n, guard.acceleration(), self.dt)?,
+            commander: Commander::build(limits, n, guard.acceleration(), round)?,
             guard,
             motor_encoder: encoder(self.motor_encoder_bits, self.limits.motor_speed)?,
             output_encoder: encoder(self.output_encoder_bits, limits.output_speed(n) * readings)?,
-            frozen_encoder: FrozenEncoder::of_motor(self.dt),
-            frozen_output: FrozenEncoder::of_output(self.dt * readings),
+            frozen_encoder: FrozenEncoder::of_motor(round + round),
+            frozen_output: FrozenEncoder::of_output(self.dt * looks),
             observer: self.observer.build(&self.gear, &self.limits, self.dt)?,
+            load: ExternalLoad::build(&self.gear, self.dt)?,
             feed_forward: FeedForward::build(&self.gear, self.dt)?,
             feedback: self.feedback.build(self.dt)?,
             output_feedback: OutputFeedback::build(
@@ -295,13 +381,15 @@ impl<R: Real> JointParams<R> {
                 self.gear.flexspline_inertia,
                 limits.output_speed(n),
                 R::lit(core::f64::consts::TAU) / R::from_i32(1 << self.output_encoder_bits.min(30)),
-                self.dt,
+                round,
             )?,
             learning: self.learning.build(&self.gear, &self.limits, self.dt)?,
             learnt: self.learnt,
             motor_torque: MotorTorque::build(self.limits.motor_torque, self.dt)?,
             fallback: Fallback::build(self.limits.motor_torque, self.dt),
             limits: self.limits,
+            dt: self.dt,
+            behind: observed + self.dt,
         })
     }
 }
@@ -310,24 +398,36 @@ impl<R: Real> Compensator<R> {
     /// The state before the first step: what was learnt before, within its bounds.
     pub fn rest(&self) -> State<R> {
         State {
+            turn: Turn::default(),
             guard: InputGuardState::default(),
             motor_encoder: EncoderState::default(),
             output_encoder: EncoderState::default(),
+            heard: Heard::default(),
             output_zero: None,
             frozen_path: R::ZERO,
             frozen_output_path: R::ZERO,
-            asked: R::ZERO,
+            output_raw: None,
             last_output: None,
             last_motor: Angle::default(),
             commander: CommanderState::default(),
-            observer: self.observer.rest(&self.gear),
+            observer: self.observer.rest(),
+            load: ExternalLoadState::default(),
+            yielding: Yielding::default(),
             feed_forward: FeedForwardState::default(),
+            course: Course::default(),
             feedback: FeedbackState::default(),
             output_feedback: OutputFeedbackState::default(),
             learning: self.learning.starting_from(&self.learnt),
+            known: Known::default(),
+            load_rate: R::ZERO,
+            slow: Slow::Lead,
             motor_torque: MotorTorqueState::default(),
             fallback: FallbackState::default(),
+            sent: [R::ZERO; 2],
+            faults: TurnsFaults::default(),
+            reported: Faults::NONE,
             limited: false,
+            sound: true,
         }
     }
 
@@ -336,146 +436,305 @@ impl<R: Real> Compensator<R> {
         state.learning.learnt()
     }
 
-    /// One control step.
-    #[inline(never)] // The timing budget counts blocks by their symbols.
+    /// One control step, and all that is to be known of it: [`Self::control`] and [`Self::output`].
     pub fn step(&self, state: &mut State<R>, input: &Input<R>) -> Output<R> {
+        self.control(state, input);
+        self.output(state)
+    }
+
+    /// One control step.
+    #[inline(never)] // The timing budget counts it by its symbol.
+    pub fn control(&self, state: &mut State<R>, input: &Input<R>) -> Commanded<R> {
         let mut faults = Faults::NONE;
-        let course = Course { velocity: state.commander.velocity(), trusted: state.fallback.trusted() };
-        let input = self.guard.step(&mut state.guard, input, course, &mut faults);
-        let measured = self.measure(state, &input.sensors, &mut faults);
-        let mut estimate = self.observe(state, &measured, &mut faults);
-        let shares = state.guard.shares();
-        let learns = faults == Faults::NONE && !state.limited && shares.adaptation > R::ZERO;
-        let followed = self.commander.step(&mut state.commander, &input.command, &estimate, &mut faults);
-        let learns = learns && followed.torque.is_none();
-        let believed = self.learning.believe(
-            &mut state.learning,
-            &mut estimate,
-            self.observer.output_innovation(&state.observer),
-            shares,
-            learns,
-        );
-        let setpoint = &followed.setpoint;
-        let mut demand =
-            self.feed_forward.step(&self.gear, &mut state.feed_forward, setpoint, shares, &believed);
-        let error = measured.output.map(|angle| angle.minus(setpoint.position));
-        let learnt =
-            learning::Course { excitation: demand.excitation, speed: demand.motor.velocity, position: error };
-        self.learning.follow(&mut state.learning, &learnt, learns);
-        self.give_way(state, &mut demand, setpoint, &estimate, error);
-        // Where a torque is commanded no motion is. What the output feedback asks is one: a joint that is held against its
-        // load by a brake, or by an encoder that no longer moves, is noticed by it.
-        state.asked = if followed.torque.is_some() { R::ZERO } else { demand.motor.velocity };
-        let shares = state.guard.shares();
-        let stood_still = measured.motor == state.last_motor;
-        state.last_motor = measured.motor;
-        let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, state.asked);
-        faults.raise_if(frozen, Faults::MOTOR_ENCODER_FROZEN);
-        let held = state.limited || followed.torque.is_some();
-        let feedback = self.feedback.step(
-            &mut state.feedback,
-            measured.motor,
-            &demand.motor,
-            shares.wind_up * demand.acceleration + demand.yielding.acceleration,
-            held,
-        ) + demand.yielding.torque;
-        let closed = match followed.torque {
-            Some(torque) => demand.transmission * torque,
-            None => {
-                let share = shares.feedback;
-                share * self.taken_over(state, &followed, demand.torque, feedback)
-            }
-        };
+        let sensors = self.guard.sensors(&mut state.guard, &input.sensors, &mut faults);
+        let motor = self.read(state, &sensors, &mut faults);
+        match state.turn {
+            Turn::Observe => self.observe(state, motor.angle, true),
+            Turn::Plan => self.plan(state, &input.command, motor.angle),
+            Turn::ObserveAgain => self.observe(state, motor.angle, false),
+            Turn::Learn => self.learn(state, &input.shares, motor.angle),
+        }
+        state.turn = state.turn.next();
+        let TurnsFaults { observer, plan, standstill, shares } = state.faults;
+        faults = faults.with(observer).with(plan).with(standstill).with(shares);
+        let motor_torque = self.drive(state, &motor, &mut faults);
+        state.sound &= faults == Faults::NONE && !state.limited;
+        state.reported = faults;
+        Commanded { motor_torque, faults }
+    }
+
+    /// What the last step commanded, rested on and believed. Apart from the control step: who does not look at it does not pay for it.
+    pub fn output(&self, state: &State<R>) -> Output<R> {
+        let [ahead, feed_forward] = state.sent;
         Output {
-            motor_torque: self.command(state, demand.torque + closed, followed.switched, &mut faults),
-            feed_forward_torque: demand.torque.limit(self.limits.motor_torque),
-            motor_reference: demand.motor.angle,
-            estimate,
+            motor_torque: state.fallback.torque(),
+            feed_forward_torque: feed_forward.limit(self.limits.motor_torque),
+            motor_reference: state.motor_encoder.angle().plus(ahead),
+            estimate: self.observer.estimate(&state.observer, &state.known),
+            observed: matches!(state.turn, Turn::Plan | Turn::Learn),
             factors: *state.learning.applied(),
-            faults,
+            faults: state.reported,
         }
     }
 
-    /// What the observer believes.
+    /// The sensors' turn: every period.
     #[inline(always)]
-    fn observe(&self, state: &mut State<R>, measured: &Measurement<R>, faults: &mut Faults) -> Estimate<R> {
-        let (motor, output) = (state.feed_forward.reference(), state.commander.position());
-        self.learning.turn_to(&mut state.learning, motor, output);
-        let told = self.learning.told(&state.learning, measured, state.guard.shares());
-        self.observer.step(&self.gear, &mut state.observer, &told, faults)
+    fn read(&self, state: &mut State<R>, sensors: &Sensors<R>, faults: &mut Faults) -> Reading<R> {
+        let motor = self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder);
+        faults.raise_if(!motor.believed, Faults::MOTOR_ENCODER_JUMP);
+        let (commanded, feedback) = (state.fallback.torque(), state.guard.shares().feedback);
+        let heard = &mut state.heard;
+        heard.motor_torque +=
+            self.motor_torque.step(&mut state.motor_torque, commanded, feedback, sensors.motor_torque);
+        if sensors.output_encoder.is_some() {
+            (heard.output, heard.age) = (sensors.output_encoder, 0);
+        } else {
+            heard.age = heard.age.saturating_add(1);
+            if !self.observer.looks_back() {
+                heard.output = None;
+            }
+        }
+        if sensors.output_torque.is_some() {
+            heard.output_torque = sensors.output_torque;
+        }
+        state.course.ahead -= motor.moved;
+        motor
     }
 
-    /// Moves the motor's reference for the output to behave like its reference model.
+    /// The observer's turn: the first of a round reads the output's encoder.
+    #[inline(never)] // The timing budget counts this turn by its symbol.
+    fn observe(&self, state: &mut State<R>, motor: Angle<R>, with_output: bool) {
+        let mut faults = Faults::NONE;
+        let age = state.heard.age;
+        let output = if with_output {
+            state.known.load += state.load_rate;
+            self.read_output(state, motor, &mut faults)
+        } else {
+            None
+        };
+        let measured = Measurement {
+            motor,
+            output,
+            age,
+            motor_torque: R::lit(1.0 / OBSERVED as f64) * state.heard.motor_torque,
+            output_torque: state.heard.output_torque.take(),
+        };
+        state.heard.motor_torque = R::ZERO;
+        self.observer.step(&self.gear, &mut state.observer, &measured, &state.known, &mut faults);
+        self.load.follow(&mut state.load, state.observer.external_torque());
+        state.yielding = self.load.yielding(&state.load, state.course.wound, state.guard.shares().wind_up);
+        let kept = if with_output { Faults::NONE } else { Faults::OUTPUT_ENCODER_JUMP };
+        state.faults.observer = faults.with(state.faults.observer.among(kept));
+    }
+
+    /// The output encoder's angle, where the observer's is its zero.
     #[inline(always)]
-    fn give_way(
-        &self,
-        state: &mut State<R>,
-        demand: &mut Demand<R>,
-        setpoint: &Setpoint<R>,
-        estimate: &Estimate<R>,
-        measured: Option<R>,
-    ) {
+    fn read_output(&self, state: &mut State<R>, motor: Angle<R>, faults: &mut Faults) -> Option<Angle<R>> {
+        let raw = state.heard.output.take()?;
+        let Reading { angle, believed, .. } = self.output_encoder.step::<R>(&mut state.output_encoder, raw);
+        faults.raise_if(!believed, Faults::OUTPUT_ENCODER_JUMP);
+        state.output_raw = Some(raw);
+        // The two encoders are mounted at any angle to each other: the first readings that are both
+        // believed are their zero, with the torsion of that moment.
+        if state.output_zero.is_none() && believed && state.motor_encoder.is_believed() {
+            let age = state.heard.age;
+            let then = self.observer.output_at_reading(&self.gear, &state.observer, motor, age);
+            state.output_zero = then.map(|then| angle.less(then));
+        }
+        let frozen = state.faults.standstill.contains(Faults::OUTPUT_ENCODER_FROZEN);
+        state.output_zero.filter(|_| believed && !frozen).map(|zero| angle.less(zero))
+    }
+
+    /// The feed-forward's turn.
+    #[inline(never)] // The timing budget counts this turn by its symbol.
+    fn plan(&self, state: &mut State<R>, command: &Command<R>, motor: Angle<R>) {
+        let mut faults = Faults::NONE;
+        let command = self.guard.command(&mut state.guard, command, &mut faults);
+        let now = || self.observer.estimate(&state.observer, &state.known);
+        let followed = self.commander.step(&mut state.commander, &command, now, &mut faults);
+        state.faults.plan = faults;
+        let setpoint = &followed.setpoint;
+        let shares = state.guard.shares();
+        let learns = state.learns(&followed);
+        let reference = state.course.reference(motor);
+        self.learning.turn_to(&mut state.learning, reference, setpoint.position);
+        let load = self.load.rest_on(&mut state.load, state.observer.external_torque());
+        let believed = self.learning.believed(&state.learning, load, shares);
+        let demand = self.feed_forward.step(&self.gear, &mut state.feed_forward, setpoint, shares, &believed);
+        let ahead = demand.motor.angle.minus(motor);
+        // What was seen a period ago moves on.
+        let velocity = state.observer.output_velocity() + self.dt * setpoint.acceleration;
+        let position =
+            demand.ahead + self.observer.output_beside(&state.observer, &state.known, ahead, self.dt);
+        let measured =
+            self.observer.output_innovation(&state.observer).map(|innovation| position + innovation);
+        let lesson = learning::Course { excitation: demand.excitation, position: measured };
+        self.learning.follow(&mut state.learning, &lesson, learns);
         let deviation = Deviation {
-            position: estimate.output_position.minus(setpoint.position),
-            velocity: estimate.output_velocity - setpoint.velocity,
+            position,
+            velocity: velocity - setpoint.velocity,
             asked_velocity: setpoint.velocity,
-            torque: estimate.transmitted_torque - estimate.output_friction - demand.accelerating
-                + demand.external_torque,
+            torque: self.observer.transmitted(&state.observer)
+                - state.observer.output_friction()
+                - (demand.accelerating - self.behind * demand.accelerating_rate)
+                + load.at_once,
             measured,
         };
         let shift = self.output_feedback.step(&mut state.output_feedback, &deviation, !state.limited);
-        let share = state.guard.shares().output_feedback * R::from_i32(self.gear.ratio().n());
-        demand.motor.angle = demand.motor.angle.plus(share * shift.angle);
-        demand.motor.velocity += demand.yielding.velocity + share * shift.rate;
+        let share = shares.output_feedback * R::from_i32(self.gear.ratio().n());
+        state.course = Course {
+            ahead: ahead + share * shift.angle,
+            velocity: demand.motor.velocity + share * shift.rate,
+            acceleration: demand.acceleration,
+            jerk: demand.jerk,
+            known: shares.wind_up,
+            torque: demand.torque,
+            torque_rate: demand.torque_rate,
+            transmission: demand.transmission,
+            wound: demand.wound,
+            output_torque: followed.torque,
+            switched: followed.switched,
+            planned: true,
+        };
+        (state.known, state.load_rate) = self.learning.known(&state.learning, shares);
     }
 
-    /// The sensors' raw counts as unbounded angles.
-    fn measure(&self, state: &mut State<R>, sensors: &Sensors<R>, faults: &mut Faults) -> Measurement<R> {
-        let (motor, believed) = self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder);
-        faults.raise_if(!believed, Faults::MOTOR_ENCODER_JUMP);
-        let output = sensors.output_encoder.and_then(|raw| {
-            let (angle, output_believed) = self.output_encoder.step::<R>(&mut state.output_encoder, raw);
-            faults.raise_if(!output_believed, Faults::OUTPUT_ENCODER_JUMP);
-            let stood_still = state.last_output.replace(raw) == Some(raw);
-            let frozen = self.frozen_output.step(&mut state.frozen_output_path, stood_still, state.asked);
-            faults.raise_if(frozen, Faults::OUTPUT_ENCODER_FROZEN);
-            // The two encoders are mounted at any angle to each other: the first readings that are both
-            // believed are their zero, with the torsion of that moment.
-            if state.output_zero.is_none() && believed && output_believed {
-                let then = self.observer.output_at_reading(&self.gear, &state.observer, motor);
-                state.output_zero = then.map(|then| angle.less(then));
+    /// The turn of what is learnt.
+    #[inline(always)]
+    fn learn(&self, state: &mut State<R>, shares: &Directions<R>, motor: Angle<R>) {
+        let trusted = state.fallback.trusted();
+        let mut arrived = true;
+        let falls_back = !trusted && !self.guard.model_is_off(&state.guard);
+        match if falls_back { Slow::Lead } else { state.slow } {
+            Slow::Adapt => self.adapt(state),
+            Slow::Deviate => {
+                self.observer.deviate(&mut state.observer);
+                self.notice_standstill(state, motor);
+                arrived = self.guard.shares_have_arrived(&state.guard, shares, trusted);
+                state.faults.shares = Faults::NONE;
             }
-            state.output_zero.filter(|_| output_believed && !frozen).map(|zero| angle.less(zero))
-        });
-        let (commanded, feedback) = (state.fallback.torque(), state.guard.shares().feedback);
-        let torque = sensors.motor_torque;
-        Measurement {
-            motor,
-            output,
-            motor_torque: self.motor_torque.step(&mut state.motor_torque, commanded, feedback, torque),
-            known_torque: R::ZERO,
-            known_stiffness: R::ZERO,
-            output_torque: sensors.output_torque,
+            Slow::Lead => {
+                let course = guard::Course { velocity: state.commander.velocity(), trusted };
+                let mut faults = Faults::NONE;
+                self.guard.lead(&mut state.guard, shares, course, &mut faults);
+                state.faults.shares = faults;
+            }
         }
+        state.slow = state.slow.next(arrived);
+        let reference = state.course.reference(motor);
+        let factors = state.learning.applied();
+        self.feed_forward.remember(&self.gear, &mut state.feed_forward, reference, factors);
+    }
+
+    /// Raises the faults of encoders that stand still while the motor is asked to move. A joint that is held against its
+    /// load by a brake is noticed by it too: what the output feedback asks is a motion.
+    #[inline(always)]
+    fn notice_standstill(&self, state: &mut State<R>, motor: Angle<R>) {
+        let mut faults = Faults::NONE;
+        let asked = state.course.asked();
+        let stood_still = motor == state.last_motor;
+        state.last_motor = motor;
+        let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, asked);
+        faults.raise_if(frozen, Faults::MOTOR_ENCODER_FROZEN);
+        if let Some(raw) = state.output_raw.take() {
+            let stood_still = state.last_output.replace(raw) == Some(raw);
+            self.frozen_output.step(&mut state.frozen_output_path, stood_still, asked);
+        }
+        faults
+            .raise_if(self.frozen_output.is_frozen(state.frozen_output_path), Faults::OUTPUT_ENCODER_FROZEN);
+        state.faults.standstill = faults;
+    }
+
+    /// The factors' turn.
+    #[inline(always)]
+    fn adapt(&self, state: &mut State<R>) {
+        let observed = Observed {
+            external_torque: state.observer.external_torque(),
+            torsion: state.observer.torsion(),
+            output_innovation: self.observer.moving_output_innovation(&state.observer),
+        };
+        let shares = state.guard.shares();
+        let learns = state.sound && shares.adaptation > R::ZERO && state.course.output_torque.is_none();
+        self.learning.adapt(&mut state.learning, &observed, shares, learns);
+        state.sound = true;
+    }
+
+    /// The cascade's turn: every period. Answers with the torque that is commanded.
+    #[inline(always)]
+    fn drive(&self, state: &mut State<R>, motor: &Reading<R>, faults: &mut Faults) -> R {
+        let (course, yielding) = (&state.course, &state.yielding);
+        let wanted = Wanted {
+            ahead: course.ahead,
+            velocity: course.velocity + yielding.velocity,
+            acceleration: course.known * course.acceleration + yielding.acceleration,
+        };
+        let held = state.limited || course.output_torque.is_some() || !course.planned;
+        let feedback = self.feedback.step(&mut state.feedback, motor.moved, &wanted, held) + yielding.torque;
+        let closed = match course.output_torque {
+            Some(torque) => course.transmission * torque,
+            None if !course.planned => R::ZERO,
+            None => {
+                let feedback = self.taken_over(state, feedback);
+                state.guard.shares().feedback * feedback
+            }
+        };
+        let (wanted, switched) = (state.course.torque + closed, state.course.switched);
+        state.course.switched = false;
+        let torque = self.command(state, wanted, switched, faults);
+        state.sent = [state.course.ahead, state.course.torque];
+        state.course.advance(state.yielding.velocity, self.dt);
+        torque
     }
 
     /// The feedback, which goes on from the torque (N m) so far when it was switched to.
-    fn taken_over(&self, state: &mut State<R>, followed: &Followed<R>, fed: R, feedback: R) -> R {
-        if !followed.switched {
+    fn taken_over(&self, state: &mut State<R>, feedback: R) -> R {
+        if !state.course.switched {
             return feedback;
         }
-        let left = state.fallback.torque() - fed - feedback;
+        let left = state.fallback.torque() - state.course.torque - feedback;
         feedback + self.feedback.take_over(&mut state.feedback, left)
     }
 
     /// The torque that is commanded: none without a motor encoder, never more than the motor's peak.
     fn command(&self, state: &mut State<R>, wanted: R, switched: bool, faults: &mut Faults) -> R {
-        let wanted = if faults.intersects(BLIND) { R::ZERO } else { wanted };
         let limited = wanted.limit(self.limits.motor_torque);
         faults.raise_if(limited != wanted, Faults::TORQUE_LIMITED);
         let torque = self.fallback.step(&mut state.fallback, limited, *faults, switched);
         // The feedback's integral must not run while its torque does not reach the motor.
-        state.limited = faults.intersects(BLIND) || torque != wanted;
+        state.limited = torque != wanted;
         torque
+    }
+}
+
+impl<R: Real> State<R> {
+    /// What is learnt may rest on this round.
+    #[inline(always)]
+    fn learns(&self, followed: &Followed<R>) -> bool {
+        self.sound && self.guard.shares().adaptation > R::ZERO && followed.torque.is_none()
+    }
+}
+
+impl<R: Real> Course<R> {
+    /// Speed that the motor is asked for (rad/s). Where a torque is commanded no motion is.
+    #[inline(always)]
+    fn asked(&self) -> R {
+        if self.output_torque.is_some() { R::ZERO } else { self.velocity }
+    }
+
+    /// Where a motor that is at `motor` is sent, to a count.
+    #[inline(always)]
+    fn reference(&self, motor: Angle<R>) -> Angle<R> {
+        let ahead = (self.ahead * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32();
+        Angle::from_counts(motor.counts.wrapping_add(i64::from(ahead)))
+    }
+
+    /// One control period dt (s) later, with the motor sent on by another `velocity` (rad/s).
+    #[inline(always)]
+    fn advance(&mut self, velocity: R, dt: R) {
+        let change = dt * self.acceleration;
+        self.ahead += dt * (self.velocity + R::lit(0.5) * change + velocity);
+        self.velocity += change;
+        self.acceleration += dt * self.jerk;
+        self.torque += dt * self.torque_rate;
     }
 }

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! A drive gives what it is commanded, up to an offset, a gain or a limit; what it measures carries noise. Complementary
-//! filter of the two with the corner omega = 10 rad/s: the noise of the measurement beyond it is gone, the drive's errors below it are
+//! filter of the two with the corner omega = 7 rad/s: the noise of the measurement beyond it is gone, the drive's errors below it are
 //! seen. Where the share s of the feedback is 0, somebody else moves the motor and nothing is known of the command: then the
 //! measurement alone passes a low pass of 100 rad/s, between the two g changes with s. What no noise is, a drive at its limit or a
 //! brake that keeps it off, is believed at once. Units: N m at the motor's shaft, rad/s. Exact for inputs that are held.
@@ -15,7 +15,7 @@ use crate::error::{Error, require};
 use crate::real::Real;
 
 /// omega beside a command (rad/s).
-const CORNER: f64 = 10.0;
+const CORNER: f64 = 7.0;
 /// omega without one (rad/s).
 const ALONE: f64 = 100.0;
 
@@ -71,11 +71,11 @@ mod tests {
     /// Output for a measurement that differs from the command by a wave of `frequency` (rad/s), largest after a while.
     fn passed(frequency: f64, followed: f64) -> f64 {
         let (filter, mut state) = (MotorTorque::build(200.0, DT).unwrap(), MotorTorqueState::default());
-        let outputs = (0..100_000).map(|k| {
+        let outputs = (0..200_000).map(|k| {
             let wave = (frequency * DT * f64::from(k)).sin();
             filter.step(&mut state, 2.0, followed, 2.0 * followed + wave) - 2.0 * followed
         });
-        outputs.skip(50_000).fold(0.0, f64::max)
+        outputs.skip(100_000).fold(0.0, f64::max)
     }
 
     #[test]

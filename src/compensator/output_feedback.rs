@@ -7,7 +7,7 @@
 //!
 //! theta_fs, omega_fs, tau_t and tau_fric_out are the observer's, q the setpoint, J_fs as the feed-forward winds the
 //! gear up for it, and the external torque d too, but for one that comes suddenly, which counts at once
-//! ([`Demand::external_torque`]). The friction is that of the believed motion: at rest it holds whatever there is,
+//! ([`FollowedLoad::at_once`]). The friction is that of the believed motion: at rest it holds whatever there is,
 //! and so the shift rests with it. m is e, or the measured output less q where an output encoder shows it. The shift
 //! (rad at the output) is added to where the motor side should be, and the cascade follows it. With a motor that
 //! follows, the load on its spring, J_fs*e'' = K*(shift - e), obeys the reference model
@@ -30,7 +30,7 @@
 //! A. Albu-Schaeffer, Ch. Ott, G. Hirzinger, "A unified passivity-based control framework for position, torque and
 //! impedance control of flexible joint robots", International Journal of Robotics Research 26 (2007).
 //!
-//! [`Demand::external_torque`]: crate::compensator::feed_forward::Demand::external_torque
+//! [`FollowedLoad::at_once`]: crate::compensator::external_load::FollowedLoad::at_once
 
 use crate::error::{Error, require};
 use crate::real::Real;
@@ -97,7 +97,7 @@ pub struct Shift<R> {
 
 impl<R: Real> OutputFeedback<R> {
     /// From the gains without and with an output encoder, J_fs (kg m^2), the output's fastest speed (rad/s), one count of its
-    /// encoder (rad) and the control period dt (s).
+    /// encoder (rad) and the time dt between its turns (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `stiffening`, `damping`, `integral` or `flexspline_inertia`.
@@ -136,7 +136,7 @@ impl<R: Real> OutputFeedback<R> {
         }
     }
 
-    /// One control period; `runs` is false while the motor cannot follow, and z stands still.
+    /// One turn; `runs` is false while the motor cannot follow, and z stands still.
     #[inline(always)]
     pub fn step(&self, state: &mut OutputFeedbackState<R>, deviation: &Deviation<R>, runs: bool) -> Shift<R> {
         let gains = &self.gains[usize::from(deviation.measured.is_some())];

@@ -126,6 +126,12 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
         (self.line.torque(torsion) + self.damping(torsion) * rate).limit(self.largest_torque)
     }
 
+    /// A torque of [`Self::torque`] is at the end of its range.
+    #[inline(always)]
+    pub fn saturates(&self, torque: R) -> bool {
+        torque.abs() >= self.largest_torque
+    }
+
     /// Torsion that carries a torque at rest (rad); the line goes on past its range.
     #[inline(always)]
     pub fn torsion(&self, torque: R) -> R {
@@ -233,7 +239,7 @@ impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Reduced<R, N, M>
             flange: torque,
             ellipse: R::ZERO,
             loss: (torque - elastic) * rate,
-            saturated: torque.abs() >= self.largest_torque,
+            saturated: self.saturates(torque),
         }
     }
 

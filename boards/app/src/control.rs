@@ -3,7 +3,7 @@
 use crate::telemetry::{Record, Sender};
 use crate::{Compensator, JOINT, State};
 use strainwave::Error;
-use strainwave::compensator::{Input, Output};
+use strainwave::compensator::{Commanded, Input, Output};
 
 /// Control periods in a second (Hz).
 pub const RATE: u32 = 10_000;
@@ -59,7 +59,8 @@ impl<B: Board> Control<B> {
 
     #[inline]
     fn control(&mut self, input: &Input<f32>) {
-        let output = control_step(&self.compensator, &mut self.state, input);
+        control_step(&self.compensator, &mut self.state, input);
+        let output = self.compensator.output(&self.state);
         self.board.output(&output);
         self.overruns = self.overruns.saturating_add(u32::from(self.board.overran()));
         if self.periods.is_multiple_of(B::REPORT_EVERY) {
@@ -71,6 +72,6 @@ impl<B: Board> Control<B> {
 /// The step that the budget counts: a symbol of its own in the linked image.
 #[inline(never)]
 #[cfg_attr(target_os = "none", unsafe(no_mangle))]
-pub fn control_step(compensator: &Compensator, state: &mut State, input: &Input<f32>) -> Output<f32> {
-    compensator.step(state, input)
+pub fn control_step(compensator: &Compensator, state: &mut State, input: &Input<f32>) -> Commanded<f32> {
+    compensator.control(state, input)
 }

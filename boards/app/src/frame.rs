@@ -2,7 +2,7 @@
 //!
 //! Fields in the order of their declaration, little-endian, no padding; f32 as its raw bits, so
 //! that NaNs and signed zeros survive; a set of faults as its bits, of which those without a name are
-//! ignored; an `Option` as a flag byte (0 absent, 1 present) followed by the value, which is sent as zero and
+//! ignored but the highest: the estimate is of this step; an `Option` as a flag byte (0 absent, 1 present) followed by the value, which is sent as zero and
 //! ignored when absent.
 //! A command is a byte of its kind (0 position, 1 velocity, 2 torque), an angle and four floats, of which those that the
 //! kind has not are zero, and ignored: position and its derivatives; velocity, acceleration; torque.
@@ -26,6 +26,9 @@ const COMMAND: usize = 1 + ANGLE + 4 * WORD;
 pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + COMMAND + 2 * 8 * WORD;
 /// Length of an output frame (bytes): torques and reference, estimate, its deviation, factors, faults.
 pub const OUTPUT_BYTES: usize = (2 * WORD + ANGLE) + (ANGLE + 6 * WORD) + 7 * WORD + 4 * WORD + WORD;
+
+/// Where the faults' word says whether the estimate is of this step.
+const OBSERVED_BIT: u32 = 31;
 
 /// The bytes of an input.
 pub fn encode_input(input: &Input<f32>) -> [u8; INPUT_BYTES] {
@@ -146,15 +149,17 @@ pub trait Fields {
 
     /// An output.
     fn output(&mut self, output: &mut Output<f32>) {
-        let Output { motor_torque, feed_forward_torque, motor_reference, estimate, factors, faults } = output;
+        let Output { motor_torque, feed_forward_torque, motor_reference, estimate, .. } = output;
         self.f32s([motor_torque, feed_forward_torque]);
         self.angle(motor_reference);
         self.estimate(estimate);
+        let Output { observed, factors, faults, .. } = output;
         let Factors { inertia, input_friction, output_friction, compliance } = factors;
         self.f32s([inertia, input_friction, output_friction, compliance]);
-        let mut bits = faults.bits();
+        let mut bits = faults.bits() | u32::from(*observed) << OBSERVED_BIT;
         self.u32(&mut bits);
         *faults = Faults::from_bits(bits);
+        *observed = bits >> OBSERVED_BIT != 0;
     }
 
     /// An estimate with its deviation.

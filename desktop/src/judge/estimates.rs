@@ -1,11 +1,15 @@
 //! Estimates beside what is true, and how often they are off by more than three of their stated deviations.
 //!
-//! Motion is estimated at the time of the reading; torsion, torques and friction are those of the period before, and
-//! so is the load that acted.
+//! They are judged in the periods in which the observer had its turn. Motion is estimated at the time of the reading;
+//! torsion, torques and friction are those of its turn before, and so is the load that acted.
 
 use strainwave::compensator::Estimate;
+use strainwave::compensator::turns::OBSERVED;
 
 use crate::closed_loop::Row;
+
+/// Control periods from one turn of the observer to the next.
+const TURN: usize = OBSERVED as usize;
 
 /// Deviations within which an estimate is to be.
 const WITHIN: f64 = 3.0;
@@ -20,7 +24,7 @@ pub struct Estimated {
     estimate: fn(&Estimate<f32>) -> f64,
     deviation: fn(&Estimate<f32>) -> f32,
     truth: fn(&Row) -> f64,
-    /// It is that of the period before.
+    /// It is that of the turn before.
     before: bool,
 }
 
@@ -88,7 +92,7 @@ pub const ALL: [Estimated; ESTIMATES] = [
 ];
 
 impl Estimated {
-    /// Estimate less truth, in the unit, of two rows that follow each other.
+    /// Estimate less truth, in the unit, of the rows of two turns that follow each other.
     pub fn error(&self, [before, now]: [&Row; 2]) -> f64 {
         (self.estimate)(&now.answer.estimate) - (self.truth)(if self.before { before } else { now })
     }
@@ -104,7 +108,7 @@ impl Estimated {
     }
 }
 
-/// How often each estimate was outside, in how many periods.
+/// How often each estimate was outside, in how many turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outside {
     times: [usize; ESTIMATES],
@@ -112,17 +116,18 @@ pub struct Outside {
 }
 
 impl Outside {
-    /// Counts rows that follow each other.
+    /// Counts rows of control periods that follow each other.
     pub fn count(&mut self, rows: &[Row]) {
-        for pair in rows.windows(2) {
+        let seen = rows.windows(TURN + 1).filter(|rows| rows[TURN].answer.observed);
+        for rows in seen.clone() {
             for (times, estimated) in self.times.iter_mut().zip(&ALL) {
-                *times += usize::from(estimated.is_outside(&pair[0], &pair[1]));
+                *times += usize::from(estimated.is_outside(&rows[0], &rows[TURN]));
             }
         }
-        self.periods += rows.len().saturating_sub(1);
+        self.periods += seen.count();
     }
 
-    /// Share of the periods in which that estimate was outside which was so most often; NaN of none.
+    /// Share of the turns in which that estimate was outside which was so most often; NaN of none.
     pub fn worst_share(&self) -> f64 {
         let most = self.times.iter().copied().max().unwrap_or_default();
         most as f64 / self.periods as f64
@@ -141,6 +146,7 @@ mod tests {
             Row { output: 0.3, output_velocity: 2.0, torsion: 1e-3, transmitted: 20.0, ..Row::default() };
         row.friction = [0.05, 1.0];
         row.demand.load = 30.0;
+        row.answer.observed = true;
         let estimate = &mut row.answer.estimate;
         estimate.output_position = Angle::from_radians_f64(0.3 + off);
         for (value, truth) in [
@@ -176,9 +182,17 @@ mod tests {
 
     #[test]
     fn three_deviations_are_inside_and_more_are_not() {
-        assert_eq!(worst_share(&[row(0.0), row(2.9), row(-2.9)]), 0.0);
-        assert_eq!(worst_share(&[row(0.0), row(3.1), row(-3.1), row(0.0), row(0.0)]), 0.5);
-        assert!(worst_share(&[]).is_nan() && worst_share(&[row(0.0), row(f64::NAN)]) == 1.0);
+        assert_eq!(worst_share(&[row(0.0), row(0.0), row(2.9), row(-2.9)]), 0.0);
+        let rows = [row(0.0), row(0.0), row(3.1), row(-3.1), row(0.0), row(0.0)];
+        assert_eq!(worst_share(&rows), 0.5);
+        assert!(worst_share(&[]).is_nan() && worst_share(&[row(0.0), row(0.0), row(f64::NAN)]) == 1.0);
+    }
+
+    #[test]
+    fn what_was_not_observed_in_a_period_is_not_judged_in_it() {
+        let mut held = row(9.0);
+        held.answer.observed = false;
+        assert_eq!(worst_share(&[row(0.0), held, row(0.0), held, row(3.1)]), 0.5);
     }
 
     /// One estimate that is off is not hidden by six that are not.
@@ -186,6 +200,6 @@ mod tests {
     fn the_worst_estimate_counts() {
         let mut off = row(0.0);
         off.answer.estimate.external_torque += 10.0;
-        assert_eq!(worst_share(&[row(0.0), off, row(0.0)]), 0.5);
+        assert_eq!(worst_share(&[row(0.0), row(0.0), off, row(0.0)]), 0.5);
     }
 }

@@ -5,7 +5,7 @@
 //! phi   = r*theta_wg - theta_fs,                             tau_t = K1*phi + c*dphi + s
 //! ```
 //!
-//! A is one semi-implicit Euler step of the control period dt, as in the observer itself; friction enters as noise,
+//! A is one semi-implicit Euler step of the observer's period, as in the observer itself; friction enters as noise,
 //! but for its viscous part.
 //!
 //! Noise: encoders by their resolution (q/sqrt(12)) plus jitter in counts of a 19-bit encoder; motor torque and
@@ -14,10 +14,15 @@
 //! it, r times.
 
 use nalgebra::{DMatrix, DVector, RowDVector};
+use strainwave::compensator::turns::{OBSERVED, ROUND};
 
 use crate::draw;
 use crate::gear_file::{Friction, GearFile};
 use crate::joint::CONTROL_PERIOD;
+
+/// How many readings of a sensor in each control period one of the observer's steps stands for, and its period (s).
+const READINGS: f64 = OBSERVED as f64;
+pub(super) const DT: f64 = READINGS * CONTROL_PERIOD;
 
 /// What the filter takes the world to be like.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +31,7 @@ pub(super) struct Unknown {
     pub wander: f64,
     /// Share of the Coulomb friction that is renewed every control period.
     pub friction: f64,
-    /// Noise of the motor's encoder besides its resolution, in counts of 2^19 a turn.
+    /// Noise of the motor's encoder besides its resolution, in counts of 2^19 a turn. Of readings in every control period.
     pub jitter: f64,
     /// Of the output's: in slow motion the error of a count is no noise but a wave that follows the angle, so that its
     /// readings are averaged over a time in which many counts pass. Of readings in every control period.
@@ -35,7 +40,7 @@ pub(super) struct Unknown {
 
 /// As the gains are designed. They grow with the wander: where the stiffness is off by 10 %, the filter of the motor
 /// encoder alone loses its stability at less than five times this.
-pub(super) const DESIGN: Unknown = Unknown { wander: 0.34, friction: 0.05, jitter: 3.0, output_jitter: 40.0 };
+pub(super) const DESIGN: Unknown = Unknown { wander: 0.34, friction: 0.05, jitter: 3.0, output_jitter: 30.0 };
 
 impl Unknown {
     /// As the gains of a gear are designed, whose file may have a wander and encoder noise of its own.
@@ -113,9 +118,10 @@ impl Linearised {
         let r: f64 = file.gear.signed_ratio().value();
         let transmitted = torque(file, sixth);
         let bits = file.sensors.motor_encoder_bits;
-        let encoder = |bits| encoder_noise(bits, unknown.jitter);
+        let encoder = |bits| encoder_noise(bits, unknown.jitter / READINGS.sqrt());
         // Averaged over the same time: the fewer readings it has, the more each of them says.
-        let output_jitter = unknown.output_jitter / f64::from(file.sensors.output_encoder_period).sqrt();
+        let output_jitter =
+            unknown.output_jitter / f64::from(file.sensors.output_encoder_period.max(ROUND)).sqrt();
         Self {
             transition,
             noise: DMatrix::from_diagonal(&variances),
@@ -157,9 +163,9 @@ fn torque(file: &GearFile, sixth: Sixth) -> [f64; 6] {
     [k1 * r, damping * r, -k1, -damping, 0.0, stiffness_torque]
 }
 
-/// One control period of the linearised gear.
+/// One period of the observer of the linearised gear.
 fn transition(file: &GearFile, sixth: Sixth) -> [[f64; 6]; 6] {
-    let dt = CONTROL_PERIOD;
+    let dt = DT;
     let r: f64 = file.gear.signed_ratio().value();
     let viscous = [&file.friction.input, &file.friction.output].map(|side| side.viscous.unwrap_or_default());
     let held = f64::from(u8::from(sixth == Sixth::Held));
@@ -178,15 +184,15 @@ fn transition(file: &GearFile, sixth: Sixth) -> [[f64; 6]; 6] {
     ]
 }
 
-/// Variances of what one control period adds that the model does not know.
+/// Variances of what one period of the observer adds that the model does not know.
 fn process_noise(file: &GearFile, sixth: Sixth, unknown: &Unknown) -> [f64; 6] {
-    let dt = CONTROL_PERIOD;
+    let dt = DT;
     let r: f64 = file.gear.signed_ratio().value();
     let least = LEAST_NOISE * file.gear.rated_torque;
     let friction = |side: &Friction| unknown.friction * side.coulomb.unwrap_or_default();
     let motor = file.sensors.motor_torque_noise.hypot(friction(&file.friction.input)).max(least * r.abs());
     let output = friction(&file.friction.output).max(least);
-    let speed = |torque: f64, inertia: f64| (torque / inertia * dt).powi(2);
+    let speed = |torque: f64, inertia: f64| (torque / inertia * dt).powi(2) / READINGS;
     let motor = speed(motor, file.inertia.wave_generator);
     let output = speed(output, file.inertia.flexspline);
     let wander = (unknown.wander * file.gear.rated_torque).powi(2) * dt;

@@ -1,7 +1,7 @@
 //! Observer gains and deviations: the steady-state Kalman filter of the linearised two-mass gear, for each set of sensors.
 //!
 //! A set's filter corrects by the motor encoder, then by the strain gauge, then by the output encoder, each gain from
-//! the covariance that the one before left. With an output encoder that reads every m-th period only, the filter between two
+//! the covariance that the one before left. An output encoder is looked at every m-th period of the observer only: the filter between two
 //! readings is that without it, F = (1 - l C) A, so that an encoder that fails leaves a filter that is sound; the
 //! reading's gain is that of the system over m periods, A -> F^m. A reading that is D periods late corrects
 //! by F^D of its gain ([`strainwave::compensator::observer::past`]). Units: rad, rad/s, N m; signs as in
@@ -15,14 +15,14 @@ mod tests;
 use nalgebra::{DMatrix, DVector};
 use strainwave::compensator::EstimateDeviation;
 use strainwave::compensator::observer::deviation::{Spread, Uncertainty};
-use strainwave::compensator::observer::past::LONGEST_DELAY;
+use strainwave::compensator::observer::past::STEPS;
 use strainwave::compensator::observer::{Correction, GainSets, Gains, ObserverParams, STATES};
+use strainwave::compensator::turns::{OBSERVED, ROUND};
 use strainwave::{Error, Real};
 
 use crate::draw;
 use crate::gear_file::{Friction, GearFile};
-use crate::joint::CONTROL_PERIOD;
-use linearised::{Linearised, Sensor, Sixth, Unknown, encoder_noise, resolution};
+use linearised::{DT, Linearised, Sensor, Sixth, Unknown, encoder_noise, resolution};
 
 /// Eigenvalue from which on a mode counts as one that the motor's encoder does not show: slower than a second.
 const UNSEEN: f64 = 1.0 - 1e-4;
@@ -145,8 +145,10 @@ impl Filter {
         };
         let model = Linearised::of(file, sixth, &Unknown::designed(file));
         let sensors = &file.sensors;
-        let period = if has_output { sensors.output_encoder_period } else { 1 };
-        let delay = if has_output { sensors.output_encoder_delay } else { 0 };
+        // In the observer's periods: it looks at the output once a round.
+        let period = sensors.output_encoder_period.div_ceil(ROUND) * (ROUND / OBSERVED);
+        let delay = sensors.output_encoder_delay.div_ceil(OBSERVED);
+        let [period, delay] = if has_output { [period, delay] } else { [1, 0] };
         let mut filter = Self::without_output(model, sixth, has_output, has_torque, period, delay);
         filter.correct_between(file, set)?;
         filter.correct_output()?;
@@ -253,7 +255,7 @@ impl Filter {
             motor: self.correction(motor),
             torque: self.correction(torque),
             output: self.correction(&late),
-            past: std::array::from_fn::<_, LONGEST_DELAY, _>(past),
+            past: std::array::from_fn::<_, STEPS, _>(past),
             spread: self.spread(file),
         }
     }
@@ -273,7 +275,7 @@ impl Filter {
         let (n, rated) = (f64::from(file.gear.signed_ratio().n()).abs(), file.gear.rated_torque);
         let inertia = file.inertia.flexspline;
         let settling = self.settling();
-        let time = settling * CONTROL_PERIOD;
+        let time = settling * DT;
         let standing = self.sixth == Sixth::Held;
         let moving_balance = !(self.has_torque || standing && self.has_output);
         let blind = !self.has_output && !self.has_torque;
@@ -301,7 +303,7 @@ impl Filter {
                 1.0 / file.stiffness.k1
             }),
             velocity_by_torque: R::lit(time / inertia),
-            unseen: [share(blind, UNSEEN_RATE * rated * CONTROL_PERIOD), share(blind, rated / 3f64.sqrt())],
+            unseen: [share(blind, UNSEEN_RATE * rated * DT), share(blind, rated / 3f64.sqrt())],
             settling: R::lit(settling),
             inverse_settling: R::lit(1.0 / settling),
             inverse_sliding_speed: R::lit(

@@ -119,13 +119,15 @@ pub struct AdaptationState<R: Real> {
     bias: R,
 }
 
-/// What the model says of this control period, from the nominal gear.
+/// What the model says of this turn, from the nominal gear.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Excitation<R> {
     /// dq (rad/s).
     pub velocity: R,
     /// ddq (rad/s^2).
     pub acceleration: R,
+    /// dddq (rad/s^3).
+    pub jerk: R,
     /// ddddq (rad/s^4).
     pub snap: R,
     /// w*tau_fric_in, 0 where the setpoint rests (N m).
@@ -134,7 +136,7 @@ pub struct Excitation<R> {
     pub output_friction: R,
 }
 
-/// What the observer says of this control period.
+/// What the observer says of this turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Observed<R> {
     /// d (N m).
@@ -198,7 +200,7 @@ impl<R: Real> Factors<R> {
 
 impl<R: Real> AdaptationParams<R> {
     /// Prepares the adaptation of a joint with the ratio 1/n, flexspline inertia J_fs (kg m^2) and peak torque at the
-    /// output (N m), for the control period dt (s).
+    /// output (N m), for turns that come every dt (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `adaptation_bounds`, `adaptation_levels`, `adaptation_rates` (also when so fast that a step at the peak torque
@@ -252,7 +254,7 @@ impl<R: Real> Adaptation<R> {
         AdaptationState { factors: stored.within(&self.bounds), ..AdaptationState::default() }
     }
 
-    /// One control period; learns while `learns`. Answers with epsilon (N m), 0 where nothing is to be learnt.
+    /// One turn; learns while `learns`. Answers with epsilon (N m), 0 where nothing is to be learnt.
     #[inline(never)] // The timing budget counts blocks by their symbols.
     pub fn step(
         &self,

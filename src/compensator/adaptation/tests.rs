@@ -48,6 +48,7 @@ impl Joint {
         let excitation = Excitation {
             velocity,
             acceleration: -20.0 * slow.sin() - 30.0 * fast.sin(),
+            jerk: 0.0,
             snap: 80.0 * slow.sin() + 3630.0 * fast.sin(),
             input_friction: 0.035 * (N * velocity).signum(),
             output_friction: velocity.signum() * (1.0 - 0.9 * (-velocity.abs()).exp()),
@@ -208,6 +209,7 @@ proptest! {
             let excitation = Excitation {
                 velocity: 0.1 * at(6),
                 acceleration: at(0),
+                jerk: 1e4 * at(8),
                 snap: 1e4 * at(7),
                 input_friction: 0.001 * at(1),
                 output_friction: at(2),

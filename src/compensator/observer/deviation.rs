@@ -4,7 +4,7 @@
 //! s_in   = b_in  + u_F*|tau_fric_in|            s_out = b_out*(1 - |omega_fs|/v_s, at least a tenth) + u_F*|tau_fric_out|
 //! e     += g*(l_d.innovation - e)                what the innovations keep asking of d, low-passed
 //! h      = max(T*|e|, (1 - 1/T)*h)               what d still misses then; T: slowest mode of the observer (periods)
-//! w      = w + rated*dt while the motor stands, up to rated/sqrt(3); 0 where it moves, or where the output is seen
+//! w      = w + rated*T_o while the motor stands, up to rated/sqrt(3); 0 where it moves, or where the output is seen
 //! s_t    = b_t + n*s_in + u_K*|tau_t|*k + h + w
 //! s_d    = b_d + s_t - b_t + s_out + u_J*J_fs*|ddtheta_fs|
 //! s_phi  = b_phi + c*s_t + u_K*|phi|*a           output angle alike
@@ -17,7 +17,8 @@
 //! friction (n = 1/|r|), and the torsion from the torque; with the output's the torsion is measured, and where the motor
 //! stands the torque follows from it (k = 1). Torque in N m, angle in rad.
 //!
-//! Evaluated once in [`PERIODS`] control periods, with the sum of what the innovations asked in them, and held in between.
+//! Evaluated once in about [`PERIODS`] periods T_o of the observer, with the sum of what the innovations asked in them, and held
+//! in between; while a share is on its way it is once in half as many again.
 //!
 //! It is a declared uncertainty, not a covariance that is carried along: terms are added as if they all erred the same way,
 //! so that the true error lies inside three of them at least as often as a normal distribution would have it.
@@ -26,14 +27,14 @@
 use crate::compensator::EstimateDeviation;
 use crate::real::Real;
 
-/// Control periods from one evaluation to the next.
-pub const PERIODS: u32 = 2;
+/// Periods of the observer from one evaluation to the next.
+pub const PERIODS: u32 = 4;
 
 /// The same as a number.
 const STEP: f64 = PERIODS as f64;
 
-/// Periods of the low pass of what the innovations ask, 3.2 ms at 10 kHz.
-const FILTER: f64 = 32.0;
+/// Periods of the low pass of what the innovations ask, 3.2 ms.
+const FILTER: f64 = 16.0;
 
 /// How uncertain the model is, as standard deviations relative to the parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -61,9 +62,9 @@ pub struct Spread<R> {
     pub angle_by_torque: R,
     /// c' (rad/(N m s)).
     pub velocity_by_torque: R,
-    /// Rate of w (N m per control period), and its largest value (N m).
+    /// Rate of w (N m per period of the observer), and its largest value (N m).
     pub unseen: [R; 2],
-    /// T (control periods).
+    /// T (periods of the observer).
     pub settling: R,
     /// 1/T.
     pub inverse_settling: R,
@@ -74,7 +75,7 @@ pub struct Spread<R> {
 /// What is remembered of the innovations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpreadState<R> {
-    /// e (N m per control period).
+    /// e (N m per period of the observer).
     asked: R,
     /// h (N m).
     missed: R,
@@ -82,8 +83,8 @@ pub struct SpreadState<R> {
     unseen: R,
 }
 
-/// What the deviations scale with, in this control period.
-#[derive(Clone, Copy, Debug)]
+/// What the deviations scale with, from the observer's last period.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Magnitudes<R> {
     /// l_d.innovation, all of the [`PERIODS`] (N m).
     pub asked: R,
@@ -134,7 +135,7 @@ impl<R: Real> Spread<R> {
         .all(|number| number.is_finite())
     }
 
-    /// Deviations after [`PERIODS`] more control periods; `uncertainty` is the model's.
+    /// Deviations after [`PERIODS`] more periods; `uncertainty` is the model's.
     #[inline(always)]
     pub fn step(
         &self,

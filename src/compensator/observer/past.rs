@@ -1,7 +1,7 @@
-//! Where the output was believed to be over the last control periods: what a late reading is compared with.
+//! Where the output was believed to be over the observer's last periods: what a late reading is compared with.
 //!
 //! ```text
-//! innovation = theta_o(k) - past(k - D)            D: delay of the reading, control periods
+//! innovation = theta_o(k) - past(k - D)            D: delay of the reading
 //! past(k - D + j) += c_j*innovation                j = 1..=D;   c_j = C F^j l_o,  state += F^D l_o*innovation
 //! ```
 //!
@@ -10,23 +10,30 @@
 //! obeys the very equation that it obeys without delay: as stable, and no slower but for the delay itself. Angles
 //! are phases of 2^32 counts a turn; a correction is rounded to one, 1.5e-9 rad.
 //!
+//! D is counted in periods of the observer, the delay rounded up; the innovation in control periods: between two angles
+//! of the past is their mean.
+//!
 //! T. Larsen, N. Andersen, O. Ravn, N. Poulsen, "Incorporation of time delayed measurements in a discrete-time Kalman
 //! filter", IEEE Conference on Decision and Control (1998).
 
+use crate::compensator::turns::OBSERVED;
 use crate::real::{RADIANS_PER_COUNT, Real};
 
 /// Longest delay of a reading (control periods).
 pub const LONGEST_DELAY: usize = 16;
 
+/// The same in periods of the observer.
+pub const STEPS: usize = LONGEST_DELAY / OBSERVED as usize;
+
 /// A power of two above it: an index is masked.
-const PLACES: usize = 32;
+const PLACES: usize = 16;
 
 /// Believed output angles, newest last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Past {
     phases: [u32; PLACES],
     newest: usize,
-    /// How many of them are known, up to [`LONGEST_DELAY`] + 1.
+    /// How many of them are known, up to [`STEPS`] + 2.
     known: usize,
 }
 
@@ -37,24 +44,31 @@ impl Default for Past {
 }
 
 impl Past {
-    /// Adds the angle of this control period.
+    /// Adds the angle of this period.
     #[inline(always)]
     pub fn push(&mut self, phase: u32) {
         self.newest = (self.newest + 1) % PLACES;
         self.phases[self.newest] = phase;
-        self.known = (self.known + 1).min(LONGEST_DELAY + 1);
+        self.known = (self.known + 1).min(STEPS + 2);
     }
 
-    /// The angle so many periods before the newest; `None` where it is not known.
+    /// The angle so many control periods before the newest, between two of them their mean; `None` where it is not known.
     #[inline(always)]
     pub fn before(&self, periods: usize) -> Option<u32> {
-        (periods < self.known).then(|| self.phases[self.newest.wrapping_sub(periods) % PLACES])
+        let steps = periods / OBSERVED as usize;
+        let between = !periods.is_multiple_of(OBSERVED as usize);
+        let phase = |steps: usize| self.phases[self.newest.wrapping_sub(steps) % PLACES];
+        (steps + usize::from(between) < self.known).then(|| {
+            let later = phase(steps);
+            let step = if between { later.wrapping_sub(phase(steps + 1)).cast_signed() } else { 0 };
+            later.wrapping_sub((step >> 1).cast_unsigned())
+        })
     }
 
     /// Corrects the angles after the one so many periods before the newest by `by[0]`, `by[1]`, ... times the
     /// innovation (rad).
     #[inline(always)]
-    pub fn correct<R: Real>(&mut self, periods: usize, by: &[R; LONGEST_DELAY], innovation: R) {
+    pub fn correct<R: Real>(&mut self, periods: usize, by: &[R; STEPS], innovation: R) {
         let counts = innovation * R::lit(1.0 / RADIANS_PER_COUNT);
         for (back, gain) in (0..periods).rev().zip(by) {
             let phase = &mut self.phases[self.newest.wrapping_sub(back) % PLACES];
@@ -72,13 +86,14 @@ mod tests {
         let mut past = Past::default();
         assert_eq!(past.before(0), None);
         for phase in 1..100 {
-            past.push(phase);
-            for back in 0..=LONGEST_DELAY as u32 {
-                let wanted = (phase > back).then(|| phase - back);
+            // Two control periods between two of them: in between is their mean.
+            past.push(2 * phase);
+            for back in 0..=LONGEST_DELAY as u32 + 1 {
+                let wanted = (2 * phase >= back + 2).then(|| 2 * phase - back);
                 assert_eq!(past.before(back as usize), wanted, "{back} before {phase}");
             }
         }
-        assert_eq!(past.before(LONGEST_DELAY + 1), None);
+        assert_eq!(past.before(LONGEST_DELAY + 4), None);
     }
 
     #[test]
@@ -87,7 +102,7 @@ mod tests {
         (0..20).for_each(|_| past.push(u32::MAX));
         let gains = core::array::from_fn(|k| (k + 1) as f64);
         past.correct(3, &gains, 2.0 * RADIANS_PER_COUNT * (1.0 + 1e-9));
-        let phases = [0, 1, 2, 3, 4].map(|back| past.before(back).unwrap());
+        let phases = [0, 2, 4, 6, 8].map(|back| past.before(back).unwrap());
         assert_eq!(phases, [5, 3, 1, u32::MAX, u32::MAX]);
     }
 }

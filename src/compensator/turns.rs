@@ -1,0 +1,72 @@
+//! What has its turn in which control period.
+//!
+//! | period of a round | turn |
+//! | --- | --- |
+//! | first, third | the observer, and the load that it sees |
+//! | second | command, feed-forward, output feedback, learnt ripple |
+//! | fourth | the feed-forward's models, and by turns factors, deviations, shares |
+//!
+//! Encoders, cascade and torque command run in every one. So the model costs in each period what one of its parts does, and what
+//! a sensor says is in the torque two periods later at most.
+
+/// Control periods from one turn of the observer to the next.
+pub const OBSERVED: u32 = 2;
+
+/// Control periods from one turn of everything else to the next.
+pub const ROUND: u32 = 4;
+
+/// Whose turn it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Turn {
+    /// The observer's.
+    #[default]
+    Observe,
+    /// The feed-forward's.
+    Plan,
+    /// The observer's again.
+    ObserveAgain,
+    /// Of what is learnt.
+    Learn,
+}
+
+impl Turn {
+    /// In the next control period.
+    #[inline(always)]
+    #[must_use]
+    pub fn next(self) -> Self {
+        match self {
+            Self::Observe => Self::Plan,
+            Self::Plan => Self::ObserveAgain,
+            Self::ObserveAgain => Self::Learn,
+            Self::Learn => Self::Observe,
+        }
+    }
+}
+
+/// What the fourth period of a round is for beside the feed-forward's models.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Slow {
+    /// The factors.
+    #[default]
+    Adapt,
+    /// The estimates' deviations, and encoders that stand still.
+    Deviate,
+    /// The shares, while one is on its way.
+    Lead,
+}
+
+/// How many there are.
+pub const SLOW_TURNS: u32 = 3;
+
+impl Slow {
+    /// In the next round.
+    #[inline(always)]
+    #[must_use]
+    pub fn next(self, shares_have_arrived: bool) -> Self {
+        match self {
+            Self::Adapt => Self::Deviate,
+            Self::Deviate if !shares_have_arrived => Self::Lead,
+            Self::Deviate | Self::Lead => Self::Adapt,
+        }
+    }
+}
