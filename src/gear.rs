@@ -441,8 +441,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(20))]
 
-        /// Power in at both ports = rate of stored energy + losses, and the losses are never negative. In slower motions most of
-        /// what moves is presliding, whose force is that of the step's start.
+        /// Power in at both ports = rate of stored energy + losses, and the losses are never negative. In slower
+        /// motions most of what moves is presliding, whose force is that of the step's start.
         #[test]
         fn the_power_balance_closes(amplitude in 3.0..20.0f64, frequency in 0.5..20.0f64, load in -60.0..60.0f64) {
             let params = params();

@@ -14,11 +14,12 @@ use crate::progress::Progress;
 
 /// Count instructions and cycles of the control step and of each block in it; flash, RAM and stack
 ///
-/// Runs the firmware through S1-S6 in the emulator, with the motor's sensors and with both encoders, and a plugin that counts. Instructions are exact;
-/// cycles are a model of a Cortex-M4F with zero wait states, at the pessimistic end, not silicon. Proves
-/// on the linked image that no panic and no allocator is in it and that the control step reaches no
-/// double-precision routine. Counts the literal mesh of eq. (6), 8 x 3 in f32, in an image of its own beside
-/// the reduced flexspline of the control step, and hysteresis along the histories that cost most. Bounds are those of boards/BOARD/budget.toml.
+/// Runs the firmware through S1-S6 in the emulator, with the motor's sensors and with both encoders, and a plugin
+/// that counts. Instructions are exact; cycles are a model of a Cortex-M4F with zero wait states, at the pessimistic
+/// end, not silicon. Proves on the linked image that no panic and no allocator is in it and that the control step
+/// reaches no double-precision routine. Counts the literal mesh of eq. (6), 8 x 3 in f32, in an image of its own
+/// beside the reduced flexspline of the control step, and hysteresis along the histories that cost most. Bounds are
+/// those of boards/BOARD/budget.toml.
 #[derive(Args)]
 pub struct Arguments {
     /// Only this board; every board when left out

@@ -27,7 +27,8 @@ const INERTIA_RATE: f64 = 30.0;
 const FRICTION_RATES: [f64; 2] = [1.2, 0.3];
 /// How fast compliance is learnt at the rated torque's torsion (1/s).
 const COMPLIANCE_RATE: f64 = 20.0;
-/// The same without an output encoder, at a flexing torque of so many rated torques, which is also the largest that counts.
+/// The same without an output encoder, at a flexing torque of so many rated torques, which is also the largest that
+/// counts.
 const FLEXING_RATE: f64 = 60.0;
 const FLEXING_LEVEL: f64 = 0.06;
 /// Half width of the dead zone, in rated torques.

@@ -194,7 +194,8 @@ fn a_frozen_encoder_is_named_while_the_joint_is_asked_to_move() {
     assert_eq!(faults.names().filter(|name| *name == "motor encoder frozen").count(), 1);
 }
 
-/// The motor is turned away from an output that stands still, at 1.2 rad/s of the output, as if the teeth had ratcheted.
+/// The motor is turned away from an output that stands still, at 1.2 rad/s of the output, as if the teeth had
+/// ratcheted.
 #[test]
 fn a_torsion_beyond_the_gears_range_is_named() {
     let (compensator, mut state) = settled();

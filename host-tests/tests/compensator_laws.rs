@@ -122,7 +122,8 @@ fn an_output_encoder_jump_is_judged_by_the_outputs_speed() {
     assert!(jumped.faults.contains(Faults::OUTPUT_ENCODER_JUMP), "{jumped:?}");
 }
 
-/// A reading of an encoder that reads in every period, but not in the one in which it is looked at, is not taken for one of now.
+/// A reading of an encoder that reads in every period, but not in the one in which it is looked at, is not taken for
+/// one of now.
 #[test]
 fn a_reading_that_is_missed_is_no_reading() {
     let compensator = joint_params::<f32>(&GearFile::default_gear()).unwrap().build().unwrap();

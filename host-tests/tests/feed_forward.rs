@@ -172,7 +172,8 @@ fn through_a_reversal_it_follows_presliding() {
     assert!(missed < 0.05 * jumped, "{missed} {jumped}");
 }
 
-/// The angle (rad, at the output) by which the sum of the demanded speeds is off the reference, at its largest, over a fast move.
+/// The angle (rad, at the output) by which the sum of the demanded speeds is off the reference, at its largest, over
+/// a fast move.
 fn speed_missed(shares: &Shares<f64>) -> f64 {
     let mut joint = Joint::new();
     let ratio = f64::from(joint.params.gear.ratio);
@@ -194,8 +195,8 @@ fn speed_missed(shares: &Shares<f64>) -> f64 {
     (missed / ratio).abs()
 }
 
-/// What the cascade is told of the motor's speed is how fast its reference moves, friction's wind-up included, which is 400 urad
-/// here: a speed without it would drag the motor along behind its reference.
+/// What the cascade is told of the motor's speed is how fast its reference moves, friction's wind-up included, which
+/// is 400 urad here: a speed without it would drag the motor along behind its reference.
 #[test]
 fn the_speed_is_that_of_the_reference() {
     let missed = speed_missed(&Shares { kinematic_error: 0.0, ..Shares::ALL });

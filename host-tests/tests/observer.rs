@@ -37,8 +37,8 @@ fn measured(motor: Motion<f64>, output: Option<Motion<f64>>, motor_torque: f64) 
     }
 }
 
-/// Largest external torque (N m) that is believed of a free joint whose motor's torque, held over each control period, swings by
-/// 1 N m at 130 Hz: 100 N m at the output.
+/// Largest external torque (N m) that is believed of a free joint whose motor's torque, held over each control
+/// period, swings by 1 N m at 130 Hz: 100 N m at the output.
 fn load_of_a_swinging_motor() -> f64 {
     let joint = joint();
     let (model, plant) =
@@ -65,7 +65,8 @@ fn load_of_a_swinging_motor() -> f64 {
     largest
 }
 
-/// Taken for the whole of the observer's period that ended, half a period early, the torque would be a load of 29 N m.
+/// Taken for the whole of the observer's period that ended, half a period early, the torque would be a load of 29 N
+/// m.
 #[test]
 fn the_timing_of_the_motors_torque_is_no_load() {
     let load = load_of_a_swinging_motor();
@@ -95,8 +96,8 @@ fn a_resting_outputs_last_count_moves_nothing() {
     assert!((off / count - 9.0).abs() < 0.2, "{} counts", off / count);
 }
 
-/// Where the gear's ends are in a period of the observer, as both models take them: the wave generator turns, the flange
-/// twists by a wave of `torsion` (rad).
+/// Where the gear's ends are in a period of the observer, as both models take them: the wave generator turns, the
+/// flange twists by a wave of `torsion` (rad).
 fn ends(model: &RealTimeGear<f64>, speed: f64, torsion: f64, k: u32) -> (Motion<f64>, Motion<f64>) {
     let time = f64::from(k) * PERIOD;
     let motor = Motion { angle: Angle::from_radians_f64(speed * time), velocity: speed };

@@ -7,12 +7,12 @@
 //! ```
 //!
 //! tau_c is the torque that the joint gives at its output flange, tau_t less the output's friction. The feed-forward,
-//! which follows the estimated motion, adds the shares of the friction on both sides, s_e is the share of
-//! the kinematic error. Units: rad, N m, s; signs as in [`crate::gear`]. Velocity is integrated once per round dt.
+//! which follows the estimated motion, adds the shares of the friction on both sides, s_e is the share of the
+//! kinematic error. Units: rad, N m, s; signs as in [`crate::gear`]. Velocity is integrated once per round dt.
 //!
-//! A reference is always there to go on from: after a torque command it is where the output is. A position that
-//! is farther from the last reference than the output can go in a period is a step, and reported.
-//! What a switch or a step would do to the motor's torque is limited by [`crate::compensator::fallback`].
+//! A reference is always there to go on from: after a torque command it is where the output is. A position that is
+//! farther from the last reference than the output can go in a period is a step, and reported. What a switch or a
+//! step would do to the motor's torque is limited by [`crate::compensator::fallback`].
 
 use crate::angle::Angle;
 use crate::compensator::{Estimate, Faults, Limits, Setpoint};
@@ -98,7 +98,8 @@ impl<R: Real> CommanderState<R> {
 }
 
 impl<R: Real> Commander<R> {
-    /// For commands that are read every dt (s), of a joint with this ratio 1/n, whose output reaches `acceleration` (rad/s^2).
+    /// For commands that are read every dt (s), of a joint with this ratio 1/n, whose output reaches `acceleration`
+    /// (rad/s^2).
     ///
     /// # Errors
     /// As [`Limits::check`].

@@ -1,8 +1,8 @@
 //! From an encoder's raw count within the turn to an unbounded angle.
 //!
-//! The difference of two raw counts, taken modulo a turn, is the shortest way between them; summed
-//! up it is the angle, exactly. A step that no motor can make is not taken: the angle is held, and the
-//! range that the next reading may lie in grows with every reading that was refused.
+//! The difference of two raw counts, taken modulo a turn, is the shortest way between them; summed up it is the
+//! angle, exactly. A step that no motor can make is not taken: the angle is held, and the range that the next reading
+//! may lie in grows with every reading that was refused.
 
 use crate::angle::Angle;
 use crate::error::{Error, require};

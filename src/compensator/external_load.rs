@@ -6,8 +6,8 @@
 //! ```
 //!
 //! d is the external torque on the flexspline that the observer believes (N m), zone: +-5 % of the rated torque, w
-//! the gear's compliance (rad/(N m)). Semi-implicit Euler: f with the observer's period, l and the time with a round of [`super::turns`]. Units: rad, N m; signs as in
-//! [`crate::gear`].
+//! the gear's compliance (rad/(N m)). Semi-implicit Euler: f with the observer's period, l and the time with a round
+//! of [`super::turns`]. Units: rad, N m; signs as in [`crate::gear`].
 //!
 //! It is an answer to an estimate, no feed-forward. What is small is left to the feedback's integral as a torque,
 //! from which it is estimated, and its wind-up follows slowly: observer and motor loop would answer each other where
@@ -37,7 +37,8 @@ const SMALL: f64 = 0.05;
 /// How far d may be ahead of d_ff before it counts at once, as a share of the rated torque.
 const SUDDEN: f64 = 0.045;
 
-/// Longest time that d may be beyond the zone as a load that comes (s), and the share of the time within that is taken off it.
+/// Longest time that d may be beyond the zone as a load that comes (s), and the share of the time within that is
+/// taken off it.
 const LONGEST_LOAD: f64 = 0.15;
 const FORGOTTEN: f64 = 0.1;
 
@@ -148,7 +149,8 @@ impl<R: Real> ExternalLoad<R> {
         FollowedLoad { wound_up, at_once: wound_up + sudden }
     }
 
-    /// What d_ff takes of the motor where the gear is wound up by `wound` (rad/(N m)) for it, the share `wind_up` of what it is.
+    /// What d_ff takes of the motor where the gear is wound up by `wound` (rad/(N m)) for it, the share `wind_up` of
+    /// what it is.
     #[inline(always)]
     pub fn yielding(&self, state: &ExternalLoadState<R>, wound: R, wind_up: R) -> Yielding<R> {
         let by_torque = wound * self.inverse_ratio;

@@ -6,11 +6,12 @@
 //! |tau_k - tau_(k-1)| <= 2*tau_max*dt/T_r,   T_r = 10 ms
 //! ```
 //!
-//! With these shares at 0 torque and reference of the motor are those of the motor-side cascade alone. The last
-//! line, the ramp of the motor's torque, holds from a fault or a switch of the kind of command on, until the torque has
+//! With these shares at 0 torque and reference of the motor are those of the motor-side cascade alone. The last line,
+//! the ramp of the motor's torque, holds from a fault or a switch of the kind of command on, until the torque has
 //! been for T_r where it is wanted; else the torque is limited by tau_max alone. Units: s, N m at the motor.
 //!
-//! An encoder of the motor that jumps or is frozen leaves nothing to control with: the same ramp takes the torque to 0.
+//! An encoder of the motor that jumps or is frozen leaves nothing to control with: the same ramp takes the torque to
+//! 0.
 
 use crate::compensator::Faults;
 use crate::real::Real;

@@ -14,11 +14,11 @@
 //! line's stiffness at tau_t, c its compliance factor, and s the shares (0..=1) of inertia, friction, wind-up and
 //! kinematic error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per round T of [`super::turns`], for
 //! the setpoint of that instant; the torque, which is held over each control period dt, for the middle of the first
-//! one. Until the next setpoint the motor goes on by the acceleration, the jerk and the torque's rate that are answered
-//! with. Half a round later kinematic error, hysteresis and the friction of either side have their turn
+//! one. Until the next setpoint the motor goes on by the acceleration, the jerk and the torque's rate that are
+//! answered with. Half a round later kinematic error, hysteresis and the friction of either side have their turn
 //! ([`FeedForward::remember`]), for where the setpoint will be by then: on its acceleration, the torsion on its rate.
-//! The kinematic error moves on its slope and bend until the next setpoint. Rates of friction, hysteresis and slope are
-//! their differences over T.
+//! The kinematic error moves on its slope and bend until the next setpoint. Rates of friction, hysteresis and slope
+//! are their differences over T.
 //!
 //! The flexible joint is flat: motor angle and torque follow from the output's trajectory without solving a
 //! differential equation: the motor's speed takes the setpoint's jerk, its acceleration the snap. Friction is the
@@ -38,10 +38,10 @@
 //! torque only falls there, so it does not hunt. At a motor speed of eps/(4*T_f) w is a half.
 //!
 //! Hysteresis, kinematic error and the friction's load are implicit equations; all are solved by one fixed-point step
-//! in their turn: the hysteresis torque follows the torsion of the setpoint before (contraction: its slope over K1, about
-//! 0.2), e and the friction's ripple follow the motor reference of half a round before (contraction: N*de/dtheta, below
-//! 0.03 for the default gear), and the friction's load is the tau_t of the setpoint before (contraction: the load's
-//! factor).
+//! in their turn: the hysteresis torque follows the torsion of the setpoint before (contraction: its slope over K1,
+//! about 0.2), e and the friction's ripple follow the motor reference of half a round before (contraction:
+//! N*de/dtheta, below 0.03 for the default gear), and the friction's load is the tau_t of the setpoint before
+//! (contraction: the load's factor).
 //!
 //! The external torque that the observer believes winds the gear up as [`super::external_load`] follows it: d_ff.
 //!
@@ -175,7 +175,8 @@ impl<R: Real> FeedForward<R> {
     /// The feed-forward of a gear for the control period dt (s).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `ratio`, `dt` unless above 0 and up to 1, or the name of the inertia that is not finite and positive.
+    /// [`Error::OutOfRange`] `ratio`, `dt` unless above 0 and up to 1, or the name of the inertia that is not finite
+    /// and positive.
     pub fn build(gear: &GearParams<R>, dt: R) -> Result<Self, Error> {
         require(dt > R::ZERO && dt <= R::ONE, "dt")?;
         let positive = |value: R| value.is_finite() && value > R::ZERO;

@@ -6,15 +6,14 @@
 //! tau       = k_v*(omega_ref - omega) + I,   I += k_v/T_i*dt*(omega_ref - omega), |I| <= tau_max
 //! ```
 //!
-//! T = 1/omega_f + dt/2 is by how much omega is late, so that a reference whose acceleration is known is not held back by
-//! the filter; who does not know it gives 0. Units: rad, rad/s, N m at the motor shaft; positive torque accelerates the motor. Backward
-//! differences and explicit Euler with the control period dt. The integral is limited to the motor's
-//! peak torque and stands still while the command is limited (conditional anti-windup).
+//! T = 1/omega_f + dt/2 is by how much omega is late, so that a reference whose acceleration is known is not held
+//! back by the filter; who does not know it gives 0. Units: rad, rad/s, N m at the motor shaft; positive torque
+//! accelerates the motor. Backward differences and explicit Euler with the control period dt. The integral is limited
+//! to the motor's peak torque and stands still while the command is limited (conditional anti-windup).
 //!
 //! K. Astrom, T. Hagglund, "PID Controllers", 1995, section 3.5 (windup).
 //!
-//! Baselines and compensated runs share this cascade, so that what differs between them is the
-//! compensation alone.
+//! Baselines and compensated runs share this cascade, so that what differs between them is the compensation alone.
 
 use crate::error::{Error, require};
 use crate::real::Real;
@@ -98,7 +97,8 @@ impl<R: Real> Feedback<R> {
         state.integral - before
     }
 
-    /// Torque for a motor that has `moved` in this period (rad), and where it should be; `limited`: the last command was.
+    /// Torque for a motor that has `moved` in this period (rad), and where it should be; `limited`: the last command
+    /// was.
     #[inline(always)]
     pub fn step(&self, state: &mut FeedbackState<R>, moved: R, wanted: &Wanted<R>, limited: bool) -> R {
         state.velocity += self.filter_gain * (moved * self.inverse_dt - state.velocity);

@@ -10,11 +10,11 @@
 //!
 //! Measured torques are limited to twice the peak torque of motor and gear: a torque sensor that says more is off its
 //! range; a commanded torque ends at the gear's peak torque. The shares, those of the direction of motion, are
-//! limited to 0..=1 and follow their command at 1 per 20 ms, in a turn of their own ([`crate::compensator::turns::Slow`]), so that
-//! switching one makes no step in the output: at most 6 % of it at a time. Where the model cannot be trusted they have their
-//! turn in every round, and are 0 within 7 ms. The setpoint's position may be any angle; the feedback's answer to a
-//! jump of it ends at the motor's torque, and is ramped ([`crate::compensator::fallback`]). Units: rad, N m, s; signs
-//! as in [`crate::gear`].
+//! limited to 0..=1 and follow their command at 1 per 20 ms, in a turn of their own
+//! ([`crate::compensator::turns::Slow`]), so that switching one makes no step in the output: at most 6 % of it at a
+//! time. Where the model cannot be trusted they have their turn in every round, and are 0 within 7 ms. The setpoint's
+//! position may be any angle; the feedback's answer to a jump of it ends at the motor's torque, and is ramped
+//! ([`crate::compensator::fallback`]). Units: rad, N m, s; signs as in [`crate::gear`].
 
 use crate::angle::Angle;
 use crate::compensator::directions::Crossover;

@@ -6,11 +6,11 @@
 //!                        position at the output, (1 - f_J)*J_fs*ddq as a torque on the flexspline
 //! ```
 //!
-//! so that it need not be built anew, and what it still misses is what is learnt from. Everything is scaled by its share and
-//! comes back as it was when the share does. Units: rad, N m; signs as in [`crate::gear`].
+//! so that it need not be built anew, and what it still misses is what is learnt from. Everything is scaled by its
+//! share and comes back as it was when the share does. Units: rad, N m; signs as in [`crate::gear`].
 //!
-//! Both are slow ([`super::turns`]): the factors are learnt in every second round, with a step of two rounds (in every third while
-//! a share is on its way: as if it were slower by half), and of the ripple one order in each round.
+//! Both are slow ([`super::turns`]): the factors are learnt in every second round, with a step of two rounds (in
+//! every third while a share is on its way: as if it were slower by half), and of the ripple one order in each round.
 
 use crate::angle::{Angle, Ratio};
 use crate::compensator::adaptation::{
@@ -128,8 +128,8 @@ impl<R: Real> Learning<R> {
         self.ripple.turn_to(&state.map, &mut state.now, motor, output, state.speed);
     }
 
-    /// What is known of the gear beside its model, and by how much its load changes until the observer's next turn but one
-    /// (N m).
+    /// What is known of the gear beside its model, and by how much its load changes until the observer's next turn
+    /// but one (N m).
     #[inline(always)]
     pub fn known(&self, state: &LearningState<R>, shares: &Shares<R>) -> (Known<R>, R) {
         let Factors { inertia, input_friction, output_friction, .. } = state.applied;

@@ -5,18 +5,20 @@
 //! law      a_k <- limit(a_k + dt*g*m*cos(k*alpha), bound),  b_k alike with the sine
 //! ```
 //!
-//! One map is of the position, what the kinematic error that the gear file gives leaves (rad at the output; m is the measured output less its
-//! setpoint): the motor is sent so much less far. The other is of the torque at the motor's shaft (N m; m is what the observer misses
-//! there): it is fed forward. Orders per turn are relative to the case, or to the flexspline, where the output is meant to be: which gives k - k/N of both rims.
+//! One map is of the position, what the kinematic error that the gear file gives leaves (rad at the output; m is the
+//! measured output less its setpoint): the motor is sent so much less far. The other is of the torque at the motor's
+//! shaft (N m; m is what the observer misses there): it is fed forward. Orders per turn are relative to the case, or
+//! to the flexspline, where the output is meant to be: which gives k - k/N of both rims.
 //!
-//! With the true coefficients constant, x the error of the coefficients and V = x'x/(2*g), dV/dt = -(m's ripple)^2 + noise: the law is
-//! the gradient of m^2. The loop around it must answer within a quarter period, so that it only learns where
-//! k*|omega_wg| is below a corner, and only in motion: at rest a ripple cannot be told from any constant.
+//! With the true coefficients constant, x the error of the coefficients and V = x'x/(2*g), dV/dt = -(m's ripple)^2 +
+//! noise: the law is the gradient of m^2. The loop around it must answer within a quarter period, so that it only
+//! learns where k*|omega_wg| is below a corner, and only in motion: at rest a ripple cannot be told from any
+//! constant.
 //!
-//! Discretisation: one order has its turn at a time, the others are held at what they were: each is taken for the middle of
-//! the [`RIPPLE_ORDERS`] turns that it is held, T = [`RIPPLE_ORDERS`]*dt, and learnt by explicit Euler over 2*T, position and torque by
-//! turns; stable for 2*T*g < 1.
-//! Bounded by `bound` in each coefficient. A held wave of order k is off by k*|omega_wg|*T/2 of its amplitude at most.
+//! Discretisation: one order has its turn at a time, the others are held at what they were: each is taken for the
+//! middle of the [`RIPPLE_ORDERS`] turns that it is held, T = [`RIPPLE_ORDERS`]*dt, and learnt by explicit Euler over
+//! 2*T, position and torque by turns; stable for 2*T*g < 1. Bounded by `bound` in each coefficient. A held wave of
+//! order k is off by k*|omega_wg|*T/2 of its amplitude at most.
 //!
 //! M. Bodson, A. Sacks, P. Khosla, "Harmonic generation in adaptive feedforward cancellation schemes", IEEE
 //! Transactions on Automatic Control 39 (1994).
@@ -154,7 +156,8 @@ impl<R: Real> RippleMap<R> {
 }
 
 impl<R: Real> LearntRipple<R> {
-    /// The next order's turn, at the wave generator's angle `theta` and `speed` (rad/s), the flexspline being at `output`.
+    /// The next order's turn, at the wave generator's angle `theta` and `speed` (rad/s), the flexspline being at
+    /// `output`.
     #[inline(always)]
     pub fn turn_to(
         &self,

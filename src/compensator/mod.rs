@@ -4,12 +4,13 @@
 //! guard, encoders -> observer, or feed-forward, or what is learnt -> cascade -> fallback -> torque command
 //! ```
 //!
-//! The model takes [`turns`], so that no control period is dearer than the others. From one plan of the feed-forward to the
-//! next the motor goes on by the acceleration and jerk that were planned: what it is sent to is smooth to the third order.
-//! All that is compared in every period is kept relative to the motor's encoder: small numbers, that an f32 holds.
+//! The model takes [`turns`], so that no control period is dearer than the others. From one plan of the feed-forward
+//! to the next the motor goes on by the acceleration and jerk that were planned: what it is sent to is smooth to the
+//! third order. All that is compared in every period is kept relative to the motor's encoder: small numbers, that an
+//! f32 holds.
 //!
-//! [`Compensator::control`] is total: for any input bits every output is finite and bounded, and what is
-//! wrong is reported as [`Faults`] by name. Units: rad, rad/s, N m; signs as in [`crate::gear`].
+//! [`Compensator::control`] is total: for any input bits every output is finite and bounded, and what is wrong is
+//! reported as [`Faults`] by name. Units: rad, rad/s, N m; signs as in [`crate::gear`].
 
 pub mod adaptation;
 pub mod command;
@@ -463,7 +464,8 @@ impl<R: Real> Compensator<R> {
         Commanded { motor_torque, faults }
     }
 
-    /// What the last step commanded, rested on and believed. Apart from the control step: who does not look at it does not pay for it.
+    /// What the last step commanded, rested on and believed. Apart from the control step: who does not look at it
+    /// does not pay for it.
     pub fn output(&self, state: &State<R>) -> Output<R> {
         let [ahead, feed_forward] = state.sent;
         Output {
@@ -626,8 +628,8 @@ impl<R: Real> Compensator<R> {
         self.feed_forward.remember(&self.gear, &mut state.feed_forward, reference, factors);
     }
 
-    /// Raises the faults of encoders that stand still while the motor is asked to move. A joint that is held against its
-    /// load by a brake is noticed by it too: what the output feedback asks is a motion.
+    /// Raises the faults of encoders that stand still while the motor is asked to move. A joint that is held against
+    /// its load by a brake is noticed by it too: what the output feedback asks is a motion.
     #[inline(always)]
     fn notice_standstill(&self, state: &mut State<R>, motor: Angle<R>) {
         let mut faults = Faults::NONE;

@@ -1,15 +1,17 @@
-//! The motor's torque as the observer may believe it: what was commanded where it is fast, what was measured where it is slow.
+//! The motor's torque as the observer may believe it: what was commanded where it is fast, what was measured where it
+//! is slow.
 //!
 //! ```text
 //! tau = s*tau_commanded + y,    x = tau_measured - s*tau_commanded - y,    g = 1 - e^(-omega*dt)
 //! y  <- y + g*x where |x| <= w, and what x is more than that at once,      w: 2 % of the peak torque
 //! ```
 //!
-//! A drive gives what it is commanded, up to an offset, a gain or a limit; what it measures carries noise. Complementary
-//! filter of the two with the corner omega = 7 rad/s: the noise of the measurement beyond it is gone, the drive's errors below it are
-//! seen. Where the share s of the feedback is 0, somebody else moves the motor and nothing is known of the command: then the
-//! measurement alone passes a low pass of 100 rad/s, between the two g changes with s. What no noise is, a drive at its limit or a
-//! brake that keeps it off, is believed at once. Units: N m at the motor's shaft, rad/s. Exact for inputs that are held.
+//! A drive gives what it is commanded, up to an offset, a gain or a limit; what it measures carries noise.
+//! Complementary filter of the two with the corner omega = 7 rad/s: the noise of the measurement beyond it is gone,
+//! the drive's errors below it are seen. Where the share s of the feedback is 0, somebody else moves the motor and
+//! nothing is known of the command: then the measurement alone passes a low pass of 100 rad/s, between the two g
+//! changes with s. What no noise is, a drive at its limit or a brake that keeps it off, is believed at once. Units: N
+//! m at the motor's shaft, rad/s. Exact for inputs that are held.
 
 use crate::error::{Error, require};
 use crate::real::Real;
@@ -68,7 +70,8 @@ mod tests {
 
     const DT: f64 = 1e-4;
 
-    /// Output for a measurement that differs from the command by a wave of `frequency` (rad/s), largest after a while.
+    /// Output for a measurement that differs from the command by a wave of `frequency` (rad/s), largest after a
+    /// while.
     fn passed(frequency: f64, followed: f64) -> f64 {
         let (filter, mut state) = (MotorTorque::build(200.0, DT).unwrap(), MotorTorqueState::default());
         let outputs = (0..200_000).map(|k| {

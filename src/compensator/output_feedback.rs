@@ -7,10 +7,10 @@
 //!
 //! theta_fs, omega_fs, tau_t and tau_fric_out are the observer's, q the setpoint, J_fs as the feed-forward winds the
 //! gear up for it, and the external torque d too, but for one that comes suddenly, which counts at once
-//! ([`FollowedLoad::at_once`]). The friction is that of the believed motion: at rest it holds whatever there is,
-//! and so the shift rests with it. m is e, or the measured output less q where an output encoder shows it. The shift
-//! (rad at the output) is added to where the motor side should be, and the cascade follows it. With a motor that
-//! follows, the load on its spring, J_fs*e'' = K*(shift - e), obeys the reference model
+//! ([`FollowedLoad::at_once`]). The friction is that of the believed motion: at rest it holds whatever there is, and
+//! so the shift rests with it. m is e, or the measured output less q where an output encoder shows it. The shift (rad
+//! at the output) is added to where the motor side should be, and the cascade follows it. With a motor that follows,
+//! the load on its spring, J_fs*e'' = K*(shift - e), obeys the reference model
 //!
 //! ```text
 //! e'' + 2*zeta*omega_m*e' + omega_m^2*e = 0,     omega_m^2 = (1 + a)*K/J_fs,   2*zeta*omega_m = b*K/J_fs
@@ -96,8 +96,8 @@ pub struct Shift<R> {
 }
 
 impl<R: Real> OutputFeedback<R> {
-    /// From the gains without and with an output encoder, J_fs (kg m^2), the output's fastest speed (rad/s), one count of its
-    /// encoder (rad) and the time dt between its turns (s).
+    /// From the gains without and with an output encoder, J_fs (kg m^2), the output's fastest speed (rad/s), one
+    /// count of its encoder (rad) and the time dt between its turns (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `stiffening`, `damping`, `integral` or `flexspline_inertia`.
@@ -169,8 +169,8 @@ mod tests {
         OutputFeedback::build(&[gains; 2], INERTIA, 5.86, 1.2e-5, DT).unwrap()
     }
 
-    /// Largest deviation after each quarter second of a load on its spring, whose motor follows at once, that starts 1 mrad off
-    /// under a constant `load` (N m); what the observer knows of it is taken for the truth.
+    /// Largest deviation after each quarter second of a load on its spring, whose motor follows at once, that starts
+    /// 1 mrad off under a constant `load` (N m); what the observer knows of it is taken for the truth.
     fn decay(gains: OutputFeedbackParams<f64>, load: f64, seconds: f64) -> (Vec<f64>, f64) {
         let (feedback, mut state) = (feedback(gains), OutputFeedbackState::default());
         let (mut e, mut rate, mut torque) = (1e-3, 0.0, 0.0);

@@ -6,8 +6,8 @@
 //! | second | command, feed-forward, output feedback, learnt ripple |
 //! | fourth | the feed-forward's models, and by turns factors, deviations, shares |
 //!
-//! Encoders, cascade and torque command run in every one. So the model costs in each period what one of its parts does, and what
-//! a sensor says is in the torque two periods later at most.
+//! Encoders, cascade and torque command run in every one. So the model costs in each period what one of its parts
+//! does, and what a sensor says is in the torque two periods later at most.
 
 /// Control periods from one turn of the observer to the next.
 pub const OBSERVED: u32 = 2;
@@ -67,6 +67,37 @@ impl Slow {
             Self::Adapt => Self::Deviate,
             Self::Deviate if !shares_have_arrived => Self::Lead,
             Self::Deviate | Self::Lead => Self::Adapt,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    #[test]
+    fn in_a_round_everyone_has_a_turn_and_the_observer_every_second() {
+        let turns: Vec<Turn> =
+            core::iter::successors(Some(Turn::default()), |turn| Some(turn.next())).take(9).collect();
+        let observes = |turn: &Turn| matches!(turn, Turn::Observe | Turn::ObserveAgain);
+        for (k, turn) in turns.iter().enumerate() {
+            assert_eq!(*turn, turns[k % ROUND as usize]);
+            assert_eq!(observes(turn), k % OBSERVED as usize == 0);
+        }
+        assert!(turns.contains(&Turn::Plan) && turns.contains(&Turn::Learn));
+    }
+
+    /// While a share is on its way, nobody starves.
+    #[test]
+    fn who_leads_takes_a_turn_from_nobody() {
+        for (arrived, others) in [(true, 2), (false, SLOW_TURNS as usize)] {
+            let slow: Vec<Slow> =
+                core::iter::successors(Some(Slow::Adapt), |slow| Some(slow.next(arrived))).take(12).collect();
+            for turn in [Slow::Adapt, Slow::Deviate] {
+                assert_eq!(slow.iter().filter(|had| **had == turn).count(), 12 / others);
+            }
+            assert_eq!(slow.contains(&Slow::Lead), !arrived);
         }
     }
 }

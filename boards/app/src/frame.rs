@@ -1,12 +1,12 @@
 //! One step's input and output as bytes on the link between firmware and host.
 //!
-//! Fields in the order of their declaration, little-endian, no padding; f32 as its raw bits, so
-//! that NaNs and signed zeros survive; a set of faults as its bits, of which those without a name are
-//! ignored but the highest: the estimate is of this step; an `Option` as a flag byte (0 absent, 1 present) followed by the value, which is sent as zero and
-//! ignored when absent.
-//! A command is a byte of its kind (0 position, 1 velocity, 2 torque), an angle and four floats, of which those that the
-//! kind has not are zero, and ignored: position and its derivatives; velocity, acceleration; torque.
-//! Any other flag or kind byte makes the whole frame invalid: the two sides do not speak the same frame.
+//! Fields in the order of their declaration, little-endian, no padding; f32 as its raw bits, so that NaNs and signed
+//! zeros survive; a set of faults as its bits, of which those without a name are ignored but the highest: the
+//! estimate is of this step; an `Option` as a flag byte (0 absent, 1 present) followed by the value, which is sent as
+//! zero and ignored when absent. A command is a byte of its kind (0 position, 1 velocity, 2 torque), an angle and
+//! four floats, of which those that the kind has not are zero, and ignored: position and its derivatives; velocity,
+//! acceleration; torque. Any other flag or kind byte makes the whole frame invalid: the two sides do not speak the
+//! same frame.
 //!
 //! The fields are listed once: [`Fields`] goes through them, whether it writes a frame, reads one or has other plans.
 

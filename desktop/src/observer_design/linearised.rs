@@ -31,10 +31,11 @@ pub(super) struct Unknown {
     pub wander: f64,
     /// Share of the Coulomb friction that is renewed every control period.
     pub friction: f64,
-    /// Noise of the motor's encoder besides its resolution, in counts of 2^19 a turn. Of readings in every control period.
+    /// Noise of the motor's encoder besides its resolution, in counts of 2^19 a turn. Of readings in every control
+    /// period.
     pub jitter: f64,
-    /// Of the output's: in slow motion the error of a count is no noise but a wave that follows the angle, so that its
-    /// readings are averaged over a time in which many counts pass. Of readings in every control period.
+    /// Of the output's: in slow motion the error of a count is no noise but a wave that follows the angle, so that
+    /// its readings are averaged over a time in which many counts pass. Of readings in every control period.
     pub output_jitter: f64,
 }
 

@@ -1,10 +1,11 @@
-//! Observer gains and deviations: the steady-state Kalman filter of the linearised two-mass gear, for each set of sensors.
+//! Observer gains and deviations: the steady-state Kalman filter of the linearised two-mass gear, for each set of
+//! sensors.
 //!
 //! A set's filter corrects by the motor encoder, then by the strain gauge, then by the output encoder, each gain from
-//! the covariance that the one before left. An output encoder is looked at every m-th period of the observer only: the filter between two
-//! readings is that without it, F = (1 - l C) A, so that an encoder that fails leaves a filter that is sound; the
-//! reading's gain is that of the system over m periods, A -> F^m. A reading that is D periods late corrects
-//! by F^D of its gain ([`strainwave::compensator::observer::past`]). Units: rad, rad/s, N m; signs as in
+//! the covariance that the one before left. An output encoder is looked at every m-th period of the observer only:
+//! the filter between two readings is that without it, F = (1 - l C) A, so that an encoder that fails leaves a filter
+//! that is sound; the reading's gain is that of the system over m periods, A -> F^m. A reading that is D periods late
+//! corrects by F^D of its gain ([`strainwave::compensator::observer::past`]). Units: rad, rad/s, N m; signs as in
 //! [`strainwave::gear`].
 
 mod linearised;
@@ -32,9 +33,9 @@ const STILL: f64 = 0.5;
 const STIR: f64 = 8.0;
 /// Speed at which a load that is not seen may grow, in rated torques a second.
 const UNSEEN_RATE: f64 = 1.0;
-/// Deviation of friction at rest, where it may be anything up to break-away, as a share of its static level: at the motor,
-/// whose path an encoder follows; at a motor that a brake may hold; at the output, whose presliding is shorter than what
-/// is known of its path.
+/// Deviation of friction at rest, where it may be anything up to break-away, as a share of its static level: at the
+/// motor, whose path an encoder follows; at a motor that a brake may hold; at the output, whose presliding is shorter
+/// than what is known of its path.
 const PATH: [f64; 3] = [0.03, 0.4, 0.75];
 
 /// What the observer of a gear is built from.
@@ -75,11 +76,12 @@ fn sets<R: Real>(file: &GearFile, sixth: Sixth) -> Result<GainSets<R>, Error> {
     Ok(sets)
 }
 
-/// The least error of the external torque (N m), rms over the `time` (s) that begins with a step of it by `step` (N m),
-/// that a linear filter of the motor encoder, or of both encoders, can have with nothing unknown but that step.
+/// The least error of the external torque (N m), rms over the `time` (s) that begins with a step of it by `step` (N
+/// m), that a linear filter of the motor encoder, or of both encoders, can have with nothing unknown but that step.
 ///
 /// The error's energy after a step is that filter's variance under a walk of step^2/time a second; no filter's is
-/// less than that of the Kalman filter for that walk, friction, stiffness and inertia exactly known, encoders without jitter.
+/// less than that of the Kalman filter for that walk, friction, stiffness and inertia exactly known, encoders without
+/// jitter.
 pub fn least_load_error(file: &GearFile, step: f64, time: f64, with_output: bool) -> Option<f64> {
     let wander = step / time.sqrt() / file.gear.rated_torque;
     let model = Linearised::of(
@@ -232,8 +234,8 @@ impl Filter {
         &self.between * p * self.between.transpose() + &self.between_noise
     }
 
-    /// Slowest mode of what the external torque is followed by (control periods): that of the motor's encoder, which sees a
-    /// load first; the output's only takes the offsets away.
+    /// Slowest mode of what the external torque is followed by (control periods): that of the motor's encoder, which
+    /// sees a load first; the output's only takes the offsets away.
     fn settling(&self) -> f64 {
         let one = DMatrix::identity(self.after.nrows(), self.after.nrows());
         let seen = (one - &self.gains[0] * &self.model.sensors[0].row) * &self.model.transition;

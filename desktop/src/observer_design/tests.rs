@@ -30,7 +30,8 @@ fn gears() -> Vec<GearFile> {
     gears
 }
 
-/// Largest eigenvalue of the error over the observer's period, on average over a reading's, with the gear that another file describes.
+/// Largest eigenvalue of the error over the observer's period, on average over a reading's, with the gear that
+/// another file describes.
 fn slowest(filter: &Filter, gear: &GearFile) -> f64 {
     let size = filter.after.nrows();
     let design = &filter.model;
@@ -50,7 +51,8 @@ fn slowest(filter: &Filter, gear: &GearFile) -> f64 {
         .powf(1.0 / f64::from(filter.period))
 }
 
-/// Within 0.1 s, or 2 s of the offsets that an output encoder takes away, an error is below a thousandth, for the gear of the design and all over the box.
+/// Within 0.1 s, or 2 s of the offsets that an output encoder takes away, an error is below a thousandth, for the
+/// gear of the design and all over the box.
 #[test]
 fn every_set_forgets_its_errors_over_the_box() {
     for period in [1, 10] {
@@ -98,8 +100,8 @@ impl Twin {
         Self { gear: build(&params), params, observer, model: build(&nominal) }
     }
 
-    /// Estimates beside the true output angle (rad) of every period of the observer: 0.1 s of acceleration, then 50 rad/s at the motor,
-    /// with readings of the output that are `delay` periods late, one every `period`.
+    /// Estimates beside the true output angle (rad) of every period of the observer: 0.1 s of acceleration, then 50
+    /// rad/s at the motor, with readings of the output that are `delay` periods late, one every `period`.
     fn run(&self, delay: usize, period: usize) -> Vec<(Estimate<f64>, f64)> {
         let (mut plant, mut state) = (self.gear.rest(), self.observer.rest());
         let (mut motor, mut flange) = (Motion::default(), Motion::default());
@@ -179,8 +181,8 @@ fn past_and_state_are_corrected_alike() {
     }
 }
 
-/// A load of 40 N m that comes at once, over the 0.8 s in which it is judged: 3 % of the rated 67 N m with the motor's
-/// encoder and 2 % with both are out of reach of any linear filter, the design's among them.
+/// A load of 40 N m that comes at once, over the 0.8 s in which it is judged: 3 % of the rated 67 N m with the
+/// motor's encoder and 2 % with both are out of reach of any linear filter, the design's among them.
 #[test]
 fn no_linear_filter_follows_a_load_step_as_asked() {
     let file = GearFile::default_gear();
@@ -191,8 +193,8 @@ fn no_linear_filter_follows_a_load_step_as_asked() {
     }
 }
 
-/// Three deviations hold the output angle, the torsion and the torques of any draw in motion, and they are no wider than
-/// ten times their largest error.
+/// Three deviations hold the output angle, the torsion and the torques of any draw in motion, and they are no wider
+/// than ten times their largest error.
 #[test]
 fn deviations_hold_the_errors_of_a_moving_joint() {
     let file = late(0, 1);

@@ -72,8 +72,8 @@ pub struct AdaptationParams<R> {
     pub bounds: Factors<R>,
     /// rate_i (1/s), > 0 or 0 for none: how fast each factor is learnt where its torque is at its level.
     pub rates: Factors<R>,
-    /// level_i > 0: torque of inertia, of the friction of either side (N m at the output), and torsion (rad), where the gear
-    /// bears its rated torque.
+    /// level_i > 0: torque of inertia, of the friction of either side (N m at the output), and torsion (rad), where
+    /// the gear bears its rated torque.
     pub levels: Factors<R>,
     /// Half width of the dead zone, >= 0 (N m at the output).
     pub dead_zone: R,
@@ -203,9 +203,9 @@ impl<R: Real> AdaptationParams<R> {
     /// output (N m), for turns that come every dt (s).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `adaptation_bounds`, `adaptation_levels`, `adaptation_rates` (also when so fast that a step at the peak torque
-    /// would not be stable), `dead_zone`, `filter_corner`, `bias_corner`, `flexing_rate`, `flexing_level`
-    /// or `flexing_speed`.
+    /// [`Error::OutOfRange`] `adaptation_bounds`, `adaptation_levels`, `adaptation_rates` (also when so fast that a
+    /// step at the peak torque would not be stable), `dead_zone`, `filter_corner`, `bias_corner`, `flexing_rate`,
+    /// `flexing_level` or `flexing_speed`.
     pub fn build(&self, n: R, flexspline_inertia: R, peak_torque: R, dt: R) -> Result<Adaptation<R>, Error> {
         let within = |value: R, least: R, most: R| value.is_finite() && value >= least && value <= most;
         let every = |factors: &Factors<R>, holds: &dyn Fn(R) -> bool| factors.all().into_iter().all(holds);

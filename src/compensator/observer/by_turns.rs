@@ -1,17 +1,19 @@
 //! The gear as the observer carries it along: its memories by turns.
 //!
-//! Torsion and torques are those of [`crate::gear::Gear`] in every period of the observer, dt. What is dearest to evaluate has its
-//! turn in every second one: kinematic error and hysteresis in the first, the friction of both sides in the second, each
-//! over 2*dt. In between the kinematic error moves on its slope, hysteresis and friction are held:
+//! Torsion and torques are those of [`crate::gear::Gear`] in every period of the observer, dt. What is dearest to
+//! evaluate has its turn in every second one: kinematic error and hysteresis in the first, the friction of both sides
+//! in the second, each over 2*dt. In between the kinematic error moves on its slope, hysteresis and friction are
+//! held:
 //!
 //! ```text
 //! e <- e + de/dtheta*dt*omega_wg,   off by at most (k*omega_wg*dt)^2/2 of the amplitude of an order k
 //! ```
 //!
-//! The flexspline is as much stiffer than the model, k, as is known: torques of line and hysteresis are 1 + k times the model's,
-//! the hysteresis' at a torsion that is larger by as much, so that its loop under a given torque is as wide as the
-//! model's. Exact for the hysteresis; the line keeps its knees at their torsion instead of their torque, which for a
-//! tenth of stiffness and the default gear is off by up to 2.5 % of the rated torque. Units and signs as in [`crate::gear`].
+//! The flexspline is as much stiffer than the model, k, as is known: torques of line and hysteresis are 1 + k times
+//! the model's, the hysteresis' at a torsion that is larger by as much, so that its loop under a given torque is as
+//! wide as the model's. Exact for the hysteresis; the line keeps its knees at their torsion instead of their torque,
+//! which for a tenth of stiffness and the default gear is off by up to 2.5 % of the rated torque. Units and signs as
+//! in [`crate::gear`].
 
 use crate::angle::{Angle, Heading};
 use crate::compensator::{HYSTERESIS_MEMORY, RealTimeGear};

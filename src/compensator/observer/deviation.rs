@@ -11,18 +11,18 @@
 //! s_omega= b_omega + c'*(h + u_K*a*K*|dphi|)
 //! ```
 //!
-//! b is the steady-state covariance of the Kalman filter, computed off line for each set of sensors. u_F, u_K, u_J are
-//! the declared uncertainties of friction, stiffness and inertia: a uniform span over sqrt(3). n, k, a, c say by which way
-//! they enter with this set of sensors: with the motor's encoder alone the torque follows from the motor's, less its
-//! friction (n = 1/|r|), and the torsion from the torque; with the output's the torsion is measured, and where the motor
-//! stands the torque follows from it (k = 1). Torque in N m, angle in rad.
+//! b is the steady-state covariance of the Kalman filter, computed off line for each set of sensors. u_F, u_K, u_J
+//! are the declared uncertainties of friction, stiffness and inertia: a uniform span over sqrt(3). n, k, a, c say by
+//! which way they enter with this set of sensors: with the motor's encoder alone the torque follows from the motor's,
+//! less its friction (n = 1/|r|), and the torsion from the torque; with the output's the torsion is measured, and
+//! where the motor stands the torque follows from it (k = 1). Torque in N m, angle in rad.
 //!
-//! Evaluated once in about [`PERIODS`] periods T_o of the observer, with the sum of what the innovations asked in them, and held
-//! in between; while a share is on its way it is once in half as many again.
+//! Evaluated once in about [`PERIODS`] periods T_o of the observer, with the sum of what the innovations asked in
+//! them, and held in between; while a share is on its way it is once in half as many again.
 //!
-//! It is a declared uncertainty, not a covariance that is carried along: terms are added as if they all erred the same way,
-//! so that the true error lies inside three of them at least as often as a normal distribution would have it.
-//! What a motor that stands still does not show (a brake may hold any load) is admitted as w.
+//! It is a declared uncertainty, not a covariance that is carried along: terms are added as if they all erred the
+//! same way, so that the true error lies inside three of them at least as often as a normal distribution would have
+//! it. What a motor that stands still does not show (a brake may hold any load) is admitted as w.
 
 use crate::compensator::EstimateDeviation;
 use crate::real::Real;

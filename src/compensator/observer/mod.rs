@@ -13,28 +13,27 @@
 //! real-time build, at the motion before the prediction: the observer carries hysteresis, presliding and kinematic
 //! error along. Angles are compared after the prediction, where they are at the time of the reading; the gauge with a
 //! torque that is one period older. theta_m, theta_o are the encoders, tau_s a strain gauge; each of the last two may
-//! be absent, at any step, and theta_o, which is looked at once a round, may come a constant number of control periods
-//! late ([`past`]). What is kept is theta_wg - theta_m and theta_fs - r*theta_wg: both are small, so that an f32 holds
-//! them, and neither drifts from a sum of roundings, for the motor's own angle is never summed up. The gains l are those of the steady-state
-//! Kalman filter of the linearised model, one set for each combination of sensors, computed off line. Units: rad,
-//! rad/s, N m.
+//! be absent, at any step, and theta_o, which is looked at once a round, may come a constant number of control
+//! periods late ([`past`]). What is kept is theta_wg - theta_m and theta_fs - r*theta_wg: both are small, so that an
+//! f32 holds them, and neither drifts from a sum of roundings, for the motor's own angle is never summed up. The
+//! gains l are those of the steady-state Kalman filter of the linearised model, one set for each combination of
+//! sensors, computed off line. Units: rad, rad/s, N m.
 //!
-//! The gear is what is known of it ([`Known`]): model, factors and ripple as [`crate::compensator::learning`] has learnt
-//! them. A gear that is stiffer or softer than is known by 10 % makes a
-//! torsion that is measured disagree with the motor's torque by 10 %. Which to believe depends on the motor. Where it
-//! moves, its friction is known to a few N m at the output and the rest is blamed on the stiffness: s. Where it
-//! stands, static friction or a brake may hold whatever there is, so its torque says nothing and what is left over is
-//! blamed on b, while s keeps what it learnt. It stands when its encoder has not left a few counts for [`STANDSTILL`]
-//! periods. With the motor encoder alone neither is observable beside d, and both stay zero. s is limited to
-//! 3 deviations of the stiffness.
+//! The gear is what is known of it ([`Known`]): model, factors and ripple as [`crate::compensator::learning`] has
+//! learnt them. A gear that is stiffer or softer than is known by 10 % makes a torsion that is measured disagree with
+//! the motor's torque by 10 %. Which to believe depends on the motor. Where it moves, its friction is known to a few
+//! N m at the output and the rest is blamed on the stiffness: s. Where it stands, static friction or a brake may hold
+//! whatever there is, so its torque says nothing and what is left over is blamed on b, while s keeps what it learnt.
+//! It stands when its encoder has not left a few counts for [`STANDSTILL`] periods. With the motor encoder alone
+//! neither is observable beside d, and both stay zero. s is limited to 3 deviations of the stiffness.
 //!
 //! A resting output may be anywhere within the count that its encoder shows: while the motor stands, an innovation
 //! theta_o - theta_fs within +-q is none, and q is taken from a larger one.
 //!
-//! Discretisation: semi-implicit Euler, one step per period. It is the leapfrog method, whose speeds belong
-//! to the middle of the periods: a torque that acts over one period is shared by the two speeds beside its beginning
-//! and its end. Taken for the whole of one of them it would come half a period early, which an observer that knows
-//! its motor well takes for a load: 29 N m where the torque swings by 100 N m at 130 Hz, both at the output.
+//! Discretisation: semi-implicit Euler, one step per period. It is the leapfrog method, whose speeds belong to the
+//! middle of the periods: a torque that acts over one period is shared by the two speeds beside its beginning and its
+//! end. Taken for the whole of one of them it would come half a period early, which an observer that knows its motor
+//! well takes for a load: 29 N m where the torque swings by 100 N m at 130 Hz, both at the output.
 //!
 //! Bounds: speeds are limited to twice what the joint can do, the external torque to the gear's peak torque; a
 //! torsion beyond that of four times the peak torque starts the observer again at the motor's angle. Both are
@@ -217,8 +216,9 @@ impl<R: Real> ObserverParams<R> {
     /// Prepares the observer of a gear for the control period dt (s).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `gains` unless all are finite, `stir` or `output_count` unless in 0..=1, `output_encoder_delay` beyond
-    /// [`LONGEST_DELAY`], `output_encoder_period` unless in 1..=[`LONGEST_PERIOD`], or as [`Limits::check`] and the gear's parts.
+    /// [`Error::OutOfRange`] `gains` unless all are finite, `stir` or `output_count` unless in 0..=1,
+    /// `output_encoder_delay` beyond [`LONGEST_DELAY`], `output_encoder_period` unless in 1..=[`LONGEST_PERIOD`], or
+    /// as [`Limits::check`] and the gear's parts.
     pub fn build(&self, gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Result<Observer<R>, Error> {
         let sets = || self.moving.iter().chain(&self.standing);
         let mut gains = sets().flat_map(|g| g.motor.iter().chain(&g.output).chain(&g.torque).chain(&g.past));
@@ -409,8 +409,8 @@ impl<R: Real> Observer<R> {
         self.ratio.apply(state.motor).plus(self.turns.ratio() * state.off + state.ahead)
     }
 
-    /// By how much the output is ahead, ripple included, of r times a motor angle that is `ahead` of the measured one (rad), a time dt
-    /// (s) after the last step.
+    /// By how much the output is ahead, ripple included, of r times a motor angle that is `ahead` of the measured one
+    /// (rad), a time dt (s) after the last step.
     #[inline(always)]
     pub fn output_beside(&self, state: &ObserverState<R>, known: &Known<R>, ahead: R, dt: R) -> R {
         let ratio = self.turns.ratio();

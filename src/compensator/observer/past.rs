@@ -6,12 +6,12 @@
 //! ```
 //!
 //! F = (1 - l_m C_m)*A is what the observer does to its own error between two readings. A correction that the
-//! reading's instant asks for has turned into F^j of itself j periods later, in the state as in the past, so the error
-//! obeys the very equation that it obeys without delay: as stable, and no slower but for the delay itself. Angles
-//! are phases of 2^32 counts a turn; a correction is rounded to one, 1.5e-9 rad.
+//! reading's instant asks for has turned into F^j of itself j periods later, in the state as in the past, so the
+//! error obeys the very equation that it obeys without delay: as stable, and no slower but for the delay itself.
+//! Angles are phases of 2^32 counts a turn; a correction is rounded to one, 1.5e-9 rad.
 //!
-//! D is counted in periods of the observer, the delay rounded up; the innovation in control periods: between two angles
-//! of the past is their mean.
+//! D is counted in periods of the observer, the delay rounded up; the innovation in control periods: between two
+//! angles of the past is their mean.
 //!
 //! T. Larsen, N. Andersen, O. Ravn, N. Poulsen, "Incorporation of time delayed measurements in a discrete-time Kalman
 //! filter", IEEE Conference on Decision and Control (1998).
@@ -52,7 +52,8 @@ impl Past {
         self.known = (self.known + 1).min(STEPS + 2);
     }
 
-    /// The angle so many control periods before the newest, between two of them their mean; `None` where it is not known.
+    /// The angle so many control periods before the newest, between two of them their mean; `None` where it is not
+    /// known.
     #[inline(always)]
     pub fn before(&self, periods: usize) -> Option<u32> {
         let steps = periods / OBSERVED as usize;
