@@ -38,6 +38,9 @@ pub struct Block {
     pub instructions: Option<u64>,
     /// Most cycles of a call, by the model of [`crate::counting::cycle_table`].
     pub cycles: Option<u64>,
+    /// The bounds are asked for, not measured: they are never overwritten.
+    #[serde(default)]
+    pub fixed: bool,
 }
 
 /// What the image may take.
@@ -153,7 +156,8 @@ impl Budget {
         set(image, "flash", self.bound(u64::from(measured.sizes.flash)));
         set(image, "ram", self.bound(u64::from(measured.sizes.ram)));
         set(image, "stack", self.bound(u64::from(measured.stack.total)));
-        for (name, counts) in &measured.counts {
+        let fixed = |name: &str| self.rows().any(|(row, block)| row == name && block.fixed);
+        for (name, counts) in measured.counts.iter().filter(|(name, _)| !fixed(name)) {
             let block = match name.as_str() {
                 CONTROL_STEP => table(document, CONTROL_STEP),
                 LITERAL_MESH => table(table(document, LITERAL_MESH), "period"),
@@ -319,6 +323,18 @@ pub(crate) mod tests {
         assert!(measurement().figures(&budget).iter().all(|f| f.holds));
         budget.overwrite(&measurement()).unwrap();
         assert_eq!(std::fs::read_to_string(&file).unwrap(), written);
+    }
+
+    #[test]
+    fn what_is_asked_is_never_overwritten() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("budget.toml");
+        std::fs::write(&file, FILE.replace("cycles = 10 # by the model", "fixed = true\ncycles = 10"))
+            .unwrap();
+        Budget::read_file("b", &file).unwrap().overwrite(&measurement()).unwrap();
+        let written = std::fs::read_to_string(&file).unwrap();
+        assert!(written.contains("cycles = 10\n") && written.contains("instructions = 44\n"), "{written}");
+        assert!(!written.contains("cycles = 1100"), "{written}");
     }
 
     #[test]

@@ -9,7 +9,8 @@ use strainwave_app::{Board, Control, JOINT, Log, Telemetry, control_step};
 /// What happened on the board, in order.
 #[derive(Clone, Debug, PartialEq)]
 enum Event {
-    Output(Output<f32>),
+    Commanded(f32),
+    Reported(Output<f32>),
     Released,
     Fed,
 }
@@ -28,8 +29,11 @@ impl Board for Played {
     fn input(&mut self) -> Option<Input<f32>> {
         self.inputs.borrow_mut().remove(0)
     }
-    fn output(&mut self, output: &Output<f32>) {
-        self.events.borrow_mut().push(Event::Output(*output));
+    fn command(&mut self, torque: f32) {
+        self.events.borrow_mut().push(Event::Commanded(torque));
+    }
+    fn report(&mut self, output: impl FnOnce() -> Output<f32>) {
+        self.events.borrow_mut().push(Event::Reported(output()));
     }
     fn release(&mut self) {
         self.events.borrow_mut().push(Event::Released);
@@ -65,10 +69,10 @@ fn a_period_is_fetch_step_store_then_the_watchdog() {
     for encoder in [0, 5_000, 9_000, 12_000] {
         board.inputs.borrow_mut().push(Some(input(encoder)));
         control.tick();
-        control_step(&compensator, &mut state, &input(encoder));
+        let torque = control_step(&compensator, &mut state, &input(encoder)).motor_torque;
         let wanted = compensator.output(&state);
         let events = std::mem::take(&mut *board.events.borrow_mut());
-        assert_eq!(events, [Event::Output(wanted), Event::Fed]);
+        assert_eq!(events, [Event::Commanded(torque), Event::Reported(wanted), Event::Fed]);
     }
 }
 

@@ -86,7 +86,7 @@ pub struct FeedForward<R> {
 }
 
 /// What the feed-forward remembers of the setpoint's motion.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct FeedForwardState<R: Real> {
     input_friction: JointFrictionState<R>,
     output_friction: JointFrictionState<R>,
@@ -108,27 +108,6 @@ pub struct FeedForwardState<R: Real> {
     velocity: R,
     /// w.
     engaged: R,
-}
-
-impl<R: Real> Default for FeedForwardState<R> {
-    fn default() -> Self {
-        Self {
-            input_friction: JointFrictionState::default(),
-            output_friction: JointFrictionState::default(),
-            hysteresis: TorsionHysteresisState::default(),
-            hysteresis_torque: R::ZERO,
-            rubbing: R::ZERO,
-            rubbing_rate: R::ZERO,
-            deviation: Deviation::default(),
-            slope: R::ZERO,
-            bend: R::ZERO,
-            heading: Heading::default(),
-            carried: R::ZERO,
-            nominal: R::ZERO,
-            velocity: R::ZERO,
-            engaged: R::ZERO,
-        }
-    }
 }
 
 /// What is believed of the joint beside its model.

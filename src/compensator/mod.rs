@@ -4,7 +4,7 @@
 //! guard, encoders -> observer, or feed-forward, or what is learnt -> cascade -> fallback -> torque command
 //! ```
 //!
-//! The model takes [`turns`], so that no control period is dearer than the others. From one plan of the feed-forward
+//! The model takes [`turns`], so that no control period bears the whole of it. From one plan of the feed-forward
 //! to the next the motor goes on by the acceleration and jerk that were planned: what it is sent to is smooth to the
 //! third order. All that is compared in every period is kept relative to the motor's encoder: small numbers, that an
 //! f32 holds.
@@ -42,7 +42,7 @@ use crate::friction::JointFriction;
 use crate::gear::{Gear, GearParams};
 use crate::real::{RADIANS_PER_COUNT, Real};
 use adaptation::{Factors, Observed};
-use command::{Commander, CommanderState, Followed};
+use command::{Commander, CommanderState};
 use encoder::{Encoder, EncoderParams, EncoderState, Reading};
 use external_load::{ExternalLoad, ExternalLoadState, Yielding};
 use fallback::{Fallback, FallbackState};
@@ -466,6 +466,7 @@ impl<R: Real> Compensator<R> {
 
     /// What the last step commanded, rested on and believed. Apart from the control step: who does not look at it
     /// does not pay for it.
+    #[inline(never)] // The timing budget counts it by its symbol.
     pub fn output(&self, state: &State<R>) -> Output<R> {
         let [ahead, feed_forward] = state.sent;
         Output {
@@ -557,7 +558,6 @@ impl<R: Real> Compensator<R> {
         state.faults.plan = faults;
         let setpoint = &followed.setpoint;
         let shares = state.guard.shares();
-        let learns = state.learns(&followed);
         let reference = state.course.reference(motor);
         self.learning.turn_to(&mut state.learning, reference, setpoint.position);
         let load = self.load.rest_on(&mut state.load, state.observer.external_torque());
@@ -571,7 +571,6 @@ impl<R: Real> Compensator<R> {
         let measured =
             self.observer.output_innovation(&state.observer).map(|innovation| position + innovation);
         let lesson = learning::Course { excitation: demand.excitation, position: measured };
-        self.learning.follow(&mut state.learning, &lesson, learns);
         let deviation = Deviation {
             position,
             velocity: velocity - setpoint.velocity,
@@ -598,6 +597,8 @@ impl<R: Real> Compensator<R> {
             switched: followed.switched,
             planned: true,
         };
+        let learns = state.learns();
+        self.learning.follow(&mut state.learning, &lesson, learns);
         (state.known, state.load_rate) = self.learning.known(&state.learning, shares);
     }
 
@@ -656,7 +657,7 @@ impl<R: Real> Compensator<R> {
             output_innovation: self.observer.moving_output_innovation(&state.observer),
         };
         let shares = state.guard.shares();
-        let learns = state.sound && shares.adaptation > R::ZERO && state.course.output_torque.is_none();
+        let learns = state.learns();
         self.learning.adapt(&mut state.learning, &observed, shares, learns);
         state.sound = true;
     }
@@ -711,8 +712,8 @@ impl<R: Real> Compensator<R> {
 impl<R: Real> State<R> {
     /// What is learnt may rest on this round.
     #[inline(always)]
-    fn learns(&self, followed: &Followed<R>) -> bool {
-        self.sound && self.guard.shares().adaptation > R::ZERO && followed.torque.is_none()
+    fn learns(&self) -> bool {
+        self.sound && self.guard.shares().adaptation > R::ZERO && self.course.output_torque.is_none()
     }
 }
 

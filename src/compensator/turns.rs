@@ -7,7 +7,8 @@
 //! | fourth | the feed-forward's models, and by turns factors, deviations, shares |
 //!
 //! Encoders, cascade and torque command run in every one. So the model costs in each period what one of its parts
-//! does, and what a sensor says is in the torque two periods later at most.
+//! does. What the motor's sensors say of a load is in the torque two periods later at most; what the output's
+//! encoder, the setpoint and the shares say takes a round and more.
 
 /// Control periods from one turn of the observer to the next.
 pub const OBSERVED: u32 = 2;

@@ -15,8 +15,10 @@ pub trait Board {
 
     /// Sensors and setpoint of this period; `None` when the board has none that can be trusted.
     fn input(&mut self) -> Option<Input<f32>>;
-    /// Puts a step's output to the motor.
-    fn output(&mut self, output: &Output<f32>);
+    /// Puts a step's torque command to the motor (N m).
+    fn command(&mut self, torque: f32);
+    /// What else there is to be known of the step: it costs as much as it takes to ask for it.
+    fn report(&mut self, output: impl FnOnce() -> Output<f32>);
     /// Takes the torque off the motor: there is no input to control it with.
     fn release(&mut self);
     /// Tells the watchdog that this period was completed: the command is out, or the motor released.
@@ -59,12 +61,13 @@ impl<B: Board> Control<B> {
 
     #[inline]
     fn control(&mut self, input: &Input<f32>) {
-        control_step(&self.compensator, &mut self.state, input);
-        let output = self.compensator.output(&self.state);
-        self.board.output(&output);
+        let commanded = control_step(&self.compensator, &mut self.state, input);
+        self.board.command(commanded.motor_torque);
+        let output = || self.compensator.output(&self.state);
+        self.board.report(output);
         self.overruns = self.overruns.saturating_add(u32::from(self.board.overran()));
         if self.periods.is_multiple_of(B::REPORT_EVERY) {
-            self.sender.send(Record::new(self.periods, self.overruns, input, &output));
+            self.sender.send(Record::new(self.periods, self.overruns, input, &output()));
         }
     }
 }

@@ -96,8 +96,11 @@ impl strainwave_app::Board for Board {
         }
     }
 
-    fn output(&mut self, output: &Output<f32>) {
-        if !self.link.write(&frame::encode_output(output)) {
+    // The host finds it in the report.
+    fn command(&mut self, _torque: f32) {}
+
+    fn report(&mut self, output: impl FnOnce() -> Output<f32>) {
+        if !self.link.write(&frame::encode_output(&output())) {
             fail();
         }
     }

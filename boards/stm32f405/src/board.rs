@@ -87,12 +87,19 @@ impl strainwave_app::Board for Board {
         Some(Input { sensors, command: setpoint.into(), shares: shares.into() })
     }
 
-    fn output(&mut self, output: &Output<f32>) {
-        self.torque = output.motor_torque;
-        self.drive.command(output.motor_torque);
-        self.here.position = output.estimate.output_position;
-        self.watched = (self.watched + 1).min(WATCHING);
-        if self.watched == WATCHING && self.jog.is_none() {
+    fn command(&mut self, torque: f32) {
+        self.torque = torque;
+        self.drive.command(torque);
+    }
+
+    // Only before the first move is it asked where the output is.
+    fn report(&mut self, output: impl FnOnce() -> Output<f32>) {
+        if self.jog.is_some() {
+            return;
+        }
+        self.here.position = output().estimate.output_position;
+        self.watched += 1;
+        if self.watched == WATCHING {
             self.jog = Some(Jog::at(self.trajectory, self.here.position));
         }
     }

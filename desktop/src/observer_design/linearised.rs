@@ -13,6 +13,8 @@
 //! external torque that wanders ([`DESIGN`]). s wanders by the stiffness' share of that, b by what a brake takes of
 //! it, r times.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use nalgebra::{DMatrix, DVector, RowDVector};
 use strainwave::compensator::turns::{OBSERVED, ROUND};
 
@@ -20,9 +22,9 @@ use crate::draw;
 use crate::gear_file::{Friction, GearFile};
 use crate::joint::CONTROL_PERIOD;
 
-/// How many readings of a sensor in each control period one of the observer's steps stands for, and its period (s).
-const READINGS: f64 = OBSERVED as f64;
-pub(super) const DT: f64 = READINGS * CONTROL_PERIOD;
+/// How many control periods a period of the observer has, and how long it is (s).
+const PERIODS: f64 = OBSERVED as f64;
+pub(super) const DT: f64 = PERIODS * CONTROL_PERIOD;
 
 /// What the filter takes the world to be like.
 #[derive(Clone, Copy, Debug)]
@@ -31,8 +33,8 @@ pub(super) struct Unknown {
     pub wander: f64,
     /// Share of the Coulomb friction that is renewed every control period.
     pub friction: f64,
-    /// Noise of the motor's encoder besides its resolution, in counts of 2^19 a turn. Of readings in every control
-    /// period.
+    /// Noise of the motor's encoder besides its resolution, in counts of 2^19 a turn: of each reading that the observer
+    /// looks at.
     pub jitter: f64,
     /// Of the output's: in slow motion the error of a count is no noise but a wave that follows the angle, so that
     /// its readings are averaged over a time in which many counts pass. Of readings in every control period.
@@ -41,7 +43,8 @@ pub(super) struct Unknown {
 
 /// As the gains are designed. They grow with the wander: where the stiffness is off by 10 %, the filter of the motor
 /// encoder alone loses its stability at less than five times this.
-pub(super) const DESIGN: Unknown = Unknown { wander: 0.34, friction: 0.05, jitter: 3.0, output_jitter: 30.0 };
+pub(super) const DESIGN: Unknown =
+    Unknown { wander: 0.34, friction: 0.05, jitter: 3.0 * FRAC_1_SQRT_2, output_jitter: 30.0 };
 
 impl Unknown {
     /// As the gains of a gear are designed, whose file may have a wander and encoder noise of its own.
@@ -119,7 +122,7 @@ impl Linearised {
         let r: f64 = file.gear.signed_ratio().value();
         let transmitted = torque(file, sixth);
         let bits = file.sensors.motor_encoder_bits;
-        let encoder = |bits| encoder_noise(bits, unknown.jitter / READINGS.sqrt());
+        let encoder = |bits| encoder_noise(bits, unknown.jitter);
         // Averaged over the same time: the fewer readings it has, the more each of them says.
         let output_jitter =
             unknown.output_jitter / f64::from(file.sensors.output_encoder_period.max(ROUND)).sqrt();
@@ -193,7 +196,7 @@ fn process_noise(file: &GearFile, sixth: Sixth, unknown: &Unknown) -> [f64; 6] {
     let friction = |side: &Friction| unknown.friction * side.coulomb.unwrap_or_default();
     let motor = file.sensors.motor_torque_noise.hypot(friction(&file.friction.input)).max(least * r.abs());
     let output = friction(&file.friction.output).max(least);
-    let speed = |torque: f64, inertia: f64| (torque / inertia * dt).powi(2) / READINGS;
+    let speed = |torque: f64, inertia: f64| (torque / inertia * dt).powi(2) / PERIODS;
     let motor = speed(motor, file.inertia.wave_generator);
     let output = speed(output, file.inertia.flexspline);
     let wander = (unknown.wander * file.gear.rated_torque).powi(2) * dt;

@@ -23,7 +23,7 @@ use crate::kinematic_error::Deviation;
 use crate::real::Real;
 
 /// What it remembers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct GearByTurns<R: Real> {
     input_friction: JointFrictionState<R>,
     output_friction: JointFrictionState<R>,
@@ -33,8 +33,8 @@ pub struct GearByTurns<R: Real> {
     /// Of the last turn, moved on since.
     deviation: Deviation<R>,
     heading: Heading<R>,
-    /// The frictions' turn is next.
-    rubs: bool,
+    /// The frictions had the last turn, not the kinematic error.
+    rubbed: bool,
 }
 
 /// How both ends move.
@@ -106,22 +106,9 @@ impl<R: Real> Turns<R> {
     }
 }
 
-impl<R: Real> Default for GearByTurns<R> {
-    fn default() -> Self {
-        Self {
-            input_friction: JointFrictionState::default(),
-            output_friction: JointFrictionState::default(),
-            hysteresis: TorsionHysteresisState::default(),
-            hysteresis_torque: R::ZERO,
-            deviation: Deviation::default(),
-            heading: Heading::default(),
-            rubs: true,
-        }
-    }
-}
-
 impl<R: Real> GearByTurns<R> {
-    /// Goes on from a motor that is not where it moved to; answers with the kinematic error there (rad).
+    /// Goes on from this angle of the wave generator; answers with the kinematic error there (rad).
+    #[inline(always)]
     pub fn start_at(&mut self, gear: &RealTimeGear<R>, wave_generator: Angle<R>) -> R {
         self.heading = wave_generator.heading();
         self.deviation = gear.kinematic_error(wave_generator, self.heading);
@@ -137,14 +124,12 @@ impl<R: Real> GearByTurns<R> {
         ends: &Ends<R, impl Fn() -> Angle<R>>,
         known: &Known<R>,
     ) -> Torques<R> {
-        let rubs = self.rubs;
-        self.rubs = !rubs;
-        if !rubs {
-            let wave_generator = (ends.wave_generator)();
-            self.heading = wave_generator.heading();
-            self.deviation = gear.kinematic_error(wave_generator, self.heading);
-        } else {
+        self.rubbed = !self.rubbed;
+        let rubs = self.rubbed;
+        if rubs {
             self.deviation.error += self.deviation.slope * (turns.dt * ends.wave_generator_speed);
+        } else {
+            self.start_at(gear, (ends.wave_generator)());
         }
         let slope = turns.ratio + self.deviation.slope;
         let torsion = self.deviation.error - ends.ahead;

@@ -426,13 +426,12 @@ impl<R: Real> Observer<R> {
 
     /// The estimates' deviations after [`deviation::PERIODS`] more periods.
     #[inline(always)]
-    pub fn deviate(&self, state: &mut ObserverState<R>) -> EstimateDeviation<R> {
+    pub fn deviate(&self, state: &mut ObserverState<R>) {
         let sets = if state.magnitudes.moved { &self.moving } else { &self.standing };
         let [output, gauge] = state.seen;
         let spread = &set(sets, output, gauge).spread;
         state.deviation = spread.step(&mut state.spread, &self.uncertainty, &state.magnitudes);
         state.magnitudes.asked = R::ZERO;
-        state.deviation
     }
 
     /// Whether the output encoder has read within its period.

@@ -16,7 +16,7 @@
 //! T. Larsen, N. Andersen, O. Ravn, N. Poulsen, "Incorporation of time delayed measurements in a discrete-time Kalman
 //! filter", IEEE Conference on Decision and Control (1998).
 
-use crate::compensator::turns::OBSERVED;
+use crate::compensator::turns::{OBSERVED, ROUND};
 use crate::real::{RADIANS_PER_COUNT, Real};
 
 /// Longest delay of a reading (control periods).
@@ -24,6 +24,9 @@ pub const LONGEST_DELAY: usize = 16;
 
 /// The same in periods of the observer.
 pub const STEPS: usize = LONGEST_DELAY / OBSERVED as usize;
+
+/// How many angles the latest reading that is looked at, a round old, may lie behind.
+const KNOWN: usize = (LONGEST_DELAY + ROUND as usize) / OBSERVED as usize + 1;
 
 /// A power of two above it: an index is masked.
 const PLACES: usize = 16;
@@ -33,7 +36,7 @@ const PLACES: usize = 16;
 pub struct Past {
     phases: [u32; PLACES],
     newest: usize,
-    /// How many of them are known, up to [`STEPS`] + 2.
+    /// How many of them are known, up to [`KNOWN`].
     known: usize,
 }
 
@@ -49,7 +52,7 @@ impl Past {
     pub fn push(&mut self, phase: u32) {
         self.newest = (self.newest + 1) % PLACES;
         self.phases[self.newest] = phase;
-        self.known = (self.known + 1).min(STEPS + 2);
+        self.known = (self.known + 1).min(KNOWN);
     }
 
     /// The angle so many control periods before the newest, between two of them their mean; `None` where it is not
@@ -89,12 +92,12 @@ mod tests {
         for phase in 1..100 {
             // Two control periods between two of them: in between is their mean.
             past.push(2 * phase);
-            for back in 0..=LONGEST_DELAY as u32 + 1 {
+            for back in 0..=LONGEST_DELAY as u32 + ROUND {
                 let wanted = (2 * phase >= back + 2).then(|| 2 * phase - back);
                 assert_eq!(past.before(back as usize), wanted, "{back} before {phase}");
             }
         }
-        assert_eq!(past.before(LONGEST_DELAY + 4), None);
+        assert_eq!(past.before(LONGEST_DELAY + ROUND as usize + 1), None);
     }
 
     #[test]
