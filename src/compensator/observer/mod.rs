@@ -46,71 +46,29 @@
 
 pub mod by_turns;
 pub mod deviation;
+mod gains;
+mod params;
 pub mod past;
+mod range;
+mod standstill;
+mod state;
+
+pub use by_turns::Known;
+pub use gains::{Correction, GainSets, Gains, STATES};
+pub use params::{LONGEST_PERIOD, ObserverParams};
+pub use standstill::STANDSTILL;
+pub use state::ObserverState;
 
 use crate::angle::{Angle, Ratio};
 use crate::compensator::faults::Faults;
-use crate::compensator::turns::{OBSERVED, ROUND};
-use crate::compensator::{Estimate, EstimateDeviation, Limits, RealTimeGear};
-use crate::error::{Error, require};
-use crate::gear::GearParams;
+use crate::compensator::turns::OBSERVED;
+use crate::compensator::{Estimate, RealTimeGear};
 use crate::real::{RADIANS_PER_COUNT, Real, seldom};
-pub use by_turns::Known;
-use by_turns::{Ends, GearByTurns, Torques, Turns};
-use deviation::{Magnitudes, Spread, SpreadState, Uncertainty};
-use past::{LONGEST_DELAY, Past, STEPS};
-
-/// Number of observed states: the sixth is s where the motor moves, b where it stands.
-pub const STATES: usize = 6;
-
-/// Periods of the observer without motion after which the motor stands: 20 ms.
-pub const STANDSTILL: u32 = 200 / OBSERVED;
-
-/// Most control periods from one reading of the output encoder to the next.
-pub const LONGEST_PERIOD: u32 = 100;
-
-/// Part of the rated torque that s may have beside its share of the torque: hysteresis, the encoders' zero.
-const LEAST_STIFFNESS_TORQUE: f64 = 0.03;
-
-/// Correction of each state [theta_wg, omega_wg, theta_fs, omega_fs, d, s or b] per unit of a sensor's innovation.
-pub type Correction<R> = [R; STATES];
-
-/// Gains for one combination of sensors; those of an absent sensor are zero.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Gains<R> {
-    /// l_m, per rad of the motor encoder.
-    pub motor: Correction<R>,
-    /// l_t, per N m of the strain gauge.
-    pub torque: Correction<R>,
-    /// F^D l_o, per rad of the output encoder.
-    pub output: Correction<R>,
-    /// c_1..=c_D, of the past.
-    pub past: [R; STEPS],
-    /// What the estimates' deviations are made of.
-    pub spread: Spread<R>,
-}
-
-/// Gains without further sensors, with output encoder, with strain gauge, with both.
-pub type GainSets<R> = [Gains<R>; 4];
-
-/// Parameters of the observer.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ObserverParams<R> {
-    /// Where the motor moves.
-    pub moving: GainSets<R>,
-    /// Where it stands.
-    pub standing: GainSets<R>,
-    /// Way of the motor that is a motion (rad).
-    pub stir: R,
-    /// Delay of the output encoder's reading (control periods).
-    pub output_encoder_delay: u32,
-    /// Control periods from one reading of the output encoder to the next.
-    pub output_encoder_period: u32,
-    /// q (rad): one count of the output encoder.
-    pub output_count: R,
-    /// How uncertain the model is.
-    pub uncertainty: Uncertainty<R>,
-}
+use by_turns::{Ends, Torques, Turns};
+use deviation::{Magnitudes, Uncertainty};
+use gains::set;
+use past::Past;
+use range::Range;
 
 /// The built observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,58 +93,6 @@ pub struct Observer<R> {
     dt: R,
 }
 
-/// What the observer believes. Both angles are relative, so that they are small and need no more than an f32.
-#[derive(Clone, Debug)]
-pub struct ObserverState<R: Real> {
-    gear: GearByTurns<R>,
-    /// theta_m of the last period.
-    motor: Angle<R>,
-    /// theta_wg - theta_m (rad) and omega_wg (rad/s).
-    off: R,
-    wave_generator_speed: R,
-    /// theta_fs - r*theta_wg (rad) and omega_fs (rad/s).
-    ahead: R,
-    flange_speed: R,
-    /// tau of the last period (N m).
-    motor_torque: R,
-    external_torque: R,
-    /// s (N m).
-    stiffness_torque: R,
-    /// b (N m).
-    held_torque: R,
-    /// theta_o - theta_fs at the last reading (rad).
-    output_innovation: R,
-    standstill: Standstill,
-    /// Own periods since a reading of the output encoder.
-    since_output: u32,
-    past: Past,
-    spread: SpreadState<R>,
-    deviation: EstimateDeviation<R>,
-    /// What the deviations are to be made of, and by which sensors.
-    magnitudes: Magnitudes<R>,
-    seen: [bool; 2],
-    started: bool,
-}
-
-/// Since when, and where, the motor has not moved.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Standstill {
-    phase: u32,
-    periods: u32,
-}
-
-impl Standstill {
-    /// One more period at this phase; whether the motor moves.
-    #[inline(always)]
-    fn step(&mut self, phase: u32, stir: u32) -> bool {
-        self.periods = (self.periods + 1).min(STANDSTILL);
-        if phase.wrapping_sub(self.phase).cast_signed().unsigned_abs() > stir {
-            *self = Self { phase, periods: 0 };
-        }
-        self.periods < STANDSTILL
-    }
-}
-
 /// What the sensors say in this step, already checked.
 #[derive(Clone, Copy, Debug)]
 pub struct Measurement<R> {
@@ -202,109 +108,7 @@ pub struct Measurement<R> {
     pub output_torque: Option<R>,
 }
 
-impl<R: Real> Gains<R> {
-    /// With what corrects the flange's angle as what corrects by how much it is ahead of r*theta_wg.
-    fn relative(mut self, ratio: R) -> Self {
-        for by in [&mut self.motor, &mut self.torque, &mut self.output] {
-            by[2] -= ratio * by[0];
-        }
-        self
-    }
-}
-
-impl<R: Real> ObserverParams<R> {
-    /// Prepares the observer of a gear for the control period dt (s).
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] `gains` unless all are finite, `stir` or `output_count` unless in 0..=1,
-    /// `output_encoder_delay` beyond [`LONGEST_DELAY`], `output_encoder_period` unless in 1..=[`LONGEST_PERIOD`], or
-    /// as [`Limits::check`] and the gear's parts.
-    pub fn build(&self, gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Result<Observer<R>, Error> {
-        let sets = || self.moving.iter().chain(&self.standing);
-        let mut gains = sets().flat_map(|g| g.motor.iter().chain(&g.output).chain(&g.torque).chain(&g.past));
-        require(gains.all(|gain| gain.is_finite()), "gains")?;
-        require(sets().all(|gains| gains.spread.is_finite()), "deviation")?;
-        require(self.stir >= R::ZERO && self.stir <= R::ONE, "stir")?;
-        require(self.output_count >= R::ZERO && self.output_count <= R::ONE, "output_count")?;
-        let delay = self.output_encoder_delay as usize;
-        require(delay <= LONGEST_DELAY, "output_encoder_delay")?;
-        require((1..=LONGEST_PERIOD).contains(&self.output_encoder_period), "output_encoder_period")?;
-        limits.check()?;
-        let dt = R::from_i32(OBSERVED as i32) * dt;
-        let ratio = Ratio::one_over(gear.ratio)?;
-        let wave_generator_inertia = gear.wave_generator_inertia;
-        require(wave_generator_inertia > R::ZERO, "wave_generator_inertia")?;
-        Ok(Observer {
-            moving: self.moving.map(|gains| gains.relative(ratio.value())),
-            standing: self.standing.map(|gains| gains.relative(ratio.value())),
-            stir: (self.stir * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs(),
-            late: delay,
-            looks_back: delay > 0 || self.output_encoder_period > 1,
-            ratio,
-            delay: delay.div_ceil(OBSERVED as usize),
-            period: self.output_encoder_period.div_ceil(ROUND) * (ROUND / OBSERVED),
-            output_count: self.output_count,
-            uncertainty: self.uncertainty,
-            limits: Range {
-                motor_speed: R::lit(2.0) * limits.motor_speed,
-                output_speed: R::lit(2.0) * limits.output_speed(gear.ratio),
-                external_torque: limits.output_torque,
-                held_torque: limits.output_torque / R::from_i32(gear.ratio).abs(),
-                stiffness_torque: [
-                    R::lit(3.0) * self.uncertainty.stiffness,
-                    R::lit(LEAST_STIFFNESS_TORQUE) * gear.rated_torque,
-                ],
-                torsion: gear.flexspline.line.build()?.torsion(R::lit(4.0) * limits.output_torque),
-                transmitted: R::lit(4.0) * limits.output_torque,
-            },
-            inverse_wave_generator_inertia: R::ONE / wave_generator_inertia,
-            inverse_flexspline_inertia: R::ONE / gear.flexspline_inertia,
-            turns: Turns::build(ratio.value(), dt),
-            dt,
-        })
-    }
-}
-
-/// What the observer's states are kept in: twice the joint's speeds, its peak torque, and the torsion
-/// of four times the peak torque, where the teeth have long ratcheted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Range<R> {
-    motor_speed: R,
-    output_speed: R,
-    external_torque: R,
-    held_torque: R,
-    /// Of s: share of the transmitted torque, and what is added to it.
-    stiffness_torque: [R; 2],
-    torsion: R,
-    transmitted: R,
-}
-
 impl<R: Real> Observer<R> {
-    /// The state at rest at the zero angle.
-    pub fn rest(&self) -> ObserverState<R> {
-        ObserverState {
-            gear: GearByTurns::default(),
-            motor: Angle::default(),
-            off: R::ZERO,
-            wave_generator_speed: R::ZERO,
-            ahead: R::ZERO,
-            flange_speed: R::ZERO,
-            motor_torque: R::ZERO,
-            external_torque: R::ZERO,
-            stiffness_torque: R::ZERO,
-            held_torque: R::ZERO,
-            output_innovation: R::ZERO,
-            standstill: Standstill { phase: 0, periods: STANDSTILL },
-            since_output: u32::MAX,
-            past: Past::default(),
-            spread: SpreadState::default(),
-            deviation: EstimateDeviation::default(),
-            magnitudes: Magnitudes::default(),
-            seen: [false; 2],
-            started: false,
-        }
-    }
-
     /// Where the output was, up to whole turns, at the instant of the reading that comes with the next step, for a
     /// motor that is at `motor` now, `age` control periods after it came; `None` where that was before the start.
     pub fn output_at_reading(
@@ -373,7 +177,7 @@ impl<R: Real> Observer<R> {
         let output_seen = self.output_seen(state, measured);
         let acceleration = self.predict(state, &torques, measured, known);
         let asked = self.correct(gains, state, measured, &torques, known, moved);
-        self.keep_in_range(state, &torques, moved, faults);
+        self.limits.keep(state, &torques, moved, faults);
         state.magnitudes = Magnitudes {
             asked: state.magnitudes.asked + asked,
             moved,
@@ -537,84 +341,6 @@ impl<R: Real> Observer<R> {
         let then = state.past.before(self.late + measured.age as usize)?;
         let counts = angle.phase().wrapping_sub(then).cast_signed();
         Some(R::from_i32(counts) * R::lit(RADIANS_PER_COUNT) - known.position)
-    }
-
-    #[inline(always)]
-    fn keep_in_range(
-        &self,
-        state: &mut ObserverState<R>,
-        torques: &Torques<R>,
-        moved: bool,
-        faults: &mut Faults,
-    ) {
-        let limits = &self.limits;
-        for (value, bound) in [
-            (&mut state.wave_generator_speed, limits.motor_speed),
-            (&mut state.flange_speed, limits.output_speed),
-            (&mut state.external_torque, limits.external_torque),
-        ] {
-            if !value.is_within(bound) {
-                seldom();
-                faults.raise_if(true, Faults::ESTIMATE_LIMITED);
-                *value = value.limit(bound);
-            }
-        }
-        if moved {
-            let [share, least] = limits.stiffness_torque;
-            state.stiffness_torque = state.stiffness_torque.limit(share * torques.transmitted.abs() + least);
-            state.held_torque = R::ZERO;
-        } else {
-            state.held_torque = state.held_torque.limit(limits.held_torque);
-        }
-    }
-}
-
-/// The set of what is there.
-#[inline(always)]
-fn set<R>(sets: &GainSets<R>, output: bool, gauge: bool) -> &Gains<R> {
-    match (output, gauge) {
-        (false, false) => &sets[0],
-        (true, false) => &sets[1],
-        (false, true) => &sets[2],
-        (true, true) => &sets[3],
-    }
-}
-
-impl<R: Real> ObserverState<R> {
-    /// omega_fs (rad/s).
-    #[inline(always)]
-    pub fn output_velocity(&self) -> R {
-        self.flange_speed
-    }
-
-    /// Friction at the flexspline (N m).
-    #[inline(always)]
-    pub fn output_friction(&self) -> R {
-        self.magnitudes.output_friction
-    }
-
-    /// phi (rad).
-    #[inline(always)]
-    pub fn torsion(&self) -> R {
-        self.magnitudes.torsion
-    }
-
-    /// d (N m).
-    #[inline(always)]
-    pub fn external_torque(&self) -> R {
-        self.external_torque
-    }
-
-    /// Corrects by one sensor's innovation.
-    #[inline(always)]
-    fn correct(&mut self, by: &Correction<R>, innovation: R, moved: bool) {
-        self.off += by[0] * innovation;
-        self.wave_generator_speed += by[1] * innovation;
-        self.ahead += by[2] * innovation;
-        self.flange_speed += by[3] * innovation;
-        self.external_torque += by[4] * innovation;
-        let last = if moved { &mut self.stiffness_torque } else { &mut self.held_torque };
-        *last += by[5] * innovation;
     }
 }
 

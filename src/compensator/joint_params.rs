@@ -1,0 +1,92 @@
+//! Parameters of a joint's compensator, checked and built.
+//!
+//! Each part checks its own. What they have in common is settled here: which period each of them runs with
+//! ([`super::turns`]), and how far the encoders may move from one reading that is looked at to the next.
+
+use crate::compensator::command::Commander;
+use crate::compensator::encoder::EncoderParams;
+use crate::compensator::external_load::ExternalLoad;
+use crate::compensator::fallback::Fallback;
+use crate::compensator::feed_forward::FeedForward;
+use crate::compensator::feedback::FeedbackParams;
+use crate::compensator::guard::{FrozenEncoder, InputGuard};
+use crate::compensator::learning::{LearningParams, Learnt};
+use crate::compensator::motor_torque::MotorTorque;
+use crate::compensator::observer::ObserverParams;
+use crate::compensator::output_feedback::{OutputFeedback, OutputFeedbackParams};
+use crate::compensator::turns::{OBSERVED, ROUND};
+use crate::compensator::{Compensator, Limits};
+use crate::error::Error;
+use crate::flexspline::Reduced;
+use crate::gear::GearParams;
+use crate::real::Real;
+
+/// Everything that a joint's compensator is built from; generated from a gear file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointParams<R: Real> {
+    /// Control period (s).
+    pub dt: R,
+    /// The gear.
+    pub gear: GearParams<R>,
+    /// Resolution of the motor encoder, 2^bits counts a turn.
+    pub motor_encoder_bits: u32,
+    /// Resolution of the output encoder, 2^bits counts a turn.
+    pub output_encoder_bits: u32,
+    /// What the joint can do.
+    pub limits: Limits<R>,
+    /// The observer's gains.
+    pub observer: ObserverParams<R>,
+    /// The motor-side cascade.
+    pub feedback: FeedbackParams<R>,
+    /// Output feedback without and with an output encoder.
+    pub output_feedback: [OutputFeedbackParams<R>; 2],
+    /// Adaptation and ripple.
+    pub learning: LearningParams<R>,
+    /// What has been learnt of the joint before.
+    pub learnt: Learnt<R>,
+}
+
+impl<R: Real> JointParams<R> {
+    /// Checks every parameter once and precomputes all that the step needs.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with the name of the first parameter that is out of its range.
+    pub fn build(&self) -> Result<Compensator<R>, Error> {
+        self.limits.check()?;
+        let encoder = |bits, speed| EncoderParams { bits, speed_limit: R::lit(2.0) * speed }.build(self.dt);
+        let guard = InputGuard::build(&self.gear, &self.limits, self.dt)?;
+        let (limits, n) = (&self.limits, self.gear.ratio);
+        let [observed, round] = [OBSERVED, ROUND].map(|periods| R::from_i32(periods as i32) * self.dt);
+        // Periods between readings of the output encoder that the observer sees, and that its standstill is looked
+        // for in.
+        let [readings, looks] = [ROUND, 2 * ROUND]
+            .map(|least| R::from_i32(self.observer.output_encoder_period.max(least) as i32));
+        Ok(Compensator {
+            gear: self.gear.build(Reduced::build(&self.gear.flexspline, self.gear.rated_torque)?, self.dt)?,
+            commander: Commander::build(limits, n, guard.acceleration(), round)?,
+            guard,
+            motor_encoder: encoder(self.motor_encoder_bits, self.limits.motor_speed)?,
+            output_encoder: encoder(self.output_encoder_bits, limits.output_speed(n) * readings)?,
+            frozen_encoder: FrozenEncoder::of_motor(round + round),
+            frozen_output: FrozenEncoder::of_output(self.dt * looks),
+            observer: self.observer.build(&self.gear, &self.limits, self.dt)?,
+            load: ExternalLoad::build(&self.gear, self.dt)?,
+            feed_forward: FeedForward::build(&self.gear, self.dt)?,
+            feedback: self.feedback.build(self.dt)?,
+            output_feedback: OutputFeedback::build(
+                &self.output_feedback,
+                self.gear.flexspline_inertia,
+                limits.output_speed(n),
+                R::lit(core::f64::consts::TAU) / R::from_i32(1 << self.output_encoder_bits.min(30)),
+                round,
+            )?,
+            learning: self.learning.build(&self.gear, &self.limits, self.dt)?,
+            learnt: self.learnt,
+            motor_torque: MotorTorque::build(self.limits.motor_torque, self.dt)?,
+            fallback: Fallback::build(self.limits.motor_torque, self.dt),
+            limits: self.limits,
+            dt: self.dt,
+            behind: observed + self.dt,
+        })
+    }
+}

@@ -1,0 +1,80 @@
+//! Parameters of the observer, checked and built.
+//!
+//! Delay and period of the output encoder are given in control periods; the observer counts its own and rounds up.
+
+use crate::angle::Ratio;
+use crate::compensator::Limits;
+use crate::compensator::observer::Observer;
+use crate::compensator::observer::by_turns::Turns;
+use crate::compensator::observer::deviation::Uncertainty;
+use crate::compensator::observer::gains::GainSets;
+use crate::compensator::observer::past::LONGEST_DELAY;
+use crate::compensator::observer::range::Range;
+use crate::compensator::turns::{OBSERVED, ROUND};
+use crate::error::{Error, require};
+use crate::gear::GearParams;
+use crate::real::{RADIANS_PER_COUNT, Real};
+
+/// Most control periods from one reading of the output encoder to the next.
+pub const LONGEST_PERIOD: u32 = 100;
+
+/// Parameters of the observer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObserverParams<R> {
+    /// Where the motor moves.
+    pub moving: GainSets<R>,
+    /// Where it stands.
+    pub standing: GainSets<R>,
+    /// Way of the motor that is a motion (rad).
+    pub stir: R,
+    /// Delay of the output encoder's reading (control periods).
+    pub output_encoder_delay: u32,
+    /// Control periods from one reading of the output encoder to the next.
+    pub output_encoder_period: u32,
+    /// q (rad): one count of the output encoder.
+    pub output_count: R,
+    /// How uncertain the model is.
+    pub uncertainty: Uncertainty<R>,
+}
+
+impl<R: Real> ObserverParams<R> {
+    /// Prepares the observer of a gear for the control period dt (s).
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `gains` unless all are finite, `stir` or `output_count` unless in 0..=1,
+    /// `output_encoder_delay` beyond [`LONGEST_DELAY`], `output_encoder_period` unless in 1..=[`LONGEST_PERIOD`], or
+    /// as [`Limits::check`] and the gear's parts.
+    pub fn build(&self, gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Result<Observer<R>, Error> {
+        let sets = || self.moving.iter().chain(&self.standing);
+        let mut gains = sets().flat_map(|g| g.motor.iter().chain(&g.output).chain(&g.torque).chain(&g.past));
+        require(gains.all(|gain| gain.is_finite()), "gains")?;
+        require(sets().all(|gains| gains.spread.is_finite()), "deviation")?;
+        require(self.stir >= R::ZERO && self.stir <= R::ONE, "stir")?;
+        require(self.output_count >= R::ZERO && self.output_count <= R::ONE, "output_count")?;
+        let delay = self.output_encoder_delay as usize;
+        require(delay <= LONGEST_DELAY, "output_encoder_delay")?;
+        require((1..=LONGEST_PERIOD).contains(&self.output_encoder_period), "output_encoder_period")?;
+        limits.check()?;
+        let dt = R::from_i32(OBSERVED as i32) * dt;
+        let ratio = Ratio::one_over(gear.ratio)?;
+        let wave_generator_inertia = gear.wave_generator_inertia;
+        require(wave_generator_inertia > R::ZERO, "wave_generator_inertia")?;
+        Ok(Observer {
+            moving: self.moving.map(|gains| gains.relative(ratio.value())),
+            standing: self.standing.map(|gains| gains.relative(ratio.value())),
+            stir: (self.stir * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs(),
+            late: delay,
+            looks_back: delay > 0 || self.output_encoder_period > 1,
+            ratio,
+            delay: delay.div_ceil(OBSERVED as usize),
+            period: self.output_encoder_period.div_ceil(ROUND) * (ROUND / OBSERVED),
+            output_count: self.output_count,
+            uncertainty: self.uncertainty,
+            limits: Range::build(gear, limits, self.uncertainty.stiffness)?,
+            inverse_wave_generator_inertia: R::ONE / wave_generator_inertia,
+            inverse_flexspline_inertia: R::ONE / gear.flexspline_inertia,
+            turns: Turns::build(ratio.value(), dt),
+            dt,
+        })
+    }
+}

@@ -1,0 +1,82 @@
+//! The range that the observer's states are kept in: what it believes is bounded whatever the sensors say.
+//!
+//! ```text
+//! |omega_wg| <= 2*motor_speed,   |omega_fs| <= 2*motor_speed/|n|,   |d| <= tau_p,   |b| <= tau_p/|n|,   n = 1/r
+//! |s| <= 3*u_K*|tau_t| + 0.03*tau_rated,   |phi| <= phi(4*tau_p),   |tau_t| <= 4*tau_p
+//! ```
+//!
+//! tau_p is the gear's peak torque at its output, u_K as in [`super::deviation`]. The states are limited; a torsion
+//! beyond its bound starts the observer again; tau_t is limited where it is reported. Where the motor moves b is 0.
+//! Units: rad, rad/s, N m.
+
+use crate::compensator::Limits;
+use crate::compensator::faults::Faults;
+use crate::compensator::observer::by_turns::Torques;
+use crate::compensator::observer::state::ObserverState;
+use crate::error::Error;
+use crate::gear::GearParams;
+use crate::real::{Real, seldom};
+
+/// Part of the rated torque that s may have beside its share of the torque: hysteresis, the encoders' zero.
+const LEAST_STIFFNESS_TORQUE: f64 = 0.03;
+
+/// What the observer's states are kept in: twice the joint's speeds, its peak torque, and the torsion
+/// of four times the peak torque, where the teeth have long ratcheted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Range<R> {
+    motor_speed: R,
+    output_speed: R,
+    external_torque: R,
+    held_torque: R,
+    /// Of s: share of the transmitted torque, and what is added to it.
+    stiffness_torque: [R; 2],
+    pub(super) torsion: R,
+    pub(super) transmitted: R,
+}
+
+impl<R: Real> Range<R> {
+    /// Of a gear whose stiffness has this standard deviation, relative to itself.
+    ///
+    /// # Errors
+    /// As the gear's flexspline.
+    pub(super) fn build(gear: &GearParams<R>, limits: &Limits<R>, stiffness: R) -> Result<Self, Error> {
+        Ok(Self {
+            motor_speed: R::lit(2.0) * limits.motor_speed,
+            output_speed: R::lit(2.0) * limits.output_speed(gear.ratio),
+            external_torque: limits.output_torque,
+            held_torque: limits.output_torque / R::from_i32(gear.ratio).abs(),
+            stiffness_torque: [R::lit(3.0) * stiffness, R::lit(LEAST_STIFFNESS_TORQUE) * gear.rated_torque],
+            torsion: gear.flexspline.line.build()?.torsion(R::lit(4.0) * limits.output_torque),
+            transmitted: R::lit(4.0) * limits.output_torque,
+        })
+    }
+
+    /// Limits every state to its bound; where that is a speed or the load it is reported.
+    #[inline(always)]
+    pub(super) fn keep(
+        &self,
+        state: &mut ObserverState<R>,
+        torques: &Torques<R>,
+        moved: bool,
+        faults: &mut Faults,
+    ) {
+        for (value, bound) in [
+            (&mut state.wave_generator_speed, self.motor_speed),
+            (&mut state.flange_speed, self.output_speed),
+            (&mut state.external_torque, self.external_torque),
+        ] {
+            if !value.is_within(bound) {
+                seldom();
+                faults.raise_if(true, Faults::ESTIMATE_LIMITED);
+                *value = value.limit(bound);
+            }
+        }
+        if moved {
+            let [share, least] = self.stiffness_torque;
+            state.stiffness_torque = state.stiffness_torque.limit(share * torques.transmitted.abs() + least);
+            state.held_torque = R::ZERO;
+        } else {
+            state.held_torque = state.held_torque.limit(self.held_torque);
+        }
+    }
+}

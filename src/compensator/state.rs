@@ -1,0 +1,127 @@
+//! What the compensator remembers from step to step: the states of its parts, and what one turn leaves for another.
+
+use crate::angle::Angle;
+use crate::compensator::command::CommanderState;
+use crate::compensator::course::Course;
+use crate::compensator::encoder::EncoderState;
+use crate::compensator::external_load::{ExternalLoadState, Yielding};
+use crate::compensator::fallback::FallbackState;
+use crate::compensator::feed_forward::FeedForwardState;
+use crate::compensator::feedback::FeedbackState;
+use crate::compensator::guard::InputGuardState;
+use crate::compensator::learning::LearningState;
+use crate::compensator::motor_torque::MotorTorqueState;
+use crate::compensator::observer::{Known, ObserverState};
+use crate::compensator::output_feedback::OutputFeedbackState;
+use crate::compensator::turns::{Slow, Turn};
+use crate::compensator::{Compensator, Faults};
+use crate::real::Real;
+
+/// What the compensator remembers from step to step.
+#[derive(Clone, Debug)]
+pub struct State<R: Real> {
+    pub(super) turn: Turn,
+    pub(super) guard: InputGuardState<R>,
+    pub(super) motor_encoder: EncoderState,
+    pub(super) output_encoder: EncoderState,
+    pub(super) heard: Heard<R>,
+    /// Output encoder's angle where the observer's output angle is zero.
+    pub(super) output_zero: Option<Angle<R>>,
+    pub(super) frozen_path: R,
+    pub(super) frozen_output_path: R,
+    /// Of the output encoder since its standstill was looked for, and when it was.
+    pub(super) output_raw: Option<u32>,
+    pub(super) last_output: Option<u32>,
+    pub(super) last_motor: Angle<R>,
+    pub(super) commander: CommanderState<R>,
+    pub(super) observer: ObserverState<R>,
+    pub(super) load: ExternalLoadState<R>,
+    pub(super) yielding: Yielding<R>,
+    pub(super) feed_forward: FeedForwardState<R>,
+    pub(super) course: Course<R>,
+    pub(super) feedback: FeedbackState<R>,
+    pub(super) output_feedback: OutputFeedbackState<R>,
+    pub(super) learning: LearningState<R>,
+    pub(super) known: Known<R>,
+    /// By how much its load changes until the observer's next turn but one (N m).
+    pub(super) load_rate: R,
+    /// Whose turn it is among what is slow.
+    pub(super) slow: Slow,
+    pub(super) motor_torque: MotorTorqueState<R>,
+    pub(super) fallback: FallbackState<R>,
+    /// By how much the motor's reference was ahead of it in the last step (rad), and the feed-forward (N m).
+    pub(super) sent: [R; 2],
+    /// What the last turns found wrong, and what was reported.
+    pub(super) faults: TurnsFaults,
+    pub(super) reported: Faults,
+    pub(super) limited: bool,
+    /// Nothing has been wrong since the factors' last turn.
+    pub(super) sound: bool,
+}
+
+/// What the sensors have said since the observer's last turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Heard<R> {
+    /// Sum of the motor's torque (N m).
+    pub(super) motor_torque: R,
+    /// Raw count of the output encoder, and how many control periods ago it was.
+    pub(super) output: Option<u32>,
+    pub(super) age: u32,
+    /// Strain gauge (N m).
+    pub(super) output_torque: Option<R>,
+}
+
+/// What is wrong, by who has found it in its last turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct TurnsFaults {
+    pub(super) observer: Faults,
+    pub(super) plan: Faults,
+    pub(super) standstill: Faults,
+    pub(super) shares: Faults,
+}
+
+impl<R: Real> Compensator<R> {
+    /// The state before the first step: what was learnt before, within its bounds.
+    pub fn rest(&self) -> State<R> {
+        State {
+            turn: Turn::default(),
+            guard: InputGuardState::default(),
+            motor_encoder: EncoderState::default(),
+            output_encoder: EncoderState::default(),
+            heard: Heard::default(),
+            output_zero: None,
+            frozen_path: R::ZERO,
+            frozen_output_path: R::ZERO,
+            output_raw: None,
+            last_output: None,
+            last_motor: Angle::default(),
+            commander: CommanderState::default(),
+            observer: self.observer.rest(),
+            load: ExternalLoadState::default(),
+            yielding: Yielding::default(),
+            feed_forward: FeedForwardState::default(),
+            course: Course::default(),
+            feedback: FeedbackState::default(),
+            output_feedback: OutputFeedbackState::default(),
+            learning: self.learning.starting_from(&self.learnt),
+            known: Known::default(),
+            load_rate: R::ZERO,
+            slow: Slow::Lead,
+            motor_torque: MotorTorqueState::default(),
+            fallback: FallbackState::default(),
+            sent: [R::ZERO; 2],
+            faults: TurnsFaults::default(),
+            reported: Faults::NONE,
+            limited: false,
+            sound: true,
+        }
+    }
+}
+
+impl<R: Real> State<R> {
+    /// What is learnt may rest on this round.
+    #[inline(always)]
+    pub(super) fn learns(&self) -> bool {
+        self.sound && self.guard.shares().adaptation > R::ZERO && self.course.output_torque.is_none()
+    }
+}
