@@ -13,9 +13,9 @@ use crate::draw;
 use crate::gear_file::{Friction, GearFile};
 
 /// a without and with an output encoder.
-const STIFFENING: [f64; 2] = [0.5, 0.5];
+const STIFFENING: [f64; 2] = [0.7, 1.0];
 /// zeta, alike.
-const DAMPING: [f64; 2] = [0.5, 0.5];
+const DAMPING: [f64; 2] = [0.65, 0.75];
 /// k (1/s), alike.
 const INTEGRAL: [f64; 2] = [30.0, 50.0];
 
@@ -26,7 +26,7 @@ const INERTIA_RATE: f64 = 30.0;
 /// How fast friction is learnt at its Coulomb level, on the motor's and on the output's side (1/s).
 const FRICTION_RATES: [f64; 2] = [1.2, 0.3];
 /// How fast compliance is learnt at the rated torque's torsion (1/s).
-const COMPLIANCE_RATE: f64 = 20.0;
+const COMPLIANCE_RATE: f64 = 80.0;
 /// The same without an output encoder, at a flexing torque of so many rated torques, which is also the largest that
 /// counts.
 const FLEXING_RATE: f64 = 60.0;

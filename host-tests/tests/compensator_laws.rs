@@ -60,7 +60,7 @@ impl Twins {
             };
             let mut faults = Faults::NONE;
             let known = Known::default();
-            self.observer.step(&self.gear, &mut self.state, &measured, &known, &mut faults);
+            self.observer.step(&self.gear, &mut self.state, &measured, &known, false, &mut faults);
             let estimate = self.observer.estimate(&self.state, &known);
             // The start from a wrong torsion may reach a limit; a second later none is near.
             assert!(k < 10_000 || faults == Faults::NONE, "step {k}: {faults:?}");

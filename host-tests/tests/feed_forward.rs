@@ -172,6 +172,46 @@ fn through_a_reversal_it_follows_presliding() {
     assert!(missed < 0.05 * jumped, "{missed} {jumped}");
 }
 
+/// The setpoint of S3 after so many rounds.
+fn fast_move(round: usize, rated: f64) -> Setpoint<f64> {
+    let demand = Scenario::S3.at(round as f64 * DT, rated);
+    Setpoint {
+        position: Angle::from_radians_f64(demand.position),
+        velocity: demand.velocity,
+        acceleration: demand.acceleration,
+        jerk: demand.jerk,
+        snap: demand.snap,
+    }
+}
+
+/// The inverse of the gear: ends that move as demanded wind it up to the torque that the load takes, and the motor
+/// bears what the flexspline, the kinematic error's lever and its friction make of it, up to the flexspline's dashpot,
+/// which takes 0.2 N m where the setpoint slows down. The lever takes up to 8 mN m there.
+#[test]
+fn a_gear_that_moves_as_demanded_carries_the_load() {
+    let mut joint = Joint::new();
+    let (model, rated) = (gear(&joint.params.gear), joint.params.gear.rated_torque);
+    let (inertia, rotor) = (joint.params.gear.flexspline_inertia, joint.params.gear.wave_generator_inertia);
+    let mut state = model.rest();
+    let last = HALF / 2;
+    // Up to where the torsion passes a knee of the line.
+    for k in 0..last * 37 / 40 {
+        let setpoint = fast_move(k, rated);
+        let demanded = joint.demand(&setpoint, &Shares::ALL);
+        let flange = Motion { angle: setpoint.position, velocity: setpoint.velocity };
+        let torques = model.torques(&mut state, &demanded.motor, &flange, Applied::default());
+        if k < last * 17 / 20 {
+            continue;
+        }
+        let needed = inertia * setpoint.acceleration + torques.output_friction;
+        let missed = torques.transmitted - needed;
+        assert!(missed.abs() < 0.3, "{k}: {missed} of {needed} N m");
+        let short = rotor * demanded.acceleration + torques.wave_generator - demanded.torque;
+        println!("{k} {missed} {short}");
+        assert!(short.abs() < 2e-3, "{k}: {short} of {} N m", demanded.torque);
+    }
+}
+
 /// The angle (rad, at the output) by which the sum of the demanded speeds is off the reference, at its largest, over
 /// a fast move.
 fn speed_missed(shares: &Shares<f64>) -> f64 {
@@ -179,14 +219,7 @@ fn speed_missed(shares: &Shares<f64>) -> f64 {
     let ratio = f64::from(joint.params.gear.ratio);
     let (mut summed, mut first, mut missed) = (0.0, None, 0.0f64);
     for k in 0..HALF / 2 {
-        let demand = Scenario::S3.at(k as f64 * DT, joint.params.gear.rated_torque);
-        let setpoint = Setpoint {
-            position: Angle::from_radians_f64(demand.position),
-            velocity: demand.velocity,
-            acceleration: demand.acceleration,
-            jerk: demand.jerk,
-            snap: demand.snap,
-        };
+        let setpoint = fast_move(k, joint.params.gear.rated_torque);
         let demanded = joint.demand(&setpoint, shares);
         let reference = demanded.motor.angle.to_radians() - 0.5 * DT * demanded.motor.velocity;
         missed = missed.max((summed + *first.get_or_insert(reference) - reference).abs());

@@ -57,7 +57,7 @@ fn load_of_a_swinging_motor() -> f64 {
         }
         if k % OBSERVED == 1 {
             let measured = measured(motor, None, 0.5 * (before + held));
-            observer.step(&model, &mut state, &measured, &Known::default(), &mut Faults::default());
+            observer.step(&model, &mut state, &measured, &Known::default(), false, &mut Faults::default());
             largest = if k < 2000 { 0.0 } else { largest.max(state.external_torque().abs()) };
         }
         before = held;
@@ -83,7 +83,7 @@ fn believed_at_rest(off: f64) -> f64 {
     shown.angle = shown.angle.plus(off);
     let measured = measured(Motion::default(), Some(shown), 0.0);
     for _ in 0..5000 {
-        observer.step(&model, &mut state, &measured, &Known::default(), &mut Faults::default());
+        observer.step(&model, &mut state, &measured, &Known::default(), false, &mut Faults::default());
     }
     observer.estimate(&state, &Known::default()).output_position.to_radians()
 }
@@ -160,11 +160,8 @@ fn a_gear_told_to_be_stiffer_is_the_stiffer_gear() {
             let (motor, flange) = ends(&told, 0.0, 1.2e-3, k);
             let ours = of_told.torques(&turns, &told, &by_turns(&told, motor, flange), &known);
             let theirs = true_one.torques(&mut of_true, &motor, &flange, Applied::default());
-            // The told line keeps its knees at their torsion, the stiffer one at their torque.
             let off = (ours.transmitted - theirs.transmitted).abs() / joint.gear.rated_torque;
-            assert!(off < 0.03, "{ours:?} {theirs:?}");
-            // Where the line is the first of its pieces the two are the same: hysteresis and all.
-            assert!(theirs.transmitted.abs() > 0.1 * joint.gear.rated_torque || off < 3e-3, "{off}");
+            assert!(off < 3e-3, "{off}: {ours:?} {theirs:?}");
         }
     }
 }

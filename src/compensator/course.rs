@@ -30,6 +30,8 @@ pub(super) struct Course<R> {
     pub(super) wound: R,
     /// Torque at the output flange in the place of a motion (N m).
     pub(super) output_torque: Option<R>,
+    /// The joint is asked to rest.
+    pub(super) rests: bool,
     /// The command is of another kind than the last one.
     pub(super) switched: bool,
     /// There is a plan.

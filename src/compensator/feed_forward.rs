@@ -5,7 +5,7 @@
 //! tau_t     = s_i*J*ddq + tau_fric_out - d_ff                 what the flexspline must carry
 //! phi       = c*line^-1(tau_t - tau_hyst)                      wind-up that carries it; tau_hyst: the model's of phi/c, over c
 //! theta_ref = (q + s_w*phi - s_e*e(theta_ref) - ripple) / r    put in advance
-//! tau_ff    = J_wg*ddtheta_ref + r*J*(ddq + dt/2*dddq) + s_f*(tau_fric_in + r*tau_fric_out)
+//! tau_ff    = J_wg*ddtheta_ref + s_f*tau_fric_in + (r + s_e*de/dtheta)*(J*(ddq + dt/2*dddq) + s_f*tau_fric_out)
 //! dtheta_ref  = (dq + s_w*c/k*(J*dddq + d(tau_fric_out - tau_hyst)/dt) - s_e*de/dt) / r
 //! ddtheta_ref = (ddq + dt/2*dddq + s_w*c/k*J*ddddq - s_e*dde/dt^2) / r
 //! ```
@@ -14,11 +14,11 @@
 //! line's stiffness at tau_t, c its compliance factor, and s the shares (0..=1) of inertia, friction, wind-up and
 //! kinematic error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per round T of [`super::turns`], for
 //! the setpoint of that instant; the torque, which is held over each control period dt, for the middle of the first
-//! one. Until the next setpoint the motor goes on by the acceleration, the jerk and the torque's rate that are
-//! answered with. Half a round later kinematic error, hysteresis and the friction of either side have their turn
+//! one. Until the next setpoint the motor goes on by the acceleration, the jerk and the torque's rate that are answered
+//! with. Half a round later kinematic error, hysteresis and the friction of either side have their turn
 //! ([`FeedForward::remember`]), for where the setpoint will be by then: on its acceleration, the torsion on its rate.
-//! The kinematic error moves on its slope and bend until the next setpoint. Rates of friction, hysteresis and slope
-//! are their differences over T.
+//! The kinematic error moves on its slope and bend until the next setpoint. Rates of friction, hysteresis and slope are
+//! their differences over T.
 //!
 //! The flexible joint is flat: motor angle and torque follow from the output's trajectory without solving a
 //! differential equation: the motor's speed takes the setpoint's jerk, its acceleration the snap. Friction is the
@@ -244,9 +244,9 @@ impl<R: Real> FeedForward<R> {
         state.carried = accelerating + on_output - load.wound_up;
         let on_line = state.carried - state.hysteresis_torque;
         let nominal = gear.flexspline().torsion(on_line);
-        let torsion = factors.compliance * nominal;
         let compliance = gear.flexspline().compliance(on_line);
-        let wound = shares.wind_up * factors.compliance * compliance;
+        let wound_share = shares.wind_up * factors.compliance;
+        let wound = wound_share * compliance;
         let carried_rate = accelerating_rate + state.rubbing_rate;
         state.nominal = nominal + self.between * compliance * carried_rate;
 
@@ -254,7 +254,7 @@ impl<R: Real> FeedForward<R> {
         state.deviation.error += state.deviation.slope * moved;
         state.deviation.slope += self.between * state.bend;
         let deviation = state.deviation;
-        let ahead = shares.wind_up * torsion - shares.kinematic_error * deviation.error - ripple;
+        let ahead = wound_share * nominal - shares.kinematic_error * deviation.error - ripple;
         let ahead_rate = wound * carried_rate - shares.kinematic_error * deviation.slope * motor_velocity;
         let reference = gear.ratio().undo(setpoint.position.plus(ahead));
 
@@ -264,6 +264,7 @@ impl<R: Real> FeedForward<R> {
         let motor_acceleration = (acceleration + ahead_acceleration) * self.inverse_ratio;
         let engaged = state.engaged;
         let share = shares.friction * engaged;
+        let transmission = self.ratio + shares.kinematic_error * deviation.slope;
         let moving = if setpoint.velocity == R::ZERO { R::ZERO } else { engaged };
         Demand {
             motor: Motion {
@@ -274,12 +275,12 @@ impl<R: Real> FeedForward<R> {
             jerk: self.inverse_ratio * setpoint.jerk,
             ahead,
             torque_rate: self.wave_generator_inertia * shares.inertia * self.inverse_ratio * setpoint.jerk
-                + self.ratio * accelerating_rate,
+                + transmission * accelerating_rate,
             torque: self.wave_generator_inertia * shares.inertia * motor_acceleration
                 + share * factors.input_friction * input_friction
-                + self.ratio * (inertia * acceleration + share * on_output)
+                + transmission * (inertia * acceleration + share * on_output)
                 + torque,
-            transmission: self.ratio + shares.kinematic_error * deviation.slope,
+            transmission,
             wound,
             accelerating,
             accelerating_rate,

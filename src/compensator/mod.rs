@@ -180,7 +180,14 @@ impl<R: Real> Compensator<R> {
             output_torque: state.heard.output_torque.take(),
         };
         state.heard.motor_torque = R::ZERO;
-        self.observer.step(&self.gear, &mut state.observer, &measured, &state.known, &mut faults);
+        self.observer.step(
+            &self.gear,
+            &mut state.observer,
+            &measured,
+            &state.known,
+            state.course.rests,
+            &mut faults,
+        );
         self.load.follow(&mut state.load, state.observer.external_torque());
         state.yielding = self.load.yielding(&state.load, state.course.wound, state.guard.shares().wind_up);
         let kept = if with_output { Faults::NONE } else { Faults::OUTPUT_ENCODER_JUMP };
@@ -221,8 +228,9 @@ impl<R: Real> Compensator<R> {
         let believed = self.learning.believed(&state.learning, load, shares);
         let demand = self.feed_forward.step(&self.gear, &mut state.feed_forward, setpoint, shares, &believed);
         let ahead = demand.motor.angle.minus(motor);
-        // What was seen a period ago moves on.
-        let velocity = state.observer.output_velocity() + self.dt * setpoint.acceleration;
+        // What was seen a period ago moves on. Its speed is that of the middle of the observer's period.
+        let speed_behind = R::lit(1.0 + 0.5 * OBSERVED as f64) * self.dt;
+        let velocity = state.observer.output_velocity() + speed_behind * setpoint.acceleration;
         let position =
             demand.ahead + self.observer.output_beside(&state.observer, &state.known, ahead, self.dt);
         let measured =
@@ -236,7 +244,7 @@ impl<R: Real> Compensator<R> {
                 - state.observer.output_friction()
                 - (demand.accelerating - self.behind * demand.accelerating_rate)
                 + load.at_once,
-            measured,
+            measured: measured.is_some(),
         };
         let shift = self.output_feedback.step(&mut state.output_feedback, &deviation, !state.limited);
         let share = shares.output_feedback * R::from_i32(self.gear.ratio().n());
@@ -251,6 +259,7 @@ impl<R: Real> Compensator<R> {
             transmission: demand.transmission,
             wound: demand.wound,
             output_torque: followed.torque,
+            rests: setpoint.velocity == R::ZERO && followed.torque.is_none(),
             switched: followed.switched,
             planned: true,
         };
@@ -312,6 +321,7 @@ impl<R: Real> Compensator<R> {
             external_torque: state.observer.external_torque(),
             torsion: state.observer.torsion(),
             output_innovation: self.observer.moving_output_innovation(&state.observer),
+            stiffness_torque: state.observer.stiffness_torque(),
         };
         let shares = state.guard.shares();
         let learns = state.learns();

@@ -8,9 +8,9 @@
 //! theta_fs, omega_fs, tau_t and tau_fric_out are the observer's, q the setpoint, J_fs as the feed-forward winds the
 //! gear up for it, and the external torque d too, but for one that comes suddenly, which counts at once
 //! ([`FollowedLoad::at_once`]). The friction is that of the believed motion: at rest it holds whatever there is, and
-//! so the shift rests with it. m is e, or the measured output less q where an output encoder shows it. The shift (rad
-//! at the output) is added to where the motor side should be, and the cascade follows it. With a motor that follows,
-//! the load on its spring, J_fs*e'' = K*(shift - e), obeys the reference model
+//! so the shift rests with it. m is e, less what an output encoder hides. The shift (rad at the output) is added to
+//! where the motor side should be, and the cascade follows it. With a motor that follows, the load on its spring,
+//! J_fs*e'' = K*(shift - e), obeys the reference model
 //!
 //! ```text
 //! e'' + 2*zeta*omega_m*e' + omega_m^2*e = 0,     omega_m^2 = (1 + a)*K/J_fs,   2*zeta*omega_m = b*K/J_fs
@@ -21,11 +21,11 @@
 //! not in it: that the loop stays quiet with the cascade and its filter is judged on gears all over the box that a
 //! controller may meet (`strainwave verify compensator`).
 //!
-//! Where the setpoint rests, a measured m within one count of the output encoder is 0: static friction and the
-//! integral would answer every change of the last count. z only runs where the setpoint is slow: what a fast move
-//! leaves, the wind-up of a gear that is stiffer or softer than believed, changes its sign before z could follow. z
-//! and the shift are limited. Discretisation: explicit Euler for z. Units: rad, rad/s, N m; signs as in
-//! [`crate::gear`].
+//! Where the setpoint rests, m with an output encoder is what of e exceeds 0.4 of its counts: static friction and the
+//! integral would answer every change of the last count. It is the believed output that is fed back, not the measured
+//! one, which changes by whole counts. z only runs where the setpoint is slow: what a fast move leaves, the wind-up
+//! of a gear that is stiffer or softer than believed, changes its sign before z could follow. z and the shift are
+//! limited. Discretisation: explicit Euler for z. Units: rad, rad/s, N m; signs as in [`crate::gear`].
 //!
 //! A. Albu-Schaeffer, Ch. Ott, G. Hirzinger, "A unified passivity-based control framework for position, torque and
 //! impedance control of flexible joint robots", International Journal of Robotics Research 26 (2007).
@@ -51,6 +51,8 @@ const LARGEST: f64 = 0.01;
 
 /// Fastest setpoint at which z runs, as a share of the joint's fastest speed.
 const SLOW: f64 = 0.05;
+/// What of a resting output its encoder does not show, in counts.
+const HIDDEN: f64 = 0.4;
 
 /// The built output feedback.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,8 +62,8 @@ pub struct OutputFeedback<R> {
     inverse_flexspline_inertia: R,
     /// Fastest setpoint at which z runs (rad/s).
     slow: R,
-    /// One count of the output encoder (rad).
-    count: R,
+    /// What a count of the output encoder hides (rad).
+    hidden: R,
     dt: R,
 }
 
@@ -82,8 +84,8 @@ pub struct Deviation<R> {
     pub asked_velocity: R,
     /// J_fs*e'' (N m).
     pub torque: R,
-    /// Measured output less setpoint (rad), where there is an output encoder.
-    pub measured: Option<R>,
+    /// An output encoder shows it.
+    pub measured: bool,
 }
 
 /// What is added to where the motor side should be, at the output.
@@ -119,7 +121,7 @@ impl<R: Real> OutputFeedback<R> {
             gains: *gains,
             inverse_flexspline_inertia: R::ONE / flexspline_inertia,
             slow: R::lit(SLOW) * fastest,
-            count,
+            hidden: R::lit(HIDDEN) * count,
             dt,
         })
     }
@@ -128,18 +130,17 @@ impl<R: Real> OutputFeedback<R> {
     #[inline(always)]
     fn error(&self, deviation: &Deviation<R>) -> R {
         let speed = deviation.asked_velocity.abs();
-        match deviation.measured {
-            _ if speed >= self.slow => R::ZERO,
-            Some(measured) if speed == R::ZERO => measured - measured.limit(self.count),
-            Some(measured) => measured,
-            None => deviation.position,
+        if speed >= self.slow {
+            return R::ZERO;
         }
+        let hidden = if deviation.measured && speed == R::ZERO { self.hidden } else { R::ZERO };
+        deviation.position - deviation.position.limit(hidden)
     }
 
     /// One turn; `runs` is false while the motor cannot follow, and z stands still.
     #[inline(always)]
     pub fn step(&self, state: &mut OutputFeedbackState<R>, deviation: &Deviation<R>, runs: bool) -> Shift<R> {
-        let gains = &self.gains[usize::from(deviation.measured.is_some())];
+        let gains = &self.gains[usize::from(deviation.measured)];
         let to_integrate = gains.integral * self.error(deviation);
         if runs {
             state.integral = (state.integral + self.dt * to_integrate).limit(R::lit(LARGEST));
@@ -177,7 +178,7 @@ mod tests {
         let mut largest = vec![0.0; (seconds * 4.0) as usize];
         for k in 0..(seconds / DT) as usize {
             let deviation =
-                Deviation { position: e, velocity: rate, torque, measured: None, asked_velocity: 0.0 };
+                Deviation { position: e, velocity: rate, torque, measured: false, asked_velocity: 0.0 };
             let shift = feedback.step(&mut state, &deviation, true);
             torque = STIFFNESS * (shift.angle - e);
             rate += DT * (torque + load) / INERTIA;
@@ -230,14 +231,14 @@ mod tests {
     #[test]
     fn at_rest_the_last_count_moves_nothing() {
         let feedback = feedback(OutputFeedbackParams { integral: 30.0, ..GAINS });
-        let integral = |measured, asked_velocity| {
+        let integral = |position, asked_velocity| {
             let mut state = OutputFeedbackState::default();
-            let deviation = Deviation { measured: Some(measured), asked_velocity, ..Deviation::default() };
+            let deviation = Deviation { position, measured: true, asked_velocity, ..Deviation::default() };
             feedback.step(&mut state, &deviation, true);
             state.integral
         };
-        assert_eq!(integral(1.1e-5, 0.0), 0.0);
-        assert!(integral(1.1e-5, 0.1) > 0.0 && integral(3e-5, 0.0) > 0.0);
+        assert_eq!(integral(4.7e-6, 0.0), 0.0);
+        assert!(integral(4.7e-6, 0.1) > 0.0 && integral(6e-6, 0.0) > 0.0);
     }
 
     #[test]

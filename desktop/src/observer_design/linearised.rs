@@ -44,18 +44,23 @@ pub(super) struct Unknown {
 /// As the gains are designed. They grow with the wander: where the stiffness is off by 10 %, the filter of the motor
 /// encoder alone loses its stability at less than five times this.
 pub(super) const DESIGN: Unknown =
-    Unknown { wander: 0.34, friction: 0.05, jitter: 3.0 * FRAC_1_SQRT_2, output_jitter: 30.0 };
+    Unknown { wander: 0.29, friction: 0.05, jitter: 3.0 * FRAC_1_SQRT_2, output_jitter: 30.0 };
+
+/// What of wander and renewed friction there is where the motor stands.
+const STANDING: [f64; 2] = [0.1, 0.2];
 
 impl Unknown {
-    /// As the gains of a gear are designed, whose file may have a wander and encoder noise of its own.
-    pub(super) fn designed(file: &GearFile) -> Self {
+    /// As the gains of a gear are designed, whose file may have a wander and encoder noise of its own, for a motor that
+    /// moves or stands.
+    pub(super) fn designed(file: &GearFile, stands: bool) -> Self {
         let own = file.compensation.external_torque_wander.map(|wander| wander / file.gear.rated_torque);
         let counts = |noise: Option<f64>| noise.map(|noise| noise / resolution(19));
+        let [wander, friction] = if stands { STANDING } else { [1.0; 2] };
         Self {
-            wander: own.unwrap_or(DESIGN.wander),
+            wander: wander * own.unwrap_or(DESIGN.wander),
+            friction: friction * DESIGN.friction,
             jitter: counts(file.sensors.motor_encoder_noise).unwrap_or(DESIGN.jitter),
             output_jitter: counts(file.sensors.output_encoder_noise).unwrap_or(DESIGN.output_jitter),
-            ..DESIGN
         }
     }
 }

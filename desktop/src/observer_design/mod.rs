@@ -139,13 +139,14 @@ fn power(matrix: &DMatrix<f64>, exponent: u32) -> DMatrix<f64> {
 impl Filter {
     /// `set`: bit 0 for the output encoder, bit 1 for the strain gauge. `None` when the gear is not observable.
     fn design(file: &GearFile, sixth: Sixth, set: usize) -> Option<Self> {
+        let stands = sixth == Sixth::Held;
         let (has_output, has_torque) = (set & 1 != 0, set & 2 != 0);
         // What the sixth state would be told apart by.
         let sixth = match (has_output, has_torque, sixth) {
             (false, false, _) | (false, true, Sixth::Stiffness) => Sixth::None,
             _ => sixth,
         };
-        let model = Linearised::of(file, sixth, &Unknown::designed(file));
+        let model = Linearised::of(file, sixth, &Unknown::designed(file, stands));
         let sensors = &file.sensors;
         // In the observer's periods: it looks at the output once a round.
         let period = sensors.output_encoder_period.div_ceil(ROUND) * (ROUND / OBSERVED);

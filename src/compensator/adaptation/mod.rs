@@ -6,6 +6,7 @@
 //! error      epsilon = zone(d - d_0)
 //! law        theta <- limit(theta + dt*Gamma*phi*epsilon, bounds),        Gamma = diag(rate_i/level_i^2)
 //! slow part  d_0   <- d_0 + dt*omega_0*(epsilon before the zone)
+//! sides      epsilon_in = zone(m - m_0),  m = -(s + nu/c_0),  epsilon_out = zone(d - d_0 - (m - m_0))    with an output encoder
 //! stiffness  c     <- limit(c - dt*gamma_c*phi*nu, bounds),                gamma_c = rate_c/level_c^2    with an output encoder
 //!            c     <- limit(c + dt*gamma_f*psi*epsilon, bounds),           gamma_f = rate_f/level_f^2    without
 //! flexing    psi   = F(s)*limit(c_0*(f_J*J_fs)^2*ddddq, level_f) where |dq| < v_f, else F(s)*0
@@ -14,16 +15,19 @@
 //! The model reference is the observer's own gear, run beside the joint (series-parallel) and told of what has been
 //! learnt ([`super::learning`]): what it still misses, d, is the model error, in N m at the output. q is the
 //! setpoint, tau_fric the feed-forward's friction along it, F(s) two low passes that are as slow as the observer's d;
-//! d_0 (N m) is a load or gravity that is there anyway. nu = theta_o - theta_fs (rad), what the observer misses of an
-//! output encoder, gives the compliance factor c: the torque follows from the motor's, so in fast motion nu is what
-//! the torsion phi is short of the believed one, nu = (c - c*)*phi/c, while offsets are taken away by the observer's
-//! slow gain. The observer is told of c. Without that encoder c shows where the torque's rate changes: the load's way
-//! is then what the motor made, less the torsion, and the observer misses the torque by which the torsion accelerates
-//! the load, d = J*c_0*(c* - c)*ddtau_t with tau_t of J*ddq. c_0 is the nominal compliance. That needs motions whose
-//! jerk changes within a few periods of the torsion's mode; slow ones teach nothing. psi is limited: the step is
-//! stable however quick the motion. Above v_f, the speed at which the kinematic error excites that mode, it is learnt
-//! from the beginning and the end of a move alone. w is the share of friction that is fed forward: 0 at rest, so that
-//! friction is learnt in motion alone.
+//! d_0 (N m) is a load or gravity that is there anyway. With an output encoder the torsion is measured, and so is
+//! what the flexspline carries: the motor's side is balanced against it by itself, and misses m of it (N m at the
+//! output), s being what the observer holds the torque to be off the torsion's. -tau_fric_in is learnt from that, the
+//! other two from what the flange misses, d - m. m_0 is slow as d_0: the encoders' zero. nu = theta_o - theta_fs
+//! (rad), what the observer misses of an output encoder, gives the compliance factor c: the torque follows from the
+//! motor's, so in fast motion nu is what the torsion phi is short of the believed one, nu = (c - c*)*phi/c, while
+//! offsets are taken away by the observer's slow gain. The observer is told of c. Without that encoder c shows where
+//! the torque's rate changes: the load's way is then what the motor made, less the torsion, and the observer misses
+//! the torque by which the torsion accelerates the load, d = J*c_0*(c* - c)*ddtau_t with tau_t of J*ddq. c_0 is the
+//! nominal compliance. That needs motions whose jerk changes within a few periods of the torsion's mode; slow ones
+//! teach nothing. psi is limited: the step is stable however quick the motion. Above v_f, the speed at which the
+//! kinematic error excites that mode, it is learnt from the beginning and the end of a move alone. w is the share of
+//! friction that is fed forward: 0 at rest, so that friction is learnt in motion alone.
 //!
 //! # Lyapunov
 //!
@@ -35,7 +39,9 @@
 //! box that holds theta* (projection) only shortens e, and with a diagonal Gamma each component by itself. Euler's
 //! step keeps this while dt*phi' Gamma phi < 2 ([`AdaptationParams::build`] checks it at the joint's peak torque).
 //! theta converges along the directions that the motion excites and stands still along the others: with the motor
-//! encoder alone the two frictions are told apart only by their different Stribeck speeds and presliding.
+//! encoder alone the two frictions are told apart only by their different Stribeck speeds and presliding. With an
+//! output encoder V of the motor's side falls by itself, and the flange's with what the motor's leaves: either
+//! friction converges where it is excited.
 //!
 //! What the factors could never explain is a load: where |d - d_0| exceeds twice `|phi|'*bounds` nothing is learnt.
 //! It stands still when it is switched off, when the torque command was limited, and on a fault.
@@ -104,8 +110,9 @@ pub struct Adaptation<R> {
     flexing_gain: R,
     flexing_level: R,
     flexing_speed: R,
-    /// c_0 (rad/(N m)).
+    /// c_0 (rad/(N m)), and its inverse.
     flexibility: R,
+    stiffness: R,
 }
 
 /// What has been learnt, and the filters' states.
@@ -116,7 +123,9 @@ pub struct AdaptationState<R: Real> {
     input_friction: Delayed<R>,
     output_friction: Delayed<R>,
     flexing: Delayed<R>,
+    /// d_0 and m_0.
     bias: R,
+    input_bias: R,
 }
 
 /// What the model says of this turn, from the nominal gear.
@@ -145,6 +154,8 @@ pub struct Observed<R> {
     pub torsion: R,
     /// nu, where the sensors show it (rad).
     pub output_innovation: Option<R>,
+    /// s, what of the transmitted torque is not the model's of that torsion (N m).
+    pub stiffness_torque: R,
 }
 
 /// Two low passes in a row.
@@ -236,6 +247,7 @@ impl<R: Real> AdaptationParams<R> {
             flexing_level: self.flexing_level,
             flexing_speed: self.flexing_speed,
             flexibility: self.levels.compliance / self.levels.inertia,
+            stiffness: self.levels.inertia / self.levels.compliance,
         })
     }
 }
@@ -279,9 +291,13 @@ impl<R: Real> Adaptation<R> {
         if left.abs() >= R::lit(2.0) * reach {
             return R::ZERO;
         }
-        let error = left - left.limit(self.dead_zone);
+        let [error, of_input] = self.errors(state, observed, left);
         learn(&mut state.factors.inertia, gains.inertia * inertia * error, bounds.inertia);
-        learn(&mut state.factors.input_friction, gains.input_friction * input * error, bounds.input_friction);
+        learn(
+            &mut state.factors.input_friction,
+            gains.input_friction * input * of_input,
+            bounds.input_friction,
+        );
         learn(
             &mut state.factors.output_friction,
             gains.output_friction * output * error,
@@ -292,7 +308,23 @@ impl<R: Real> Adaptation<R> {
             None => self.flexing_gain * flexing * error,
         };
         learn(&mut state.factors.compliance, softer, bounds.compliance);
-        error
+        self.zone(left)
+    }
+
+    /// What flange and motor miss, for a d - d_0 of `left` (N m): epsilon_out and epsilon_in, or twice epsilon.
+    #[inline(always)]
+    fn errors(&self, state: &mut AdaptationState<R>, observed: &Observed<R>, left: R) -> [R; 2] {
+        let Some(innovation) = observed.output_innovation else {
+            return [self.zone(left); 2];
+        };
+        let of_input = -(observed.stiffness_torque + self.stiffness * innovation) - state.input_bias;
+        state.input_bias += self.bias * of_input;
+        [self.zone(left - of_input), self.zone(of_input)]
+    }
+
+    #[inline(always)]
+    fn zone(&self, missed: R) -> R {
+        missed - missed.limit(self.dead_zone)
     }
 
     /// psi before its filter.

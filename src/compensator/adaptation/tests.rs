@@ -62,13 +62,16 @@ impl Joint {
             -excitation.output_friction * off(self.truth.output_friction, believed.output_friction),
             load * load * compliance * excitation.snap * off(self.truth.compliance, believed.compliance),
         ];
-        let missed: f64 = self.observed.iter_mut().zip(parts).map(|(low, part)| low.step(part, filter)).sum();
+        let mut parts = self.observed.iter_mut().zip(parts).map(|(low, part)| low.step(part, filter));
+        let missed: [f64; 4] = std::array::from_fn(|_| parts.next().unwrap());
         let torsion = 1e-3 * slow.sin();
         let innovation = (believed.compliance - self.truth.compliance) * torsion;
+        // The encoders' zero is off by a torque of 0.3 N m.
         let observed = Observed {
-            external_torque: 5.0 + missed,
+            external_torque: 5.0 + missed.iter().sum::<f64>(),
             torsion,
             output_innovation: self.sees_output.then_some(innovation),
+            stiffness_torque: 0.3 - missed[1] - innovation / compliance,
         };
         (excitation, observed)
     }
@@ -121,6 +124,45 @@ fn it_finds_the_joint_and_the_error_only_falls() {
     for pair in levels.windows(2).skip(2) {
         assert!(pair[1] <= pair[0] * (1.0 + 1e-3), "{levels:?}");
     }
+}
+
+/// One that slides at one speed there and back: both frictions are Coulomb's, and only their sum is to be seen at
+/// the output.
+#[test]
+fn an_output_encoder_tells_the_two_frictions_apart() {
+    let truth = Factors { input_friction: 1.1, output_friction: 0.8, ..Factors::default() };
+    let learnt = |sees_output: bool| {
+        let adaptation =
+            AdaptationParams { dead_zone: 0.0, ..patient() }.build(N, INERTIA, 157.0, DT).unwrap();
+        let (mut state, n) = (AdaptationState::<f64>::default(), N.abs());
+        for k in 0..200_000 {
+            let (forward, believed): (f64, _) =
+                (if k / 5000 % 2 == 0 { 1.0 } else { -1.0 }, *state.factors());
+            let excitation = Excitation {
+                velocity: forward,
+                input_friction: -0.035 * forward,
+                output_friction: forward,
+                ..Excitation::default()
+            };
+            let of_input = -n * 0.035 * forward * (truth.input_friction - believed.input_friction);
+            let of_output = -forward * (truth.output_friction - believed.output_friction);
+            let observed = Observed {
+                external_torque: of_input + of_output,
+                output_innovation: sees_output.then_some(0.0),
+                stiffness_torque: -of_input,
+                ..Observed::default()
+            };
+            adaptation.step(&mut state, &excitation, &observed, true);
+        }
+        [
+            state.factors.input_friction - truth.input_friction,
+            state.factors.output_friction - truth.output_friction,
+        ]
+    };
+    let [input, output] = learnt(true);
+    assert!(input.abs() < 0.002 && output.abs() < 0.01, "{input} {output}");
+    let [input, output] = learnt(false);
+    assert!((3.5 * input + output).abs() < 0.01 && output > 0.1, "{input} {output}");
 }
 
 #[test]
@@ -218,6 +260,7 @@ proptest! {
                 external_torque: at(3),
                 torsion: 1e-4 * at(4),
                 output_innovation: (at(8) > 0.0).then_some(1e-4 * at(5)),
+                stiffness_torque: at(6),
             };
             adaptation.step(&mut state, &excitation, &observed, true);
         }

@@ -9,11 +9,10 @@
 //! e <- e + de/dtheta*dt*omega_wg,   off by at most (k*omega_wg*dt)^2/2 of the amplitude of an order k
 //! ```
 //!
-//! The flexspline is as much stiffer than the model, k, as is known: torques of line and hysteresis are 1 + k times
-//! the model's, the hysteresis' at a torsion that is larger by as much, so that its loop under a given torque is as
-//! wide as the model's. Exact for the hysteresis; the line keeps its knees at their torsion instead of their torque,
-//! which for a tenth of stiffness and the default gear is off by up to 2.5 % of the rated torque. Units and signs as
-//! in [`crate::gear`].
+//! The flexspline is as much stiffer than the model, k, as is known: its line is the model's at a torsion and a rate
+//! that are 1 + k times larger, so that its knees stay at their torques, as those of a catalogue's line do; the
+//! hysteresis is 1 + k times the model's at that torsion, its loop under a given torque as wide as the model's. Units
+//! and signs as in [`crate::gear`].
 
 use crate::angle::{Angle, Heading};
 use crate::compensator::{HYSTERESIS_MEMORY, RealTimeGear};
@@ -134,13 +133,13 @@ impl<R: Real> GearByTurns<R> {
         let slope = turns.ratio + self.deviation.slope;
         let torsion = self.deviation.error - ends.ahead;
         let torsion_rate = slope * ends.wave_generator_speed - ends.flange_speed;
-        let torque = gear.flexspline().torque(torsion, torsion_rate);
         let scale = R::ONE + known.stiffening;
+        let torque = gear.flexspline().torque(scale * torsion, scale * torsion_rate);
         if !rubs {
             let hysteresis = gear.hysteresis().step(&mut self.hysteresis, scale * torsion);
             self.hysteresis_torque = scale * hysteresis.torque;
         }
-        let transmitted = scale * torque + self.hysteresis_torque;
+        let transmitted = torque + self.hysteresis_torque;
         let (on_input, on_output) = gear.frictions();
         if rubs {
             let slip = |velocity, load| Slip {

@@ -24,8 +24,9 @@
 //! the motor's torque by 10 %. Which to believe depends on the motor. Where it moves, its friction is known to a few
 //! N m at the output and the rest is blamed on the stiffness: s. Where it stands, static friction or a brake may hold
 //! whatever there is, so its torque says nothing and what is left over is blamed on b, while s keeps what it learnt.
-//! It stands when its encoder has not left a few counts for [`STANDSTILL`] periods. With the motor encoder alone
-//! neither is observable beside d, and both stay zero. s is limited to 3 deviations of the stiffness.
+//! When that is, [`standstill`] says; the gains of a motor that stands are small, for nothing changes there. With the
+//! motor encoder alone neither is observable beside d, and both stay zero. s is limited to 3 deviations of the
+//! stiffness.
 //!
 //! A resting output may be anywhere within the count that its encoder shows: while the motor stands, an innovation
 //! theta_o - theta_fs within +-q is none, and q is taken from a larger one.
@@ -75,8 +76,9 @@ use range::Range;
 pub struct Observer<R> {
     moving: GainSets<R>,
     standing: GainSets<R>,
-    /// Counts of 2^32 a turn.
+    /// Way of the motor that is a motion: counts of 2^32 a turn, and the same as an angle (rad).
     stir: u32,
+    unforeseen: R,
     /// Delay of a reading in control periods, and in own ones.
     late: usize,
     delay: usize,
@@ -142,7 +144,7 @@ impl<R: Real> Observer<R> {
         self.looks_back
     }
 
-    /// Predicts over one period, and corrects by the measurement.
+    /// Predicts over one period, and corrects by the measurement. `rests`: the joint is asked to rest.
     #[inline(always)]
     pub fn step(
         &self,
@@ -150,6 +152,7 @@ impl<R: Real> Observer<R> {
         state: &mut ObserverState<R>,
         measured: &Measurement<R>,
         known: &Known<R>,
+        rests: bool,
         faults: &mut Faults,
     ) {
         if !state.started {
@@ -170,12 +173,13 @@ impl<R: Real> Observer<R> {
             faults.raise_if(true, Faults::OBSERVER_RESET);
             return self.first(gear, state, measured);
         }
-        let moved = state.standstill.step(measured.motor.phase(), self.stir);
+        let output_seen = self.output_seen(state, measured);
+        let acceleration = self.predict(state, &torques, measured, known);
+        let foreseen = state.off.is_within(self.unforeseen);
+        let moved = state.standstill.step(measured.motor.phase(), foreseen, rests, self.stir);
         let sets = if moved { &self.moving } else { &self.standing };
         let gauge = measured.output_torque.is_some();
         let gains = set(sets, measured.output.is_some(), gauge);
-        let output_seen = self.output_seen(state, measured);
-        let acceleration = self.predict(state, &torques, measured, known);
         let asked = self.correct(gains, state, measured, &torques, known, moved);
         self.limits.keep(state, &torques, moved, faults);
         state.magnitudes = Magnitudes {
@@ -267,7 +271,7 @@ impl<R: Real> Observer<R> {
         state.magnitudes = Magnitudes::default();
     }
 
-    /// Moves both speeds by one period; answers with the flange's acceleration (rad/s^2).
+    /// Moves both ends by one period; answers with the flange's acceleration (rad/s^2).
     #[inline(always)]
     fn predict(
         &self,
@@ -286,10 +290,14 @@ impl<R: Real> Observer<R> {
         let flange = (torques.transmitted - torques.output_friction + load) * self.inverse_flexspline_inertia;
         state.wave_generator_speed += self.dt * motor;
         state.flange_speed += self.dt * flange;
+        let way = self.dt * state.wave_generator_speed;
+        state.off += way - measured.motor.since(state.motor);
+        state.ahead += self.dt * state.flange_speed - self.turns.ratio() * way;
+        state.motor = measured.motor;
         flange
     }
 
-    /// Moves both angles by one period and corrects by each sensor in turn; answers with what they asked of d (N m).
+    /// Corrects by each sensor in turn; answers with what they asked of d (N m).
     #[inline(always)]
     fn correct(
         &self,
@@ -301,10 +309,6 @@ impl<R: Real> Observer<R> {
         moved: bool,
     ) -> R {
         let before = state.external_torque;
-        let way = self.dt * state.wave_generator_speed;
-        state.off += way - measured.motor.since(state.motor);
-        state.ahead += self.dt * state.flange_speed - self.turns.ratio() * way;
-        state.motor = measured.motor;
         state.correct(&gains.motor, -state.off, moved);
         if let Some(torque) = measured.output_torque {
             state.correct(&gains.torque, torque - torques.transmitted - state.stiffness_torque, moved);

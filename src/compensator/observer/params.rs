@@ -62,6 +62,7 @@ impl<R: Real> ObserverParams<R> {
         Ok(Observer {
             moving: self.moving.map(|gains| gains.relative(ratio.value())),
             standing: self.standing.map(|gains| gains.relative(ratio.value())),
+            unforeseen: self.stir,
             stir: (self.stir * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs(),
             late: delay,
             looks_back: delay > 0 || self.output_encoder_period > 1,

@@ -89,6 +89,12 @@ impl<R: Real> ObserverState<R> {
         self.magnitudes.torsion
     }
 
+    /// s (N m).
+    #[inline(always)]
+    pub fn stiffness_torque(&self) -> R {
+        self.stiffness_torque
+    }
+
     /// d (N m).
     #[inline(always)]
     pub fn external_torque(&self) -> R {
