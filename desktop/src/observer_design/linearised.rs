@@ -42,7 +42,7 @@ pub(super) struct Unknown {
 }
 
 /// As the gains are designed. They grow with the wander: where the stiffness is off by 10 %, the filter of the motor
-/// encoder alone loses its stability at less than five times this.
+/// encoder alone loses its stability at a wander below 1.7.
 pub(super) const DESIGN: Unknown =
     Unknown { wander: 0.29, friction: 0.05, jitter: 3.0 * FRAC_1_SQRT_2, output_jitter: 30.0 };
 
