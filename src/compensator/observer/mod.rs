@@ -24,9 +24,9 @@
 //! the motor's torque by 10 %. Which to believe depends on the motor. Where it moves, its friction is known to a few
 //! N m at the output and the rest is blamed on the stiffness: s. Where it stands, static friction or a brake may hold
 //! whatever there is, so its torque says nothing and what is left over is blamed on b, while s keeps what it learnt.
-//! When that is, [`STANDSTILL`] and its module say; the gains of a motor that stands are small, for nothing changes
-//! there. With the motor encoder alone neither is observable beside d, and both stay zero. s is limited to 3
-//! deviations of the stiffness.
+//! When that is, [`STANDSTILL`] says; the gains of a motor that stands are small, for nothing changes there. With the
+//! motor encoder alone neither is observable beside d, and both stay zero. s is limited to 3 deviations of the
+//! stiffness.
 //!
 //! A resting output may be anywhere within the count that its encoder shows: while the motor stands, an innovation
 //! theta_o - theta_fs within +-q is none, and q is taken from a larger one.
