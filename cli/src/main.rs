@@ -13,6 +13,7 @@ mod pil_plots;
 mod progress;
 mod report;
 mod sim;
+mod tune;
 mod usage;
 mod verify;
 
@@ -47,6 +48,7 @@ enum Command {
     Pil(pil::Arguments),
     Report(report::Arguments),
     Sim(sim::Arguments),
+    Tune(tune::Arguments),
     Verify(verify::Arguments),
 }
 
@@ -57,6 +59,7 @@ fn run(command: Command) -> Result<Figures, BadInput> {
         Command::Pil(arguments) => pil::run(&arguments),
         Command::Report(arguments) => report::run(&arguments),
         Command::Sim(arguments) => sim::run(&arguments),
+        Command::Tune(arguments) => tune::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
     }
 }
