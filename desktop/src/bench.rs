@@ -251,7 +251,12 @@ impl<F: Flexspline<f64>> Bench<F> {
         for k in 0..periods(task) {
             let demand = task.at(k as f64 * CONTROL_PERIOD, self.rated_torque);
             let sensors = self.sensors.read(&self.plant, self.torque);
-            let input = Input { sensors, command: demand.setpoint().into(), shares: self.shares.into() };
+            let input = Input {
+                sensors,
+                command: demand.setpoint().into(),
+                shares: self.shares.into(),
+                elapsed: 0.0,
+            };
             let answer = controller.step(&input)?;
             visit(k, demand, &self.plant, answer);
             self.torque = if task.blocked() { 0.0 } else { f64::from(answer.motor_torque) };

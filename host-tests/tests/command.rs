@@ -71,7 +71,7 @@ impl Joint {
 
     /// One control period; `change` is what is wrong with its input.
     fn step(&mut self, command: Command<f32>, change: impl Fn(&mut Input<f32>)) -> Output<f32> {
-        let mut input = Input { sensors: self.sensors(), command, shares: self.shares };
+        let mut input = Input { sensors: self.sensors(), command, shares: self.shares, ..Input::default() };
         change(&mut input);
         let output = self.compensator.step(&mut self.state, &input);
         assert!(output.motor_torque.is_finite() && output.feed_forward_torque.is_finite(), "{output:?}");

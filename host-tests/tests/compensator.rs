@@ -23,6 +23,7 @@ fn resting(motor_encoder: u32) -> Input<f32> {
         sensors: Sensors { motor_encoder, ..Sensors::default() },
         command: Command::default(),
         shares: shares().into(),
+        elapsed: 0.0,
     }
 }
 
@@ -75,6 +76,7 @@ prop_compose! {
     fn any_input()(
         encoders in any::<(u32, Option<u32>)>(),
         torque in any_float(),
+        elapsed in any_float(),
         gauge in prop::option::of(any_float()),
         counts in any::<i64>(),
         rest in any_float(),
@@ -102,6 +104,7 @@ prop_compose! {
                 }),
             },
             shares: Directions { forward, backward },
+            elapsed,
         }
     }
 }

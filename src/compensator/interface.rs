@@ -80,6 +80,8 @@ pub struct Input<R> {
     pub command: Command<R>,
     /// What is switched on, for either direction of the output.
     pub shares: Directions<R>,
+    /// Time since the sensors of the last step were read (s); 0 where it is not measured: then one control period.
+    pub elapsed: R,
 }
 
 /// What the observer believes: motion and external torque at the end of its period, torsion and torques at its
