@@ -7,8 +7,8 @@
 //! tau_ff = (J_wg/r + r*J_fs)*ddq + Fc_in*sign(dq/r) + r*Fc_out*sign(dq) + (Fv_in/r + r*Fv_out)*dq
 //! ```
 
-use strainwave::compensator::encoder::{Encoder, EncoderParams, EncoderState, Reading};
-use strainwave::compensator::feedback::{Feedback, FeedbackState, Wanted};
+use strainwave::compensator::actuate::cascade::{Feedback, FeedbackState, Wanted};
+use strainwave::compensator::sense::encoder::{Encoder, EncoderParams, EncoderState, Reading};
 use strainwave::compensator::{Command, Input};
 use strainwave::friction::JointFrictionParams;
 use strainwave::gear::GearParams;

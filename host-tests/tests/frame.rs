@@ -3,7 +3,7 @@
 use proptest::array;
 use proptest::prelude::*;
 use strainwave::Angle;
-use strainwave::compensator::adaptation::Factors;
+use strainwave::compensator::adapt::parameters::Factors;
 use strainwave::compensator::{
     Command, Directions, Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
 };

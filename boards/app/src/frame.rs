@@ -11,7 +11,7 @@
 //! The fields are listed once: [`Fields`] goes through them, whether it writes a frame, reads one or has other plans.
 
 use strainwave::Angle;
-use strainwave::compensator::adaptation::Factors;
+use strainwave::compensator::adapt::parameters::Factors;
 use strainwave::compensator::{
     Command, Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
 };
