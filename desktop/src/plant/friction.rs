@@ -166,7 +166,10 @@ impl FrictionModel<f64> for PlantFriction {
                 state.elastic = elastic;
                 whole + damping / (1.0 + (velocity / self.slow).powi(2)) * rate
             }
-            Core::Static(stiction) => stiction.force(slip) + self.viscous(velocity),
+            Core::Static(stiction) => {
+                let viscous = self.viscous(velocity);
+                stiction.force(slip, viscous) + viscous
+            }
         };
         state.force = match &self.drift {
             None => force,
@@ -219,10 +222,10 @@ impl Stiction {
         })
     }
 
-    /// Without the viscous part (N m).
-    fn force(&self, slip: &Slip<f64>) -> f64 {
-        let to_rest =
-            slip.applied + self.inertia * slip.velocity / slip.duration.seconds().max(f64::MIN_POSITIVE);
+    /// Beside the viscous part (N m).
+    fn force(&self, slip: &Slip<f64>, viscous: f64) -> f64 {
+        let to_rest = slip.applied - viscous
+            + self.inertia * slip.velocity / slip.duration.seconds().max(f64::MIN_POSITIVE);
         let backwards = if slip.velocity == 0.0 { to_rest < 0.0 } else { slip.velocity < 0.0 };
         let driving = if backwards { slip.load < 0.0 } else { slip.load > 0.0 };
         let factor = if driving { self.load.driving } else { self.load.driven };
@@ -298,7 +301,8 @@ mod tests {
             }
             velocity
         };
-        assert_eq!([run(0.0, 0.0), run(0.0499, 0.0), run(-0.0499, 0.0), run(0.0, 5.0)], [0.0; 4]);
+        let held = [run(0.0, 0.0), run(0.0499, 0.0), run(-0.0499, 0.0), run(0.0, 5.0)];
+        assert!(held.iter().all(|velocity| velocity.abs() < 1e-15), "{held:?}");
         assert!(run(0.0501, 0.0) > 1.0 && run(-0.0501, 0.0) < -1.0);
     }
 

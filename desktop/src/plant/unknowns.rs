@@ -454,7 +454,8 @@ mod tests {
     fn a_shaped_loop_is_as_wide() {
         let sample = sample("box", 1);
         let gap = |table: Option<HysteresisTable<f64>>| {
-            let params = strainwave::gear::GearParams { hysteresis_table: table, ..sample.params };
+            let mut params = sample.clone().params;
+            params.hysteresis_table = table;
             let model: TorsionHysteresis<f64, 64, MEMORY> = params.hysteresis().unwrap();
             let end = params.flexspline.line.build().unwrap().torsion(67.0);
             let mut state = Default::default();
