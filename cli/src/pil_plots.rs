@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use strainwave::compensator::adaptation::Factors;
+use strainwave::compensator::adapt::parameters::Factors;
 use strainwave_desktop::GearFile;
 use strainwave_desktop::closed_loop::Row;
 use strainwave_desktop::judge::estimates::{self, Estimated};

@@ -1,7 +1,7 @@
 //! The loop of a scenario: a joint on the bench, any controller, and what came of it.
 
 use strainwave::Error;
-use strainwave::compensator::learning::Learnt;
+use strainwave::compensator::adapt::learning::Learnt;
 use strainwave::compensator::{Compensator, Input, JointParams, Output, State};
 use strainwave::flexspline::Flexspline;
 

@@ -1,13 +1,13 @@
 //! What the compensator's adaptation, output feedback and learnt ripple are built from, for the joint of a gear file.
 //!
-//! Output feedback ([`strainwave::compensator::output_feedback`]): with the stiffness K of the line's middle and J_fs,
+//! Output feedback ([`strainwave::compensator::reference::output_feedback`]): with the stiffness K of the line's middle and J_fs,
 //! `b = 2*zeta*sqrt((1 + a)*J_fs/K)` makes the reference model's damping ratio zeta. Units: rad, s, N m.
 
 use strainwave::Real;
-use strainwave::compensator::adaptation::{AdaptationParams, Factors};
-use strainwave::compensator::learning::LearningParams;
-use strainwave::compensator::learnt_ripple::{LearntRippleParams, RIPPLE_ORDERS, RippleOrder};
-use strainwave::compensator::output_feedback::OutputFeedbackParams;
+use strainwave::compensator::adapt::learning::LearningParams;
+use strainwave::compensator::adapt::parameters::{AdaptationParams, Factors};
+use strainwave::compensator::adapt::ripple::{LearntRippleParams, RIPPLE_ORDERS, RippleOrder};
+use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 
 use crate::draw;
 use crate::gear_file::{Friction, GearFile};

@@ -3,7 +3,7 @@
 //! The numbers that the library does not compute itself, the observer's gains and those of the cascade, are
 //! computed here, once, off line.
 
-use strainwave::compensator::feedback::FeedbackParams;
+use strainwave::compensator::actuate::cascade::FeedbackParams;
 use strainwave::compensator::{JointParams, Limits};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
 use strainwave::flexspline::{Bend, Cup, FlexsplineParams};
@@ -133,13 +133,13 @@ pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
     let joint = dense(&format!("pub const JOINT: JointParams<f32> = {params:#?};"));
     format!(
         "// Generated from the gear file `{gear_name}`; do not edit.\n\
-         use strainwave::compensator::adaptation::{{AdaptationParams, Factors}};\n\
-         use strainwave::compensator::feedback::FeedbackParams;\n\
-         use strainwave::compensator::learning::{{LearningParams, Learnt}};\n\
-         use strainwave::compensator::learnt_ripple::{{LearntRippleParams, RippleMap, RippleOrder}};\n\
-         use strainwave::compensator::observer::deviation::{{Spread, Uncertainty}};\n\
-         use strainwave::compensator::observer::{{Gains, ObserverParams}};\n\
-         use strainwave::compensator::output_feedback::OutputFeedbackParams;\n\
+         use strainwave::compensator::adapt::parameters::{{AdaptationParams, Factors}};\n\
+         use strainwave::compensator::actuate::cascade::FeedbackParams;\n\
+         use strainwave::compensator::adapt::learning::{{LearningParams, Learnt}};\n\
+         use strainwave::compensator::adapt::ripple::{{LearntRippleParams, RippleMap, RippleOrder}};\n\
+         use strainwave::compensator::estimate::observer::deviation::{{Spread, Uncertainty}};\n\
+         use strainwave::compensator::estimate::observer::{{Gains, ObserverParams}};\n\
+         use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;\n\
          use strainwave::compensator::{{EstimateDeviation, JointParams, Limits}};\n\
          use strainwave::flexspline::stiffness_line::StiffnessLineParams;\n\
          use strainwave::flexspline::{{Bend, Cup, FlexsplineParams}};\n\

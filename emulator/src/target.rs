@@ -1,6 +1,6 @@
 //! The firmware as a controller: every step on the emulated processor, and the same step on the host.
 
-use strainwave::compensator::learning::Learnt;
+use strainwave::compensator::adapt::learning::Learnt;
 use strainwave::compensator::{Input, JointParams, Output};
 use strainwave_app::frame::{Fields, decode_output, encode_input, encode_output};
 use strainwave_desktop::closed_loop::{Controller, HostCompensator};

@@ -2,8 +2,8 @@
 //! torque is finite, every fault has its name, and no switch makes a step.
 
 use strainwave::Angle;
-use strainwave::compensator::fallback::TORQUE_RAMP;
-use strainwave::compensator::turns;
+use strainwave::compensator::actuate::fallback::TORQUE_RAMP;
+use strainwave::compensator::schedule;
 use strainwave::compensator::{
     Command, Compensator, Directions, Faults, Input, JointParams, Output, RealTimeGear, Sensors, Setpoint,
     Shares, State,
@@ -18,7 +18,7 @@ const SHARES: Shares<f32> = Shares::ALL;
 
 /// Periods in a second.
 const SECOND: usize = 10_000;
-const ROUND: usize = turns::ROUND as usize;
+const SLOW_PERIODS: usize = schedule::SLOW_PERIODS as usize;
 
 /// Periods of the torque's ramp: what the cascade does after it is its own affair.
 const RAMP: usize = 100;
@@ -71,7 +71,7 @@ impl Joint {
 
     /// One control period; `change` is what is wrong with its input.
     fn step(&mut self, command: Command<f32>, change: impl Fn(&mut Input<f32>)) -> Output<f32> {
-        let mut input = Input { sensors: self.sensors(), command, shares: self.shares };
+        let mut input = Input { sensors: self.sensors(), command, shares: self.shares, ..Input::default() };
         change(&mut input);
         let output = self.compensator.step(&mut self.state, &input);
         assert!(output.motor_torque.is_finite() && output.feed_forward_torque.is_finite(), "{output:?}");
@@ -129,7 +129,9 @@ fn a_velocity_goes_on_from_the_reference_that_is_there() {
     assert!(outputs.iter().all(|output| !output.faults.contains(Faults::SETPOINT_STEP)));
     assert!((joint.position() - from - 0.25).abs() < 1e-3, "{}", joint.position() - from);
     // It takes the speed no faster than the joint can.
-    assert!(outputs[..2 * ROUND].iter().any(|output| output.faults.contains(Faults::SETPOINT_LIMITED)));
+    assert!(
+        outputs[..2 * SLOW_PERIODS].iter().any(|output| output.faults.contains(Faults::SETPOINT_LIMITED))
+    );
     assert!(!outputs[SECOND - 1].faults.contains(Faults::SETPOINT_LIMITED));
 }
 
@@ -223,7 +225,7 @@ const WRONG: [Wrong; 6] = [
         |input, k| {
             if let Command::Position(setpoint) = &mut input.command {
                 setpoint.position =
-                    setpoint.position.plus(if (k / ROUND).is_multiple_of(2) { 0.1 } else { -0.1 });
+                    setpoint.position.plus(if (k / SLOW_PERIODS).is_multiple_of(2) { 0.1 } else { -0.1 });
             }
         },
         false,

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use strainwave::Angle;
-use strainwave::compensator::turns::ROUND;
+use strainwave::compensator::schedule::SLOW_PERIODS;
 use strainwave::compensator::{
     Command, Compensator, Directions, Faults, Input, JointParams, Output, Sensors, Setpoint, Shares, State,
 };
@@ -23,6 +23,7 @@ fn resting(motor_encoder: u32) -> Input<f32> {
         sensors: Sensors { motor_encoder, ..Sensors::default() },
         command: Command::default(),
         shares: shares().into(),
+        elapsed: 0.0,
     }
 }
 
@@ -75,6 +76,7 @@ prop_compose! {
     fn any_input()(
         encoders in any::<(u32, Option<u32>)>(),
         torque in any_float(),
+        elapsed in any_float(),
         gauge in prop::option::of(any_float()),
         counts in any::<i64>(),
         rest in any_float(),
@@ -102,6 +104,7 @@ prop_compose! {
                 }),
             },
             shares: Directions { forward, backward },
+            elapsed,
         }
     }
 }
@@ -146,7 +149,7 @@ fn nan_and_infinity_are_held_and_named() {
             *values.into_iter().nth(place).unwrap() = bad;
             input.command = setpoint.into();
             // Setpoint and shares are read by turns.
-            let named = (0..4 * ROUND).any(|_| {
+            let named = (0..4 * SLOW_PERIODS).any(|_| {
                 let output = compensator.step(&mut state, &input);
                 let wanted = compensator.step(&mut untouched, &resting(0));
                 assert_eq!(Output { faults: wanted.faults, ..output }, wanted, "held, place {place}");
@@ -229,7 +232,7 @@ fn switching_a_share_makes_no_step_in_the_torque() {
         let inertia = if (k / 500) % 2 == 0 { 1.0 } else { 0.0 };
         input.shares = Shares { inertia, ..shares() }.into();
         let torque = compensator.step(&mut state, &input).feed_forward_torque;
-        if k > ROUND {
+        if k > SLOW_PERIODS {
             assert!((torque - last.unwrap_or(torque)).abs() < 0.02, "step {k}");
         }
         last = Some(torque);

@@ -2,8 +2,8 @@
 
 use core::f64::consts::TAU;
 
-use strainwave::compensator::observer::{Known, Measurement, Observer, ObserverState};
-use strainwave::compensator::turns::{OBSERVED, ROUND};
+use strainwave::compensator::estimate::observer::{Known, Measurement, Observer, ObserverState};
+use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use strainwave::compensator::{Faults, Input, JointParams, RealTimeGear};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, Motion};
@@ -48,14 +48,14 @@ impl Twins {
             motor.advance(acceleration, CONTROL_PERIOD);
             flange.advance(self.gear.flange_acceleration(&torques, load), CONTROL_PERIOD);
             heard += motor_torque;
-            if (k + 1) % OBSERVED != 0 {
+            if (k + 1) % OBSERVER_PERIODS != 0 {
                 continue;
             }
             let measured = Measurement {
                 motor: motor.angle,
-                output: (self.with_output_encoder && (k + 1) % ROUND == 0).then_some(flange.angle),
+                output: (self.with_output_encoder && (k + 1) % SLOW_PERIODS == 0).then_some(flange.angle),
                 age: 0,
-                motor_torque: core::mem::take(&mut heard) / f64::from(OBSERVED),
+                motor_torque: core::mem::take(&mut heard) / f64::from(OBSERVER_PERIODS),
                 output_torque: None,
             };
             let mut faults = Faults::NONE;
@@ -115,7 +115,7 @@ fn an_output_encoder_jump_is_judged_by_the_outputs_speed() {
     let mut input = Input::<f32>::default();
     input.sensors.output_encoder = Some(0);
     let mut round =
-        |input: &Input<f32>| (0..ROUND).map(|_| compensator.step(&mut state, input)).last().unwrap();
+        |input: &Input<f32>| (0..SLOW_PERIODS).map(|_| compensator.step(&mut state, input)).last().unwrap();
     assert_eq!(round(&input).faults, Faults::NONE);
     input.sensors.output_encoder = Some(4_172);
     let jumped = round(&input);
@@ -137,6 +137,6 @@ fn a_reading_that_is_missed_is_no_reading() {
         });
         steps.last().unwrap()
     };
-    assert_eq!(estimates(|k| k % ROUND == 3), estimates(|_| false));
+    assert_eq!(estimates(|k| k % SLOW_PERIODS == 3), estimates(|_| false));
     assert_ne!(estimates(|_| true), estimates(|_| false));
 }

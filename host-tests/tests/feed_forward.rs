@@ -4,10 +4,10 @@
 use std::f64::consts::TAU;
 
 use strainwave::Angle;
-use strainwave::compensator::adaptation::Factors;
-use strainwave::compensator::external_load::{ExternalLoad, ExternalLoadState, FollowedLoad};
-use strainwave::compensator::feed_forward::{Believed, Demand, FeedForward, FeedForwardState};
-use strainwave::compensator::turns::{OBSERVED, ROUND};
+use strainwave::compensator::adapt::parameters::Factors;
+use strainwave::compensator::estimate::disturbance::{ExternalLoad, ExternalLoadState, FollowedLoad};
+use strainwave::compensator::reference::feed_forward::{Believed, Demand, FeedForward, FeedForwardState};
+use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use strainwave::compensator::{JointParams, RealTimeGear, Setpoint, Shares};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
@@ -19,7 +19,7 @@ use strainwave_desktop::scenario::Scenario;
 const FRICTION_SHARE: f64 = 0.8;
 
 /// A round (s): the feed-forward has its turn once in it.
-const DT: f64 = ROUND as f64 * CONTROL_PERIOD;
+const DT: f64 = SLOW_PERIODS as f64 * CONTROL_PERIOD;
 
 /// Rounds in half a second.
 const HALF: usize = (0.5 / DT) as usize;
@@ -243,8 +243,8 @@ fn followed(external_torque: impl Fn(f64) -> f64, rounds: u32) -> Vec<(FollowedL
         (ExternalLoad::build(&params, CONTROL_PERIOD).unwrap(), ExternalLoadState::default());
     let mut follow = |round: u32| {
         let mut torque = 0.0;
-        for k in 0..ROUND / OBSERVED {
-            torque = external_torque(f64::from(ROUND * round + OBSERVED * k) * CONTROL_PERIOD);
+        for k in 0..SLOW_PERIODS / OBSERVER_PERIODS {
+            torque = external_torque(f64::from(SLOW_PERIODS * round + OBSERVER_PERIODS * k) * CONTROL_PERIOD);
             load.follow(&mut state, torque);
         }
         let followed = load.rest_on(&mut state, torque);

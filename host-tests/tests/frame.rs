@@ -3,7 +3,7 @@
 use proptest::array;
 use proptest::prelude::*;
 use strainwave::Angle;
-use strainwave::compensator::adaptation::Factors;
+use strainwave::compensator::adapt::parameters::Factors;
 use strainwave::compensator::{
     Command, Directions, Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
 };
@@ -19,7 +19,7 @@ const COMMAND_KIND: usize = 18;
 /// Length of the command behind it: an angle and four floats.
 const COMMAND: usize = 12 + 16;
 
-fn input_of(words: [u32; 25], counts: i64, flags: [bool; 2], kind: u8) -> Input<f32> {
+fn input_of(words: [u32; 26], counts: i64, flags: [bool; 2], kind: u8) -> Input<f32> {
     let f = |k: usize| f32::from_bits(words[k]);
     let shares = |k: usize| Shares {
         feedback: f(k),
@@ -50,6 +50,7 @@ fn input_of(words: [u32; 25], counts: i64, flags: [bool; 2], kind: u8) -> Input<
             _ => Command::Torque(f(5)),
         },
         shares: Directions { forward: shares(9), backward: shares(17) },
+        elapsed: f(25),
     }
 }
 
@@ -85,7 +86,7 @@ fn output_of(words: [u32; 22], counts: [i64; 2]) -> Output<f32> {
 
 /// Every bit of a value, NaN payloads too, as its `Debug` text cannot show them.
 fn input_bits(input: &Input<f32>) -> Vec<u64> {
-    let Input { sensors, command, shares } = input;
+    let Input { sensors, command, shares, elapsed } = input;
     let bits = |x: f32| u64::from(x.to_bits());
     let some = |x: Option<u32>| x.map_or(u64::MAX, u64::from);
     let mut all = vec![
@@ -93,6 +94,7 @@ fn input_bits(input: &Input<f32>) -> Vec<u64> {
         some(sensors.output_encoder),
         bits(sensors.motor_torque),
         some(sensors.output_torque.map(f32::to_bits)),
+        bits(*elapsed),
     ];
     match command {
         Command::Position(Setpoint { position, velocity, acceleration, jerk, snap }) => {
@@ -160,7 +162,7 @@ proptest! {
 
     #[test]
     fn an_input_survives_the_frame(
-        words in array::uniform25(any::<u32>()),
+        words in array::uniform26(any::<u32>()),
         counts: i64,
         flags: [bool; 2],
         kind in 0..3u8,
@@ -232,5 +234,5 @@ fn fields_are_little_endian_in_the_order_of_their_declaration() {
     assert_eq!(frame[OUTPUT_TORQUE_FLAG..18], [0, 0, 0, 0, 0]);
     assert_eq!(frame[COMMAND_KIND], 0);
     assert_eq!(frame[19..27], [0xfe, 255, 255, 255, 255, 255, 255, 255]);
-    assert_eq!(frame[INPUT_BYTES - 4..], [24, 2, 3, 4]);
+    assert_eq!(frame[INPUT_BYTES - 4..], [25, 2, 3, 4]);
 }

@@ -4,9 +4,9 @@
 use std::f64::consts::TAU;
 
 use strainwave::Angle;
-use strainwave::compensator::observer::Measurement;
-use strainwave::compensator::observer::by_turns::{Ends, GearByTurns, Known, Turns};
-use strainwave::compensator::turns::OBSERVED;
+use strainwave::compensator::estimate::observer::Measurement;
+use strainwave::compensator::estimate::observer::by_turns::{Ends, GearByTurns, Known, Turns};
+use strainwave::compensator::schedule::OBSERVER_PERIODS;
 use strainwave::compensator::{Faults, JointParams, RealTimeGear};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
@@ -14,7 +14,7 @@ use strainwave_desktop::GearFile;
 use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
 
 /// The observer's period (s).
-const PERIOD: f64 = OBSERVED as f64 * CONTROL_PERIOD;
+const PERIOD: f64 = OBSERVER_PERIODS as f64 * CONTROL_PERIOD;
 
 /// Steps of the plant in a control period.
 const FINE: u32 = 10;
@@ -55,7 +55,7 @@ fn load_of_a_swinging_motor() -> f64 {
             motor.advance(acceleration, CONTROL_PERIOD / f64::from(FINE));
             flange.advance(plant.flange_acceleration(&torques, 0.0), CONTROL_PERIOD / f64::from(FINE));
         }
-        if k % OBSERVED == 1 {
+        if k % OBSERVER_PERIODS == 1 {
             let measured = measured(motor, None, 0.5 * (before + held));
             observer.step(&model, &mut state, &measured, &Known::default(), false, &mut Faults::default());
             largest = if k < 2000 { 0.0 } else { largest.max(state.external_torque().abs()) };

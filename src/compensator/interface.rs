@@ -1,10 +1,10 @@
 //! What goes into the compensator in each step, and what comes out of it.
 //!
-//! What goes in may be any bits: [`super::guard`] makes it finite and bounded. What comes out is. Units: rad, rad/s,
+//! What goes in may be any bits: [`super::sense::validation`] makes it finite and bounded. What comes out is. Units: rad, rad/s,
 //! N m; signs as in [`crate::gear`].
 
 use crate::angle::Angle;
-use crate::compensator::adaptation::Factors;
+use crate::compensator::adapt::parameters::Factors;
 use crate::compensator::{Command, Directions, Faults};
 use crate::real::Real;
 
@@ -76,14 +76,16 @@ impl<R: Real> Shares<R> {
 pub struct Input<R> {
     /// The joint's sensors.
     pub sensors: Sensors<R>,
-    /// The outer controller's wish: read once a round ([`super::turns::ROUND`] control periods).
+    /// The outer controller's wish: read once a round ([`crate::compensator::schedule::SLOW_PERIODS`] control periods).
     pub command: Command<R>,
     /// What is switched on, for either direction of the output.
     pub shares: Directions<R>,
+    /// Time since the sensors of the last step were read (s); 0 where it is not measured: then one control period.
+    pub elapsed: R,
 }
 
 /// What the observer believes: motion and external torque at the end of its period, torsion and torques at its
-/// beginning ([`super::turns::OBSERVED`] control periods before).
+/// beginning ([`crate::compensator::schedule::OBSERVER_PERIODS`] control periods before).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimate<R> {
     /// Output angle.
@@ -104,7 +106,7 @@ pub struct Estimate<R> {
     pub deviation: EstimateDeviation<R>,
 }
 
-/// Standard deviations of an [`Estimate`], as [`super::observer::deviation`] declares them.
+/// Standard deviations of an [`Estimate`], as [`super::estimate::observer::deviation`] declares them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EstimateDeviation<R> {
     /// Of the output angle (rad).

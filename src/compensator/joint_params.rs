@@ -1,20 +1,20 @@
 //! Parameters of a joint's compensator, checked and built.
 //!
 //! Each part checks its own. What they have in common is settled here: which period each of them runs with
-//! ([`super::turns`]), and how far the encoders may move from one reading that is looked at to the next.
+//! ([`crate::compensator::schedule`]), and how far the encoders may move from one reading that is looked at to the next.
 
-use crate::compensator::command::Commander;
-use crate::compensator::encoder::EncoderParams;
-use crate::compensator::external_load::ExternalLoad;
-use crate::compensator::fallback::Fallback;
-use crate::compensator::feed_forward::FeedForward;
-use crate::compensator::feedback::FeedbackParams;
-use crate::compensator::guard::{FrozenEncoder, InputGuard};
-use crate::compensator::learning::{LearningParams, Learnt};
-use crate::compensator::motor_torque::MotorTorque;
-use crate::compensator::observer::ObserverParams;
-use crate::compensator::output_feedback::{OutputFeedback, OutputFeedbackParams};
-use crate::compensator::turns::{OBSERVED, ROUND};
+use crate::compensator::actuate::cascade::FeedbackParams;
+use crate::compensator::actuate::fallback::Fallback;
+use crate::compensator::adapt::learning::{LearningParams, Learnt};
+use crate::compensator::estimate::disturbance::ExternalLoad;
+use crate::compensator::estimate::observer::ObserverParams;
+use crate::compensator::reference::command::Commander;
+use crate::compensator::reference::feed_forward::FeedForward;
+use crate::compensator::reference::output_feedback::{OutputFeedback, OutputFeedbackParams};
+use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
+use crate::compensator::sense::encoder::EncoderParams;
+use crate::compensator::sense::motor_torque::MotorTorque;
+use crate::compensator::sense::validation::{FrozenEncoder, InputGuard};
 use crate::compensator::{Compensator, Limits};
 use crate::error::Error;
 use crate::flexspline::Reduced;
@@ -56,10 +56,11 @@ impl<R: Real> JointParams<R> {
         let encoder = |bits, speed| EncoderParams { bits, speed_limit: R::lit(2.0) * speed }.build(self.dt);
         let guard = InputGuard::build(&self.gear, &self.limits, self.dt)?;
         let (limits, n) = (&self.limits, self.gear.ratio);
-        let [observed, round] = [OBSERVED, ROUND].map(|periods| R::from_i32(periods as i32) * self.dt);
+        let [observed, round] =
+            [OBSERVER_PERIODS, SLOW_PERIODS].map(|periods| R::from_i32(periods as i32) * self.dt);
         // Periods between readings of the output encoder that the observer sees, and that its standstill is looked
         // for in.
-        let [readings, looks] = [ROUND, 2 * ROUND]
+        let [readings, looks] = [SLOW_PERIODS, 2 * SLOW_PERIODS]
             .map(|least| R::from_i32(self.observer.output_encoder_period.max(least) as i32));
         Ok(Compensator {
             gear: self.gear.build(Reduced::build(&self.gear.flexspline, self.gear.rated_torque)?, self.dt)?,

@@ -1,10 +1,19 @@
 //! What runs on the joint controller, once every 0.1 ms.
 //!
 //! ```text
-//! guard, encoders -> observer, or feed-forward, or what is learnt -> cascade -> fallback -> torque command
+//! sense -> estimate -> reference -> adapt -> actuate -> torque command
 //! ```
 //!
-//! The model takes [`turns`], so that no control period bears the whole of it. From one plan of the feed-forward
+//! | room | what is in it |
+//! | --- | --- |
+//! | [`sense`] | validation of the inputs, encoders, motor torque |
+//! | [`estimate`] | observer, external load |
+//! | [`mod@reference`] | command, feed-forward, motor reference, output feedback |
+//! | [`adapt`] | parameter factors, ripple |
+//! | [`actuate`] | cascade, fallback |
+//! | `control`, [`schedule`] | the step, and what runs in which control period |
+//!
+//! The model runs by a multi-rate [`schedule`], so that no control period bears the whole of it. From one plan of the feed-forward
 //! to the next the motor goes on by the acceleration and jerk that were planned: what it is sent to is smooth to the
 //! third order. All that is compared in every period is kept relative to the motor's encoder: small numbers, that an
 //! f32 holds.
@@ -12,366 +21,26 @@
 //! [`Compensator::control`] is total: for any input bits every output is finite and bounded, and what is wrong is
 //! reported as [`Faults`] by name. Units: rad, rad/s, N m; signs as in [`crate::gear`].
 
-pub mod adaptation;
-pub mod command;
-mod course;
-pub mod directions;
-pub mod encoder;
-pub mod external_load;
-pub mod fallback;
+pub mod actuate;
+pub mod adapt;
+mod control;
+pub mod estimate;
 pub mod faults;
-pub mod feed_forward;
-pub mod feedback;
-pub mod guard;
 mod interface;
 mod joint_params;
-pub mod learning;
-pub mod learnt_ripple;
 pub mod limits;
-pub mod motor_torque;
-pub mod observer;
-pub mod output_feedback;
 mod real_time_gear;
+pub mod reference;
+pub mod schedule;
+pub mod sense;
 mod state;
-pub mod turns;
 
-pub use command::Command;
-pub use directions::Directions;
+pub use control::Compensator;
 pub use faults::Faults;
 pub use interface::{Commanded, Estimate, EstimateDeviation, Input, Output, Sensors, Setpoint, Shares};
 pub use joint_params::JointParams;
 pub use limits::Limits;
 pub use real_time_gear::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY, MESH, RealTimeFlexspline, RealTimeGear};
+pub use reference::command::Command;
+pub use reference::directions::Directions;
 pub use state::State;
-
-use crate::angle::Angle;
-use crate::real::Real;
-use adaptation::Observed;
-use command::Commander;
-use course::Course;
-use encoder::{Encoder, Reading};
-use external_load::ExternalLoad;
-use fallback::Fallback;
-use feed_forward::FeedForward;
-use feedback::{Feedback, Wanted};
-use guard::{FrozenEncoder, InputGuard};
-use learning::{Learning, Learnt};
-use motor_torque::MotorTorque;
-use observer::{Measurement, Observer};
-use output_feedback::{Deviation, OutputFeedback};
-use state::TurnsFaults;
-use turns::{OBSERVED, Slow, Turn};
-
-/// The built compensator of a joint.
-#[derive(Clone, Debug)]
-pub struct Compensator<R: Real> {
-    gear: RealTimeGear<R>,
-    guard: InputGuard<R>,
-    motor_encoder: Encoder,
-    output_encoder: Encoder,
-    frozen_encoder: FrozenEncoder<R>,
-    frozen_output: FrozenEncoder<R>,
-    commander: Commander<R>,
-    observer: Observer<R>,
-    load: ExternalLoad<R>,
-    feed_forward: FeedForward<R>,
-    feedback: Feedback<R>,
-    output_feedback: OutputFeedback<R>,
-    learning: Learning<R>,
-    /// What it starts from.
-    learnt: Learnt<R>,
-    motor_torque: MotorTorque<R>,
-    fallback: Fallback<R>,
-    limits: Limits<R>,
-    dt: R,
-    /// From the torques that the observer saw to the plan (s).
-    behind: R,
-}
-
-impl<R: Real> Compensator<R> {
-    /// What has been learnt of the joint, to be stored.
-    pub fn learnt(&self, state: &State<R>) -> Learnt<R> {
-        state.learning.learnt()
-    }
-
-    /// One control step, and all that is to be known of it: [`Self::control`] and [`Self::output`].
-    pub fn step(&self, state: &mut State<R>, input: &Input<R>) -> Output<R> {
-        self.control(state, input);
-        self.output(state)
-    }
-
-    /// One control step.
-    #[inline(never)] // The timing budget counts it by its symbol.
-    pub fn control(&self, state: &mut State<R>, input: &Input<R>) -> Commanded<R> {
-        let mut faults = Faults::NONE;
-        let sensors = self.guard.sensors(&mut state.guard, &input.sensors, &mut faults);
-        let motor = self.read(state, &sensors, &mut faults);
-        match state.turn {
-            Turn::Observe => self.observe(state, motor.angle, true),
-            Turn::Plan => self.plan(state, &input.command, motor.angle),
-            Turn::ObserveAgain => self.observe(state, motor.angle, false),
-            Turn::Learn => self.learn(state, &input.shares, motor.angle),
-        }
-        state.turn = state.turn.next();
-        let TurnsFaults { observer, plan, standstill, shares } = state.faults;
-        faults = faults.with(observer).with(plan).with(standstill).with(shares);
-        let motor_torque = self.drive(state, &motor, &mut faults);
-        state.sound &= faults == Faults::NONE && !state.limited;
-        state.reported = faults;
-        Commanded { motor_torque, faults }
-    }
-
-    /// What the last step commanded, rested on and believed. Apart from the control step: who does not look at it
-    /// does not pay for it.
-    #[inline(never)] // The timing budget counts it by its symbol.
-    pub fn output(&self, state: &State<R>) -> Output<R> {
-        let [ahead, feed_forward] = state.sent;
-        Output {
-            motor_torque: state.fallback.torque(),
-            feed_forward_torque: feed_forward.limit(self.limits.motor_torque),
-            motor_reference: state.motor_encoder.angle().plus(ahead),
-            estimate: self.observer.estimate(&state.observer, &state.known),
-            observed: matches!(state.turn, Turn::Plan | Turn::Learn),
-            factors: *state.learning.applied(),
-            faults: state.reported,
-        }
-    }
-
-    /// The sensors' turn: every period.
-    #[inline(always)]
-    fn read(&self, state: &mut State<R>, sensors: &Sensors<R>, faults: &mut Faults) -> Reading<R> {
-        let motor = self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder);
-        faults.raise_if(!motor.believed, Faults::MOTOR_ENCODER_JUMP);
-        let (commanded, feedback) = (state.fallback.torque(), state.guard.shares().feedback);
-        let heard = &mut state.heard;
-        heard.motor_torque +=
-            self.motor_torque.step(&mut state.motor_torque, commanded, feedback, sensors.motor_torque);
-        if sensors.output_encoder.is_some() {
-            (heard.output, heard.age) = (sensors.output_encoder, 0);
-        } else {
-            heard.age = heard.age.saturating_add(1);
-            if !self.observer.looks_back() {
-                heard.output = None;
-            }
-        }
-        if sensors.output_torque.is_some() {
-            heard.output_torque = sensors.output_torque;
-        }
-        state.course.ahead -= motor.moved;
-        motor
-    }
-
-    /// The observer's turn: the first of a round reads the output's encoder.
-    #[inline(never)] // The timing budget counts this turn by its symbol.
-    fn observe(&self, state: &mut State<R>, motor: Angle<R>, with_output: bool) {
-        let mut faults = Faults::NONE;
-        let age = state.heard.age;
-        let output = if with_output {
-            state.known.load += state.load_rate;
-            self.read_output(state, motor, &mut faults)
-        } else {
-            None
-        };
-        let measured = Measurement {
-            motor,
-            output,
-            age,
-            motor_torque: R::lit(1.0 / OBSERVED as f64) * state.heard.motor_torque,
-            output_torque: state.heard.output_torque.take(),
-        };
-        state.heard.motor_torque = R::ZERO;
-        self.observer.step(
-            &self.gear,
-            &mut state.observer,
-            &measured,
-            &state.known,
-            state.course.rests,
-            &mut faults,
-        );
-        self.load.follow(&mut state.load, state.observer.external_torque());
-        state.yielding = self.load.yielding(&state.load, state.course.wound, state.guard.shares().wind_up);
-        let kept = if with_output { Faults::NONE } else { Faults::OUTPUT_ENCODER_JUMP };
-        state.faults.observer = faults.with(state.faults.observer.among(kept));
-    }
-
-    /// The output encoder's angle, where the observer's is its zero.
-    #[inline(always)]
-    fn read_output(&self, state: &mut State<R>, motor: Angle<R>, faults: &mut Faults) -> Option<Angle<R>> {
-        let raw = state.heard.output.take()?;
-        let Reading { angle, believed, .. } = self.output_encoder.step::<R>(&mut state.output_encoder, raw);
-        faults.raise_if(!believed, Faults::OUTPUT_ENCODER_JUMP);
-        state.output_raw = Some(raw);
-        // The two encoders are mounted at any angle to each other: the first readings that are both
-        // believed are their zero, with the torsion of that moment.
-        if state.output_zero.is_none() && believed && state.motor_encoder.is_believed() {
-            let age = state.heard.age;
-            let then = self.observer.output_at_reading(&self.gear, &state.observer, motor, age);
-            state.output_zero = then.map(|then| angle.less(then));
-        }
-        let frozen = state.faults.standstill.contains(Faults::OUTPUT_ENCODER_FROZEN);
-        state.output_zero.filter(|_| believed && !frozen).map(|zero| angle.less(zero))
-    }
-
-    /// The feed-forward's turn.
-    #[inline(never)] // The timing budget counts this turn by its symbol.
-    fn plan(&self, state: &mut State<R>, command: &Command<R>, motor: Angle<R>) {
-        let mut faults = Faults::NONE;
-        let command = self.guard.command(&mut state.guard, command, &mut faults);
-        let now = || self.observer.estimate(&state.observer, &state.known);
-        let followed = self.commander.step(&mut state.commander, &command, now, &mut faults);
-        state.faults.plan = faults;
-        let setpoint = &followed.setpoint;
-        let shares = state.guard.shares();
-        let reference = state.course.reference(motor);
-        self.learning.turn_to(&mut state.learning, reference, setpoint.position);
-        let load = self.load.rest_on(&mut state.load, state.observer.external_torque());
-        let believed = self.learning.believed(&state.learning, load, shares);
-        let demand = self.feed_forward.step(&self.gear, &mut state.feed_forward, setpoint, shares, &believed);
-        let ahead = demand.motor.angle.minus(motor);
-        // What was seen a period ago moves on. Its speed is that of the middle of the observer's period.
-        let speed_behind = R::lit(1.0 + 0.5 * OBSERVED as f64) * self.dt;
-        let velocity = state.observer.output_velocity() + speed_behind * setpoint.acceleration;
-        let position =
-            demand.ahead + self.observer.output_beside(&state.observer, &state.known, ahead, self.dt);
-        let measured =
-            self.observer.output_innovation(&state.observer).map(|innovation| position + innovation);
-        let lesson = learning::Course { excitation: demand.excitation, position: measured };
-        let deviation = Deviation {
-            position,
-            velocity: velocity - setpoint.velocity,
-            asked_velocity: setpoint.velocity,
-            torque: self.observer.transmitted(&state.observer)
-                - state.observer.output_friction()
-                - (demand.accelerating - self.behind * demand.accelerating_rate)
-                + load.at_once,
-            measured: measured.is_some(),
-        };
-        let shift = self.output_feedback.step(&mut state.output_feedback, &deviation, !state.limited);
-        let share = shares.output_feedback * R::from_i32(self.gear.ratio().n());
-        state.course = Course {
-            ahead: ahead + share * shift.angle,
-            velocity: demand.motor.velocity + share * shift.rate,
-            acceleration: demand.acceleration,
-            jerk: demand.jerk,
-            known: shares.wind_up,
-            torque: demand.torque,
-            torque_rate: demand.torque_rate,
-            transmission: demand.transmission,
-            wound: demand.wound,
-            output_torque: followed.torque,
-            rests: setpoint.velocity == R::ZERO && followed.torque.is_none(),
-            switched: followed.switched,
-            planned: true,
-        };
-        let learns = state.learns();
-        self.learning.follow(&mut state.learning, &lesson, learns);
-        (state.known, state.load_rate) = self.learning.known(&state.learning, shares);
-    }
-
-    /// The turn of what is learnt.
-    #[inline(always)]
-    fn learn(&self, state: &mut State<R>, shares: &Directions<R>, motor: Angle<R>) {
-        let trusted = state.fallback.trusted();
-        let mut arrived = true;
-        let falls_back = !trusted && !self.guard.model_is_off(&state.guard);
-        match if falls_back { Slow::Lead } else { state.slow } {
-            Slow::Adapt => self.adapt(state),
-            Slow::Deviate => {
-                self.observer.deviate(&mut state.observer);
-                self.notice_standstill(state, motor);
-                arrived = self.guard.shares_have_arrived(&state.guard, shares, trusted);
-                state.faults.shares = Faults::NONE;
-            }
-            Slow::Lead => {
-                let course = guard::Course { velocity: state.commander.velocity(), trusted };
-                let mut faults = Faults::NONE;
-                self.guard.lead(&mut state.guard, shares, course, &mut faults);
-                state.faults.shares = faults;
-            }
-        }
-        state.slow = state.slow.next(arrived);
-        let reference = state.course.reference(motor);
-        let factors = state.learning.applied();
-        self.feed_forward.remember(&self.gear, &mut state.feed_forward, reference, factors);
-    }
-
-    /// Raises the faults of encoders that stand still while the motor is asked to move. A joint that is held against
-    /// its load by a brake is noticed by it too: what the output feedback asks is a motion.
-    #[inline(always)]
-    fn notice_standstill(&self, state: &mut State<R>, motor: Angle<R>) {
-        let mut faults = Faults::NONE;
-        let asked = state.course.asked();
-        let stood_still = motor == state.last_motor;
-        state.last_motor = motor;
-        let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, asked);
-        faults.raise_if(frozen, Faults::MOTOR_ENCODER_FROZEN);
-        if let Some(raw) = state.output_raw.take() {
-            let stood_still = state.last_output.replace(raw) == Some(raw);
-            self.frozen_output.step(&mut state.frozen_output_path, stood_still, asked);
-        }
-        faults
-            .raise_if(self.frozen_output.is_frozen(state.frozen_output_path), Faults::OUTPUT_ENCODER_FROZEN);
-        state.faults.standstill = faults;
-    }
-
-    /// The factors' turn.
-    #[inline(always)]
-    fn adapt(&self, state: &mut State<R>) {
-        let observed = Observed {
-            external_torque: state.observer.external_torque(),
-            torsion: state.observer.torsion(),
-            output_innovation: self.observer.moving_output_innovation(&state.observer),
-            stiffness_torque: state.observer.stiffness_torque(),
-        };
-        let shares = state.guard.shares();
-        let learns = state.learns();
-        self.learning.adapt(&mut state.learning, &observed, shares, learns);
-        state.sound = true;
-    }
-
-    /// The cascade's turn: every period. Answers with the torque that is commanded.
-    #[inline(always)]
-    fn drive(&self, state: &mut State<R>, motor: &Reading<R>, faults: &mut Faults) -> R {
-        let (course, yielding) = (&state.course, &state.yielding);
-        let wanted = Wanted {
-            ahead: course.ahead,
-            velocity: course.velocity + yielding.velocity,
-            acceleration: course.known * course.acceleration + yielding.acceleration,
-        };
-        let held = state.limited || course.output_torque.is_some() || !course.planned;
-        let feedback = self.feedback.step(&mut state.feedback, motor.moved, &wanted, held) + yielding.torque;
-        let closed = match course.output_torque {
-            Some(torque) => course.transmission * torque,
-            None if !course.planned => R::ZERO,
-            None => {
-                let feedback = self.taken_over(state, feedback);
-                state.guard.shares().feedback * feedback
-            }
-        };
-        let (wanted, switched) = (state.course.torque + closed, state.course.switched);
-        state.course.switched = false;
-        let torque = self.command(state, wanted, switched, faults);
-        state.sent = [state.course.ahead, state.course.torque];
-        state.course.advance(state.yielding.velocity, self.dt);
-        torque
-    }
-
-    /// The feedback, which goes on from the torque (N m) so far when it was switched to.
-    fn taken_over(&self, state: &mut State<R>, feedback: R) -> R {
-        if !state.course.switched {
-            return feedback;
-        }
-        let left = state.fallback.torque() - state.course.torque - feedback;
-        feedback + self.feedback.take_over(&mut state.feedback, left)
-    }
-
-    /// The torque that is commanded: none without a motor encoder, never more than the motor's peak.
-    fn command(&self, state: &mut State<R>, wanted: R, switched: bool, faults: &mut Faults) -> R {
-        let limited = wanted.limit(self.limits.motor_torque);
-        faults.raise_if(limited != wanted, Faults::TORQUE_LIMITED);
-        let torque = self.fallback.step(&mut state.fallback, limited, *faults, switched);
-        // The feedback's integral must not run while its torque does not reach the motor.
-        state.limited = torque != wanted;
-        torque
-    }
-}

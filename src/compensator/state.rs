@@ -1,26 +1,26 @@
 //! What the compensator remembers from step to step: the states of its parts, and what one turn leaves for another.
 
 use crate::angle::Angle;
-use crate::compensator::command::CommanderState;
-use crate::compensator::course::Course;
-use crate::compensator::encoder::EncoderState;
-use crate::compensator::external_load::{ExternalLoadState, Yielding};
-use crate::compensator::fallback::FallbackState;
-use crate::compensator::feed_forward::FeedForwardState;
-use crate::compensator::feedback::FeedbackState;
-use crate::compensator::guard::InputGuardState;
-use crate::compensator::learning::LearningState;
-use crate::compensator::motor_torque::MotorTorqueState;
-use crate::compensator::observer::{Known, ObserverState};
-use crate::compensator::output_feedback::OutputFeedbackState;
-use crate::compensator::turns::{Slow, Turn};
+use crate::compensator::actuate::cascade::FeedbackState;
+use crate::compensator::actuate::fallback::FallbackState;
+use crate::compensator::adapt::learning::LearningState;
+use crate::compensator::estimate::disturbance::{ExternalLoadState, Yielding};
+use crate::compensator::estimate::observer::{Known, ObserverState};
+use crate::compensator::reference::command::CommanderState;
+use crate::compensator::reference::feed_forward::FeedForwardState;
+use crate::compensator::reference::motor_reference::Course;
+use crate::compensator::reference::output_feedback::OutputFeedbackState;
+use crate::compensator::schedule::{Slot, SlowSlot};
+use crate::compensator::sense::encoder::EncoderState;
+use crate::compensator::sense::motor_torque::MotorTorqueState;
+use crate::compensator::sense::validation::InputGuardState;
 use crate::compensator::{Compensator, Faults};
 use crate::real::Real;
 
 /// What the compensator remembers from step to step.
 #[derive(Clone, Debug)]
 pub struct State<R: Real> {
-    pub(super) turn: Turn,
+    pub(super) turn: Slot,
     pub(super) guard: InputGuardState<R>,
     pub(super) motor_encoder: EncoderState,
     pub(super) output_encoder: EncoderState,
@@ -46,13 +46,13 @@ pub struct State<R: Real> {
     /// By how much its load changes until the observer's next turn but one (N m).
     pub(super) load_rate: R,
     /// Whose turn it is among what is slow.
-    pub(super) slow: Slow,
+    pub(super) slow: SlowSlot,
     pub(super) motor_torque: MotorTorqueState<R>,
     pub(super) fallback: FallbackState<R>,
     /// By how much the motor's reference was ahead of it in the last step (rad), and the feed-forward (N m).
     pub(super) sent: [R; 2],
     /// What the last turns found wrong, and what was reported.
-    pub(super) faults: TurnsFaults,
+    pub(super) faults: SlotFaults,
     pub(super) reported: Faults,
     pub(super) limited: bool,
     /// Nothing has been wrong since the factors' last turn.
@@ -73,7 +73,7 @@ pub(super) struct Heard<R> {
 
 /// What is wrong, by who has found it in its last turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct TurnsFaults {
+pub(super) struct SlotFaults {
     pub(super) observer: Faults,
     pub(super) plan: Faults,
     pub(super) standstill: Faults,
@@ -84,7 +84,7 @@ impl<R: Real> Compensator<R> {
     /// The state before the first step: what was learnt before, within its bounds.
     pub fn rest(&self) -> State<R> {
         State {
-            turn: Turn::default(),
+            turn: Slot::default(),
             guard: InputGuardState::default(),
             motor_encoder: EncoderState::default(),
             output_encoder: EncoderState::default(),
@@ -106,11 +106,11 @@ impl<R: Real> Compensator<R> {
             learning: self.learning.starting_from(&self.learnt),
             known: Known::default(),
             load_rate: R::ZERO,
-            slow: Slow::Lead,
+            slow: SlowSlot::Lead,
             motor_torque: MotorTorqueState::default(),
             fallback: FallbackState::default(),
             sent: [R::ZERO; 2],
-            faults: TurnsFaults::default(),
+            faults: SlotFaults::default(),
             reported: Faults::NONE,
             limited: false,
             sound: true,

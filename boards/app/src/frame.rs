@@ -11,7 +11,7 @@
 //! The fields are listed once: [`Fields`] goes through them, whether it writes a frame, reads one or has other plans.
 
 use strainwave::Angle;
-use strainwave::compensator::adaptation::Factors;
+use strainwave::compensator::adapt::parameters::Factors;
 use strainwave::compensator::{
     Command, Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
 };
@@ -22,8 +22,8 @@ const OPTION: usize = 1 + WORD;
 
 const COMMAND: usize = 1 + ANGLE + 4 * WORD;
 
-/// Length of an input frame (bytes): sensors, command, shares forward and backward.
-pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + COMMAND + 2 * 8 * WORD;
+/// Length of an input frame (bytes): sensors, command, shares forward and backward, elapsed time.
+pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + COMMAND + 2 * 8 * WORD + WORD;
 /// Length of an output frame (bytes): torques and reference, estimate, its deviation, factors, faults.
 pub const OUTPUT_BYTES: usize = (2 * WORD + ANGLE) + (ANGLE + 6 * WORD) + 7 * WORD + 4 * WORD + WORD;
 
@@ -112,6 +112,7 @@ pub trait Fields {
         self.command(&mut input.command)?;
         self.shares(&mut input.shares.forward);
         self.shares(&mut input.shares.backward);
+        self.f32(&mut input.elapsed);
         Some(())
     }
 

@@ -1,11 +1,11 @@
 // Generated from the gear file `hd25-100`; do not edit.
-use strainwave::compensator::adaptation::{AdaptationParams, Factors};
-use strainwave::compensator::feedback::FeedbackParams;
-use strainwave::compensator::learning::{LearningParams, Learnt};
-use strainwave::compensator::learnt_ripple::{LearntRippleParams, RippleMap, RippleOrder};
-use strainwave::compensator::observer::deviation::{Spread, Uncertainty};
-use strainwave::compensator::observer::{Gains, ObserverParams};
-use strainwave::compensator::output_feedback::OutputFeedbackParams;
+use strainwave::compensator::adapt::parameters::{AdaptationParams, Factors};
+use strainwave::compensator::actuate::cascade::FeedbackParams;
+use strainwave::compensator::adapt::learning::{LearningParams, Learnt};
+use strainwave::compensator::adapt::ripple::{LearntRippleParams, RippleMap, RippleOrder};
+use strainwave::compensator::estimate::observer::deviation::{Spread, Uncertainty};
+use strainwave::compensator::estimate::observer::{Gains, ObserverParams};
+use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::{EstimateDeviation, JointParams, Limits};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
 use strainwave::flexspline::{Bend, Cup, FlexsplineParams};

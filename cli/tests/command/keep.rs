@@ -1,6 +1,6 @@
 //! What a compensator has learnt goes into the gear file, and the next run starts from it.
 
-use strainwave::compensator::learning;
+use strainwave::compensator::adapt::learning;
 use strainwave_desktop::GearFile;
 use strainwave_desktop::closed_loop::HostCompensator;
 use strainwave_desktop::gear_file::Learnt;

@@ -9,8 +9,8 @@
 
 use std::f64::consts::TAU;
 
-use strainwave::compensator::encoder::{Encoder, EncoderParams, EncoderState, Reading};
-use strainwave::compensator::feedback::{Feedback, FeedbackParams, FeedbackState, Wanted};
+use strainwave::compensator::actuate::cascade::{Feedback, FeedbackParams, FeedbackState, Wanted};
+use strainwave::compensator::sense::encoder::{Encoder, EncoderParams, EncoderState, Reading};
 use strainwave::{Angle, Error};
 
 use super::gains::BaselineGains;
@@ -68,9 +68,14 @@ impl Cascade {
         })
     }
 
-    /// The motor's encoder says `raw`.
-    pub fn read(&mut self, raw: u32) -> Reading<f64> {
-        self.encoder.step(&mut self.encoder_state, raw)
+    /// The motor's encoder says `raw`, `elapsed` (s) after the reading before, 0 where that is not measured. What it has
+    /// moved is told per control period: a speed is not twice as high because a step was missed.
+    pub fn read(&mut self, raw: u32, elapsed: f32) -> Reading<f64> {
+        let reading: Reading<f64> = self.encoder.step(&mut self.encoder_state, raw);
+        // In f32, where a period that is on time is exactly one.
+        let periods = f64::from(elapsed / CONTROL_PERIOD as f32);
+        let periods = if periods > 0.0 { periods.clamp(0.25, 10.0) } else { 1.0 };
+        Reading { moved: reading.moved / periods, ..reading }
     }
 
     /// The last torque was at the limit.
@@ -108,11 +113,25 @@ mod tests {
         assert_eq!(feedback_params(&file, &gains), joint::feedback_params(&file));
     }
 
+    /// After a missed step the speed is what it was.
+    #[test]
+    fn a_missed_step_is_no_speed() {
+        let file = GearFile::default_gear();
+        let mut cascade = Cascade::build(&file, &BaselineGains::of(&file, Kind::B0)).unwrap();
+        let moved = [(0, 0.0), (100, 1e-4), (300, 2e-4), (400, 0.0), (450, 5e-5)]
+            .map(|(raw, elapsed)| cascade.read(raw, elapsed).moved);
+        assert!(
+            (moved[2] / moved[1] - 1.0).abs() < 1e-6 && (moved[4] / moved[1] - 1.0).abs() < 1e-6,
+            "{moved:?}"
+        );
+        assert_eq!((moved[0], moved[3]), (0.0, moved[1]));
+    }
+
     #[test]
     fn the_torque_stays_within_its_limit() {
         let file = GearFile::default_gear();
         let mut cascade = Cascade::build(&file, &BaselineGains::of(&file, Kind::B0)).unwrap();
-        let motor = cascade.read(0);
+        let motor = cascade.read(0, 0.0);
         let demand = Demand { angle: Angle::from_radians(100.0), ..Demand::default() };
         assert_eq!((cascade.step(&motor, &demand), cascade.limited()), (file.motor.peak_torque, true));
         let back = Demand { angle: motor.angle, ..Demand::default() };

@@ -15,7 +15,7 @@
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-use strainwave::compensator::encoder::{Encoder, EncoderParams, EncoderState};
+use strainwave::compensator::sense::encoder::{Encoder, EncoderParams, EncoderState};
 use strainwave::gear::GearParams;
 use strainwave::{Angle, Error};
 

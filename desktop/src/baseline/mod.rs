@@ -153,7 +153,7 @@ impl Baseline {
 
     /// Torque command for one control period (N m); it follows positions alone.
     pub fn step(&mut self, input: &Input<f32>) -> f64 {
-        let motor = self.cascade.read(input.sensors.motor_encoder);
+        let motor = self.cascade.read(input.sensors.motor_encoder, input.elapsed);
         let Command::Position(setpoint) = input.command else { return 0.0 };
         let asked = Asked::of(&setpoint);
         let limited = self.cascade.limited();

@@ -14,26 +14,26 @@
 //! | S4 | ripple of the output error, rms output error |
 //! | S5 | peak and steady output error |
 //!
-//! They are the marks of [`crate::judge`]. f = 1 urad: less than that gains next to nothing. Every bad run doubles J. A
-//! run is bad when the plant diverges (its figures then count as [`LOST`]), when the motor torque is at its limit for more
-//! than [`LONGEST_LIMITED`] of the judged part, or when it shakes: over its last fifth the torsion's vibration is above
-//! 10 urad and above three times that of the untuned B0 on the same plant, or the motor torque's, taken alike, above
-//! [`LOUD`] of the rated torque over N.
+//! They are the marks of [`crate::judge`]. f = 1 urad: less than that gains next to nothing. Every bad run doubles J: one
+//! under which the plant diverges (its figures then count as [`LOST`]) or which shakes beside the untuned B0 on the same
+//! plant ([`Course::shakes`]): it keeps oscillating at rest or is at its torque limit.
+//!
+//! Half of the training plants, the even seeds, have every unknown at once ([`crate::plant::unknowns`]); the others are the
+//! box alone. On each the untuned B0 has worked ([`crate::working_motion`]) before; the baseline takes over at rest and has
+//! [`Rest::DURATION`] to settle.
 
 use std::thread;
 
-use strainwave::Error;
-use strainwave::gear::GearParams;
-
 use super::{Baseline, BaselineGains, Kind};
-use crate::bench::{Bench, Conditions};
-use crate::closed_loop::{Row, go_on};
+use crate::bench::{Bench, Conditions, SensorSet};
 use crate::divergence::RunError;
 use crate::gear_file::GearFile;
-use crate::joint::CONTROL_PERIOD;
-use crate::judge::{Judge, Mark, rms, vibration, without_slow_part};
+use crate::judge::Mark;
 use crate::plant::CondensedMesh;
-use crate::scenario::Scenario;
+use crate::plant::sample::PlantSample;
+use crate::plant::unknowns::Which;
+use crate::scenario::{Demand, Rest, Scenario};
+use crate::verify::robustness::{Course, Courses, JUDGED, Judged};
 use crate::working_motion::WorkingMotion;
 
 /// A figure: the scenario, the mark and its name.
@@ -42,132 +42,84 @@ pub type FigureOf = (Scenario, Mark, &'static str);
 /// What counts.
 pub const FIGURES: [FigureOf; 8] = [
     (Scenario::S1, Mark::StepVibration, "s1.vibration"),
-    (Scenario::S2, Mark::Error, "s2.rms"),
+    (Scenario::S2, Mark::Error, "s2.error"),
     (Scenario::S3, Mark::MoveVibration, "s3.vibration"),
-    (Scenario::S3, Mark::Error, "s3.rms"),
+    (Scenario::S3, Mark::Error, "s3.error"),
     (Scenario::S4, Mark::Ripple, "s4.ripple"),
-    (Scenario::S4, Mark::Error, "s4.rms"),
+    (Scenario::S4, Mark::Error, "s4.error"),
     (Scenario::S5, Mark::Peak, "s5.peak"),
     (Scenario::S5, Mark::Steady, "s5.steady"),
 ];
-/// The scenarios that they are of.
-pub const SCENARIOS: [Scenario; 5] = [Scenario::S1, Scenario::S2, Scenario::S3, Scenario::S4, Scenario::S5];
 
 /// f (rad).
 const FLOOR: f64 = 1e-6;
 /// What a figure counts as where the plant diverged (rad).
 pub const LOST: f64 = 1.0;
-/// Longest time at the torque limit of a good run's judged part (s).
-pub const LONGEST_LIMITED: f64 = 0.01;
-/// Torque ripple at the end of a good run, in rated torques over N.
-pub const LOUD: f64 = 0.05;
-/// Torsion's vibration at the end of a good run, in those of the untuned B0, and in rad.
-const MOST_VIBRATION: f64 = 3.0;
-const QUIET: f64 = 10e-6;
-/// Share of a run that is its end.
-const END: f64 = 0.2;
 
-/// What came of one run.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
-    /// In the order of [`FIGURES`], those of the scenario (rad).
-    pub figures: Vec<f64>,
-    /// Rms vibration of the torsion at the end (rad).
-    pub vibration: f64,
-    /// Rms of the motor torque there, less its slow part (N m).
-    pub torque_ripple: f64,
-    /// At the torque limit in the judged part (s).
-    pub limited: f64,
+/// (1/n)*sum_k ln sqrt(x_k^2 + f^2) of a run.
+fn logarithm(scenario: Scenario, course: Option<&Course>) -> f64 {
+    let marks = FIGURES.iter().filter(|figure| figure.0 == scenario).map(|figure| figure.1);
+    let of = |mark| course.map_or(LOST, |course| course.mark(scenario, mark));
+    let counted = |value: f64| if value.is_finite() { value.hypot(FLOOR) } else { LOST };
+    let (sum, count) =
+        marks.fold((0.0, 0.0), |(sum, count), mark| (sum + counted(of(mark)).ln(), count + 1.0));
+    sum / count
 }
 
-impl Outcome {
-    fn of(scenario: Scenario, judge: &Judge<'_>, rows: &[Row], limit: f64) -> Result<Self, Error> {
-        let of = FIGURES.iter().filter(|figure| figure.0 == scenario);
-        let at_limit = |row: &&Row| f64::from(row.answer.motor_torque.abs()) >= 0.999 * limit;
-        let end = &rows[rows.len() - (END * rows.len() as f64) as usize..];
-        let torques: Vec<_> = end.iter().map(|row| f64::from(row.answer.motor_torque)).collect();
-        let period = judge.natural_period()?;
-        Ok(Self {
-            figures: of.map(|(_, mark, _)| judge.mark(*mark)).collect::<Result<_, _>>()?,
-            vibration: rms(vibration(end, period)),
-            torque_ripple: rms(without_slow_part(&torques, period)),
-            limited: judge.judged().iter().filter(at_limit).count() as f64 * CONTROL_PERIOD,
-        })
-    }
-
-    fn diverged(scenario: Scenario) -> Self {
-        let count = FIGURES.iter().filter(|figure| figure.0 == scenario).count();
-        Self { figures: vec![LOST; count], vibration: LOST, torque_ripple: LOST, limited: LOST }
-    }
-
-    /// (1/n)*sum_k ln sqrt(x_k^2 + f^2)
-    fn logarithm(&self) -> f64 {
-        let logarithms =
-            self.figures.iter().map(|figure| if figure.is_finite() { figure.hypot(FLOOR).ln() } else { 0.0 });
-        logarithms.sum::<f64>() / self.figures.len() as f64
-    }
-
-    /// It is bad beside the untuned B0, on a joint whose torque is loud from `loud` (N m) on.
-    fn is_bad(&self, b0: &Self, loud: f64) -> bool {
-        self.limited > LONGEST_LIMITED
-            || self.vibration > (MOST_VIBRATION * b0.vibration).max(QUIET)
-            || self.torque_ripple > loud
+/// A run is bad beside that of the untuned B0; one that the B0 loses cannot be judged.
+fn is_bad(course: Option<&Course>, b0: Option<&Course>) -> bool {
+    match (course, b0) {
+        (Some(course), Some(b0)) => course.shakes(b0),
+        (course, _) => course.is_none(),
     }
 }
 
-/// A joint on the bench.
+/// A joint on the bench that has worked.
 struct Stand {
-    plant: GearParams<f64>,
+    sample: PlantSample,
     bench: Bench<CondensedMesh>,
-    torque_limit: f64,
 }
 
 impl Stand {
-    fn build(file: &GearFile, conditions: &Conditions) -> Result<Self, Error> {
-        Ok(Self {
-            plant: conditions.plant(file)?,
-            bench: Bench::condensed(file, conditions)?,
-            torque_limit: file.motor.peak_torque,
-        })
+    /// # Errors
+    /// A gear that cannot be built.
+    fn build(file: &GearFile, sensors: SensorSet, seed: u64) -> Result<Self, RunError> {
+        let sample = if seed.is_multiple_of(2) {
+            PlantSample::of(file, Which::All, seed)?
+        } else {
+            PlantSample::boxed(file, seed)?
+        };
+        let conditions = Conditions { sensors, ..Conditions::of(&sample.known, seed) };
+        let mut bench = Bench::condensed_of(&sample, &conditions)?;
+        let mut b0 = untuned(&sample.known)?;
+        bench.go(&WorkingMotion, &mut b0, |_, _, _, _| ())?;
+        Ok(Self { sample, bench })
     }
 
-    fn run(&self, baseline: &Baseline, scenario: Scenario) -> Result<Outcome, RunError> {
-        match go_on(&mut self.bench.clone(), scenario, &mut baseline.clone(), |_| ()) {
-            Ok(run) => {
-                let judge = Judge::new(scenario, &self.plant, &run.trace);
-                Ok(Outcome::of(scenario, &judge, &run.trace, self.torque_limit)?)
-            }
-            Err(RunError::Diverged(_)) => Ok(Outcome::diverged(scenario)),
+    /// A baseline in one scenario; none where the plant diverges.
+    fn run(&self, baseline: &Baseline, scenario: Scenario) -> Result<Option<Course>, RunError> {
+        let (mut bench, mut baseline) = (self.bench.clone(), baseline.clone());
+        let judged = Judged::of(&self.sample);
+        let rest = Rest { from: Demand::default() };
+        let settled = bench.go(&rest, &mut baseline, |_, _, _, _| ());
+        match settled.and_then(|()| judged.course(bench, baseline, scenario)) {
+            Ok(course) => Ok(Some(course)),
+            Err(RunError::Diverged(_)) => Ok(None),
             Err(error) => Err(error),
         }
     }
 }
 
-/// One baseline over all scenarios on one plant, after the working motion; outcomes in the order of [`SCENARIOS`].
-///
-/// # Errors
-/// A gear that cannot be built.
-pub fn after_work(
-    file: &GearFile,
-    conditions: &Conditions,
-    baseline: &Baseline,
-) -> Result<Vec<Outcome>, RunError> {
-    let (mut stand, mut baseline) = (Stand::build(file, conditions)?, baseline.clone());
-    match stand.bench.go(&WorkingMotion, &mut baseline, |_, _, _, _| ()) {
-        Err(RunError::Diverged(_)) => return Ok(SCENARIOS.map(Outcome::diverged).to_vec()),
-        other => other?,
-    }
-    SCENARIOS.iter().map(|scenario| stand.run(&baseline, *scenario)).collect()
+fn untuned(file: &GearFile) -> Result<Baseline, strainwave::Error> {
+    Baseline::with_gains(file, Kind::B0, &BaselineGains::untuned(file, Kind::B0))
 }
 
 /// The objective of one baseline.
 pub struct Objective {
-    file: GearFile,
     kind: Kind,
     stands: Vec<Stand>,
     /// The untuned B0 on each stand in each scenario.
-    b0: Vec<Outcome>,
-    loud: f64,
+    b0: Vec<Courses>,
 }
 
 /// What some gains are worth.
@@ -190,23 +142,15 @@ impl Objective {
     /// Of a baseline on the plants of these seeds.
     ///
     /// # Errors
-    /// A gear that no plant or baseline can be built for.
+    /// A gear that no plant or baseline can be built for, or one that the untuned B0 loses.
     pub fn build(
         file: &GearFile,
         kind: Kind,
         seeds: impl IntoIterator<Item = u64>,
     ) -> Result<Self, RunError> {
-        let conditions = |seed| Conditions { sensors: kind.sensors(), ..Conditions::of(file, seed) };
-        let stands = seeds.into_iter().map(|seed| Stand::build(file, &conditions(seed)));
-        let mut objective = Self {
-            file: file.clone(),
-            kind,
-            stands: stands.collect::<Result<_, _>>()?,
-            b0: Vec::new(),
-            loud: LOUD * file.gear.rated_torque / f64::from(file.gear.signed_ratio().n()).abs(),
-        };
-        let b0 = Baseline::with_gains(file, Kind::B0, &BaselineGains::untuned(file, Kind::B0))?;
-        objective.b0 = objective.outcomes(&b0)?;
+        let stands = seeds.into_iter().map(|seed| Stand::build(file, kind.sensors(), seed));
+        let mut objective = Self { kind, stands: stands.collect::<Result<_, _>>()?, b0: Vec::new() };
+        objective.b0 = objective.courses(&|file| Ok(untuned(file)?))?;
         Ok(objective)
     }
 
@@ -215,24 +159,37 @@ impl Objective {
     /// # Errors
     /// Gains that no baseline can be built with.
     pub fn score(&self, gains: &BaselineGains) -> Result<Score, RunError> {
-        let outcomes = self.outcomes(&Baseline::with_gains(&self.file, self.kind, gains)?)?;
-        let sum: f64 = outcomes.iter().map(Outcome::logarithm).sum();
-        let bad = outcomes.iter().zip(&self.b0).filter(|(run, b0)| run.is_bad(b0, self.loud));
-        Ok(Score { mean: (sum / outcomes.len() as f64).exp(), bad: bad.count() })
+        let courses = self.courses(&|file| Ok(Baseline::with_gains(file, self.kind, gains)?))?;
+        let (mut sum, mut bad) = (0.0, 0);
+        for (runs, b0) in courses.iter().zip(&self.b0) {
+            for ((run, b0), scenario) in runs.iter().zip(b0).zip(JUDGED) {
+                sum += logarithm(scenario, run.as_ref());
+                bad += usize::from(is_bad(run.as_ref(), b0.as_ref()));
+            }
+        }
+        Ok(Score { mean: (sum / (courses.len() * JUDGED.len()) as f64).exp(), bad })
     }
 
-    /// Stand by stand, scenario by scenario; on two threads, the long S2 apart from the others.
-    fn outcomes(&self, baseline: &Baseline) -> Result<Vec<Outcome>, RunError> {
-        let run = |stand: &Stand, scenario: Scenario| stand.run(baseline, scenario);
-        let [s1, s2, rest @ ..] = SCENARIOS;
-        let (long, others) = thread::scope(|scope| {
-            let long = scope.spawn(|| self.stands.iter().map(|stand| run(stand, s2)).collect::<Vec<_>>());
-            let others = |stand| [s1, rest[0], rest[1], rest[2]].map(|scenario| run(stand, scenario));
-            let others: Vec<_> = self.stands.iter().map(others).collect();
-            (long.join().expect("a run does not panic"), others)
-        });
-        let in_order = long.into_iter().zip(others).flat_map(|(s2, [s1, s3, s4, s5])| [s1, s2, s3, s4, s5]);
-        in_order.collect()
+    /// Stand by stand, on two threads.
+    fn courses(
+        &self,
+        build: &(dyn Fn(&GearFile) -> Result<Baseline, RunError> + Sync),
+    ) -> Result<Vec<Courses>, RunError> {
+        let on = |stand: &Stand| -> Result<Courses, RunError> {
+            let baseline = build(&stand.sample.known)?;
+            let mut courses = Courses::default();
+            for (course, scenario) in courses.iter_mut().zip(JUDGED) {
+                *course = stand.run(&baseline, scenario)?;
+            }
+            Ok(courses)
+        };
+        let (first, second) = self.stands.split_at(self.stands.len() / 2);
+        thread::scope(|scope| {
+            let first = scope.spawn(|| first.iter().map(on).collect::<Vec<_>>());
+            let second: Vec<_> = second.iter().map(on).collect();
+            let first = first.join().expect("a run does not panic");
+            first.into_iter().chain(second).collect()
+        })
     }
 }
 
@@ -240,39 +197,34 @@ impl Objective {
 mod tests {
     use super::*;
 
-    fn outcome(figures: Vec<f64>) -> Outcome {
-        Outcome { figures, vibration: 1e-6, torque_ripple: 1e-3, limited: 0.0 }
+    /// A run of S2 with this error.
+    fn course(error: f64) -> Course {
+        Course { marks: vec![error], ..Course::default() }
     }
 
     #[test]
     fn the_mean_is_geometric_with_a_floor() {
-        assert!((outcome(vec![1e-4, 1e-2]).logarithm() - 1e-3f64.ln()).abs() < 1e-3);
-        assert!((outcome(vec![0.0]).logarithm() - 1e-6f64.ln()).abs() < 1e-9);
+        let of = |error| logarithm(Scenario::S2, Some(&course(error)));
+        assert!((of(1e-3) - 1e-3f64.ln()).abs() < 1e-6 && (of(0.0) - 1e-6f64.ln()).abs() < 1e-9);
         // What is no number is as bad as a plant that is lost.
-        let lost = Outcome::diverged(Scenario::S2).logarithm();
-        assert!((outcome(vec![f64::NAN]).logarithm() - lost).abs() < 1e-9);
+        assert_eq!([of(f64::NAN), logarithm(Scenario::S2, None)], [LOST.ln(); 2]);
+        // Half of S5's weight is the peak's, half the steady error's.
+        let s5 = Course { marks: vec![7.0, 1e-2, 1e-4], ..Course::default() };
+        assert!((logarithm(Scenario::S5, Some(&s5)) - 1e-3f64.ln()).abs() < 1e-3);
     }
 
     #[test]
-    fn what_shakes_saturates_or_diverges_is_bad() {
-        let (good, loud) = (outcome(vec![1e-5]), 0.03);
-        assert!(!good.is_bad(&good, loud));
-        let shaking = Outcome { vibration: 1.1e-5, ..good.clone() };
-        assert!(
-            shaking.is_bad(&good, loud)
-                && !shaking.is_bad(&Outcome { vibration: 5e-6, ..good.clone() }, loud)
-        );
-        assert!(Outcome { torque_ripple: 0.04, ..good.clone() }.is_bad(&good, loud));
-        assert!(Outcome { limited: 0.02, ..good.clone() }.is_bad(&good, loud));
-        assert!(Outcome::diverged(Scenario::S5).is_bad(&good, loud));
+    fn what_shakes_or_diverges_is_bad_and_doubles() {
+        let (good, shaking) = (course(1e-4), Course { torsion_at_rest: 1e-4, ..course(1e-4) });
+        let bad = |ours: Option<&Course>| is_bad(ours, Some(&good));
+        assert_eq!([bad(Some(&good)), bad(Some(&shaking)), bad(None)], [false, true, true]);
         assert_eq!(Score { mean: 1.0, bad: 2 }.logarithm(), 4f64.ln());
     }
 
     #[test]
     fn every_scenario_has_a_figure() {
-        for scenario in SCENARIOS {
+        for scenario in JUDGED {
             assert!(FIGURES.iter().any(|figure| figure.0 == scenario));
-            assert!(!Outcome::diverged(scenario).figures.is_empty());
         }
     }
 }

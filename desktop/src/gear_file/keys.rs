@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::ops::{Bound, RangeBounds};
 
-use strainwave::compensator::learnt_ripple::RIPPLE_ORDERS as RIPPLE_MAP;
-use strainwave::compensator::observer::LONGEST_PERIOD;
-use strainwave::compensator::observer::past::LONGEST_DELAY;
+use strainwave::compensator::adapt::ripple::RIPPLE_ORDERS as RIPPLE_MAP;
+use strainwave::compensator::estimate::observer::LONGEST_PERIOD;
+use strainwave::compensator::estimate::observer::past::LONGEST_DELAY;
 use strainwave::flexspline::shell::link_law::VALID_STRAIN;
 use strainwave::friction::RIPPLE_ORDERS;
 use strainwave::hysteresis::table::TABLE_LEVELS;

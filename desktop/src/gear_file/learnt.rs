@@ -4,9 +4,9 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use strainwave::Real;
-use strainwave::compensator::adaptation::Factors;
-use strainwave::compensator::learning;
-use strainwave::compensator::learnt_ripple::{Coefficients, RippleMap};
+use strainwave::compensator::adapt::learning;
+use strainwave::compensator::adapt::parameters::Factors;
+use strainwave::compensator::adapt::ripple::{Coefficients, RippleMap};
 use toml_edit::{DocumentMut, Item, Table};
 
 use super::GearFile;

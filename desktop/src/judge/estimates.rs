@@ -4,12 +4,12 @@
 //! torsion, torques and friction are those of its turn before, and so is the load that acted.
 
 use strainwave::compensator::Estimate;
-use strainwave::compensator::turns::OBSERVED;
+use strainwave::compensator::schedule::OBSERVER_PERIODS;
 
 use crate::closed_loop::Row;
 
 /// Control periods from one turn of the observer to the next.
-const TURN: usize = OBSERVED as usize;
+const TURN: usize = OBSERVER_PERIODS as usize;
 
 /// Deviations within which an estimate is to be.
 const WITHIN: f64 = 3.0;

@@ -16,14 +16,14 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use nalgebra::{DMatrix, DVector, RowDVector};
-use strainwave::compensator::turns::{OBSERVED, ROUND};
+use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 
 use crate::draw;
 use crate::gear_file::{Friction, GearFile};
 use crate::joint::CONTROL_PERIOD;
 
 /// How many control periods a period of the observer has, and how long it is (s).
-const PERIODS: f64 = OBSERVED as f64;
+const PERIODS: f64 = OBSERVER_PERIODS as f64;
 pub(super) const DT: f64 = PERIODS * CONTROL_PERIOD;
 
 /// What the filter takes the world to be like.
@@ -130,7 +130,7 @@ impl Linearised {
         let encoder = |bits| encoder_noise(bits, unknown.jitter);
         // Averaged over the same time: the fewer readings it has, the more each of them says.
         let output_jitter =
-            unknown.output_jitter / f64::from(file.sensors.output_encoder_period.max(ROUND)).sqrt();
+            unknown.output_jitter / f64::from(file.sensors.output_encoder_period.max(SLOW_PERIODS)).sqrt();
         Self {
             transition,
             noise: DMatrix::from_diagonal(&variances),

@@ -5,7 +5,7 @@
 //! the covariance that the one before left. An output encoder is looked at every m-th period of the observer only:
 //! the filter between two readings is that without it, F = (1 - l C) A, so that an encoder that fails leaves a filter
 //! that is sound; the reading's gain is that of the system over m periods, A -> F^m. A reading that is D periods late
-//! corrects by F^D of its gain ([`strainwave::compensator::observer::past`]). Units: rad, rad/s, N m; signs as in
+//! corrects by F^D of its gain ([`strainwave::compensator::estimate::observer::past`]). Units: rad, rad/s, N m; signs as in
 //! [`strainwave::gear`].
 
 mod linearised;
@@ -15,10 +15,10 @@ mod tests;
 
 use nalgebra::{DMatrix, DVector};
 use strainwave::compensator::EstimateDeviation;
-use strainwave::compensator::observer::deviation::{Spread, Uncertainty};
-use strainwave::compensator::observer::past::STEPS;
-use strainwave::compensator::observer::{Correction, GainSets, Gains, ObserverParams, STATES};
-use strainwave::compensator::turns::{OBSERVED, ROUND};
+use strainwave::compensator::estimate::observer::deviation::{Spread, Uncertainty};
+use strainwave::compensator::estimate::observer::past::STEPS;
+use strainwave::compensator::estimate::observer::{Correction, GainSets, Gains, ObserverParams, STATES};
+use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use strainwave::{Error, Real};
 
 use crate::draw;
@@ -149,8 +149,8 @@ impl Filter {
         let model = Linearised::of(file, sixth, &Unknown::designed(file, stands));
         let sensors = &file.sensors;
         // In the observer's periods: it looks at the output once a round.
-        let period = sensors.output_encoder_period.div_ceil(ROUND) * (ROUND / OBSERVED);
-        let delay = sensors.output_encoder_delay.div_ceil(OBSERVED);
+        let period = sensors.output_encoder_period.div_ceil(SLOW_PERIODS) * (SLOW_PERIODS / OBSERVER_PERIODS);
+        let delay = sensors.output_encoder_delay.div_ceil(OBSERVER_PERIODS);
         let [period, delay] = if has_output { [period, delay] } else { [1, 0] };
         let mut filter = Self::without_output(model, sixth, has_output, has_torque, period, delay);
         filter.correct_between(file, set)?;

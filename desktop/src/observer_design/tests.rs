@@ -1,7 +1,7 @@
 //! The filter forgets, whatever of the box the gear is; a late reading is no offset; what no filter can do.
 
 use nalgebra::DMatrix;
-use strainwave::compensator::observer::{Known, Measurement, Observer};
+use strainwave::compensator::estimate::observer::{Known, Measurement, Observer};
 use strainwave::compensator::{Estimate, Faults, Limits, RealTimeGear};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
@@ -119,20 +119,20 @@ impl Twin {
             torque += motor_torque;
             let reading = angles.len().checked_sub(1 + delay).filter(|_| k % period == 0);
             (heard, age) = if reading.is_some() { (reading, 0) } else { (heard, age + 1) };
-            if !(k as u32 + 1).is_multiple_of(OBSERVED) {
+            if !(k as u32 + 1).is_multiple_of(OBSERVER_PERIODS) {
                 continue;
             }
-            let looks = (k as u32 + 1).is_multiple_of(ROUND);
+            let looks = (k as u32 + 1).is_multiple_of(SLOW_PERIODS);
             let measured = Measurement {
                 motor: motor.angle,
                 output: if looks { heard.take().map(|at| angles[at]) } else { None },
                 age,
-                motor_torque: std::mem::take(&mut torque) / f64::from(OBSERVED),
+                motor_torque: std::mem::take(&mut torque) / f64::from(OBSERVER_PERIODS),
                 output_torque: None,
             };
             let known = Known::default();
             self.observer.step(&self.model, &mut state, &measured, &known, false, &mut Faults::default());
-            if (k as u32 + 1).is_multiple_of(2 * ROUND) {
+            if (k as u32 + 1).is_multiple_of(2 * SLOW_PERIODS) {
                 self.observer.deviate(&mut state);
             }
             estimates.push((self.observer.estimate(&state, &known), flange.angle.to_radians()));
@@ -175,7 +175,7 @@ fn past_and_state_are_corrected_alike() {
     for delay in [1, 5, 16] {
         let params = observer_params::<f64>(&late(delay, 1)).unwrap();
         let set = &params.moving[1];
-        let steps = delay.div_ceil(OBSERVED) as usize;
+        let steps = delay.div_ceil(OBSERVER_PERIODS) as usize;
         let last = set.past[steps - 1];
         assert!((last - set.output[2]).abs() < 1e-12 && last > 0.0, "{delay}: {last} {:?}", set.output);
         assert!(set.past[steps..].iter().all(|gain| *gain == 0.0));

@@ -5,10 +5,10 @@
 //! Which of s and b is corrected depends on it ([`super`]), and by how much: nothing changes where nothing moves, so
 //! that the gains of a motor that stands are small.
 
-use crate::compensator::turns::OBSERVED;
+use crate::compensator::schedule::OBSERVER_PERIODS;
 
 /// Periods of the observer without motion after which the motor stands: 20 ms.
-pub const STANDSTILL: u32 = 200 / OBSERVED;
+pub const STANDSTILL: u32 = 200 / OBSERVER_PERIODS;
 
 /// Since when, and where, the motor has not moved.
 #[derive(Clone, Copy, Debug, PartialEq)]

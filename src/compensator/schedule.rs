@@ -11,14 +11,14 @@
 //! encoder, the setpoint and the shares say takes a round and more.
 
 /// Control periods from one turn of the observer to the next.
-pub const OBSERVED: u32 = 2;
+pub const OBSERVER_PERIODS: u32 = 2;
 
 /// Control periods from one turn of everything else to the next.
-pub const ROUND: u32 = 4;
+pub const SLOW_PERIODS: u32 = 4;
 
 /// Whose turn it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Turn {
+pub enum Slot {
     /// The observer's.
     #[default]
     Observe,
@@ -30,7 +30,7 @@ pub enum Turn {
     Learn,
 }
 
-impl Turn {
+impl Slot {
     /// In the next control period.
     #[inline(always)]
     #[must_use]
@@ -46,7 +46,7 @@ impl Turn {
 
 /// What the fourth period of a round is for beside the feed-forward's models.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Slow {
+pub enum SlowSlot {
     /// The factors.
     #[default]
     Adapt,
@@ -57,9 +57,9 @@ pub enum Slow {
 }
 
 /// How many there are.
-pub const SLOW_TURNS: u32 = 3;
+pub const SLOW_SLOTS: u32 = 3;
 
-impl Slow {
+impl SlowSlot {
     /// In the next round.
     #[inline(always)]
     #[must_use]
@@ -79,26 +79,28 @@ mod tests {
 
     #[test]
     fn in_a_round_everyone_has_a_turn_and_the_observer_every_second() {
-        let turns: Vec<Turn> =
-            core::iter::successors(Some(Turn::default()), |turn| Some(turn.next())).take(9).collect();
-        let observes = |turn: &Turn| matches!(turn, Turn::Observe | Turn::ObserveAgain);
+        let turns: Vec<Slot> =
+            core::iter::successors(Some(Slot::default()), |turn| Some(turn.next())).take(9).collect();
+        let observes = |turn: &Slot| matches!(turn, Slot::Observe | Slot::ObserveAgain);
         for (k, turn) in turns.iter().enumerate() {
-            assert_eq!(*turn, turns[k % ROUND as usize]);
-            assert_eq!(observes(turn), k % OBSERVED as usize == 0);
+            assert_eq!(*turn, turns[k % SLOW_PERIODS as usize]);
+            assert_eq!(observes(turn), k % OBSERVER_PERIODS as usize == 0);
         }
-        assert!(turns.contains(&Turn::Plan) && turns.contains(&Turn::Learn));
+        assert!(turns.contains(&Slot::Plan) && turns.contains(&Slot::Learn));
     }
 
     /// While a share is on its way, nobody starves.
     #[test]
     fn who_leads_takes_a_turn_from_nobody() {
-        for (arrived, others) in [(true, 2), (false, SLOW_TURNS as usize)] {
-            let slow: Vec<Slow> =
-                core::iter::successors(Some(Slow::Adapt), |slow| Some(slow.next(arrived))).take(12).collect();
-            for turn in [Slow::Adapt, Slow::Deviate] {
+        for (arrived, others) in [(true, 2), (false, SLOW_SLOTS as usize)] {
+            let slow: Vec<SlowSlot> =
+                core::iter::successors(Some(SlowSlot::Adapt), |slow| Some(slow.next(arrived)))
+                    .take(12)
+                    .collect();
+            for turn in [SlowSlot::Adapt, SlowSlot::Deviate] {
                 assert_eq!(slow.iter().filter(|had| **had == turn).count(), 12 / others);
             }
-            assert_eq!(slow.contains(&Slow::Lead), !arrived);
+            assert_eq!(slow.contains(&SlowSlot::Lead), !arrived);
         }
     }
 }

@@ -8,7 +8,7 @@
 //! correct state += l_m*(theta_m - theta_wg),  then l_t*(tau_s - tau_t - s),  then l_o*(theta_o - theta_fs)
 //! ```
 //!
-//! Its period T is [`OBSERVED`] control periods. tau_mean is the motor's torque averaged over the last two of its
+//! Its period T is [`OBSERVER_PERIODS`] control periods. tau_mean is the motor's torque averaged over the last two of its
 //! periods; tau_res = tau_wg - J_wg*domega_wg, tau_t and the frictions are those of [`by_turns`], the two-port in its
 //! real-time build, at the motion before the prediction: the observer carries hysteresis, presliding and kinematic
 //! error along. Angles are compared after the prediction, where they are at the time of the reading; the gauge with a
@@ -19,7 +19,7 @@
 //! gains l are those of the steady-state Kalman filter of the linearised model, one set for each combination of
 //! sensors, computed off line. Units: rad, rad/s, N m.
 //!
-//! The gear is what is known of it ([`Known`]): model, factors and ripple as [`crate::compensator::learning`] has
+//! The gear is what is known of it ([`Known`]): model, factors and ripple as [`crate::compensator::adapt::learning`] has
 //! learnt them. A gear that is stiffer or softer than is known by 10 % makes a torsion that is measured disagree with
 //! the motor's torque by 10 %. Which to believe depends on the motor. Where it moves, its friction is known to a few
 //! N m at the output and the rest is blamed on the stiffness: s. Where it stands, static friction or a brake may hold
@@ -62,7 +62,7 @@ pub use state::ObserverState;
 
 use crate::angle::{Angle, Ratio};
 use crate::compensator::faults::Faults;
-use crate::compensator::turns::OBSERVED;
+use crate::compensator::schedule::OBSERVER_PERIODS;
 use crate::compensator::{Estimate, RealTimeGear};
 use crate::real::{RADIANS_PER_COUNT, Real, seldom};
 use by_turns::{Ends, Torques, Turns};
@@ -122,7 +122,7 @@ impl<R: Real> Observer<R> {
     ) -> Option<Angle<R>> {
         let before = |periods| state.past.before(periods).map(|phase| Angle::from_counts(phase.into()));
         let late = self.late + age as usize;
-        late.checked_sub(OBSERVED as usize).map_or(Some(gear.drive(motor)), before)
+        late.checked_sub(OBSERVER_PERIODS as usize).map_or(Some(gear.drive(motor)), before)
     }
 
     /// Measured less believed output angle at the last reading (rad), where there is one within its period.

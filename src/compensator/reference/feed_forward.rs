@@ -12,7 +12,7 @@
 //!
 //! q is the setpoint of the output with its derivatives, d_ff the external torque as far as it is followed, k the
 //! line's stiffness at tau_t, c its compliance factor, and s the shares (0..=1) of inertia, friction, wind-up and
-//! kinematic error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per round T of [`super::turns`], for
+//! kinematic error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per round T of [`crate::compensator::schedule`], for
 //! the setpoint of that instant; the torque, which is held over each control period dt, for the middle of the first
 //! one. Until the next setpoint the motor goes on by the acceleration, the jerk and the torque's rate that are answered
 //! with. Half a round later kinematic error, hysteresis and the friction of either side have their turn
@@ -43,16 +43,16 @@
 //! N*de/dtheta, below 0.03 for the default gear), and the friction's load is the tau_t of the setpoint before
 //! (contraction: the load's factor).
 //!
-//! The external torque that the observer believes winds the gear up as [`super::external_load`] follows it: d_ff.
+//! The external torque that the observer believes winds the gear up as [`crate::compensator::estimate::disturbance`] follows it: d_ff.
 //!
 //! M. Fliess, J. Levine, P. Martin, P. Rouchon, "Flatness and defect of non-linear systems", International Journal of
 //! Control 61 (1995); A. De Luca, "Feedforward/feedback laws for the control of flexible robots", IEEE International
 //! Conference on Robotics and Automation (2000).
 
 use crate::angle::{Angle, Heading, Ratio};
-use crate::compensator::adaptation::{Excitation, Factors};
-use crate::compensator::external_load::FollowedLoad;
-use crate::compensator::turns::ROUND;
+use crate::compensator::adapt::parameters::{Excitation, Factors};
+use crate::compensator::estimate::disturbance::FollowedLoad;
+use crate::compensator::schedule::SLOW_PERIODS;
 use crate::compensator::{HYSTERESIS_MEMORY, RealTimeGear, Setpoint, Shares};
 use crate::error::{Error, require};
 use crate::friction::{FrictionModel, JointFrictionState, Slip, StepTime};
@@ -161,7 +161,7 @@ impl<R: Real> FeedForward<R> {
         let positive = |value: R| value.is_finite() && value > R::ZERO;
         require(positive(gear.wave_generator_inertia), "wave_generator_inertia")?;
         require(positive(gear.flexspline_inertia), "flexspline_inertia")?;
-        let (ratio, round) = (Ratio::one_over(gear.ratio)?, R::from_i32(ROUND as i32) * dt);
+        let (ratio, round) = (Ratio::one_over(gear.ratio)?, R::from_i32(SLOW_PERIODS as i32) * dt);
         Ok(Self {
             wave_generator_inertia: gear.wave_generator_inertia,
             flexspline_inertia: gear.flexspline_inertia,

@@ -4,13 +4,13 @@
 
 use crate::angle::Ratio;
 use crate::compensator::Limits;
-use crate::compensator::observer::Observer;
-use crate::compensator::observer::by_turns::Turns;
-use crate::compensator::observer::deviation::Uncertainty;
-use crate::compensator::observer::gains::GainSets;
-use crate::compensator::observer::past::LONGEST_DELAY;
-use crate::compensator::observer::range::Range;
-use crate::compensator::turns::{OBSERVED, ROUND};
+use crate::compensator::estimate::observer::Observer;
+use crate::compensator::estimate::observer::by_turns::Turns;
+use crate::compensator::estimate::observer::deviation::Uncertainty;
+use crate::compensator::estimate::observer::gains::GainSets;
+use crate::compensator::estimate::observer::past::LONGEST_DELAY;
+use crate::compensator::estimate::observer::range::Range;
+use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::{RADIANS_PER_COUNT, Real};
@@ -55,7 +55,7 @@ impl<R: Real> ObserverParams<R> {
         require(delay <= LONGEST_DELAY, "output_encoder_delay")?;
         require((1..=LONGEST_PERIOD).contains(&self.output_encoder_period), "output_encoder_period")?;
         limits.check()?;
-        let dt = R::from_i32(OBSERVED as i32) * dt;
+        let dt = R::from_i32(OBSERVER_PERIODS as i32) * dt;
         let ratio = Ratio::one_over(gear.ratio)?;
         let wave_generator_inertia = gear.wave_generator_inertia;
         require(wave_generator_inertia > R::ZERO, "wave_generator_inertia")?;
@@ -67,8 +67,8 @@ impl<R: Real> ObserverParams<R> {
             late: delay,
             looks_back: delay > 0 || self.output_encoder_period > 1,
             ratio,
-            delay: delay.div_ceil(OBSERVED as usize),
-            period: self.output_encoder_period.div_ceil(ROUND) * (ROUND / OBSERVED),
+            delay: delay.div_ceil(OBSERVER_PERIODS as usize),
+            period: self.output_encoder_period.div_ceil(SLOW_PERIODS) * (SLOW_PERIODS / OBSERVER_PERIODS),
             output_count: self.output_count,
             uncertainty: self.uncertainty,
             limits: Range::build(gear, limits, self.uncertainty.stiffness)?,

@@ -30,7 +30,7 @@
 //! A. Albu-Schaeffer, Ch. Ott, G. Hirzinger, "A unified passivity-based control framework for position, torque and
 //! impedance control of flexible joint robots", International Journal of Robotics Research 26 (2007).
 //!
-//! [`FollowedLoad::at_once`]: crate::compensator::external_load::FollowedLoad::at_once
+//! [`FollowedLoad::at_once`]: crate::compensator::estimate::disturbance::FollowedLoad::at_once
 
 use crate::error::{Error, require};
 use crate::real::Real;

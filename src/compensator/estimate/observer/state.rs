@@ -2,12 +2,12 @@
 
 use crate::angle::Angle;
 use crate::compensator::EstimateDeviation;
-use crate::compensator::observer::Observer;
-use crate::compensator::observer::by_turns::GearByTurns;
-use crate::compensator::observer::deviation::{Magnitudes, SpreadState};
-use crate::compensator::observer::gains::Correction;
-use crate::compensator::observer::past::Past;
-use crate::compensator::observer::standstill::Standstill;
+use crate::compensator::estimate::observer::Observer;
+use crate::compensator::estimate::observer::by_turns::GearByTurns;
+use crate::compensator::estimate::observer::deviation::{Magnitudes, SpreadState};
+use crate::compensator::estimate::observer::gains::Correction;
+use crate::compensator::estimate::observer::past::Past;
+use crate::compensator::estimate::observer::standstill::Standstill;
 use crate::real::Real;
 
 /// What the observer believes. Both angles are relative, so that they are small and need no more than an f32.

@@ -12,7 +12,7 @@
 //!
 //! A reference is always there to go on from: after a torque command it is where the output is. A position that is
 //! farther from the last reference than the output can go in a period is a step, and reported. What a switch or a
-//! step would do to the motor's torque is limited by [`crate::compensator::fallback`].
+//! step would do to the motor's torque is limited by [`crate::compensator::actuate::fallback`].
 
 use crate::angle::Angle;
 use crate::compensator::{Estimate, Faults, Limits, Setpoint};

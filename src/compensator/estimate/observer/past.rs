@@ -16,17 +16,17 @@
 //! T. Larsen, N. Andersen, O. Ravn, N. Poulsen, "Incorporation of time delayed measurements in a discrete-time Kalman
 //! filter", IEEE Conference on Decision and Control (1998).
 
-use crate::compensator::turns::{OBSERVED, ROUND};
+use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use crate::real::{RADIANS_PER_COUNT, Real};
 
 /// Longest delay of a reading (control periods).
 pub const LONGEST_DELAY: usize = 16;
 
 /// The same in periods of the observer.
-pub const STEPS: usize = LONGEST_DELAY / OBSERVED as usize;
+pub const STEPS: usize = LONGEST_DELAY / OBSERVER_PERIODS as usize;
 
 /// How many angles the latest reading that is looked at, a round old, may lie behind.
-const KNOWN: usize = (LONGEST_DELAY + ROUND as usize) / OBSERVED as usize + 1;
+const KNOWN: usize = (LONGEST_DELAY + SLOW_PERIODS as usize) / OBSERVER_PERIODS as usize + 1;
 
 /// A power of two above it: an index is masked.
 const PLACES: usize = 16;
@@ -59,8 +59,8 @@ impl Past {
     /// known.
     #[inline(always)]
     pub fn before(&self, periods: usize) -> Option<u32> {
-        let steps = periods / OBSERVED as usize;
-        let between = !periods.is_multiple_of(OBSERVED as usize);
+        let steps = periods / OBSERVER_PERIODS as usize;
+        let between = !periods.is_multiple_of(OBSERVER_PERIODS as usize);
         let phase = |steps: usize| self.phases[self.newest.wrapping_sub(steps) % PLACES];
         (steps + usize::from(between) < self.known).then(|| {
             let later = phase(steps);
@@ -92,12 +92,12 @@ mod tests {
         for phase in 1..100 {
             // Two control periods between two of them: in between is their mean.
             past.push(2 * phase);
-            for back in 0..=LONGEST_DELAY as u32 + ROUND {
+            for back in 0..=LONGEST_DELAY as u32 + SLOW_PERIODS {
                 let wanted = (2 * phase >= back + 2).then(|| 2 * phase - back);
                 assert_eq!(past.before(back as usize), wanted, "{back} before {phase}");
             }
         }
-        assert_eq!(past.before(LONGEST_DELAY + ROUND as usize + 1), None);
+        assert_eq!(past.before(LONGEST_DELAY + SLOW_PERIODS as usize + 1), None);
     }
 
     #[test]

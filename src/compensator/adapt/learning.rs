@@ -1,5 +1,5 @@
-//! What the compensator learns of its joint: factors on the gear ([`super::adaptation`]) and ripple
-//! ([`super::learnt_ripple`]), and where both enter.
+//! What the compensator learns of its joint: factors on the gear ([`super::parameters`]) and ripple
+//! ([`super::ripple`]), and where both enter.
 //!
 //! ```text
 //! the observer knows     f*tau_fric of both sides, 1/c - 1 of the stiffness, the ripple's torque at the motor and its
@@ -9,18 +9,18 @@
 //! so that it need not be built anew, and what it still misses is what is learnt from. Everything is scaled by its
 //! share and comes back as it was when the share does. Units: rad, N m; signs as in [`crate::gear`].
 //!
-//! Both are slow ([`super::turns`]): the factors are learnt in every second round, with a step of two rounds (in
+//! Both are slow ([`crate::compensator::schedule`]): the factors are learnt in every second round, with a step of two rounds (in
 //! every third while a share is on its way: as if it were slower by half), and of the ripple one order in each round.
 
 use crate::angle::{Angle, Ratio};
-use crate::compensator::adaptation::{
+use crate::compensator::adapt::parameters::{
     Adaptation, AdaptationParams, AdaptationState, Excitation, Factors, Observed,
 };
-use crate::compensator::external_load::FollowedLoad;
-use crate::compensator::feed_forward::Believed;
-use crate::compensator::learnt_ripple::{LearntRipple, LearntRippleParams, Lesson, RippleMap, RippleNow};
-use crate::compensator::observer::Known;
-use crate::compensator::turns::{OBSERVED, ROUND};
+use crate::compensator::adapt::ripple::{LearntRipple, LearntRippleParams, Lesson, RippleMap, RippleNow};
+use crate::compensator::estimate::disturbance::FollowedLoad;
+use crate::compensator::estimate::observer::Known;
+use crate::compensator::reference::feed_forward::Believed;
+use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use crate::compensator::{Limits, Shares};
 use crate::error::Error;
 use crate::gear::GearParams;
@@ -86,14 +86,14 @@ impl<R: Real> LearningParams<R> {
     /// # Errors
     /// As [`AdaptationParams::build`], [`LearntRippleParams::build`] and [`Ratio::one_over`].
     pub fn build(&self, gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Result<Learning<R>, Error> {
-        let (n, turn) = (R::from_i32(gear.ratio), R::from_i32(ROUND as i32) * dt);
+        let (n, turn) = (R::from_i32(gear.ratio), R::from_i32(SLOW_PERIODS as i32) * dt);
         let factors = turn + turn;
         Ok(Learning {
             adaptation: self.adaptation.build(n, gear.flexspline_inertia, limits.output_torque, factors)?,
             ripple: self.ripple.build(turn)?,
             ratio: Ratio::one_over(gear.ratio)?.value(),
             inverse_ratio: n,
-            until_observed: R::from_i32(OBSERVED as i32) * dt,
+            until_observed: R::from_i32(OBSERVER_PERIODS as i32) * dt,
             flexspline_inertia: gear.flexspline_inertia,
         })
     }

@@ -10,9 +10,9 @@
 //! Units: rad, rad/s, N m.
 
 use crate::compensator::Limits;
+use crate::compensator::estimate::observer::by_turns::Torques;
+use crate::compensator::estimate::observer::state::ObserverState;
 use crate::compensator::faults::Faults;
-use crate::compensator::observer::by_turns::Torques;
-use crate::compensator::observer::state::ObserverState;
 use crate::error::Error;
 use crate::gear::GearParams;
 use crate::real::{Real, seldom};

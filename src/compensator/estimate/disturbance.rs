@@ -7,7 +7,7 @@
 //!
 //! d is the external torque on the flexspline that the observer believes (N m), zone: +-5 % of the rated torque, w
 //! the gear's compliance (rad/(N m)). Semi-implicit Euler: f with the observer's period, l and the time with a round
-//! of [`super::turns`]. Units: rad, N m; signs as in [`crate::gear`].
+//! of [`crate::compensator::schedule`]. Units: rad, N m; signs as in [`crate::gear`].
 //!
 //! It is an answer to an estimate, no feed-forward. What is small is left to the feedback's integral as a torque,
 //! from which it is estimated, and its wind-up follows slowly: observer and motor loop would answer each other where
@@ -20,7 +20,7 @@
 //! comes to rest on l alone.
 
 use crate::angle::Ratio;
-use crate::compensator::turns::{OBSERVED, ROUND};
+use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::Real;
@@ -101,7 +101,7 @@ impl<R: Real> ExternalLoad<R> {
     pub fn build(gear: &GearParams<R>, dt: R) -> Result<Self, Error> {
         require(dt > R::ZERO && dt <= R::ONE, "dt")?;
         let ratio = Ratio::one_over(gear.ratio)?;
-        let [dt, round] = [OBSERVED, ROUND].map(|periods| R::from_i32(periods as i32) * dt);
+        let [dt, round] = [OBSERVER_PERIODS, SLOW_PERIODS].map(|periods| R::from_i32(periods as i32) * dt);
         Ok(Self {
             small_gain: (round * R::lit(SMALL_CORNER)).one_minus_exp_neg(),
             large_corner: R::lit(LARGE_CORNER).min(R::lit(0.5) / dt),

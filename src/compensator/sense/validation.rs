@@ -11,15 +11,15 @@
 //! Measured torques are limited to twice the peak torque of motor and gear: a torque sensor that says more is off its
 //! range; a commanded torque ends at the gear's peak torque. The shares, those of the direction of motion, are
 //! limited to 0..=1 and follow their command at 1 per 20 ms, in a turn of their own
-//! ([`crate::compensator::turns::Slow`]), so that switching one makes no step in the output: at most 6 % of it at a
+//! ([`crate::compensator::schedule::SlowSlot`]), so that switching one makes no step in the output: at most 6 % of it at a
 //! time. Where the model cannot be trusted they have their turn in every round, and are 0 within 7 ms. The setpoint's
 //! position may be any angle; the feedback's answer to a jump of it ends at the motor's torque, and is ramped
-//! ([`crate::compensator::fallback`]). Units: rad, N m, s; signs as in [`crate::gear`].
+//! ([`crate::compensator::actuate::fallback`]). Units: rad, N m, s; signs as in [`crate::gear`].
 
 use crate::angle::Angle;
-use crate::compensator::directions::Crossover;
 use crate::compensator::faults::Faults;
-use crate::compensator::turns::{ROUND, SLOW_TURNS};
+use crate::compensator::reference::directions::Crossover;
+use crate::compensator::schedule::{SLOW_PERIODS, SLOW_SLOTS};
 use crate::compensator::{Command, Directions, Limits, Sensors, Setpoint, Shares};
 use crate::error::{Error, require};
 use crate::gear::GearParams;
@@ -92,7 +92,7 @@ impl<R: Real> InputGuard<R> {
             motor_torque: R::lit(2.0) * limits.motor_torque,
             output_torque: R::lit(2.0) * limits.output_torque,
             peak_output_torque: limits.output_torque,
-            share_step: (R::from_i32((SLOW_TURNS * ROUND) as i32) * dt * R::lit(1.0 / SHARE_RAMP))
+            share_step: (R::from_i32((SLOW_SLOTS * SLOW_PERIODS) as i32) * dt * R::lit(1.0 / SHARE_RAMP))
                 .min(R::ONE),
             crossover: Crossover::build(limits.output_speed(gear.ratio)),
         })

@@ -3,8 +3,8 @@
 //! They are given for the flange's angle theta_fs. What the observer keeps is theta_fs - r*theta_wg, so it is built
 //! with l_theta_fs - r*l_theta_wg in their place.
 
-use crate::compensator::observer::deviation::Spread;
-use crate::compensator::observer::past::STEPS;
+use crate::compensator::estimate::observer::deviation::Spread;
+use crate::compensator::estimate::observer::past::STEPS;
 use crate::real::Real;
 
 /// Number of observed states: the sixth is s where the motor moves, b where it stands.

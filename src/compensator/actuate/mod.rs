@@ -1,0 +1,4 @@
+//! From references to the torque command: the cascade, and what it falls back to.
+
+pub mod cascade;
+pub mod fallback;

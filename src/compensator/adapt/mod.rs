@@ -1,0 +1,5 @@
+//! Parameters and ripple that are adapted while the joint works.
+
+pub mod learning;
+pub mod parameters;
+pub mod ripple;

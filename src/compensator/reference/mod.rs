@@ -1,0 +1,7 @@
+//! From the command to where the motor should be, and with what torque.
+
+pub mod command;
+pub mod directions;
+pub mod feed_forward;
+pub(in crate::compensator) mod motor_reference;
+pub mod output_feedback;

@@ -1,0 +1,5 @@
+//! From raw sensor values to what the model may rest on: finite, bounded, unwrapped.
+
+pub mod encoder;
+pub mod motor_torque;
+pub mod validation;
