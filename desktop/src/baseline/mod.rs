@@ -44,7 +44,7 @@ pub struct Baseline {
 enum Advance {
     Nothing,
     RigidBody(RigidBody),
-    Flat(Flat),
+    Flat(Box<Flat>),
 }
 
 /// The output's setpoint, in f64.
@@ -101,7 +101,7 @@ impl Baseline {
             advance: match kind {
                 Kind::B0 => Advance::Nothing,
                 Kind::B1 => Advance::RigidBody(body()),
-                Kind::B2 | Kind::B3 => Advance::Flat(Flat::build(ratio, &gear, body())?),
+                Kind::B2 | Kind::B3 => Advance::Flat(Box::new(Flat::build(ratio, &gear, body())?)),
             },
             output: (kind == Kind::B3).then(|| DualLoop::build(file, &gear, gains)).transpose()?,
         })

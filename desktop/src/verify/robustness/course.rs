@@ -50,7 +50,7 @@ pub struct Course {
     /// The same of the motor's torque, in rated torques.
     pub torque_at_rest: f64,
     /// At the torque limit in the judged part (s).
-    limited: f64,
+    pub limited: f64,
 }
 
 impl Course {
