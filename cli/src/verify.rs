@@ -48,6 +48,9 @@ pub struct Arguments {
     /// Of `robustness`, noises on each plant
     #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = value_parser!(u32).range(1..=1000))]
     noises: u32,
+    /// Of `robustness`, plants with the reference mesh: minutes for each
+    #[arg(long)]
+    reference: bool,
     #[command(flatten)]
     figures: FiguresArguments,
 }
@@ -119,6 +122,7 @@ fn against_unknowns(arguments: &Arguments) -> Result<Figures, BadInput> {
         first: arguments.first,
         seeds: arguments.seeds,
         noises: arguments.noises,
+        reference: arguments.reference,
     };
     let mut progress = Progress::new(1000, "judged plants");
     let measured = robustness::measure(&GearFile::default_gear(), &asked, |share| {

@@ -39,6 +39,26 @@ const QUIET: [f64; 2] = [10e-6, 0.02];
 /// A mark is worse than B0's when it is both by this factor, and by this angle: a count of an encoder of 19 bits (rad).
 const WORSE: (f64, f64) = (1.05, 12e-6);
 
+/// How a run is unstable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shake {
+    /// The torsion oscillates at rest.
+    Torsion,
+    /// The motor's torque alone does.
+    Torque,
+    /// It is at its torque limit while it is judged.
+    Limit,
+    /// The plant diverges.
+    Diverged,
+}
+
+impl Shake {
+    /// For people.
+    pub fn name(self) -> &'static str {
+        ["torsion", "torque", "limit", "diverged"][self as usize]
+    }
+}
+
 /// One run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Course {
@@ -59,12 +79,16 @@ impl Course {
         place.and_then(|place| self.marks.get(place).copied()).unwrap_or(f64::NAN)
     }
 
-    /// It keeps oscillating at rest, or is at its torque limit, where B0 does not.
-    pub fn shakes(&self, b0: &Self) -> bool {
+    /// It keeps oscillating at rest, or is at its torque limit, where B0 does not; in which way.
+    pub fn shakes(&self, b0: &Self) -> Option<Shake> {
         let beyond = |ours: f64, b0: f64, quiet: f64| ours > (TIMES * b0).max(quiet) || ours.is_nan();
-        beyond(self.torsion_at_rest, b0.torsion_at_rest, QUIET[0])
-            || beyond(self.torque_at_rest, b0.torque_at_rest, QUIET[1])
-            || self.limited > LONGEST_LIMITED.max(2.0 * b0.limited)
+        if beyond(self.torsion_at_rest, b0.torsion_at_rest, QUIET[0]) {
+            Some(Shake::Torsion)
+        } else if beyond(self.torque_at_rest, b0.torque_at_rest, QUIET[1]) {
+            Some(Shake::Torque)
+        } else {
+            (self.limited > LONGEST_LIMITED.max(2.0 * b0.limited)).then_some(Shake::Limit)
+        }
     }
 
     /// A mark of it is worse than B0's.
@@ -81,7 +105,7 @@ pub type Courses = [Option<Course>; JUDGED.len()];
 
 /// The plant that a run is judged by.
 pub struct Judged<'a> {
-    /// Its parameters.
+    /// Its parameters; of the kinematic error's orders none so near to another that a run cannot tell them apart.
     pub plant: &'a GearParams<f64>,
     /// Torque limit of the controller (N m).
     pub torque_limit: f64,
@@ -165,9 +189,11 @@ mod tests {
         let shakes = |torsion_at_rest, torque_at_rest, limited| {
             Course { torsion_at_rest, torque_at_rest, limited, ..B0 }.shakes(&B0)
         };
-        assert!(!shakes(14e-6, 0.019, 0.009));
-        assert!(shakes(16e-6, 0.0, 0.0) && shakes(0.0, 0.021, 0.0) && shakes(0.0, 0.0, 0.011));
-        assert!(shakes(f64::NAN, 0.0, 0.0));
+        assert_eq!(shakes(14e-6, 0.019, 0.009), None);
+        assert_eq!(shakes(16e-6, 0.0, 0.0), Some(Shake::Torsion));
+        assert_eq!(shakes(0.0, 0.021, 0.0), Some(Shake::Torque));
+        assert_eq!(shakes(0.0, 0.0, 0.011), Some(Shake::Limit));
+        assert_eq!(shakes(f64::NAN, 0.0, 0.0), Some(Shake::Torsion));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What the runs of a row come to.
 
-use super::course::{Course, JUDGED};
+use super::course::{Course, JUDGED, Shake};
 use super::{Outcome, RIVALS};
 use crate::bench::SensorSet;
 use crate::bounds;
@@ -68,24 +68,24 @@ pub struct OfSensors {
 #[derive(Clone, Debug, PartialEq)]
 struct Bad {
     seed: u64,
-    shakes: Vec<&'static str>,
-    worse: Vec<&'static str>,
+    shakes: Vec<String>,
+    worse: Vec<String>,
     ratio: f64,
 }
 
 impl Summary {
     /// Of all its outcomes.
     pub fn of(which: Which, outcomes: &[Outcome]) -> Self {
-        let shake = |rival: usize| {
+        let shaking = |rival: usize| {
             let runs =
                 outcomes.iter().flat_map(|outcome| outcome.rivals[rival].iter().zip(&outcome.rivals[0]));
-            runs.filter(|(ours, b0)| shakes(ours.as_ref(), b0.as_ref())).count()
+            runs.filter(|(ours, b0)| shake(ours.as_ref(), b0.as_ref()).is_some()).count()
         };
         Self {
             name: which.name(),
             what: which.what(),
             runs: JUDGED.len() * outcomes.len(),
-            rivals_shake: (0..RIVALS.len()).map(shake).collect(),
+            rivals_shake: (0..RIVALS.len()).map(shaking).collect(),
             sets: SensorSet::ALL.map(|sensors| OfSensors::of(sensors, outcomes)),
         }
     }
@@ -132,7 +132,7 @@ impl OfSensors {
         };
         let has_untold = outcomes.iter().all(|outcome| outcome.untold.is_some());
         Self {
-            shakes: count(shakes),
+            shakes: count(|ours, b0| shake(ours, b0).is_some()),
             worse: count(worse),
             ratios: RATIOS.map(|(_, scenario, mark)| told(scenario, mark)),
             worst: WORST.map(|(_, scenario, mark)| {
@@ -248,7 +248,7 @@ impl Robustness {
 
 impl Bad {
     fn line(&self) -> String {
-        let list = |what: &str, scenarios: &[&str]| match scenarios {
+        let list = |what: &str, scenarios: &[String]| match scenarios {
             [] => String::new(),
             _ => format!(" {what} {}", scenarios.join(" ")),
         };
@@ -276,28 +276,32 @@ impl Bad {
     fn of(sensors: SensorSet, outcome: &Outcome) -> Option<Self> {
         let ours = &outcome.compensated[sensors as usize];
         let runs = || JUDGED.iter().zip(ours.iter().zip(&outcome.rivals[0]));
-        let list = |bad: fn(Option<&Course>, Option<&Course>) -> bool| -> Vec<_> {
-            runs().filter(|(_, (ours, b0))| bad(ours.as_ref(), b0.as_ref())).map(|(s, _)| s.name()).collect()
-        };
+        let shakes = runs().filter_map(|(scenario, (ours, b0))| {
+            let shake = shake(ours.as_ref(), b0.as_ref())?;
+            Some(format!("{}/{}", scenario.name(), shake.name()))
+        });
+        let worse = runs().filter(|(_, (ours, b0))| worse(ours.as_ref(), b0.as_ref()));
         let ratios = runs().flat_map(|(_, (ours, b0))| match (ours, b0) {
             (Some(ours), Some(b0)) => ours.marks.iter().zip(&b0.marks).map(|(a, b)| a / b).collect(),
             _ => vec![f64::INFINITY],
         });
         let ratio = ratios.fold(0.0, f64::max);
-        let bad = Self { seed: outcome.seed, shakes: list(shakes), worse: list(worse), ratio };
+        let worse = worse.map(|(scenario, _)| scenario.name().to_owned());
+        let bad = Self { seed: outcome.seed, shakes: shakes.collect(), worse: worse.collect(), ratio };
         (!bad.shakes.is_empty() || !bad.worse.is_empty()).then_some(bad)
     }
 }
 
-/// One that diverged does, but where B0 diverges there is nothing to be better than.
-fn shakes(ours: Option<&Course>, b0: Option<&Course>) -> bool {
+/// One that diverged does, also where B0 does.
+fn shake(ours: Option<&Course>, b0: Option<&Course>) -> Option<Shake> {
     match (ours, b0) {
         (Some(ours), Some(b0)) => ours.shakes(b0),
-        (None, _) => true,
-        (Some(_), None) => false,
+        (None, _) => Some(Shake::Diverged),
+        (Some(_), None) => None,
     }
 }
 
+/// Where B0 diverges there is nothing to be better than.
 fn worse(ours: Option<&Course>, b0: Option<&Course>) -> bool {
     match (ours, b0) {
         (Some(ours), Some(b0)) => ours.is_worse(b0),
@@ -340,7 +344,8 @@ mod tests {
     #[test]
     fn what_diverges_shakes_and_is_worse_where_b0_does_not() {
         let some = Course::default();
-        assert!(shakes(None, Some(&some)) && worse(None, Some(&some)) && shakes(None, None));
-        assert!(!worse(None, None) && !shakes(Some(&some), None) && !worse(Some(&some), None));
+        assert_eq!([shake(None, Some(&some)), shake(None, None)], [Some(Shake::Diverged); 2]);
+        assert_eq!([shake(Some(&some), None), shake(Some(&some), Some(&some))], [None; 2]);
+        assert!(worse(None, Some(&some)) && !worse(None, None) && !worse(Some(&some), None));
     }
 }
