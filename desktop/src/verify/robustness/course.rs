@@ -39,15 +39,13 @@ const QUIET: [f64; 2] = [10e-6, 0.02];
 /// A mark is worse than B0's when it is both by this factor, and by this angle: a count of an encoder of 19 bits (rad).
 const WORSE: (f64, f64) = (1.05, 12e-6);
 
-/// How a run is unstable.
+/// How a run shakes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shake {
     /// The torsion oscillates at rest.
     Torsion,
     /// The motor's torque alone does.
     Torque,
-    /// It is at its torque limit while it is judged.
-    Limit,
     /// The plant diverges.
     Diverged,
 }
@@ -55,14 +53,14 @@ pub enum Shake {
 impl Shake {
     /// For people.
     pub fn name(self) -> &'static str {
-        ["torsion", "torque", "limit", "diverged"][self as usize]
+        ["torsion", "torque", "diverged"][self as usize]
     }
 }
 
 /// One run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Course {
-    /// In the order of [`marks`] (rad).
+    /// What the scenario is judged by (rad).
     pub marks: Vec<f64>,
     /// Oscillation at rest, of the torsion (rad).
     pub torsion_at_rest: f64,
@@ -79,16 +77,19 @@ impl Course {
         place.and_then(|place| self.marks.get(place).copied()).unwrap_or(f64::NAN)
     }
 
-    /// It keeps oscillating at rest, or is at its torque limit, where B0 does not; in which way.
+    /// It keeps oscillating at rest where B0 does not; in which way.
     pub fn shakes(&self, b0: &Self) -> Option<Shake> {
         let beyond = |ours: f64, b0: f64, quiet: f64| ours > (TIMES * b0).max(quiet) || ours.is_nan();
         if beyond(self.torsion_at_rest, b0.torsion_at_rest, QUIET[0]) {
             Some(Shake::Torsion)
-        } else if beyond(self.torque_at_rest, b0.torque_at_rest, QUIET[1]) {
-            Some(Shake::Torque)
         } else {
-            (self.limited > LONGEST_LIMITED.max(2.0 * b0.limited)).then_some(Shake::Limit)
+            beyond(self.torque_at_rest, b0.torque_at_rest, QUIET[1]).then_some(Shake::Torque)
         }
+    }
+
+    /// It stays at its torque limit where B0 does not.
+    pub fn is_limited(&self, b0: &Self) -> bool {
+        self.limited > LONGEST_LIMITED.max(2.0 * b0.limited)
     }
 
     /// A mark of it is worse than B0's.
@@ -185,15 +186,14 @@ mod tests {
     }
 
     #[test]
-    fn what_keeps_oscillating_or_saturates_shakes() {
-        let shakes = |torsion_at_rest, torque_at_rest, limited| {
-            Course { torsion_at_rest, torque_at_rest, limited, ..B0 }.shakes(&B0)
-        };
-        assert_eq!(shakes(14e-6, 0.019, 0.009), None);
-        assert_eq!(shakes(16e-6, 0.0, 0.0), Some(Shake::Torsion));
-        assert_eq!(shakes(0.0, 0.021, 0.0), Some(Shake::Torque));
-        assert_eq!(shakes(0.0, 0.0, 0.011), Some(Shake::Limit));
-        assert_eq!(shakes(f64::NAN, 0.0, 0.0), Some(Shake::Torsion));
+    fn what_keeps_oscillating_shakes() {
+        let shakes =
+            |torsion_at_rest, torque_at_rest| Course { torsion_at_rest, torque_at_rest, ..B0 }.shakes(&B0);
+        assert_eq!(shakes(14e-6, 0.019), None);
+        assert_eq!([shakes(16e-6, 0.0), shakes(f64::NAN, 0.0)], [Some(Shake::Torsion); 2]);
+        assert_eq!(shakes(0.0, 0.021), Some(Shake::Torque));
+        let limited = |limited| Course { limited, ..B0 }.is_limited(&B0);
+        assert!(!limited(0.009) && limited(0.011));
     }
 
     #[test]

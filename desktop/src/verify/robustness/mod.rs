@@ -5,7 +5,8 @@
 //!
 //! | figure | definition |
 //! | --- | --- |
-//! | `shakes` | runs that diverge, oscillate at rest, or are at the torque limit ([`Course::shakes`]) |
+//! | `shakes` | runs that diverge or keep oscillating at rest ([`Course::shakes`]) |
+//! | `limited` | runs that stay at the torque limit for more than 10 ms of their judged part ([`Course::is_limited`]) |
 //! | `worse` | runs of which a mark is worse than B0's, by more than 5 % and more than 12 urad ([`Course::is_worse`]) |
 //! | `s2.error`, `s4.error` | rms output error over that of the best rival on the same plant, median of the plants |
 //! | `s1.vibration`, `s3.vibration` | the torsion's vibration after the moves, alike |
