@@ -1,5 +1,7 @@
 //! `verify`: every claimed figure, measured here and now.
 
+use std::path::PathBuf;
+
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, value_parser};
 use strainwave_desktop::plant::unknowns::Which;
@@ -48,6 +50,12 @@ pub struct Arguments {
     /// Of `robustness`, noises on each plant
     #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = value_parser!(u32).range(1..=1000))]
     noises: u32,
+    /// Of `robustness`, the joint; the default gear when left out
+    #[arg(long, value_name = "GEAR.toml")]
+    gear: Option<PathBuf>,
+    /// Of `robustness`, plants with the reference mesh: minutes for each
+    #[arg(long)]
+    reference: bool,
     #[command(flatten)]
     figures: FiguresArguments,
 }
@@ -119,9 +127,11 @@ fn against_unknowns(arguments: &Arguments) -> Result<Figures, BadInput> {
         first: arguments.first,
         seeds: arguments.seeds,
         noises: arguments.noises,
+        reference: arguments.reference,
     };
     let mut progress = Progress::new(1000, "judged plants");
-    let measured = robustness::measure(&GearFile::default_gear(), &asked, |share| {
+    let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
+    let measured = robustness::measure(&gear, &asked, |share| {
         progress.set((share * 1e3) as u64);
     });
     drop(progress);

@@ -297,7 +297,7 @@ impl<F: Flexspline<f64>> Bench<F> {
 
     /// To the last micro-step before the clock's next instant.
     fn advance(&mut self, load: f64, blocked: bool) -> Result<(), crate::divergence::Diverged> {
-        let next = (self.clock.next() / self.plant.micro_step_time()).floor() as i64;
+        let next = (self.clock.advance() / self.plant.micro_step_time()).floor() as i64;
         if blocked {
             return self.plant.step_blocked(load);
         }
@@ -336,6 +336,95 @@ mod tests {
             let conditions = Conditions { sensors, ..Conditions::of(&file, 1) };
             let mut bench = Bench::condensed(&file, &conditions).unwrap();
             assert_eq!(bench.sensors.read(&bench.plant, 0.0).output_encoder, wanted);
+        }
+    }
+
+    use crate::baseline::Baseline;
+    use crate::closed_loop::{Controller, HostCompensator};
+    use crate::joint::joint_params;
+    use crate::plant::unknowns::Which;
+    use crate::scenario::Scenario;
+
+    fn sample(row: &str, seed: u64) -> PlantSample {
+        PlantSample::of(&GearFile::default_gear(), Which::named(row).unwrap(), seed).unwrap()
+    }
+
+    fn bench(sample: &PlantSample) -> Bench<CondensedMesh> {
+        Bench::condensed_of(sample, &Conditions::of(&sample.known, sample.seed)).unwrap()
+    }
+
+    /// Output and torsion (rad), a row each control period.
+    fn motion<C: Controller<Error = RunError>>(
+        bench: &mut Bench<CondensedMesh>,
+        controller: &mut C,
+    ) -> Vec<[f64; 2]> {
+        let mut rows = Vec::new();
+        let visit = |_, _, plant: &Plant<CondensedMesh>, _| {
+            rows.push([plant.output().angle.to_radians(), plant.last_torques().torsion]);
+        };
+        bench.go(&Scenario::S3, controller, visit).unwrap();
+        rows
+    }
+
+    /// Bit for bit, noise and all.
+    #[test]
+    fn a_plant_of_the_box_alone_moves_as_the_plant_of_before() {
+        let file = GearFile::default_gear();
+        let controller = HostCompensator::build(&joint_params(&file).unwrap()).unwrap();
+        for seed in [0, 3] {
+            let mut before = Bench::condensed(&file, &Conditions::of(&file, seed)).unwrap();
+            let before = motion(&mut before, &mut controller.clone());
+            assert_eq!(motion(&mut bench(&sample("box", seed)), &mut controller.clone()), before);
+        }
+    }
+
+    /// Times between its steps, of a cascade that answers.
+    struct Watch(Baseline, Vec<f64>);
+
+    impl Controller for Watch {
+        type Error = RunError;
+
+        fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, RunError> {
+            self.1.push(input.elapsed.into());
+            Controller::step(&mut self.0, input)
+        }
+    }
+
+    /// The controller is told the true time, and the plant has gone just as far whatever the clock does.
+    #[test]
+    fn a_clock_that_is_off_keeps_the_time() {
+        let file = GearFile::default_gear();
+        let b0 = Baseline::b0(&file).unwrap();
+        let exact = motion(&mut bench(&sample("box", 5)), &mut b0.clone());
+        for row in ["time.jitter", "time.missed"] {
+            let mut watch = Watch(b0.clone(), Vec::new());
+            let moved = motion(&mut bench(&sample(row, 5)), &mut watch);
+            let elapsed: f64 = watch.1.iter().sum();
+            assert!((elapsed - Scenario::S3.duration()).abs() < 3.0 * CONTROL_PERIOD, "{row}: {elapsed}");
+            assert!(watch.1.iter().any(|elapsed| (elapsed - CONTROL_PERIOD).abs() > 1e-5));
+            let off = exact.iter().zip(&moved).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f64::max);
+            assert!(off > 0.0 && off < 1e-3, "{row}: {off}");
+        }
+    }
+
+    /// Whatever is in front of the gear and behind it, the power through the gear closes.
+    #[test]
+    fn the_power_balance_closes_between_any_sides() {
+        let b0 = Baseline::b0(&GearFile::default_gear()).unwrap();
+        let mut ideal = bench(&sample("box", 5));
+        motion(&mut ideal, &mut b0.clone());
+        for row in [
+            "load.flexible",
+            "load.backlash",
+            "load.gravity",
+            "drive.delay",
+            "motor.cogging",
+            "friction.dahl",
+        ] {
+            let mut bench = bench(&sample(row, 5));
+            motion(&mut bench, &mut b0.clone());
+            let (ideal, imbalance) = (ideal.plant().imbalance(), bench.plant().imbalance());
+            assert!(imbalance < 3.0 * ideal.max(1e-3), "{row}: {imbalance}, {ideal} without");
         }
     }
 }

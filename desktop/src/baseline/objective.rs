@@ -15,14 +15,16 @@
 //! | S5 | peak and steady output error |
 //!
 //! They are the marks of [`crate::judge`]. f = 1 urad: less than that gains next to nothing. Every bad run doubles J: one
-//! under which the plant diverges (its figures then count as [`LOST`]) or which shakes beside the untuned B0 on the same
-//! plant ([`Course::shakes`]): it keeps oscillating at rest or is at its torque limit.
+//! under which the plant diverges (its figures then count as [`LOST`]) or which keeps oscillating at rest or stays at its
+//! torque limit where the untuned B0 on the same plant does not ([`Course::shakes`], [`Course::is_limited`]).
 //!
 //! Half of the training plants, the even seeds, have every unknown at once ([`crate::plant::unknowns`]); the others are the
 //! box alone. On each the untuned B0 has worked ([`crate::working_motion`]) before; the baseline takes over at rest and has
 //! [`Rest::DURATION`] to settle.
 
 use std::thread;
+
+use strainwave::gear::GearParams;
 
 use super::{Baseline, BaselineGains, Kind};
 use crate::bench::{Bench, Conditions, SensorSet};
@@ -33,7 +35,7 @@ use crate::plant::CondensedMesh;
 use crate::plant::sample::PlantSample;
 use crate::plant::unknowns::Which;
 use crate::scenario::{Demand, Rest, Scenario};
-use crate::verify::robustness::{Course, Courses, JUDGED, Judged};
+use crate::verify::robustness::{Course, Courses, JUDGED, Judged, told_apart};
 use crate::working_motion::WorkingMotion;
 
 /// A figure: the scenario, the mark and its name.
@@ -69,14 +71,16 @@ fn logarithm(scenario: Scenario, course: Option<&Course>) -> f64 {
 /// A run is bad beside that of the untuned B0; one that the B0 loses cannot be judged.
 fn is_bad(course: Option<&Course>, b0: Option<&Course>) -> bool {
     match (course, b0) {
-        (Some(course), Some(b0)) => course.shakes(b0),
+        (Some(course), Some(b0)) => course.shakes(b0).is_some() || course.is_limited(b0),
         (course, _) => course.is_none(),
     }
 }
 
 /// A joint on the bench that has worked.
 struct Stand {
-    sample: PlantSample,
+    /// What its controller knows, and what it is.
+    known: GearFile,
+    plant: GearParams<f64>,
     bench: Bench<CondensedMesh>,
 }
 
@@ -93,13 +97,13 @@ impl Stand {
         let mut bench = Bench::condensed_of(&sample, &conditions)?;
         let mut b0 = untuned(&sample.known)?;
         bench.go(&WorkingMotion, &mut b0, |_, _, _, _| ())?;
-        Ok(Self { sample, bench })
+        Ok(Self { plant: told_apart(&sample.params), known: sample.known, bench })
     }
 
     /// A baseline in one scenario; none where the plant diverges.
     fn run(&self, baseline: &Baseline, scenario: Scenario) -> Result<Option<Course>, RunError> {
         let (mut bench, mut baseline) = (self.bench.clone(), baseline.clone());
-        let judged = Judged::of(&self.sample);
+        let judged = Judged::of(&self.known, &self.plant);
         let rest = Rest { from: Demand::default() };
         let settled = bench.go(&rest, &mut baseline, |_, _, _, _| ());
         match settled.and_then(|()| judged.course(bench, baseline, scenario)) {
@@ -176,7 +180,7 @@ impl Objective {
         build: &(dyn Fn(&GearFile) -> Result<Baseline, RunError> + Sync),
     ) -> Result<Vec<Courses>, RunError> {
         let on = |stand: &Stand| -> Result<Courses, RunError> {
-            let baseline = build(&stand.sample.known)?;
+            let baseline = build(&stand.known)?;
             let mut courses = Courses::default();
             for (course, scenario) in courses.iter_mut().zip(JUDGED) {
                 *course = stand.run(&baseline, scenario)?;

@@ -7,7 +7,13 @@ pub(super) const ROWS: &[Bound] = &[
         name: "robustness.shakes",
         value: 0.0,
         unit: "run",
-        why: "runs of S1-S5 on judged plants that diverge, keep oscillating at rest or stay at the torque limit; as asked",
+        why: "runs of S1-S5 on judged plants that diverge or keep oscillating at rest; as asked",
+    },
+    Bound {
+        name: "robustness.limited",
+        value: 0.0,
+        unit: "run",
+        why: "runs of S1-S5 on judged plants that stay at the torque limit for more than 10 ms, as no move or load asks",
     },
     Bound {
         name: "robustness.worse",

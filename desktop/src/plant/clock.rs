@@ -61,7 +61,7 @@ impl Clock {
     }
 
     /// Goes to the next instant; by how much that is off (s).
-    pub fn next(&mut self) -> f64 {
+    pub fn advance(&mut self) -> f64 {
         self.waited += CONTROL_PERIOD;
         let jitter = self.params.jitter;
         self.off = if jitter > 0.0 { self.random.random_range(-jitter..=jitter) } else { 0.0 };
@@ -84,7 +84,7 @@ mod tests {
         let mut clock = clock(0.0, 0.0);
         assert_eq!(clock.tick(), Tick { off: 0.0, elapsed: Some(0.0) });
         for _ in 0..10 {
-            clock.next();
+            clock.advance();
             assert_eq!(clock.tick(), Tick { off: 0.0, elapsed: Some(CONTROL_PERIOD) });
         }
     }
@@ -106,7 +106,7 @@ mod tests {
                 }
                 None => missed += 1,
             }
-            clock.next();
+            clock.advance();
         }
         assert!((900..1100).contains(&missed), "{missed}");
         assert!(off.abs() < 0.2e-6, "{off}");

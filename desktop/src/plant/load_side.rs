@@ -12,7 +12,7 @@
 //! frequency of the link with the flange held, G the largest torque of gravity. Without a link the flange has it all, and
 //! theta_link is theta_fs. Sign: torques on the output, as tau_load. Units: rad, N m, Hz.
 //!
-//! A brake lets go of gravity over the first [`RELEASE`], as no joint's load falls onto it at once.
+//! A brake lets go of gravity over the first 0.1 s, as no joint's load falls onto it at once.
 //!
 //! Discretisation: semi-implicit Euler with the plant's micro-step, which a frequency below 200 Hz takes in 40 a radian.
 

@@ -26,7 +26,7 @@ pub fn measure(file: &GearFile, plants: u64, mut progress: impl FnMut(f64)) -> R
         let sample = PlantSample::boxed(file, *seed)?;
         let conditions = Conditions { sensors: kind.sensors(), ..Conditions::of(file, *seed) };
         let bench = Bench::condensed_of(&sample, &conditions)?;
-        Judged::of(&sample).courses(bench, Baseline::build(file, *kind)?, &JUDGED)
+        Judged::of(file, &sample.params).courses(bench, Baseline::build(file, *kind)?, &JUDGED)
     };
     let courses = each(&all, run, &mut progress).into_iter().collect::<Result<Vec<_>, _>>()?;
     let b0 = &courses[..plants as usize];

@@ -10,9 +10,9 @@ use strainwave::gear::GearParams;
 use crate::bench::Bench;
 use crate::closed_loop::{Controller, Row, go_on};
 use crate::divergence::RunError;
+use crate::gear_file::GearFile;
 use crate::joint::CONTROL_PERIOD;
 use crate::judge::{Judge, Mark, rms, without_slow_part};
-use crate::plant::sample::PlantSample;
 use crate::scenario::{Rest, Scenario};
 use crate::working_motion::WorkingMotion;
 
@@ -40,10 +40,28 @@ const QUIET: [f64; 2] = [10e-6, 0.02];
 /// A mark is worse than B0's when it is both by this factor, and by this angle: a count of an encoder of 19 bits (rad).
 const WORSE: (f64, f64) = (1.05, 12e-6);
 
+/// How a run shakes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shake {
+    /// The torsion oscillates at rest.
+    Torsion,
+    /// The motor's torque alone does.
+    Torque,
+    /// The plant diverges.
+    Diverged,
+}
+
+impl Shake {
+    /// For people.
+    pub fn name(self) -> &'static str {
+        ["torsion", "torque", "diverged"][self as usize]
+    }
+}
+
 /// One run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Course {
-    /// In the order of [`marks`] (rad).
+    /// What the scenario is judged by (rad).
     pub marks: Vec<f64>,
     /// Oscillation at rest, of the torsion (rad).
     pub torsion_at_rest: f64,
@@ -60,12 +78,19 @@ impl Course {
         place.and_then(|place| self.marks.get(place).copied()).unwrap_or(f64::NAN)
     }
 
-    /// It keeps oscillating at rest, or is at its torque limit, where B0 does not.
-    pub fn shakes(&self, b0: &Self) -> bool {
+    /// It keeps oscillating at rest where B0 does not; in which way.
+    pub fn shakes(&self, b0: &Self) -> Option<Shake> {
         let beyond = |ours: f64, b0: f64, quiet: f64| ours > (TIMES * b0).max(quiet) || ours.is_nan();
-        beyond(self.torsion_at_rest, b0.torsion_at_rest, QUIET[0])
-            || beyond(self.torque_at_rest, b0.torque_at_rest, QUIET[1])
-            || self.limited > LONGEST_LIMITED.max(2.0 * b0.limited)
+        if beyond(self.torsion_at_rest, b0.torsion_at_rest, QUIET[0]) {
+            Some(Shake::Torsion)
+        } else {
+            beyond(self.torque_at_rest, b0.torque_at_rest, QUIET[1]).then_some(Shake::Torque)
+        }
+    }
+
+    /// It stays at its torque limit where B0 does not.
+    pub fn is_limited(&self, b0: &Self) -> bool {
+        self.limited > LONGEST_LIMITED.max(2.0 * b0.limited)
     }
 
     /// A mark of it is worse than B0's.
@@ -82,7 +107,7 @@ pub type Courses = [Option<Course>; JUDGED.len()];
 
 /// The plant that a run is judged by.
 pub struct Judged<'a> {
-    /// Its parameters.
+    /// Its parameters; of the kinematic error's orders none so near to another that a run cannot tell them apart.
     pub plant: &'a GearParams<f64>,
     /// Torque limit of the controller (N m).
     pub torque_limit: f64,
@@ -91,11 +116,10 @@ pub struct Judged<'a> {
 }
 
 impl<'a> Judged<'a> {
-    /// What judges the runs on a sample.
-    pub fn of(sample: &'a PlantSample) -> Self {
-        let known = &sample.known;
+    /// What judges the runs of a joint that is known as `known` and is `plant`.
+    pub fn of(known: &GearFile, plant: &'a GearParams<f64>) -> Self {
         Self {
-            plant: &sample.params,
+            plant,
             torque_limit: known.motor.peak_torque,
             rated: known.gear.rated_torque / f64::from(known.gear.ratio),
         }
@@ -176,13 +200,14 @@ mod tests {
     }
 
     #[test]
-    fn what_keeps_oscillating_or_saturates_shakes() {
-        let shakes = |torsion_at_rest, torque_at_rest, limited| {
-            Course { torsion_at_rest, torque_at_rest, limited, ..B0 }.shakes(&B0)
-        };
-        assert!(!shakes(14e-6, 0.019, 0.009));
-        assert!(shakes(16e-6, 0.0, 0.0) && shakes(0.0, 0.021, 0.0) && shakes(0.0, 0.0, 0.011));
-        assert!(shakes(f64::NAN, 0.0, 0.0));
+    fn what_keeps_oscillating_shakes() {
+        let shakes =
+            |torsion_at_rest, torque_at_rest| Course { torsion_at_rest, torque_at_rest, ..B0 }.shakes(&B0);
+        assert_eq!(shakes(14e-6, 0.019), None);
+        assert_eq!([shakes(16e-6, 0.0), shakes(f64::NAN, 0.0)], [Some(Shake::Torsion); 2]);
+        assert_eq!(shakes(0.0, 0.021), Some(Shake::Torque));
+        let limited = |limited| Course { limited, ..B0 }.is_limited(&B0);
+        assert!(!limited(0.009) && limited(0.011));
     }
 
     #[test]

@@ -5,13 +5,16 @@
 //!
 //! | figure | definition |
 //! | --- | --- |
-//! | `shakes` | runs that diverge, oscillate at rest, or are at the torque limit ([`Course::shakes`]) |
+//! | `shakes` | runs that diverge or keep oscillating at rest ([`Course::shakes`]) |
+//! | `limited` | runs that stay at the torque limit for more than 10 ms of their judged part ([`Course::is_limited`]) |
 //! | `worse` | runs of which a mark is worse than B0's, by more than 5 % and more than 12 urad ([`Course::is_worse`]) |
 //! | `s2.error`, `s4.error` | rms output error over that of the best rival on the same plant, median of the plants |
 //! | `s1.vibration`, `s3.vibration` | the torsion's vibration after the moves, alike |
 //! | `rest.torque` | the motor torque's oscillation at rest over B0's, rms of S1 to S5, median of the plants |
 //! | `s2.error.to_b0`, `s3.vibration.to_b0` | over B0's, the worst of the plants; only reported |
 //! | `s4.error.learnt`, `s4.error.absent` | as `s4.error`, of a compensator that was not told the kinematic error, and has learnt it while it worked or may not learn it; only reported, of some rows |
+//!
+//! Plants have the condensed mesh; single ones can be run again on the reference mesh.
 //!
 //! A rival that needs the output's encoder is none of the compensator's without it.
 
@@ -20,7 +23,9 @@ mod summary;
 
 use strainwave::Error;
 use strainwave::compensator::JointParams;
-use strainwave::kinematic_error::KinematicErrorParams;
+use strainwave::flexspline::Flexspline;
+use strainwave::gear::GearParams;
+use strainwave::kinematic_error::{KinematicErrorParams, Term};
 
 use crate::baseline::Baseline;
 use crate::bench::{Bench, Conditions, SensorSet};
@@ -31,7 +36,7 @@ use crate::plant::sample::PlantSample;
 use crate::plant::unknowns::Which;
 use crate::scenario::Scenario;
 use crate::verify::compensator::each;
-pub use course::{Course, Courses, JUDGED, Judged};
+pub use course::{Course, Courses, JUDGED, Judged, Shake};
 pub use summary::{Robustness, Summary};
 
 /// Plants of a row when nothing else is said.
@@ -50,6 +55,8 @@ pub struct Asked {
     pub seeds: u64,
     /// Noises on each plant.
     pub noises: u32,
+    /// On the reference mesh, some hundred times slower.
+    pub reference: bool,
 }
 
 /// A rival: its name, what it reads, and how it is built for a joint.
@@ -96,6 +103,16 @@ fn asks_for_the_map(which: Which) -> bool {
     matches!(which, Which::All) || name == "box" || name.starts_with("kinematic")
 }
 
+/// The plant without orders of the flexspline that the case has too: over the few turns of S4 order k and k - k/n of the
+/// motor's angle are one.
+pub(crate) fn told_apart(plant: &GearParams<f64>) -> GearParams<f64> {
+    let mut judged = *plant;
+    let error = &mut judged.kinematic_error;
+    let has = |order| error.case.iter().any(|term| term.amplitude != 0.0 && term.order == order);
+    error.flexspline = error.flexspline.map(|term| if has(term.order) { Term::default() } else { term });
+    judged
+}
+
 /// Every row that is asked for; `progress` is called with the share done.
 ///
 /// # Errors
@@ -108,7 +125,14 @@ pub fn measure(file: &GearFile, asked: &Asked, mut progress: impl FnMut(f64)) ->
         .flat_map(|(which, seed)| (0..asked.noises).map(move |realisation| Job { which, seed, realisation }))
         .collect();
     let joint = joint_params(file)?;
-    let outcomes = each(&jobs, |job| job.run(file, &joint), &mut progress);
+    let run = |job: &Job| {
+        if asked.reference {
+            job.run(file, &joint, Bench::of)
+        } else {
+            job.run(file, &joint, Bench::condensed_of)
+        }
+    };
+    let outcomes = each(&jobs, run, &mut progress);
     let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, _>>()?;
     let a_row = (asked.seeds * u64::from(asked.noises)) as usize;
     let summaries =
@@ -118,15 +142,24 @@ pub fn measure(file: &GearFile, asked: &Asked, mut progress: impl FnMut(f64)) ->
 
 impl Job {
     /// `joint` is that of the file.
-    fn run(&self, file: &GearFile, joint: &JointParams<f32>) -> Result<Outcome, Error> {
+    fn run<F: Flexspline<f64>>(
+        &self,
+        file: &GearFile,
+        joint: &JointParams<f32>,
+        build: fn(&PlantSample, &Conditions) -> Result<Bench<F>, Error>,
+    ) -> Result<Outcome, Error>
+    where
+        Bench<F>: Clone,
+    {
         let sample = PlantSample::of(file, self.which, self.seed)?;
         let known = &sample.known;
         let joint = if known == file { *joint } else { joint_params(known)? };
-        let judged = Judged::of(&sample);
+        let plant = told_apart(&sample.params);
+        let judged = Judged::of(known, &plant);
         let bench = |sensors| {
             let conditions =
                 Conditions { sensors, realisation: self.realisation, ..Conditions::of(known, self.seed) };
-            Bench::condensed_of(&sample, &conditions)
+            build(&sample, &conditions)
         };
         let rivals = RIVALS
             .iter()

@@ -1,6 +1,6 @@
 //! What the runs of a row come to.
 
-use super::course::{Course, JUDGED};
+use super::course::{Course, JUDGED, Shake};
 use super::{Outcome, RIVALS};
 use crate::bench::SensorSet;
 use crate::bounds;
@@ -51,6 +51,8 @@ pub struct Summary {
 pub struct OfSensors {
     /// Runs that shake or diverge, by scenario.
     pub shakes: [usize; JUDGED.len()],
+    /// Runs that stay at the torque limit, alike.
+    pub limited: [usize; JUDGED.len()],
     /// Runs that are worse than B0, alike.
     pub worse: [usize; JUDGED.len()],
     /// In the order of [`RATIOS`], the median of the plants.
@@ -60,7 +62,7 @@ pub struct OfSensors {
     torque_at_rest: f64,
     /// S4 with the map learnt and without it.
     untold: Option<[f64; 2]>,
-    /// Plants with runs that shake or are worse, the worst first.
+    /// Plants with runs that shake, are limited or worse, the worst first.
     bad: Vec<Bad>,
 }
 
@@ -68,24 +70,25 @@ pub struct OfSensors {
 #[derive(Clone, Debug, PartialEq)]
 struct Bad {
     seed: u64,
-    shakes: Vec<&'static str>,
-    worse: Vec<&'static str>,
+    shakes: Vec<String>,
+    limited: Vec<String>,
+    worse: Vec<String>,
     ratio: f64,
 }
 
 impl Summary {
     /// Of all its outcomes.
     pub fn of(which: Which, outcomes: &[Outcome]) -> Self {
-        let shake = |rival: usize| {
+        let shaking = |rival: usize| {
             let runs =
                 outcomes.iter().flat_map(|outcome| outcome.rivals[rival].iter().zip(&outcome.rivals[0]));
-            runs.filter(|(ours, b0)| shakes(ours.as_ref(), b0.as_ref())).count()
+            runs.filter(|(ours, b0)| shake(ours.as_ref(), b0.as_ref()).is_some()).count()
         };
         Self {
             name: which.name(),
             what: which.what(),
             runs: JUDGED.len() * outcomes.len(),
-            rivals_shake: (0..RIVALS.len()).map(shake).collect(),
+            rivals_shake: (0..RIVALS.len()).map(shaking).collect(),
             sets: SensorSet::ALL.map(|sensors| OfSensors::of(sensors, outcomes)),
         }
     }
@@ -132,7 +135,8 @@ impl OfSensors {
         };
         let has_untold = outcomes.iter().all(|outcome| outcome.untold.is_some());
         Self {
-            shakes: count(shakes),
+            shakes: count(|ours, b0| shake(ours, b0).is_some()),
+            limited: count(limited),
             worse: count(worse),
             ratios: RATIOS.map(|(_, scenario, mark)| told(scenario, mark)),
             worst: WORST.map(|(_, scenario, mark)| {
@@ -170,8 +174,11 @@ impl OfSensors {
                 .filter(|_| figure.value > 0.0)
                 .map_or(figure.clone(), |bad| figure.of_draw(bad.seed))
         };
-        let mut figures =
-            vec![count("robustness.shakes", &self.shakes), count("robustness.worse", &self.worse)];
+        let mut figures = vec![
+            count("robustness.shakes", &self.shakes),
+            count("robustness.limited", &self.limited),
+            count("robustness.worse", &self.worse),
+        ];
         figures.extend(RATIOS.iter().zip(self.ratios).map(|((what, ..), ratio)| bounded(what, ratio)));
         figures.push(bounded("robustness.rest.torque", self.torque_at_rest));
         let reported = |what: &str, value| Figure::reported(format!("{name}.{what}"), value, "1");
@@ -187,12 +194,13 @@ impl OfSensors {
         figures
     }
 
-    fn cells(&self) -> [String; 7] {
+    fn cells(&self) -> [String; 8] {
         let short = |value: f64| if value >= 100.0 { format!("{value:.0}") } else { format!("{value:.2}") };
         let [_, s2, s3, s4] = self.ratios;
         let [(worst_s2, _), (worst_s3, _)] = self.worst;
         [
             self.shakes.iter().sum::<usize>().to_string(),
+            self.limited.iter().sum::<usize>().to_string(),
             self.worse.iter().sum::<usize>().to_string(),
             short(s2),
             short(s4),
@@ -215,7 +223,7 @@ impl Robustness {
     /// One line a row, the header first.
     pub fn table(&self) -> Vec<Vec<String>> {
         let set = |name: &str| {
-            ["shake", "worse", "S2", "S4", "S3", "worst S2 S3", "rest"]
+            ["shake", "limit", "worse", "S2", "S4", "S3", "worst S2 S3", "rest"]
                 .map(|column| format!("{name} {column}"))
         };
         let rivals = RIVALS.iter().skip(1).map(|rival| format!("{} shake", rival.name));
@@ -248,25 +256,26 @@ impl Robustness {
 
 impl Bad {
     fn line(&self) -> String {
-        let list = |what: &str, scenarios: &[&str]| match scenarios {
+        let list = |what: &str, scenarios: &[String]| match scenarios {
             [] => String::new(),
             _ => format!(" {what} {}", scenarios.join(" ")),
         };
         format!(
-            "{}{}{} ({})",
+            "{}{}{}{} ({})",
             self.seed,
             list("shakes", &self.shakes),
+            list("limited", &self.limited),
             list("worse", &self.worse),
             number(self.ratio)
         )
     }
 }
 
-/// Plants with runs that shake or are worse; more of the first, then of the second, then by the largest ratio to B0.
+/// Plants with runs that shake, are limited or worse; more of the first, then of the second, then by the largest ratio to B0.
 fn bad(sensors: SensorSet, outcomes: &[Outcome]) -> Vec<Bad> {
     let mut found: Vec<_> = outcomes.iter().filter_map(|outcome| Bad::of(sensors, outcome)).collect();
     found.sort_by(|a, b| {
-        let counts = |bad: &Bad| (bad.shakes.len(), bad.worse.len());
+        let counts = |bad: &Bad| (bad.shakes.len(), bad.worse.len(), bad.limited.len());
         counts(b).cmp(&counts(a)).then(b.ratio.total_cmp(&a.ratio))
     });
     found
@@ -276,28 +285,40 @@ impl Bad {
     fn of(sensors: SensorSet, outcome: &Outcome) -> Option<Self> {
         let ours = &outcome.compensated[sensors as usize];
         let runs = || JUDGED.iter().zip(ours.iter().zip(&outcome.rivals[0]));
+        let shakes = runs().filter_map(|(scenario, (ours, b0))| {
+            let shake = shake(ours.as_ref(), b0.as_ref())?;
+            Some(format!("{}/{}", scenario.name(), shake.name()))
+        });
         let list = |bad: fn(Option<&Course>, Option<&Course>) -> bool| -> Vec<_> {
-            runs().filter(|(_, (ours, b0))| bad(ours.as_ref(), b0.as_ref())).map(|(s, _)| s.name()).collect()
+            let runs = runs().filter(|(_, (ours, b0))| bad(ours.as_ref(), b0.as_ref()));
+            runs.map(|(scenario, _)| scenario.name().to_owned()).collect()
         };
         let ratios = runs().flat_map(|(_, (ours, b0))| match (ours, b0) {
             (Some(ours), Some(b0)) => ours.marks.iter().zip(&b0.marks).map(|(a, b)| a / b).collect(),
             _ => vec![f64::INFINITY],
         });
         let ratio = ratios.fold(0.0, f64::max);
-        let bad = Self { seed: outcome.seed, shakes: list(shakes), worse: list(worse), ratio };
-        (!bad.shakes.is_empty() || !bad.worse.is_empty()).then_some(bad)
+        let (limited, worse) = (list(limited), list(worse));
+        let bad = Self { seed: outcome.seed, shakes: shakes.collect(), limited, worse, ratio };
+        (!bad.shakes.is_empty() || !bad.limited.is_empty() || !bad.worse.is_empty()).then_some(bad)
     }
 }
 
-/// One that diverged does, but where B0 diverges there is nothing to be better than.
-fn shakes(ours: Option<&Course>, b0: Option<&Course>) -> bool {
+/// One that diverged does, also where B0 does.
+fn shake(ours: Option<&Course>, b0: Option<&Course>) -> Option<Shake> {
     match (ours, b0) {
         (Some(ours), Some(b0)) => ours.shakes(b0),
-        (None, _) => true,
-        (Some(_), None) => false,
+        (None, _) => Some(Shake::Diverged),
+        (Some(_), None) => None,
     }
 }
 
+/// One that diverged is not.
+fn limited(ours: Option<&Course>, b0: Option<&Course>) -> bool {
+    matches!((ours, b0), (Some(ours), Some(b0)) if ours.is_limited(b0))
+}
+
+/// Where B0 diverges there is nothing to be better than.
 fn worse(ours: Option<&Course>, b0: Option<&Course>) -> bool {
     match (ours, b0) {
         (Some(ours), Some(b0)) => ours.is_worse(b0),
@@ -340,7 +361,8 @@ mod tests {
     #[test]
     fn what_diverges_shakes_and_is_worse_where_b0_does_not() {
         let some = Course::default();
-        assert!(shakes(None, Some(&some)) && worse(None, Some(&some)) && shakes(None, None));
-        assert!(!worse(None, None) && !shakes(Some(&some), None) && !worse(Some(&some), None));
+        assert_eq!([shake(None, Some(&some)), shake(None, None)], [Some(Shake::Diverged); 2]);
+        assert_eq!([shake(Some(&some), None), shake(Some(&some), Some(&some))], [None; 2]);
+        assert!(worse(None, Some(&some)) && !worse(None, None) && !worse(Some(&some), None));
     }
 }
