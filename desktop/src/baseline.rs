@@ -69,7 +69,8 @@ impl Baseline {
             velocity: f64::from(setpoint.velocity) * f64::from(self.ratio.n()),
             acceleration: 0.0,
         };
-        let feedback = self.feedback.step(&mut self.feedback_state, moved, &reference, self.limited);
+        let feedback =
+            self.feedback.step(&mut self.feedback_state, moved / elapsed(input), &reference, self.limited);
         let wanted = feedback + self.rigid_body(setpoint.velocity.into(), setpoint.acceleration.into());
         let limited = wanted.clamp(-self.torque_limit, self.torque_limit);
         self.limited = limited != wanted;
@@ -85,6 +86,11 @@ impl Baseline {
         );
         (gear.wave_generator_inertia * n + r * gear.flexspline_inertia) * acceleration + input + r * output
     }
+}
+
+/// Time since the last step (s).
+fn elapsed(input: &Input<f32>) -> f64 {
+    if input.elapsed > 0.0 { f64::from(input.elapsed) } else { CONTROL_PERIOD }
 }
 
 /// Coulomb and viscous friction of a side at a velocity (rad/s).
