@@ -55,6 +55,7 @@ pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
         gain: R::ONE,
         tolerance: R::lit(0.0),
         fast: [R::ONE; 2],
+        play: [R::ZERO; 2],
     }
 }
 

@@ -195,7 +195,12 @@ impl<R: Real> Compensator<R> {
         let shares = state.guard.shares();
         let reference = state.course.reference(motor);
         self.learning.turn_to(&mut state.learning, reference, setpoint.position);
-        let load = self.load.rest_on(&mut state.load, state.observer.external_torque(), state.course.torque);
+        let load = self.load.rest_on(
+            &mut state.load,
+            state.observer.external_torque(),
+            state.course.torque,
+            setpoint.velocity == R::ZERO,
+        );
         let believed = self.learning.believed(&state.learning, load, shares);
         let demand = self.feed_forward.step(&self.gear, &mut state.feed_forward, setpoint, shares, &believed);
         let ahead = demand.motor.angle.minus(motor);

@@ -42,6 +42,8 @@ pub struct DisturbanceParams<R> {
     pub tolerance: R,
     /// Share of the fast part that the gear is wound up for, and that the motor's torque carries.
     pub fast: [R; 2],
+    /// Play of l at rest and in motion (N m).
+    pub play: [R; 2],
 }
 
 /// Longest time that d may be beyond the zone as a load that comes (s), and the share of the time within that is
@@ -59,6 +61,7 @@ pub struct ExternalLoad<R> {
     gain: R,
     tolerance: R,
     fast: [R; 2],
+    play: [R; 2],
     longest: R,
     wave_generator_inertia: R,
     ratio: R,
@@ -122,6 +125,7 @@ impl<R: Real> ExternalLoad<R> {
             gain: params.gain,
             tolerance: params.tolerance,
             fast: params.fast,
+            play: params.play,
             longest: R::lit(LONGEST_LOAD),
             wave_generator_inertia: gear.wave_generator_inertia,
             ratio: ratio.value(),
@@ -150,11 +154,18 @@ impl<R: Real> ExternalLoad<R> {
 
     /// l follows d (N m) for one round; answers with what of d may be rested on (N m).
     #[inline(always)]
-    pub fn rest_on(&self, state: &mut ExternalLoadState<R>, torque: R, motor_torque: R) -> FollowedLoad<R> {
+    pub fn rest_on(
+        &self,
+        state: &mut ExternalLoadState<R>,
+        torque: R,
+        motor_torque: R,
+        rests: bool,
+    ) -> FollowedLoad<R> {
         let torque = self.gain * torque;
         state.wider = self.tolerance * motor_torque.abs();
         let off = torque - state.small;
-        state.small += self.small_gain * off;
+        let play = self.play[usize::from(!rests)];
+        state.small += self.small_gain * (off - off.limit(play));
         state.beyond = if self.beyond(off, state.wider) == R::ZERO {
             (state.beyond - R::lit(FORGOTTEN) * self.round).max(R::ZERO)
         } else {
