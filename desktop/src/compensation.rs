@@ -7,6 +7,7 @@ use strainwave::Real;
 use strainwave::compensator::adapt::learning::LearningParams;
 use strainwave::compensator::adapt::parameters::{AdaptationParams, Factors};
 use strainwave::compensator::adapt::ripple::{LearntRippleParams, RIPPLE_ORDERS, RippleOrder};
+use strainwave::compensator::estimate::disturbance::DisturbanceParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 
 use crate::draw;
@@ -42,6 +43,21 @@ const RIPPLE_RATES: [f64; 2] = [5.0, 1.0];
 const RIPPLE_BOUNDS: [f64; 2] = [3e-4, 0.3];
 /// Speeds of the motor between which ripple is learnt; the upper is of order 1 (rad/s).
 const RIPPLE_SPEEDS: [f64; 2] = [1.0, 60.0];
+
+/// The disturbance path.
+pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
+    let rated = file.gear.rated_torque;
+    DisturbanceParams {
+        slow_corner: R::lit(30.0),
+        fast_corner: R::lit(2400.0),
+        dead_zone: R::lit(0.05 * rated),
+        sudden: R::lit(0.045 * rated),
+        gain: R::ONE,
+        tolerance: R::lit(0.0),
+        fast: [R::ONE; 2],
+        play: [R::ZERO; 2],
+    }
+}
 
 /// Gains without and with an output encoder.
 pub fn output_feedback_params<R: Real>(file: &GearFile) -> [OutputFeedbackParams<R>; 2] {

@@ -114,6 +114,7 @@ pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
             output_torque: R::lit(file.gear.peak_torque),
         },
         observer: observer_design::observer_params(file)?,
+        disturbance: compensation::disturbance_params(file),
         feedback: feedback_params(file),
         output_feedback: compensation::output_feedback_params(file),
         learning: compensation::learning_params(file),

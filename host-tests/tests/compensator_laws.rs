@@ -52,6 +52,7 @@ impl Twins {
                 continue;
             }
             let measured = Measurement {
+                period: f64::from(OBSERVER_PERIODS) * CONTROL_PERIOD,
                 motor: motor.angle,
                 output: (self.with_output_encoder && (k + 1) % SLOW_PERIODS == 0).then_some(flange.angle),
                 age: 0,

@@ -29,6 +29,7 @@ fn gear(params: &GearParams<f64>, dt: f64) -> RealTimeGear<f64> {
 
 fn measured(motor: Motion<f64>, output: Option<Motion<f64>>, motor_torque: f64) -> Measurement<f64> {
     Measurement {
+        period: f64::from(OBSERVER_PERIODS) * CONTROL_PERIOD,
         motor: motor.angle,
         output: output.map(|flange| flange.angle),
         age: 0,

@@ -12,6 +12,7 @@ use crate::compensator::reference::feed_forward::FeedForward;
 use crate::compensator::reference::motor_reference::Course;
 use crate::compensator::reference::output_feedback::{Deviation, OutputFeedback};
 use crate::compensator::schedule::{OBSERVER_PERIODS, Slot, SlowSlot};
+use crate::compensator::sense::clock::{Clock, Elapsed};
 use crate::compensator::sense::encoder::{Encoder, Reading};
 use crate::compensator::sense::motor_torque::MotorTorque;
 use crate::compensator::sense::validation::{self, FrozenEncoder, InputGuard};
@@ -25,6 +26,7 @@ use crate::real::Real;
 #[derive(Clone, Debug)]
 pub struct Compensator<R: Real> {
     pub(super) gear: RealTimeGear<R>,
+    pub(super) clock: Clock<R>,
     pub(super) guard: InputGuard<R>,
     pub(super) motor_encoder: Encoder,
     pub(super) output_encoder: Encoder,
@@ -64,7 +66,8 @@ impl<R: Real> Compensator<R> {
     pub fn control(&self, state: &mut State<R>, input: &Input<R>) -> Commanded<R> {
         let mut faults = Faults::NONE;
         let sensors = self.guard.sensors(&mut state.guard, &input.sensors, &mut faults);
-        let motor = self.read(state, &sensors, &mut faults);
+        let elapsed = self.clock.step(input.elapsed, &mut faults);
+        let motor = self.read(state, &sensors, &elapsed, &mut faults);
         match state.turn {
             Slot::Observe => self.observe(state, motor.angle, true),
             Slot::Plan => self.plan(state, &input.command, motor.angle),
@@ -74,7 +77,7 @@ impl<R: Real> Compensator<R> {
         state.turn = state.turn.next();
         let SlotFaults { observer, plan, standstill, shares } = state.faults;
         faults = faults.with(observer).with(plan).with(standstill).with(shares);
-        let motor_torque = self.drive(state, &motor, &mut faults);
+        let motor_torque = self.drive(state, &motor, elapsed.inverse, &mut faults);
         state.sound &= faults == Faults::NONE && !state.limited;
         state.reported = faults;
         Commanded { motor_torque, faults }
@@ -98,13 +101,20 @@ impl<R: Real> Compensator<R> {
 
     /// The sensors' turn: every period.
     #[inline(always)]
-    fn read(&self, state: &mut State<R>, sensors: &Sensors<R>, faults: &mut Faults) -> Reading<R> {
+    fn read(
+        &self,
+        state: &mut State<R>,
+        sensors: &Sensors<R>,
+        elapsed: &Elapsed<R>,
+        faults: &mut Faults,
+    ) -> Reading<R> {
         let motor = self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder);
         faults.raise_if(!motor.believed, Faults::MOTOR_ENCODER_JUMP);
         let (commanded, feedback) = (state.fallback.torque(), state.guard.shares().feedback);
         let heard = &mut state.heard;
-        heard.motor_torque +=
-            self.motor_torque.step(&mut state.motor_torque, commanded, feedback, sensors.motor_torque);
+        heard.impulse += elapsed.time
+            * self.motor_torque.step(&mut state.motor_torque, commanded, feedback, sensors.motor_torque);
+        heard.time += elapsed.time;
         if sensors.output_encoder.is_some() {
             (heard.output, heard.age) = (sensors.output_encoder, 0);
         } else {
@@ -116,6 +126,7 @@ impl<R: Real> Compensator<R> {
         if sensors.output_torque.is_some() {
             heard.output_torque = sensors.output_torque;
         }
+        state.course.advance(state.yielding.velocity, elapsed.time);
         state.course.ahead -= motor.moved;
         motor
     }
@@ -135,10 +146,11 @@ impl<R: Real> Compensator<R> {
             motor,
             output,
             age,
-            motor_torque: R::lit(1.0 / OBSERVER_PERIODS as f64) * state.heard.motor_torque,
+            period: state.heard.time,
+            motor_torque: self.observer.mean(state.heard.impulse, state.heard.time),
             output_torque: state.heard.output_torque.take(),
         };
-        state.heard.motor_torque = R::ZERO;
+        (state.heard.impulse, state.heard.time) = (R::ZERO, R::ZERO);
         self.observer.step(
             &self.gear,
             &mut state.observer,
@@ -183,7 +195,12 @@ impl<R: Real> Compensator<R> {
         let shares = state.guard.shares();
         let reference = state.course.reference(motor);
         self.learning.turn_to(&mut state.learning, reference, setpoint.position);
-        let load = self.load.rest_on(&mut state.load, state.observer.external_torque());
+        let load = self.load.rest_on(
+            &mut state.load,
+            state.observer.external_torque(),
+            state.course.torque,
+            setpoint.velocity == R::ZERO,
+        );
         let believed = self.learning.believed(&state.learning, load, shares);
         let demand = self.feed_forward.step(&self.gear, &mut state.feed_forward, setpoint, shares, &believed);
         let ahead = demand.motor.angle.minus(motor);
@@ -290,7 +307,7 @@ impl<R: Real> Compensator<R> {
 
     /// The cascade's turn: every period. Answers with the torque that is commanded.
     #[inline(always)]
-    fn drive(&self, state: &mut State<R>, motor: &Reading<R>, faults: &mut Faults) -> R {
+    fn drive(&self, state: &mut State<R>, motor: &Reading<R>, inverse_elapsed: R, faults: &mut Faults) -> R {
         let (course, yielding) = (&state.course, &state.yielding);
         let wanted = Wanted {
             ahead: course.ahead,
@@ -298,7 +315,8 @@ impl<R: Real> Compensator<R> {
             acceleration: course.known * course.acceleration + yielding.acceleration,
         };
         let held = state.limited || course.output_torque.is_some() || !course.planned;
-        let feedback = self.feedback.step(&mut state.feedback, motor.moved, &wanted, held) + yielding.torque;
+        let feedback = self.feedback.step(&mut state.feedback, motor.moved * inverse_elapsed, &wanted, held)
+            + yielding.torque;
         let closed = match course.output_torque {
             Some(torque) => course.transmission * torque,
             None if !course.planned => R::ZERO,
@@ -311,7 +329,6 @@ impl<R: Real> Compensator<R> {
         state.course.switched = false;
         let torque = self.command(state, wanted, switched, faults);
         state.sent = [state.course.ahead, state.course.torque];
-        state.course.advance(state.yielding.velocity, self.dt);
         torque
     }
 

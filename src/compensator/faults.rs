@@ -27,6 +27,7 @@ faults! {
     8 TORSION_BEYOND_RANGE "torsion beyond range": "The observed torsion or its rate asks for more torque than the gear can carry; the model's torque ends there.";
     9 SETPOINT_STEP "setpoint step": "The position moved farther from one reading of the command to the next than the output can.";
     10 OUTPUT_ENCODER_FROZEN "output encoder frozen": "The output encoder stood still while the motor was asked to move; it is ignored until it moves.";
+    11 PERIOD_OUT_OF_RANGE "period out of range": "The time since the last step was shorter than a quarter of the control period or longer than 16: the control stood still.";
 }
 
 impl Faults {

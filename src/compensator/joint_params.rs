@@ -6,12 +6,13 @@
 use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::fallback::Fallback;
 use crate::compensator::adapt::learning::{LearningParams, Learnt};
-use crate::compensator::estimate::disturbance::ExternalLoad;
+use crate::compensator::estimate::disturbance::{DisturbanceParams, ExternalLoad};
 use crate::compensator::estimate::observer::ObserverParams;
 use crate::compensator::reference::command::Commander;
 use crate::compensator::reference::feed_forward::FeedForward;
 use crate::compensator::reference::output_feedback::{OutputFeedback, OutputFeedbackParams};
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
+use crate::compensator::sense::clock::Clock;
 use crate::compensator::sense::encoder::EncoderParams;
 use crate::compensator::sense::motor_torque::MotorTorque;
 use crate::compensator::sense::validation::{FrozenEncoder, InputGuard};
@@ -36,6 +37,8 @@ pub struct JointParams<R: Real> {
     pub limits: Limits<R>,
     /// The observer's gains.
     pub observer: ObserverParams<R>,
+    /// The disturbance path.
+    pub disturbance: DisturbanceParams<R>,
     /// The motor-side cascade.
     pub feedback: FeedbackParams<R>,
     /// Output feedback without and with an output encoder.
@@ -65,13 +68,14 @@ impl<R: Real> JointParams<R> {
         Ok(Compensator {
             gear: self.gear.build(Reduced::build(&self.gear.flexspline, self.gear.rated_torque)?, self.dt)?,
             commander: Commander::build(limits, n, guard.acceleration(), round)?,
+            clock: Clock::build(self.dt)?,
             guard,
             motor_encoder: encoder(self.motor_encoder_bits, self.limits.motor_speed)?,
             output_encoder: encoder(self.output_encoder_bits, limits.output_speed(n) * readings)?,
             frozen_encoder: FrozenEncoder::of_motor(round + round),
             frozen_output: FrozenEncoder::of_output(self.dt * looks),
             observer: self.observer.build(&self.gear, &self.limits, self.dt)?,
-            load: ExternalLoad::build(&self.gear, self.dt)?,
+            load: ExternalLoad::build(&self.disturbance, &self.gear, self.dt)?,
             feed_forward: FeedForward::build(&self.gear, self.dt)?,
             feedback: self.feedback.build(self.dt)?,
             output_feedback: OutputFeedback::build(

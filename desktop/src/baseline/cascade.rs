@@ -28,6 +28,14 @@ pub(super) struct Cascade {
     limited: bool,
 }
 
+/// Where the motor is, and how fast it was since the reading before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Motor {
+    pub angle: Angle<f64>,
+    /// (rad/s)
+    pub speed: f64,
+}
+
 /// What is asked of the motor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Demand {
@@ -68,14 +76,11 @@ impl Cascade {
         })
     }
 
-    /// The motor's encoder says `raw`, `elapsed` (s) after the reading before, 0 where that is not measured. What it has
-    /// moved is told per control period: a speed is not twice as high because a step was missed.
-    pub fn read(&mut self, raw: u32, elapsed: f32) -> Reading<f64> {
-        let reading: Reading<f64> = self.encoder.step(&mut self.encoder_state, raw);
-        // In f32, where a period that is on time is exactly one.
-        let periods = f64::from(elapsed / CONTROL_PERIOD as f32);
-        let periods = if periods > 0.0 { periods.clamp(0.25, 10.0) } else { 1.0 };
-        Reading { moved: reading.moved / periods, ..reading }
+    /// The motor's encoder says `raw`, `elapsed` (s) after the reading before, 0 where that is not measured.
+    pub fn read(&mut self, raw: u32, elapsed: f32) -> Motor {
+        let Reading { angle, moved, .. } = self.encoder.step::<f64>(&mut self.encoder_state, raw);
+        let elapsed = if elapsed > 0.0 { f64::from(elapsed) } else { CONTROL_PERIOD };
+        Motor { angle, speed: moved / elapsed }
     }
 
     /// The last torque was at the limit.
@@ -84,13 +89,13 @@ impl Cascade {
     }
 
     /// Torque for the motor (N m), within its limit.
-    pub fn step(&mut self, motor: &Reading<f64>, demand: &Demand) -> f64 {
+    pub fn step(&mut self, motor: &Motor, demand: &Demand) -> f64 {
         let wanted = Wanted {
             ahead: demand.angle.minus(motor.angle),
             velocity: demand.velocity,
             acceleration: demand.acceleration,
         };
-        let feedback = self.feedback.step(&mut self.state, motor.moved, &wanted, self.limited);
+        let feedback = self.feedback.step(&mut self.state, motor.speed, &wanted, self.limited);
         let wanted = feedback + demand.torque;
         let torque = wanted.clamp(-self.torque_limit, self.torque_limit);
         self.limited = torque != wanted;
@@ -118,13 +123,10 @@ mod tests {
     fn a_missed_step_is_no_speed() {
         let file = GearFile::default_gear();
         let mut cascade = Cascade::build(&file, &BaselineGains::of(&file, Kind::B0)).unwrap();
-        let moved = [(0, 0.0), (100, 1e-4), (300, 2e-4), (400, 0.0), (450, 5e-5)]
-            .map(|(raw, elapsed)| cascade.read(raw, elapsed).moved);
-        assert!(
-            (moved[2] / moved[1] - 1.0).abs() < 1e-6 && (moved[4] / moved[1] - 1.0).abs() < 1e-6,
-            "{moved:?}"
-        );
-        assert_eq!((moved[0], moved[3]), (0.0, moved[1]));
+        let speeds = [(0, 0.0), (100, 1e-4), (300, 2e-4), (400, 0.0), (450, 5e-5)]
+            .map(|(raw, elapsed)| cascade.read(raw, elapsed).speed);
+        assert_eq!(speeds[0], 0.0);
+        assert!(speeds[1..].iter().all(|speed| (speed / speeds[1] - 1.0).abs() < 1e-6), "{speeds:?}");
     }
 
     #[test]

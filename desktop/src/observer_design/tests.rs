@@ -124,6 +124,7 @@ impl Twin {
             }
             let looks = (k as u32 + 1).is_multiple_of(SLOW_PERIODS);
             let measured = Measurement {
+                period: f64::from(OBSERVER_PERIODS) * CONTROL_PERIOD,
                 motor: motor.angle,
                 output: if looks { heard.take().map(|at| angles[at]) } else { None },
                 age,

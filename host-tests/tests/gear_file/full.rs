@@ -2,8 +2,8 @@
 
 use strainwave_desktop::GearFile;
 use strainwave_desktop::baseline::{BaselineGains, Kind};
-use strainwave_desktop::gear_file::{Baselines, Learnt};
 use strainwave_desktop::gear_file::friction::{Backward, Friction, StateRow};
+use strainwave_desktop::gear_file::{Baselines, Learnt};
 use toml::{Table, Value};
 
 use crate::{LARA8, parse};

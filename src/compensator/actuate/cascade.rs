@@ -41,7 +41,6 @@ pub struct Feedback<R> {
     integral_gain: R,
     filter_gain: R,
     torque_limit: R,
-    inverse_dt: R,
     /// T (s).
     lateness: R,
 }
@@ -83,7 +82,6 @@ impl<R: Real> FeedbackParams<R> {
             integral_gain: self.velocity_gain * dt / self.integral_time,
             filter_gain,
             torque_limit: self.torque_limit,
-            inverse_dt: R::ONE / dt,
             lateness: dt * (R::ONE / filter_gain - R::lit(0.5)),
         })
     }
@@ -97,11 +95,11 @@ impl<R: Real> Feedback<R> {
         state.integral - before
     }
 
-    /// Torque for a motor that has `moved` in this period (rad), and where it should be; `limited`: the last command
+    /// Torque for a motor whose speed over this period was `speed` (rad/s), and where it should be; `limited`: the last command
     /// was.
     #[inline(always)]
-    pub fn step(&self, state: &mut FeedbackState<R>, moved: R, wanted: &Wanted<R>, limited: bool) -> R {
-        state.velocity += self.filter_gain * (moved * self.inverse_dt - state.velocity);
+    pub fn step(&self, state: &mut FeedbackState<R>, speed: R, wanted: &Wanted<R>, limited: bool) -> R {
+        state.velocity += self.filter_gain * (speed - state.velocity);
         let late = self.lateness * wanted.acceleration;
         let velocity = self.position_gain * wanted.ahead + wanted.velocity - late;
         let lag = velocity - state.velocity;

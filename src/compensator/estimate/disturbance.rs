@@ -25,17 +25,26 @@ use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::Real;
 
-/// Corner of l (rad/s).
-const SMALL_CORNER: f64 = 30.0;
-
-/// omega (rad/s).
-const LARGE_CORNER: f64 = 2400.0;
-
-/// Half width of the zone, as a share of the rated torque.
-const SMALL: f64 = 0.05;
-
-/// How far d may be ahead of d_ff before it counts at once, as a share of the rated torque.
-const SUDDEN: f64 = 0.045;
+/// Parameters of the disturbance path.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DisturbanceParams<R> {
+    /// Corner of l (rad/s).
+    pub slow_corner: R,
+    /// omega (rad/s).
+    pub fast_corner: R,
+    /// Half width of the dead zone (N m).
+    pub dead_zone: R,
+    /// How far d may be ahead of d_ff before it counts at once (N m).
+    pub sudden: R,
+    /// Share of d that is compensated, 0..=1.
+    pub gain: R,
+    /// By how much the dead zone is wider for each N m of the motor's feed-forward torque (N m/(N m)).
+    pub tolerance: R,
+    /// Share of the fast part that the gear is wound up for, and that the motor's torque carries.
+    pub fast: [R; 2],
+    /// Play of l at rest and in motion (N m).
+    pub play: [R; 2],
+}
 
 /// Longest time that d may be beyond the zone as a load that comes (s), and the share of the time within that is
 /// taken off it.
@@ -49,6 +58,10 @@ pub struct ExternalLoad<R> {
     large_corner: R,
     small: R,
     sudden: R,
+    gain: R,
+    tolerance: R,
+    fast: [R; 2],
+    play: [R; 2],
     longest: R,
     wave_generator_inertia: R,
     ratio: R,
@@ -63,6 +76,8 @@ pub struct ExternalLoad<R> {
 pub struct ExternalLoadState<R> {
     /// l (N m).
     small: R,
+    /// By how much the dead zone is wider now (N m).
+    wider: R,
     /// f, with its derivatives.
     large: R,
     rate: R,
@@ -98,15 +113,19 @@ impl<R: Real> ExternalLoad<R> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `ratio`, or `dt` unless above 0 and up to 1.
-    pub fn build(gear: &GearParams<R>, dt: R) -> Result<Self, Error> {
+    pub fn build(params: &DisturbanceParams<R>, gear: &GearParams<R>, dt: R) -> Result<Self, Error> {
         require(dt > R::ZERO && dt <= R::ONE, "dt")?;
         let ratio = Ratio::one_over(gear.ratio)?;
         let [dt, round] = [OBSERVER_PERIODS, SLOW_PERIODS].map(|periods| R::from_i32(periods as i32) * dt);
         Ok(Self {
-            small_gain: (round * R::lit(SMALL_CORNER)).one_minus_exp_neg(),
-            large_corner: R::lit(LARGE_CORNER).min(R::lit(0.5) / dt),
-            small: R::lit(SMALL) * gear.rated_torque,
-            sudden: R::lit(SUDDEN) * gear.rated_torque,
+            small_gain: (round * params.slow_corner).one_minus_exp_neg(),
+            large_corner: params.fast_corner.min(R::lit(0.5) / dt),
+            small: params.dead_zone,
+            sudden: params.sudden,
+            gain: params.gain,
+            tolerance: params.tolerance,
+            fast: params.fast,
+            play: params.play,
             longest: R::lit(LONGEST_LOAD),
             wave_generator_inertia: gear.wave_generator_inertia,
             ratio: ratio.value(),
@@ -119,7 +138,8 @@ impl<R: Real> ExternalLoad<R> {
     /// f follows d (N m) for one period of the observer.
     #[inline(always)]
     pub fn follow(&self, state: &mut ExternalLoadState<R>, torque: R) {
-        let (beyond, omega) = (self.beyond(torque - state.small), self.large_corner);
+        let torque = self.gain * torque;
+        let (beyond, omega) = (self.beyond(torque - state.small, state.wider), self.large_corner);
         let lag = if state.shakes { R::ZERO } else { beyond } - state.large;
         state.acceleration = omega * (omega * lag - R::lit(2.0) * state.rate);
         state.rate += self.dt * state.acceleration;
@@ -128,22 +148,31 @@ impl<R: Real> ExternalLoad<R> {
 
     /// What of a load is beyond the zone: one that comes, and no joint that shakes.
     #[inline(always)]
-    fn beyond(&self, off: R) -> R {
-        off - off.limit(self.small)
+    fn beyond(&self, off: R, wider: R) -> R {
+        off - off.limit(self.small + wider)
     }
 
     /// l follows d (N m) for one round; answers with what of d may be rested on (N m).
     #[inline(always)]
-    pub fn rest_on(&self, state: &mut ExternalLoadState<R>, torque: R) -> FollowedLoad<R> {
+    pub fn rest_on(
+        &self,
+        state: &mut ExternalLoadState<R>,
+        torque: R,
+        motor_torque: R,
+        rests: bool,
+    ) -> FollowedLoad<R> {
+        let torque = self.gain * torque;
+        state.wider = self.tolerance * motor_torque.abs();
         let off = torque - state.small;
-        state.small += self.small_gain * off;
-        state.beyond = if self.beyond(off) == R::ZERO {
+        let play = self.play[usize::from(!rests)];
+        state.small += self.small_gain * (off - off.limit(play));
+        state.beyond = if self.beyond(off, state.wider) == R::ZERO {
             (state.beyond - R::lit(FORGOTTEN) * self.round).max(R::ZERO)
         } else {
             (state.beyond + self.round).min(self.longest + self.round)
         };
         state.shakes = state.beyond >= self.longest;
-        let wound_up = state.small + state.large;
+        let wound_up = state.small + self.fast[0] * state.large;
         let ahead = torque - wound_up;
         let sudden = if state.shakes { R::ZERO } else { ahead - ahead.limit(self.sudden) };
         FollowedLoad { wound_up, at_once: wound_up + sudden }
@@ -153,12 +182,13 @@ impl<R: Real> ExternalLoad<R> {
     /// what it is.
     #[inline(always)]
     pub fn yielding(&self, state: &ExternalLoadState<R>, wound: R, wind_up: R) -> Yielding<R> {
-        let by_torque = wound * self.inverse_ratio;
+        let by_torque = wound * self.inverse_ratio * self.fast[0];
         let acceleration = -by_torque * state.acceleration;
         Yielding {
             velocity: -by_torque * state.rate,
             acceleration,
-            torque: self.wave_generator_inertia * acceleration - self.ratio * wind_up * state.large,
+            torque: self.wave_generator_inertia * acceleration
+                - self.ratio * wind_up * self.fast[1] * state.large,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! From raw sensor values to what the model may rest on: finite, bounded, unwrapped.
 
+pub mod clock;
 pub mod encoder;
 pub mod motor_torque;
 pub mod validation;

@@ -93,6 +93,7 @@ pub struct Observer<R> {
     inverse_flexspline_inertia: R,
     turns: Turns<R>,
     dt: R,
+    inverse_dt: R,
 }
 
 /// What the sensors say in this step, already checked.
@@ -104,7 +105,9 @@ pub struct Measurement<R> {
     pub output: Option<Angle<R>>,
     /// Control periods since that reading came; 0 for an observer that does not look back.
     pub age: u32,
-    /// Torque of the motor (N m).
+    /// Time since the last step of the observer (s).
+    pub period: R,
+    /// Torque of the motor, its mean over that time (N m).
     pub motor_torque: R,
     /// Torque through the flexspline (N m).
     pub output_torque: Option<R>,
@@ -142,6 +145,16 @@ impl<R: Real> Observer<R> {
     #[inline(always)]
     pub fn looks_back(&self) -> bool {
         self.looks_back
+    }
+
+    /// Mean of a torque over a time, from its integral over it (N m s) and that time (s).
+    #[inline(always)]
+    pub fn mean(&self, impulse: R, time: R) -> R {
+        if time == self.dt {
+            return impulse * self.inverse_dt;
+        }
+        seldom();
+        impulse / time.max(R::lit(0.25) * self.dt)
     }
 
     /// Predicts over one period, and corrects by the measurement. `rests`: the joint is asked to rest.
@@ -288,11 +301,12 @@ impl<R: Real> Observer<R> {
         let motor = (mean + state.held_torque - resisting) * self.inverse_wave_generator_inertia;
         let load = state.external_torque + known.load + state.stiffness_torque;
         let flange = (torques.transmitted - torques.output_friction + load) * self.inverse_flexspline_inertia;
-        state.wave_generator_speed += self.dt * motor;
-        state.flange_speed += self.dt * flange;
-        let way = self.dt * state.wave_generator_speed;
+        let dt = measured.period;
+        state.wave_generator_speed += dt * motor;
+        state.flange_speed += dt * flange;
+        let way = dt * state.wave_generator_speed;
         state.off += way - measured.motor.since(state.motor);
-        state.ahead += self.dt * state.flange_speed - self.turns.ratio() * way;
+        state.ahead += dt * state.flange_speed - self.turns.ratio() * way;
         state.motor = measured.motor;
         flange
     }

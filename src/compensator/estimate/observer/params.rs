@@ -76,6 +76,7 @@ impl<R: Real> ObserverParams<R> {
             inverse_flexspline_inertia: R::ONE / gear.flexspline_inertia,
             turns: Turns::build(ratio.value(), dt),
             dt,
+            inverse_dt: R::ONE / dt,
         })
     }
 }
