@@ -2,13 +2,13 @@
 //!
 //! ```text
 //! e     = q(t - T_d) - theta_out                                T_d: by how much the encoder's reading is late
-//! e_f   = low pass of e, corner f_l
-//! z    += I*dt*m,   |z| <= b                                    not while the torque is at its limit, nor in fast moves
+//! e_f   = low pass of m, corner f_l
+//! z    += I*dt*e_f, |z| <= b                                    not while the torque is at its limit, nor in fast moves
 //! shift = P*e_f + D*de_f/dt + z,   |shift| <= b
 //! ```
 //!
-//! m is e_f; where the setpoint rests it is what of e_f exceeds 0.4 of the encoder's counts: static friction and an
-//! integral would answer every change of the last count. b is twice the torsion at the gear's peak torque. In a move
+//! m is e; where the setpoint rests it is what of e exceeds 0.4 of the encoder's counts, for all three: static friction and
+//! an integral would answer every change of the last count, and D would make noise of it. b is twice the torsion at the gear's peak torque. In a move
 //! faster than a twentieth of the joint's fastest speed z stands still, since what a fast move leaves changes its sign
 //! before z could follow. Between two readings e is held. Units: rad at the output, s.
 
@@ -91,9 +91,9 @@ impl DualLoop {
             self.error = then.minus(output.angle);
         }
         let before = self.filtered;
-        self.filtered += self.low_pass * (self.error - self.filtered);
+        self.filtered += self.low_pass * (self.felt(asked) - self.filtered);
         if !limited && asked.velocity.abs() <= self.slow {
-            self.summed += self.integral * self.felt(asked);
+            self.summed += self.integral * self.filtered;
             self.summed = self.summed.clamp(-self.bound, self.bound);
         }
         let shift =
@@ -104,7 +104,7 @@ impl DualLoop {
     /// m.
     fn felt(&self, asked: &Asked) -> f64 {
         let hidden = if asked.rests() { self.hidden } else { 0.0 };
-        self.filtered - self.filtered.clamp(-hidden, hidden)
+        self.error - self.error.clamp(-hidden, hidden)
     }
 
     /// The setpoint of a reading that arrives now.

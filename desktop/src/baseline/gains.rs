@@ -7,10 +7,10 @@
 //! | integral_time T_i | s | all | `[feedback]` |
 //! | speed_filter_factor | 1 | all | 10: the speed is filtered at so many times f_v |
 //! | friction_share | 1 | B1, B2, B3 | B1: 1; B2, B3: `[compensation]` |
-//! | output_proportional P | 1 | B3 | 0.5 |
-//! | output_integral I | 1/s | B3 | omega_t/10 |
-//! | output_derivative D | s | B3 | 1/omega_t |
-//! | output_low_pass f_l | Hz | B3 | 5 omega_t/(2 pi) |
+//! | output_proportional P | 1 | B3 | 0.4 |
+//! | output_integral I | 1/s | B3 | omega_t/5 |
+//! | output_derivative D | s | B3 | 2/omega_t |
+//! | output_low_pass f_l | Hz | B3 | 6 omega_t/(2 pi) |
 //!
 //! omega_t = sqrt(K2/J_fs) is the torsion's mode with the motor held: a shift of the motor by D*de/dt damps it by
 //! D*omega_t/2.
@@ -81,10 +81,10 @@ impl BaselineGains {
             integral_time: file.feedback.integral_time,
             speed_filter_factor: 10.0,
             friction_share: if kind <= Kind::B1 { 1.0 } else { file.compensation.friction_share },
-            output_proportional: 0.5,
-            output_integral: 0.1 * mode,
-            output_derivative: 1.0 / mode,
-            output_low_pass: 5.0 * mode / TAU,
+            output_proportional: 0.4,
+            output_integral: 0.2 * mode,
+            output_derivative: 2.0 / mode,
+            output_low_pass: 6.0 * mode / TAU,
         }
     }
 }

@@ -43,7 +43,7 @@ pub struct Baseline {
 #[derive(Clone)]
 enum Advance {
     Nothing,
-    RigidBody(RigidBody),
+    RigidBody(Box<RigidBody>),
     Flat(Box<Flat>),
 }
 
@@ -100,7 +100,7 @@ impl Baseline {
             cascade: Cascade::build(file, gains)?,
             advance: match kind {
                 Kind::B0 => Advance::Nothing,
-                Kind::B1 => Advance::RigidBody(body()),
+                Kind::B1 => Advance::RigidBody(Box::new(body())),
                 Kind::B2 | Kind::B3 => Advance::Flat(Box::new(Flat::build(ratio, &gear, body())?)),
             },
             output: (kind == Kind::B3).then(|| DualLoop::build(file, &gear, gains)).transpose()?,
