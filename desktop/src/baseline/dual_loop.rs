@@ -2,15 +2,16 @@
 //!
 //! ```text
 //! e     = q(t - T_d) - theta_out                                T_d: by how much the encoder's reading is late
-//! e_f   = low pass of m, corner f_l
-//! z    += I*dt*e_f, |z| <= b                                    not while the torque is at its limit, nor in fast moves
-//! shift = P*e_f + D*de_f/dt + z,   |shift| <= b
+//! e_f   = low pass of e, m_f = low pass of m                    corner f_l
+//! z    += I*dt*n,   |z| <= b                                    not while the torque is at its limit, nor in fast moves
+//! shift = P*m_f + D*dm_f/dt + z,   |shift| <= b
 //! ```
 //!
-//! m is e; where the setpoint rests it is what of e exceeds 0.4 of the encoder's counts, for all three: static friction and
-//! an integral would answer every change of the last count, and D would make noise of it. b is twice the torsion at the gear's peak torque. In a move
-//! faster than a twentieth of the joint's fastest speed z stands still, since what a fast move leaves changes its sign
-//! before z could follow. Between two readings e is held. Units: rad at the output, s.
+//! m is e and n is e_f. Where the setpoint rests, m is what of e exceeds 1.5 of the encoder's counts, so that its rounding
+//! and a count of noise are no torque; and n what of e_f exceeds 0.4 counts: static friction and an integral would answer
+//! every change of the last count. b is twice the torsion at the gear's peak torque. In a move faster than a twentieth of
+//! the joint's fastest speed z stands still, since what a fast move leaves changes its sign before z could follow. Between
+//! two readings e is held. Units: rad at the output, s.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -26,6 +27,8 @@ use crate::joint::CONTROL_PERIOD;
 
 /// What of a resting output its encoder does not show, in counts.
 const HIDDEN: f64 = 0.4;
+/// What of a resting output's reading may be rounding and noise, in counts.
+const NOISE: f64 = 1.5;
 /// Fastest setpoint at which z runs, as a share of the joint's fastest speed.
 const SLOW: f64 = 0.05;
 /// b in torsions at peak torque.
@@ -42,8 +45,8 @@ pub(super) struct DualLoop {
     /// D/dt.
     derivative: f64,
     low_pass: f64,
-    /// (rad)
-    hidden: f64,
+    /// One count (rad).
+    count: f64,
     /// b (rad).
     bound: f64,
     /// (rad/s)
@@ -51,9 +54,10 @@ pub(super) struct DualLoop {
     /// Setpoints on their way to the reading that they belong to, the newest last; one more than the delay.
     past: VecDeque<Angle<f64>>,
     delay: usize,
-    /// e, e_f and z (rad).
+    /// e, e_f, m_f and z (rad).
     error: f64,
     filtered: f64,
+    felt: f64,
     summed: f64,
 }
 
@@ -71,13 +75,14 @@ impl DualLoop {
             integral: gains.output_integral * CONTROL_PERIOD,
             derivative: gains.output_derivative / CONTROL_PERIOD,
             low_pass: -(-TAU * gains.output_low_pass * CONTROL_PERIOD).exp_m1(),
-            hidden: HIDDEN * TAU / 2f64.powi(bits.cast_signed()),
+            count: TAU / 2f64.powi(bits.cast_signed()),
             bound: ROOM * line.torsion(file.gear.peak_torque),
             slow: SLOW * fastest,
             past: VecDeque::new(),
             delay: file.sensors.output_encoder_delay as usize,
             error: 0.0,
             filtered: 0.0,
+            felt: 0.0,
             summed: 0.0,
         })
     }
@@ -90,21 +95,16 @@ impl DualLoop {
             let output = self.encoder.step::<f64>(&mut self.encoder_state, raw);
             self.error = then.minus(output.angle);
         }
-        let before = self.filtered;
-        self.filtered += self.low_pass * (self.felt(asked) - self.filtered);
+        let count = if asked.rests() { self.count } else { 0.0 };
+        let before = self.felt;
+        self.filtered += self.low_pass * (self.error - self.filtered);
+        self.felt += self.low_pass * (beyond(self.error, NOISE * count) - self.felt);
         if !limited && asked.velocity.abs() <= self.slow {
-            self.summed += self.integral * self.filtered;
+            self.summed += self.integral * beyond(self.filtered, HIDDEN * count);
             self.summed = self.summed.clamp(-self.bound, self.bound);
         }
-        let shift =
-            self.proportional * self.filtered + self.derivative * (self.filtered - before) + self.summed;
+        let shift = self.proportional * self.felt + self.derivative * (self.felt - before) + self.summed;
         shift.clamp(-self.bound, self.bound)
-    }
-
-    /// m.
-    fn felt(&self, asked: &Asked) -> f64 {
-        let hidden = if asked.rests() { self.hidden } else { 0.0 };
-        self.error - self.error.clamp(-hidden, hidden)
     }
 
     /// The setpoint of a reading that arrives now.
@@ -115,6 +115,11 @@ impl DualLoop {
         }
         self.past.front().copied().unwrap_or(position)
     }
+}
+
+/// What of a value exceeds `small` either way.
+fn beyond(value: f64, small: f64) -> f64 {
+    value - value.clamp(-small, small)
 }
 
 #[cfg(test)]
@@ -174,6 +179,7 @@ mod tests {
             held.summed
         };
         assert_eq!(off(&mut held, 0.39, 0.0), 0.0);
+        assert_eq!(held.felt, 0.0);
         assert!(off(&mut held, 0.39, 0.01) > 0.0);
     }
 
