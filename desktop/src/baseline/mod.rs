@@ -2,10 +2,10 @@
 //!
 //! | baseline | has | reads |
 //! | --- | --- | --- |
-//! | B0 | the motor-side cascade alone ([`cascade`]) | motor encoder |
-//! | B1 | and a rigid joint's feed-forward: inertia, Coulomb and viscous friction ([`rigid_body`]) | motor encoder |
-//! | B2 | and the stored kinematic error and the wind-up in advance ([`flat`]) | motor encoder |
-//! | B3 | B2 and the output's error fed back by P, I and D ([`dual_loop`]) | both encoders |
+//! | B0 | the motor-side cascade alone (`cascade.rs`) | motor encoder |
+//! | B1 | and a rigid joint's feed-forward: inertia, Coulomb and viscous friction (`rigid_body.rs`) | motor encoder |
+//! | B2 | and the stored kinematic error and the wind-up in advance (`flat.rs`) | motor encoder |
+//! | B3 | B2 and the output's error fed back by P, I and D (`dual_loop.rs`) | both encoders |
 //!
 //! Each has gains of its own ([`gains`]), found by one optimiser with one objective ([`tuning`]) and stored in the gear
 //! file. None adapts, none observes. B3 without an output encoder that reads is B2 with B3's gains.
