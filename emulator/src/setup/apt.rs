@@ -17,7 +17,8 @@ use super::host::{Host, Job};
 const SHARED_LIBRARIES: [&str; 3] = ["libc6", "libgcc-s1", "libstdc++6"];
 
 /// Packages that a machine which builds Rust programs has in some form, and such as only installing needs.
-const PRESENT: &str = "gcc, c-compiler, libc-dev, binutils (= 9999), adduser, debconf (= 9999), passwd (= 9999), iso-codes";
+const PRESENT: &str =
+    "gcc, c-compiler, libc-dev, binutils (= 9999), adduser, debconf (= 9999), passwd (= 9999), iso-codes";
 
 /// Only the lists of packages; and nothing of what the system does after updating or installing.
 const CONFIGURATION: &str = r#"#clear APT::Update;
@@ -152,13 +153,15 @@ impl<'a> Apt<'a> {
 
     fn run(&self, arguments: &[&str], download: Option<Download>) -> Result<(), String> {
         let options = self.options();
-        let arguments: Vec<&str> = options.iter().map(String::as_str).chain(arguments.iter().copied()).collect();
+        let arguments: Vec<&str> =
+            options.iter().map(String::as_str).chain(arguments.iter().copied()).collect();
         self.host.run(&Job { program: "apt-get", arguments: &arguments, patience: None, download })
     }
 
     fn output(&self, arguments: &[&str]) -> String {
         let options = self.options();
-        let arguments: Vec<&str> = options.iter().map(String::as_str).chain(arguments.iter().copied()).collect();
+        let arguments: Vec<&str> =
+            options.iter().map(String::as_str).chain(arguments.iter().copied()).collect();
         self.host.output("apt-get", &arguments).unwrap_or_default()
     }
 

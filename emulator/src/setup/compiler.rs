@@ -195,7 +195,8 @@ fn add_target(host: &dyn Host) -> Option<Compiler> {
     host.output("rustup", &["--version"])?;
     host.announce(&format!("adding {TARGET} with rustup: the boards' firmware is compiled for it"));
     let arguments = ["target", "add", TARGET];
-    let job = Job { program: "rustup", arguments: &arguments, patience: Some(RUSTUP_PATIENCE), download: None };
+    let job =
+        Job { program: "rustup", arguments: &arguments, patience: Some(RUSTUP_PATIENCE), download: None };
     match host.run(&job) {
         Ok(()) => with_target(host, &Pair::on_path()),
         Err(reason) => {

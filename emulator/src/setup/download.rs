@@ -96,7 +96,10 @@ mod tests {
         fs::write(folder.path().join("partial/b.deb"), [0; 40]).unwrap();
         assert_eq!(size(folder.path()), 340);
         assert_eq!(size(&folder.path().join("none")), 0);
-        assert_eq!((megabytes(0), megabytes(1), megabytes(32_800_001)), ("0 MB".into(), "1 MB".into(), "33 MB".into()));
+        assert_eq!(
+            (megabytes(0), megabytes(1), megabytes(32_800_001)),
+            ("0 MB".into(), "1 MB".into(), "33 MB".into())
+        );
     }
 
     #[test]

@@ -49,7 +49,7 @@ pub enum Unfetched {
         reason: String,
     },
     /// The package lists offer a version that is too old.
-    #[error("the package lists offer {package} {version} only")]
+    #[error("the package lists offer {package} {version} only: put a newer one on PATH")]
     Old {
         /// The package.
         package: String,
@@ -57,7 +57,9 @@ pub enum Unfetched {
         version: String,
     },
     /// The packages are built for a newer system.
-    #[error("{packages} of the package lists needs a newer C library than this machine's: upgrade the system")]
+    #[error(
+        "{packages} of the package lists needs a newer C library than this machine's: upgrade the system"
+    )]
     CLibrary {
         /// What was asked for.
         packages: String,

@@ -78,8 +78,8 @@ impl PackageSet {
         host.announce("reading the package lists");
         let updated = apt.update();
         let mut refused = Unfetched::NoApt(self.elsewhere);
-        for (k, packages) in self.choices.iter().enumerate() {
-            let error = match apt.plan(packages) {
+        for packages in self.choices {
+            refused = match apt.plan(packages) {
                 Ok(plan) => match self.check(packages, &plan) {
                     Ok(()) => return Ok((packages, plan)),
                     Err(error) => error,
@@ -87,9 +87,6 @@ impl PackageSet {
                 // Lists that could not be updated are the reason why they offer nothing.
                 Err(reason) => failed(packages, updated.clone().err().unwrap_or(reason)),
             };
-            if k == 0 {
-                refused = error;
-            }
         }
         Err(refused)
     }
@@ -117,7 +114,13 @@ impl PackageSet {
     }
 
     /// Unpacks beside the set's folder and renames: a folder with the set's name is complete.
-    fn unpack(&self, host: &dyn Host, archives: &[PathBuf], packages: &[&str], folder: &Path) -> Result<(), Unfetched> {
+    fn unpack(
+        &self,
+        host: &dyn Host,
+        archives: &[PathBuf],
+        packages: &[&str],
+        folder: &Path,
+    ) -> Result<(), Unfetched> {
         let unwritable = |error: io::Error| unwritable(folder, &error);
         let home = folder.join(self.name);
         let fresh = folder.join(format!("{}.new", self.name));

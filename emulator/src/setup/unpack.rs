@@ -54,7 +54,8 @@ fn redirect_links(root: &Path, folder: &Path) -> io::Result<()> {
             && let Ok(below) = fs::read_link(&path)?.strip_prefix("/")
             && root.join(below).exists()
         {
-            let up = path.strip_prefix(root).map_or(0, |inside| inside.components().count().saturating_sub(1));
+            let up =
+                path.strip_prefix(root).map_or(0, |inside| inside.components().count().saturating_sub(1));
             let relative: PathBuf = std::iter::repeat_n(Path::new(".."), up).collect();
             fs::remove_file(&path)?;
             symlink(relative.join(below), &path)?;
