@@ -56,6 +56,8 @@ pub struct Plan {
     pub packages: Vec<(String, String)>,
     /// Size of the archives that are still to be downloaded (bytes).
     pub bytes: u64,
+    /// Archives of a repository on disk, which apt checks and leaves where they are.
+    pub local: Vec<PathBuf>,
 }
 
 impl Plan {
@@ -107,6 +109,7 @@ impl<'a> Apt<'a> {
         Ok(Plan {
             packages: simulated.lines().filter_map(simulated_package).collect(),
             bytes: addresses.lines().filter_map(address_size).sum(),
+            local: addresses.lines().filter_map(local_archive).collect(),
         })
     }
 
@@ -120,17 +123,25 @@ impl<'a> Apt<'a> {
         self.run(&[&["install", "--download-only"], packages].concat(), Some(Download { folder, total }))
     }
 
-    /// The archives of a plan: apt moves one here when it is complete and its hash is right.
-    pub fn archives(&self, plan: &Plan) -> Vec<PathBuf> {
-        let start = |(name, version): &(String, String)| format!("{name}_{}_", version.replace(':', "%3a"));
-        let starts: Vec<String> = plan.packages.iter().map(start).collect();
+    /// The archives of a downloaded plan: apt moves one here when it is complete and its hash is right.
+    ///
+    /// # Errors
+    /// When one is missing.
+    pub fn archives(&self, plan: &Plan) -> Result<Vec<PathBuf>, String> {
+        let starts =
+            plan.packages.iter().map(|(name, version)| format!("{name}_{}_", version.replace(':', "%3a")));
+        let starts: Vec<String> = starts.collect();
         let wanted = |path: &PathBuf| {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             name.ends_with(".deb") && starts.iter().any(|start| name.starts_with(start))
         };
         let mut archives: Vec<PathBuf> = self.files().into_iter().filter(wanted).collect();
+        archives.extend_from_slice(&plan.local);
         archives.sort();
-        archives
+        if archives.len() < plan.packages.len() {
+            return Err(format!("{} archives for {} packages", archives.len(), plan.packages.len()));
+        }
+        Ok(archives)
     }
 
     /// Removes every archive.
@@ -214,6 +225,12 @@ fn address_size(line: &str) -> Option<u64> {
     line.strip_prefix('\'')?.split(' ').nth(2)?.parse().ok()
 }
 
+/// `'file:/srv/debian/libfdt1.deb' libfdt1.deb 20552 MD5Sum:...`.
+fn local_archive(line: &str) -> Option<PathBuf> {
+    let (path, _) = line.strip_prefix("'file:")?.split_once('\'')?;
+    Some(Path::new("/").join(path.trim_start_matches('/')))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -226,6 +243,8 @@ mod tests {
         assert_eq!(simulated_package("Conf libfdt1 (1.6.1-4+b1 Debian:12 [amd64])"), None);
         let line = "'http://deb.debian.org/debian/pool/libfdt1_1.6.1-4+b1_amd64.deb' libfdt1_1.6.1.deb 20552 MD5Sum:1";
         assert_eq!(address_size(line), Some(20552));
+        assert_eq!(local_archive(line), None);
+        assert_eq!(local_archive("'file:///srv/a.deb' a.deb 1 MD5Sum:1"), Some("/srv/a.deb".into()));
         assert_eq!(address_size("E: Unable to locate package"), None);
     }
 }

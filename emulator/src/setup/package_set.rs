@@ -54,7 +54,8 @@ impl PackageSet {
         let (packages, plan) = self.plan(host, &apt)?;
         self.announce(host, packages[0], &plan, &folder);
         apt.download(packages, &plan).map_err(|reason| failed(packages, reason))?;
-        self.unpack(host, &apt.archives(&plan), packages, &folder)?;
+        let archives = apt.archives(&plan).map_err(|reason| failed(packages, reason))?;
+        self.unpack(host, &archives, packages, &folder)?;
         apt.clean().map_err(unwritable)
     }
 
