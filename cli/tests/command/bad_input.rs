@@ -361,7 +361,7 @@ fn a_missing_emulator_with_no_way_to_fetch_it_is_one_line() {
     let nothing = bench.path("nothing");
     std::fs::create_dir(&nothing).unwrap();
     for words in ["pil", "pil --scenario all --json out.json"] {
-        let command = bench.command(words);
+        let mut command = bench.command(words);
         let line = bench.refuses(words, command.env("PATH", &nothing).env("STRAINWAVE_CACHE", &nothing));
         let wanted = "error: no qemu-system-arm 7.2 or newer on PATH: there is no apt-get to fetch it with; install it: ";
         assert!(line.starts_with(wanted), "{line}");

@@ -86,7 +86,10 @@ impl PackageSet {
                     Err(error) => error,
                 },
                 // Lists that could not be updated are the reason why they offer nothing.
-                Err(reason) => failed(packages, updated.clone().err().unwrap_or(reason)),
+                Err(reason) => match &updated {
+                    Err(update) => failed(self.choices[0], update.clone()),
+                    Ok(()) => failed(packages, reason),
+                },
             };
         }
         Err(refused)
