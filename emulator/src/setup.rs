@@ -1,7 +1,7 @@
 //! Makes a bare machine ready: a compiler for the boards' target, and QEMU.
 //!
 //! What is there is used; what is missing is fetched, and announced before it is, without changing the
-//! system: `rustup target add`, or Debian packages that are unpacked in the user's [cache](cache) folder.
+//! system: `rustup target add`, or Debian packages that are unpacked in the user's cache folder.
 //!
 //! ```text
 //! compiler, emulator -> package_set: lock, fetch, unpack, rename
