@@ -394,6 +394,7 @@ fn mistakes_on_the_command_line_are_one_line_too() {
         ("sim --gears g.toml", "error: unexpected argument '--gears' found"),
         ("sim --gear", "error: a value is required for '--gear <G.toml>' but none was supplied"),
         ("verify everything", "error: invalid value 'everything' for '[PART]'"),
+        ("verify robustness --row nothing", "error: invalid value 'nothing' for '--row <NAME>'"),
         ("pil --scenario S9", "error: invalid value 'S9' for '--scenario <S1..S6|all>'"),
         ("pil --seed -1", "error: unexpected argument '-1' found"),
         ("pil --seed many", "error: invalid value 'many' for '--seed <SEED>'"),
