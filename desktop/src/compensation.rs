@@ -55,7 +55,7 @@ const RIPPLE_SPEEDS: [f64; 2] = [1.0, 60.0];
 
 /// The disturbance path, from what of the joint is not known.
 ///
-/// - A joint that stands may hide the static friction of both sides, seen at the output: dead zone, and play at rest.
+/// - A joint may hide the static friction of both sides, seen at the output: dead zone.
 /// - The motor's torque is known to its constant's and the rotor's inertia to its tolerance: the dead zone is wider by
 ///   both of the torque that is fed forward.
 /// - A gear that is wound up by the share s of a load has the stiffness K/(1 - s*K/K_model), infinite at s = K_model/K:
@@ -71,7 +71,6 @@ pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
         dead_zone: R::lit(hidden),
         tolerance: R::lit(n * TORQUE_TOLERANCE),
         wound_up: R::lit(FAST_SHARE),
-        play: R::lit(hidden),
     }
 }
 

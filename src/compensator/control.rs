@@ -219,7 +219,7 @@ impl<R: Real> Compensator<R> {
                 - state.observer.output_friction()
                 - (demand.accelerating - self.behind * demand.accelerating_rate)
                 + load,
-            measured: measured.is_some(),
+            measured,
         };
         let shift = self.output_feedback.step(&mut state.output_feedback, &deviation, !state.limited);
         let share = shares.output_feedback * R::from_i32(self.gear.ratio().n());

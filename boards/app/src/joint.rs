@@ -345,7 +345,6 @@ pub const JOINT: JointParams<f32> = JointParams {
         dead_zone: 6.3,
         tolerance: 20.0,
         wound_up: 0.5,
-        play: 6.3,
     },
     feedback: FeedbackParams {
         position_gain: 94.24778,

@@ -8,7 +8,7 @@
 //!
 //! theta_fs, omega_fs, tau_t and tau_fric_out are the observer's, q the setpoint, J_fs as the feed-forward winds the
 //! gear up for it, d the external torque as far as it is compensated ([`crate::compensator::estimate::disturbance`]).
-//! m is e, less what an output encoder hides. The shift (rad at the output) is added to where the motor side should
+//! m is the output encoder's angle less q, less what a count hides; without that encoder e. The shift (rad at the output) is added to where the motor side should
 //! be, and the cascade follows it.
 //!
 //! With a motor that follows, the load on its spring obeys J_fs*e'' = K*(shift - e): the torsion mode of frequency
@@ -17,8 +17,9 @@
 //! negative damping of the mode. b does so only where the delay passes a quarter of the mode's period. The gains
 //! follow from omega by the rules of `strainwave design`, which prints the margins.
 //!
-//! Where the setpoint rests, m with an output encoder is what of e exceeds 0.4 of its counts: static friction and the
-//! integral would answer every change of the last count. z only runs where the setpoint is slow: what a fast move
+//! Where the setpoint rests, m with an output encoder is what exceeds one of its counts: static friction and the
+//! integral would answer every change of the last count. It is the measured angle that z integrates, not the estimated
+//! one, which is off by what friction of another structure than the model's does. z only runs where the setpoint is slow: what a fast move
 //! leaves, the wind-up of a gear that is stiffer or softer than its model, changes its sign before z could follow. z
 //! and the shift are limited. Discretisation: explicit Euler. Units: rad, rad/s, N m; signs as in [`crate::gear`].
 //!
@@ -81,8 +82,8 @@ pub struct Deviation<R> {
     pub asked_velocity: R,
     /// J_fs*e'' (N m).
     pub torque: R,
-    /// An output encoder shows it.
-    pub measured: bool,
+    /// Output encoder's angle less q (rad), where it reads.
+    pub measured: Option<R>,
 }
 
 /// What is added to where the motor side should be, at the output.
@@ -131,14 +132,14 @@ impl<R: Real> OutputFeedback<R> {
         if speed >= self.slow {
             return R::ZERO;
         }
-        let hidden = if deviation.measured && speed == R::ZERO { self.hidden } else { R::ZERO };
-        deviation.position - deviation.position.limit(hidden)
+        let hidden = if speed == R::ZERO { self.hidden } else { R::ZERO };
+        deviation.measured.map_or(deviation.position, |measured| measured.dead_zone(hidden))
     }
 
     /// One turn; `runs` is false while the motor cannot follow, and z stands still.
     #[inline(always)]
     pub fn step(&self, state: &mut OutputFeedbackState<R>, deviation: &Deviation<R>, runs: bool) -> Shift<R> {
-        let set = usize::from(deviation.measured);
+        let set = usize::from(deviation.measured.is_some());
         let (gains, filter_gain) = (&self.gains[set], self.filter_gains[set]);
         state.first_pole += filter_gain * (self.error(deviation) - state.first_pole);
         state.filtered += filter_gain * (state.first_pole - state.filtered);
@@ -175,7 +176,7 @@ mod tests {
         let periods = (seconds / DT) as usize;
         for k in 0..periods {
             let deviation =
-                Deviation { position: e, velocity: rate, torque, measured: false, asked_velocity: 0.0 };
+                Deviation { position: e, velocity: rate, torque, measured: None, asked_velocity: 0.0 };
             let shift = feedback.step(&mut state, &deviation, true);
             for _ in 0..16 {
                 torque = STIFFNESS * (shift.angle - e);
@@ -233,12 +234,12 @@ mod tests {
         let feedback = feedback(OutputFeedbackParams { integral: 30.0, ..GAINS });
         let integral = |position, asked_velocity| {
             let mut state = OutputFeedbackState::default();
-            let deviation = Deviation { position, measured: true, asked_velocity, ..Deviation::default() };
+            let deviation = Deviation { measured: Some(position), asked_velocity, ..Deviation::default() };
             feedback.step(&mut state, &deviation, true);
             state.integral
         };
-        assert_eq!(integral(4.7e-6, 0.0), 0.0);
-        assert!(integral(4.7e-6, 0.1) > 0.0 && integral(6e-6, 0.0) > 0.0);
+        assert_eq!(integral(11.0e-6, 0.0), 0.0);
+        assert!(integral(11.0e-6, 0.1) > 0.0 && integral(13e-6, 0.0) > 0.0);
     }
 
     #[test]
