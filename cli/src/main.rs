@@ -12,6 +12,7 @@ mod pil;
 mod pil_plots;
 mod progress;
 mod report;
+mod setup;
 mod sim;
 mod tune;
 mod usage;
@@ -47,6 +48,7 @@ enum Command {
     Identify(identify::Arguments),
     Pil(pil::Arguments),
     Report(report::Arguments),
+    Setup(setup::Arguments),
     Sim(sim::Arguments),
     Tune(tune::Arguments),
     Verify(verify::Arguments),
@@ -58,6 +60,7 @@ fn run(command: Command) -> Result<Figures, BadInput> {
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Pil(arguments) => pil::run(&arguments),
         Command::Report(arguments) => report::run(&arguments),
+        Command::Setup(arguments) => setup::run(&arguments),
         Command::Sim(arguments) => sim::run(&arguments),
         Command::Tune(arguments) => tune::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),

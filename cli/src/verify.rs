@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, value_parser};
 use strainwave_desktop::plant::unknowns::Which;
 use strainwave_desktop::verify::flexspline::speed;
@@ -61,7 +61,8 @@ pub struct Arguments {
 }
 
 fn row_parser() -> impl TypedValueParser<Value = String> {
-    PossibleValuesParser::new(Which::every().map(Which::name)).map(String::from)
+    let rows = Which::every().map(|row| PossibleValue::new(row.name()).help(row.what()));
+    PossibleValuesParser::new(rows).map(String::from)
 }
 
 fn part_parser() -> impl TypedValueParser<Value = String> {
