@@ -143,6 +143,7 @@ impl<C: FnMut(&BaselineGains, f64) -> f64> CostFunction for &Problem<C> {
 mod tests {
     use super::*;
     use crate::baseline::GAINS;
+    use crate::gear_file::Baselines;
 
     #[test]
     fn a_coordinate_is_a_place_in_its_range() {
@@ -185,11 +186,14 @@ mod tests {
         }
     }
 
-    /// On one plant, twice: better than the start, and the same.
+    /// From slow loops, on one plant, twice: better than the start, and the same.
     #[test]
     fn tuning_improves_and_repeats() {
         let mut file = GearFile::default_gear();
-        file.baselines = None;
+        let untuned = BaselineGains::untuned(&file, Kind::B0);
+        let slow = BaselineGains { position_bandwidth: 5.0, velocity_bandwidth: 25.0, ..untuned };
+        file.baselines = Some(Baselines::default());
+        file.baselines.iter_mut().for_each(|stored| stored.set(Kind::B0, &slow));
         let tuned = || tune(&file, Kind::B0, [901], 20, |_| ()).unwrap();
         let found = tuned();
         assert!(found.after.1.logarithm() < found.before.1.logarithm(), "{found:?}");
