@@ -14,6 +14,7 @@ mod progress;
 mod report;
 mod setup;
 mod sim;
+mod tune;
 mod usage;
 mod verify;
 
@@ -49,6 +50,7 @@ enum Command {
     Report(report::Arguments),
     Setup(setup::Arguments),
     Sim(sim::Arguments),
+    Tune(tune::Arguments),
     Verify(verify::Arguments),
 }
 
@@ -60,6 +62,7 @@ fn run(command: Command) -> Result<Figures, BadInput> {
         Command::Report(arguments) => report::run(&arguments),
         Command::Setup(arguments) => setup::run(&arguments),
         Command::Sim(arguments) => sim::run(&arguments),
+        Command::Tune(arguments) => tune::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
     }
 }

@@ -70,8 +70,9 @@ const fn positive(most: f64, unit: &'static str) -> Allowed {
 const ARRANGEMENTS: &[&str] = &["circular_spline_fixed", "flexspline_fixed"];
 /// The keys in the order of the file. The ranges hold any strain-wave gear from a finger joint to a
 /// turntable with room to spare; they keep slips of unit (mm for m, degrees for rad) and nonsense out.
-pub const KEYS: &[Key] =
-    &joined::<{ GEAR.len() + INPUT.len() + OUTPUT.len() + CONTROL.len() }>(&[GEAR, INPUT, OUTPUT, CONTROL]);
+pub const KEYS: &[Key] = &joined::<
+    { GEAR.len() + INPUT.len() + OUTPUT.len() + CONTROL.len() + BASELINES.len() },
+>(&[GEAR, INPUT, OUTPUT, CONTROL, BASELINES]);
 
 /// The parts one after the other, `N` keys in all.
 const fn joined<const N: usize>(parts: &[&[Key]]) -> [Key; N] {
@@ -195,6 +196,34 @@ const CONTROL: &[Key] = &[
     optional("learnt.ripple_torque_cosines_nm", Allowed::Numbers(RIPPLE_MAP, 1e3, "N m")),
     optional("learnt.ripple_torque_sines_nm", Allowed::Numbers(RIPPLE_MAP, 1e3, "N m")),
 ];
+
+/// The keys of `[baselines.b0]` and so on: those of the cascade, then its own.
+macro_rules! baselines {
+    ($($section:literal: $($name:literal $allowed:expr),*;)*) => {
+        &[$($(optional(concat!("baselines.", $section, ".", $name), $allowed)),*),*]
+    };
+    ($($section:literal + $($name:literal $allowed:expr),*;)*) => {
+        baselines! { $($section:
+            "position_bandwidth_hz" within(1.0, 100.0, "Hz"),
+            "velocity_bandwidth_hz" within(5.0, 300.0, "Hz"),
+            "integral_time_s" within(0.003, 1.0, "s"),
+            "speed_filter_factor" within(2.0, 40.0, "1")
+            $(, $name $allowed)*;
+        )* }
+    };
+}
+
+const BASELINES: &[Key] = baselines! {
+    "b0" +;
+    "b1" + "friction_share" within(0.0, 1.0, "1");
+    "b2" + "friction_share" within(0.0, 1.0, "1");
+    "b3" +
+        "friction_share" within(0.0, 1.0, "1"),
+        "output_proportional" within(0.01, 10.0, "1"),
+        "output_integral_per_s" within(0.1, 300.0, "1/s"),
+        "output_derivative_s" within(1e-5, 0.1, "s"),
+        "output_low_pass_hz" within(5.0, 2000.0, "Hz");
+};
 
 /// How one number must stand to another in the same file.
 #[derive(Clone, Copy, Debug)]

@@ -10,6 +10,7 @@
 //! Signs and symbols: the signed ratio is r = -1/N with the circular spline fixed and +1/(N+1) with
 //! the flexspline fixed (then the output is the circular spline).
 
+mod baselines;
 mod check;
 pub mod friction;
 mod keys;
@@ -24,6 +25,7 @@ use strainwave::{Ratio, Real};
 use toml::Table;
 
 use crate::file::{self, BadInput};
+pub use baselines::{Baselines, StoredGains};
 pub use friction::{Backward, BothFrictions, Friction, FrictionModel, StateRow};
 pub use keys::{Allowed, KEYS, Key, RELATIONS, Relation};
 pub use learnt::Learnt;
@@ -77,6 +79,9 @@ pub struct GearFile {
     /// What a compensator has learnt of the joint; nothing when it is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub learnt: Option<Learnt>,
+    /// What the baselines were tuned to; their rule stands for what is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub baselines: Option<Baselines>,
 }
 
 /// Which of the three parts stands still.

@@ -2,6 +2,7 @@
 //!
 //! These parts need no emulator; what is measured on the firmware image stands with the emulator.
 
+pub mod baselines;
 pub mod compensator;
 pub mod flexspline;
 pub mod friction;

@@ -1,8 +1,9 @@
 //! A gear that has every key, and changes of it.
 
 use strainwave_desktop::GearFile;
-use strainwave_desktop::gear_file::Learnt;
+use strainwave_desktop::baseline::{BaselineGains, Kind};
 use strainwave_desktop::gear_file::friction::{Backward, Friction, StateRow};
+use strainwave_desktop::gear_file::{Baselines, Learnt};
 use toml::{Table, Value};
 
 use crate::{LARA8, parse};
@@ -16,12 +17,22 @@ pub fn full() -> Table {
     (gear.sensors.output_encoder_delay, gear.sensors.output_encoder_period) = (3, 10);
     (gear.sensors.motor_encoder_noise, gear.sensors.output_encoder_noise) = (Some(1e-5), Some(2e-5));
     gear.learnt = Some(learnt());
+    gear.baselines = Some(baselines(&gear));
     gear.hysteresis.half_range = Some(2e-3);
     gear.hysteresis.weights = Some(vec![vec![0.1], vec![0.3, 0.2], vec![0.5, 0.3, 0.1]]);
     for side in [&mut gear.friction.input, &mut gear.friction.output] {
         *side = every_friction(side);
     }
     gear.to_toml().parse().unwrap()
+}
+
+/// What the baselines may be tuned to.
+fn baselines(gear: &GearFile) -> Baselines {
+    let mut tuned = Baselines::default();
+    for kind in Kind::ALL {
+        tuned.set(kind, &BaselineGains::untuned(gear, kind));
+    }
+    tuned
 }
 
 /// What a compensator may have learnt.

@@ -10,6 +10,7 @@ use strainwave::gear::GearParams;
 use crate::bench::Bench;
 use crate::closed_loop::{Controller, Row, go_on};
 use crate::divergence::RunError;
+use crate::gear_file::GearFile;
 use crate::joint::CONTROL_PERIOD;
 use crate::judge::{Judge, Mark, rms, without_slow_part};
 use crate::scenario::{Rest, Scenario};
@@ -67,7 +68,7 @@ pub struct Course {
     /// The same of the motor's torque, in rated torques.
     pub torque_at_rest: f64,
     /// At the torque limit in the judged part (s).
-    limited: f64,
+    pub limited: f64,
 }
 
 impl Course {
@@ -114,7 +115,16 @@ pub struct Judged<'a> {
     pub rated: f64,
 }
 
-impl Judged<'_> {
+impl<'a> Judged<'a> {
+    /// What judges the runs of a joint that is known as `known` and is `plant`.
+    pub fn of(known: &GearFile, plant: &'a GearParams<f64>) -> Self {
+        Self {
+            plant,
+            torque_limit: known.motor.peak_torque,
+            rated: known.gear.rated_torque / f64::from(known.gear.ratio),
+        }
+    }
+
     /// Works, and goes into each of these scenarios from there.
     ///
     /// # Errors
@@ -138,7 +148,11 @@ impl Judged<'_> {
         Ok(courses)
     }
 
-    fn course<F: Flexspline<f64>, C: Controller<Error = RunError>>(
+    /// One scenario from where bench and controller are, then the rest.
+    ///
+    /// # Errors
+    /// As [`Bench::go`].
+    pub(crate) fn course<F: Flexspline<f64>, C: Controller<Error = RunError>>(
         &self,
         mut bench: Bench<F>,
         mut controller: C,

@@ -72,6 +72,8 @@ pub struct Rival {
 pub const RIVALS: &[Rival] = &[
     Rival { name: "b0", sensors: SensorSet::Motor, build: Baseline::b0 },
     Rival { name: "b1", sensors: SensorSet::Motor, build: Baseline::b1 },
+    Rival { name: "b2", sensors: SensorSet::Motor, build: Baseline::b2 },
+    Rival { name: "b3", sensors: SensorSet::Both, build: Baseline::b3 },
 ];
 
 /// Everything that ran on one plant with one noise.
@@ -103,7 +105,7 @@ fn asks_for_the_map(which: Which) -> bool {
 
 /// The plant without orders of the flexspline that the case has too: over the few turns of S4 order k and k - k/n of the
 /// motor's angle are one.
-fn told_apart(plant: &GearParams<f64>) -> GearParams<f64> {
+pub(crate) fn told_apart(plant: &GearParams<f64>) -> GearParams<f64> {
     let mut judged = *plant;
     let error = &mut judged.kinematic_error;
     let has = |order| error.case.iter().any(|term| term.amplitude != 0.0 && term.order == order);
@@ -153,11 +155,7 @@ impl Job {
         let known = &sample.known;
         let joint = if known == file { *joint } else { joint_params(known)? };
         let plant = told_apart(&sample.params);
-        let judged = Judged {
-            plant: &plant,
-            torque_limit: known.motor.peak_torque,
-            rated: known.gear.rated_torque / f64::from(known.gear.ratio),
-        };
+        let judged = Judged::of(known, &plant);
         let bench = |sensors| {
             let conditions =
                 Conditions { sensors, realisation: self.realisation, ..Conditions::of(known, self.seed) };

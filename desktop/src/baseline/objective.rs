@@ -1,0 +1,272 @@
+//! What a baseline is tuned for: one objective for all, on training plants.
+//!
+//! ```text
+//! ln J = mean over plants and scenarios of (1/n)*sum_k ln sqrt(x_k^2 + f^2)  +  bad*ln 2  +  lost
+//! ```
+//!
+//! x_k are the n figures of a scenario, each in rad, J their geometric mean:
+//!
+//! | scenario | figures |
+//! | --- | --- |
+//! | S1 | residual vibration of the torsion |
+//! | S2 | rms output error |
+//! | S3 | residual vibration of the torsion, rms output error after the move |
+//! | S4 | ripple of the output error, rms output error |
+//! | S5 | peak and steady output error |
+//!
+//! Claims name one figure each, so no figure may be paid for by another: lost is the sum, over the figures that are on
+//! average over the plants larger than the untuned baseline's, of the mean of ln(x/x_untuned).
+//!
+//! They are the marks of [`crate::judge`]. f = 1 urad: less than that gains next to nothing. Every bad run doubles J: one
+//! under which the plant diverges (its figures then count as [`LOST`]) or which keeps oscillating at rest or stays at its
+//! torque limit where the untuned B0 on the same plant does not ([`Course::shakes`], [`Course::is_limited`]).
+//!
+//! Half of the training plants, the even seeds, have every unknown at once ([`crate::plant::unknowns`]); the others are the
+//! box alone. On each the untuned B0 has worked ([`crate::working_motion`]) before; the baseline takes over at rest and has
+//! [`Rest::DURATION`] to settle.
+
+use std::thread;
+
+use strainwave::gear::GearParams;
+
+use super::{Baseline, BaselineGains, Kind};
+use crate::bench::{Bench, Conditions, SensorSet};
+use crate::divergence::RunError;
+use crate::gear_file::GearFile;
+use crate::judge::Mark;
+use crate::plant::CondensedMesh;
+use crate::plant::sample::PlantSample;
+use crate::plant::unknowns::Which;
+use crate::scenario::{Demand, Rest, Scenario};
+use crate::verify::robustness::{Course, Courses, JUDGED, Judged, told_apart};
+use crate::working_motion::WorkingMotion;
+
+/// A figure: the scenario, the mark and its name.
+pub type FigureOf = (Scenario, Mark, &'static str);
+
+/// What counts.
+pub const FIGURES: [FigureOf; 8] = [
+    (Scenario::S1, Mark::StepVibration, "s1.vibration"),
+    (Scenario::S2, Mark::Error, "s2.error"),
+    (Scenario::S3, Mark::MoveVibration, "s3.vibration"),
+    (Scenario::S3, Mark::Error, "s3.error"),
+    (Scenario::S4, Mark::Ripple, "s4.ripple"),
+    (Scenario::S4, Mark::Error, "s4.error"),
+    (Scenario::S5, Mark::Peak, "s5.peak"),
+    (Scenario::S5, Mark::Steady, "s5.steady"),
+];
+
+/// f (rad).
+const FLOOR: f64 = 1e-6;
+/// What a figure counts as where the plant diverged (rad).
+pub const LOST: f64 = 1.0;
+
+/// ln sqrt(x^2 + f^2) of a figure of a run; none where the plant diverged.
+fn logarithm((scenario, mark, _): &FigureOf, course: Option<&Course>) -> f64 {
+    let value = course.map_or(LOST, |course| course.mark(*scenario, *mark));
+    if value.is_finite() { value.hypot(FLOOR).ln() } else { LOST.ln() }
+}
+
+/// Mean over the plants of the logarithm of each figure.
+fn logarithms(runs: &[Courses]) -> [f64; FIGURES.len()] {
+    FIGURES.map(|figure| {
+        let place = JUDGED.iter().position(|scenario| *scenario == figure.0);
+        let of = |run: &Courses| logarithm(&figure, place.and_then(|place| run[place].as_ref()));
+        runs.iter().map(of).sum::<f64>() / runs.len() as f64
+    })
+}
+
+/// Mean over the scenarios of the mean of each one's figures.
+fn mean(logarithms: &[f64; FIGURES.len()]) -> f64 {
+    let of = |scenario| {
+        let own = FIGURES.iter().zip(logarithms).filter(|(figure, _)| figure.0 == scenario);
+        let (sum, count) = own.fold((0.0, 0.0), |(sum, count), (_, value)| (sum + value, count + 1.0));
+        sum / count
+    };
+    JUDGED.map(of).iter().sum::<f64>() / JUDGED.len() as f64
+}
+
+/// lost
+fn lost(logarithms: &[f64; FIGURES.len()], untuned: &[f64; FIGURES.len()]) -> f64 {
+    logarithms.iter().zip(untuned).map(|(ours, untuned)| (ours - untuned).max(0.0)).sum()
+}
+
+/// A run is bad beside that of the untuned B0; one that the B0 loses cannot be judged.
+fn is_bad(course: Option<&Course>, b0: Option<&Course>) -> bool {
+    match (course, b0) {
+        (Some(course), Some(b0)) => course.shakes(b0).is_some() || course.is_limited(b0),
+        (course, _) => course.is_none(),
+    }
+}
+
+/// A joint on the bench that has worked.
+struct Stand {
+    /// What its controller knows, and what it is.
+    known: GearFile,
+    plant: GearParams<f64>,
+    bench: Bench<CondensedMesh>,
+}
+
+impl Stand {
+    /// # Errors
+    /// A gear that cannot be built.
+    fn build(file: &GearFile, sensors: SensorSet, seed: u64) -> Result<Self, RunError> {
+        let sample = if seed.is_multiple_of(2) {
+            PlantSample::of(file, Which::All, seed)?
+        } else {
+            PlantSample::boxed(file, seed)?
+        };
+        let conditions = Conditions { sensors, ..Conditions::of(&sample.known, seed) };
+        let mut bench = Bench::condensed_of(&sample, &conditions)?;
+        let mut b0 = untuned(&sample.known, Kind::B0)?;
+        bench.go(&WorkingMotion, &mut b0, |_, _, _, _| ())?;
+        Ok(Self { plant: told_apart(&sample.params), known: sample.known, bench })
+    }
+
+    /// A baseline in one scenario; none where the plant diverges.
+    fn run(&self, baseline: &Baseline, scenario: Scenario) -> Result<Option<Course>, RunError> {
+        let (mut bench, mut baseline) = (self.bench.clone(), baseline.clone());
+        let judged = Judged::of(&self.known, &self.plant);
+        let rest = Rest { from: Demand::default() };
+        let settled = bench.go(&rest, &mut baseline, |_, _, _, _| ());
+        match settled.and_then(|()| judged.course(bench, baseline, scenario)) {
+            Ok(course) => Ok(Some(course)),
+            Err(RunError::Diverged(_)) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+fn untuned(file: &GearFile, kind: Kind) -> Result<Baseline, strainwave::Error> {
+    Baseline::with_gains(file, kind, &BaselineGains::untuned(file, kind))
+}
+
+/// The objective of one baseline.
+pub struct Objective {
+    kind: Kind,
+    stands: Vec<Stand>,
+    /// The untuned B0 on each stand in each scenario.
+    b0: Vec<Courses>,
+    /// The logarithms of the untuned baseline.
+    untuned: [f64; FIGURES.len()],
+}
+
+/// What some gains are worth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Score {
+    /// Geometric mean of the figures (rad).
+    pub mean: f64,
+    /// Bad runs.
+    pub bad: usize,
+    /// What it lost of the untuned baseline's figures.
+    pub lost: f64,
+}
+
+impl Score {
+    /// ln J, J in rad.
+    pub fn logarithm(&self) -> f64 {
+        self.mean.ln() + self.bad as f64 * 2f64.ln() + self.lost
+    }
+}
+
+impl Objective {
+    /// Of a baseline on the plants of these seeds.
+    ///
+    /// # Errors
+    /// A gear that no plant or baseline can be built for, or one that the untuned B0 loses.
+    pub fn build(
+        file: &GearFile,
+        kind: Kind,
+        seeds: impl IntoIterator<Item = u64>,
+    ) -> Result<Self, RunError> {
+        let stands = seeds.into_iter().map(|seed| Stand::build(file, kind.sensors(), seed));
+        let stands = stands.collect::<Result<_, _>>()?;
+        let mut objective = Self { kind, stands, b0: Vec::new(), untuned: [0.0; FIGURES.len()] };
+        objective.b0 = objective.courses(&|file| Ok(untuned(file, Kind::B0)?))?;
+        objective.untuned = logarithms(&objective.courses(&|file| Ok(untuned(file, kind)?))?);
+        Ok(objective)
+    }
+
+    /// What these gains are worth.
+    ///
+    /// # Errors
+    /// Gains that no baseline can be built with.
+    pub fn score(&self, gains: &BaselineGains) -> Result<Score, RunError> {
+        let courses = self.courses(&|file| Ok(Baseline::with_gains(file, self.kind, gains)?))?;
+        let pairs = courses.iter().flatten().zip(self.b0.iter().flatten());
+        let bad = pairs.filter(|(run, b0)| is_bad(run.as_ref(), b0.as_ref())).count();
+        let found = logarithms(&courses);
+        Ok(Score { mean: mean(&found).exp(), bad, lost: lost(&found, &self.untuned) })
+    }
+
+    /// Stand by stand, on two threads.
+    fn courses(
+        &self,
+        build: &(dyn Fn(&GearFile) -> Result<Baseline, RunError> + Sync),
+    ) -> Result<Vec<Courses>, RunError> {
+        let on = |stand: &Stand| -> Result<Courses, RunError> {
+            let baseline = build(&stand.known)?;
+            let mut courses = Courses::default();
+            for (course, scenario) in courses.iter_mut().zip(JUDGED) {
+                *course = stand.run(&baseline, scenario)?;
+            }
+            Ok(courses)
+        };
+        let (first, second) = self.stands.split_at(self.stands.len() / 2);
+        thread::scope(|scope| {
+            let first = scope.spawn(|| first.iter().map(on).collect::<Vec<_>>());
+            let second: Vec<_> = second.iter().map(on).collect();
+            let first = first.join().expect("a run does not panic");
+            first.into_iter().chain(second).collect()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A run of S2 with this error.
+    fn course(error: f64) -> Course {
+        Course { marks: vec![error], ..Course::default() }
+    }
+
+    #[test]
+    fn a_figure_has_a_floor() {
+        let of = |course: Option<&Course>| logarithm(&FIGURES[1], course).exp();
+        assert!((of(Some(&course(1e-3))) / 1e-3 - 1.0).abs() < 1e-6);
+        assert!((of(Some(&course(0.0))) / 1e-6 - 1.0).abs() < 1e-6);
+        // What is no number is as bad as a plant that is lost.
+        assert!((of(Some(&course(f64::NAN))) - LOST).abs() < 1e-9 && (of(None) - LOST).abs() < 1e-9);
+    }
+
+    /// Every scenario counts alike, and half of S5 is the peak.
+    #[test]
+    fn the_mean_is_of_scenarios() {
+        let at = |place: usize| mean(&std::array::from_fn(|k| f64::from(u8::from(k == place))));
+        assert!((at(1) - 0.2).abs() < 1e-12 && (at(6) - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_lost_is_not_made_up_for() {
+        let untuned = [0.0; FIGURES.len()];
+        let mut tuned = untuned;
+        (tuned[0], tuned[1]) = (-5.0, 0.3);
+        assert!((lost(&tuned, &untuned) - 0.3).abs() < 1e-12 && lost(&untuned, &untuned) == 0.0);
+    }
+
+    #[test]
+    fn what_shakes_or_diverges_is_bad_and_doubles() {
+        let (good, shaking) = (course(1e-4), Course { torsion_at_rest: 1e-4, ..course(1e-4) });
+        let bad = |ours: Option<&Course>| is_bad(ours, Some(&good));
+        assert_eq!([bad(Some(&good)), bad(Some(&shaking)), bad(None)], [false, true, true]);
+        assert_eq!(Score { mean: 1.0, bad: 2, lost: 0.0 }.logarithm(), 4f64.ln());
+    }
+
+    #[test]
+    fn every_scenario_has_a_figure() {
+        for scenario in JUDGED {
+            assert!(FIGURES.iter().any(|figure| figure.0 == scenario));
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! `[baselines.b0]` to `[baselines.b3]`: what the baselines were tuned to on this gear.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use toml_edit::{DocumentMut, Item, Table};
+
+use super::GearFile;
+use crate::baseline::{BaselineGains, Kind};
+use crate::file::{self, BadInput};
+
+/// The gains of each baseline that was tuned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Baselines {
+    /// The cascade alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub b0: Option<StoredGains>,
+    /// With a rigid joint's feed-forward.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub b1: Option<StoredGains>,
+    /// With kinematic error and wind-up put in advance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub b2: Option<StoredGains>,
+    /// With the output's error fed back too.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub b3: Option<StoredGains>,
+}
+
+macro_rules! stored {
+    ($($(#[$doc:meta])* $field:ident $key:literal,)*) => {
+        /// Gains of one baseline; what is left out is as if it had not been tuned.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct StoredGains {
+            $($(#[$doc])* #[serde(rename = $key, default, skip_serializing_if = "Option::is_none")] pub $field: Option<f64>,)*
+        }
+
+        impl StoredGains {
+            /// These gains, and `rule` for what is left out.
+            pub fn over(&self, rule: &BaselineGains) -> BaselineGains {
+                BaselineGains { $($field: self.$field.unwrap_or(rule.$field),)* }
+            }
+        }
+    };
+}
+
+stored! {
+    /// Bandwidth of the position loop (Hz).
+    position_bandwidth "position_bandwidth_hz",
+    /// Bandwidth of the velocity loop (Hz).
+    velocity_bandwidth "velocity_bandwidth_hz",
+    /// Integral time of the velocity loop (s).
+    integral_time "integral_time_s",
+    /// Corner of the speed's low pass in multiples of the velocity bandwidth.
+    speed_filter_factor "speed_filter_factor",
+    /// Share of the friction that is fed forward.
+    friction_share "friction_share",
+    /// P of the output's error.
+    output_proportional "output_proportional",
+    /// I of the output's error (1/s).
+    output_integral "output_integral_per_s",
+    /// D of the output's error (s).
+    output_derivative "output_derivative_s",
+    /// Corner of its low pass (Hz).
+    output_low_pass "output_low_pass_hz",
+}
+
+impl StoredGains {
+    /// The gains that a baseline of this kind has.
+    pub fn new(kind: Kind, gains: &BaselineGains) -> Self {
+        let mut stored = Self::default();
+        for gain in kind.gains() {
+            *(gain.stored)(&mut stored) = Some((gain.get)(gains));
+        }
+        stored
+    }
+}
+
+impl Baselines {
+    /// Those of one baseline.
+    pub fn of(&self, kind: Kind) -> Option<&StoredGains> {
+        [&self.b0, &self.b1, &self.b2, &self.b3][kind as usize].as_ref()
+    }
+
+    /// Puts in those of one baseline.
+    pub fn set(&mut self, kind: Kind, gains: &BaselineGains) {
+        let places = [&mut self.b0, &mut self.b1, &mut self.b2, &mut self.b3];
+        *places.into_iter().nth(kind as usize).expect("there is a place for each kind") =
+            Some(StoredGains::new(kind, gains));
+    }
+
+    /// Writes the gear file of this `text` with these sections to `path`, complete or not at all. All else of it,
+    /// comments and other baselines too, stays as it is.
+    ///
+    /// # Errors
+    /// A gain is out of the file's range, `text` is no gear file, or the file cannot be written.
+    pub fn keep_in(&self, text: &str, path: &Path) -> Result<(), BadInput> {
+        let kept = self.put_into(text).map_err(|error| BadInput::new(path, error.message()))?;
+        GearFile::parse(path, kept.as_bytes())?;
+        file::write(path, |out| Ok(out.write_all(kept.as_bytes())?))
+    }
+
+    /// The text with these sections, each where it stood, at the end where there was none.
+    fn put_into(&self, text: &str) -> Result<String, toml_edit::TomlError> {
+        let mut document: DocumentMut = text.parse()?;
+        let tuned = toml_edit::ser::to_document(self).expect("every field has a TOML form");
+        let mut section = match document.remove("baselines").map(Item::into_table) {
+            Some(Ok(section)) => section,
+            _ => Table::new(),
+        };
+        section.set_implicit(true);
+        for (name, gains) in tuned.iter() {
+            let gains = gains.clone().into_table().expect("a struct's form is a table");
+            let mut kept = section.get(name).and_then(Item::as_table).cloned().unwrap_or_default();
+            kept.clear();
+            kept.extend(gains);
+            section.insert(name, Item::Table(kept));
+        }
+        document.insert("baselines", Item::Table(section));
+        Ok(document.to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::baseline::GAINS;
+    use crate::gear_file::KEYS;
+    use crate::gear_file::keys::Allowed;
+
+    fn plain() -> String {
+        let mut file = GearFile::default_gear();
+        file.baselines = None;
+        file.to_toml()
+    }
+
+    fn parsed(text: &str) -> Result<GearFile, String> {
+        GearFile::parse(Path::new("kept.toml"), text.as_bytes()).map_err(|error| error.to_string())
+    }
+
+    fn gains() -> BaselineGains {
+        let rule = BaselineGains::untuned(&GearFile::default_gear(), Kind::B3);
+        BaselineGains { position_bandwidth: 28.5, output_integral: 33.3, ..rule }
+    }
+
+    fn tuned() -> Baselines {
+        let mut tuned = Baselines::default();
+        tuned.set(Kind::B0, &gains());
+        tuned.set(Kind::B3, &gains());
+        tuned
+    }
+
+    #[test]
+    fn what_is_stored_is_what_a_baseline_is_built_with() {
+        let kept = tuned().put_into(&plain()).unwrap();
+        let file = parsed(&kept).unwrap();
+        assert_eq!(file.baselines, Some(tuned()));
+        assert_eq!(BaselineGains::of(&file, Kind::B3), gains());
+        assert_eq!(BaselineGains::of(&file, Kind::B1), BaselineGains::untuned(&file, Kind::B1));
+        assert_eq!(parsed(&file.to_toml()).unwrap(), file);
+    }
+
+    /// A section is replaced, and comments and the other sections are there to the letter.
+    #[test]
+    fn the_rest_of_the_file_stays_as_it_is() {
+        let before = format!("# ours\n{}\n# by hand\n[baselines.b1]\nfriction_share = 0.7\n", plain());
+        let once = tuned().put_into(&before).unwrap();
+        assert!(once.starts_with(&before), "{once}");
+        assert_eq!(tuned().put_into(&once).unwrap(), once);
+        let file = parsed(&once).unwrap();
+        assert_eq!(BaselineGains::of(&file, Kind::B1).friction_share, 0.7);
+    }
+
+    #[test]
+    fn a_gain_out_of_range_and_one_of_another_baseline_are_named() {
+        let refused = |section: &str| parsed(&format!("{}\n{section}\n", plain())).unwrap_err();
+        let wrong = refused("[baselines.b3]\noutput_low_pass_hz = 1e5");
+        assert!(
+            wrong.contains("baselines.b3.output_low_pass_hz = 100000") && wrong.contains("2000 Hz"),
+            "{wrong}"
+        );
+        let other = refused("[baselines.b2]\noutput_proportional = 1.0");
+        assert!(other.contains("unknown key baselines.b2.output_proportional"), "{other}");
+    }
+
+    /// The table of keys and the table of gains say the same.
+    #[test]
+    fn every_gain_has_its_key() {
+        for kind in Kind::ALL {
+            for gain in kind.gains() {
+                let path = format!("baselines.{}.{}", kind.name(), gain.key);
+                let key = KEYS.iter().find(|key| key.path == path).unwrap_or_else(|| panic!("{path}"));
+                let Allowed::Number(..) = key.allowed else { panic!("{path}") };
+                for (share, holds) in [(1.0, true), (1.001, false)] {
+                    let [least, most] = gain.range;
+                    assert!(
+                        key.optional && key.allowed.holds(least) && key.allowed.holds(most * share) == holds
+                    );
+                }
+            }
+        }
+        let keys = KEYS.iter().filter(|key| key.path.starts_with("baselines.")).count();
+        assert_eq!(keys, Kind::ALL.map(|kind| kind.gains().count()).iter().sum::<usize>());
+        assert_eq!(GAINS.len(), 9);
+    }
+}
