@@ -88,11 +88,14 @@ impl<R: Real> Compensator<R> {
     #[inline(never)] // The timing budget counts it by its symbol.
     pub fn output(&self, state: &State<R>) -> Output<R> {
         let [ahead, feed_forward] = state.sent;
+        let mut estimate = self.observer.estimate(&state.observer, &state.known);
+        // What has been learnt as gravity acts from outside, too.
+        estimate.external_torque += state.learning.gravity_torque();
         Output {
             motor_torque: state.fallback.torque(),
             feed_forward_torque: feed_forward.limit(self.limits.motor_torque),
             motor_reference: state.motor_encoder.angle().plus(ahead),
-            estimate: self.observer.estimate(&state.observer, &state.known),
+            estimate,
             observed: matches!(state.turn, Slot::Plan | Slot::Learn),
             factors: *state.learning.applied(),
             faults: state.reported,
@@ -195,7 +198,7 @@ impl<R: Real> Compensator<R> {
         let setpoint = &followed.setpoint;
         let shares = state.guard.shares();
         let reference = state.course.reference(motor);
-        self.learning.turn_to(&mut state.learning, reference, setpoint.position);
+        self.learning.turn_to(&mut state.learning, reference, setpoint.position, shares);
         let external_torque = state.observer.external_torque();
         let rests = setpoint.velocity == R::ZERO;
         let load =

@@ -12,7 +12,8 @@
 //! Both are slow ([`crate::compensator::schedule`]): the factors are learnt in every second round, with a step of two rounds (in
 //! every third while a share is on its way: as if it were slower by half), and of the ripple one order in each round.
 
-use crate::angle::{Angle, Ratio};
+use crate::angle::{Angle, Heading, Ratio};
+use crate::compensator::adapt::gravity::{Gravity, GravityState};
 use crate::compensator::adapt::parameters::{
     Adaptation, AdaptationParams, AdaptationState, Excitation, Factors, Observed,
 };
@@ -48,6 +49,7 @@ pub struct LearningParams<R> {
 pub struct Learning<R> {
     adaptation: Adaptation<R>,
     ripple: LearntRipple<R>,
+    gravity: Gravity<R>,
     ratio: R,
     inverse_ratio: R,
     /// From a plan to the middle of what the observer's next turn but one is about (s).
@@ -63,6 +65,10 @@ pub struct LearningState<R: Real> {
     applied: Factors<R>,
     map: RippleMap<R>,
     now: RippleNow<R>,
+    gravity: GravityState<R>,
+    /// Of the setpoint, and g there, as far as it is applied (N m).
+    heading: Heading<R>,
+    gravity_torque: R,
     excitation: Excitation<R>,
     /// Speed of the motor by the setpoint: what winds the gear up is no turning (rad/s).
     speed: R,
@@ -90,6 +96,7 @@ impl<R: Real> LearningParams<R> {
         Ok(Learning {
             adaptation: self.adaptation.build(n, gear.flexspline_inertia, limits.output_torque, factors)?,
             ripple: self.ripple.build(turn)?,
+            gravity: Gravity::build(gear.rated_torque, factors),
             ratio: Ratio::one_over(gear.ratio)?.value(),
             inverse_ratio: n,
             until_observed: R::from_i32(OBSERVER_PERIODS as i32) * dt,
@@ -102,6 +109,12 @@ impl<R: Real> LearningState<R> {
     /// What has been learnt so far.
     pub fn learnt(&self) -> Learnt<R> {
         Learnt { factors: *self.adaptation.factors(), ripple: self.map }
+    }
+
+    /// g where the setpoint is, as far as it is applied (N m).
+    #[inline(always)]
+    pub fn gravity_torque(&self) -> R {
+        self.gravity_torque
     }
 
     /// The factors as far as they are applied.
@@ -121,10 +134,18 @@ impl<R: Real> Learning<R> {
         }
     }
 
-    /// The ripple's turn, with motor and output meant to be at these angles.
+    /// The ripple's turn and gravity's, with motor and output meant to be at these angles.
     #[inline(always)]
-    pub fn turn_to(&self, state: &mut LearningState<R>, motor: Angle<R>, output: Angle<R>) {
+    pub fn turn_to(
+        &self,
+        state: &mut LearningState<R>,
+        motor: Angle<R>,
+        output: Angle<R>,
+        shares: &Shares<R>,
+    ) {
         self.ripple.turn_to(&state.map, &mut state.now, motor, output, state.speed);
+        state.heading = output.heading();
+        state.gravity_torque = shares.adaptation * state.gravity.torque(&state.heading);
     }
 
     /// What is known of the gear beside its model, and by how much its load changes until the observer's next turn
@@ -139,7 +160,7 @@ impl<R: Real> Learning<R> {
             stiffening: state.applied.stiffening(),
             position: shares.ripple * state.now.position,
             motor_torque: shares.ripple * state.now.torque,
-            load: heavier * acceleration,
+            load: heavier * acceleration + state.gravity_torque,
         };
         (known, heavier * jerk * self.until_observed)
     }
@@ -148,7 +169,12 @@ impl<R: Real> Learning<R> {
     #[inline(always)]
     pub fn believed(&self, state: &LearningState<R>, load: R, shares: &Shares<R>) -> Believed<R> {
         let [ripple, torque] = [state.now.position, state.now.torque].map(|now| shares.ripple * now);
-        Believed { factors: state.applied, load, ripple, torque }
+        Believed {
+            factors: state.applied,
+            load: load + state.gravity_torque,
+            ripple,
+            torque: torque - self.ratio * state.gravity_torque,
+        }
     }
 
     /// The factors' turn: learns from what the observer missed, while it `learns`.
@@ -160,6 +186,9 @@ impl<R: Real> Learning<R> {
         shares: &Shares<R>,
         learns: bool,
     ) {
+        if learns && state.excitation.velocity != R::ZERO {
+            self.gravity.step(&mut state.gravity, &state.heading, observed.external_torque);
+        }
         state.missed = self.adaptation.step(&mut state.adaptation, &state.excitation, observed, learns);
         state.applied = state.adaptation.factors().scaled(shares.adaptation);
     }
