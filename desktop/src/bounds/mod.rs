@@ -34,7 +34,17 @@ pub const BOUNDS: [&[Bound]; 6] =
     [joint::ROWS, compensator::ROWS, flexspline::ROWS, friction::ROWS, hysteresis::ROWS, robustness::ROWS];
 
 /// What was asked of a figure whose bound stands at what is reached, by name.
-pub const ASKED: &[(&str, f64)] = &[("friction.target.cycles", 150.0)];
+pub const ASKED: &[(&str, f64)] = &[
+    ("friction.target.cycles", 150.0),
+    ("compensator.motor.s1.vibration_to_b0", 0.1),
+    ("compensator.both.s1.vibration_to_b0", 0.05),
+    ("compensator.motor.s3.vibration_to_b0", 0.25),
+    ("compensator.both.s3.vibration_to_b0", 0.2),
+    ("compensator.motor.s3.settling_to_b0", 0.25),
+    ("compensator.motor.s5.peak_to_b0", 0.6),
+    ("compensator.both.s5.peak_to_b0", 0.55),
+    ("compensator.motor.s5.steady_to_b0", 0.2),
+];
 
 /// The line that says so of a figure which misses what was asked.
 pub fn misses_what_was_asked(figure: &Figure) -> Option<String> {
