@@ -184,7 +184,7 @@ fn the_feedback_takes_the_torque_over() {
 #[test]
 fn shares_of_either_direction_cross_over_without_a_step() {
     let mut joint = Joint::new();
-    let backward = Shares { inertia: 0.0, friction: 0.0, ripple: 0.0, ..SHARES };
+    let backward = Shares { inertia: 0.0, friction: 0.0, ripple: 0.0, adaptation: 0.0, ..SHARES };
     joint.shares = Directions { forward: SHARES, backward };
     let mut outputs = Vec::new();
     for k in 0..4000 {

@@ -101,7 +101,7 @@ fn a_bad_first_reading_does_not_become_the_zero_of_the_output_encoder() {
         assert_ne!(compensator.step(&mut state, &input).faults, Faults::NONE);
         input.sensors.motor_encoder = 100_000;
         input.sensors.output_encoder = Some(300_000);
-        let settled = (0..5_000).map(|_| compensator.step(&mut state, &input)).last().unwrap();
+        let settled = (0..20_000).map(|_| compensator.step(&mut state, &input)).last().unwrap();
         assert_eq!(settled.faults, Faults::NONE, "{settled:?}");
         // Of a resting output one count of 2^19 a turn is taken for nothing.
         assert!(settled.estimate.torsion.abs() < (1.1 * TAU / 2f64.powi(19)) as f32, "{settled:?}");

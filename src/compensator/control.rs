@@ -5,7 +5,7 @@ use crate::compensator::actuate::cascade::{Feedback, Wanted};
 use crate::compensator::actuate::fallback::Fallback;
 use crate::compensator::adapt::learning::{self, Learning, Learnt};
 use crate::compensator::adapt::parameters::Observed;
-use crate::compensator::estimate::disturbance::Disturbance;
+use crate::compensator::estimate::disturbance::{Disturbance, JointNow};
 use crate::compensator::estimate::observer::{Measurement, Observer};
 use crate::compensator::reference::command::Commander;
 use crate::compensator::reference::feed_forward::FeedForward;
@@ -163,8 +163,7 @@ impl<R: Real> Compensator<R> {
             &mut faults,
         );
         self.disturbance.step_fast(&mut state.disturbance, state.observer.external_torque());
-        state.wind_up =
-            self.disturbance.wind_up(&state.disturbance, state.course.wound, state.guard.shares().wind_up);
+        state.wind_up = self.disturbance.wind_up(&state.disturbance);
         let kept = if with_output { Faults::NONE } else { Faults::OUTPUT_ENCODER_JUMP };
         state.faults.observer = faults.with(state.faults.observer.among(kept));
     }
@@ -201,8 +200,13 @@ impl<R: Real> Compensator<R> {
         self.learning.turn_to(&mut state.learning, reference, setpoint.position, shares);
         let external_torque = state.observer.external_torque();
         let rests = setpoint.velocity == R::ZERO;
-        let load =
-            self.disturbance.step_slow(&mut state.disturbance, external_torque, state.course.torque, rests);
+        let joint = JointNow {
+            motor_torque: state.course.torque,
+            rests,
+            compliance: state.course.wound,
+            gain: shares.wind_up,
+        };
+        let load = self.disturbance.step_slow(&mut state.disturbance, external_torque, &joint);
         let believed = self.learning.believed(&state.learning, load, shares);
         let demand = self.feed_forward.step(&self.gear, &mut state.feed_forward, setpoint, shares, &believed);
         let ahead = demand.motor.angle.minus(motor);
@@ -256,6 +260,10 @@ impl<R: Real> Compensator<R> {
             SlowSlot::Adapt => self.adapt(state),
             SlowSlot::Deviate => {
                 self.observer.deviate(&mut state.observer);
+                if state.learns() {
+                    let external_torque = state.observer.external_torque();
+                    self.learning.learn_gravity(&mut state.learning, external_torque);
+                }
                 self.notice_standstill(state, motor);
                 arrived = self.guard.shares_have_arrived(&state.guard, shares, trusted);
                 state.faults.shares = Faults::NONE;

@@ -51,7 +51,7 @@ fn slowest(filter: &Filter, gear: &GearFile) -> f64 {
         .powf(1.0 / f64::from(filter.period))
 }
 
-/// Within 0.1 s, 0.2 s where the motor stands, or 2 s of the offsets that an output encoder takes away, an error is
+/// Within 0.1 s, 0.2 s where the motor stands, or 3 s of the offsets that an output encoder takes away, an error is
 /// below a thousandth, for the gear of the design and all over the box.
 #[test]
 fn every_set_forgets_its_errors_over_the_box() {
@@ -61,7 +61,7 @@ fn every_set_forgets_its_errors_over_the_box() {
             for set in 0..4 {
                 let filter = Filter::design(&file, sixth, set).unwrap();
                 let alone = if sixth == Sixth::Held { 1000 } else { 500 };
-                let periods = if filter.has_output { 10_000 } else { alone };
+                let periods = if filter.has_output { 15_000 } else { alone };
                 for gear in gears() {
                     let slowest = slowest(&filter, &gear);
                     assert!(slowest.powi(periods) < 1e-3, "{sixth:?}, set {set}, period {period}: {slowest}");
@@ -209,6 +209,6 @@ fn deviations_hold_the_errors_of_a_moving_joint() {
         let share = estimates.iter().filter(inside).count() as f64 / estimates.len() as f64;
         assert!(share >= 0.99, "seed {seed}: {share}");
         let (last, _) = estimates.last().unwrap();
-        assert!(last.deviation.external_torque < 0.1 * file.gear.rated_torque, "{last:?}");
+        assert!(last.deviation.external_torque < 0.12 * file.gear.rated_torque, "{last:?}");
     }
 }

@@ -177,6 +177,14 @@ impl<R: Real> Learning<R> {
         }
     }
 
+    /// Gravity's slot: learns from an external torque that is left (N m), where the setpoint moves.
+    #[inline(always)]
+    pub fn learn_gravity(&self, state: &mut LearningState<R>, external_torque: R) {
+        if state.excitation.velocity != R::ZERO {
+            self.gravity.step(&mut state.gravity, &state.heading, external_torque);
+        }
+    }
+
     /// The factors' turn: learns from what the observer missed, while it `learns`.
     #[inline(always)]
     pub fn adapt(
@@ -186,9 +194,6 @@ impl<R: Real> Learning<R> {
         shares: &Shares<R>,
         learns: bool,
     ) {
-        if learns && state.excitation.velocity != R::ZERO {
-            self.gravity.step(&mut state.gravity, &state.heading, observed.external_torque);
-        }
         state.missed = self.adaptation.step(&mut state.adaptation, &state.excitation, observed, learns);
         state.applied = state.adaptation.factors().scaled(shares.adaptation);
     }
