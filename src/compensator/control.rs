@@ -115,8 +115,8 @@ impl<R: Real> Compensator<R> {
         faults.raise_if(!motor.believed, Faults::MOTOR_ENCODER_JUMP);
         let (commanded, feedback) = (state.fallback.torque(), state.guard.shares().feedback);
         let heard = &mut state.heard;
-        heard.impulse += elapsed.time
-            * self.motor_torque.step(&mut state.motor_torque, commanded, feedback, sensors.motor_torque);
+        heard.motor_torque +=
+            self.motor_torque.step(&mut state.motor_torque, commanded, feedback, sensors.motor_torque);
         heard.time += elapsed.time;
         if sensors.output_encoder.is_some() {
             (heard.output, heard.age) = (sensors.output_encoder, 0);
@@ -150,10 +150,10 @@ impl<R: Real> Compensator<R> {
             output,
             age,
             period: state.heard.time,
-            motor_torque: self.observer.mean(state.heard.impulse, state.heard.time),
+            motor_torque: R::lit(1.0 / OBSERVER_PERIODS as f64) * state.heard.motor_torque,
             output_torque: state.heard.output_torque.take(),
         };
-        (state.heard.impulse, state.heard.time) = (R::ZERO, R::ZERO);
+        (state.heard.motor_torque, state.heard.time) = (R::ZERO, R::ZERO);
         self.observer.step(
             &self.gear,
             &mut state.observer,

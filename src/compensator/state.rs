@@ -62,8 +62,8 @@ pub struct State<R: Real> {
 /// What the sensors have said since the observer's last turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Heard<R> {
-    /// Integral of the motor's torque (N m s) over the time since then (s).
-    pub(super) impulse: R,
+    /// Sum of the motor's torque over the steps since then (N m), and the time since then (s).
+    pub(super) motor_torque: R,
     pub(super) time: R,
     /// Raw count of the output encoder, and how many control periods ago it was.
     pub(super) output: Option<u32>,

@@ -57,7 +57,9 @@ const RECOVERY: f64 = 0.1;
 pub struct Disturbance<R> {
     /// Share of its way that l goes in a slow period.
     slow_gain: R,
-    fast_corner: R,
+    /// omega_f^2 and 2*omega_f.
+    fast_square: R,
+    fast_damping: R,
     dead_zone: R,
     tolerance: R,
     wound_up: R,
@@ -77,8 +79,8 @@ pub struct DisturbanceState<R> {
     /// l and m (N m).
     slow: R,
     mean: R,
-    /// z - z_0 (N m).
-    widened: R,
+    /// z (N m); 0 before the first slow period, as d is.
+    dead_zone: R,
     /// f (N m), with its derivatives.
     fast: R,
     rate: R,
@@ -132,9 +134,11 @@ impl<R: Real> DisturbanceParams<R> {
         require(within(self.wound_up, 1.0), "wound_up")?;
         let ratio = Ratio::one_over(gear.ratio)?;
         let [dt, slow_dt] = [OBSERVER_PERIODS, SLOW_PERIODS].map(|periods| R::from_i32(periods as i32) * dt);
+        let fast_corner = self.fast_corner.min(R::lit(0.5) / dt);
         Ok(Disturbance {
             slow_gain: (slow_dt * self.slow_corner).one_minus_exp_neg(),
-            fast_corner: self.fast_corner.min(R::lit(0.5) / dt),
+            fast_square: fast_corner * fast_corner,
+            fast_damping: R::lit(2.0) * fast_corner,
             dead_zone: self.dead_zone,
             tolerance: self.tolerance,
             wound_up: self.wound_up,
@@ -152,10 +156,9 @@ impl<R: Real> Disturbance<R> {
     /// f over one period of the observer, towards d (N m).
     #[inline(always)]
     pub fn step_fast(&self, state: &mut DisturbanceState<R>, external_torque: R) {
-        let beyond = (external_torque - state.mean).dead_zone(self.dead_zone + state.widened);
+        let beyond = (external_torque - state.mean).dead_zone(state.dead_zone);
         let target = if state.oscillates { R::ZERO } else { beyond };
-        let omega = self.fast_corner;
-        state.acceleration = omega * (omega * (target - state.fast) - R::lit(2.0) * state.rate);
+        state.acceleration = self.fast_square * (target - state.fast) - self.fast_damping * state.rate;
         state.rate += self.dt * state.acceleration;
         state.fast += self.dt * state.rate;
     }
@@ -166,7 +169,7 @@ impl<R: Real> Disturbance<R> {
         let JointNow { motor_torque, rests, compliance, gain } = *joint;
         state.by_torque = -compliance * self.motor_wind_up;
         state.borne = self.ratio * gain;
-        state.widened = self.tolerance * motor_torque.abs();
+        state.dead_zone = self.dead_zone + self.tolerance * motor_torque.abs();
         let residual = external_torque - state.mean;
         state.mean += self.slow_gain * residual;
         let change = if rests {
@@ -175,7 +178,7 @@ impl<R: Real> Disturbance<R> {
             external_torque.dead_zone(self.dead_zone) - state.slow
         };
         state.slow += self.slow_gain * change;
-        state.beyond = if residual.is_within(self.dead_zone + state.widened) {
+        state.beyond = if residual.is_within(state.dead_zone) {
             (state.beyond - R::lit(RECOVERY) * self.slow_dt).max(R::ZERO)
         } else {
             (state.beyond + self.slow_dt).min(self.longest + self.slow_dt)

@@ -56,7 +56,8 @@ impl<R: Real> Course<R> {
     #[inline(always)]
     pub(in crate::compensator) fn advance(&mut self, velocity: R, dt: R) {
         let change = dt * self.acceleration;
-        self.ahead += dt * (self.velocity + R::lit(0.5) * change + velocity);
+        let speed = self.velocity + velocity;
+        self.ahead += dt * (speed + R::lit(0.5) * change);
         self.velocity += change;
         self.acceleration += dt * self.jerk;
         self.torque += dt * self.torque_rate;

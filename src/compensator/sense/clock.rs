@@ -47,7 +47,7 @@ impl<R: Real> Clock<R> {
     /// Time since the last step from what the board has measured (s).
     #[inline(always)]
     pub fn step(&self, measured: R, faults: &mut Faults) -> Elapsed<R> {
-        if measured == R::ZERO || measured == self.dt {
+        if measured == self.dt || measured == R::ZERO {
             return Elapsed { time: self.dt, inverse: self.inverse_dt };
         }
         seldom();

@@ -92,8 +92,6 @@ pub struct Observer<R> {
     inverse_wave_generator_inertia: R,
     inverse_flexspline_inertia: R,
     turns: Turns<R>,
-    dt: R,
-    inverse_dt: R,
 }
 
 /// What the sensors say in this step, already checked.
@@ -107,7 +105,7 @@ pub struct Measurement<R> {
     pub age: u32,
     /// Time since the last step of the observer (s).
     pub period: R,
-    /// Torque of the motor, its mean over that time (N m).
+    /// Torque of the motor, its mean over the steps of that time (N m).
     pub motor_torque: R,
     /// Torque through the flexspline (N m).
     pub output_torque: Option<R>,
@@ -145,16 +143,6 @@ impl<R: Real> Observer<R> {
     #[inline(always)]
     pub fn looks_back(&self) -> bool {
         self.looks_back
-    }
-
-    /// Mean of a torque over a time, from its integral over it (N m s) and that time (s).
-    #[inline(always)]
-    pub fn mean(&self, impulse: R, time: R) -> R {
-        if time == self.dt {
-            return impulse * self.inverse_dt;
-        }
-        seldom();
-        impulse / time.max(R::lit(0.25) * self.dt)
     }
 
     /// Predicts over one period, and corrects by the measurement. `rests`: the joint is asked to rest.

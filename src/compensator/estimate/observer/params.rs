@@ -75,8 +75,6 @@ impl<R: Real> ObserverParams<R> {
             inverse_wave_generator_inertia: R::ONE / wave_generator_inertia,
             inverse_flexspline_inertia: R::ONE / gear.flexspline_inertia,
             turns: Turns::build(ratio.value(), dt),
-            dt,
-            inverse_dt: R::ONE / dt,
         })
     }
 }
