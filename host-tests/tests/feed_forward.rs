@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use strainwave::Angle;
 use strainwave::compensator::adapt::parameters::Factors;
 use strainwave::compensator::reference::feed_forward::{Believed, Demand, FeedForward, FeedForwardState};
-use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
+use strainwave::compensator::schedule::SLOW_PERIODS;
 use strainwave::compensator::{JointParams, RealTimeGear, Setpoint, Shares};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
