@@ -3,6 +3,8 @@
 use crate::angle::Angle;
 use crate::compensator::actuate::cascade::{Feedback, Wanted};
 use crate::compensator::actuate::fallback::Fallback;
+use crate::compensator::actuate::mode::Mode;
+use crate::compensator::actuate::protection::Protection;
 use crate::compensator::adapt::learning::{self, Learning, Learnt};
 use crate::compensator::adapt::parameters::Observed;
 use crate::compensator::estimate::disturbance::ExternalLoad;
@@ -14,13 +16,15 @@ use crate::compensator::reference::output_feedback::{Deviation, OutputFeedback};
 use crate::compensator::schedule::{OBSERVER_PERIODS, Slot, SlowSlot};
 use crate::compensator::sense::clock::{Clock, Elapsed};
 use crate::compensator::sense::encoder::{Encoder, Reading};
+use crate::compensator::sense::motor_encoder::MotorEncoder;
 use crate::compensator::sense::motor_torque::MotorTorque;
+use crate::compensator::sense::rotor::{Beside, Rotor};
 use crate::compensator::sense::validation::{self, FrozenEncoder, InputGuard};
 use crate::compensator::state::SlotFaults;
 use crate::compensator::{
-    Command, Commanded, Directions, Faults, Input, Limits, Output, RealTimeGear, Sensors, State,
+    Commanded, Directions, Faults, Input, Limits, Output, RealTimeGear, Sensors, State, Status,
 };
-use crate::real::Real;
+use crate::real::{Real, seldom};
 
 /// The built compensator of a joint.
 #[derive(Clone, Debug)]
@@ -28,7 +32,7 @@ pub struct Compensator<R: Real> {
     pub(super) gear: RealTimeGear<R>,
     pub(super) clock: Clock<R>,
     pub(super) guard: InputGuard<R>,
-    pub(super) motor_encoder: Encoder,
+    pub(super) motor_encoder: MotorEncoder<R>,
     pub(super) output_encoder: Encoder,
     pub(super) frozen_encoder: FrozenEncoder<R>,
     pub(super) frozen_output: FrozenEncoder<R>,
@@ -42,9 +46,13 @@ pub struct Compensator<R: Real> {
     /// What it starts from.
     pub(super) learnt: Learnt<R>,
     pub(super) motor_torque: MotorTorque<R>,
+    pub(super) rotor: Rotor<R>,
+    pub(super) protection: Protection<R>,
     pub(super) fallback: Fallback<R>,
     pub(super) limits: Limits<R>,
     pub(super) dt: R,
+    /// Control periods without a reading after which the output encoder is lost.
+    pub(super) output_lost: u32,
     /// From the torques that the observer saw to the plan (s).
     pub(super) behind: R,
 }
@@ -67,20 +75,25 @@ impl<R: Real> Compensator<R> {
         let mut faults = Faults::NONE;
         let sensors = self.guard.sensors(&mut state.guard, &input.sensors, &mut faults);
         let elapsed = self.clock.step(input.elapsed, &mut faults);
-        let motor = self.read(state, &sensors, &elapsed, &mut faults);
+        let motor = self.read(state, &sensors, input.status, &elapsed, &mut faults);
         match state.turn {
             Slot::Observe => self.observe(state, motor.angle, true),
-            Slot::Plan => self.plan(state, &input.command, motor.angle),
+            Slot::Plan => self.plan(state, input, motor.angle),
             Slot::ObserveAgain => self.observe(state, motor.angle, false),
             Slot::Learn => self.learn(state, &input.shares, motor.angle),
         }
         state.turn = state.turn.next();
-        let SlotFaults { observer, plan, standstill, shares } = state.faults;
-        faults = faults.with(observer).with(plan).with(standstill).with(shares);
-        let motor_torque = self.drive(state, &motor, elapsed.inverse, &mut faults);
+        let SlotFaults { observer, plan, standstill, shares, rotor } = state.faults;
+        faults = faults.with(observer).with(plan).with(standstill).with(shares).with(rotor);
+        let mut motor_torque = self.drive(state, &motor, elapsed.inverse, &mut faults);
+        let before = state.mode.mode();
+        let mode = state.mode.step(&mut faults, input.status);
+        if !(before.drives() && mode.drives()) {
+            motor_torque = self.let_go(state, mode);
+        }
         state.sound &= faults == Faults::NONE && !state.limited;
         state.reported = faults;
-        Commanded { motor_torque, faults }
+        Commanded { motor_torque, faults, mode }
     }
 
     /// What the last step commanded, rested on and believed. Apart from the control step: who does not look at it
@@ -96,7 +109,24 @@ impl<R: Real> Compensator<R> {
             observed: matches!(state.turn, Slot::Plan | Slot::Learn),
             factors: *state.learning.applied(),
             faults: state.reported,
+            mode: state.mode.mode(),
         }
+    }
+
+    /// The drive is off, or comes on with this step: no torque, and when it is on again the reference begins where the
+    /// output is.
+    #[cold]
+    #[inline(never)]
+    fn let_go(&self, state: &mut State<R>, mode: Mode) -> R {
+        state.fallback.sent(R::ZERO);
+        state.limited = true;
+        if mode.drives() {
+            state.commander = Default::default();
+            state.feedback = Default::default();
+            state.output_feedback = Default::default();
+            state.course = Default::default();
+        }
+        R::ZERO
     }
 
     /// The sensors' turn: every period.
@@ -105,17 +135,21 @@ impl<R: Real> Compensator<R> {
         &self,
         state: &mut State<R>,
         sensors: &Sensors<R>,
+        status: Status,
         elapsed: &Elapsed<R>,
         faults: &mut Faults,
     ) -> Reading<R> {
-        let motor = self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder);
+        let sound = !status.tells(Status::MOTOR_ENCODER_INVALID);
+        let (motor, lost) =
+            self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder, sound, elapsed);
         faults.raise_if(!motor.believed, Faults::MOTOR_ENCODER_JUMP);
+        faults.raise_if(lost, Faults::MOTOR_ENCODER_LOST);
         let (commanded, feedback) = (state.fallback.torque(), state.guard.shares().feedback);
         let heard = &mut state.heard;
         heard.impulse += elapsed.time
             * self.motor_torque.step(&mut state.motor_torque, commanded, feedback, sensors.motor_torque);
         heard.time += elapsed.time;
-        if sensors.output_encoder.is_some() {
+        if sensors.output_encoder.is_some() && !status.tells(Status::OUTPUT_ENCODER_INVALID) {
             (heard.output, heard.age) = (sensors.output_encoder, 0);
         } else {
             heard.age = heard.age.saturating_add(1);
@@ -125,6 +159,7 @@ impl<R: Real> Compensator<R> {
         }
         if sensors.output_torque.is_some() {
             heard.output_torque = sensors.output_torque;
+            state.gauge = sensors.output_torque;
         }
         state.course.advance(state.yielding.velocity, elapsed.time);
         state.course.ahead -= motor.moved;
@@ -142,13 +177,16 @@ impl<R: Real> Compensator<R> {
         } else {
             None
         };
+        state.rotor.impulse += state.heard.impulse;
+        state.rotor.time += state.heard.time;
+        let gauge = state.heard.output_torque.take();
         let measured = Measurement {
             motor,
             output,
             age,
             period: state.heard.time,
             motor_torque: self.observer.mean(state.heard.impulse, state.heard.time),
-            output_torque: state.heard.output_torque.take(),
+            output_torque: gauge.filter(|_| !state.off.contains(Faults::TORQUE_SENSOR_OFF)),
         };
         (state.heard.impulse, state.heard.time) = (R::ZERO, R::ZERO);
         self.observer.step(
@@ -179,17 +217,18 @@ impl<R: Real> Compensator<R> {
             let then = self.observer.output_at_reading(&self.gear, &state.observer, motor, age);
             state.output_zero = then.map(|then| angle.less(then));
         }
-        let frozen = state.faults.standstill.contains(Faults::OUTPUT_ENCODER_FROZEN);
+        let unsound = Faults::OUTPUT_ENCODER_FROZEN.with(Faults::OUTPUT_ENCODER_OFF);
+        let frozen = state.faults.standstill.with(state.off).intersects(unsound);
         state.output_zero.filter(|_| believed && !frozen).map(|zero| angle.less(zero))
     }
 
     /// The feed-forward's turn.
     #[inline(never)] // The timing budget counts this turn by its symbol.
-    fn plan(&self, state: &mut State<R>, command: &Command<R>, motor: Angle<R>) {
+    fn plan(&self, state: &mut State<R>, input: &Input<R>, motor: Angle<R>) {
         let mut faults = Faults::NONE;
-        let command = self.guard.command(&mut state.guard, command, &mut faults);
+        let command = self.guard.command(&mut state.guard, &input.command, &mut faults);
         let now = || self.observer.estimate(&state.observer, &state.known);
-        let followed = self.commander.step(&mut state.commander, &command, now, &mut faults);
+        let followed = self.commander.step(&mut state.commander, &command, input.setpoint_age, now, &mut faults);
         state.faults.plan = faults;
         let setpoint = &followed.setpoint;
         let shares = state.guard.shares();
@@ -247,6 +286,7 @@ impl<R: Real> Compensator<R> {
     /// The turn of what is learnt.
     #[inline(always)]
     fn learn(&self, state: &mut State<R>, shares: &Directions<R>, motor: Angle<R>) {
+        self.watch(state, motor);
         let trusted = state.fallback.trusted();
         let mut arrived = true;
         let falls_back = !trusted && !self.guard.model_is_off(&state.guard);
@@ -271,6 +311,40 @@ impl<R: Real> Compensator<R> {
         self.feed_forward.remember(&self.gear, &mut state.feed_forward, reference, factors);
     }
 
+    /// Compares what the rotor shows with all that it should be.
+    #[inline(always)]
+    fn watch(&self, state: &mut State<R>, motor: Angle<R>) {
+        let mut faults = state.off;
+        let course = &state.course;
+        // Where the share of the feedback is not all of it, somebody else moves the motor.
+        let controlled = course.planned && course.output_torque.is_none();
+        let driven = state.mode.mode().drives() && state.guard.shares().feedback == R::ONE;
+        let beside = Beside {
+            motor,
+            commanded: state.fallback.torque(),
+            off: state.motor_torque.off(),
+            course: controlled.then_some([course.ahead, course.velocity]),
+            driven,
+        };
+        self.rotor.step(&mut state.rotor, &beside, &mut faults);
+        let [torque, rate, friction] = state.rotor.gear();
+        self.protection.follow(&mut state.protection, torque, rate, friction);
+        if state.output_zero.is_some() {
+            if let Some(innovation) = self.observer.output_innovation(&state.observer) {
+                let off = self
+                    .rotor
+                    .torsion_disagrees(&mut state.rotor, state.observer.torsion() - innovation);
+                state.off.raise_if(off, Faults::OUTPUT_ENCODER_OFF);
+            }
+            faults.raise_if(state.heard.age > self.output_lost, Faults::OUTPUT_ENCODER_LOST);
+        }
+        if let Some(gauge) = state.gauge {
+            let off = self.rotor.gauge_disagrees(&mut state.rotor, gauge);
+            state.off.raise_if(off, Faults::TORQUE_SENSOR_OFF);
+        }
+        state.faults.rotor = faults;
+    }
+
     /// Raises the faults of encoders that stand still while the motor is asked to move. A joint that is held against
     /// its load by a brake is noticed by it too: what the output feedback asks is a motion.
     #[inline(always)]
@@ -280,7 +354,7 @@ impl<R: Real> Compensator<R> {
         let stood_still = motor == state.last_motor;
         state.last_motor = motor;
         let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, asked);
-        faults.raise_if(frozen, Faults::MOTOR_ENCODER_FROZEN);
+        faults.raise_if(frozen && state.mode.mode().drives(), Faults::MOTOR_ENCODER_FROZEN);
         if let Some(raw) = state.output_raw.take() {
             let stood_still = state.last_output.replace(raw) == Some(raw);
             self.frozen_output.step(&mut state.frozen_output_path, stood_still, asked);
@@ -341,11 +415,17 @@ impl<R: Real> Compensator<R> {
         feedback + self.feedback.take_over(&mut state.feedback, left)
     }
 
-    /// The torque that is commanded: none without a motor encoder, never more than the motor's peak.
+    /// The torque that is commanded: never more than the motor's peak, nor than the gear bears.
     fn command(&self, state: &mut State<R>, wanted: R, switched: bool, faults: &mut Faults) -> R {
         let limited = wanted.limit(self.limits.motor_torque);
         faults.raise_if(limited != wanted, Faults::TORQUE_LIMITED);
-        let torque = self.fallback.step(&mut state.fallback, limited, *faults, switched);
+        let ramped = self.fallback.step(&mut state.fallback, limited, *faults, switched);
+        let torque = self.protection.limit(&state.protection, ramped).limit(self.limits.motor_torque);
+        if torque != ramped {
+            seldom();
+            faults.raise_if(true, Faults::TORQUE_LIMITED);
+            state.fallback.sent(torque);
+        }
         // The feedback's integral must not run while its torque does not reach the motor.
         state.limited = torque != wanted;
         torque

@@ -1,0 +1,248 @@
+//! What the rotor shows: the torque through the gear from its own balance, and whether torque and motion belong
+//! together. Once a round ([`crate::compensator::schedule`]), from the motor's encoder and torque alone.
+//!
+//! ```text
+//! omega = (theta - theta_before)/T,   alpha = (omega - omega_before)/T,   tau_f = tau_c*sign(omega) + F_v*omega
+//! X = n*(tau - J_wg*alpha - tau_f),   T_g <- T_g + g*(X - T_g)            torque through the gear
+//! ```
+//!
+//! T is the time of the round, tau the mean of the motor's torque over it. g is 1 unless a count of the encoder is
+//! so coarse that its noise in X, J_wg*count/T^2*|n|, is more than a twentieth of the peak rating tau_p.
+//!
+//! | fault | raised when |
+//! | --- | --- |
+//! | gear overload | abs T_g > 1.25*tau_p in two rounds: no command takes it there ([`crate::compensator::actuate::protection`]), so that it is a blow, or a sign or size of torque or angle that is wrong |
+//! | frozen, standing | the count is the same for two rounds or more, and tau has changed by more than 2.5*tau_s + 0.01*tau_max + 2*count*K/n^2 since: static friction gives way at 2*tau_s at most, and then the rotor moves by counts within a round |
+//! | frozen, moving | the count stands still at once, though 1.25*(abs tau + abs T_g/n + tau_s) + tau_p/(4*n) could not stop the rotor in the time |
+//! | overspeed | abs omega > the speed limit |
+//! | drive | measured torque off the commanded one by more than 0.1*tau_max + 0.2*abs tau for 1.6 ms: five times the noise that the filter expects, twice the tolerance of a torque constant, longer than four time constants of a 1 kHz drive |
+//! | following | farther from the reference than tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p in two rounds: what a cascade with the position gain k_p leaves at the motor's largest acceleration, and without feed-forward of the speed |
+//!
+//! tau_s is the larger static friction of both directions. The torque that the output's encoder and torque sensor say
+//! is compared with T_g: off by more than 0.3*tau_p + a quarter of it for 8 ms, the sensor is not believed any more.
+//! Units: rad, s, N m at the motor, of the gear at its output.
+
+use crate::angle::Angle;
+use crate::compensator::schedule::SLOW_PERIODS;
+use crate::compensator::{Faults, Limits};
+use crate::error::{Error, require};
+use crate::flexspline::stiffness_line::StiffnessLine;
+use crate::gear::GearParams;
+use crate::real::{Real, seldom};
+
+/// Overload, in peak ratings.
+const OVERLOAD: f64 = 1.25;
+/// Rounds that an overload, or a following error, has to last.
+const OVERLOADED: u32 = 2;
+/// The same of a drive that does not follow.
+const NOT_FOLLOWING: u32 = 4;
+/// The same of a sensor at the output that disagrees.
+const DISAGREEING: u32 = 20;
+
+/// The built view of the rotor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rotor<R> {
+    round: R,
+    inverse_round: R,
+    inertia: R,
+    coulomb: R,
+    viscous: R,
+    static_level: R,
+    n: R,
+    inverse_n: R,
+    /// g.
+    gain: R,
+    overload: R,
+    /// tau that a standing rotor holds (N m).
+    grip: R,
+    /// What is added to the torques that stop a rotor (N m).
+    surplus: R,
+    speed_limit: R,
+    drive: R,
+    following: R,
+    lag: R,
+    peak: R,
+    line: StiffnessLine<R>,
+}
+
+/// What was seen in the last rounds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RotorState<R> {
+    /// Integral of the motor's torque (N m s) over the time since the last round (s).
+    pub(in crate::compensator) impulse: R,
+    pub(in crate::compensator) time: R,
+    motor: Angle<R>,
+    speed: R,
+    torque: R,
+    rate: R,
+    friction: R,
+    still: u32,
+    least: R,
+    most: R,
+    overloaded: u32,
+    off_drive: u32,
+    off_course: u32,
+    off_output: u32,
+    off_gauge: u32,
+    rounds: u32,
+}
+
+/// What is compared with the rotor.
+#[derive(Clone, Copy, Debug)]
+pub struct Beside<R> {
+    /// Angle of the motor.
+    pub motor: Angle<R>,
+    /// Torque that was commanded, and by how much the measured one is off it (N m).
+    pub commanded: R,
+    /// As told.
+    pub off: R,
+    /// Where the motor should be, ahead of where it is (rad), and how fast (rad/s); where it is controlled.
+    pub course: Option<[R; 2]>,
+    /// The drive is on.
+    pub driven: bool,
+}
+
+impl<R: Real> RotorState<R> {
+    /// Torque through the gear (N m), its rate (N m/s), and the rotor's friction (N m).
+    #[inline(always)]
+    pub fn gear(&self) -> [R; 3] {
+        [self.torque, self.rate, self.friction]
+    }
+}
+
+impl<R: Real> Rotor<R> {
+    /// For a gear, a motor encoder of 2^bits counts, the position gain k_p (1/s) of the cascade, and the control
+    /// period dt (s).
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `encoder_bits` outside 10..=32; as the gear's stiffness line.
+    pub fn build(gear: &GearParams<R>, limits: &Limits<R>, bits: u32, k_p: R, dt: R) -> Result<Self, Error> {
+        require((10..=32).contains(&bits), "encoder_bits")?;
+        let line = gear.flexspline.line.build()?;
+        let round = R::from_i32(SLOW_PERIODS as i32) * dt;
+        let (n, peak) = (R::from_i32(gear.ratio), limits.output_torque);
+        let sides = [&gear.input_friction.forward, &gear.input_friction.backward];
+        let larger = |of: [R; 2]| of[0].max(of[1]);
+        let static_level = larger(sides.map(|side| side.static_level.max(side.coulomb)));
+        let count = R::lit(core::f64::consts::TAU) / R::from_i32(1 << bits.min(30));
+        let noise = gear.wave_generator_inertia * count / (round * round) * n.abs();
+        let inertia = gear.wave_generator_inertia + gear.flexspline_inertia / (n * n);
+        let stiffest = gear.flexspline.line.stiffness[2];
+        Ok(Self {
+            round,
+            inverse_round: R::ONE / round,
+            inertia: gear.wave_generator_inertia,
+            coulomb: larger(sides.map(|side| side.coulomb)),
+            viscous: larger(sides.map(|side| side.viscous)),
+            static_level,
+            n,
+            inverse_n: R::ONE / n,
+            gain: R::ONE.min(R::lit(0.05) * peak / noise),
+            overload: R::lit(OVERLOAD) * peak,
+            grip: R::lit(2.5) * static_level
+                + R::lit(0.01) * limits.motor_torque
+                + R::lit(2.0) * count * stiffest / (n * n),
+            surplus: R::lit(0.25) * peak / n.abs() + R::lit(1.25) * static_level,
+            speed_limit: limits.motor_speed + count / round,
+            drive: R::lit(0.1) * limits.motor_torque,
+            following: limits.motor_torque / (inertia * k_p * k_p),
+            lag: R::ONE / k_p,
+            peak,
+            line,
+        })
+    }
+
+    /// Once a round.
+    #[inline(always)]
+    pub fn step(&self, state: &mut RotorState<R>, beside: &Beside<R>, faults: &mut Faults) {
+        let (impulse, time) = (state.impulse, state.time);
+        (state.impulse, state.time) = (R::ZERO, R::ZERO);
+        let inverse = if time == self.round {
+            self.inverse_round
+        } else {
+            seldom();
+            R::ONE / time.max(R::lit(0.25) * self.round)
+        };
+        let torque = impulse * inverse;
+        let way = beside.motor.since(state.motor);
+        state.motor = beside.motor;
+        let speed = way * inverse;
+        let before = state.speed;
+        let inertial = self.inertia * (speed - before) * inverse;
+        state.speed = speed;
+        let kinetic = if way == R::ZERO { R::ZERO } else { self.coulomb.copysign(way) };
+        state.friction = kinetic + self.viscous * speed;
+        let seen = self.n * (torque - inertial - state.friction);
+        if state.rounds < 2 {
+            // Two speeds make an acceleration.
+            seldom();
+            state.rounds += 1;
+            (state.least, state.most) = (torque, torque);
+            return;
+        }
+        let stopping = R::lit(1.25) * (torque.abs() + (state.torque * self.inverse_n).abs()) + self.surplus;
+        let change = self.gain * (seen - state.torque);
+        state.torque += change;
+        state.rate = change * inverse;
+        if !beside.driven {
+            seldom();
+            state.still = 0;
+            faults.raise_if(!speed.is_within(self.speed_limit), Faults::OVERSPEED);
+            return;
+        }
+        if way == R::ZERO {
+            let stopped = state.still == 0 && !inertial.is_within(stopping);
+            state.still = state.still.saturating_add(1);
+            (state.least, state.most) = (state.least.min(torque), state.most.max(torque));
+            let slipped = state.still > 1 && state.most - state.least > self.grip;
+            faults.raise_if(stopped | slipped, Faults::MOTOR_ENCODER_FROZEN);
+        } else {
+            state.still = 0;
+            (state.least, state.most) = (torque, torque);
+        }
+        let Beside { commanded, off, course, .. } = *beside;
+        let drive = self.drive + R::lit(0.2) * commanded.abs();
+        let mut lasts = |off: bool, rounds: &mut u32, most: u32, fault: Faults| {
+            *rounds = if off { *rounds + 1 } else { 0 };
+            if *rounds >= most {
+                seldom();
+                *rounds = most;
+                faults.raise_if(true, fault);
+            }
+        };
+        let overload = !state.torque.is_within(self.overload);
+        lasts(overload, &mut state.overloaded, OVERLOADED, Faults::GEAR_OVERLOAD);
+        lasts(!off.is_within(drive), &mut state.off_drive, NOT_FOLLOWING, Faults::DRIVE_NOT_FOLLOWING);
+        let [ahead, velocity] = course.unwrap_or_default();
+        let lost = !ahead.is_within(self.following + self.lag * velocity.abs());
+        lasts(lost, &mut state.off_course, OVERLOADED, Faults::FOLLOWING_ERROR);
+        faults.raise_if(!speed.is_within(self.speed_limit), Faults::OVERSPEED);
+    }
+
+    /// The torsion that the output's encoder says (rad), compared with the rotor; once a round. Whether it is off.
+    #[inline(always)]
+    pub fn torsion_disagrees(&self, state: &mut RotorState<R>, torsion: R) -> bool {
+        let torque = self.line.torque(torsion);
+        let off = self.disagrees(state.torque, torque);
+        lasting(off, &mut state.off_output)
+    }
+
+    /// The same for the output's torque sensor (N m).
+    #[inline(always)]
+    pub fn gauge_disagrees(&self, state: &mut RotorState<R>, torque: R) -> bool {
+        let off = self.disagrees(state.torque, torque);
+        lasting(off, &mut state.off_gauge)
+    }
+
+    #[inline(always)]
+    fn disagrees(&self, seen: R, told: R) -> bool {
+        !(told - seen).is_within(R::lit(0.3) * self.peak + R::lit(0.25) * told.abs())
+    }
+}
+
+/// Counts rounds up, and down where it does not hold.
+#[inline(always)]
+fn lasting(off: bool, rounds: &mut u32) -> bool {
+    *rounds = if off { (*rounds + 1).min(DISAGREEING) } else { rounds.saturating_sub(1) };
+    *rounds >= DISAGREEING
+}
