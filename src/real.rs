@@ -116,6 +116,11 @@ pub trait Real:
         seldom();
         self.max(-bound).min(bound)
     }
+    /// Dead zone of half width `width`: 0 within it, beyond it what exceeds it.
+    #[inline(always)]
+    fn dead_zone(self, width: Self) -> Self {
+        self - self.limit(width)
+    }
     /// -1, 0 or 1; 0 for NaN.
     #[inline(always)]
     fn sign(self) -> Self {

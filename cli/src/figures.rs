@@ -70,6 +70,23 @@ pub fn complain(line: std::fmt::Arguments<'_>) {
     let _ = writeln!(io::stderr(), "{line}");
 }
 
+/// Rows of cells for people, the header first; all but the first column to the right.
+pub fn columns(rows: &[Vec<String>]) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    if let [header, rows @ ..] = rows {
+        table.set_header(header).add_rows(rows);
+    }
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    trimmed(&table)
+}
+
+fn trimmed(table: &Table) -> String {
+    table.lines().map(|line| line.trim().to_owned()).collect::<Vec<_>>().join("\n")
+}
+
 /// One row a figure.
 fn table(figures: &[Figure]) -> String {
     let mut table = Table::new();
@@ -87,7 +104,7 @@ fn table(figures: &[Figure]) -> String {
             column.set_cell_alignment(CellAlignment::Right);
         }
     }
-    table.lines().map(|line| line.trim().to_owned()).collect::<Vec<_>>().join("\n")
+    trimmed(&table)
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ mod pil;
 mod pil_plots;
 mod progress;
 mod report;
+mod setup;
 mod sim;
 mod usage;
 mod verify;
@@ -46,6 +47,7 @@ enum Command {
     Identify(identify::Arguments),
     Pil(pil::Arguments),
     Report(report::Arguments),
+    Setup(setup::Arguments),
     Sim(sim::Arguments),
     Verify(verify::Arguments),
 }
@@ -56,6 +58,7 @@ fn run(command: Command) -> Result<Figures, BadInput> {
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Pil(arguments) => pil::run(&arguments),
         Command::Report(arguments) => report::run(&arguments),
+        Command::Setup(arguments) => setup::run(&arguments),
         Command::Sim(arguments) => sim::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
     }

@@ -1,19 +1,24 @@
 //! `verify`: every claimed figure, measured here and now.
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, value_parser};
+use strainwave_desktop::plant::unknowns::Which;
 use strainwave_desktop::verify::flexspline::speed;
 use strainwave_desktop::verify::{self, Measured};
-use strainwave_desktop::verify::{compensator, friction, hysteresis, replay};
+use strainwave_desktop::verify::{compensator, friction, hysteresis, replay, robustness};
 use strainwave_desktop::{BadInput, GearFile, bounds};
 use strainwave_emulator::verify::{self as emulated, Parts};
 
-use crate::figures::{Figures, FiguresArguments, say};
+use crate::figures::{Figures, FiguresArguments, columns, say};
 use crate::files;
 use crate::progress::Progress;
 
 /// The part that is measured in the emulator alone.
 const FIRMWARE: &str = "firmware";
+/// The part that is measured only when it is asked for by name: it takes longer than all others.
+const ROBUSTNESS: &str = "robustness";
 
 /// Measure every accuracy and cost figure that the project claims, beside its bound
 ///
@@ -21,7 +26,7 @@ const FIRMWARE: &str = "firmware";
 ///
 /// The parts `firmware` and `flexspline` boot the image in the emulator and run S1-S6, both together once; that takes
 /// some minutes; `hysteresis` boots an image of its own. All but `firmware` also measure this machine by the clock:
-/// other work on it counts in.
+/// other work on it counts in. The part `robustness` is measured only when it is named.
 #[derive(Args)]
 pub struct Arguments {
     /// Only this part; every part when left out
@@ -33,18 +38,44 @@ pub struct Arguments {
     /// Draws with doubled sensor noise on which it must be stable and no worse than the cascade; the bounds are for 1000
     #[arg(long = "box", value_name = "COUNT", default_value_t = compensator::BOX_DRAWS, value_parser = value_parser!(u64).range(0..=100_000))]
     box_draws: u64,
+    /// Of `robustness`, only this unknown, such as drive.delay; may be given several times
+    #[arg(long = "row", value_name = "NAME", value_parser = row_parser())]
+    rows: Vec<String>,
+    /// Of `robustness`, plants of each row
+    #[arg(long, value_name = "COUNT", default_value_t = robustness::SEEDS, value_parser = value_parser!(u64).range(1..=100_000))]
+    seeds: u64,
+    /// Of `robustness`, the first plant; 1 to 999 are for choosing gains, from 10000 on for claims
+    #[arg(long, value_name = "SEED", default_value_t = robustness::FIRST, value_parser = value_parser!(u64).range(0..=1_000_000_000))]
+    first: u64,
+    /// Of `robustness`, noises on each plant
+    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = value_parser!(u32).range(1..=1000))]
+    noises: u32,
+    /// Of `robustness`, the joint; the default gear when left out
+    #[arg(long, value_name = "GEAR.toml")]
+    gear: Option<PathBuf>,
+    /// Of `robustness`, plants with the reference mesh: minutes for each
+    #[arg(long)]
+    reference: bool,
     #[command(flatten)]
     figures: FiguresArguments,
 }
 
+fn row_parser() -> impl TypedValueParser<Value = String> {
+    let rows = Which::every().map(|row| PossibleValue::new(row.name()).help(row.what()));
+    PossibleValuesParser::new(rows).map(String::from)
+}
+
 fn part_parser() -> impl TypedValueParser<Value = String> {
     let names = verify::Part::ALL.map(verify::Part::name);
-    PossibleValuesParser::new(names.into_iter().chain([FIRMWARE])).map(String::from)
+    PossibleValuesParser::new(names.into_iter().chain([FIRMWARE, ROBUSTNESS])).map(String::from)
 }
 
 /// Measures the parts asked for.
 pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     files::require_writable(arguments.figures.json.as_deref())?;
+    if arguments.part.as_deref() == Some(ROBUSTNESS) {
+        return against_unknowns(arguments);
+    }
     let wanted = |name: &str| arguments.part.as_ref().is_none_or(|part| part == name);
     let mut measured = Measured::default();
     let parts: Vec<_> = verify::Part::ALL.into_iter().filter(|part| wanted(part.name())).collect();
@@ -85,6 +116,33 @@ fn against_baselines(arguments: &Arguments) -> Result<Measured, BadInput> {
     let (gear, [draws, box_draws]) = (GearFile::default_gear(), [arguments.draws, arguments.box_draws]);
     compensator::against_baselines(&gear, draws, box_draws, |share| progress.set((share * 1e3) as u64))
         .map_err(BadInput::message)
+}
+
+/// On plants that the controllers do not know; its table is one line a row.
+fn against_unknowns(arguments: &Arguments) -> Result<Figures, BadInput> {
+    let asked = robustness::Asked {
+        rows: match arguments.rows.as_slice() {
+            [] => Which::every().collect(),
+            names => names.iter().filter_map(|name| Which::named(name)).collect(),
+        },
+        first: arguments.first,
+        seeds: arguments.seeds,
+        noises: arguments.noises,
+        reference: arguments.reference,
+    };
+    let mut progress = Progress::new(1000, "judged plants");
+    let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
+    let measured = robustness::measure(&gear, &asked, |share| {
+        progress.set((share * 1e3) as u64);
+    });
+    drop(progress);
+    let found = measured.map_err(BadInput::message)?;
+    say(format_args!("{}", columns(&found.table())));
+    let measured = found.measured();
+    for note in &measured.notes {
+        say(format_args!("{note}"));
+    }
+    Ok(Figures::silent(measured.figures, &arguments.figures))
 }
 
 fn emulated_parts(firmware: bool, flexspline: bool) -> Option<Parts> {

@@ -2,24 +2,29 @@
 //! the loop every 0.1 ms.
 //!
 //! Each control period: the sensors are read, the controller answers, its torque acts on the plant for one
-//! period. The motor's torque is what was commanded, and what is measured of it carries noise. An encoder gives the
-//! count whose middle is nearest to the angle. Torques in N m, angles in rad.
-
-use std::collections::VecDeque;
+//! period. The motor's torque is what its drive makes of the command, and what is measured of it carries noise. An encoder
+//! gives the count whose middle is nearest to the angle ([`crate::plant::encoder`]). Torques in N m, angles in rad.
+//!
+//! Where the clock jitters ([`crate::plant::clock`]) the plant stays on its micro-steps: it goes to the last one before
+//! the instant, the encoders are read a part of a micro-step ahead at constant speed, and the new torque acts from there.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
+use strainwave::Error;
 use strainwave::compensator::{Input, Output, Sensors, Shares};
 use strainwave::flexspline::Flexspline;
-use strainwave::{Angle, Error};
+use strainwave::gear::Motion;
 
 use crate::closed_loop::Controller;
 use crate::divergence::RunError;
 use crate::draw::Draw;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, firmware_gear_params};
-use crate::plant::{CondensedMesh, Plant, PlantMesh, encoder_count};
+use crate::plant::clock::{Clock, ClockParams};
+use crate::plant::encoder::{EncoderErrors, EncoderModel, LateEncoder};
+use crate::plant::sample::PlantSample;
+use crate::plant::{CondensedMesh, Plant, PlantMesh};
 use crate::scenario::Demand;
 
 /// Which encoders the controller reads; motor torque it always does.
@@ -60,12 +65,14 @@ pub struct Conditions {
     pub sensors: SensorSet,
     /// Factor on the noise of the sensors: 2 doubles the deviation of the torques and takes the encoders' last bit.
     pub noise: f64,
+    /// Which noise on this plant: 0 is the seed's own.
+    pub realisation: u32,
 }
 
 impl Conditions {
     /// The sensors of a gear file as they are, on the plant of `seed`.
     pub fn of(file: &GearFile, seed: u64) -> Self {
-        Self { seed, sensors: SensorSet::of(file), noise: 1.0 }
+        Self { seed, sensors: SensorSet::of(file), noise: 1.0, realisation: 0 }
     }
 
     /// The plant's parameters.
@@ -91,48 +98,6 @@ pub trait Task {
     }
 }
 
-/// An encoder of 2^bits counts a turn whose last counts may be lost in noise.
-#[derive(Clone, Copy, Debug)]
-struct EncoderModel {
-    bits: u32,
-    lost: u32,
-}
-
-impl EncoderModel {
-    fn new(bits: u32, noise: f64) -> Self {
-        Self { bits, lost: noise.log2().round().max(0.0) as u32 }
-    }
-
-    fn read(self, angle: Angle<f64>) -> u32 {
-        let bits = self.bits - self.lost.min(self.bits);
-        let half = std::f64::consts::PI / 2f64.powi(bits.cast_signed());
-        encoder_count(angle.plus(half), bits) << (self.bits - bits)
-    }
-}
-
-/// Counts of an encoder that arrive late, and not every period.
-#[derive(Clone, Debug)]
-struct LateEncoder {
-    encoder: EncoderModel,
-    /// By how many periods.
-    delay: usize,
-    /// Every how many.
-    every: usize,
-    /// Counts on their way, the newest last.
-    coming: VecDeque<u32>,
-    periods: usize,
-}
-
-impl LateEncoder {
-    fn read(&mut self, angle: Angle<f64>) -> Option<u32> {
-        self.coming.push_back(self.encoder.read(angle));
-        let arrived = if self.coming.len() > self.delay { self.coming.pop_front() } else { None };
-        let due = self.periods.is_multiple_of(self.every);
-        self.periods += 1;
-        arrived.filter(|_| due)
-    }
-}
-
 /// The joint's sensors, with noise that repeats for the same seed.
 #[derive(Clone, Debug)]
 struct SensorModel {
@@ -141,41 +106,59 @@ struct SensorModel {
     motor_torque_noise: Normal<f64>,
     output_torque_noise: Option<Normal<f64>>,
     random: ChaCha8Rng,
+    encoder_random: ChaCha8Rng,
+}
+
+/// What the random numbers of a bench are for; each has a stream of its own, and other noise on the same plant others.
+#[derive(Clone, Copy)]
+enum Purpose {
+    Torque,
+    Encoders,
+    Clock,
+}
+
+fn random(seed: u64, realisation: u32, purpose: Purpose) -> ChaCha8Rng {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    random.set_stream(3 * u64::from(realisation) + purpose as u64);
+    random
 }
 
 impl SensorModel {
-    fn new(file: &GearFile, conditions: &Conditions) -> Self {
+    fn new(file: &GearFile, conditions: &Conditions, errors: &[EncoderErrors; 2]) -> Self {
         let factor = conditions.noise;
         let noise = |deviation: f64| {
             Normal::new(0.0, factor * deviation).expect("the gear file's noise is not negative")
         };
         let sensors = &file.sensors;
-        let output_bits = sensors.output_bits();
-        let output_encoder = LateEncoder {
-            encoder: EncoderModel::new(output_bits, factor),
-            delay: sensors.output_encoder_delay as usize,
-            every: sensors.output_encoder_period as usize,
-            coming: VecDeque::new(),
-            periods: 0,
-        };
+        let output_encoder = LateEncoder::new(
+            EncoderModel::new(sensors.output_bits(), factor, errors[1]),
+            sensors.output_encoder_delay as usize,
+            sensors.output_encoder_period as usize,
+        );
+        let random = |purpose| random(conditions.seed, conditions.realisation, purpose);
         Self {
-            motor_encoder: EncoderModel::new(sensors.motor_encoder_bits, factor),
+            motor_encoder: EncoderModel::new(sensors.motor_encoder_bits, factor, errors[0]),
             output_encoder: (conditions.sensors == SensorSet::Both).then_some(output_encoder),
             motor_torque_noise: noise(sensors.motor_torque_noise),
             output_torque_noise: sensors.output_torque.then(|| noise(sensors.output_torque_noise)),
-            random: ChaCha8Rng::seed_from_u64(conditions.seed),
+            random: random(Purpose::Torque),
+            encoder_random: random(Purpose::Encoders),
         }
     }
 
-    fn read<F: Flexspline<f64>>(&mut self, plant: &Plant<F>, motor_torque: f64) -> Sensors<f32> {
-        let random = &mut self.random;
+    /// As they read `ahead` (s) of the plant's last micro-step.
+    fn read<F: Flexspline<f64>>(&mut self, plant: &Plant<F>, ahead: f64) -> Sensors<f32> {
+        let (random, encoder_random) = (&mut self.random, &mut self.encoder_random);
+        let angle = |motion: Motion<f64>| {
+            if ahead > 0.0 { motion.angle.plus(motion.velocity * ahead) } else { motion.angle }
+        };
         Sensors {
-            motor_encoder: self.motor_encoder.read(plant.motor().angle),
+            motor_encoder: self.motor_encoder.read(angle(plant.motor()), encoder_random),
             output_encoder: self
                 .output_encoder
                 .as_mut()
-                .and_then(|encoder| encoder.read(plant.output().angle)),
-            motor_torque: (motor_torque + self.motor_torque_noise.sample(random)) as f32,
+                .and_then(|encoder| encoder.read(angle(plant.output()), encoder_random)),
+            motor_torque: (plant.measured_motor_torque() + self.motor_torque_noise.sample(random)) as f32,
             output_torque: self
                 .output_torque_noise
                 .map(|noise| (plant.last_torques().transmitted + noise.sample(random)) as f32),
@@ -188,14 +171,17 @@ fn all_shares(file: &GearFile) -> Shares<f32> {
     Shares { friction: file.compensation.friction_share as f32, ..Shares::ALL }
 }
 
-/// Plant, sensors, and the torque that was last commanded.
+/// Plant, sensors, clock, and the controller's last answer.
 #[derive(Clone)]
 pub struct Bench<F: Flexspline<f64> = PlantMesh> {
     plant: Plant<F>,
     sensors: SensorModel,
+    clock: Clock,
+    /// Micro-steps by which the plant is off the clock's whole periods.
+    off: i64,
     shares: Shares<f32>,
     rated_torque: f64,
-    torque: f64,
+    last: Output<f32>,
 }
 
 impl Bench {
@@ -205,6 +191,15 @@ impl Bench {
     /// As [`Plant::build`].
     pub fn build(file: &GearFile, conditions: &Conditions) -> Result<Self, Error> {
         Ok(Self::around(Plant::build(&conditions.plant(file)?)?, file, conditions))
+    }
+
+    /// The same of a plant that its controller does not know; the seed is the plant's.
+    ///
+    /// # Errors
+    /// As [`Plant::build`].
+    pub fn of(sample: &PlantSample, conditions: &Conditions) -> Result<Self, Error> {
+        let plant = Plant::between(&sample.plant_params(), &sample.sides)?;
+        Ok(Self::of_sample(plant, sample, conditions))
     }
 }
 
@@ -216,16 +211,42 @@ impl Bench<CondensedMesh> {
     pub fn condensed(file: &GearFile, conditions: &Conditions) -> Result<Self, Error> {
         Ok(Self::around(Plant::condensed(&conditions.plant(file)?)?, file, conditions))
     }
+
+    /// The same of a plant that its controller does not know; the seed is the plant's.
+    ///
+    /// # Errors
+    /// As [`Plant::condensed`].
+    pub fn condensed_of(sample: &PlantSample, conditions: &Conditions) -> Result<Self, Error> {
+        let plant = Plant::condensed_between(&sample.plant_params(), &sample.sides)?;
+        Ok(Self::of_sample(plant, sample, conditions))
+    }
 }
 
 impl<F: Flexspline<f64>> Bench<F> {
     fn around(plant: Plant<F>, file: &GearFile, conditions: &Conditions) -> Self {
+        Self::with(plant, file, conditions, &Default::default(), ClockParams::default())
+    }
+
+    fn of_sample(plant: Plant<F>, sample: &PlantSample, conditions: &Conditions) -> Self {
+        let conditions = Conditions { seed: sample.seed, ..*conditions };
+        Self::with(plant, &sample.known, &conditions, &sample.encoders, sample.clock)
+    }
+
+    fn with(
+        plant: Plant<F>,
+        file: &GearFile,
+        conditions: &Conditions,
+        errors: &[EncoderErrors; 2],
+        clock: ClockParams,
+    ) -> Self {
         Self {
             plant,
-            sensors: SensorModel::new(file, conditions),
+            sensors: SensorModel::new(file, conditions, errors),
+            clock: Clock::new(clock, random(conditions.seed, conditions.realisation, Purpose::Clock)),
+            off: 0,
             shares: all_shares(file),
             rated_torque: file.gear.rated_torque,
-            torque: 0.0,
+            last: Output::default(),
         }
     }
 
@@ -235,7 +256,7 @@ impl<F: Flexspline<f64>> Bench<F> {
     }
 
     /// Goes through a task from where the joint is; `visit` sees the plant at the start of each period with what is
-    /// asked and the controller's answer to it.
+    /// asked and the controller's answer to it, the one before where it missed its step.
     ///
     /// # Errors
     /// The controller's, or a plant that diverges.
@@ -248,25 +269,41 @@ impl<F: Flexspline<f64>> Bench<F> {
     where
         C::Error: From<RunError>,
     {
+        let dt = self.plant.micro_step_time();
         for k in 0..periods(task) {
-            let demand = task.at(k as f64 * CONTROL_PERIOD, self.rated_torque);
-            let sensors = self.sensors.read(&self.plant, self.torque);
-            let input = Input {
-                sensors,
-                command: demand.setpoint().into(),
-                shares: self.shares.into(),
-                elapsed: 0.0,
-            };
-            let answer = controller.step(&input)?;
-            visit(k, demand, &self.plant, answer);
-            self.torque = if task.blocked() { 0.0 } else { f64::from(answer.motor_torque) };
+            let time = k as f64 * CONTROL_PERIOD;
+            let tick = self.clock.tick();
+            // By so much the step is after the plant's last micro-step.
+            let ahead = tick.off - self.off as f64 * dt;
+            if let Some(elapsed) = tick.elapsed {
+                let demand = task.at(time + tick.off, self.rated_torque);
+                let input = Input {
+                    sensors: self.sensors.read(&self.plant, ahead),
+                    command: demand.setpoint().into(),
+                    shares: self.shares.into(),
+                    elapsed: elapsed as f32,
+                };
+                self.last = controller.step(&input)?;
+            }
+            let demand = task.at(time + self.off as f64 * dt, self.rated_torque);
+            visit(k, demand, &self.plant, self.last);
+            if tick.elapsed.is_some() && !task.blocked() {
+                self.plant.command(f64::from(self.last.motor_torque), ahead / dt);
+            }
             self.advance(demand.load, task.blocked()).map_err(RunError::from)?;
         }
         Ok(())
     }
 
+    /// To the last micro-step before the clock's next instant.
     fn advance(&mut self, load: f64, blocked: bool) -> Result<(), crate::divergence::Diverged> {
-        if blocked { self.plant.step_blocked(load) } else { self.plant.step(self.torque, load) }
+        let next = (self.clock.advance() / self.plant.micro_step_time()).floor() as i64;
+        if blocked {
+            return self.plant.step_blocked(load);
+        }
+        let steps = self.plant.micro_steps().cast_signed() as i64 + next - self.off;
+        self.off = next;
+        self.plant.go_on(steps.unsigned_abs() as usize, load)
     }
 }
 
@@ -278,26 +315,6 @@ pub fn periods(task: &impl Task) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn an_encoder_gives_the_nearest_count() {
-        let counts = |noise, share: f64| {
-            let encoder = EncoderModel::new(4, noise);
-            encoder.read(Angle::from_radians_f64(share * std::f64::consts::TAU / 16.0))
-        };
-        assert_eq!([-0.49, 0.0, 0.49, 0.51, 3.4, 15.6].map(|share| counts(1.0, share)), [0, 0, 0, 1, 3, 0]);
-        assert_eq!([-0.9, 0.9, 1.1, 2.9, 15.1].map(|share| counts(2.0, share)), [0, 0, 2, 2, 0]);
-    }
-
-    #[test]
-    fn a_late_and_slow_encoder_gives_old_counts_now_and_then() {
-        let encoder = EncoderModel::new(4, 1.0);
-        let mut late = LateEncoder { encoder, delay: 2, every: 3, coming: VecDeque::new(), periods: 0 };
-        let read =
-            (0..10).map(|k| late.read(Angle::from_radians_f64(f64::from(k) * std::f64::consts::TAU / 16.0)));
-        let wanted = [None, None, None, Some(1), None, None, Some(4), None, None, Some(7)];
-        assert_eq!(read.collect::<Vec<_>>(), wanted);
-    }
 
     /// The same seed, the same noise; twice the factor, twice the noise.
     #[test]
@@ -319,6 +336,95 @@ mod tests {
             let conditions = Conditions { sensors, ..Conditions::of(&file, 1) };
             let mut bench = Bench::condensed(&file, &conditions).unwrap();
             assert_eq!(bench.sensors.read(&bench.plant, 0.0).output_encoder, wanted);
+        }
+    }
+
+    use crate::baseline::Baseline;
+    use crate::closed_loop::{Controller, HostCompensator};
+    use crate::joint::joint_params;
+    use crate::plant::unknowns::Which;
+    use crate::scenario::Scenario;
+
+    fn sample(row: &str, seed: u64) -> PlantSample {
+        PlantSample::of(&GearFile::default_gear(), Which::named(row).unwrap(), seed).unwrap()
+    }
+
+    fn bench(sample: &PlantSample) -> Bench<CondensedMesh> {
+        Bench::condensed_of(sample, &Conditions::of(&sample.known, sample.seed)).unwrap()
+    }
+
+    /// Output and torsion (rad), a row each control period.
+    fn motion<C: Controller<Error = RunError>>(
+        bench: &mut Bench<CondensedMesh>,
+        controller: &mut C,
+    ) -> Vec<[f64; 2]> {
+        let mut rows = Vec::new();
+        let visit = |_, _, plant: &Plant<CondensedMesh>, _| {
+            rows.push([plant.output().angle.to_radians(), plant.last_torques().torsion]);
+        };
+        bench.go(&Scenario::S3, controller, visit).unwrap();
+        rows
+    }
+
+    /// Bit for bit, noise and all.
+    #[test]
+    fn a_plant_of_the_box_alone_moves_as_the_plant_of_before() {
+        let file = GearFile::default_gear();
+        let controller = HostCompensator::build(&joint_params(&file).unwrap()).unwrap();
+        for seed in [0, 3] {
+            let mut before = Bench::condensed(&file, &Conditions::of(&file, seed)).unwrap();
+            let before = motion(&mut before, &mut controller.clone());
+            assert_eq!(motion(&mut bench(&sample("box", seed)), &mut controller.clone()), before);
+        }
+    }
+
+    /// Times between its steps, of a cascade that answers.
+    struct Watch(Baseline, Vec<f64>);
+
+    impl Controller for Watch {
+        type Error = RunError;
+
+        fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, RunError> {
+            self.1.push(input.elapsed.into());
+            Controller::step(&mut self.0, input)
+        }
+    }
+
+    /// The controller is told the true time, and the plant has gone just as far whatever the clock does.
+    #[test]
+    fn a_clock_that_is_off_keeps_the_time() {
+        let file = GearFile::default_gear();
+        let b0 = Baseline::b0(&file).unwrap();
+        let exact = motion(&mut bench(&sample("box", 5)), &mut b0.clone());
+        for row in ["time.jitter", "time.missed"] {
+            let mut watch = Watch(b0.clone(), Vec::new());
+            let moved = motion(&mut bench(&sample(row, 5)), &mut watch);
+            let elapsed: f64 = watch.1.iter().sum();
+            assert!((elapsed - Scenario::S3.duration()).abs() < 3.0 * CONTROL_PERIOD, "{row}: {elapsed}");
+            assert!(watch.1.iter().any(|elapsed| (elapsed - CONTROL_PERIOD).abs() > 1e-5));
+            let off = exact.iter().zip(&moved).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f64::max);
+            assert!(off > 0.0 && off < 1e-3, "{row}: {off}");
+        }
+    }
+
+    /// Whatever is in front of the gear and behind it, the power through the gear closes.
+    #[test]
+    fn the_power_balance_closes_between_any_sides() {
+        let b0 = Baseline::b0(&GearFile::default_gear()).unwrap();
+        let mut ideal = bench(&sample("box", 5));
+        motion(&mut ideal, &mut b0.clone());
+        for row in [
+            "load.flexible",
+            "load.backlash",
+            "load.gravity",
+            "drive.delay",
+            "motor.cogging",
+            "friction.dahl",
+        ] {
+            let mut bench = bench(&sample(row, 5));
+            motion(&mut bench, &mut b0.clone());
+            let (ideal, imbalance) = (ideal.plant().imbalance(), bench.plant().imbalance());
+            assert!(imbalance < 3.0 * ideal.max(1e-3), "{row}: {imbalance}, {ideal} without");
         }
     }
 }

@@ -13,12 +13,21 @@ use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 use crate::draw;
 use crate::gear_file::{Friction, GearFile};
 
-/// a without and with an output encoder.
-const STIFFENING: [f64; 2] = [0.7, 1.0];
-/// zeta, alike.
-const DAMPING: [f64; 2] = [0.65, 0.75];
-/// k (1/s), alike.
-const INTEGRAL: [f64; 2] = [30.0, 50.0];
+/// Damping ratio that the output feedback adds to the torsion mode, without and with an output encoder.
+const ADDED_DAMPING: [f64; 2] = [0.125, 0.125];
+/// k without and with an output encoder, and omega_y, as shares of the torsion mode's frequency.
+const INTEGRAL: [f64; 2] = [0.0, 1.0 / 16.0];
+const FILTER_CORNER: f64 = 1.0 / 3.0;
+
+/// Corner of the disturbance path's slow part, as a share of the torsion mode's frequency.
+const SLOW_CORNER: f64 = 0.2;
+/// By how much a torque may be late in all (s): three periods of the observer and the cascade, two that the drive may
+/// be late by, and the lag of a current loop of 500 Hz.
+const LATENESS: f64 = 1e-3;
+/// Tolerance of the motor's torque: of its constant, and of the rotor's inertia.
+const TORQUE_TOLERANCE: f64 = 0.2;
+/// Share of a sudden load that the gear is wound up for.
+const FAST_SHARE: f64 = 0.5;
 
 /// Room that a factor has beyond the box that a plant is drawn from.
 const ROOM: f64 = 1.25;
@@ -44,28 +53,35 @@ const RIPPLE_BOUNDS: [f64; 2] = [3e-4, 0.3];
 /// Speeds of the motor between which ripple is learnt; the upper is of order 1 (rad/s).
 const RIPPLE_SPEEDS: [f64; 2] = [1.0, 60.0];
 
-/// The disturbance path.
+/// The disturbance path, from what of the joint is not known.
+///
+/// - A joint that stands may hide the static friction of both sides, seen at the output: dead zone, and play at rest.
+/// - The motor's torque is known to its constant's and the rotor's inertia to its tolerance: the dead zone is wider by
+///   both of the torque that is fed forward.
+/// - A gear that is wound up by the share s of a load has the stiffness K/(1 - s*K/K_model), infinite at s = K_model/K:
+///   a half leaves a gain margin of 2.
 pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
-    let rated = file.gear.rated_torque;
+    let n = f64::from(file.gear.signed_ratio().n()).abs();
+    let level = |side: &Friction| side.static_level.or(side.coulomb).unwrap_or_default();
+    let hidden = n * level(&file.friction.input) + level(&file.friction.output);
+    let frequency = (file.stiffness.k1 / file.inertia.flexspline).sqrt();
     DisturbanceParams {
-        slow_corner: R::lit(30.0),
-        fast_corner: R::lit(2400.0),
-        dead_zone: R::lit(0.05 * rated),
-        sudden: R::lit(0.045 * rated),
-        gain: R::ONE,
-        tolerance: R::lit(0.0),
-        fast: [R::ONE; 2],
-        play: [R::ZERO; 2],
+        slow_corner: R::lit(SLOW_CORNER * frequency),
+        fast_corner: R::lit(1.0 / LATENESS),
+        dead_zone: R::lit(hidden),
+        tolerance: R::lit(n * TORQUE_TOLERANCE),
+        wound_up: R::lit(FAST_SHARE),
+        play: R::lit(hidden),
     }
 }
 
 /// Gains without and with an output encoder.
 pub fn output_feedback_params<R: Real>(file: &GearFile) -> [OutputFeedbackParams<R>; 2] {
-    let mode = mode(file);
+    let frequency = (file.stiffness.k1 / file.inertia.flexspline).sqrt();
     std::array::from_fn(|k| OutputFeedbackParams {
-        stiffening: R::lit(STIFFENING[k]),
-        damping: R::lit(2.0 * DAMPING[k] * (1.0 + STIFFENING[k]).sqrt() * mode),
-        integral: R::lit(INTEGRAL[k]),
+        damping: R::lit(2.0 * ADDED_DAMPING[k] / frequency),
+        integral: R::lit(INTEGRAL[k] * frequency),
+        filter_corner: R::lit(FILTER_CORNER * frequency),
     })
 }
 

@@ -138,6 +138,7 @@ pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
          use strainwave::compensator::actuate::cascade::FeedbackParams;\n\
          use strainwave::compensator::adapt::learning::{{LearningParams, Learnt}};\n\
          use strainwave::compensator::adapt::ripple::{{LearntRippleParams, RippleMap, RippleOrder}};\n\
+         use strainwave::compensator::estimate::disturbance::DisturbanceParams;\n\
          use strainwave::compensator::estimate::observer::deviation::{{Spread, Uncertainty}};\n\
          use strainwave::compensator::estimate::observer::{{Gains, ObserverParams}};\n\
          use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;\n\

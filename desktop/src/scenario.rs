@@ -163,6 +163,43 @@ impl Task for Scenario {
     }
 }
 
+/// How long a joint takes to stop (s).
+const STOP: f64 = 0.2;
+
+/// The end of a run: from where it has come the joint stops smoothly, and rests under the load that it has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rest {
+    /// What was asked last.
+    pub from: Demand,
+}
+
+impl Rest {
+    /// Length (s).
+    pub const DURATION: f64 = 0.6;
+    /// From here on the joint should be at rest (s).
+    pub const JUDGED_FROM: f64 = 0.3;
+}
+
+impl Task for Rest {
+    fn duration(&self) -> f64 {
+        Self::DURATION
+    }
+
+    fn at(&self, time: f64, _rated_torque: f64) -> Demand {
+        let Demand { position, velocity: speed, load, .. } = self.from;
+        let x = (time / STOP).min(1.0);
+        let (w, w1, w2, w3, _) = smooth(x);
+        Demand {
+            position: position + speed * STOP * (x - integral_of_smooth(x)),
+            velocity: speed * (1.0 - w),
+            acceleration: -speed * w1 / STOP,
+            jerk: -speed * w2 / (STOP * STOP),
+            snap: -speed * w3 / STOP.powi(3),
+            load,
+        }
+    }
+}
+
 /// -50 N m from the start, then 0.2 mrad more every 0.1 s from 0.4 s on, each a 20 ms move.
 fn steps(time: f64) -> Demand {
     const HEIGHT: f64 = 2e-4;
@@ -199,8 +236,7 @@ fn crawl(time: f64) -> Demand {
     const START: f64 = 0.2;
     let x = (time / START).min(1.0);
     let (w, w1, w2, w3, _) = smooth(x);
-    // Integral of the polynomial of `smooth`.
-    let path = START * (7.0 * x.powi(5) - 14.0 * x.powi(6) + 10.0 * x.powi(7) - 2.5 * x.powi(8));
+    let path = START * integral_of_smooth(x);
     Demand {
         position: SPEED * (path + (time - START).max(0.0)),
         velocity: SPEED * w,
@@ -252,11 +288,30 @@ fn smooth(x: f64) -> (f64, f64, f64, f64, f64) {
     )
 }
 
+/// Integral of the polynomial of [`smooth`] from 0, within 0..=1.
+fn integral_of_smooth(x: f64) -> f64 {
+    7.0 * x.powi(5) - 14.0 * x.powi(6) + 10.0 * x.powi(7) - 2.5 * x.powi(8)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::gear_file::GearFile;
     use crate::joint::firmware_gear_params;
+
+    /// It goes on where it came from, is one motion, and rests.
+    #[test]
+    fn a_joint_comes_to_rest_smoothly() {
+        let from = Scenario::S4.at(1.5, 67.0);
+        let rest = Rest { from };
+        let start = rest.at(0.0, 67.0);
+        assert_eq!((start.position, start.velocity), (from.position, from.velocity));
+        for k in 1..600 {
+            let at = |offset: f64| rest.at(f64::from(k) * 1e-3 + offset, 67.0);
+            assert!(((at(1e-6).position - at(-1e-6).position) / 2e-6 - at(0.0).velocity).abs() < 1e-6);
+        }
+        assert_eq!(rest.at(Rest::JUDGED_FROM, 67.0).velocity, 0.0);
+    }
 
     /// Largest magnitude of a quantity over a scenario.
     fn largest(scenario: Scenario, of: fn(&Demand) -> f64) -> f64 {

@@ -117,12 +117,12 @@ impl Machine {
     /// # Errors
     /// As [`Machine::boot`].
     pub fn boot_with(elf: &Path, options: &Options) -> Result<Self, Error> {
-        setup::emulator(&setup::ThisHost)?;
+        let emulator = setup::emulator(&setup::ThisHost)?;
         let elf = elf.canonicalize().map_err(|error| named(elf, &error))?;
         let directory = Scratch::new("machine")?;
         let sensors = fifo(&directory.path().join("sensors.fifo"))?;
         let command = fifo(&directory.path().join("command.fifo"))?;
-        let process = Process::start(setup::EMULATOR, &arguments(&elf, options), directory)?;
+        let process = Process::start(&emulator.program, &arguments(&elf, options), directory)?;
         Ok(Self { sensors, command, process, elf, patience: options.patience })
     }
 

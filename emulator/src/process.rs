@@ -6,6 +6,7 @@
 //! the thread that started the child, so all are started by one thread, which lives as long as this
 //! process.
 
+use std::ffi::OsStr;
 use std::io;
 use std::os::unix::process::CommandExt;
 use std::path::Path;
@@ -25,7 +26,7 @@ pub struct Process {
 
 impl Process {
     /// Starts `program` in `directory`.
-    pub fn start(program: &str, arguments: &[String], directory: Scratch) -> io::Result<Arc<Self>> {
+    pub fn start(program: &Path, arguments: &[String], directory: Scratch) -> io::Result<Arc<Self>> {
         let mut command = tied_to_us(program);
         command.args(arguments).current_dir(directory.path());
         let said = std::fs::File::create(directory.path().join("emulator.log"))?;
@@ -97,11 +98,11 @@ pub fn kill_all() {
 }
 
 /// `program`, which the kernel is to kill when its parent dies, where the system can do that.
-fn tied_to_us(program: &str) -> Command {
+pub fn tied_to_us(program: impl AsRef<OsStr>) -> Command {
     let can = Command::new("setpriv").arg("--version").stdin(Stdio::null()).stdout(Stdio::null()).status();
     if can.is_ok_and(|status| status.success()) {
         let mut command = Command::new("setpriv");
-        command.args(["--pdeathsig", "KILL", "--", program]);
+        command.args(["--pdeathsig", "KILL", "--"]).arg(program);
         command
     } else {
         Command::new(program)

@@ -146,7 +146,7 @@ fn a_literal_mesh_unlike_its_reduction_is_not_counted() {
 
 /// QEMU's own log of every instruction executed, as its switches are called in this version.
 fn log_switches(log: &Path, ranges: &str) -> Vec<String> {
-    let version = setup::present_emulator(&setup::ThisHost).unwrap_or_default();
+    let version = setup::present_emulator(&setup::ThisHost).map(|found| found.version).unwrap_or_default();
     let old = ["7.", "8.0."].iter().any(|v| version.contains(&format!("version {v}")));
     let single: &[&str] = if old { &["-singlestep"] } else { &["-accel", "tcg,one-insn-per-tb=on"] };
     let log = log.display().to_string();

@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 
 use strainwave::Angle;
 use strainwave::compensator::adapt::parameters::Factors;
-use strainwave::compensator::estimate::disturbance::{ExternalLoad, ExternalLoadState, FollowedLoad};
 use strainwave::compensator::reference::feed_forward::{Believed, Demand, FeedForward, FeedForwardState};
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use strainwave::compensator::{JointParams, RealTimeGear, Setpoint, Shares};
@@ -234,42 +233,4 @@ fn speed_missed(shares: &Shares<f64>) -> f64 {
 fn the_speed_is_that_of_the_reference() {
     let missed = speed_missed(&Shares { kinematic_error: 0.0, ..Shares::ALL });
     assert!(missed < 10e-6, "{missed}");
-}
-
-/// What of the external torques (N m) that are believed by the observer's turn is followed in every round.
-fn followed(external_torque: impl Fn(f64) -> f64, rounds: u32) -> Vec<(FollowedLoad<f64>, f64)> {
-    let params = joint_params::<f64>(&GearFile::default_gear()).unwrap().gear;
-    let (load, mut state) =
-        (ExternalLoad::build(&params, CONTROL_PERIOD).unwrap(), ExternalLoadState::default());
-    let mut follow = |round: u32| {
-        let mut torque = 0.0;
-        for k in 0..SLOW_PERIODS / OBSERVER_PERIODS {
-            torque = external_torque(f64::from(SLOW_PERIODS * round + OBSERVER_PERIODS * k) * CONTROL_PERIOD);
-            load.follow(&mut state, torque);
-        }
-        let followed = load.rest_on(&mut state, torque);
-        (followed, load.yielding(&state, 1e-5, 1.0).torque)
-    };
-    (0..rounds).map(&mut follow).collect()
-}
-
-/// Of 40 N m half is wound up for within 0.8 ms, of what may be noise next to nothing.
-#[test]
-fn a_load_is_wound_up_for_at_once_and_noise_is_not() {
-    let wound_up = |torque: f64, rounds| followed(|_| torque, rounds).pop().unwrap().0.wound_up;
-    assert!((wound_up(40.0, 5_000) - 40.0).abs() < 0.1);
-    assert!(wound_up(40.0, 2) > 0.5 * 40.0, "{}", wound_up(40.0, 2));
-    assert!(wound_up(3.0, 2) < 0.1 * 3.0, "{}", wound_up(3.0, 2));
-}
-
-/// A load that swings by 20 N m at 50 Hz is a joint that shakes: the motor answers it for 0.15 s and no longer.
-#[test]
-fn a_joint_that_shakes_is_not_followed() {
-    let answers = followed(|time| 20.0 * (TAU * 50.0 * time).sin(), 1000);
-    let mean = |answers: &[(FollowedLoad<f64>, f64)]| {
-        answers.iter().map(|(_, torque)| torque.abs()).sum::<f64>() / answers.len() as f64
-    };
-    let (first, later) = (mean(&answers[..250]), mean(&answers[500..]));
-    assert!(first > 0.1, "{first}");
-    assert!(later < 0.1 * first, "{first} N m, later {later} N m");
 }

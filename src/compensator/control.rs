@@ -7,7 +7,7 @@ use crate::compensator::actuate::mode::Mode;
 use crate::compensator::actuate::protection::Protection;
 use crate::compensator::adapt::learning::{self, Learning, Learnt};
 use crate::compensator::adapt::parameters::Observed;
-use crate::compensator::estimate::disturbance::ExternalLoad;
+use crate::compensator::estimate::disturbance::Disturbance;
 use crate::compensator::estimate::observer::{Measurement, Observer};
 use crate::compensator::reference::command::Commander;
 use crate::compensator::reference::feed_forward::FeedForward;
@@ -38,7 +38,7 @@ pub struct Compensator<R: Real> {
     pub(super) frozen_output: FrozenEncoder<R>,
     pub(super) commander: Commander<R>,
     pub(super) observer: Observer<R>,
-    pub(super) load: ExternalLoad<R>,
+    pub(super) disturbance: Disturbance<R>,
     pub(super) feed_forward: FeedForward<R>,
     pub(super) feedback: Feedback<R>,
     pub(super) output_feedback: OutputFeedback<R>,
@@ -161,7 +161,7 @@ impl<R: Real> Compensator<R> {
             heard.output_torque = sensors.output_torque;
             state.gauge = sensors.output_torque;
         }
-        state.course.advance(state.yielding.velocity, elapsed.time);
+        state.course.advance(state.wind_up.velocity, elapsed.time);
         state.course.ahead -= motor.moved;
         motor
     }
@@ -197,8 +197,9 @@ impl<R: Real> Compensator<R> {
             state.course.rests,
             &mut faults,
         );
-        self.load.follow(&mut state.load, state.observer.external_torque());
-        state.yielding = self.load.yielding(&state.load, state.course.wound, state.guard.shares().wind_up);
+        self.disturbance.step_fast(&mut state.disturbance, state.observer.external_torque());
+        state.wind_up =
+            self.disturbance.wind_up(&state.disturbance, state.course.wound, state.guard.shares().wind_up);
         let kept = if with_output { Faults::NONE } else { Faults::OUTPUT_ENCODER_JUMP };
         state.faults.observer = faults.with(state.faults.observer.among(kept));
     }
@@ -234,12 +235,10 @@ impl<R: Real> Compensator<R> {
         let shares = state.guard.shares();
         let reference = state.course.reference(motor);
         self.learning.turn_to(&mut state.learning, reference, setpoint.position);
-        let load = self.load.rest_on(
-            &mut state.load,
-            state.observer.external_torque(),
-            state.course.torque,
-            setpoint.velocity == R::ZERO,
-        );
+        let external_torque = state.observer.external_torque();
+        let rests = setpoint.velocity == R::ZERO;
+        let load =
+            self.disturbance.step_slow(&mut state.disturbance, external_torque, state.course.torque, rests);
         let believed = self.learning.believed(&state.learning, load, shares);
         let demand = self.feed_forward.step(&self.gear, &mut state.feed_forward, setpoint, shares, &believed);
         let ahead = demand.motor.angle.minus(motor);
@@ -258,7 +257,7 @@ impl<R: Real> Compensator<R> {
             torque: self.observer.transmitted(&state.observer)
                 - state.observer.output_friction()
                 - (demand.accelerating - self.behind * demand.accelerating_rate)
-                + load.at_once,
+                + load,
             measured: measured.is_some(),
         };
         let shift = self.output_feedback.step(&mut state.output_feedback, &deviation, !state.limited);
@@ -274,7 +273,7 @@ impl<R: Real> Compensator<R> {
             transmission: demand.transmission,
             wound: demand.wound,
             output_torque: followed.torque,
-            rests: setpoint.velocity == R::ZERO && followed.torque.is_none(),
+            rests: rests && followed.torque.is_none(),
             switched: followed.switched,
             planned: true,
         };
@@ -382,15 +381,15 @@ impl<R: Real> Compensator<R> {
     /// The cascade's turn: every period. Answers with the torque that is commanded.
     #[inline(always)]
     fn drive(&self, state: &mut State<R>, motor: &Reading<R>, inverse_elapsed: R, faults: &mut Faults) -> R {
-        let (course, yielding) = (&state.course, &state.yielding);
+        let (course, wind_up) = (&state.course, &state.wind_up);
         let wanted = Wanted {
             ahead: course.ahead,
-            velocity: course.velocity + yielding.velocity,
-            acceleration: course.known * course.acceleration + yielding.acceleration,
+            velocity: course.velocity + wind_up.velocity,
+            acceleration: course.known * course.acceleration + wind_up.acceleration,
         };
         let held = state.limited || course.output_torque.is_some() || !course.planned;
         let feedback = self.feedback.step(&mut state.feedback, motor.moved * inverse_elapsed, &wanted, held)
-            + yielding.torque;
+            + wind_up.torque;
         let closed = match course.output_torque {
             Some(torque) => course.transmission * torque,
             None if !course.planned => R::ZERO,

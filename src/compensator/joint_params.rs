@@ -7,7 +7,7 @@ use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::fallback::Fallback;
 use crate::compensator::actuate::protection::Protection;
 use crate::compensator::adapt::learning::{LearningParams, Learnt};
-use crate::compensator::estimate::disturbance::{DisturbanceParams, ExternalLoad};
+use crate::compensator::estimate::disturbance::DisturbanceParams;
 use crate::compensator::estimate::observer::ObserverParams;
 use crate::compensator::reference::command::Commander;
 use crate::compensator::reference::feed_forward::FeedForward;
@@ -78,7 +78,7 @@ impl<R: Real> JointParams<R> {
             frozen_encoder: FrozenEncoder::of_motor(round + round),
             frozen_output: FrozenEncoder::of_output(self.dt * looks),
             observer: self.observer.build(&self.gear, &self.limits, self.dt)?,
-            load: ExternalLoad::build(&self.disturbance, &self.gear, self.dt)?,
+            disturbance: self.disturbance.build(&self.gear, self.dt)?,
             feed_forward: FeedForward::build(&self.gear, self.dt)?,
             feedback: self.feedback.build(self.dt)?,
             output_feedback: OutputFeedback::build(

@@ -6,7 +6,7 @@ use crate::compensator::actuate::fallback::FallbackState;
 use crate::compensator::actuate::mode::{Mode, ModeState};
 use crate::compensator::actuate::protection::ProtectionState;
 use crate::compensator::adapt::learning::LearningState;
-use crate::compensator::estimate::disturbance::{ExternalLoadState, Yielding};
+use crate::compensator::estimate::disturbance::{DisturbanceState, WindUpResponse};
 use crate::compensator::estimate::observer::{Known, ObserverState};
 use crate::compensator::reference::command::CommanderState;
 use crate::compensator::reference::feed_forward::FeedForwardState;
@@ -39,8 +39,8 @@ pub struct State<R: Real> {
     pub(super) last_motor: Angle<R>,
     pub(super) commander: CommanderState<R>,
     pub(super) observer: ObserverState<R>,
-    pub(super) load: ExternalLoadState<R>,
-    pub(super) yielding: Yielding<R>,
+    pub(super) disturbance: DisturbanceState<R>,
+    pub(super) wind_up: WindUpResponse<R>,
     pub(super) feed_forward: FeedForwardState<R>,
     pub(super) course: Course<R>,
     pub(super) feedback: FeedbackState<R>,
@@ -110,8 +110,8 @@ impl<R: Real> Compensator<R> {
             last_motor: Angle::default(),
             commander: CommanderState::default(),
             observer: self.observer.rest(),
-            load: ExternalLoadState::default(),
-            yielding: Yielding::default(),
+            disturbance: DisturbanceState::default(),
+            wind_up: WindUpResponse::default(),
             feed_forward: FeedForwardState::default(),
             course: Course::default(),
             feedback: FeedbackState::default(),

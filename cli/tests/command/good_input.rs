@@ -209,6 +209,24 @@ fn verify_measures_the_part_asked_for() {
 }
 
 #[test]
+fn verify_robustness_has_one_line_a_row() {
+    let bench = Bench::new();
+    let answer =
+        bench.run("verify robustness --row box --row encoder.interpolation --seeds 1 --json out.json");
+    let rows: Vec<_> =
+        answer.output.lines().filter_map(|line| line.split_whitespace().next()).take(3).collect();
+    assert_eq!(rows, ["row", "box", "encoder.interpolation"], "{}", answer.error);
+    let text = std::fs::read_to_string(bench.path("out.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let figures = json["figures"].as_array().unwrap();
+    for name in ["robustness.box.motor.shakes", "robustness.encoder.interpolation.both.s4.error"] {
+        let figure = figures.iter().find(|figure| figure["name"] == name);
+        assert!(figure.is_some_and(|figure| figure["bound"].is_number()), "{name}");
+    }
+    assert_eq!(answer.code == Some(0), figures.iter().all(|figure| figure["holds"] == true));
+}
+
+#[test]
 fn the_help_of_sim_says_what_there_is() {
     let help = Bench::new().run("sim --help").output;
     let help = help.split_whitespace().collect::<Vec<_>>().join(" ");

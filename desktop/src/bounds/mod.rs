@@ -9,6 +9,7 @@ mod flexspline;
 mod friction;
 mod hysteresis;
 mod joint;
+mod robustness;
 
 use crate::figure::Figure;
 
@@ -29,8 +30,8 @@ pub struct Bound {
 pub const LOOSE: f64 = 10.0;
 
 /// Every bound, by what it is of.
-pub const BOUNDS: [&[Bound]; 5] =
-    [joint::ROWS, compensator::ROWS, flexspline::ROWS, friction::ROWS, hysteresis::ROWS];
+pub const BOUNDS: [&[Bound]; 6] =
+    [joint::ROWS, compensator::ROWS, flexspline::ROWS, friction::ROWS, hysteresis::ROWS, robustness::ROWS];
 
 /// What was asked of a figure whose bound stands at what is reached, by name.
 pub const ASKED: &[(&str, f64)] = &[("friction.target.cycles", 150.0)];

@@ -44,7 +44,7 @@ pub(super) struct Unknown {
 /// As the gains are designed. They grow with the wander: where the stiffness is off by 10 %, the filter of the motor
 /// encoder alone loses its stability at a wander below 1.7.
 pub(super) const DESIGN: Unknown =
-    Unknown { wander: 0.29, friction: 0.05, jitter: 3.0 * FRAC_1_SQRT_2, output_jitter: 30.0 };
+    Unknown { wander: 0.15, friction: 0.05, jitter: 3.0 * FRAC_1_SQRT_2, output_jitter: 30.0 };
 
 /// What of wander and renewed friction there is where the motor stands.
 const STANDING: [f64; 2] = [0.1, 0.2];

@@ -7,6 +7,7 @@ pub mod flexspline;
 pub mod friction;
 pub mod hysteresis;
 pub mod replay;
+pub mod robustness;
 
 use std::time::Instant;
 

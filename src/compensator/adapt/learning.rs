@@ -17,7 +17,6 @@ use crate::compensator::adapt::parameters::{
     Adaptation, AdaptationParams, AdaptationState, Excitation, Factors, Observed,
 };
 use crate::compensator::adapt::ripple::{LearntRipple, LearntRippleParams, Lesson, RippleMap, RippleNow};
-use crate::compensator::estimate::disturbance::FollowedLoad;
 use crate::compensator::estimate::observer::Known;
 use crate::compensator::reference::feed_forward::Believed;
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
@@ -147,12 +146,7 @@ impl<R: Real> Learning<R> {
 
     /// What is believed beside the model, with the external torque as far as it is followed.
     #[inline(always)]
-    pub fn believed(
-        &self,
-        state: &LearningState<R>,
-        load: FollowedLoad<R>,
-        shares: &Shares<R>,
-    ) -> Believed<R> {
+    pub fn believed(&self, state: &LearningState<R>, load: R, shares: &Shares<R>) -> Believed<R> {
         let [ripple, torque] = [state.now.position, state.now.torque].map(|now| shares.ripple * now);
         Believed { factors: state.applied, load, ripple, torque }
     }

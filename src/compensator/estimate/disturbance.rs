@@ -1,23 +1,29 @@
-//! External load: what of the estimated external torque the gear is wound up for, and how the motor moves for it.
+//! Disturbance path: what of the estimated external torque is compensated, and how the motor moves for it.
 //!
 //! ```text
-//! d_ff = l + f,   l: low pass of d, 30 rad/s,   ddf = omega^2*(zone(d - l) - f) - 2*omega*df,   omega = 2400 rad/s
-//! motor: speed -w*df/r,   acceleration -w*ddf/r,   torque -J_wg*w*ddf/r - r*f
+//! d_c = l + s*f                                                      compensated load
+//! l:  dl/dt = omega_l*(u - limit(u, p)),   u = d - l                 slow part; p at rest, 0 in motion
+//! f:  ddf = omega_f^2*(u - limit(u, z) - f) - 2*omega_f*df,          fast part,   z = z_0 + t*|tau_ff|
+//! motor: speed -w*s*df/r,   acceleration -w*s*ddf/r,   torque -J_wg*w*s*ddf/r - r*f
 //! ```
 //!
-//! d is the external torque on the flexspline that the observer believes (N m), zone: +-5 % of the rated torque, w
-//! the gear's compliance (rad/(N m)). Semi-implicit Euler: f with the observer's period, l and the time with a round
-//! of [`crate::compensator::schedule`]. Units: rad, N m; signs as in [`crate::gear`].
+//! d is the external torque on the flexspline that the observer estimates (N m), w the gear's compliance (rad/(N m)),
+//! tau_ff the motor's feed-forward torque (N m). Semi-implicit Euler: f with the observer's period, l and the time
+//! with the slow period of [`crate::compensator::schedule`]. Units: rad, N m; signs as in [`crate::gear`].
 //!
-//! It is an answer to an estimate, no feed-forward. What is small is left to the feedback's integral as a torque,
-//! from which it is estimated, and its wind-up follows slowly: observer and motor loop would answer each other where
-//! the gear is not what the model says, and noise would shake the joint. A load that leaves the zone is followed
-//! within 1 ms, with all that the motor needs for it.
+//! It answers an estimate, so it closes a loop: through the observer, which takes for a load whatever torque the model
+//! does not know, and the motor. Each parameter limits that loop by what is not known:
 //!
-//! The loop that this closes through observer and motor has little room for a drive that is later than it is believed
-//! to be, and none while its torque is at its limit. So what leaves the zone must be a load that comes: after 0.15 s
-//! beyond it, of which a tenth of the time within it is taken off, nothing large is followed, and a joint that shakes
-//! comes to rest on l alone.
+//! - z_0 and p: a joint that stands hides the static friction of both sides. Within it d says nothing, and an answer to
+//!   it would move the joint for its own friction: a limit cycle.
+//! - t: the torque constant and the rotor's inertia are known to a tolerance, of which an accelerating motor makes a
+//!   load that is not there.
+//! - s: a gear that winds up by the share s of its load is as stiff as K/(1 - s*K/K_model): a half leaves a gain
+//!   margin of 2 to the stiffness.
+//! - omega_f: the inverse of the time by which torque, drive and observer may be late.
+//!
+//! A load comes once. What stays beyond z for more than 0.15 s, of which a tenth of the time within is taken off, is
+//! none: f returns to zero, and a joint that oscillates comes to rest on l alone.
 
 use crate::angle::Ratio;
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
@@ -28,78 +34,63 @@ use crate::real::Real;
 /// Parameters of the disturbance path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DisturbanceParams<R> {
-    /// Corner of l (rad/s).
+    /// omega_l, 0..=1e4 (rad/s).
     pub slow_corner: R,
-    /// omega (rad/s).
+    /// omega_f, 0..=1e4; at most half of what the observer's period can follow is used (rad/s).
     pub fast_corner: R,
-    /// Half width of the dead zone (N m).
+    /// z_0, half width of the dead zone, at least 0 (N m).
     pub dead_zone: R,
-    /// How far d may be ahead of d_ff before it counts at once (N m).
-    pub sudden: R,
-    /// Share of d that is compensated, 0..=1.
-    pub gain: R,
-    /// By how much the dead zone is wider for each N m of the motor's feed-forward torque (N m/(N m)).
+    /// t, at least 0 (N m at the output for each N m at the motor).
     pub tolerance: R,
-    /// Share of the fast part that the gear is wound up for, and that the motor's torque carries.
-    pub fast: [R; 2],
-    /// Play of l at rest and in motion (N m).
-    pub play: [R; 2],
+    /// s, 0..=1.
+    pub wound_up: R,
+    /// p, half width of the play of a joint at rest, at least 0 (N m).
+    pub play: R,
 }
 
-/// Longest time that d may be beyond the zone as a load that comes (s), and the share of the time within that is
-/// taken off it.
+/// Longest time beyond the dead zone of a load that comes (s), and the share of the time within that is taken off it.
 const LONGEST_LOAD: f64 = 0.15;
-const FORGOTTEN: f64 = 0.1;
+const RECOVERY: f64 = 0.1;
 
-/// The built way of the external torque.
+/// The built disturbance path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ExternalLoad<R> {
-    small_gain: R,
-    large_corner: R,
-    small: R,
-    sudden: R,
-    gain: R,
+pub struct Disturbance<R> {
+    /// Share of its way that l goes in a slow period.
+    slow_gain: R,
+    fast_corner: R,
+    dead_zone: R,
     tolerance: R,
-    fast: [R; 2],
-    play: [R; 2],
+    wound_up: R,
+    play: R,
     longest: R,
     wave_generator_inertia: R,
     ratio: R,
     inverse_ratio: R,
-    /// Period of the observer, and of a round (s).
+    /// Period of the observer, and slow period (s).
     dt: R,
-    round: R,
+    slow_dt: R,
 }
 
-/// What is followed.
+/// l and f.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ExternalLoadState<R> {
+pub struct DisturbanceState<R> {
     /// l (N m).
-    small: R,
-    /// By how much the dead zone is wider now (N m).
-    wider: R,
-    /// f, with its derivatives.
-    large: R,
+    slow: R,
+    /// z (N m).
+    dead_zone: R,
+    /// f (N m), with its derivatives.
+    fast: R,
     rate: R,
     acceleration: R,
-    /// For how long d has been beyond the zone (s).
+    /// For how long d has been beyond the dead zone (s).
     beyond: R,
     /// That is longer than a load takes to come.
-    shakes: bool,
-}
-
-/// What of d may be rested on (N m).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FollowedLoad<R> {
-    /// d_ff: what the gear is wound up for.
-    pub wound_up: R,
-    /// The same, and at once what d is suddenly off it: what the output feedback may rest on.
-    pub at_once: R,
+    oscillates: bool,
 }
 
 /// What the motor does beside the feed-forward to wind the gear up for a load.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Yielding<R> {
+pub struct WindUpResponse<R> {
     /// (rad/s)
     pub velocity: R,
     /// (rad/s^2)
@@ -108,87 +99,153 @@ pub struct Yielding<R> {
     pub torque: R,
 }
 
-impl<R: Real> ExternalLoad<R> {
-    /// For a gear and the control period dt (s).
+impl<R: Real> DisturbanceParams<R> {
+    /// Prepares the path for a gear and the control period dt (s).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `ratio`, or `dt` unless above 0 and up to 1.
-    pub fn build(params: &DisturbanceParams<R>, gear: &GearParams<R>, dt: R) -> Result<Self, Error> {
+    /// [`Error::OutOfRange`] with the name of the parameter outside its range, `ratio`, or `dt` unless above 0 and up
+    /// to 1.
+    pub fn build(&self, gear: &GearParams<R>, dt: R) -> Result<Disturbance<R>, Error> {
         require(dt > R::ZERO && dt <= R::ONE, "dt")?;
+        let within = |value: R, most: f64| value >= R::ZERO && value <= R::lit(most);
+        require(within(self.slow_corner, 1e4), "slow_corner")?;
+        require(within(self.fast_corner, 1e4), "fast_corner")?;
+        require(within(self.dead_zone, 1e9), "dead_zone")?;
+        require(within(self.tolerance, 1e9), "tolerance")?;
+        require(within(self.wound_up, 1.0), "wound_up")?;
+        require(within(self.play, 1e9), "play")?;
         let ratio = Ratio::one_over(gear.ratio)?;
-        let [dt, round] = [OBSERVER_PERIODS, SLOW_PERIODS].map(|periods| R::from_i32(periods as i32) * dt);
-        Ok(Self {
-            small_gain: (round * params.slow_corner).one_minus_exp_neg(),
-            large_corner: params.fast_corner.min(R::lit(0.5) / dt),
-            small: params.dead_zone,
-            sudden: params.sudden,
-            gain: params.gain,
-            tolerance: params.tolerance,
-            fast: params.fast,
-            play: params.play,
+        let [dt, slow_dt] = [OBSERVER_PERIODS, SLOW_PERIODS].map(|periods| R::from_i32(periods as i32) * dt);
+        Ok(Disturbance {
+            slow_gain: (slow_dt * self.slow_corner).one_minus_exp_neg(),
+            fast_corner: self.fast_corner.min(R::lit(0.5) / dt),
+            dead_zone: self.dead_zone,
+            tolerance: self.tolerance,
+            wound_up: self.wound_up,
+            play: self.play,
             longest: R::lit(LONGEST_LOAD),
             wave_generator_inertia: gear.wave_generator_inertia,
             ratio: ratio.value(),
             inverse_ratio: R::from_i32(ratio.n()),
             dt,
-            round,
+            slow_dt,
         })
     }
+}
 
-    /// f follows d (N m) for one period of the observer.
+impl<R: Real> Disturbance<R> {
+    /// f over one period of the observer, towards d (N m).
     #[inline(always)]
-    pub fn follow(&self, state: &mut ExternalLoadState<R>, torque: R) {
-        let torque = self.gain * torque;
-        let (beyond, omega) = (self.beyond(torque - state.small, state.wider), self.large_corner);
-        let lag = if state.shakes { R::ZERO } else { beyond } - state.large;
-        state.acceleration = omega * (omega * lag - R::lit(2.0) * state.rate);
+    pub fn step_fast(&self, state: &mut DisturbanceState<R>, external_torque: R) {
+        let beyond = (external_torque - state.slow).dead_zone(state.dead_zone);
+        let target = if state.oscillates { R::ZERO } else { beyond };
+        let omega = self.fast_corner;
+        state.acceleration = omega * (omega * (target - state.fast) - R::lit(2.0) * state.rate);
         state.rate += self.dt * state.acceleration;
-        state.large += self.dt * state.rate;
+        state.fast += self.dt * state.rate;
     }
 
-    /// What of a load is beyond the zone: one that comes, and no joint that shakes.
+    /// l over one slow period, towards d (N m), under the motor's feed-forward torque (N m), for a joint whose setpoint
+    /// rests or not; answers with d_c (N m).
     #[inline(always)]
-    fn beyond(&self, off: R, wider: R) -> R {
-        off - off.limit(self.small + wider)
-    }
-
-    /// l follows d (N m) for one round; answers with what of d may be rested on (N m).
-    #[inline(always)]
-    pub fn rest_on(
+    pub fn step_slow(
         &self,
-        state: &mut ExternalLoadState<R>,
-        torque: R,
+        state: &mut DisturbanceState<R>,
+        external_torque: R,
         motor_torque: R,
         rests: bool,
-    ) -> FollowedLoad<R> {
-        let torque = self.gain * torque;
-        state.wider = self.tolerance * motor_torque.abs();
-        let off = torque - state.small;
-        let play = self.play[usize::from(!rests)];
-        state.small += self.small_gain * (off - off.limit(play));
-        state.beyond = if self.beyond(off, state.wider) == R::ZERO {
-            (state.beyond - R::lit(FORGOTTEN) * self.round).max(R::ZERO)
+    ) -> R {
+        state.dead_zone = self.dead_zone + self.tolerance * motor_torque.abs();
+        let residual = external_torque - state.slow;
+        let play = if rests { self.play } else { R::ZERO };
+        state.slow += self.slow_gain * residual.dead_zone(play);
+        state.beyond = if residual.is_within(state.dead_zone) {
+            (state.beyond - R::lit(RECOVERY) * self.slow_dt).max(R::ZERO)
         } else {
-            (state.beyond + self.round).min(self.longest + self.round)
+            (state.beyond + self.slow_dt).min(self.longest + self.slow_dt)
         };
-        state.shakes = state.beyond >= self.longest;
-        let wound_up = state.small + self.fast[0] * state.large;
-        let ahead = torque - wound_up;
-        let sudden = if state.shakes { R::ZERO } else { ahead - ahead.limit(self.sudden) };
-        FollowedLoad { wound_up, at_once: wound_up + sudden }
+        state.oscillates = state.beyond >= self.longest;
+        state.slow + self.wound_up * state.fast
     }
 
-    /// What d_ff takes of the motor where the gear is wound up by `wound` (rad/(N m)) for it, the share `wind_up` of
-    /// what it is.
+    /// What d_c takes of the motor where the gear winds up by `compliance` (rad/(N m)), at the gain `gain` of the
+    /// compensation.
     #[inline(always)]
-    pub fn yielding(&self, state: &ExternalLoadState<R>, wound: R, wind_up: R) -> Yielding<R> {
-        let by_torque = wound * self.inverse_ratio * self.fast[0];
+    pub fn wind_up(&self, state: &DisturbanceState<R>, compliance: R, gain: R) -> WindUpResponse<R> {
+        let by_torque = compliance * self.inverse_ratio * self.wound_up;
         let acceleration = -by_torque * state.acceleration;
-        Yielding {
+        WindUpResponse {
             velocity: -by_torque * state.rate,
             acceleration,
-            torque: self.wave_generator_inertia * acceleration
-                - self.ratio * wind_up * self.fast[1] * state.large,
+            torque: self.wave_generator_inertia * acceleration - self.ratio * gain * state.fast,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT: f64 = 1e-4;
+    const PARAMS: DisturbanceParams<f64> = DisturbanceParams {
+        slow_corner: 30.0,
+        fast_corner: 1000.0,
+        dead_zone: 6.0,
+        tolerance: 20.0,
+        wound_up: 0.5,
+        play: 6.0,
+    };
+
+    fn gear() -> GearParams<f64> {
+        crate::gear::tests::params()
+    }
+
+    /// d_c and f after so many seconds under d (N m).
+    fn after(seconds: f64, torque: impl Fn(f64) -> f64, motor_torque: f64, rests: bool) -> (f64, f64) {
+        let (path, mut state) = (PARAMS.build(&gear(), DT).unwrap(), DisturbanceState::default());
+        let mut compensated = 0.0;
+        for k in 0..(seconds / (4.0 * DT)) as usize {
+            let d = torque(k as f64 * 4.0 * DT);
+            path.step_fast(&mut state, d);
+            path.step_fast(&mut state, d);
+            compensated = path.step_slow(&mut state, d, motor_torque, rests);
+        }
+        (compensated, state.fast)
+    }
+
+    #[test]
+    fn what_friction_may_hide_moves_nothing_at_rest() {
+        assert_eq!(after(1.0, |_| 5.9, 0.0, true), (0.0, 0.0));
+        assert!((after(1.0, |_| 5.9, 0.0, false).0 - 5.9).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_load_is_answered_within_milliseconds_and_whole_in_the_end() {
+        let (_, fast) = after(0.005, |_| 40.0, 0.0, false);
+        assert!((25.0..34.0).contains(&fast), "{fast}");
+        let (compensated, _) = after(1.0, |_| 40.0, 0.0, false);
+        assert!((compensated - 40.0).abs() < 0.1, "{compensated}");
+    }
+
+    /// 1 N m of the motor's torque may be 20 N m off at the output.
+    #[test]
+    fn the_dead_zone_widens_with_the_torque_that_is_fed_forward() {
+        assert_eq!(after(0.005, |_| 25.0, 1.0, false).1, 0.0);
+        assert!(after(0.005, |_| 25.0, 0.0, false).1 > 5.0);
+    }
+
+    #[test]
+    fn what_keeps_swinging_is_no_load() {
+        let swinging = |time: f64| 30.0 * (300.0 * time).sin();
+        assert!(after(0.1, swinging, 0.0, true).1.abs() > 1.0);
+        assert!(after(0.4, swinging, 0.0, true).1.abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_parameter_out_of_range_is_named() {
+        let build = |params: DisturbanceParams<f64>| params.build(&gear(), DT).unwrap_err();
+        let named = |name| Error::OutOfRange(name);
+        assert_eq!(build(DisturbanceParams { wound_up: 1.1, ..PARAMS }), named("wound_up"));
+        assert_eq!(build(DisturbanceParams { dead_zone: f64::NAN, ..PARAMS }), named("dead_zone"));
     }
 }

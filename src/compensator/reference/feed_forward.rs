@@ -51,7 +51,6 @@
 
 use crate::angle::{Angle, Heading, Ratio};
 use crate::compensator::adapt::parameters::{Excitation, Factors};
-use crate::compensator::estimate::disturbance::FollowedLoad;
 use crate::compensator::schedule::SLOW_PERIODS;
 use crate::compensator::{HYSTERESIS_MEMORY, RealTimeGear, Setpoint, Shares};
 use crate::error::{Error, require};
@@ -116,7 +115,7 @@ pub struct Believed<R: Real> {
     /// Factors on the nominal gear.
     pub factors: Factors<R>,
     /// The external torque as far as it is followed.
-    pub load: FollowedLoad<R>,
+    pub load: R,
     /// How far the output is ahead of the gear's model at the reference (rad).
     pub ripple: R,
     /// Torque that the motor needs there beside the model's (N m).
@@ -241,7 +240,7 @@ impl<R: Real> FeedForward<R> {
         let on_output = factors.output_friction * output_friction;
 
         let (accelerating, accelerating_rate) = (inertia * setpoint.acceleration, inertia * setpoint.jerk);
-        state.carried = accelerating + on_output - load.wound_up;
+        state.carried = accelerating + on_output - load;
         let on_line = state.carried - state.hysteresis_torque;
         let nominal = gear.flexspline().torsion(on_line);
         let compliance = gear.flexspline().compliance(on_line);

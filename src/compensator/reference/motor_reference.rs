@@ -5,7 +5,7 @@
 //! ahead <- ahead + dt*(omega + dt*a/2 + v),   omega <- omega + dt*a,   a <- a + dt*j,   tau <- tau + dt*dtau
 //! ```
 //!
-//! dt is the control period, v the speed at which the motor yields to a load beside the plan
+//! dt is the control period, v the speed of the wind-up response to a load
 //! ([`crate::compensator::estimate::disturbance`]). The reference is kept relative to the motor's encoder, theta_ref - theta: small, so that
 //! an f32 holds it. What the encoder has moved is taken off it as soon as it is read. Units: rad, s, N m at the motor's
 //! shaft; signs as in [`crate::gear`].

@@ -12,16 +12,34 @@
 //! law in f64, exact in harmonic 0 ([`strainwave::flexspline::reduced`]), and all else as it is. What is left to
 //! resolve are the torsion mode and the presliding of friction, below 1000 rad/s, so a control period takes
 //! [`CONDENSED_STEPS`] micro-steps.
+//!
+//! A real joint has more on both sides than this: a drive that is late and a motor that cogs, a load that is flexible and
+//! hangs. [`Sides`] has all of it; [`Sides::IDEAL`] has none, and costs nothing but a few comparisons. What a plant may be
+//! off by, and how it is drawn, stands in [`unknowns`].
 
+pub mod clock;
+pub mod cogging;
+pub mod drive;
+pub mod encoder;
+pub mod friction;
+pub mod load_side;
+pub mod sample;
+pub mod unknowns;
+
+use strainwave::Error;
 use strainwave::compensator::MESH;
 use strainwave::flexspline::{Flexspline, FlexsplineParams, Mesh, Reduced};
 use strainwave::friction::{JointFriction, JointFrictionState};
 use strainwave::gear::{Applied, Gear, GearParams, GearState, Motion, Torques};
-use strainwave::{Angle, Error};
 
 use crate::divergence::{Diverged, may_go_on};
 use crate::joint::CONTROL_PERIOD;
 use crate::vectorised::Vectorised;
+use cogging::Cogging;
+use drive::{Drive, DriveParams};
+pub use encoder::encoder_count;
+use friction::{PlantFriction, PlantFrictionParams, PlantFrictionState};
+use load_side::{Load, LoadParams};
 
 /// Nodes around and along the axis of the plant's mesh.
 pub const NODES: (usize, usize) = (36, 4);
@@ -95,11 +113,66 @@ pub type PlantMesh = FastMesh<{ NODES.0 }, { NODES.1 }>;
 /// The mesh condensed to one law, which is that of every mesh.
 pub type CondensedMesh = Reduced<f64, { MESH.0 }, { MESH.1 }>;
 
+/// A gear whose friction may be of any structure.
+type PlantGear<F> = Gear<f64, F, PlantFriction, LEVELS, MEMORY>;
+type PlantState<F> = GearState<f64, <F as Flexspline<f64>>::State, PlantFrictionState, MEMORY>;
+
+/// What is in front of the gear and behind it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sides {
+    /// The drive.
+    pub drive: DriveParams,
+    /// The motor.
+    pub motor: Cogging,
+    /// The load.
+    pub load: LoadParams,
+}
+
+impl Sides {
+    /// The motor gives what is commanded, and the load is rigid with the flange.
+    pub const IDEAL: Self = Self {
+        drive: DriveParams::IDEAL,
+        motor: Cogging::NONE,
+        load: LoadParams { link: None, gravity: 0.0, hanging: 0.0 },
+    };
+}
+
+/// The gear's parameters with the friction of a plant.
+pub type PlantParams = GearParams<f64, PlantFrictionParams>;
+
+/// The same gear with other friction on both sides.
+pub fn with_friction<P, Q>(
+    params: &GearParams<f64, P>,
+    [input_friction, output_friction]: [Q; 2],
+) -> GearParams<f64, Q> {
+    GearParams {
+        ratio: params.ratio,
+        rated_torque: params.rated_torque,
+        flexspline: params.flexspline,
+        hysteresis_width: params.hysteresis_width,
+        hysteresis_table: params.hysteresis_table,
+        kinematic_error: params.kinematic_error,
+        input_friction,
+        output_friction,
+        wave_generator_inertia: params.wave_generator_inertia,
+        flexspline_inertia: params.flexspline_inertia,
+    }
+}
+
+/// The gear with its own friction as a plant has it.
+pub fn plant_params(params: &GearParams<f64>) -> PlantParams {
+    let input = PlantFrictionParams::of(params.input_friction, params.wave_generator_inertia);
+    with_friction(params, [input, PlantFrictionParams::of(params.output_friction, params.flexspline_inertia)])
+}
+
 /// Motor, gear and load around a flexspline.
 #[derive(Clone)]
 pub struct Plant<F: Flexspline<f64> = PlantMesh> {
-    gear: ReferenceGear<F>,
-    state: ReferenceState<F>,
+    gear: PlantGear<F>,
+    state: PlantState<F>,
+    drive: Drive,
+    motor: Cogging,
+    load: Load,
     /// Micro-step (s) and how many of them a control period has.
     dt: f64,
     steps: usize,
@@ -120,8 +193,16 @@ impl Plant {
     /// # Errors
     /// As [`GearParams::build`].
     pub fn build(params: &GearParams<f64>) -> Result<Self, Error> {
+        Self::between(&plant_params(params), &Sides::IDEAL)
+    }
+
+    /// The same between what a motor and a load have.
+    ///
+    /// # Errors
+    /// As [`GearParams::build`].
+    pub fn between(params: &PlantParams, sides: &Sides) -> Result<Self, Error> {
         let Reference { mesh, dt, steps } = Reference::build(&params.flexspline, None)?;
-        Self::around(params, mesh, dt, steps)
+        Self::around(params, mesh, [dt, steps as f64], sides)
     }
 }
 
@@ -131,24 +212,43 @@ impl Plant<CondensedMesh> {
     /// # Errors
     /// As [`GearParams::build`].
     pub fn condensed(params: &GearParams<f64>) -> Result<Self, Error> {
+        Self::condensed_between(&plant_params(params), &Sides::IDEAL)
+    }
+
+    /// The same between what a motor and a load have.
+    ///
+    /// # Errors
+    /// As [`GearParams::build`].
+    pub fn condensed_between(params: &PlantParams, sides: &Sides) -> Result<Self, Error> {
         let mesh = Reduced::build(&params.flexspline, params.rated_torque)?;
-        Self::around(params, mesh, CONTROL_PERIOD / CONDENSED_STEPS as f64, CONDENSED_STEPS)
+        let steps = CONDENSED_STEPS as f64;
+        Self::around(params, mesh, [CONTROL_PERIOD / steps, steps], sides)
     }
 }
 
 impl<F: Flexspline<f64>> Plant<F> {
-    fn around(params: &GearParams<f64>, flexspline: F, dt: f64, steps: usize) -> Result<Self, Error> {
-        let gear: ReferenceGear<F> = params.build(flexspline, dt)?;
+    fn around(
+        params: &PlantParams,
+        flexspline: F,
+        [dt, steps]: [f64; 2],
+        sides: &Sides,
+    ) -> Result<Self, Error> {
+        let mut on_flange = *params;
+        on_flange.flexspline_inertia = sides.load.rigid(params.flexspline_inertia);
+        let gear: PlantGear<F> = on_flange.build(flexspline, dt)?;
         let mut plant = Self {
             state: gear.rest(),
             gear,
+            drive: Drive::new(&sides.drive, dt),
+            motor: sides.motor,
+            load: Load::new(&sides.load, params.flexspline_inertia),
             dt,
-            steps,
+            steps: steps as usize,
             taken: 0,
             wave_generator: Motion::default(),
             flange: Motion::default(),
             wave_generator_inertia: params.wave_generator_inertia,
-            flexspline_inertia: params.flexspline_inertia,
+            flexspline_inertia: on_flange.flexspline_inertia,
             energy: Energy::default(),
             energy_at_rest: 0.0,
             torques: Torques::default(),
@@ -157,35 +257,63 @@ impl<F: Flexspline<f64>> Plant<F> {
         Ok(plant)
     }
 
-    /// One control period under a motor torque and an external torque on the output (N m).
+    /// One control period under a torque command to the drive and an external torque on the output (N m).
     ///
     /// # Errors
     /// When the mesh has diverged.
     pub fn step(&mut self, motor_torque: f64, load: f64) -> Result<(), Diverged> {
-        let inertia = self.wave_generator_inertia;
-        let applied = Applied { motor: motor_torque, load };
-        self.period(applied, |resistance| (motor_torque, (motor_torque - resistance) / inertia))
+        self.command(motor_torque, 0.0);
+        self.go_on(self.steps, load)
     }
 
-    /// One control period with the wave generator held by a brake.
+    /// Gives the drive a torque command (N m), `after` so many micro-steps from now, less than 1.
+    pub fn command(&mut self, motor_torque: f64, after: f64) {
+        self.drive.command(motor_torque, after);
+    }
+
+    /// So many micro-steps under an external torque on the output (N m).
+    ///
+    /// # Errors
+    /// When the mesh has diverged.
+    pub fn go_on(&mut self, steps: usize, load: f64) -> Result<(), Diverged> {
+        for _ in 0..steps {
+            let on_shaft = self.drive.step();
+            let motor = self.motor.torque(on_shaft, self.wave_generator.angle);
+            let torques = self.torques(motor, load);
+            let acceleration = (motor - torques.0.wave_generator) / self.wave_generator_inertia;
+            self.micro_step(&torques.0, acceleration, motor, torques.1);
+            if !may_go_on(&torques.0) {
+                break;
+            }
+        }
+        self.check()
+    }
+
+    /// One control period with the wave generator held by a brake, without current.
     ///
     /// # Errors
     /// When the mesh has diverged.
     pub fn step_blocked(&mut self, load: f64) -> Result<(), Diverged> {
+        self.drive.rest();
         self.wave_generator.velocity = 0.0;
-        self.period(Applied { motor: 0.0, load }, |resistance| (resistance, 0.0))
-    }
-
-    /// One control period; `motor` answers to what resists it (N m) with its torque (N m) and acceleration (rad/s^2).
-    fn period(&mut self, applied: Applied<f64>, motor: impl Fn(f64) -> (f64, f64)) -> Result<(), Diverged> {
         for _ in 0..self.steps {
-            let torques = self.gear.torques(&mut self.state, &self.wave_generator, &self.flange, applied);
-            let (motor_torque, acceleration) = motor(torques.wave_generator);
-            self.micro_step(&torques, acceleration, motor_torque, applied.load);
-            if !may_go_on(&torques) {
+            let torques = self.torques(0.0, load);
+            self.micro_step(&torques.0, 0.0, torques.0.wave_generator, torques.1);
+            if !may_go_on(&torques.0) {
                 break;
             }
         }
+        self.check()
+    }
+
+    /// Torques in the gear under the motor's (N m), and the torque of the load on its flange (N m).
+    fn torques(&mut self, motor: f64, load: f64) -> (Torques<f64>, f64) {
+        let load = self.load.step(load, &self.flange, self.taken as f64 * self.dt, self.dt);
+        let applied = Applied { motor, load };
+        (self.gear.torques(&mut self.state, &self.wave_generator, &self.flange, applied), load)
+    }
+
+    fn check(&self) -> Result<(), Diverged> {
         let time = self.taken as f64 * self.dt;
         Diverged::check(time, self.gear.flexspline(), self.state.flexspline(), &self.torques)
     }
@@ -239,13 +367,23 @@ impl<F: Flexspline<f64>> Plant<F> {
         self.flange
     }
 
+    /// Torque of the motor as its drive measures it, by the believed constant (N m).
+    pub fn measured_motor_torque(&self) -> f64 {
+        self.drive.measured()
+    }
+
+    /// Micro-step (s).
+    pub fn micro_step_time(&self) -> f64 {
+        self.dt
+    }
+
+    /// Micro-steps in a control period.
+    pub fn micro_steps(&self) -> usize {
+        self.steps
+    }
+
     /// Torques of the last micro-step.
     pub fn last_torques(&self) -> &Torques<f64> {
         &self.torques
     }
-}
-
-/// Raw count of an encoder of 2^bits counts a turn.
-pub fn encoder_count(angle: Angle<f64>, bits: u32) -> u32 {
-    angle.phase() >> (32 - bits)
 }

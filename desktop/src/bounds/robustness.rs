@@ -1,0 +1,55 @@
+//! What `verify robustness` measures, of every row and with either set of sensors the same.
+
+use super::Bound;
+
+pub(super) const ROWS: &[Bound] = &[
+    Bound {
+        name: "robustness.shakes",
+        value: 0.0,
+        unit: "run",
+        why: "runs of S1-S5 on judged plants that diverge or keep oscillating at rest; as asked",
+    },
+    Bound {
+        name: "robustness.limited",
+        value: 0.0,
+        unit: "run",
+        why: "runs of S1-S5 on judged plants that stay at the torque limit for more than 10 ms, as no move or load asks",
+    },
+    Bound {
+        name: "robustness.worse",
+        value: 0.0,
+        unit: "run",
+        why: "runs of S1-S5 on judged plants of which a mark is worse than the cascade's by more than 5 % and 12 urad; as \
+              asked",
+    },
+    Bound {
+        name: "robustness.s1.vibration",
+        value: 0.7,
+        unit: "1",
+        why: "torsion's vibration after the steps of S1 over that of the best baseline, median of judged plants; as asked",
+    },
+    Bound {
+        name: "robustness.s2.error",
+        value: 0.7,
+        unit: "1",
+        why: "output error of S2 over that of the best baseline, median of judged plants; as asked",
+    },
+    Bound {
+        name: "robustness.s3.vibration",
+        value: 0.7,
+        unit: "1",
+        why: "torsion's vibration after the move of S3 over that of the best baseline, median of judged plants; as asked",
+    },
+    Bound {
+        name: "robustness.s4.error",
+        value: 0.7,
+        unit: "1",
+        why: "output error of S4 over that of the best baseline, median of judged plants; as asked",
+    },
+    Bound {
+        name: "robustness.rest.torque",
+        value: 2.0,
+        unit: "1",
+        why: "motor torque's oscillation at rest over that of the cascade alone, median of judged plants; as asked",
+    },
+];

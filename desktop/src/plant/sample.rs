@@ -1,0 +1,81 @@
+//! One plant that its controller does not know: parameters, structure, sides, sensors and clock.
+//!
+//! Drawn by [`super::unknowns`]; seeds 1 to 999 are for choosing gains, claims are judged from 10 000 on.
+
+use strainwave::Error;
+use strainwave::gear::GearParams;
+
+use super::clock::ClockParams;
+use super::encoder::EncoderErrors;
+use super::friction::{Drift, PlantFrictionParams, Structure};
+use super::unknowns::{Dice, Which};
+use super::{PlantParams, Sides, with_friction};
+use crate::draw::Draw;
+use crate::gear_file::GearFile;
+use crate::joint::firmware_gear_params;
+
+/// A plant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlantSample {
+    /// From which it is drawn.
+    pub seed: u64,
+    /// What its controller knows: the gear file, with the bits of this joint's encoders.
+    pub known: GearFile,
+    /// The gear's true parameters.
+    pub params: GearParams<f64>,
+    /// The structure of its friction, on both sides.
+    pub structure: Structure,
+    /// How that drifts.
+    pub drift: Option<Drift>,
+    /// Drive, motor and load.
+    pub sides: Sides,
+    /// Errors of the motor's and of the output's encoder.
+    pub encoders: [EncoderErrors; 2],
+    /// When the control step runs.
+    pub clock: ClockParams,
+}
+
+impl PlantSample {
+    /// The plant that a gear file describes, off by the old box of `seed` (see [`Draw::from_seed`]).
+    ///
+    /// # Errors
+    /// As [`firmware_gear_params`].
+    pub fn boxed(file: &GearFile, seed: u64) -> Result<Self, Error> {
+        Ok(Self {
+            seed,
+            known: file.clone(),
+            params: Draw::from_seed(seed).apply(&firmware_gear_params(file)?),
+            structure: Structure::default(),
+            drift: None,
+            sides: Sides::IDEAL,
+            encoders: [EncoderErrors::default(); 2],
+            clock: ClockParams::default(),
+        })
+    }
+
+    /// The same, off by what a row or all of them draw too.
+    ///
+    /// # Errors
+    /// As [`PlantSample::boxed`].
+    pub fn of(file: &GearFile, which: Which, seed: u64) -> Result<Self, Error> {
+        let mut sample = Self::boxed(file, seed)?;
+        for row in which.rows(seed) {
+            (row.draw)(&mut sample, &mut Dice::new(seed, row.name));
+        }
+        Ok(sample)
+    }
+
+    /// The gear with its true friction.
+    pub fn plant_params(&self) -> PlantParams {
+        let params = &self.params;
+        let flange = self.sides.load.rigid(params.flexspline_inertia);
+        let sides =
+            [(params.input_friction, params.wave_generator_inertia), (params.output_friction, flange)];
+        let friction = sides.map(|(joint, inertia)| PlantFrictionParams {
+            structure: self.structure,
+            drift: self.drift,
+            ..PlantFrictionParams::of(joint, inertia)
+        });
+        with_friction(params, friction)
+    }
+}

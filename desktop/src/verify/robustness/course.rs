@@ -1,0 +1,215 @@
+//! What one run of one scenario on a judged plant was like.
+//!
+//! After the scenario the joint stops and rests ([`Rest`]). Oscillation at rest is what is left of torsion and of motor
+//! torque when their running mean over the natural period is taken away, rms over the last 0.3 s.
+
+use strainwave::Error;
+use strainwave::flexspline::Flexspline;
+use strainwave::gear::GearParams;
+
+use crate::bench::Bench;
+use crate::closed_loop::{Controller, Row, go_on};
+use crate::divergence::RunError;
+use crate::joint::CONTROL_PERIOD;
+use crate::judge::{Judge, Mark, rms, without_slow_part};
+use crate::scenario::{Rest, Scenario};
+use crate::working_motion::WorkingMotion;
+
+/// The scenarios that a controller is judged in.
+pub const JUDGED: [Scenario; 5] = [Scenario::S1, Scenario::S2, Scenario::S3, Scenario::S4, Scenario::S5];
+
+/// Marks of a scenario that are angles of the output or of the torsion, and how they are judged: the smaller the better.
+pub fn marks(scenario: Scenario) -> &'static [Mark] {
+    match scenario {
+        Scenario::S1 => &[Mark::Error, Mark::StepVibration],
+        Scenario::S2 => &[Mark::Error],
+        Scenario::S3 => &[Mark::Error, Mark::MoveVibration],
+        Scenario::S4 => &[Mark::Error, Mark::Ripple],
+        Scenario::S5 => &[Mark::Error, Mark::Peak, Mark::Steady],
+        Scenario::S6 => &[],
+    }
+}
+
+/// Longest time at the torque limit of a run's judged part (s).
+const LONGEST_LIMITED: f64 = 0.01;
+/// A run shakes when it oscillates at rest by more than this many times B0.
+const TIMES: f64 = 3.0;
+/// Nor does it below this torsion (rad), and this share of the rated torque.
+const QUIET: [f64; 2] = [10e-6, 0.02];
+/// A mark is worse than B0's when it is both by this factor, and by this angle: a count of an encoder of 19 bits (rad).
+const WORSE: (f64, f64) = (1.05, 12e-6);
+
+/// How a run shakes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shake {
+    /// The torsion oscillates at rest.
+    Torsion,
+    /// The motor's torque alone does.
+    Torque,
+    /// The plant diverges.
+    Diverged,
+}
+
+impl Shake {
+    /// For people.
+    pub fn name(self) -> &'static str {
+        ["torsion", "torque", "diverged"][self as usize]
+    }
+}
+
+/// One run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Course {
+    /// What the scenario is judged by (rad).
+    pub marks: Vec<f64>,
+    /// Oscillation at rest, of the torsion (rad).
+    pub torsion_at_rest: f64,
+    /// The same of the motor's torque, in rated torques.
+    pub torque_at_rest: f64,
+    /// At the torque limit in the judged part (s).
+    limited: f64,
+}
+
+impl Course {
+    /// A mark of a run of this scenario; NaN where it has none.
+    pub fn mark(&self, scenario: Scenario, mark: Mark) -> f64 {
+        let place = marks(scenario).iter().position(|other| *other == mark);
+        place.and_then(|place| self.marks.get(place).copied()).unwrap_or(f64::NAN)
+    }
+
+    /// It keeps oscillating at rest where B0 does not; in which way.
+    pub fn shakes(&self, b0: &Self) -> Option<Shake> {
+        let beyond = |ours: f64, b0: f64, quiet: f64| ours > (TIMES * b0).max(quiet) || ours.is_nan();
+        if beyond(self.torsion_at_rest, b0.torsion_at_rest, QUIET[0]) {
+            Some(Shake::Torsion)
+        } else {
+            beyond(self.torque_at_rest, b0.torque_at_rest, QUIET[1]).then_some(Shake::Torque)
+        }
+    }
+
+    /// It stays at its torque limit where B0 does not.
+    pub fn is_limited(&self, b0: &Self) -> bool {
+        self.limited > LONGEST_LIMITED.max(2.0 * b0.limited)
+    }
+
+    /// A mark of it is worse than B0's.
+    pub fn is_worse(&self, b0: &Self) -> bool {
+        self.marks.iter().zip(&b0.marks).any(|(ours, b0)| {
+            let no_worse = *ours <= WORSE.0 * b0 || *ours <= b0 + WORSE.1;
+            !no_worse
+        })
+    }
+}
+
+/// A controller's runs on one plant, in the order of [`JUDGED`]; none of a run under which the plant diverged.
+pub type Courses = [Option<Course>; JUDGED.len()];
+
+/// The plant that a run is judged by.
+pub struct Judged<'a> {
+    /// Its parameters; of the kinematic error's orders none so near to another that a run cannot tell them apart.
+    pub plant: &'a GearParams<f64>,
+    /// Torque limit of the controller (N m).
+    pub torque_limit: f64,
+    /// Rated torque at the motor (N m).
+    pub rated: f64,
+}
+
+impl Judged<'_> {
+    /// Works, and goes into each of these scenarios from there.
+    ///
+    /// # Errors
+    /// A parameter that no model can be built from.
+    pub fn courses<F: Flexspline<f64>, C: Controller<Error = RunError> + Clone>(
+        &self,
+        mut bench: Bench<F>,
+        mut controller: C,
+        scenarios: &[Scenario],
+    ) -> Result<Courses, Error>
+    where
+        Bench<F>: Clone,
+    {
+        let worked = unless_diverged(bench.go(&WorkingMotion, &mut controller, |_, _, _, _| ()))?;
+        let mut courses = Courses::default();
+        for (course, scenario) in courses.iter_mut().zip(JUDGED) {
+            if worked.is_some() && scenarios.contains(&scenario) {
+                *course = unless_diverged(self.course(bench.clone(), controller.clone(), scenario))?;
+            }
+        }
+        Ok(courses)
+    }
+
+    fn course<F: Flexspline<f64>, C: Controller<Error = RunError>>(
+        &self,
+        mut bench: Bench<F>,
+        mut controller: C,
+        scenario: Scenario,
+    ) -> Result<Course, RunError> {
+        let rows = go_on(&mut bench, scenario, &mut controller, |_| ())?.trace;
+        let mut at_rest = Vec::new();
+        let rest = Rest { from: scenario.at(scenario.duration(), self.rated) };
+        bench.go(&rest, &mut controller, |k, _, plant, answer| {
+            if k as f64 * CONTROL_PERIOD >= Rest::JUDGED_FROM {
+                at_rest.push((plant.last_torques().torsion, f64::from(answer.motor_torque)));
+            }
+        })?;
+        let judge = Judge::new(scenario, self.plant, &rows);
+        let marks = marks(scenario).iter().map(|mark| judge.mark(*mark)).collect::<Result<_, _>>()?;
+        let period = judge.natural_period()?;
+        let oscillation = |values: Vec<f64>| rms(without_slow_part(&values, period));
+        let at_limit = |row: &&Row| f64::from(row.answer.motor_torque.abs()) >= 0.999 * self.torque_limit;
+        Ok(Course {
+            marks,
+            torsion_at_rest: oscillation(at_rest.iter().map(|(torsion, _)| *torsion).collect()),
+            torque_at_rest: oscillation(at_rest.iter().map(|(_, torque)| *torque / self.rated).collect()),
+            limited: judge.judged().iter().filter(at_limit).count() as f64 * CONTROL_PERIOD,
+        })
+    }
+}
+
+/// None of a run under which the plant diverged.
+fn unless_diverged<T>(run: Result<T, RunError>) -> Result<Option<T>, Error> {
+    match run {
+        Ok(run) => Ok(Some(run)),
+        Err(RunError::Diverged(_)) => Ok(None),
+        Err(RunError::Parameter(error)) => Err(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const B0: Course = Course { marks: vec![], torsion_at_rest: 5e-6, torque_at_rest: 0.001, limited: 0.0 };
+
+    fn course(error: f64) -> Course {
+        Course { marks: vec![error], ..B0 }
+    }
+
+    #[test]
+    fn what_keeps_oscillating_shakes() {
+        let shakes =
+            |torsion_at_rest, torque_at_rest| Course { torsion_at_rest, torque_at_rest, ..B0 }.shakes(&B0);
+        assert_eq!(shakes(14e-6, 0.019), None);
+        assert_eq!([shakes(16e-6, 0.0), shakes(f64::NAN, 0.0)], [Some(Shake::Torsion); 2]);
+        assert_eq!(shakes(0.0, 0.021), Some(Shake::Torque));
+        let limited = |limited| Course { limited, ..B0 }.is_limited(&B0);
+        assert!(!limited(0.009) && limited(0.011));
+    }
+
+    #[test]
+    fn worse_is_more_than_a_twentieth_and_a_count() {
+        let worse = |ours: f64, b0: f64| course(ours).is_worse(&course(b0));
+        assert!(!worse(1.04e-3, 1e-3) && !worse(11e-6, 1e-6) && !worse(5e-6, 9e-6));
+        assert!(worse(1.06e-3, 1e-3) && worse(14e-6, 1e-6) && worse(f64::NAN, 1.0));
+    }
+
+    #[test]
+    fn a_mark_stands_where_its_scenario_has_it() {
+        let course = Course { marks: vec![1.0, 2.0], ..B0 };
+        assert_eq!(
+            [Mark::Error, Mark::MoveVibration].map(|mark| course.mark(Scenario::S3, mark)),
+            [1.0, 2.0]
+        );
+        assert!(course.mark(Scenario::S3, Mark::Peak).is_nan());
+    }
+}

@@ -1,0 +1,191 @@
+//! The compensator and its rivals on plants that none of them knows, row by row and all at once.
+//!
+//! A plant is drawn by [`crate::plant::unknowns`]; on each, every rival and the compensator with either set of sensors work
+//! for 10 s, go into S1 to S5 from there, and stop and rest after each. Per row and set of sensors:
+//!
+//! | figure | definition |
+//! | --- | --- |
+//! | `shakes` | runs that diverge or keep oscillating at rest ([`Course::shakes`]) |
+//! | `limited` | runs that stay at the torque limit for more than 10 ms of their judged part ([`Course::is_limited`]) |
+//! | `worse` | runs of which a mark is worse than B0's, by more than 5 % and more than 12 urad ([`Course::is_worse`]) |
+//! | `s2.error`, `s4.error` | rms output error over that of the best rival on the same plant, median of the plants |
+//! | `s1.vibration`, `s3.vibration` | the torsion's vibration after the moves, alike |
+//! | `rest.torque` | the motor torque's oscillation at rest over B0's, rms of S1 to S5, median of the plants |
+//! | `s2.error.to_b0`, `s3.vibration.to_b0` | over B0's, the worst of the plants; only reported |
+//! | `s4.error.learnt`, `s4.error.absent` | as `s4.error`, of a compensator that was not told the kinematic error, and has learnt it while it worked or may not learn it; only reported, of some rows |
+//!
+//! Plants have the condensed mesh; single ones can be run again on the reference mesh.
+//!
+//! A rival that needs the output's encoder is none of the compensator's without it.
+
+mod course;
+mod summary;
+
+use strainwave::Error;
+use strainwave::compensator::JointParams;
+use strainwave::flexspline::Flexspline;
+use strainwave::gear::GearParams;
+use strainwave::kinematic_error::{KinematicErrorParams, Term};
+
+use crate::baseline::Baseline;
+use crate::bench::{Bench, Conditions, SensorSet};
+use crate::closed_loop::HostCompensator;
+use crate::gear_file::GearFile;
+use crate::joint::joint_params;
+use crate::plant::sample::PlantSample;
+use crate::plant::unknowns::Which;
+use crate::scenario::Scenario;
+use crate::verify::compensator::each;
+pub use course::{Course, Courses, JUDGED, Judged, Shake};
+pub use summary::{Robustness, Summary};
+
+/// Plants of a row when nothing else is said.
+pub const SEEDS: u64 = 6;
+/// The first seed that claims are judged on.
+pub const FIRST: u64 = 10_000;
+
+/// What is asked.
+#[derive(Clone)]
+pub struct Asked {
+    /// The rows.
+    pub rows: Vec<Which>,
+    /// The first seed.
+    pub first: u64,
+    /// How many of them.
+    pub seeds: u64,
+    /// Noises on each plant.
+    pub noises: u32,
+    /// On the reference mesh, some hundred times slower.
+    pub reference: bool,
+}
+
+/// A rival: its name, what it reads, and how it is built for a joint.
+pub struct Rival {
+    /// As in `b0`.
+    pub name: &'static str,
+    /// What it reads.
+    pub sensors: SensorSet,
+    build: fn(&GearFile) -> Result<Baseline, Error>,
+}
+
+/// All of them; the first is B0.
+pub const RIVALS: &[Rival] = &[
+    Rival { name: "b0", sensors: SensorSet::Motor, build: Baseline::b0 },
+    Rival { name: "b1", sensors: SensorSet::Motor, build: Baseline::b1 },
+];
+
+/// Everything that ran on one plant with one noise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// The plant.
+    pub seed: u64,
+    /// The rivals, in their order.
+    pub rivals: Vec<Courses>,
+    /// The compensator with each set of sensors.
+    pub compensated: [Courses; 2],
+    /// The same in S4, not told the kinematic error: it has learnt it, it may not learn it.
+    pub untold: Option<[[Courses; 2]; 2]>,
+}
+
+/// One plant with one noise.
+#[derive(Clone, Copy)]
+struct Job {
+    which: Which,
+    seed: u64,
+    realisation: u32,
+}
+
+/// Rows of which S4 is also judged without the stored kinematic error.
+fn asks_for_the_map(which: Which) -> bool {
+    let name = which.name();
+    matches!(which, Which::All) || name == "box" || name.starts_with("kinematic")
+}
+
+/// The plant without orders of the flexspline that the case has too: over the few turns of S4 order k and k - k/n of the
+/// motor's angle are one.
+fn told_apart(plant: &GearParams<f64>) -> GearParams<f64> {
+    let mut judged = *plant;
+    let error = &mut judged.kinematic_error;
+    let has = |order| error.case.iter().any(|term| term.amplitude != 0.0 && term.order == order);
+    error.flexspline = error.flexspline.map(|term| if has(term.order) { Term::default() } else { term });
+    judged
+}
+
+/// Every row that is asked for; `progress` is called with the share done.
+///
+/// # Errors
+/// A gear that no compensator or rival can be built for.
+pub fn measure(file: &GearFile, asked: &Asked, mut progress: impl FnMut(f64)) -> Result<Robustness, Error> {
+    let jobs: Vec<_> = asked
+        .rows
+        .iter()
+        .flat_map(|which| (asked.first..asked.first + asked.seeds).map(move |seed| (*which, seed)))
+        .flat_map(|(which, seed)| (0..asked.noises).map(move |realisation| Job { which, seed, realisation }))
+        .collect();
+    let joint = joint_params(file)?;
+    let run = |job: &Job| {
+        if asked.reference {
+            job.run(file, &joint, Bench::of)
+        } else {
+            job.run(file, &joint, Bench::condensed_of)
+        }
+    };
+    let outcomes = each(&jobs, run, &mut progress);
+    let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let a_row = (asked.seeds * u64::from(asked.noises)) as usize;
+    let summaries =
+        asked.rows.iter().zip(outcomes.chunks(a_row)).map(|(which, outcomes)| Summary::of(*which, outcomes));
+    Ok(Robustness { rows: summaries.collect() })
+}
+
+impl Job {
+    /// `joint` is that of the file.
+    fn run<F: Flexspline<f64>>(
+        &self,
+        file: &GearFile,
+        joint: &JointParams<f32>,
+        build: fn(&PlantSample, &Conditions) -> Result<Bench<F>, Error>,
+    ) -> Result<Outcome, Error>
+    where
+        Bench<F>: Clone,
+    {
+        let sample = PlantSample::of(file, self.which, self.seed)?;
+        let known = &sample.known;
+        let joint = if known == file { *joint } else { joint_params(known)? };
+        let plant = told_apart(&sample.params);
+        let judged = Judged {
+            plant: &plant,
+            torque_limit: known.motor.peak_torque,
+            rated: known.gear.rated_torque / f64::from(known.gear.ratio),
+        };
+        let bench = |sensors| {
+            let conditions =
+                Conditions { sensors, realisation: self.realisation, ..Conditions::of(known, self.seed) };
+            build(&sample, &conditions)
+        };
+        let rivals = RIVALS
+            .iter()
+            .map(|rival| judged.courses(bench(rival.sensors)?, (rival.build)(known)?, &JUDGED))
+            .collect::<Result<_, _>>()?;
+        let compensated = |joint: &JointParams<f32>, sensors, scenarios: &[Scenario]| {
+            judged.courses(bench(sensors)?, HostCompensator::build(joint)?, scenarios)
+        };
+        let both_sets = |joint: &JointParams<f32>, scenarios: &[Scenario]| -> Result<_, Error> {
+            let [motor, both] = SensorSet::ALL.map(|sensors| compensated(joint, sensors, scenarios));
+            Ok([motor?, both?])
+        };
+        let untold = || -> Result<_, Error> {
+            let mut unmapped = joint;
+            unmapped.gear.kinematic_error = KinematicErrorParams::default();
+            let mut absent = unmapped;
+            absent.learning.ripple.position_rate = 0.0;
+            Ok([both_sets(&unmapped, &[Scenario::S4])?, both_sets(&absent, &[Scenario::S4])?])
+        };
+        Ok(Outcome {
+            seed: self.seed,
+            rivals,
+            compensated: both_sets(&joint, &JUDGED)?,
+            untold: if asks_for_the_map(self.which) { Some(untold()?) } else { None },
+        })
+    }
+}

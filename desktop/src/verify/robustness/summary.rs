@@ -1,0 +1,368 @@
+//! What the runs of a row come to.
+
+use super::course::{Course, JUDGED, Shake};
+use super::{Outcome, RIVALS};
+use crate::bench::SensorSet;
+use crate::bounds;
+use crate::figure::{Figure, number};
+use crate::judge::{Mark, rms};
+use crate::plant::unknowns::Which;
+use crate::scenario::Scenario;
+use crate::verify::Measured;
+
+/// Ratios with a bound: its row, scenario, mark.
+const RATIOS: [(&str, Scenario, Mark); 4] = [
+    ("robustness.s1.vibration", Scenario::S1, Mark::StepVibration),
+    ("robustness.s2.error", Scenario::S2, Mark::Error),
+    ("robustness.s3.vibration", Scenario::S3, Mark::MoveVibration),
+    ("robustness.s4.error", Scenario::S4, Mark::Error),
+];
+/// Those of which the worst over B0 is reported.
+const WORST: [(&str, Scenario, Mark); 2] = [
+    ("s2.error.to_b0", Scenario::S2, Mark::Error),
+    ("s3.vibration.to_b0", Scenario::S3, Mark::MoveVibration),
+];
+/// Worst plants that are named.
+const NAMED: usize = 3;
+
+/// Every row.
+#[derive(Clone, Debug)]
+pub struct Robustness {
+    /// In the order in which they were asked for.
+    pub rows: Vec<Summary>,
+}
+
+/// A row.
+#[derive(Clone, Debug)]
+pub struct Summary {
+    /// Its name and what it is off by.
+    pub name: &'static str,
+    what: &'static str,
+    /// Runs that were judged, with a set of sensors.
+    pub runs: usize,
+    /// Runs of each rival that shake beside B0.
+    rivals_shake: Vec<usize>,
+    /// With the motor's sensors, with both encoders.
+    pub sets: [OfSensors; 2],
+}
+
+/// A row with a set of sensors.
+#[derive(Clone, Debug)]
+pub struct OfSensors {
+    /// Runs that shake or diverge, by scenario.
+    pub shakes: [usize; JUDGED.len()],
+    /// Runs that stay at the torque limit, alike.
+    pub limited: [usize; JUDGED.len()],
+    /// Runs that are worse than B0, alike.
+    pub worse: [usize; JUDGED.len()],
+    /// In the order of [`RATIOS`], the median of the plants.
+    ratios: [f64; RATIOS.len()],
+    /// In the order of [`WORST`], with the plant's seed.
+    worst: [(f64, u64); WORST.len()],
+    torque_at_rest: f64,
+    /// S4 with the map learnt and without it.
+    untold: Option<[f64; 2]>,
+    /// Plants with runs that shake, are limited or worse, the worst first.
+    bad: Vec<Bad>,
+}
+
+/// A plant on which something went wrong.
+#[derive(Clone, Debug, PartialEq)]
+struct Bad {
+    seed: u64,
+    shakes: Vec<String>,
+    limited: Vec<String>,
+    worse: Vec<String>,
+    ratio: f64,
+}
+
+impl Summary {
+    /// Of all its outcomes.
+    pub fn of(which: Which, outcomes: &[Outcome]) -> Self {
+        let shaking = |rival: usize| {
+            let runs =
+                outcomes.iter().flat_map(|outcome| outcome.rivals[rival].iter().zip(&outcome.rivals[0]));
+            runs.filter(|(ours, b0)| shake(ours.as_ref(), b0.as_ref()).is_some()).count()
+        };
+        Self {
+            name: which.name(),
+            what: which.what(),
+            runs: JUDGED.len() * outcomes.len(),
+            rivals_shake: (0..RIVALS.len()).map(shaking).collect(),
+            sets: SensorSet::ALL.map(|sensors| OfSensors::of(sensors, outcomes)),
+        }
+    }
+
+    /// Its figures, each beside its bound.
+    fn figures(&self) -> Vec<Figure> {
+        SensorSet::ALL
+            .into_iter()
+            .zip(&self.sets)
+            .flat_map(|(sensors, set)| set.figures(&format!("robustness.{}.{}", self.name, sensors.name())))
+            .collect()
+    }
+
+    fn cells(&self) -> Vec<String> {
+        let rivals = self.rivals_shake.iter().skip(1).map(ToString::to_string);
+        let sets = self.sets.iter().flat_map(OfSensors::cells);
+        [self.name.to_owned()].into_iter().chain(sets).chain(rivals).collect()
+    }
+}
+
+impl OfSensors {
+    fn of(sensors: SensorSet, outcomes: &[Outcome]) -> Self {
+        let ours = |outcome: &Outcome| outcome.compensated[sensors as usize].clone();
+        let count = |bad: fn(Option<&Course>, Option<&Course>) -> bool| {
+            std::array::from_fn(|k| {
+                let runs = outcomes.iter().map(|outcome| (ours(outcome)[k].clone(), &outcome.rivals[0][k]));
+                runs.filter(|(ours, b0)| bad(ours.as_ref(), b0.as_ref())).count()
+            })
+        };
+        let median_of = |course: &dyn Fn(&Outcome) -> Option<Course>, scenario, mark| {
+            median(outcomes.iter().map(|outcome| {
+                let ours = course(outcome).map_or(f64::INFINITY, |ours| ours.mark(scenario, mark));
+                ours / best(outcome, sensors, scenario, mark)
+            }))
+        };
+        let place = |scenario| JUDGED.iter().position(|other| *other == scenario).unwrap_or_default();
+        let told =
+            |scenario, mark| median_of(&|outcome| ours(outcome)[place(scenario)].clone(), scenario, mark);
+        let untold = |variant: usize| {
+            let course = |outcome: &Outcome| {
+                outcome.untold.as_ref()?[variant][sensors as usize][place(Scenario::S4)].clone()
+            };
+            median_of(&course, Scenario::S4, Mark::Error)
+        };
+        let has_untold = outcomes.iter().all(|outcome| outcome.untold.is_some());
+        Self {
+            shakes: count(|ours, b0| shake(ours, b0).is_some()),
+            limited: count(limited),
+            worse: count(worse),
+            ratios: RATIOS.map(|(_, scenario, mark)| told(scenario, mark)),
+            worst: WORST.map(|(_, scenario, mark)| {
+                let ratios = outcomes.iter().map(|outcome| {
+                    let ours =
+                        ours(outcome)[place(scenario)].as_ref().map(|course| course.mark(scenario, mark));
+                    let b0 =
+                        outcome.rivals[0][place(scenario)].as_ref().map(|course| course.mark(scenario, mark));
+                    (ours.unwrap_or(f64::INFINITY) / b0.unwrap_or(f64::INFINITY), outcome.seed)
+                });
+                ratios.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).unwrap_or((f64::NAN, 0))
+            }),
+            torque_at_rest: median(outcomes.iter().map(|outcome| {
+                let at_rest = |courses: &[Option<Course>]| {
+                    rms(courses
+                        .iter()
+                        .map(|course| course.as_ref().map_or(f64::INFINITY, |c| c.torque_at_rest)))
+                };
+                at_rest(&ours(outcome)) / at_rest(&outcome.rivals[0])
+            })),
+            untold: has_untold.then(|| [untold(0), untold(1)]),
+            bad: bad(sensors, outcomes),
+        }
+    }
+
+    fn figures(&self, name: &str) -> Vec<Figure> {
+        let bounded = |row: &str, value| {
+            let what = row.trim_start_matches("robustness.");
+            bounds::figure_as(format!("{name}.{what}"), row, value)
+        };
+        let count = |what, runs: &[usize]| {
+            let figure = bounded(what, runs.iter().sum::<usize>() as f64);
+            self.bad
+                .first()
+                .filter(|_| figure.value > 0.0)
+                .map_or(figure.clone(), |bad| figure.of_draw(bad.seed))
+        };
+        let mut figures = vec![
+            count("robustness.shakes", &self.shakes),
+            count("robustness.limited", &self.limited),
+            count("robustness.worse", &self.worse),
+        ];
+        figures.extend(RATIOS.iter().zip(self.ratios).map(|((what, ..), ratio)| bounded(what, ratio)));
+        figures.push(bounded("robustness.rest.torque", self.torque_at_rest));
+        let reported = |what: &str, value| Figure::reported(format!("{name}.{what}"), value, "1");
+        figures.extend(
+            WORST
+                .iter()
+                .zip(self.worst)
+                .map(|((what, ..), (ratio, seed))| reported(what, ratio).of_draw(seed)),
+        );
+        if let Some([learnt, absent]) = self.untold {
+            figures.extend([reported("s4.error.learnt", learnt), reported("s4.error.absent", absent)]);
+        }
+        figures
+    }
+
+    fn cells(&self) -> [String; 8] {
+        let short = |value: f64| if value >= 100.0 { format!("{value:.0}") } else { format!("{value:.2}") };
+        let [_, s2, s3, s4] = self.ratios;
+        let [(worst_s2, _), (worst_s3, _)] = self.worst;
+        [
+            self.shakes.iter().sum::<usize>().to_string(),
+            self.limited.iter().sum::<usize>().to_string(),
+            self.worse.iter().sum::<usize>().to_string(),
+            short(s2),
+            short(s4),
+            short(s3),
+            format!("{} {}", short(worst_s2), short(worst_s3)),
+            short(self.torque_at_rest),
+        ]
+    }
+}
+
+impl Robustness {
+    /// The figures, with notes on the worst plants.
+    pub fn measured(&self) -> Measured {
+        Measured {
+            figures: self.rows.iter().flat_map(Summary::figures).collect(),
+            notes: self.worst_plants(),
+        }
+    }
+
+    /// One line a row, the header first.
+    pub fn table(&self) -> Vec<Vec<String>> {
+        let set = |name: &str| {
+            ["shake", "limit", "worse", "S2", "S4", "S3", "worst S2 S3", "rest"]
+                .map(|column| format!("{name} {column}"))
+        };
+        let rivals = RIVALS.iter().skip(1).map(|rival| format!("{} shake", rival.name));
+        let header = ["row".to_owned()].into_iter().chain(set("motor")).chain(set("both")).chain(rivals);
+        [header.collect()].into_iter().chain(self.rows.iter().map(Summary::cells)).collect()
+    }
+
+    /// The worst plants of each row, and how to run one of them again.
+    fn worst_plants(&self) -> Vec<String> {
+        let lines = self.rows.iter().flat_map(|row| {
+            SensorSet::ALL.into_iter().zip(&row.sets).filter(|(_, set)| !set.bad.is_empty()).map(
+                move |(sensors, set)| {
+                    let plants: Vec<_> = set.bad.iter().take(NAMED).map(Bad::line).collect();
+                    format!("{} ({}), {}: {}", row.name, row.what, sensors.name(), plants.join("; "))
+                },
+            )
+        });
+        let mut lines: Vec<_> = lines.collect();
+        let again = self.rows.iter().find_map(|row| {
+            let bad = row.sets.iter().find_map(|set| set.bad.first())?;
+            Some(format!(
+                "one of them: strainwave verify robustness --row {} --first {} --seeds 1",
+                row.name, bad.seed
+            ))
+        });
+        lines.extend(again);
+        lines
+    }
+}
+
+impl Bad {
+    fn line(&self) -> String {
+        let list = |what: &str, scenarios: &[String]| match scenarios {
+            [] => String::new(),
+            _ => format!(" {what} {}", scenarios.join(" ")),
+        };
+        format!(
+            "{}{}{}{} ({})",
+            self.seed,
+            list("shakes", &self.shakes),
+            list("limited", &self.limited),
+            list("worse", &self.worse),
+            number(self.ratio)
+        )
+    }
+}
+
+/// Plants with runs that shake, are limited or worse; more of the first, then of the second, then by the largest ratio to B0.
+fn bad(sensors: SensorSet, outcomes: &[Outcome]) -> Vec<Bad> {
+    let mut found: Vec<_> = outcomes.iter().filter_map(|outcome| Bad::of(sensors, outcome)).collect();
+    found.sort_by(|a, b| {
+        let counts = |bad: &Bad| (bad.shakes.len(), bad.worse.len(), bad.limited.len());
+        counts(b).cmp(&counts(a)).then(b.ratio.total_cmp(&a.ratio))
+    });
+    found
+}
+
+impl Bad {
+    fn of(sensors: SensorSet, outcome: &Outcome) -> Option<Self> {
+        let ours = &outcome.compensated[sensors as usize];
+        let runs = || JUDGED.iter().zip(ours.iter().zip(&outcome.rivals[0]));
+        let shakes = runs().filter_map(|(scenario, (ours, b0))| {
+            let shake = shake(ours.as_ref(), b0.as_ref())?;
+            Some(format!("{}/{}", scenario.name(), shake.name()))
+        });
+        let list = |bad: fn(Option<&Course>, Option<&Course>) -> bool| -> Vec<_> {
+            let runs = runs().filter(|(_, (ours, b0))| bad(ours.as_ref(), b0.as_ref()));
+            runs.map(|(scenario, _)| scenario.name().to_owned()).collect()
+        };
+        let ratios = runs().flat_map(|(_, (ours, b0))| match (ours, b0) {
+            (Some(ours), Some(b0)) => ours.marks.iter().zip(&b0.marks).map(|(a, b)| a / b).collect(),
+            _ => vec![f64::INFINITY],
+        });
+        let ratio = ratios.fold(0.0, f64::max);
+        let (limited, worse) = (list(limited), list(worse));
+        let bad = Self { seed: outcome.seed, shakes: shakes.collect(), limited, worse, ratio };
+        (!bad.shakes.is_empty() || !bad.limited.is_empty() || !bad.worse.is_empty()).then_some(bad)
+    }
+}
+
+/// One that diverged does, also where B0 does.
+fn shake(ours: Option<&Course>, b0: Option<&Course>) -> Option<Shake> {
+    match (ours, b0) {
+        (Some(ours), Some(b0)) => ours.shakes(b0),
+        (None, _) => Some(Shake::Diverged),
+        (Some(_), None) => None,
+    }
+}
+
+/// One that diverged is not.
+fn limited(ours: Option<&Course>, b0: Option<&Course>) -> bool {
+    matches!((ours, b0), (Some(ours), Some(b0)) if ours.is_limited(b0))
+}
+
+/// Where B0 diverges there is nothing to be better than.
+fn worse(ours: Option<&Course>, b0: Option<&Course>) -> bool {
+    match (ours, b0) {
+        (Some(ours), Some(b0)) => ours.is_worse(b0),
+        (None, b0) => b0.is_some(),
+        (Some(_), None) => false,
+    }
+}
+
+/// The smallest mark of the rivals that read no more than these sensors.
+fn best(outcome: &Outcome, sensors: SensorSet, scenario: Scenario, mark: Mark) -> f64 {
+    let fair = |sensors_of_rival| sensors == SensorSet::Both || sensors_of_rival == SensorSet::Motor;
+    let rivals = RIVALS.iter().zip(&outcome.rivals).filter(|(rival, _)| fair(rival.sensors));
+    let place = JUDGED.iter().position(|other| *other == scenario).unwrap_or_default();
+    let marks = rivals.filter_map(|(_, courses)| Some(courses[place].as_ref()?.mark(scenario, mark)));
+    marks.fold(f64::INFINITY, f64::min)
+}
+
+/// The middle, the mean of the two middle ones of an even count; NaN counts as larger than any, and none as NaN.
+fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut values: Vec<_> = values.into_iter().map(f64::abs).collect();
+    values.sort_by(f64::total_cmp);
+    match values.len() {
+        0 => f64::NAN,
+        odd if odd % 2 == 1 => values[odd / 2],
+        even => 0.5 * (values[even / 2 - 1] + values[even / 2]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_is_in_the_middle() {
+        assert_eq!([median([3.0, 1.0, 2.0]), median([4.0, 1.0, 2.0, 3.0])], [2.0, 2.5]);
+        assert!(median([]).is_nan() && median([f64::NAN, 1.0, f64::NAN]).is_nan());
+        assert_eq!(median([f64::NAN, 1.0, 2.0]), 2.0);
+    }
+
+    #[test]
+    fn what_diverges_shakes_and_is_worse_where_b0_does_not() {
+        let some = Course::default();
+        assert_eq!([shake(None, Some(&some)), shake(None, None)], [Some(Shake::Diverged); 2]);
+        assert_eq!([shake(Some(&some), None), shake(Some(&some), Some(&some))], [None; 2]);
+        assert!(worse(None, Some(&some)) && !worse(None, None) && !worse(Some(&some), None));
+    }
+}

@@ -1,0 +1,56 @@
+//! QEMU: the one on PATH, else Debian's in the cache folder.
+
+use std::path::PathBuf;
+
+use super::error::{Error, INSTALL_EMULATOR, Unfetched};
+use super::host::Host;
+use super::package_set::PackageSet;
+use super::version::{first_line, version_in};
+
+/// Oldest QEMU that the lockstep was tried with.
+pub const OLDEST_EMULATOR: (u32, u32) = (7, 2);
+
+/// The emulator's program.
+pub const EMULATOR: &str = "qemu-system-arm";
+
+const PACKAGES: PackageSet = PackageSet {
+    name: "emulator",
+    choices: &[&[EMULATOR]],
+    oldest: OLDEST_EMULATOR,
+    program: EMULATOR,
+    purpose: "the boards' firmware runs in it",
+    elsewhere: INSTALL_EMULATOR,
+};
+
+/// A QEMU that can run the boards' images.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Emulator {
+    /// What is run: a name on PATH, or a file in the cache folder.
+    pub program: PathBuf,
+    /// What it says of its version, one line.
+    pub version: String,
+}
+
+/// QEMU, fetched if need be.
+///
+/// # Errors
+/// [`Error::NoEmulator`].
+pub fn emulator(host: &dyn Host) -> Result<Emulator, Error> {
+    present_emulator(host).map_or_else(|| fetch(host).map_err(|why| Error::NoEmulator { why }), Ok)
+}
+
+/// QEMU, if it is there and new enough. Fetches nothing.
+pub fn present_emulator(host: &dyn Host) -> Option<Emulator> {
+    let programs = [Some(PathBuf::from(EMULATOR)), PACKAGES.program(host, EMULATOR)];
+    programs.into_iter().flatten().find_map(|program| usable(host, program))
+}
+
+fn usable(host: &dyn Host, program: PathBuf) -> Option<Emulator> {
+    let version = first_line(&host.output(program.to_str()?, &["--version"])?);
+    (version_in(&version)? >= OLDEST_EMULATOR).then_some(Emulator { program, version })
+}
+
+fn fetch(host: &dyn Host) -> Result<Emulator, Unfetched> {
+    PACKAGES.fetch(host)?;
+    present_emulator(host).ok_or_else(|| PACKAGES.does_not_run())
+}
