@@ -51,6 +51,8 @@ fn input_of(words: [u32; 26], counts: i64, flags: [bool; 2], kind: u8) -> Input<
         },
         shares: Directions { forward: shares(9), backward: shares(17) },
         elapsed: f(25),
+        setpoint_age: f(26),
+        status: Status(words[27]),
     }
 }
 

@@ -3,6 +3,7 @@
 //! These parts need no emulator; what is measured on the firmware image stands with the emulator.
 
 pub mod compensator;
+pub mod faults;
 pub mod flexspline;
 pub mod friction;
 pub mod hysteresis;

@@ -3,11 +3,18 @@
 //!
 //! ```text
 //! omega = (theta - theta_before)/T,   alpha = (omega - omega_before)/T,   tau_f = tau_c*sign(omega) + F_v*omega
-//! X = n*(tau - J_wg*alpha - tau_f),   T_g <- T_g + g*(X - T_g)            torque through the gear
+//! X = n*((tau + tau_before)/2 - J_wg*alpha - tau_f),   T_g <- T_g + g*(X - T_g)        torque through the gear
+//!
+//! dT = K*(omega/n - v),   T <- T + h*dT + 1.4*b*h*(X - T),   v <- v + h*T/J_fs - b^2*h/K*(X - T)
 //! ```
 //!
-//! T is the time of the round, tau the mean of the motor's torque over it. g is 1 unless a count of the encoder is
+//! T is the time of the round, tau the mean of the motor's torque over it: alpha is the acceleration about the
+//! beginning of the round. g is 1 unless a count of the encoder is
 //! so coarse that its noise in X, J_wg*count/T^2*|n|, is more than a twentieth of the peak rating tau_p.
+//!
+//! The third line is for the protection of the gear ([`crate::compensator::actuate::protection`]), which needs the rate
+//! dT too: X on its own, differentiated, is noise. K is the middle slope of the stiffness line, v the output's speed, b =
+//! sqrt(g)*min(omega_0, 1/(4*h)), omega_0 the natural frequency of gear and load on a free motor, h the round.
 //!
 //! | fault | raised when |
 //! | --- | --- |
@@ -47,8 +54,11 @@ pub struct Rotor<R> {
     inertia: R,
     coulomb: R,
     viscous: R,
-    static_level: R,
     n: R,
+    /// K, h/J_fs, 1.4*b*h and b^2*h/K.
+    stiffness: R,
+    load_gain: R,
+    gains: [R; 2],
     inverse_n: R,
     /// g.
     gain: R,
@@ -73,8 +83,14 @@ pub struct RotorState<R> {
     pub(in crate::compensator) time: R,
     motor: Angle<R>,
     speed: R,
+    /// tau of the last round (N m).
+    applied: R,
+    /// T_g.
+    seen: R,
+    /// T, dT and v.
     torque: R,
     rate: R,
+    output_speed: R,
     friction: R,
     still: u32,
     least: R,
@@ -128,16 +144,22 @@ impl<R: Real> Rotor<R> {
         let noise = gear.wave_generator_inertia * count / (round * round) * n.abs();
         let inertia = gear.wave_generator_inertia + gear.flexspline_inertia / (n * n);
         let stiffest = gear.flexspline.line.stiffness[2];
+        let gain = R::ONE.min(R::lit(0.05) * peak / noise);
+        let [_, stiffness, _] = gear.flexspline.line.stiffness;
+        let both = R::ONE / gear.flexspline_inertia + R::ONE / (n * n * gear.wave_generator_inertia);
+        let corner = gain.sqrt() * (stiffness * both).sqrt().min(R::lit(0.25) / round);
         Ok(Self {
             round,
             inverse_round: R::ONE / round,
             inertia: gear.wave_generator_inertia,
             coulomb: larger(sides.map(|side| side.coulomb)),
             viscous: larger(sides.map(|side| side.viscous)),
-            static_level,
             n,
+            stiffness,
+            load_gain: round / gear.flexspline_inertia,
+            gains: [R::lit(1.4) * corner * round, corner * corner * round / stiffness],
             inverse_n: R::ONE / n,
-            gain: R::ONE.min(R::lit(0.05) * peak / noise),
+            gain,
             overload: R::lit(OVERLOAD) * peak,
             grip: R::lit(2.5) * static_level
                 + R::lit(0.01) * limits.motor_torque
@@ -172,7 +194,9 @@ impl<R: Real> Rotor<R> {
         state.speed = speed;
         let kinetic = if way == R::ZERO { R::ZERO } else { self.coulomb.copysign(way) };
         state.friction = kinetic + self.viscous * speed;
-        let seen = self.n * (torque - inertial - state.friction);
+        let mean = R::lit(0.5) * (torque + state.applied);
+        state.applied = torque;
+        let seen = self.n * (mean - inertial - state.friction);
         if state.rounds < 2 {
             // Two speeds make an acceleration.
             seldom();
@@ -180,10 +204,14 @@ impl<R: Real> Rotor<R> {
             (state.least, state.most) = (torque, torque);
             return;
         }
-        let stopping = R::lit(1.25) * (torque.abs() + (state.torque * self.inverse_n).abs()) + self.surplus;
-        let change = self.gain * (seen - state.torque);
-        state.torque += change;
-        state.rate = change * inverse;
+        let stopping = R::lit(1.25) * (torque.abs() + (state.seen * self.inverse_n).abs()) + self.surplus;
+        state.seen += self.gain * (seen - state.seen);
+        state.rate = self.stiffness * (speed * self.inverse_n - state.output_speed);
+        state.torque += self.round * state.rate;
+        let off = seen - state.torque;
+        let [by_torque, by_speed] = self.gains;
+        state.torque += by_torque * off;
+        state.output_speed += self.load_gain * state.torque - by_speed * off;
         if !beside.driven {
             seldom();
             state.still = 0;
@@ -210,7 +238,7 @@ impl<R: Real> Rotor<R> {
                 faults.raise_if(true, fault);
             }
         };
-        let overload = !state.torque.is_within(self.overload);
+        let overload = !state.seen.is_within(self.overload);
         lasts(overload, &mut state.overloaded, OVERLOADED, Faults::GEAR_OVERLOAD);
         lasts(!off.is_within(drive), &mut state.off_drive, NOT_FOLLOWING, Faults::DRIVE_NOT_FOLLOWING);
         let [ahead, velocity] = course.unwrap_or_default();
@@ -223,14 +251,14 @@ impl<R: Real> Rotor<R> {
     #[inline(always)]
     pub fn torsion_disagrees(&self, state: &mut RotorState<R>, torsion: R) -> bool {
         let torque = self.line.torque(torsion);
-        let off = self.disagrees(state.torque, torque);
+        let off = self.disagrees(state.seen, torque);
         lasting(off, &mut state.off_output)
     }
 
     /// The same for the output's torque sensor (N m).
     #[inline(always)]
     pub fn gauge_disagrees(&self, state: &mut RotorState<R>, torque: R) -> bool {
-        let off = self.disagrees(state.torque, torque);
+        let off = self.disagrees(state.seen, torque);
         lasting(off, &mut state.off_gauge)
     }
 
