@@ -229,7 +229,8 @@ impl<R: Real> Compensator<R> {
         let mut faults = Faults::NONE;
         let command = self.guard.command(&mut state.guard, &input.command, &mut faults);
         let now = || self.observer.estimate(&state.observer, &state.known);
-        let followed = self.commander.step(&mut state.commander, &command, input.setpoint_age, now, &mut faults);
+        let followed =
+            self.commander.step(&mut state.commander, &command, input.setpoint_age, now, &mut faults);
         state.faults.plan = faults;
         let setpoint = &followed.setpoint;
         let shares = state.guard.shares();
@@ -330,9 +331,8 @@ impl<R: Real> Compensator<R> {
         self.protection.follow(&mut state.protection, torque, rate, friction);
         if state.output_zero.is_some() {
             if let Some(innovation) = self.observer.output_innovation(&state.observer) {
-                let off = self
-                    .rotor
-                    .torsion_disagrees(&mut state.rotor, state.observer.torsion() - innovation);
+                let off =
+                    self.rotor.torsion_disagrees(&mut state.rotor, state.observer.torsion() - innovation);
                 state.off.raise_if(off, Faults::OUTPUT_ENCODER_OFF);
             }
             faults.raise_if(state.heard.age > self.output_lost, Faults::OUTPUT_ENCODER_LOST);

@@ -4,8 +4,8 @@
 //! N m; signs as in [`crate::gear`].
 
 use crate::angle::Angle;
-use crate::compensator::adapt::parameters::Factors;
 use crate::compensator::actuate::mode::Mode;
+use crate::compensator::adapt::parameters::Factors;
 use crate::compensator::{Command, Directions, Faults};
 use crate::real::Real;
 

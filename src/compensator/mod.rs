@@ -38,7 +38,9 @@ mod state;
 pub use actuate::mode::Mode;
 pub use control::Compensator;
 pub use faults::Faults;
-pub use interface::{Commanded, Estimate, EstimateDeviation, Input, Output, Sensors, Setpoint, Shares, Status};
+pub use interface::{
+    Commanded, Estimate, EstimateDeviation, Input, Output, Sensors, Setpoint, Shares, Status,
+};
 pub use joint_params::JointParams;
 pub use limits::Limits;
 pub use real_time_gear::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY, MESH, RealTimeFlexspline, RealTimeGear};

@@ -45,5 +45,10 @@ pub(super) const ROWS: &[Bound] = &[
         unit: "s",
         why: "until the loss of the motor encoder is named; as asked",
     },
-    Bound { name: "faults.false_alarms", value: 0.0, unit: "run", why: "healthy runs with a fault named; as asked" },
+    Bound {
+        name: "faults.false_alarms",
+        value: 0.0,
+        unit: "run",
+        why: "healthy runs with a fault named; as asked",
+    },
 ];

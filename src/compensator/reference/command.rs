@@ -26,6 +26,9 @@
 //! v = dq + limit(min(k*|e|, sqrt(a_max*|e|)))*sign(e),   ddq <- limit(ddq_c + 4*k*(v - dq), a_max),   k = 25/s
 //! ```
 //!
+//! A first setpoint that is not where the output is, is not chased: nobody has agreed on where that is. The reference
+//! stays where the output was found, and says so, until the setpoint comes there.
+//!
 //! A setpoint that is older than [`STALE`] is no wish any more: the reference brakes to rest in the same way, a torque
 //! is none. What a switch would do to the motor's torque is limited by [`crate::compensator::actuate::fallback`].
 
@@ -103,6 +106,8 @@ pub struct CommanderState<R> {
     /// s (rad).
     slip: R,
     chases: bool,
+    /// The first setpoint is still to come near.
+    waits: bool,
 }
 
 /// Which kind a command is.
@@ -186,7 +191,10 @@ impl<R: Real> Commander<R> {
         faults.raise_if(stale, Faults::SETPOINT_STALE);
         let (kind, setpoint, torque) = match *command {
             Command::Position(setpoint) => {
-                let from = state.reference.unwrap_or_else(|| at_rest(&estimate()));
+                let from = state.reference.unwrap_or_else(|| {
+                    state.waits = true;
+                    at_rest(&estimate())
+                });
                 (Kind::Position, self.positioned(state, from, setpoint, stale, faults), None)
             }
             Command::Velocity { velocity, acceleration } => {
@@ -220,6 +228,7 @@ impl<R: Real> Commander<R> {
         let off = wanted.velocity - from.velocity - change;
         let near = state.slip.is_within(self.near) && off.is_within(self.near_velocity);
         if near && !state.chases && !stale {
+            state.waits = false;
             return wanted;
         }
         self.chase(state, from, wanted, stale, faults)
@@ -235,6 +244,12 @@ impl<R: Real> Commander<R> {
         stale: bool,
         faults: &mut Faults,
     ) -> Setpoint<R> {
+        if state.waits && !wanted.position.minus(from.position).is_within(self.near) {
+            faults.raise_if(true, Faults::SETPOINT_STEP);
+            state.slip = R::ZERO;
+            return Setpoint { position: from.position, ..Setpoint::default() };
+        }
+        state.waits = false;
         let moved = wanted.position.counts.wrapping_sub(from.position.counts).unsigned_abs();
         faults.raise_if(!state.chases && !stale && moved > self.farthest, Faults::SETPOINT_STEP);
         let from_acceleration = from.acceleration.limit(self.acceleration);
@@ -267,7 +282,12 @@ impl<R: Real> Commander<R> {
         Setpoint { position, velocity, acceleration, jerk: change * self.inverse_dt, snap: R::ZERO }
     }
 
-    fn turned(&self, from: Setpoint<R>, [velocity, acceleration]: [R; 2], faults: &mut Faults) -> Setpoint<R> {
+    fn turned(
+        &self,
+        from: Setpoint<R>,
+        [velocity, acceleration]: [R; 2],
+        faults: &mut Faults,
+    ) -> Setpoint<R> {
         let change = velocity - from.velocity;
         let limited = change.limit(self.velocity_step);
         faults.raise_if(limited != change, Faults::SETPOINT_LIMITED);

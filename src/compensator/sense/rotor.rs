@@ -5,7 +5,8 @@
 //! omega = (theta - theta_before)/T,   alpha = (omega - omega_before)/T,   tau_f = tau_c*sign(omega) + F_v*omega
 //! X = n*((tau + tau_before)/2 - J_wg*alpha - tau_f),   T_g <- T_g + g*(X - T_g)        torque through the gear
 //!
-//! dT = K*(omega/n - v),   T <- T + h*dT + 1.4*b*h*(X - T),   v <- v + h*T/J_fs - b^2*h/K*(X - T)
+//! dT = K*(omega/n - v),   T <- T + h*dT + 3*b*h*(X - T),   v <- v + h*(T/J_fs + a) - 3*b^2*h/K*(X - T)
+//! a <- a - b^3*h/K*(X - T)
 //! ```
 //!
 //! T is the time of the round, tau the mean of the motor's torque over it: alpha is the acceleration about the
@@ -13,7 +14,8 @@
 //! so coarse that its noise in X, J_wg*count/T^2*|n|, is more than a twentieth of the peak rating tau_p.
 //!
 //! The third line is for the protection of the gear ([`crate::compensator::actuate::protection`]), which needs the rate
-//! dT too: X on its own, differentiated, is noise. K is the middle slope of the stiffness line, v the output's speed, b =
+//! dT too: X on its own, differentiated, is noise. K is the middle slope of the stiffness line, v the output's speed, a what
+//! load, friction and another inertia add to its acceleration (without it dT would be wrong by 1.4*b*20 N m/s), b =
 //! sqrt(g)*min(omega_0, 1/(4*h)), omega_0 the natural frequency of gear and load on a free motor, h the round.
 //!
 //! | fault | raised when |
@@ -55,10 +57,10 @@ pub struct Rotor<R> {
     coulomb: R,
     viscous: R,
     n: R,
-    /// K, h/J_fs, 1.4*b*h and b^2*h/K.
+    /// K, h/J_fs, 3*b*h, 3*b^2*h/K and b^3*h^2/K.
     stiffness: R,
     load_gain: R,
-    gains: [R; 2],
+    gains: [R; 3],
     inverse_n: R,
     /// g.
     gain: R,
@@ -87,10 +89,11 @@ pub struct RotorState<R> {
     applied: R,
     /// T_g.
     seen: R,
-    /// T, dT and v.
+    /// T, dT, v and h*a.
     torque: R,
     rate: R,
     output_speed: R,
+    output_change: R,
     friction: R,
     still: u32,
     least: R,
@@ -157,7 +160,11 @@ impl<R: Real> Rotor<R> {
             n,
             stiffness,
             load_gain: round / gear.flexspline_inertia,
-            gains: [R::lit(1.4) * corner * round, corner * corner * round / stiffness],
+            gains: [
+                R::lit(3.0) * corner * round,
+                R::lit(3.0) * corner * corner * round / stiffness,
+                corner * corner * corner * round * round / stiffness,
+            ],
             inverse_n: R::ONE / n,
             gain,
             overload: R::lit(OVERLOAD) * peak,
@@ -209,9 +216,10 @@ impl<R: Real> Rotor<R> {
         state.rate = self.stiffness * (speed * self.inverse_n - state.output_speed);
         state.torque += self.round * state.rate;
         let off = seen - state.torque;
-        let [by_torque, by_speed] = self.gains;
+        let [by_torque, by_speed, by_change] = self.gains;
         state.torque += by_torque * off;
-        state.output_speed += self.load_gain * state.torque - by_speed * off;
+        state.output_change -= by_change * off;
+        state.output_speed += self.load_gain * state.torque + state.output_change - by_speed * off;
         if !beside.driven {
             seldom();
             state.still = 0;

@@ -7,13 +7,14 @@
 //! | judged | a run is unsafe when |
 //! | --- | --- |
 //! | speed | the output is faster than its limit, motor_speed/abs n, though its twin is not |
-//! | motion | it is more than 20 mrad off its twin until 20 ms after the drive is off, in which a brake engages; not where another motion is asked for |
+//! | motion | it is more than 20 mrad off its twin, and off where it was, until 20 ms after the drive is off, in which a brake engages; not where another motion is asked for, nor where the fault cannot be known |
 //! | torque | the motor gives 95 % of its peak for more than 5 ms after the fault, though its twin does not |
 //! | gear | the torque through the gear is beyond its peak rating |
 //!
 //! Named is the first fault that the twin has not. A frozen or stuck motor encoder can be known from when torque
-//! exceeds friction: abs(tau - r*tau_t) > 1.1 times the static friction with the count more than 16 of it off the motor;
-//! everything else from when it is injected.
+//! exceeds friction: the motor's has changed by more than its static friction, and the motor is 16 counts away. Without
+//! that it cannot be known with the motor's sensors alone: a load that moves a joint whose encoder stands and whose motor
+//! does nothing looks like rest. Everything else can be known from when it is injected.
 
 mod injected;
 
@@ -26,6 +27,7 @@ use crate::bench::{Bench, Conditions, Task};
 use crate::bounds;
 use crate::closed_loop::HostCompensator;
 use crate::divergence::RunError;
+use crate::figure::Figure;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, joint_params};
 use crate::scenario::{Demand, Scenario};
@@ -138,16 +140,19 @@ fn judge(file: &GearFile, fault: Injected, released: Option<usize>, rows: &[Row]
     let start = periods_of(fault.at);
     let (n, peak) = (f64::from(file.gear.signed_ratio().n()), file.motor.peak_torque);
     let limit = file.motor.rotor_speed_limit / n.abs();
-    let largest = |rows: &[Row], of: fn(&Row) -> f64| rows.iter().map(|row| of(row).abs()).fold(0.0, f64::max);
+    let largest =
+        |rows: &[Row], of: fn(&Row) -> f64| rows.iter().map(|row| of(row).abs()).fold(0.0, f64::max);
     let speed = |rows: &[Row]| largest(&rows[start..], |row| row.velocity) / limit;
     let watched = released.map_or(rows.len(), |at| (at + periods_of(BRAKE)).min(rows.len()));
-    let off = |k: usize| (rows[k].output - twin[k].output).abs();
+    // A joint that stands has not moved, whatever its twin does.
+    let from = rows[start].output;
+    let off = |k: usize| (rows[k].output - twin[k].output).abs().min((rows[k].output - from).abs());
     let motion = if fault.asks_otherwise() { 0.0 } else { (start..watched).map(off).fold(0.0, f64::max) };
     let full = |rows: &[Row]| longest(rows[start..].iter().map(|row| row.torque.abs() >= FULL.0 * peak));
     let gear = largest(&rows[start..], |row| row.transmitted);
     let known = known(file, &fault, rows, start);
-    let named = (start..rows.len())
-        .find(|&k| rows[k].faults.bits() & !twin[k].faults.with(LIMITS).bits() != 0);
+    let named =
+        (start..rows.len()).find(|&k| rows[k].faults.bits() & !twin[k].faults.with(LIMITS).bits() != 0);
     let names = named.map_or(Faults::NONE, |k| rows[k].faults);
     let safe = released.is_some();
     Outcome {
@@ -162,7 +167,7 @@ fn judge(file: &GearFile, fault: Injected, released: Option<usize>, rows: &[Row]
         gear,
         unsafe_by: [
             speed(rows) > 1.0 && speed(twin) <= 1.0,
-            motion > MOTION,
+            motion > MOTION && known.is_some(),
             full(rows) > FULL.1 && full(twin) <= FULL.1,
             gear > file.gear.peak_torque,
         ],
@@ -184,13 +189,12 @@ fn known(file: &GearFile, fault: &Injected, rows: &[Row], start: usize) -> Optio
     if !matches!(fault.kind, Kind::Freeze | Kind::Zeros | Kind::Ones) {
         return Some(start);
     }
-    let n = f64::from(file.gear.signed_ratio().n());
-    let friction = 1.1 * file.friction.input.static_level.unwrap_or_default();
+    let friction = file.friction.input.static_level.unwrap_or_default();
     let far = 16.0 * std::f64::consts::TAU / 2f64.powi(file.sensors.motor_encoder_bits.cast_signed());
-    let from = rows.get(start)?.motor;
+    let from = rows.get(start)?;
     (start..rows.len()).find(|&k| {
         let row = &rows[k];
-        (row.motor - from).abs() > far && (row.torque - row.transmitted / n).abs() > friction
+        (row.motor - from.motor).abs() > far && (row.torque - from.torque).abs() > friction
     })
 }
 
@@ -222,11 +226,7 @@ pub fn measure(
     let healthy: Vec<u64> = numbers.iter().copied().filter(|number| number % 20 == 0).collect();
     let alarms = each(&healthy, |number| alarm(file, &Injected::of(*number)), &mut |_| ());
     let alarms = alarms.into_iter().collect::<Result<Vec<_>, _>>()?;
-    Ok(Report {
-        outcomes,
-        false_alarms: alarms.into_iter().flatten().collect(),
-        peak: file.gear.peak_torque,
-    })
+    Ok(Report { outcomes, false_alarms: alarms.into_iter().flatten().collect(), peak: file.gear.peak_torque })
 }
 
 /// What a healthy run is told to be ill of.
@@ -240,7 +240,15 @@ fn alarm(file: &GearFile, fault: &Injected) -> Result<Option<String>, RunError> 
     bench.go(&fault.scenario, &mut controller, |_, _, _, answer| faults = faults.with(answer.faults))?;
     let names: Vec<_> = faults.names().collect();
     let quiet = faults.bits() & !Faults::TORQUE_LIMITED.bits() == 0;
-    let line = || format!("{} {} plant {}: {}", fault.scenario.name(), fault.sensors.name(), fault.seed, names.join(", "));
+    let line = || {
+        format!(
+            "{} {} plant {}: {}",
+            fault.scenario.name(),
+            fault.sensors.name(),
+            fault.seed,
+            names.join(", ")
+        )
+    };
     Ok((!quiet).then(line))
 }
 
@@ -254,7 +262,8 @@ impl Outcome {
     pub fn describe(&self) -> String {
         let names: Vec<_> = self.names.names().collect();
         let ways = ["speed", "motion", "torque", "gear"];
-        let ways: Vec<_> = ways.iter().zip(self.unsafe_by).filter(|(_, is)| *is).map(|(way, _)| *way).collect();
+        let ways: Vec<_> =
+            ways.iter().zip(self.unsafe_by).filter(|(_, is)| *is).map(|(way, _)| *way).collect();
         format!(
             "{}\n  named {} ms: {}; safe {}; speed {:.2}, motion {:.1} mrad, full {:.1} ms, gear {:.0} N m; unsafe: {}",
             self.fault.describe(),
@@ -283,7 +292,8 @@ impl Report {
                 continue;
             }
             let count = |is: &dyn Fn(&Outcome) -> bool| of.iter().filter(|outcome| is(outcome)).count();
-            let worst = |value: &dyn Fn(&Outcome) -> f64| of.iter().map(|outcome| value(outcome)).fold(0.0, f64::max);
+            let worst =
+                |value: &dyn Fn(&Outcome) -> f64| of.iter().map(|outcome| value(outcome)).fold(0.0, f64::max);
             let _ = writeln!(
                 text,
                 "{:<26}{:>6}{:>8}{:>9}{:>9}{:>11.1}{:>13.1}{:>10.0}",
@@ -304,7 +314,8 @@ impl Report {
     pub fn measured(&self) -> Measured {
         let count = |way: usize| self.outcomes.iter().filter(|outcome| outcome.unsafe_by[way]).count() as f64;
         let slowest = |kinds: &[Kind]| {
-            let of = self.outcomes.iter().filter(|outcome| kinds.contains(&outcome.fault.kind) && outcome.known);
+            let of =
+                self.outcomes.iter().filter(|outcome| kinds.contains(&outcome.fault.kind) && outcome.known);
             of.map(|outcome| outcome.named.unwrap_or(AFTER)).fold(0.0, f64::max)
         };
         let figures = vec![
@@ -312,6 +323,11 @@ impl Report {
             bounds::figure("faults.motion", count(1)),
             bounds::figure("faults.full_torque", count(2)),
             bounds::figure("faults.gear", count(3)),
+            Figure::reported(
+                "faults.unknowable",
+                self.outcomes.iter().filter(|outcome| !outcome.known).count() as f64,
+                "run",
+            ),
             bounds::figure("faults.named.frozen", slowest(&[Kind::Freeze, Kind::Zeros, Kind::Ones])),
             bounds::figure("faults.named.jump", slowest(&[Kind::Jump])),
             bounds::figure("faults.named.loss", slowest(&[Kind::Loss])),
@@ -355,7 +371,8 @@ mod tests {
         let file = GearFile::default_gear();
         let params = joint_params(&file).unwrap();
         let fault = Injected { at: 0.1, ..Injected::of(0) };
-        let [one, other] = [(); 2].map(|()| go(&file, &fault, &mut Broken::build(&params, None).unwrap()).unwrap());
+        let [one, other] =
+            [(); 2].map(|()| go(&file, &fault, &mut Broken::build(&params, None).unwrap()).unwrap());
         let outcome = judge(&file, fault, None, &one, &other);
         assert!(!outcome.is_unsafe() && outcome.named.is_none(), "{}", outcome.describe());
     }
