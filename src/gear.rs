@@ -332,7 +332,7 @@ impl<R: Real, F: Flexspline<R>, C: FrictionModel<R>, const L: usize, const MEMOR
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::flexspline::Reduced;
     use crate::flexspline::calibration::tests::SIZE_25;
@@ -361,7 +361,7 @@ mod tests {
     }
 
     /// The default gear with Fs = Fc.
-    fn params() -> GearParams<f64> {
+    pub(crate) fn params() -> GearParams<f64> {
         let mut kinematic_error = KinematicErrorParams::default();
         kinematic_error.case[0] = Term { order: 2, amplitude: 1e-4, phase: 0.3 };
         kinematic_error.flexspline[0] = Term { order: 4, amplitude: 2e-5, phase: 0.0 };

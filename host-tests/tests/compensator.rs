@@ -4,7 +4,8 @@ use proptest::prelude::*;
 use strainwave::Angle;
 use strainwave::compensator::schedule::SLOW_PERIODS;
 use strainwave::compensator::{
-    Command, Compensator, Directions, Faults, Input, JointParams, Output, Sensors, Setpoint, Shares, State, Status,
+    Command, Compensator, Directions, Faults, Input, JointParams, Output, Sensors, Setpoint, Shares, State,
+    Status,
 };
 use strainwave_desktop::GearFile;
 use strainwave_desktop::joint::joint_params;

@@ -5,7 +5,8 @@ use proptest::prelude::*;
 use strainwave::Angle;
 use strainwave::compensator::adapt::parameters::Factors;
 use strainwave::compensator::{
-    Command, Directions, Estimate, EstimateDeviation, Faults, Input, Mode, Output, Sensors, Setpoint, Shares, Status,
+    Command, Directions, Estimate, EstimateDeviation, Faults, Input, Mode, Output, Sensors, Setpoint, Shares,
+    Status,
 };
 use strainwave_app::frame::{
     INPUT_BYTES, OUTPUT_BYTES, decode_input, decode_output, encode_input, encode_output,
