@@ -18,7 +18,8 @@ const fn row(name: &'static str, value: f64, unit: &'static str, why: &'static s
 const GAIN_WHY: &str = "gain margin of the loop at the motor's torque over the box; as asked";
 const PHASE_WHY: &str = "phase margin of the same; as asked";
 const DELAY_WHY: &str = "delay margin of the same beyond the declared delay; as asked";
-const SIZE_WHY: &str = "largest |T|*|Delta| of the disturbance path, which closes its loop by what is not known; as asked";
+const SIZE_WHY: &str =
+    "largest |T|*|Delta| of the disturbance path, which closes its loop by what is not known; as asked";
 
 /// What a figure must at least be.
 pub(super) const FLOORS: [Bound; 6] = [

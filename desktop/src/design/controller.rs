@@ -122,13 +122,21 @@ fn share(x: f64) -> f64 {
 
 impl Controller {
     /// Of a gear at an operating point of this stiffness (N m/rad).
-    pub fn new(file: &GearFile, parts: &Parts, set: SensorSet, mode: Mode, stiffness: f64, passes: bool) -> Self {
+    pub fn new(
+        file: &GearFile,
+        parts: &Parts,
+        set: SensorSet,
+        mode: Mode,
+        stiffness: f64,
+        passes: bool,
+    ) -> Self {
         let sides = [&file.friction.input, &file.friction.output];
         let (stands, has_output) = (mode != Mode::Moving, set == SensorSet::Both);
         let has_gauge = file.sensors.output_torque;
         let observer = if stands { parts.observer.standing } else { parts.observer.moving };
         let used = usize::from(has_output) + 2 * usize::from(has_gauge);
-        let asked = |gains: &Gains<f64>| [gains.motor, gains.torque, gains.output].iter().any(|l| l[5] != 0.0);
+        let asked =
+            |gains: &Gains<f64>| [gains.motor, gains.torque, gains.output].iter().any(|l| l[5] != 0.0);
         Self {
             ratio: file.gear.signed_ratio().value(),
             inertias: [file.inertia.wave_generator, file.inertia.flexspline],
@@ -199,9 +207,8 @@ impl Controller {
         let transmitted = self.stiffness * torsion + self.damping * rate;
         if output.is_none() {
             for (side, speed) in [x[MOTOR_SPEED], x[FLANGE_SPEED]].into_iter().enumerate() {
-                if self.bristle[side] > 0.0 {
-                    x[BENT[side]] += 2.0 * dt * speed;
-                }
+                let bent = x[BENT[side]] + 2.0 * dt * speed;
+                x[BENT[side]] = if self.bristle[side] > 0.0 { bent } else { 0.0 };
                 x[RUBBED[side]] = self.viscous[side] * speed + self.bristle[side] * x[BENT[side]];
             }
         }
@@ -221,6 +228,9 @@ impl Controller {
         if self.has_gauge {
             let s = if self.stands { 0.0 } else { x[SIXTH] };
             self.correct(x, &gains.torque, gauge - transmitted - s);
+        }
+        if !self.has_output {
+            x[INNOVATION] = 0.0;
         }
         if let Some(output) = read {
             x[INNOVATION] = output - r * motor - r * x[OFF] - x[FLANGE_AHEAD];
@@ -270,8 +280,7 @@ impl Controller {
         x[SLOW] += slow_gain * (self.passes * load - x[SLOW]);
         let compensated = x[SLOW] + self.disturbance.wound_up * x[FAST];
         let wound = -compensated / self.stiffness;
-        let position =
-            x[FLANGE_AHEAD] + dt * (x[FLANGE_SPEED] - r * x[MOTOR_SPEED]) + r * x[OFF] + r * motor;
+        let position = x[FLANGE_AHEAD] + dt * (x[FLANGE_SPEED] - r * x[MOTOR_SPEED]) + r * x[OFF] + r * motor;
         let measured = if self.has_output { position + x[INNOVATION] } else { position };
         let gains = &self.output_feedback;
         let filter = share(round * gains.filter_corner);

@@ -102,7 +102,15 @@ impl Corner {
 
     /// For people.
     pub fn name(&self) -> String {
-        let sign = |factor: f64| if factor < 1.0 { "-" } else if factor > 1.0 { "+" } else { "=" };
+        let sign = |factor: f64| {
+            if factor < 1.0 {
+                "-"
+            } else if factor > 1.0 {
+                "+"
+            } else {
+                "="
+            }
+        };
         let friction = self.presliding.map_or_else(|| "sliding".into(), |x| format!("presliding x{x}"));
         let link = self.link.map_or_else(String::new, |(share, f)| format!(" link {share}@{f}Hz"));
         format!(

@@ -6,6 +6,8 @@
 use std::collections::HashMap;
 use std::sync::{LazyLock, Mutex};
 
+use strainwave::Error;
+
 use super::{Break, Judged, judge, parts};
 use crate::bench::SensorSet;
 use crate::bounds;
@@ -86,19 +88,24 @@ pub fn levels(file: &GearFile) -> Levels {
     levels
 }
 
-/// The levels that a joint's margins allow; `None` where there is no observer.
-pub fn sought(file: &GearFile) -> Option<Levels> {
-    let parts = parts(file, &Levels::NONE).ok()?;
-    let look = |levels: &Levels| judge(file, &parts.at(file, levels), &SensorSet::ALL, COARSE).map(|j| values(&j));
-    let bare = look(&Levels::NONE)?;
+/// The levels that a joint's margins allow.
+///
+/// # Errors
+/// As [`parts`].
+pub fn sought(file: &GearFile) -> Result<Levels, Error> {
+    let parts = parts(file, &Levels::NONE)?;
+    let look = |levels: &Levels| values(&judge(file, &parts.at(file, levels), &SensorSet::ALL, COARSE));
+    let bare = look(&Levels::NONE);
     let holds = |levels: &Levels| {
-        let found = look(levels)?;
+        let found = look(levels);
         // As good as without: to a thousandth of the bound.
-        let all = found.iter().zip(&bare).all(|((x, bound), (without, _))| *x >= bound.min(*without) - 1e-3 * bound.abs());
-        Some(all)
+        found
+            .iter()
+            .zip(&bare)
+            .all(|((x, bound), (without, _))| *x >= bound.min(*without) - 1e-3 * bound.abs())
     };
-    if holds(&Levels::FULL)? {
-        return Some(Levels::FULL);
+    if holds(&Levels::FULL) {
+        return Ok(Levels::FULL);
     }
     let mut levels = Levels::NONE;
     for function in 0..3 {
@@ -108,12 +115,12 @@ pub fn sought(file: &GearFile) -> Option<Levels> {
             tried
         };
         let (mut least, mut most) = (0.0, 1.0);
-        if holds(&with(1.0))? {
+        if holds(&with(1.0)) {
             least = 1.0;
         } else {
             for _ in 0..STEPS {
                 let middle = 0.5 * (least + most);
-                if holds(&with(middle))? {
+                if holds(&with(middle)) {
                     least = middle;
                 } else {
                     most = middle;
@@ -122,5 +129,5 @@ pub fn sought(file: &GearFile) -> Option<Levels> {
         }
         levels = with(least);
     }
-    Some(levels)
+    Ok(levels)
 }

@@ -58,7 +58,8 @@ pub fn margins(points: &[(f64, Complex<f64>)]) -> Margins {
         let turn = (b / a).arg();
         if size * (size + change) <= 0.0 && change != 0.0 {
             let share = -size / change;
-            let (omega, critical) = (w * (v / w).powf(share), to_critical(Complex::from_polar(1.0, a.arg() + share * turn)));
+            let (omega, critical) =
+                (w * (v / w).powf(share), to_critical(Complex::from_polar(1.0, a.arg() + share * turn)));
             m.phase = m.phase.min(critical.min(TAU - critical));
             m.delay = m.delay.min(critical / omega);
             m.crossover = omega;
@@ -82,7 +83,10 @@ mod tests {
     use super::*;
 
     fn grid(l: impl Fn(Complex<f64>) -> Complex<f64>) -> Vec<(f64, Complex<f64>)> {
-        (0..2000).map(|k| 0.1 * 10f64.powf(f64::from(k) * 0.0025)).map(|w| (w, l(Complex::new(0.0, w)))).collect()
+        (0..2000)
+            .map(|k| 0.1 * 10f64.powf(f64::from(k) * 0.0025))
+            .map(|w| (w, l(Complex::new(0.0, w))))
+            .collect()
     }
 
     /// (k + d*s)/s^2: |L| = 1 at w^2 = (d^2 + sqrt(d^4 + 4 k^2))/2, phase margin atan(d*w/k); no gain makes it unstable.

@@ -29,6 +29,7 @@ pub mod plant;
 pub mod poles;
 pub mod report;
 pub mod response;
+pub mod sweep;
 
 pub use levels::{Levels, levels};
 
@@ -105,6 +106,10 @@ impl Break {
     }
 }
 
+/// What is judged: the loops, with a disturbance path that passes everything or nothing.
+pub const LOOPS: [(Break, bool); 3] =
+    [(Break::Torque, false), (Break::Torque, true), (Break::Disturbance, true)];
+
 /// Frequencies (rad/s): 200 a decade where the modes of joint and load are, fewer elsewhere.
 pub fn frequencies() -> Vec<f64> {
     let decades = |from: f64, to: f64, each: f64| {
@@ -112,7 +117,10 @@ pub fn frequencies() -> Vec<f64> {
         (0..count as usize).map(move |k| from * (to / from).powf(k as f64 / count))
     };
     let nyquist = std::f64::consts::PI / CONTROL_PERIOD;
-    decades(0.1, 10.0, 20.0).chain(decades(10.0, 3000.0, 200.0)).chain(decades(3000.0, nyquist, 40.0)).collect()
+    decades(0.1, 10.0, 20.0)
+        .chain(decades(10.0, 3000.0, 200.0))
+        .chain(decades(3000.0, nyquist, 40.0))
+        .collect()
 }
 
 /// All that the linear controllers of a joint are made of.
@@ -179,6 +187,8 @@ pub struct Judged {
     pub set: SensorSet,
     /// Loop.
     pub broken: Break,
+    /// The disturbance path passes everything, or nothing.
+    pub passes: bool,
     /// (dB)
     pub gain: Worst,
     /// (dB)
@@ -194,12 +204,13 @@ pub struct Judged {
 }
 
 impl Judged {
-    fn new(set: SensorSet, broken: Break) -> Self {
+    fn new(set: SensorSet, broken: Break, passes: bool) -> Self {
         let worst = |value| Worst { value, at: None };
         let most = worst(f64::INFINITY);
         Self {
             set,
             broken,
+            passes,
             gain: most.clone(),
             gain_down: most.clone(),
             phase: worst(180.0),
@@ -233,18 +244,18 @@ struct Answers {
     variants: Vec<(Variant, Vec<Answer>, Option<Vec<Answer>>)>,
 }
 
-fn answers(file: &GearFile, parts: &Parts, sets: &[SensorSet]) -> Option<Answers> {
+fn answers(file: &GearFile, parts: &Parts, sets: &[SensorSet]) -> Answers {
     let frequencies = frequencies();
     let mut variants = Vec::new();
     for variant in sets.iter().flat_map(|set| Variant::all(*set)) {
         let of = |open| {
-            let response = Response::new(&variant.controller(file, parts), open)?;
-            Some(frequencies.iter().map(|w| response.at(*w)).collect::<Vec<_>>())
+            let response = Response::new(&variant.controller(file, parts), open);
+            frequencies.iter().map(|w| response.at(*w)).collect::<Vec<_>>()
         };
-        let open = if variant.passes { Some(of(true)?) } else { None };
-        variants.push((variant, of(false)?, open));
+        let open = if variant.passes { Some(of(true)) } else { None };
+        variants.push((variant, of(false), open));
     }
-    Some(Answers { frequencies, variants })
+    Answers { frequencies, variants }
 }
 
 impl Variant {
@@ -255,11 +266,11 @@ impl Variant {
 }
 
 /// Margins of every loop over some corners of each mode; every `each`-th of them.
-pub fn judge(file: &GearFile, parts: &Parts, sets: &[SensorSet], each: usize) -> Option<Vec<Judged>> {
-    let answers = answers(file, parts, sets)?;
+pub fn judge(file: &GearFile, parts: &Parts, sets: &[SensorSet], each: usize) -> Vec<Judged> {
+    let answers = answers(file, parts, sets);
     let omegas = &answers.frequencies;
     let mut judged: Vec<Judged> =
-        sets.iter().flat_map(|set| Break::ALL.map(|broken| Judged::new(*set, broken))).collect();
+        sets.iter().flat_map(|set| LOOPS.map(|(broken, passes)| Judged::new(*set, broken, passes))).collect();
     for mode in Mode::ALL {
         for corner in Corner::all(mode).iter().step_by(each) {
             let plant = Plant::new(file, corner);
@@ -270,7 +281,9 @@ pub fn judge(file: &GearFile, parts: &Parts, sets: &[SensorSet], each: usize) ->
                     let each = omegas.iter().zip(answers.iter().zip(&p));
                     let points: Vec<_> = each.map(|(w, (c, p))| (*w, of(c, p))).collect();
                     let size = points.iter().map(|(_, l)| l.norm()).fold(0.0, f64::max);
-                    let mine = judged.iter_mut().find(|j| j.set == variant.set && j.broken == broken);
+                    let mine = judged
+                        .iter_mut()
+                        .find(|j| (j.set, j.broken, j.passes) == (variant.set, broken, variant.passes));
                     if let Some(mine) = mine {
                         mine.add(&margins(&points), size, *variant, corner);
                     }
@@ -282,12 +295,18 @@ pub fn judge(file: &GearFile, parts: &Parts, sets: &[SensorSet], each: usize) ->
             }
         }
     }
-    Some(judged)
+    judged
 }
 
 /// L of the torque loop of one variant in one corner at w (rad/s).
-pub fn open_loop(file: &GearFile, parts: &Parts, variant: Variant, corner: &Corner, omegas: &[f64]) -> Option<Vec<C64>> {
-    let response = Response::new(&variant.controller(file, parts), false)?;
+pub fn open_loop(
+    file: &GearFile,
+    parts: &Parts,
+    variant: Variant,
+    corner: &Corner,
+    omegas: &[f64],
+) -> Vec<C64> {
+    let response = Response::new(&variant.controller(file, parts), false);
     let plant = Plant::new(file, corner);
-    Some(omegas.iter().map(|w| torque_loop(&response.at(*w), &plant.at(*w))).collect())
+    omegas.iter().map(|w| torque_loop(&response.at(*w), &plant.at(*w))).collect()
 }

@@ -57,9 +57,12 @@ impl Plant {
             motor_inertia: corner.rotor * file.inertia.wave_generator,
             load_inertias: [(1.0 - share) * load, share * load],
             stiffness: corner.stiffness * corner.point.stiffness(file),
-            damping: 2.0 * file.damping.torsion_mode_ratio * (file.stiffness.k1 * file.inertia.flexspline).sqrt(),
+            damping: 2.0
+                * file.damping.torsion_mode_ratio
+                * (file.stiffness.k1 * file.inertia.flexspline).sqrt(),
             viscous: sides.map(|side| side.viscous.unwrap_or_default()),
-            springs: sides.map(|side| corner.presliding.map_or(0.0, |factor| bristle_stiffness(side) / factor)),
+            springs: sides
+                .map(|side| corner.presliding.map_or(0.0, |factor| bristle_stiffness(side) / factor)),
             link,
             constant: corner.constant,
             lag: TAU * corner.bandwidth,
@@ -110,7 +113,9 @@ impl Plant {
         a[(3, 3)] -= self.viscous[1] / rigid;
         if behind > 0.0 {
             for (row, by) in [(3, 1.0 / rigid), (5, -1.0 / behind)] {
-                for (column, gain) in [(4, self.link[0]), (2, -self.link[0]), (5, self.link[1]), (3, -self.link[1])] {
+                for (column, gain) in
+                    [(4, self.link[0]), (2, -self.link[0]), (5, self.link[1]), (3, -self.link[1])]
+                {
                     a[(row, column)] += by * gain;
                 }
             }

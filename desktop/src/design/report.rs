@@ -6,12 +6,12 @@ use strainwave::Error;
 
 use super::corners::{Corner, Point};
 use super::plant::Plant;
-use super::{Break, Judged, Levels, Mode, Variant, Worst, judge, levels, open_loop, parts, poles};
+use super::{Break, Judged, LOOPS, Levels, Mode, Variant, Worst, judge, levels, open_loop, parts, poles};
 use crate::bench::SensorSet;
+use crate::bounds;
 use crate::figure::{Figure, number};
 use crate::gear_file::GearFile;
 use crate::plot::{Page, Panel, Series};
-use crate::{bounds, figure};
 
 /// Of the corners every so many have their poles looked at, beside the worst.
 const LOOKED_AT: usize = 13;
@@ -47,34 +47,59 @@ pub struct Report {
     pub looked_at: usize,
     /// Those that are not.
     pub unstable: Vec<String>,
+    /// How many of them with the disturbance path off and on.
+    pub unstable_by_path: [usize; 2],
     poles: Vec<(SensorSet, Mode, Vec<(f64, f64)>)>,
 }
 
 fn place(worst: &Worst) -> String {
-    worst.at.map_or_else(|| "-".into(), |(variant, corner)| {
-        let path = if variant.passes { "path on" } else { "path off" };
-        format!("{:?}, {path}: {}", variant.mode, corner.name())
-    })
+    worst.at.map_or_else(
+        || "-".into(),
+        |(variant, corner)| {
+            let path = if variant.passes { "path on" } else { "path off" };
+            format!("{:?}, {path}: {}", variant.mode, corner.name())
+        },
+    )
 }
 
 impl Report {
     /// Of a joint.
     ///
     /// # Errors
-    /// As [`parts`], or [`Error::OutOfRange`] where a matrix has no Schur form.
+    /// As [`parts`].
     pub fn of(file: &GearFile, each: usize) -> Result<Self, Error> {
-        let used = levels(file);
+        Self::at(file, each, levels(file))
+    }
+
+    /// The same at other levels.
+    ///
+    /// # Errors
+    /// As [`parts`].
+    pub fn at(file: &GearFile, each: usize, used: Levels) -> Result<Self, Error> {
         let parts = parts(file, &used)?;
-        let none = Error::OutOfRange("gains (no Schur form)");
-        let judged = judge(file, &parts, &SensorSet::ALL, each).ok_or(none)?;
-        let allowed = levels::sought(file).ok_or(none)?;
-        let mut report =
-            Self { file: file.clone(), levels: used, allowed, judged, looked_at: 0, unstable: vec![], poles: vec![] };
+        let judged = judge(file, &parts, &SensorSet::ALL, each);
+        let allowed = levels::sought(file)?;
+        let mut report = Self {
+            file: file.clone(),
+            levels: used,
+            allowed,
+            judged,
+            looked_at: 0,
+            unstable: vec![],
+            unstable_by_path: [0; 2],
+            poles: vec![],
+        };
         let mut look = |variant: Variant, corner: &Corner| {
-            let eigenvalues = poles::eigenvalues(&variant.controller(file, &parts), &Plant::new(file, corner));
+            let eigenvalues =
+                poles::eigenvalues(&variant.controller(file, &parts), &Plant::new(file, corner));
             report.looked_at += 1;
             if eigenvalues.as_deref().is_none_or(|all| !poles::is_stable(all)) {
-                report.unstable.push(format!("{} {}", variant.set.name(), place(&Worst { value: 0.0, at: Some((variant, *corner)) })));
+                report.unstable_by_path[usize::from(variant.passes)] += 1;
+                report.unstable.push(format!(
+                    "{} {}",
+                    variant.set.name(),
+                    place(&Worst { value: 0.0, at: Some((variant, *corner)) })
+                ));
             }
             eigenvalues.unwrap_or_default()
         };
@@ -93,7 +118,9 @@ impl Report {
         let worst: Vec<_> = report
             .judged
             .iter()
-            .flat_map(|j| [&j.gain, &j.gain_down, &j.phase, &j.delay, &j.modulus, &j.size].map(|worst| worst.at))
+            .flat_map(|j| {
+                [&j.gain, &j.gain_down, &j.phase, &j.delay, &j.modulus, &j.size].map(|worst| worst.at)
+            })
             .flatten()
             .collect();
         for (variant, corner) in worst {
@@ -102,22 +129,31 @@ impl Report {
         Ok(report)
     }
 
-    fn of_loop(&self, set: SensorSet, broken: Break) -> Option<&Judged> {
-        self.judged.iter().find(|j| j.set == set && j.broken == broken)
+    fn of_loop(&self, set: SensorSet, (broken, passes): (Break, bool)) -> Option<&Judged> {
+        self.judged.iter().find(|j| (j.set, j.broken, j.passes) == (set, broken, passes))
     }
 
     /// Figures beside their bounds.
     pub fn figures(&self) -> Vec<Figure> {
         let mut figures = Vec::new();
         for (set, names) in SensorSet::ALL.into_iter().zip(NAMES) {
-            let [Some(torque), Some(disturbance)] = Break::ALL.map(|broken| self.of_loop(set, broken)) else {
+            let [Some(held), Some(torque), Some(disturbance)] = LOOPS.map(|each| self.of_loop(set, each))
+            else {
                 continue;
             };
-            let values = [torque.gain.value, torque.phase.value, torque.delay.value, disturbance.size.value];
+            let least = |of: fn(&Judged) -> f64| of(held).min(of(torque));
+            let values = [
+                least(|j| j.gain.value),
+                least(|j| j.phase.value),
+                least(|j| j.delay.value),
+                disturbance.size.value,
+            ];
             // JSON has no infinity.
             let all = names.iter().zip(values).map(|(name, value)| bounds::figure(name, value.min(1e3)));
             figures.extend(all);
-            for (judged, what) in [(torque, "torque"), (disturbance, "disturbance")] {
+            for (judged, what) in
+                [(held, "torque.path_off"), (torque, "torque.path_on"), (disturbance, "disturbance")]
+            {
                 let name = |margin: &str| format!("design.{}.{what}.{margin}", set.name());
                 figures.extend([
                     Figure::reported(name("gain_down"), judged.gain_down.value.min(1e3), "dB"),
@@ -134,7 +170,7 @@ impl Report {
         let Ok(parts) = parts(&self.file, &self.levels) else { return vec![] };
         let (f, d) = (&parts.feedback, &parts.disturbance);
         let row = |name: &str, value: f64, unit: &str, rule: &str| {
-            [name.to_owned(), figure::number(value), unit.to_owned(), rule.to_owned()]
+            [name.to_owned(), number(value), unit.to_owned(), rule.to_owned()]
         };
         let mut rows = vec![
             row("cascade k_p", f.position_gain, "1/s", "2 pi f_p"),
@@ -150,7 +186,12 @@ impl Report {
         for (set, b) in SensorSet::ALL.into_iter().zip(&parts.output_feedback) {
             let name = |what: &str| format!("output feedback {what} ({})", set.name());
             rows.push(row(&name("b"), b.damping, "s", "level * 2*0.125/sqrt(K1/J_fs)"));
-            rows.push(row(&name("k"), b.integral, "1/s", "level * sqrt(K1/J_fs)/16, 0 without output encoder"));
+            rows.push(row(
+                &name("k"),
+                b.integral,
+                "1/s",
+                "level * sqrt(K1/J_fs)/16, 0 without output encoder",
+            ));
             rows.push(row(&name("omega_y"), b.filter_corner, "rad/s", "sqrt(K1/J_fs)/3"));
         }
         rows
@@ -160,7 +201,8 @@ impl Report {
     pub fn margins(&self) -> Vec<[String; 4]> {
         let mut rows = Vec::new();
         for j in &self.judged {
-            let name = format!("{}.{}", j.set.name(), j.broken.name());
+            let path = if j.passes { "on" } else { "off" };
+            let name = format!("{}.{} (path {path})", j.set.name(), j.broken.name());
             let all = [
                 ("gain [dB]", &j.gain),
                 ("gain down [dB]", &j.gain_down),
@@ -170,8 +212,11 @@ impl Report {
                 ("max |L|", &j.size),
             ];
             // Of a torque loop with integrators |L| says nothing.
-            let said = all.into_iter().filter(|(what, _)| j.broken == Break::Disturbance || *what != "max |L|");
-            rows.extend(said.map(|(what, worst)| [name.clone(), what.to_owned(), number(worst.value), place(worst)]));
+            let said =
+                all.into_iter().filter(|(what, _)| j.broken == Break::Disturbance || *what != "max |L|");
+            rows.extend(
+                said.map(|(what, worst)| [name.clone(), what.to_owned(), number(worst.value), place(worst)]),
+            );
         }
         rows
     }
@@ -210,7 +255,7 @@ impl Report {
             for set in SensorSet::ALL {
                 for mode in Mode::ALL {
                     let variant = Variant { set, mode, point: Point::K1, passes: true };
-                    let l = open_loop(&self.file, &parts, variant, &Corner::nominal(mode), &omegas).unwrap_or_default();
+                    let l = open_loop(&self.file, &parts, variant, &Corner::nominal(mode), &omegas);
                     let y: Vec<f64> = match what {
                         "phase" => l.iter().map(|l| l.arg().to_degrees()).collect(),
                         _ => l.iter().map(|l| 20.0 * l.norm().log10()).collect(),

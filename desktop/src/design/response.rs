@@ -7,7 +7,7 @@
 //!
 //! Exact for a periodic system; what it answers at w plus multiples of 2*pi/(4 dt) is left out, which a plant that
 //! falls by 40 dB a decade takes away: the closed loop's poles, which leave nothing out, say whether that may be.
-//! Phi is brought to Schur form once, so that a frequency costs one triangular solution.
+//! A frequency costs one solution of 33 complex equations.
 //!
 //! S. Bittanti, P. Colaneri, "Periodic systems: filtering and control" (2009), chapter 2.
 
@@ -23,7 +23,6 @@ pub type Answer = [[C64; INPUTS]; 2];
 
 /// A controller's frequency response, prepared.
 pub struct Response {
-    /// Upper triangular.
     phi: DMatrix<C64>,
     /// Of z^k V on X_0.
     enters: Vec<DMatrix<C64>>,
@@ -34,8 +33,8 @@ pub struct Response {
 }
 
 impl Response {
-    /// Of a controller whose disturbance path is open (reads v[4]) or not. `None` where there is no Schur form.
-    pub fn new(controller: &Controller, open: bool) -> Option<Self> {
+    /// Of a controller whose disturbance path is open (reads v[4]) or not.
+    pub fn new(controller: &Controller, open: bool) -> Self {
         let matrices = controller.matrices(open);
         let a = |k: usize| matrices[k].view((0, 0), (STATES, STATES)).into_owned();
         let b = |k: usize| matrices[k].view((0, STATES), (STATES, INPUTS)).into_owned();
@@ -54,14 +53,12 @@ impl Response {
             from_inputs = from_inputs.iter().map(|from| a(k) * from).chain([b(k)]).collect();
         }
         let complex = |m: &DMatrix<f64>| m.map(|x| C64::new(x, 0.0));
-        let (q, phi) = nalgebra::Schur::try_new(complex(&from_start), 1e-15, 10_000)?.unpack();
-        let (back, q) = (q.adjoint(), q);
-        Some(Self {
-            phi,
-            enters: from_inputs.iter().map(|from| &back * complex(from)).collect(),
-            leaves: leaves.iter().map(|leave| complex(leave) * &q).collect(),
+        Self {
+            phi: complex(&from_start),
+            enters: from_inputs.iter().map(complex).collect(),
+            leaves: leaves.iter().map(complex).collect(),
             passes,
-        })
+        }
     }
 
     /// At w (rad/s).
@@ -69,24 +66,21 @@ impl Response {
         let turn = |k: i32| C64::from_polar(1.0, f64::from(k) * omega * CONTROL_PERIOD);
         let z: [C64; SLOTS] = std::array::from_fn(|k| turn(k as i32));
         let round = turn(SLOTS as i32);
-        let mut x = [[C64::default(); INPUTS]; STATES];
-        for row in (0..STATES).rev() {
-            let mut sum = [C64::default(); INPUTS];
-            for (input, sum) in sum.iter_mut().enumerate() {
-                *sum = (0..SLOTS).map(|k| self.enters[k][(row, input)] * z[k]).sum();
-            }
-            for column in row + 1..STATES {
-                let phi = self.phi[(row, column)];
-                (0..INPUTS).for_each(|input| sum[input] += phi * x[column][input]);
-            }
-            x[row] = sum.map(|sum| sum / (round - self.phi[(row, row)]));
-        }
+        let mut left = -self.phi.clone();
+        (0..STATES).for_each(|k| left[(k, k)] += round);
+        let entered = self.enters.iter().zip(z);
+        let right = entered.fold(DMatrix::zeros(STATES, INPUTS), |sum, (enters, z)| sum + enters * z);
+        // A pole on the circle at just this frequency: no margin.
+        let x = left
+            .lu()
+            .solve(&right)
+            .unwrap_or_else(|| DMatrix::from_element(STATES, INPUTS, C64::new(f64::MAX, 0.0)));
         let mut answer = Answer::default();
         for k in 0..SLOTS {
             let back = z[k].conj() / SLOTS as f64;
             for (out, row) in answer.iter_mut().enumerate() {
                 for (input, entry) in row.iter_mut().enumerate() {
-                    let leaves: C64 = (0..STATES).map(|s| self.leaves[k][(out, s)] * x[s][input]).sum();
+                    let leaves: C64 = (0..STATES).map(|s| self.leaves[k][(out, s)] * x[(s, input)]).sum();
                     let passes: C64 = (0..=k).map(|j| z[j] * self.passes[k][j][(out, input)]).sum();
                     *entry += back * (leaves + passes);
                 }
