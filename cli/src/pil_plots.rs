@@ -85,7 +85,7 @@ fn factors(rows: &[Row], time: &[f64]) -> Panel {
     })
 }
 
-/// The external torque that is believed beside the load.
+/// The estimated external torque beside the load.
 fn external_torque(rows: &[Row], time: &[f64]) -> Panel {
     let estimated = column(rows, |row| row.answer.estimate.external_torque.into());
     Panel::new("time", "s", "external torque", "N m")

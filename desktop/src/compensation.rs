@@ -1,7 +1,8 @@
 //! What the compensator's adaptation, output feedback and learnt ripple are built from, for the joint of a gear file.
 //!
-//! Output feedback ([`strainwave::compensator::reference::output_feedback`]): with the stiffness K of the line's middle and J_fs,
-//! `b = 2*zeta*sqrt((1 + a)*J_fs/K)` makes the reference model's damping ratio zeta. Units: rad, s, N m.
+//! Output feedback ([`strainwave::compensator::reference::output_feedback`]): with the torsion mode's frequency omega =
+//! sqrt(K1/J_fs), `b = 2*zeta/omega` adds the damping ratio zeta; k and omega_y are shares of omega. The shares were
+//! chosen by simulation of the default gear; no linear analysis of their margins stands behind them. Units: rad, s, N m.
 
 use strainwave::Real;
 use strainwave::compensator::adapt::learning::LearningParams;

@@ -64,7 +64,7 @@ pub struct Board {
 }
 
 impl Board {
-    fn wish(&mut self) -> (Setpoint<f32>, Shares<f32>) {
+    fn target(&mut self) -> (Setpoint<f32>, Shares<f32>) {
         match &mut self.jog {
             Some(jog) => (jog.step(serial::target()), SHARES),
             None => (self.here, Shares::default()),
@@ -83,7 +83,7 @@ impl strainwave_app::Board for Board {
             motor_torque: self.torque,
             output_torque: None,
         };
-        let (setpoint, shares) = self.wish();
+        let (setpoint, shares) = self.target();
         Some(Input { sensors, command: setpoint.into(), shares: shares.into(), elapsed: 0.0 })
     }
 

@@ -15,7 +15,7 @@
 //! omega = sqrt(K/J_fs) is damped by b*omega/2, and z closes a loop of crossover k through two poles and that mode.
 //! There is no proportional part: it would stiffen the joint through a motor that is late, whose delay turns it into
 //! negative damping of the mode. b does so only where the delay passes a quarter of the mode's period. The gains
-//! follow from omega by the rules of `strainwave design`, which prints the margins.
+//! are shares of omega.
 //!
 //! Where the setpoint rests, m with an output encoder is what exceeds one of its counts: static friction and the
 //! integral would answer every change of the last count. It is the measured angle that z integrates, not the estimated
