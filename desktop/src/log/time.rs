@@ -129,7 +129,8 @@ impl Instant {
     /// The value of a column of the same log at this instant.
     pub fn of(&self, column: &[f64]) -> f64 {
         let (start, end) = (column[self.before], column[self.after]);
-        start + (end - start) * self.share
+        // Rounding may leave the interval by the last digit.
+        (start + (end - start) * self.share).clamp(start.min(end), start.max(end))
     }
 }
 
@@ -139,6 +140,16 @@ mod tests {
 
     fn time(stamps: &[f64]) -> Time {
         Time::check(stamps.to_vec()).unwrap()
+    }
+
+    #[test]
+    fn rounding_does_not_leave_the_values_of_the_log() {
+        // (end - start) is rounded away from zero here, so that start + (end - start) is not end.
+        let column = [426.5851927960378, -986.312159340444, 0.1, 0.3 - 0.1, 1e16, 1.0];
+        for pair in column.windows(2) {
+            let end = Instant { elapsed: 1.0, before: 0, after: 1, share: 1.0 }.of(pair);
+            assert!(end >= pair[0].min(pair[1]) && end <= pair[0].max(pair[1]), "{pair:?}: {end}");
+        }
     }
 
     #[test]
