@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, value_parser};
 use strainwave_desktop::plant::unknowns::Which;
+use strainwave_desktop::verify::faults;
 use strainwave_desktop::verify::flexspline::speed;
 use strainwave_desktop::verify::{self, Measured};
 use strainwave_desktop::verify::{compensator, friction, hysteresis, replay, robustness};
@@ -19,6 +20,8 @@ use crate::progress::Progress;
 const FIRMWARE: &str = "firmware";
 /// The part that is measured only when it is asked for by name: it takes longer than all others.
 const ROBUSTNESS: &str = "robustness";
+/// The part that injects faults, by itself too.
+const FAULTS: &str = "faults";
 
 /// Measure every accuracy and cost figure that the project claims, beside its bound
 ///
@@ -67,7 +70,7 @@ fn row_parser() -> impl TypedValueParser<Value = String> {
 
 fn part_parser() -> impl TypedValueParser<Value = String> {
     let names = verify::Part::ALL.map(verify::Part::name);
-    PossibleValuesParser::new(names.into_iter().chain([FIRMWARE, ROBUSTNESS])).map(String::from)
+    PossibleValuesParser::new(names.into_iter().chain([FIRMWARE, ROBUSTNESS, FAULTS])).map(String::from)
 }
 
 /// Measures the parts asked for.
@@ -75,6 +78,10 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     files::require_writable(arguments.figures.json.as_deref())?;
     if arguments.part.as_deref() == Some(ROBUSTNESS) {
         return against_unknowns(arguments);
+    }
+    if arguments.part.as_deref() == Some(FAULTS) {
+        let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
+        return crate::faults::inject(&gear, 0, faults::COUNT, &arguments.figures);
     }
     let wanted = |name: &str| arguments.part.as_ref().is_none_or(|part| part == name);
     let mut measured = Measured::default();

@@ -12,7 +12,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use strainwave::Error;
-use strainwave::compensator::{Input, Output, Sensors, Shares};
+use strainwave::compensator::{Input, Output, Sensors, Shares, Status};
 use strainwave::flexspline::Flexspline;
 use strainwave::gear::Motion;
 
@@ -282,6 +282,8 @@ impl<F: Flexspline<f64>> Bench<F> {
                     command: demand.setpoint().into(),
                     shares: self.shares.into(),
                     elapsed: elapsed as f32,
+                    setpoint_age: 0.0,
+                    status: if task.blocked() { Status::DRIVE_OFF } else { Status::FINE },
                 };
                 self.last = controller.step(&input)?;
             }

@@ -5,6 +5,7 @@ use strainwave::Angle;
 use strainwave::compensator::schedule::SLOW_PERIODS;
 use strainwave::compensator::{
     Command, Compensator, Directions, Faults, Input, JointParams, Output, Sensors, Setpoint, Shares, State,
+    Status,
 };
 use strainwave_desktop::GearFile;
 use strainwave_desktop::joint::joint_params;
@@ -23,7 +24,7 @@ fn resting(motor_encoder: u32) -> Input<f32> {
         sensors: Sensors { motor_encoder, ..Sensors::default() },
         command: Command::default(),
         shares: shares().into(),
-        elapsed: 0.0,
+        ..Input::default()
     }
 }
 
@@ -76,7 +77,7 @@ prop_compose! {
     fn any_input()(
         encoders in any::<(u32, Option<u32>)>(),
         torque in any_float(),
-        elapsed in any_float(),
+        (elapsed, age, status) in (any_float(), any_float(), prop_oneof![Just(0), any::<u32>()]),
         gauge in prop::option::of(any_float()),
         counts in any::<i64>(),
         rest in any_float(),
@@ -105,6 +106,8 @@ prop_compose! {
             },
             shares: Directions { forward, backward },
             elapsed,
+            setpoint_age: age,
+            status: Status(status),
         }
     }
 }

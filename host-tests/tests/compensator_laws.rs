@@ -2,7 +2,9 @@
 
 use core::f64::consts::TAU;
 
-use strainwave::compensator::estimate::observer::{Known, Measurement, Observer, ObserverState};
+use strainwave::compensator::estimate::observer::{
+    Known, Measurement, Observer, ObserverState, OutputReading,
+};
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use strainwave::compensator::{Faults, Input, JointParams, RealTimeGear};
 use strainwave::flexspline::Reduced;
@@ -51,17 +53,21 @@ impl Twins {
             if (k + 1) % OBSERVER_PERIODS != 0 {
                 continue;
             }
+            let reads_output = self.with_output_encoder && (k + 1) % SLOW_PERIODS == 0;
             let measured = Measurement {
                 period: f64::from(OBSERVER_PERIODS) * CONTROL_PERIOD,
                 motor: motor.angle,
-                output: (self.with_output_encoder && (k + 1) % SLOW_PERIODS == 0).then_some(flange.angle),
-                age: 0,
+                reads_output,
                 motor_torque: core::mem::take(&mut heard) / f64::from(OBSERVER_PERIODS),
                 output_torque: None,
             };
             let mut faults = Faults::NONE;
             let known = Known::default();
             self.observer.step(&self.gear, &mut self.state, &measured, &known, false, &mut faults);
+            if reads_output {
+                let reading = OutputReading { angle: flange.angle, age: 0 };
+                self.observer.correct_output(&mut self.state, &reading, &known);
+            }
             let estimate = self.observer.estimate(&self.state, &known);
             // The start from a wrong torsion may reach a limit; a second later none is near.
             assert!(k < 10_000 || faults == Faults::NONE, "step {k}: {faults:?}");

@@ -73,7 +73,7 @@ fn plausible(sequence: &mut Sequence, period: u32) -> Input<f32> {
         },
         command: command(sequence, period),
         shares: Directions { forward: SHARES, backward: Shares { friction: 0.6, ..SHARES } },
-        elapsed: 0.0,
+        ..Input::default()
     }
 }
 

@@ -5,7 +5,8 @@ use proptest::prelude::*;
 use strainwave::Angle;
 use strainwave::compensator::adapt::parameters::Factors;
 use strainwave::compensator::{
-    Command, Directions, Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
+    Command, Directions, Estimate, EstimateDeviation, Faults, Input, Mode, Output, Sensors, Setpoint, Shares,
+    Status,
 };
 use strainwave_app::frame::{
     INPUT_BYTES, OUTPUT_BYTES, decode_input, decode_output, encode_input, encode_output,
@@ -19,7 +20,7 @@ const COMMAND_KIND: usize = 18;
 /// Length of the command behind it: an angle and four floats.
 const COMMAND: usize = 12 + 16;
 
-fn input_of(words: [u32; 26], counts: i64, flags: [bool; 2], kind: u8) -> Input<f32> {
+fn input_of(words: [u32; 28], counts: i64, flags: [bool; 2], kind: u8) -> Input<f32> {
     let f = |k: usize| f32::from_bits(words[k]);
     let shares = |k: usize| Shares {
         feedback: f(k),
@@ -51,6 +52,8 @@ fn input_of(words: [u32; 26], counts: i64, flags: [bool; 2], kind: u8) -> Input<
         },
         shares: Directions { forward: shares(9), backward: shares(17) },
         elapsed: f(25),
+        setpoint_age: f(26),
+        status: Status(words[27]),
     }
 }
 
@@ -81,12 +84,13 @@ fn output_of(words: [u32; 22], counts: [i64; 2]) -> Output<f32> {
         factors: Factors { inertia: f(17), input_friction: f(18), output_friction: f(19), compliance: f(20) },
         observed: counts[0] & 1 == 1,
         faults: Faults::from_bits(words[21]),
+        mode: Mode::of_code(words[21] >> 30),
     }
 }
 
 /// Every bit of a value, NaN payloads too, as its `Debug` text cannot show them.
 fn input_bits(input: &Input<f32>) -> Vec<u64> {
-    let Input { sensors, command, shares, elapsed } = input;
+    let Input { sensors, command, shares, elapsed, setpoint_age, status } = input;
     let bits = |x: f32| u64::from(x.to_bits());
     let some = |x: Option<u32>| x.map_or(u64::MAX, u64::from);
     let mut all = vec![
@@ -95,6 +99,8 @@ fn input_bits(input: &Input<f32>) -> Vec<u64> {
         bits(sensors.motor_torque),
         some(sensors.output_torque.map(f32::to_bits)),
         bits(*elapsed),
+        bits(*setpoint_age),
+        u64::from(status.0),
     ];
     match command {
         Command::Position(Setpoint { position, velocity, acceleration, jerk, snap }) => {
@@ -162,7 +168,7 @@ proptest! {
 
     #[test]
     fn an_input_survives_the_frame(
-        words in array::uniform26(any::<u32>()),
+        words in array::uniform28(any::<u32>()),
         counts: i64,
         flags: [bool; 2],
         kind in 0..3u8,

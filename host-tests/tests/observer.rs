@@ -4,8 +4,8 @@
 use std::f64::consts::TAU;
 
 use strainwave::Angle;
-use strainwave::compensator::estimate::observer::Measurement;
 use strainwave::compensator::estimate::observer::by_turns::{Ends, GearByTurns, Known, Turns};
+use strainwave::compensator::estimate::observer::{Measurement, OutputReading};
 use strainwave::compensator::schedule::OBSERVER_PERIODS;
 use strainwave::compensator::{Faults, JointParams, RealTimeGear};
 use strainwave::flexspline::Reduced;
@@ -27,12 +27,11 @@ fn gear(params: &GearParams<f64>, dt: f64) -> RealTimeGear<f64> {
     params.build(Reduced::build(&params.flexspline, params.rated_torque).unwrap(), dt).unwrap()
 }
 
-fn measured(motor: Motion<f64>, output: Option<Motion<f64>>, motor_torque: f64) -> Measurement<f64> {
+fn measured(motor: Motion<f64>, reads_output: bool, motor_torque: f64) -> Measurement<f64> {
     Measurement {
         period: f64::from(OBSERVER_PERIODS) * CONTROL_PERIOD,
         motor: motor.angle,
-        output: output.map(|flange| flange.angle),
-        age: 0,
+        reads_output,
         motor_torque,
         output_torque: None,
     }
@@ -57,7 +56,7 @@ fn load_of_a_swinging_motor() -> f64 {
             flange.advance(plant.flange_acceleration(&torques, 0.0), CONTROL_PERIOD / f64::from(FINE));
         }
         if k % OBSERVER_PERIODS == 1 {
-            let measured = measured(motor, None, 0.5 * (before + held));
+            let measured = measured(motor, false, 0.5 * (before + held));
             observer.step(&model, &mut state, &measured, &Known::default(), false, &mut Faults::default());
             largest = if k < 2000 { 0.0 } else { largest.max(state.external_torque().abs()) };
         }
@@ -82,9 +81,11 @@ fn believed_at_rest(off: f64) -> f64 {
     let mut state = observer.rest();
     let mut shown = Motion::default();
     shown.angle = shown.angle.plus(off);
-    let measured = measured(Motion::default(), Some(shown), 0.0);
+    let measured = measured(Motion::default(), true, 0.0);
+    let reading = OutputReading { angle: shown.angle, age: 0 };
     for _ in 0..5000 {
         observer.step(&model, &mut state, &measured, &Known::default(), false, &mut Faults::default());
+        observer.correct_output(&mut state, &reading, &Known::default());
     }
     observer.estimate(&state, &Known::default()).output_position.to_radians()
 }

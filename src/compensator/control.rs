@@ -3,24 +3,26 @@
 use crate::angle::Angle;
 use crate::compensator::actuate::cascade::{Feedback, Wanted};
 use crate::compensator::actuate::fallback::Fallback;
-use crate::compensator::adapt::learning::{self, Learning, Learnt};
+use crate::compensator::actuate::protection::Protection;
+use crate::compensator::adapt::learning::{Learning, Learnt};
 use crate::compensator::adapt::parameters::Observed;
 use crate::compensator::estimate::disturbance::{Disturbance, JointNow};
-use crate::compensator::estimate::observer::{Measurement, Observer};
-use crate::compensator::reference::command::Commander;
+use crate::compensator::estimate::observer::{Measurement, Observer, OutputReading};
+use crate::compensator::reference::command::{Commander, Told};
 use crate::compensator::reference::feed_forward::FeedForward;
 use crate::compensator::reference::motor_reference::Course;
 use crate::compensator::reference::output_feedback::{Deviation, OutputFeedback};
 use crate::compensator::schedule::{OBSERVER_PERIODS, Slot, SlowSlot};
 use crate::compensator::sense::clock::{Clock, Elapsed};
 use crate::compensator::sense::encoder::{Encoder, Reading};
+use crate::compensator::sense::motor_encoder::MotorEncoder;
 use crate::compensator::sense::motor_torque::MotorTorque;
+use crate::compensator::sense::rotor::{Beside, Rotor};
 use crate::compensator::sense::validation::{self, FrozenEncoder, InputGuard};
-use crate::compensator::state::SlotFaults;
 use crate::compensator::{
-    Command, Commanded, Directions, Faults, Input, Limits, Output, RealTimeGear, Sensors, State,
+    Commanded, Directions, Faults, Input, Limits, Output, RealTimeGear, Sensors, State, Status,
 };
-use crate::real::Real;
+use crate::real::{Real, seldom};
 
 /// The built compensator of a joint.
 #[derive(Clone, Debug)]
@@ -28,7 +30,7 @@ pub struct Compensator<R: Real> {
     pub(super) gear: RealTimeGear<R>,
     pub(super) clock: Clock<R>,
     pub(super) guard: InputGuard<R>,
-    pub(super) motor_encoder: Encoder,
+    pub(super) motor_encoder: MotorEncoder<R>,
     pub(super) output_encoder: Encoder,
     pub(super) frozen_encoder: FrozenEncoder<R>,
     pub(super) frozen_output: FrozenEncoder<R>,
@@ -42,9 +44,13 @@ pub struct Compensator<R: Real> {
     /// What it starts from.
     pub(super) learnt: Learnt<R>,
     pub(super) motor_torque: MotorTorque<R>,
+    pub(super) rotor: Rotor<R>,
+    pub(super) protection: Protection<R>,
     pub(super) fallback: Fallback<R>,
     pub(super) limits: Limits<R>,
     pub(super) dt: R,
+    /// Control periods without a reading after which the output encoder is lost.
+    pub(super) output_lost: u32,
     /// From the torques that the observer saw to the plan (s).
     pub(super) behind: R,
 }
@@ -67,20 +73,31 @@ impl<R: Real> Compensator<R> {
         let mut faults = Faults::NONE;
         let sensors = self.guard.sensors(&mut state.guard, &input.sensors, &mut faults);
         let elapsed = self.clock.step(input.elapsed, &mut faults);
-        let motor = self.read(state, &sensors, &elapsed, &mut faults);
+        let motor = self.read(state, &sensors, input.status, &elapsed, &mut faults);
         match state.turn {
-            Slot::Observe => self.observe(state, motor.angle, true),
-            Slot::Plan => self.plan(state, &input.command, motor.angle),
-            Slot::ObserveAgain => self.observe(state, motor.angle, false),
+            Slot::Plan => self.plan(state, input, motor.angle),
             Slot::Learn => self.learn(state, &input.shares, motor.angle),
+            Slot::ObserveOutput => {
+                let age = state.heard.age;
+                let reading = state.heard.output.take().filter(|_| age == 0 || self.observer.looks_back());
+                state.output_reading = reading.map(|raw| (raw, age));
+                self.observe(state, motor.angle, state.output_reading.is_some());
+            }
+            Slot::Check => self.check(state),
+            Slot::Model => self.model(state, motor.angle),
+            Slot::Observe | Slot::ObserveSecond | Slot::ObserveLast => {
+                self.observe(state, motor.angle, false);
+            }
         }
         state.turn = state.turn.next();
-        let SlotFaults { observer, plan, standstill, shares } = state.faults;
-        faults = faults.with(observer).with(plan).with(standstill).with(shares);
-        let motor_torque = self.drive(state, &motor, elapsed.inverse, &mut faults);
+        faults = faults.with(state.faults.all());
+        let mut motor_torque = self.drive(state, &motor, elapsed.inverse, &mut faults);
+        if !state.mode.stays_active(faults, input.status) {
+            motor_torque = self.change_mode(state, &mut faults, input.status, motor_torque);
+        }
         state.sound &= faults == Faults::NONE && !state.limited;
         state.reported = faults;
-        Commanded { motor_torque, faults }
+        Commanded { motor_torque, faults, mode: state.mode.mode() }
     }
 
     /// What the last step commanded, rested on and believed. Apart from the control step: who does not look at it
@@ -96,10 +113,32 @@ impl<R: Real> Compensator<R> {
             feed_forward_torque: feed_forward.limit(self.limits.motor_torque),
             motor_reference: state.motor_encoder.angle().plus(ahead),
             estimate,
-            observed: matches!(state.turn, Slot::Plan | Slot::Learn),
+            observed: !state.turn.observes(),
             factors: *state.learning.applied(),
             faults: state.reported,
+            mode: state.mode.mode(),
         }
+    }
+
+    /// The torque in the mode after this step. Where the drive is off, or comes on with this step, none; when it is on
+    /// again the reference begins where the output is.
+    #[cold]
+    #[inline(never)]
+    fn change_mode(&self, state: &mut State<R>, faults: &mut Faults, status: Status, torque: R) -> R {
+        let before = state.mode.mode();
+        let mode = state.mode.step(faults, status);
+        if before.drives() && mode.drives() {
+            return torque;
+        }
+        state.fallback.sent(R::ZERO);
+        state.limited = true;
+        if mode.drives() {
+            state.commander = Default::default();
+            state.feedback = Default::default();
+            state.output_feedback = Default::default();
+            state.course = Default::default();
+        }
+        R::ZERO
     }
 
     /// The sensors' turn: every period.
@@ -108,50 +147,47 @@ impl<R: Real> Compensator<R> {
         &self,
         state: &mut State<R>,
         sensors: &Sensors<R>,
+        status: Status,
         elapsed: &Elapsed<R>,
         faults: &mut Faults,
     ) -> Reading<R> {
-        let motor = self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder);
+        let sound = !status.tells(Status::MOTOR_ENCODER_INVALID);
+        let (motor, lost) =
+            self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder, sound, elapsed);
         faults.raise_if(!motor.believed, Faults::MOTOR_ENCODER_JUMP);
+        faults.raise_if(lost, Faults::MOTOR_ENCODER_LOST);
         let (commanded, feedback) = (state.fallback.torque(), state.guard.shares().feedback);
         let heard = &mut state.heard;
         heard.motor_torque +=
             self.motor_torque.step(&mut state.motor_torque, commanded, feedback, sensors.motor_torque);
         heard.time += elapsed.time;
-        if sensors.output_encoder.is_some() {
+        if sensors.output_encoder.is_some() && !status.tells(Status::OUTPUT_ENCODER_INVALID) {
             (heard.output, heard.age) = (sensors.output_encoder, 0);
         } else {
             heard.age = heard.age.saturating_add(1);
-            if !self.observer.looks_back() {
-                heard.output = None;
-            }
         }
         if sensors.output_torque.is_some() {
             heard.output_torque = sensors.output_torque;
+            state.gauge = sensors.output_torque;
         }
         state.course.advance(state.wind_up.velocity, elapsed.time);
         state.course.ahead -= motor.moved;
         motor
     }
 
-    /// The observer's turn: the first of a round reads the output's encoder.
-    #[inline(never)] // The timing budget counts this turn by its symbol.
-    fn observe(&self, state: &mut State<R>, motor: Angle<R>, with_output: bool) {
+    /// The observer's slot.
+    #[inline(never)] // The timing budget counts this slot by its symbol.
+    fn observe(&self, state: &mut State<R>, motor: Angle<R>, reads_output: bool) {
         let mut faults = Faults::NONE;
-        let age = state.heard.age;
-        let output = if with_output {
-            state.known.load += state.load_rate;
-            self.read_output(state, motor, &mut faults)
-        } else {
-            None
-        };
+        state.rotor.torques += state.heard.motor_torque;
+        state.rotor.time += state.heard.time;
+        let gauge = state.heard.output_torque.take();
         let measured = Measurement {
             motor,
-            output,
-            age,
+            reads_output,
             period: state.heard.time,
             motor_torque: R::lit(1.0 / OBSERVER_PERIODS as f64) * state.heard.motor_torque,
-            output_torque: state.heard.output_torque.take(),
+            output_torque: gauge.filter(|_| !state.off.contains(Faults::TORQUE_SENSOR_OFF)),
         };
         (state.heard.motor_torque, state.heard.time) = (R::ZERO, R::ZERO);
         self.observer.step(
@@ -162,51 +198,48 @@ impl<R: Real> Compensator<R> {
             state.course.rests,
             &mut faults,
         );
+        state.known.load += state.load_rate;
         self.disturbance.step_fast(&mut state.disturbance, state.observer.external_torque());
         state.wind_up = self.disturbance.wind_up(&state.disturbance);
-        let kept = if with_output { Faults::NONE } else { Faults::OUTPUT_ENCODER_JUMP };
-        state.faults.observer = faults.with(state.faults.observer.among(kept));
+        state.faults.observer = faults;
     }
 
-    /// The output encoder's angle, where the observer's is its zero.
+    /// Corrects the observer by the output encoder's reading of its last step.
     #[inline(always)]
-    fn read_output(&self, state: &mut State<R>, motor: Angle<R>, faults: &mut Faults) -> Option<Angle<R>> {
-        let raw = state.heard.output.take()?;
+    fn read_output(&self, state: &mut State<R>, faults: &mut Faults) {
+        let Some((raw, age)) = state.output_reading.take() else {
+            return;
+        };
         let Reading { angle, believed, .. } = self.output_encoder.step::<R>(&mut state.output_encoder, raw);
         faults.raise_if(!believed, Faults::OUTPUT_ENCODER_JUMP);
         state.output_raw = Some(raw);
         // The two encoders are mounted at any angle to each other: the first readings that are both
         // believed are their zero, with the torsion of that moment.
         if state.output_zero.is_none() && believed && state.motor_encoder.is_believed() {
-            let age = state.heard.age;
-            let then = self.observer.output_at_reading(&self.gear, &state.observer, motor, age);
+            let then = self.observer.output_at_reading(&self.gear, &state.observer, age);
             state.output_zero = then.map(|then| angle.less(then));
         }
-        let frozen = state.faults.standstill.contains(Faults::OUTPUT_ENCODER_FROZEN);
-        state.output_zero.filter(|_| believed && !frozen).map(|zero| angle.less(zero))
+        let unsound = Faults::OUTPUT_ENCODER_FROZEN.with(Faults::OUTPUT_ENCODER_OFF);
+        let frozen = state.faults.standstill.with(state.off).intersects(unsound);
+        if let Some(zero) = state.output_zero.filter(|_| believed && !frozen) {
+            let reading = OutputReading { angle: angle.less(zero), age };
+            self.observer.correct_output(&mut state.observer, &reading, &state.known);
+        }
     }
 
     /// The feed-forward's turn.
-    #[inline(never)] // The timing budget counts this turn by its symbol.
-    fn plan(&self, state: &mut State<R>, command: &Command<R>, motor: Angle<R>) {
+    #[inline(never)] // The timing budget counts this slot by its symbol.
+    fn plan(&self, state: &mut State<R>, input: &Input<R>, motor: Angle<R>) {
         let mut faults = Faults::NONE;
-        let command = self.guard.command(&mut state.guard, command, &mut faults);
+        let command = self.guard.command(&mut state.guard, &input.command, &mut faults);
+        let told = Told { age: input.setpoint_age, readable: !faults.contains(Faults::INPUT_NOT_FINITE) };
         let now = || self.observer.estimate(&state.observer, &state.known);
-        let followed = self.commander.step(&mut state.commander, &command, now, &mut faults);
+        let followed = self.commander.step(&mut state.commander, &command, told, now, &mut faults);
         state.faults.plan = faults;
         let setpoint = &followed.setpoint;
         let shares = state.guard.shares();
-        let reference = state.course.reference(motor);
-        self.learning.turn_to(&mut state.learning, reference, setpoint.position, shares);
-        let external_torque = state.observer.external_torque();
         let rests = setpoint.velocity == R::ZERO;
-        let joint = JointNow {
-            motor_torque: state.course.torque,
-            rests,
-            compliance: state.course.wound,
-            gain: shares.wind_up,
-        };
-        let load = self.disturbance.step_slow(&mut state.disturbance, external_torque, &joint);
+        let load = self.disturbance.followed(&state.disturbance);
         let believed = self.learning.believed(&state.learning, load, shares);
         let demand = self.feed_forward.step(&self.gear, &mut state.feed_forward, setpoint, shares, &believed);
         let ahead = demand.motor.angle.minus(motor);
@@ -217,7 +250,6 @@ impl<R: Real> Compensator<R> {
             demand.ahead + self.observer.output_beside(&state.observer, &state.known, ahead, self.dt);
         let measured =
             self.observer.output_innovation(&state.observer).map(|innovation| position + innovation);
-        let lesson = learning::Course { excitation: demand.excitation, position: measured };
         let deviation = Deviation {
             position,
             velocity: velocity - setpoint.velocity,
@@ -230,6 +262,10 @@ impl<R: Real> Compensator<R> {
         };
         let shift = self.output_feedback.step(&mut state.output_feedback, &deviation, !state.limited);
         let share = shares.output_feedback * R::from_i32(self.gear.ratio().n());
+        if followed.switched {
+            seldom();
+            self.fallback.begin_ramp(&mut state.fallback);
+        }
         state.course = Course {
             ahead: ahead + share * shift.angle,
             velocity: demand.motor.velocity + share * shift.rate,
@@ -244,15 +280,26 @@ impl<R: Real> Compensator<R> {
             rests: rests && followed.torque.is_none(),
             switched: followed.switched,
             planned: true,
+            closed: followed.torque.is_none(),
         };
-        let learns = state.learns();
-        self.learning.follow(&mut state.learning, &lesson, learns);
-        (state.known, state.load_rate) = self.learning.known(&state.learning, shares);
+        self.learning.follow(&mut state.learning, &demand.excitation, measured);
     }
 
-    /// The turn of what is learnt.
+    /// The slot of the slow disturbance estimate and of what is learnt.
     #[inline(always)]
     fn learn(&self, state: &mut State<R>, shares: &Directions<R>, motor: Angle<R>) {
+        let joint = JointNow {
+            motor_torque: state.course.torque,
+            rests: state.commander.velocity() == R::ZERO,
+            compliance: state.course.wound,
+            gain: state.guard.shares().wind_up,
+        };
+        let external_torque = state.observer.external_torque();
+        self.disturbance.step_slow(&mut state.disturbance, external_torque, &joint);
+        if state.learns() {
+            self.learning.learn_ripple(&mut state.learning);
+        }
+        (state.known, state.load_rate) = self.learning.known(&state.learning, state.guard.shares());
         let trusted = state.fallback.trusted();
         let mut arrived = true;
         let falls_back = !trusted && !self.guard.model_is_off(&state.guard);
@@ -276,9 +323,50 @@ impl<R: Real> Compensator<R> {
             }
         }
         state.slow = state.slow.next(arrived);
+        state.faults.collect();
+    }
+
+    /// The slot of the feed-forward's models.
+    #[inline(always)]
+    fn model(&self, state: &mut State<R>, motor: Angle<R>) {
         let reference = state.course.reference(motor);
         let factors = state.learning.applied();
         self.feed_forward.remember(&self.gear, &mut state.feed_forward, reference, factors);
+        let (position, shares) = (state.commander.position(), state.guard.shares());
+        self.learning.turn_to(&mut state.learning, reference, position, shares);
+    }
+
+    /// Compares what the rotor shows with all that it should be.
+    #[inline(always)]
+    fn check(&self, state: &mut State<R>) {
+        let mut faults = Faults::NONE;
+        self.read_output(state, &mut faults);
+        let course = &state.course;
+        // Where the share of the feedback is not all of it, somebody else moves the motor.
+        let controlled = course.planned && course.output_torque.is_none();
+        let driven = state.mode.mode().drives() && state.guard.shares().feedback == R::ONE;
+        let beside = Beside {
+            motor: state.observer.motor(),
+            commanded: state.fallback.torque(),
+            off: state.motor_torque.off(),
+            course: controlled.then_some([course.ahead, course.velocity]),
+            driven,
+        };
+        self.rotor.step(&mut state.rotor, &beside, &mut faults);
+        let [torque, rate, friction] = state.rotor.gear();
+        self.protection.follow(&mut state.protection, torque, rate, friction);
+        if state.output_zero.is_some() {
+            if let Some(innovation) = self.observer.output_innovation(&state.observer) {
+                let torsion = state.observer.torsion() - innovation;
+                state.off = state.off.with(self.rotor.torsion_disagrees(&mut state.rotor, torsion));
+            }
+            faults.raise_if(state.heard.age > self.output_lost, Faults::OUTPUT_ENCODER_LOST);
+        }
+        if let Some(gauge) = state.gauge {
+            state.off = state.off.with(self.rotor.gauge_disagrees(&mut state.rotor, gauge));
+        }
+        state.faults.rotor = faults.with(state.off);
+        state.faults.collect();
     }
 
     /// Raises the faults of encoders that stand still while the motor is asked to move. A joint that is held against
@@ -290,7 +378,7 @@ impl<R: Real> Compensator<R> {
         let stood_still = motor == state.last_motor;
         state.last_motor = motor;
         let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, asked);
-        faults.raise_if(frozen, Faults::MOTOR_ENCODER_FROZEN);
+        faults.raise_if(frozen && state.mode.mode().drives(), Faults::MOTOR_ENCODER_FROZEN);
         if let Some(raw) = state.output_raw.take() {
             let stood_still = state.last_output.replace(raw) == Some(raw);
             self.frozen_output.step(&mut state.frozen_output_path, stood_still, asked);
@@ -324,20 +412,18 @@ impl<R: Real> Compensator<R> {
             velocity: course.velocity + wind_up.velocity,
             acceleration: course.known * course.acceleration + wind_up.acceleration,
         };
-        let held = state.limited || course.output_torque.is_some() || !course.planned;
+        let held = state.limited || !course.closed;
         let feedback = self.feedback.step(&mut state.feedback, motor.moved * inverse_elapsed, &wanted, held)
             + wind_up.torque;
-        let closed = match course.output_torque {
-            Some(torque) => course.transmission * torque,
-            None if !course.planned => R::ZERO,
-            None => {
-                let feedback = self.taken_over(state, feedback);
-                state.guard.shares().feedback * feedback
-            }
+        let closed = if course.closed {
+            state.guard.shares().feedback * self.taken_over(state, feedback)
+        } else {
+            seldom();
+            let torque = course.transmission * course.output_torque.unwrap_or_default();
+            state.course.switched = false;
+            torque
         };
-        let (wanted, switched) = (state.course.torque + closed, state.course.switched);
-        state.course.switched = false;
-        let torque = self.command(state, wanted, switched, faults);
+        let torque = self.command(state, state.course.torque + closed, faults);
         state.sent = [state.course.ahead, state.course.torque];
         torque
     }
@@ -347,15 +433,23 @@ impl<R: Real> Compensator<R> {
         if !state.course.switched {
             return feedback;
         }
+        seldom();
+        state.course.switched = false;
         let left = state.fallback.torque() - state.course.torque - feedback;
         feedback + self.feedback.take_over(&mut state.feedback, left)
     }
 
-    /// The torque that is commanded: none without a motor encoder, never more than the motor's peak.
-    fn command(&self, state: &mut State<R>, wanted: R, switched: bool, faults: &mut Faults) -> R {
+    /// The torque that is commanded: never more than the motor's peak, nor than the gear bears.
+    fn command(&self, state: &mut State<R>, wanted: R, faults: &mut Faults) -> R {
         let limited = wanted.limit(self.limits.motor_torque);
         faults.raise_if(limited != wanted, Faults::TORQUE_LIMITED);
-        let torque = self.fallback.step(&mut state.fallback, limited, *faults, switched);
+        let ramped = self.fallback.step(&mut state.fallback, limited, *faults);
+        let torque = self.protection.limit(&state.protection, ramped).limit(self.limits.motor_torque);
+        if torque != ramped {
+            seldom();
+            faults.raise_if(true, Faults::TORQUE_LIMITED);
+            state.fallback.sent(torque);
+        }
         // The feedback's integral must not run while its torque does not reach the motor.
         state.limited = torque != wanted;
         torque

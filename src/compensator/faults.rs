@@ -28,6 +28,17 @@ faults! {
     9 SETPOINT_STEP "setpoint step": "The position moved farther from one reading of the command to the next than the output can.";
     10 OUTPUT_ENCODER_FROZEN "output encoder frozen": "The output encoder stood still while the motor was asked to move; it is ignored until it moves.";
     11 PERIOD_OUT_OF_RANGE "period out of range": "The time since the last step was shorter than a quarter of the control period or longer than 16: the control stood still.";
+    12 MOTOR_ENCODER_LOST "motor encoder lost": "The motor encoder was refused for so long that the motor's angle is no longer known.";
+    13 GEAR_OVERLOAD "gear overload": "The rotor's motion under its torque shows more torque through the gear than it can carry: an overload, or torque and motion that disagree in sign or size.";
+    14 DRIVE_NOT_FOLLOWING "drive not following": "The motor's torque as measured stays off what was commanded.";
+    15 OVERSPEED "overspeed": "The motor is faster than its speed limit.";
+    16 FOLLOWING_ERROR "following error": "The motor is farther from its reference than its torque explains.";
+    17 SETPOINT_STALE "setpoint stale": "The setpoint has not been renewed for too long; the joint brakes to rest.";
+    18 OUTPUT_ENCODER_LOST "output encoder lost": "The output encoder has stopped reporting; the joint goes on without it.";
+    19 OUTPUT_ENCODER_OFF "output encoder off": "The output encoder disagrees with the torque through the gear; it is ignored until a reset.";
+    20 TORQUE_SENSOR_OFF "torque sensor off": "The output's torque sensor disagrees with the motor; it is ignored until a reset.";
+    21 CONTROL_OVERRUN "control overrun": "A control step lasted into the next period.";
+    22 RESTARTED "restarted": "The controller was restarted by its watchdog or after a fault; it waits for a reset.";
 }
 
 impl Faults {

@@ -4,6 +4,7 @@
 //! N m; signs as in [`crate::gear`].
 
 use crate::angle::Angle;
+use crate::compensator::actuate::mode::Mode;
 use crate::compensator::adapt::parameters::Factors;
 use crate::compensator::{Command, Directions, Faults};
 use crate::real::Real;
@@ -82,6 +83,41 @@ pub struct Input<R> {
     pub shares: Directions<R>,
     /// Time since the sensors of the last step were read (s); 0 where it is not measured: then one control period.
     pub elapsed: R,
+    /// Age of the command (s); 0 where it is fresh or nobody knows.
+    pub setpoint_age: R,
+    /// What the board knows of this reading.
+    pub status: Status,
+}
+
+/// What the board itself knows of a reading, one bit each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Status(pub u32);
+
+impl Status {
+    /// Nothing to tell: all is well, and the drive is on.
+    pub const FINE: Self = Self(0);
+    /// The motor encoder's frame had a wrong check sum, or its status bits say so: its count is refused.
+    pub const MOTOR_ENCODER_INVALID: Self = Self(1);
+    /// The same of the output encoder.
+    pub const OUTPUT_ENCODER_INVALID: Self = Self(1 << 1);
+    /// The last control step lasted into this period.
+    pub const OVERRUN: Self = Self(1 << 2);
+    /// The first reading after a restart by the watchdog or after a fault.
+    pub const RESTARTED: Self = Self(1 << 3);
+    /// The drive is kept off from outside, a brake may hold the motor: the joint is watched, not moved.
+    pub const DRIVE_OFF: Self = Self(1 << 4);
+
+    /// All of `other` is told.
+    #[inline(always)]
+    pub const fn tells(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// Both.
+    #[must_use]
+    pub const fn with(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
 }
 
 /// What the observer believes: motion and external torque at the end of its period, torsion and torques at its
@@ -132,6 +168,8 @@ pub struct Commanded<R> {
     pub motor_torque: R,
     /// What is wrong, by name.
     pub faults: Faults,
+    /// Whether the drive may be on.
+    pub mode: Mode,
 }
 
 /// The same with what it rested on: finite and bounded for any input bits.
@@ -151,4 +189,6 @@ pub struct Output<R: Real> {
     pub factors: Factors<R>,
     /// What is wrong, by name.
     pub faults: Faults,
+    /// Whether the drive may be on.
+    pub mode: Mode,
 }

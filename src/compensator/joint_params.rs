@@ -5,6 +5,7 @@
 
 use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::fallback::Fallback;
+use crate::compensator::actuate::protection::Protection;
 use crate::compensator::adapt::learning::{LearningParams, Learnt};
 use crate::compensator::estimate::disturbance::DisturbanceParams;
 use crate::compensator::estimate::observer::ObserverParams;
@@ -14,7 +15,9 @@ use crate::compensator::reference::output_feedback::{OutputFeedback, OutputFeedb
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use crate::compensator::sense::clock::Clock;
 use crate::compensator::sense::encoder::EncoderParams;
+use crate::compensator::sense::motor_encoder::MotorEncoder;
 use crate::compensator::sense::motor_torque::MotorTorque;
+use crate::compensator::sense::rotor::Rotor;
 use crate::compensator::sense::validation::{FrozenEncoder, InputGuard};
 use crate::compensator::{Compensator, Limits};
 use crate::error::Error;
@@ -67,10 +70,10 @@ impl<R: Real> JointParams<R> {
             .map(|least| R::from_i32(self.observer.output_encoder_period.max(least) as i32));
         Ok(Compensator {
             gear: self.gear.build(Reduced::build(&self.gear.flexspline, self.gear.rated_torque)?, self.dt)?,
-            commander: Commander::build(limits, n, guard.acceleration(), round)?,
+            commander: Commander::build(&self.gear, limits, &self.feedback, round)?,
             clock: Clock::build(self.dt)?,
             guard,
-            motor_encoder: encoder(self.motor_encoder_bits, self.limits.motor_speed)?,
+            motor_encoder: MotorEncoder::build(self.motor_encoder_bits, &self.gear, limits, self.dt)?,
             output_encoder: encoder(self.output_encoder_bits, limits.output_speed(n) * readings)?,
             frozen_encoder: FrozenEncoder::of_motor(round + round),
             frozen_output: FrozenEncoder::of_output(self.dt * looks),
@@ -88,9 +91,18 @@ impl<R: Real> JointParams<R> {
             learning: self.learning.build(&self.gear, &self.limits, self.dt)?,
             learnt: self.learnt,
             motor_torque: MotorTorque::build(self.limits.motor_torque, self.dt)?,
+            rotor: Rotor::build(
+                &self.gear,
+                limits,
+                self.motor_encoder_bits,
+                self.feedback.position_gain,
+                self.dt,
+            )?,
+            protection: Protection::build(&self.gear, limits),
             fallback: Fallback::build(self.limits.motor_torque, self.dt),
             limits: self.limits,
             dt: self.dt,
+            output_lost: (4 * self.observer.output_encoder_period.min(1 << 20)).max(10),
             behind: observed + self.dt,
         })
     }

@@ -26,6 +26,12 @@ impl<R: Real> Limits<R> {
         require(positive(self.output_torque), "output_torque")
     }
 
+    /// Fastest speed of a setpoint of the output behind a ratio 1/n (rad/s): a twentieth is left for what a joint
+    /// overshoots by, before it is too fast.
+    pub fn setpoint_speed(&self, n: i32) -> R {
+        R::lit(0.95) * self.output_speed(n)
+    }
+
     /// Fastest speed of the output behind a ratio 1/n (rad/s).
     pub fn output_speed(&self, n: i32) -> R {
         self.motor_speed / R::from_i32(n).abs()

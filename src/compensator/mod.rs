@@ -6,11 +6,11 @@
 //!
 //! | room | what is in it |
 //! | --- | --- |
-//! | [`sense`] | validation of the inputs, encoders, motor torque |
+//! | [`sense`] | validation of the inputs, encoders, motor torque, what the rotor shows |
 //! | [`estimate`] | observer, external load |
 //! | [`mod@reference`] | command, feed-forward, motor reference, output feedback |
 //! | [`adapt`] | parameter factors, ripple |
-//! | [`actuate`] | cascade, fallback |
+//! | [`actuate`] | cascade, fallback, mode, protection of the gear |
 //! | `control`, [`schedule`] | the step, and what runs in which control period |
 //!
 //! The model runs by a multi-rate [`schedule`], so that no control period bears the whole of it. From one plan of the feed-forward
@@ -35,9 +35,12 @@ pub mod schedule;
 pub mod sense;
 mod state;
 
+pub use actuate::mode::Mode;
 pub use control::Compensator;
 pub use faults::Faults;
-pub use interface::{Commanded, Estimate, EstimateDeviation, Input, Output, Sensors, Setpoint, Shares};
+pub use interface::{
+    Commanded, Estimate, EstimateDeviation, Input, Output, Sensors, Setpoint, Shares, Status,
+};
 pub use joint_params::JointParams;
 pub use limits::Limits;
 pub use real_time_gear::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY, MESH, RealTimeFlexspline, RealTimeGear};

@@ -1,50 +1,77 @@
-//! What has its turn in which control period.
+//! Multi-rate schedule: which stage runs in which control period.
 //!
-//! | period of a round | turn |
+//! | period of a round | slot |
 //! | --- | --- |
-//! | first, third | the observer, and the load that it sees |
-//! | second | command, feed-forward, output feedback, learnt ripple |
-//! | fourth | the feed-forward's models, and by turns factors, deviations, shares |
+//! | first, third, fifth, seventh | observer and fast disturbance estimate |
+//! | second | command, feed-forward, output feedback |
+//! | fourth | slow disturbance estimate; in rotation factors, standard deviations, the gains' ramp |
+//! | sixth | correction of the observer by the output encoder's reading of the fifth; checks of the rotor and the sensors |
+//! | eighth | the feed-forward's models, learnt ripple |
 //!
-//! Encoders, cascade and torque command run in every one. So the model costs in each period what one of its parts
-//! does. What the motor's sensors say of a load is in the torque two periods later at most; what the output's
-//! encoder, the setpoint and the shares say takes a round and more.
+//! Encoders, cascade and torque command run in every period. So the model costs in each period what one of its parts
+//! does. What the motor's sensors show of a load is in the torque two periods later at most; what the output's
+//! encoder, the setpoint and the gains say takes up to a round and a period.
 
-/// Control periods from one turn of the observer to the next.
+/// Control periods from one observer slot to the next.
 pub const OBSERVER_PERIODS: u32 = 2;
 
-/// Control periods from one turn of everything else to the next.
-pub const SLOW_PERIODS: u32 = 4;
+/// Control periods of a round, from one slot of everything else to the next.
+pub const SLOW_PERIODS: u32 = 8;
 
-/// Whose turn it is.
+/// Control periods from the feed-forward's slot to that of what is learnt.
+pub const PLAN_TO_LEARN: u32 = 2;
+/// The same to its models'.
+pub const PLAN_TO_MODELS: u32 = 6;
+/// The same from the models' slot to the feed-forward's next.
+pub const MODELS_TO_PLAN: u32 = SLOW_PERIODS - PLAN_TO_MODELS;
+
+/// The slot of a control period.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Slot {
-    /// The observer's.
+    /// The observer.
     #[default]
     Observe,
-    /// The feed-forward's.
+    /// The feed-forward.
     Plan,
-    /// The observer's again.
-    ObserveAgain,
-    /// Of what is learnt.
+    /// The observer.
+    ObserveSecond,
+    /// What is learnt.
     Learn,
+    /// The observer; the output encoder's reading of this period is kept.
+    ObserveOutput,
+    /// Checks of the rotor and the sensors.
+    Check,
+    /// The observer.
+    ObserveLast,
+    /// The feed-forward's models.
+    Model,
 }
 
 impl Slot {
+    /// The observer runs.
+    #[inline(always)]
+    pub fn observes(self) -> bool {
+        matches!(self, Self::Observe | Self::ObserveSecond | Self::ObserveOutput | Self::ObserveLast)
+    }
+
     /// In the next control period.
     #[inline(always)]
     #[must_use]
     pub fn next(self) -> Self {
         match self {
             Self::Observe => Self::Plan,
-            Self::Plan => Self::ObserveAgain,
-            Self::ObserveAgain => Self::Learn,
-            Self::Learn => Self::Observe,
+            Self::Plan => Self::ObserveSecond,
+            Self::ObserveSecond => Self::Learn,
+            Self::Learn => Self::ObserveOutput,
+            Self::ObserveOutput => Self::Check,
+            Self::Check => Self::ObserveLast,
+            Self::ObserveLast => Self::Model,
+            Self::Model => Self::Observe,
         }
     }
 }
 
-/// What the fourth period of a round is for beside the feed-forward's models.
+/// What the fourth period of a round is for in rotation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SlowSlot {
     /// The factors.
@@ -80,13 +107,18 @@ mod tests {
     #[test]
     fn in_a_round_everyone_has_a_turn_and_the_observer_every_second() {
         let turns: Vec<Slot> =
-            core::iter::successors(Some(Slot::default()), |turn| Some(turn.next())).take(9).collect();
-        let observes = |turn: &Slot| matches!(turn, Slot::Observe | Slot::ObserveAgain);
+            core::iter::successors(Some(Slot::default()), |turn| Some(turn.next())).take(17).collect();
+        let observes = |turn: &Slot| turn.observes();
         for (k, turn) in turns.iter().enumerate() {
             assert_eq!(*turn, turns[k % SLOW_PERIODS as usize]);
             assert_eq!(observes(turn), k % OBSERVER_PERIODS as usize == 0);
         }
-        assert!(turns.contains(&Slot::Plan) && turns.contains(&Slot::Learn));
+        let place = |slot: Slot| turns.iter().position(|other| *other == slot).unwrap() as u32;
+        assert_eq!(place(Slot::Learn) - place(Slot::Plan), PLAN_TO_LEARN);
+        assert_eq!(place(Slot::Model) - place(Slot::Plan), PLAN_TO_MODELS);
+        for slot in [Slot::Plan, Slot::Learn, Slot::Check, Slot::Model] {
+            assert!(turns.contains(&slot), "{slot:?}");
+        }
     }
 
     /// While a share is on its way, nobody starves.

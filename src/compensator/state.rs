@@ -3,6 +3,8 @@
 use crate::angle::Angle;
 use crate::compensator::actuate::cascade::FeedbackState;
 use crate::compensator::actuate::fallback::FallbackState;
+use crate::compensator::actuate::mode::{Mode, ModeState};
+use crate::compensator::actuate::protection::ProtectionState;
 use crate::compensator::adapt::learning::LearningState;
 use crate::compensator::estimate::disturbance::{DisturbanceState, WindUpResponse};
 use crate::compensator::estimate::observer::{Known, ObserverState};
@@ -12,7 +14,9 @@ use crate::compensator::reference::motor_reference::Course;
 use crate::compensator::reference::output_feedback::OutputFeedbackState;
 use crate::compensator::schedule::{Slot, SlowSlot};
 use crate::compensator::sense::encoder::EncoderState;
+use crate::compensator::sense::motor_encoder::MotorEncoderState;
 use crate::compensator::sense::motor_torque::MotorTorqueState;
+use crate::compensator::sense::rotor::RotorState;
 use crate::compensator::sense::validation::InputGuardState;
 use crate::compensator::{Compensator, Faults};
 use crate::real::Real;
@@ -22,9 +26,11 @@ use crate::real::Real;
 pub struct State<R: Real> {
     pub(super) turn: Slot,
     pub(super) guard: InputGuardState<R>,
-    pub(super) motor_encoder: EncoderState,
+    pub(super) motor_encoder: MotorEncoderState,
     pub(super) output_encoder: EncoderState,
     pub(super) heard: Heard<R>,
+    /// Raw count of the output encoder at the observer's last step, and its age (control periods).
+    pub(super) output_reading: Option<(u32, u32)>,
     /// Output encoder's angle where the observer's output angle is zero.
     pub(super) output_zero: Option<Angle<R>>,
     pub(super) frozen_path: R,
@@ -48,7 +54,14 @@ pub struct State<R: Real> {
     /// Whose turn it is among what is slow.
     pub(super) slow: SlowSlot,
     pub(super) motor_torque: MotorTorqueState<R>,
+    pub(super) rotor: RotorState<R>,
+    pub(super) protection: ProtectionState<R>,
+    /// Torque through the flexspline that the gauge said last (N m).
+    pub(super) gauge: Option<R>,
+    /// Sensors that are not believed until a reset.
+    pub(super) off: Faults,
     pub(super) fallback: FallbackState<R>,
+    pub(super) mode: ModeState,
     /// By how much the motor's reference was ahead of it in the last step (rad), and the feed-forward (N m).
     pub(super) sent: [R; 2],
     /// What the last turns found wrong, and what was reported.
@@ -76,9 +89,26 @@ pub(super) struct Heard<R> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct SlotFaults {
     pub(super) observer: Faults,
+    /// All but the observer's.
+    slow: Faults,
     pub(super) plan: Faults,
     pub(super) standstill: Faults,
     pub(super) shares: Faults,
+    pub(super) rotor: Faults,
+}
+
+impl SlotFaults {
+    /// All of them.
+    #[inline(always)]
+    pub(super) fn all(&self) -> Faults {
+        self.observer.with(self.slow)
+    }
+
+    /// At the end of the slots of what is learnt and of the checks.
+    #[inline(always)]
+    pub(super) fn collect(&mut self) {
+        self.slow = self.plan.with(self.standstill).with(self.shares).with(self.rotor);
+    }
 }
 
 impl<R: Real> Compensator<R> {
@@ -87,9 +117,10 @@ impl<R: Real> Compensator<R> {
         State {
             turn: Slot::default(),
             guard: InputGuardState::default(),
-            motor_encoder: EncoderState::default(),
+            motor_encoder: MotorEncoderState::default(),
             output_encoder: EncoderState::default(),
             heard: Heard::default(),
+            output_reading: None,
             output_zero: None,
             frozen_path: R::ZERO,
             frozen_output_path: R::ZERO,
@@ -109,7 +140,12 @@ impl<R: Real> Compensator<R> {
             load_rate: R::ZERO,
             slow: SlowSlot::Lead,
             motor_torque: MotorTorqueState::default(),
+            rotor: RotorState::default(),
+            protection: ProtectionState::default(),
+            gauge: None,
+            off: Faults::NONE,
             fallback: FallbackState::default(),
+            mode: ModeState::default(),
             sent: [R::ZERO; 2],
             faults: SlotFaults::default(),
             reported: Faults::NONE,
@@ -119,7 +155,27 @@ impl<R: Real> Compensator<R> {
     }
 }
 
+impl<R: Real> Compensator<R> {
+    /// From Safe back to Ready, by whoever has looked after the cause: the joint starts from rest, and its encoders
+    /// are found again. Of what was before only what has been learnt stays. The reference begins where the output is
+    /// found, and goes on smoothly to what is commanded.
+    pub fn reset(&self, state: &mut State<R>) {
+        let learning = self.learning.starting_from(&self.learnt(state));
+        *state = State { learning, ..self.rest() };
+    }
+}
+
 impl<R: Real> State<R> {
+    /// Whether the drive may be on.
+    pub fn mode(&self) -> Mode {
+        self.mode.mode()
+    }
+
+    /// What ended in [`Mode::Safe`].
+    pub fn cause(&self) -> Faults {
+        self.mode.cause()
+    }
+
     /// What is learnt may rest on this round.
     #[inline(always)]
     pub(super) fn learns(&self) -> bool {

@@ -3,7 +3,7 @@
 use crate::telemetry::{Record, Sender};
 use crate::{Compensator, JOINT, State};
 use strainwave::Error;
-use strainwave::compensator::{Commanded, Input, Output};
+use strainwave::compensator::{Commanded, Input, Output, Status};
 
 /// Control periods in a second (Hz).
 pub const RATE: u32 = 10_000;
@@ -25,6 +25,14 @@ pub trait Board {
     fn feed_watchdog(&mut self);
     /// Whether the next period has already begun.
     fn overran(&mut self) -> bool;
+    /// The watchdog or a fault has restarted the controller: it begins in Safe.
+    fn restarted(&self) -> bool {
+        false
+    }
+    /// Somebody who has looked after the cause asks to leave Safe; once for each time.
+    fn reset_asked(&mut self) -> bool {
+        false
+    }
 }
 
 /// Everything the control interrupt owns.
@@ -35,6 +43,10 @@ pub struct Control<B> {
     sender: Sender,
     periods: u32,
     overruns: u32,
+    /// What the next step is told.
+    status: Status,
+    /// Periods without an input since the last step.
+    missed: u32,
 }
 
 impl<B: Board> Control<B> {
@@ -45,29 +57,48 @@ impl<B: Board> Control<B> {
     pub fn new(board: B, sender: Sender) -> Result<Self, Error> {
         let compensator = JOINT.build()?;
         let state = compensator.rest();
-        Ok(Self { board, compensator, state, sender, periods: 0, overruns: 0 })
+        let status = if board.restarted() { Status::RESTARTED } else { Status::FINE };
+        Ok(Self { board, compensator, state, sender, periods: 0, overruns: 0, status, missed: 0 })
     }
 
     /// One period: called from the board's control interrupt, never blocks on telemetry.
     #[inline]
     pub fn tick(&mut self) {
+        if self.board.reset_asked() {
+            self.compensator.reset(&mut self.state);
+        }
         match self.board.input() {
-            Some(input) => self.control(&input),
-            None => self.board.release(),
+            Some(input) => self.control(input),
+            None => {
+                self.missed = self.missed.saturating_add(1);
+                self.board.release();
+            }
         }
         self.board.feed_watchdog();
         self.periods = self.periods.wrapping_add(1);
     }
 
     #[inline]
-    fn control(&mut self, input: &Input<f32>) {
-        let commanded = control_step(&self.compensator, &mut self.state, input);
-        self.board.command(commanded.motor_torque);
+    fn control(&mut self, mut input: Input<f32>) {
+        input.status = input.status.with(self.status);
+        if self.missed > 0 && input.elapsed == 0.0 {
+            // Up to a second: far beyond what the control goes on from.
+            input.elapsed = JOINT.dt * (self.missed.min(RATE) + 1) as f32;
+        }
+        self.missed = 0;
+        let commanded = control_step(&self.compensator, &mut self.state, &input);
+        if commanded.mode.drives() {
+            self.board.command(commanded.motor_torque);
+        } else {
+            self.board.release();
+        }
         let output = || self.compensator.output(&self.state);
         self.board.report(output);
-        self.overruns = self.overruns.saturating_add(u32::from(self.board.overran()));
+        let overran = self.board.overran();
+        self.overruns = self.overruns.saturating_add(u32::from(overran));
+        self.status = if overran { Status::OVERRUN } else { Status::FINE };
         if self.periods.is_multiple_of(B::REPORT_EVERY) {
-            self.sender.send(Record::new(self.periods, self.overruns, input, &output()));
+            self.sender.send(Record::new(self.periods, self.overruns, &input, &output()));
         }
     }
 }

@@ -13,7 +13,7 @@
 use strainwave::Angle;
 use strainwave::compensator::adapt::parameters::Factors;
 use strainwave::compensator::{
-    Command, Estimate, EstimateDeviation, Faults, Input, Output, Sensors, Setpoint, Shares,
+    Command, Estimate, EstimateDeviation, Faults, Input, Mode, Output, Sensors, Setpoint, Shares,
 };
 
 const WORD: usize = 4;
@@ -22,11 +22,14 @@ const OPTION: usize = 1 + WORD;
 
 const COMMAND: usize = 1 + ANGLE + 4 * WORD;
 
-/// Length of an input frame (bytes): sensors, command, shares forward and backward, elapsed time.
-pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + COMMAND + 2 * 8 * WORD + WORD;
+/// Length of an input frame (bytes): sensors, command, shares forward and backward, elapsed time, setpoint's age,
+/// status.
+pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + COMMAND + 2 * 8 * WORD + 3 * WORD;
 /// Length of an output frame (bytes): torques and reference, estimate, its deviation, factors, faults.
 pub const OUTPUT_BYTES: usize = (2 * WORD + ANGLE) + (ANGLE + 6 * WORD) + 7 * WORD + 4 * WORD + WORD;
 
+/// Where the faults' word says the mode, two bits.
+const MODE_BIT: u32 = 29;
 /// Where the faults' word says whether the estimate is of this step.
 const OBSERVED_BIT: u32 = 31;
 
@@ -112,7 +115,8 @@ pub trait Fields {
         self.command(&mut input.command)?;
         self.shares(&mut input.shares.forward);
         self.shares(&mut input.shares.backward);
-        self.f32(&mut input.elapsed);
+        self.f32s([&mut input.elapsed, &mut input.setpoint_age]);
+        self.u32(&mut input.status.0);
         Some(())
     }
 
@@ -154,12 +158,13 @@ pub trait Fields {
         self.f32s([motor_torque, feed_forward_torque]);
         self.angle(motor_reference);
         self.estimate(estimate);
-        let Output { observed, factors, faults, .. } = output;
+        let Output { observed, factors, faults, mode, .. } = output;
         let Factors { inertia, input_friction, output_friction, compliance } = factors;
         self.f32s([inertia, input_friction, output_friction, compliance]);
-        let mut bits = faults.bits() | u32::from(*observed) << OBSERVED_BIT;
+        let mut bits = faults.bits() | mode.code() << MODE_BIT | u32::from(*observed) << OBSERVED_BIT;
         self.u32(&mut bits);
         *faults = Faults::from_bits(bits);
+        *mode = Mode::of_code(bits >> MODE_BIT & 3);
         *observed = bits >> OBSERVED_BIT != 0;
     }
 

@@ -84,7 +84,7 @@ impl strainwave_app::Board for Board {
             output_torque: None,
         };
         let (setpoint, shares) = self.target();
-        Some(Input { sensors, command: setpoint.into(), shares: shares.into(), elapsed: 0.0 })
+        Some(Input { sensors, command: setpoint.into(), shares: shares.into(), ..Input::default() })
     }
 
     fn command(&mut self, torque: f32) {

@@ -1,7 +1,7 @@
 //! The filter forgets, whatever of the box the gear is; a late reading is no offset; what no filter can do.
 
 use nalgebra::DMatrix;
-use strainwave::compensator::estimate::observer::{Known, Measurement, Observer};
+use strainwave::compensator::estimate::observer::{Known, Measurement, Observer, OutputReading};
 use strainwave::compensator::{Estimate, Faults, Limits, RealTimeGear};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
@@ -123,16 +123,20 @@ impl Twin {
                 continue;
             }
             let looks = (k as u32 + 1).is_multiple_of(SLOW_PERIODS);
+            let reading =
+                if looks { heard.take().map(|at| OutputReading { angle: angles[at], age }) } else { None };
             let measured = Measurement {
                 period: f64::from(OBSERVER_PERIODS) * CONTROL_PERIOD,
                 motor: motor.angle,
-                output: if looks { heard.take().map(|at| angles[at]) } else { None },
-                age,
+                reads_output: reading.is_some(),
                 motor_torque: std::mem::take(&mut torque) / f64::from(OBSERVER_PERIODS),
                 output_torque: None,
             };
             let known = Known::default();
             self.observer.step(&self.model, &mut state, &measured, &known, false, &mut Faults::default());
+            if let Some(reading) = reading {
+                self.observer.correct_output(&mut state, &reading, &known);
+            }
             if (k as u32 + 1).is_multiple_of(2 * SLOW_PERIODS) {
                 self.observer.deviate(&mut state);
             }

@@ -4,6 +4,7 @@
 
 pub mod baselines;
 pub mod compensator;
+pub mod faults;
 pub mod flexspline;
 pub mod friction;
 pub mod hysteresis;

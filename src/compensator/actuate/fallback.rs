@@ -7,11 +7,12 @@
 //! ```
 //!
 //! With these shares at 0 torque and reference of the motor are those of the motor-side cascade alone. The last line,
-//! the ramp of the motor's torque, holds from a fault or a switch of the kind of command on, until the torque has
-//! been for T_r where it is wanted; else the torque is limited by tau_max alone. Units: s, N m at the motor.
+//! the ramp of the motor's torque, holds from the first fault or a switch of the kind of command on, until the torque
+//! has been for T_r where it is wanted; else the torque is limited by tau_max alone. Faults that follow while the model
+//! is not trusted do not begin it again: a cascade that is ramped all the time limit-cycles. Units: s, N m at the
+//! motor.
 //!
-//! An encoder of the motor that jumps or is frozen leaves nothing to control with: the same ramp takes the torque to
-//! 0.
+//! What leaves nothing to control with switches the drive off instead ([`crate::compensator::actuate::mode`]).
 
 use crate::compensator::Faults;
 use crate::real::Real;
@@ -22,17 +23,12 @@ const QUIET_TIME: f64 = 0.1;
 /// T_r (s): in which the motor's torque goes from one end of its range to the other.
 pub const TORQUE_RAMP: f64 = 0.01;
 
-/// Without these the motor is controlled blindly.
-pub const BLIND: Faults = Faults::MOTOR_ENCODER_JUMP.with(Faults::MOTOR_ENCODER_FROZEN);
-
 /// With these the model's inputs are not what the joint does.
 pub const UNTRUSTED: Faults = Faults::INPUT_NOT_FINITE
-    .with(Faults::SETPOINT_STEP)
     .with(Faults::OUTPUT_ENCODER_JUMP)
     .with(Faults::OUTPUT_ENCODER_FROZEN)
     .with(Faults::OBSERVER_RESET)
-    .with(Faults::TORSION_BEYOND_RANGE)
-    .with(BLIND);
+    .with(Faults::TORSION_BEYOND_RANGE);
 
 /// The built fallback.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,6 +63,12 @@ impl<R: Real> FallbackState<R> {
     pub fn torque(&self) -> R {
         self.torque
     }
+
+    /// The command (N m) that was sent in the place of the last one.
+    #[inline(always)]
+    pub fn sent(&mut self, torque: R) {
+        self.torque = torque;
+    }
 }
 
 impl<R: Real> Fallback<R> {
@@ -78,23 +80,28 @@ impl<R: Real> Fallback<R> {
         Self { quiet: periods(QUIET_TIME), ramp: periods(TORQUE_RAMP), change, range }
     }
 
-    /// The torque for what is wanted (N m), within the motor's peak; `switched`: the kind of command was.
+    /// The kind of command has changed: the torque goes on by the ramp.
+    pub fn begin_ramp(&self, state: &mut FallbackState<R>) {
+        state.ramped = self.ramp;
+    }
+
+    /// The torque for what is wanted (N m), within the motor's peak.
     #[inline(always)]
-    pub fn step(&self, state: &mut FallbackState<R>, wanted: R, faults: Faults, switched: bool) -> R {
-        if state.untrusted | state.ramped == 0 && !faults.intersects(UNTRUSTED) && !switched {
+    pub fn step(&self, state: &mut FallbackState<R>, wanted: R, faults: Faults) -> R {
+        if state.untrusted | state.ramped == 0 && !faults.intersects(UNTRUSTED) {
             state.torque = wanted;
             return wanted;
         }
-        self.ramp(state, wanted, faults, switched)
+        self.ramp(state, wanted, faults)
     }
 
     #[cold]
     #[inline(never)]
-    fn ramp(&self, state: &mut FallbackState<R>, wanted: R, faults: Faults, switched: bool) -> R {
-        let wanted = if faults.intersects(BLIND) { R::ZERO } else { wanted };
+    fn ramp(&self, state: &mut FallbackState<R>, wanted: R, faults: Faults) -> R {
         let untrusted = faults.intersects(UNTRUSTED);
+        let begins = untrusted && state.untrusted == 0;
         state.untrusted = if untrusted { self.quiet } else { state.untrusted.saturating_sub(1) };
-        if untrusted || switched {
+        if begins {
             state.ramped = self.ramp;
         }
         let bound = if state.ramped > 0 { self.change } else { self.range };

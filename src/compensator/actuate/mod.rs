@@ -2,3 +2,5 @@
 
 pub mod cascade;
 pub mod fallback;
+pub mod mode;
+pub mod protection;

@@ -20,11 +20,14 @@ use crate::compensator::adapt::parameters::{
 use crate::compensator::adapt::ripple::{LearntRipple, LearntRippleParams, Lesson, RippleMap, RippleNow};
 use crate::compensator::estimate::observer::Known;
 use crate::compensator::reference::feed_forward::Believed;
-use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
+use crate::compensator::schedule::{OBSERVER_PERIODS, PLAN_TO_LEARN, SLOW_PERIODS};
 use crate::compensator::{Limits, Shares};
 use crate::error::Error;
 use crate::gear::GearParams;
 use crate::real::Real;
+
+/// Steps of the observer from the feed-forward's slot to that of what is learnt, less the first.
+const STEPS_TO_LEARN: i32 = (PLAN_TO_LEARN / OBSERVER_PERIODS) as i32;
 
 /// What has been learnt: kept in a file, and started from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -52,8 +55,8 @@ pub struct Learning<R> {
     gravity: Gravity<R>,
     ratio: R,
     inverse_ratio: R,
-    /// From a plan to the middle of what the observer's next turn but one is about (s).
-    until_observed: R,
+    /// Between two steps of the observer (s).
+    observed: R,
     flexspline_inertia: R,
 }
 
@@ -72,17 +75,10 @@ pub struct LearningState<R: Real> {
     excitation: Excitation<R>,
     /// Speed of the motor by the setpoint: what winds the gear up is no turning (rad/s).
     speed: R,
+    /// Measured output less setpoint (rad), where there is an output encoder.
+    position: Option<R>,
     /// epsilon (N m).
     missed: R,
-}
-
-/// How the feed-forward moved, for what comes after it.
-#[derive(Clone, Copy, Debug)]
-pub struct Course<R> {
-    /// What it rested on.
-    pub excitation: Excitation<R>,
-    /// Measured output less setpoint (rad), where there is an output encoder.
-    pub position: Option<R>,
 }
 
 impl<R: Real> LearningParams<R> {
@@ -99,7 +95,7 @@ impl<R: Real> LearningParams<R> {
             gravity: Gravity::build(gear.rated_torque, factors),
             ratio: Ratio::one_over(gear.ratio)?.value(),
             inverse_ratio: n,
-            until_observed: R::from_i32(OBSERVER_PERIODS as i32) * dt,
+            observed: R::from_i32(OBSERVER_PERIODS as i32) * dt,
             flexspline_inertia: gear.flexspline_inertia,
         })
     }
@@ -148,21 +144,22 @@ impl<R: Real> Learning<R> {
         state.gravity_torque = shares.adaptation * state.gravity.torque(&state.heading);
     }
 
-    /// What is known of the gear beside its model, and by how much its load changes until the observer's next turn
-    /// but one (N m).
+    /// What is known of the gear beside its model at the observer's next step, and by how much its load changes from
+    /// one of its steps to the next (N m).
     #[inline(always)]
     pub fn known(&self, state: &LearningState<R>, shares: &Shares<R>) -> (Known<R>, R) {
         let Factors { inertia, input_friction, output_friction, .. } = state.applied;
         let Excitation { acceleration, jerk, .. } = state.excitation;
         let heavier = (R::ONE - inertia) * self.flexspline_inertia;
+        let rate = heavier * jerk * self.observed;
         let known = Known {
             friction: [input_friction - R::ONE, output_friction - R::ONE],
             stiffening: state.applied.stiffening(),
             position: shares.ripple * state.now.position,
             motor_torque: shares.ripple * state.now.torque,
-            load: heavier * acceleration + state.gravity_torque,
+            load: heavier * acceleration + state.gravity_torque + R::from_i32(STEPS_TO_LEARN) * rate,
         };
-        (known, heavier * jerk * self.until_observed)
+        (known, rate)
     }
 
     /// What is believed beside the model, with the external torque as far as it is followed.
@@ -198,15 +195,19 @@ impl<R: Real> Learning<R> {
         state.applied = state.adaptation.factors().scaled(shares.adaptation);
     }
 
-    /// Learns the ripple from this round, while it `learns`.
+    /// How the feed-forward moves, and the measured output less the setpoint (rad) where it is measured.
     #[inline(always)]
-    pub fn follow(&self, state: &mut LearningState<R>, course: &Course<R>, learns: bool) {
-        state.excitation = course.excitation;
-        state.speed = course.excitation.velocity * self.inverse_ratio;
-        if learns {
-            let torque = -self.ratio * state.missed;
-            let lesson = Lesson { speed: state.speed, position: course.position, torque };
-            self.ripple.learn(&mut state.map, &state.now, &lesson);
-        }
+    pub fn follow(&self, state: &mut LearningState<R>, excitation: &Excitation<R>, position: Option<R>) {
+        state.excitation = *excitation;
+        state.speed = excitation.velocity * self.inverse_ratio;
+        state.position = position;
+    }
+
+    /// Learns the ripple from this round.
+    #[inline(always)]
+    pub fn learn_ripple(&self, state: &mut LearningState<R>) {
+        let torque = -self.ratio * state.missed;
+        let lesson = Lesson { speed: state.speed, position: state.position, torque };
+        self.ripple.learn(&mut state.map, &state.now, &lesson);
     }
 }

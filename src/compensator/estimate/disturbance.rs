@@ -163,9 +163,9 @@ impl<R: Real> Disturbance<R> {
         state.fast += self.dt * state.rate;
     }
 
-    /// l over one slow period, towards d (N m); answers with d_c (N m).
+    /// l over one slow period, towards d (N m).
     #[inline(always)]
-    pub fn step_slow(&self, state: &mut DisturbanceState<R>, external_torque: R, joint: &JointNow<R>) -> R {
+    pub fn step_slow(&self, state: &mut DisturbanceState<R>, external_torque: R, joint: &JointNow<R>) {
         let JointNow { motor_torque, rests, compliance, gain } = *joint;
         state.by_torque = -compliance * self.motor_wind_up;
         state.borne = self.ratio * gain;
@@ -184,6 +184,11 @@ impl<R: Real> Disturbance<R> {
             (state.beyond + self.slow_dt).min(self.longest + self.slow_dt)
         };
         state.oscillates = state.beyond >= self.longest;
+    }
+
+    /// d_c (N m).
+    #[inline(always)]
+    pub fn followed(&self, state: &DisturbanceState<R>) -> R {
         state.slow + self.wound_up * state.fast
     }
 
@@ -219,18 +224,16 @@ mod tests {
     /// d_c and f after so many seconds under d (N m).
     fn after(seconds: f64, torque: impl Fn(f64) -> f64, motor_torque: f64, rests: bool) -> (f64, f64) {
         let (path, mut state) = (PARAMS.build(&gear(), DT).unwrap(), DisturbanceState::default());
-        let mut compensated = 0.0;
-        for k in 0..(seconds / (4.0 * DT)) as usize {
-            let d = torque(k as f64 * 4.0 * DT);
-            path.step_fast(&mut state, d);
-            path.step_fast(&mut state, d);
-            compensated = path.step_slow(
-                &mut state,
-                d,
-                &JointNow { motor_torque, rests, compliance: 2.5e-5, gain: 1.0 },
-            );
+        let round = f64::from(SLOW_PERIODS) * DT;
+        let joint = JointNow { motor_torque, rests, compliance: 2.5e-5, gain: 1.0 };
+        for k in 0..(seconds / round) as usize {
+            let d = torque(k as f64 * round);
+            for _ in 0..SLOW_PERIODS / OBSERVER_PERIODS {
+                path.step_fast(&mut state, d);
+            }
+            path.step_slow(&mut state, d, &joint);
         }
-        (compensated, state.fast)
+        (path.followed(&state), state.fast)
     }
 
     #[test]
@@ -252,7 +255,7 @@ mod tests {
     fn the_dead_zone_widens_with_the_torque_that_is_fed_forward() {
         // The first answer is to the torque that was fed forward before.
         let of = |motor_torque| after(0.005, |_| 25.0, motor_torque, false).1;
-        assert!(of(1.0) < 0.05 * of(0.0) && of(0.0) > 5.0, "{}, {}", of(1.0), of(0.0));
+        assert!(of(1.0) < 0.1 * of(0.0) && of(0.0) > 5.0, "{}, {}", of(1.0), of(0.0));
     }
 
     #[test]

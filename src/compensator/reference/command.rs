@@ -10,14 +10,45 @@
 //! which follows the estimated motion, adds the shares of the friction on both sides, s_e is the share of the
 //! kinematic error. Units: rad, N m, s; signs as in [`crate::gear`]. Velocity is integrated once per round dt.
 //!
-//! A reference is always there to go on from: after a torque command it is where the output is. A position that is
-//! farther from the last reference than the output can go in a period is a step, and reported. What a switch or a
-//! step would do to the motor's torque is limited by [`crate::compensator::actuate::fallback`].
+//! A reference is always there to go on from: before the first, and after a torque command, it is where the output is.
+//! A setpoint that the joint can follow passes unchanged. With x what it is ahead of where the last reference goes on
+//! to, s <- (1 - dt/T_s)*s + x, it cannot when
+//!
+//! ```text
+//! |s| > tau_max/(4*k_p*k_v*|n|)   or   |dq - dq_foreseen| > tau_max/(4*k_v*|n|) + a_max*dt
+//! a_max = 0.6*min(tau_p/J_fs, tau_max*|n|/(n^2*J_wg + J_fs))
+//! ```
+//!
+//! for that is a step that would take a quarter of the motor's torque. Then the reference chases it within the joint's
+//! speed (95 %), a_max and a jerk of a_max in 5 ms, until both are together again:
+//!
+//! ```text
+//! v = dq + limit(min(k*|e|, sqrt(a_max*|e|)))*sign(e),   ddq <- limit(ddq_c + 4*k*(v - dq), a_max),   k = 25/s
+//! ```
+//!
+//! A first setpoint that is not where the output is, is not chased: nobody has agreed on where that is. The reference
+//! stays where the output was found, and says so, until the setpoint comes there.
+//!
+//! A setpoint that is older than [`STALE`] is not followed: the reference brakes to rest in the same way, a torque is
+//! none. One with a value that is not finite is replaced by the reference that goes on at its acceleration, as long. What a switch would do to the motor's torque is limited by [`crate::compensator::actuate::fallback`].
 
 use crate::angle::Angle;
+use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::{Estimate, Faults, Limits, Setpoint};
 use crate::error::Error;
+use crate::gear::GearParams;
 use crate::real::{RADIANS_PER_COUNT, Real};
+
+/// Age at which a setpoint is stale (s): twenty periods of an outer controller of 1 kHz.
+pub const STALE: f64 = 0.02;
+/// T_s (s).
+const SLIP_TIME: f64 = 0.02;
+/// k (1/s).
+const CHASE: f64 = 25.0;
+/// Time from no acceleration to a_max (s).
+const JERK_TIME: f64 = 0.005;
+/// Speed below which a braked reference rests (rad/s).
+const REST: f64 = 1e-4;
 
 /// What the outer controller wants of the output.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,8 +82,18 @@ impl<R> From<Setpoint<R>> for Command<R> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Commander<R> {
     dt: R,
-    /// a_max*dt (rad/s).
+    inverse_dt: R,
+    /// a_max (rad/s^2), and a_max*dt (rad/s).
+    acceleration: R,
     velocity_step: R,
+    /// Most that the acceleration of a chase changes by in dt (rad/s^2).
+    acceleration_step: R,
+    velocity: R,
+    /// Bounds of what passes: s (rad), and of the speed (rad/s).
+    near: R,
+    near_velocity: R,
+    /// 1 - dt/T_s.
+    keep: R,
     /// Farthest step of a position (counts).
     farthest: u64,
 }
@@ -62,6 +103,13 @@ pub struct Commander<R> {
 pub struct CommanderState<R> {
     reference: Option<Setpoint<R>>,
     kind: Kind,
+    /// s (rad).
+    slip: R,
+    chases: bool,
+    /// The first setpoint is still to come near.
+    waits: bool,
+    /// For how long no command could be read (s).
+    unreadable: R,
 }
 
 /// Which kind a command is.
@@ -71,6 +119,15 @@ enum Kind {
     Position,
     Velocity,
     Torque,
+}
+
+/// What is told of a command beside its values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Told<R> {
+    /// Its age (s).
+    pub age: R,
+    /// All of its values are finite.
+    pub readable: bool,
 }
 
 /// What the stages after it follow.
@@ -98,18 +155,34 @@ impl<R: Real> CommanderState<R> {
 }
 
 impl<R: Real> Commander<R> {
-    /// For commands that are read every dt (s), of a joint with this ratio 1/n, whose output reaches `acceleration`
-    /// (rad/s^2).
+    /// For commands that are read every dt (s), of a joint with this cascade.
     ///
     /// # Errors
     /// As [`Limits::check`].
-    pub fn build(limits: &Limits<R>, n: i32, acceleration: R, dt: R) -> Result<Self, Error> {
+    pub fn build(
+        gear: &GearParams<R>,
+        limits: &Limits<R>,
+        cascade: &FeedbackParams<R>,
+        dt: R,
+    ) -> Result<Self, Error> {
         limits.check()?;
+        let n = R::from_i32(gear.ratio).abs();
+        let whole = n * n * gear.wave_generator_inertia + gear.flexspline_inertia;
+        let by_gear = limits.output_torque / gear.flexspline_inertia;
+        let acceleration = R::lit(0.6) * by_gear.min(limits.motor_torque * n / whole);
+        let quarter = R::lit(0.25) * limits.motor_torque / (cascade.velocity_gain * n);
         // Twice the top speed, and what the rounding of a setpoint in f32 may add.
-        let counts = R::lit(2.0 / RADIANS_PER_COUNT) * limits.output_speed(n) * dt;
+        let counts = R::lit(2.0 / RADIANS_PER_COUNT) * limits.output_speed(gear.ratio) * dt;
         Ok(Self {
             dt,
+            inverse_dt: R::ONE / dt,
+            acceleration,
             velocity_step: acceleration * dt,
+            acceleration_step: acceleration * dt * R::lit(1.0 / JERK_TIME),
+            velocity: limits.setpoint_speed(gear.ratio),
+            near: quarter / cascade.position_gain,
+            near_velocity: quarter + acceleration * dt,
+            keep: (R::ONE - dt * R::lit(1.0 / SLIP_TIME)).max(R::ZERO),
             farthest: u64::from(counts.to_i32().unsigned_abs()) + 256,
         })
     }
@@ -120,39 +193,123 @@ impl<R: Real> Commander<R> {
         &self,
         state: &mut CommanderState<R>,
         command: &Command<R>,
+        Told { age, readable }: Told<R>,
         estimate: impl FnOnce() -> Estimate<R>,
         faults: &mut Faults,
     ) -> Followed<R> {
+        state.unreadable = if readable { R::ZERO } else { (state.unreadable + self.dt).min(R::ONE) };
+        // An age that is not a number is stale.
+        let stale = !(age <= R::lit(STALE)) | (state.unreadable > R::lit(STALE));
+        faults.raise_if(stale, Faults::SETPOINT_STALE);
         let (kind, setpoint, torque) = match *command {
-            Command::Position(setpoint) => (Kind::Position, self.positioned(state, setpoint, faults), None),
+            Command::Position(setpoint) => {
+                let from = state.reference.unwrap_or_else(|| {
+                    state.waits = true;
+                    at_rest(&estimate())
+                });
+                let wanted = if readable { setpoint } else { self.going_on(&from) };
+                (Kind::Position, self.positioned(state, from, wanted, stale, faults), None)
+            }
             Command::Velocity { velocity, acceleration } => {
                 let from = state.reference.unwrap_or_else(|| at_rest(&estimate()));
-                (Kind::Velocity, self.turned(from, velocity, acceleration, faults), None)
+                let wanted = if stale { [R::ZERO; 2] } else { [velocity, acceleration] };
+                (Kind::Velocity, self.turned(from, wanted, faults), None)
             }
             Command::Torque(torque) => {
                 let estimate = estimate();
                 let setpoint = Setpoint { velocity: estimate.output_velocity, ..at_rest(&estimate) };
-                (Kind::Torque, setpoint, Some(torque))
+                (Kind::Torque, setpoint, Some(if stale { R::ZERO } else { torque }))
             }
         };
         let switched = state.reference.is_some() && state.kind != kind;
-        *state = CommanderState { reference: Some(setpoint), kind };
+        (state.reference, state.kind) = (Some(setpoint), kind);
         Followed { setpoint, torque, switched }
     }
 
-    fn positioned(
-        &self,
-        state: &CommanderState<R>,
-        setpoint: Setpoint<R>,
-        faults: &mut Faults,
-    ) -> Setpoint<R> {
-        let last = state.reference.unwrap_or(setpoint).position.counts;
-        let moved = setpoint.position.counts.wrapping_sub(last).unsigned_abs();
-        faults.raise_if(moved > self.farthest, Faults::SETPOINT_STEP);
-        setpoint
+    /// Where a reference is a round later.
+    #[cold]
+    fn going_on(&self, from: &Setpoint<R>) -> Setpoint<R> {
+        let change = self.dt * from.acceleration;
+        let position = from.position.plus(self.dt * (from.velocity + R::lit(0.5) * change));
+        let velocity = (from.velocity + change).limit(self.velocity);
+        Setpoint { position, velocity, acceleration: from.acceleration, ..Setpoint::default() }
     }
 
-    fn turned(&self, from: Setpoint<R>, velocity: R, acceleration: R, faults: &mut Faults) -> Setpoint<R> {
+    #[inline(always)]
+    fn positioned(
+        &self,
+        state: &mut CommanderState<R>,
+        from: Setpoint<R>,
+        wanted: Setpoint<R>,
+        stale: bool,
+        faults: &mut Faults,
+    ) -> Setpoint<R> {
+        let change = self.dt * from.acceleration;
+        let way = self.dt * (from.velocity + R::lit(0.5) * change);
+        state.slip = self.keep * state.slip + (wanted.position.minus(from.position) - way);
+        let off = wanted.velocity - from.velocity - change;
+        let near = state.slip.is_within(self.near) && off.is_within(self.near_velocity);
+        if near && !state.chases && !stale {
+            state.waits = false;
+            return wanted;
+        }
+        self.chase(state, from, wanted, stale, faults)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn chase(
+        &self,
+        state: &mut CommanderState<R>,
+        from: Setpoint<R>,
+        wanted: Setpoint<R>,
+        stale: bool,
+        faults: &mut Faults,
+    ) -> Setpoint<R> {
+        if state.waits && !wanted.position.minus(from.position).is_within(self.near) {
+            faults.raise_if(true, Faults::SETPOINT_STEP);
+            state.slip = R::ZERO;
+            return Setpoint { position: from.position, ..Setpoint::default() };
+        }
+        state.waits = false;
+        let moved = wanted.position.counts.wrapping_sub(from.position.counts).unsigned_abs();
+        faults.raise_if(!state.chases && !stale && moved > self.farthest, Faults::SETPOINT_STEP);
+        let from_acceleration = from.acceleration.limit(self.acceleration);
+        let change = self.dt * from_acceleration;
+        let position = from.position.plus(self.dt * (from.velocity + R::lit(0.5) * change));
+        let velocity = (from.velocity + change).limit(self.velocity);
+        let ahead = wanted.position.minus(position);
+        let beside = wanted.velocity - velocity;
+        let together =
+            ahead.is_within(R::lit(0.125) * self.near) && beside.is_within(R::lit(0.25) * self.near_velocity);
+        state.chases = stale || !together;
+        state.slip = R::ZERO;
+        if !state.chases {
+            return wanted;
+        }
+        faults.raise_if(!stale, Faults::SETPOINT_LIMITED);
+        let (target, along) = if stale {
+            (R::ZERO, R::ZERO)
+        } else {
+            let room = ahead.abs();
+            let speed = (R::lit(CHASE) * room).min((self.acceleration * room).sqrt_or_zero());
+            ((wanted.velocity + speed.copysign(ahead)).limit(self.velocity), wanted.acceleration)
+        };
+        if stale && velocity.is_within(R::lit(REST)) {
+            return Setpoint { position, ..Setpoint::default() };
+        }
+        let wished = (along + R::lit(4.0 * CHASE) * (target - velocity)).limit(self.acceleration);
+        let change = (wished - from_acceleration).limit(self.acceleration_step);
+        let acceleration = from_acceleration + change;
+        Setpoint { position, velocity, acceleration, jerk: change * self.inverse_dt, snap: R::ZERO }
+    }
+
+    fn turned(
+        &self,
+        from: Setpoint<R>,
+        [velocity, acceleration]: [R; 2],
+        faults: &mut Faults,
+    ) -> Setpoint<R> {
         let change = velocity - from.velocity;
         let limited = change.limit(self.velocity_step);
         faults.raise_if(limited != change, Faults::SETPOINT_LIMITED);

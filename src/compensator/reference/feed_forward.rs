@@ -15,7 +15,7 @@
 //! kinematic error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per round T of [`crate::compensator::schedule`], for
 //! the setpoint of that instant; the torque, which is held over each control period dt, for the middle of the first
 //! one. Until the next setpoint the motor goes on by the acceleration, the jerk and the torque's rate that are answered
-//! with. Half a round later kinematic error, hysteresis and the friction of either side have their turn
+//! with. [`PLAN_TO_MODELS`] periods later kinematic error, hysteresis and the friction of either side have their turn
 //! ([`FeedForward::remember`]), for where the setpoint will be by then: on its acceleration, the torsion on its rate.
 //! The kinematic error moves on its slope and bend until the next setpoint. Rates of friction, hysteresis and slope are
 //! their differences over T.
@@ -39,7 +39,7 @@
 //!
 //! Hysteresis, kinematic error and the friction's load are implicit equations; all are solved by one fixed-point step
 //! in their turn: the hysteresis torque follows the torsion of the setpoint before (contraction: its slope over K1,
-//! about 0.2), e and the friction's ripple follow the motor reference of half a round before (contraction:
+//! about 0.2), e and the friction's ripple follow the motor reference of [`MODELS_TO_PLAN`] periods before (contraction:
 //! N*de/dtheta, below 0.03 for the default gear), and the friction's load is the tau_t of the setpoint before
 //! (contraction: the load's factor).
 //!
@@ -51,7 +51,7 @@
 
 use crate::angle::{Angle, Heading, Ratio};
 use crate::compensator::adapt::parameters::{Excitation, Factors};
-use crate::compensator::schedule::SLOW_PERIODS;
+use crate::compensator::schedule::{MODELS_TO_PLAN, PLAN_TO_MODELS, SLOW_PERIODS};
 use crate::compensator::{HYSTERESIS_MEMORY, RealTimeGear, Setpoint, Shares};
 use crate::error::{Error, require};
 use crate::friction::{FrictionModel, JointFrictionState, Slip, StepTime};
@@ -72,8 +72,10 @@ pub struct FeedForward<R> {
     inverse_ratio: R,
     /// T.
     round: StepTime<R>,
-    /// From a setpoint to the models' turn, and from there to the next one (s).
-    between: R,
+    /// From a setpoint to the models' slot (s).
+    to_models: R,
+    /// From the models' slot to the next setpoint (s).
+    to_plan: R,
     /// 4/eps.
     engagement: R,
     /// T/T_f.
@@ -167,7 +169,8 @@ impl<R: Real> FeedForward<R> {
             ratio: ratio.value(),
             inverse_ratio: R::from_i32(ratio.n()),
             round: StepTime::new(round),
-            between: R::lit(0.5) * round,
+            to_models: R::from_i32(PLAN_TO_MODELS as i32) * dt,
+            to_plan: R::from_i32(MODELS_TO_PLAN as i32) * dt,
             engagement: R::lit(4.0) / gear.input_friction.presliding,
             fading: (round / R::lit(FADING_TIME)).min(R::ONE),
             inverse_round: R::ONE / round,
@@ -233,7 +236,7 @@ impl<R: Real> FeedForward<R> {
         let Believed { factors, load, ripple, torque } = *believed;
         let inertia = self.flexspline_inertia * factors.inertia * shares.inertia;
         let motor_velocity = setpoint.velocity * self.inverse_ratio;
-        state.velocity = setpoint.velocity + self.between * setpoint.acceleration;
+        state.velocity = setpoint.velocity + self.to_models * setpoint.acceleration;
         let (input, output) = gear.frictions();
         let input_friction = input.force(&state.input_friction);
         let output_friction = output.force(&state.output_friction);
@@ -247,11 +250,11 @@ impl<R: Real> FeedForward<R> {
         let wound_share = shares.wind_up * factors.compliance;
         let wound = wound_share * compliance;
         let carried_rate = accelerating_rate + state.rubbing_rate;
-        state.nominal = nominal + self.between * compliance * carried_rate;
+        state.nominal = nominal + self.to_models * compliance * carried_rate;
 
-        let moved = self.between * motor_velocity;
+        let moved = self.to_plan * motor_velocity;
         state.deviation.error += state.deviation.slope * moved;
-        state.deviation.slope += self.between * state.bend;
+        state.deviation.slope += self.to_plan * state.bend;
         let deviation = state.deviation;
         let ahead = wound_share * nominal - shares.kinematic_error * deviation.error - ripple;
         let ahead_rate = wound * carried_rate - shares.kinematic_error * deviation.slope * motor_velocity;

@@ -36,6 +36,8 @@ pub(in crate::compensator) struct Course<R> {
     pub(in crate::compensator) switched: bool,
     /// There is a plan.
     pub(in crate::compensator) planned: bool,
+    /// There is one, of a motion: the cascade's feedback acts.
+    pub(in crate::compensator) closed: bool,
 }
 
 impl<R: Real> Course<R> {

@@ -40,6 +40,14 @@ pub struct MotorTorqueState<R> {
     off: R,
 }
 
+impl<R: Real> MotorTorqueState<R> {
+    /// By how much the measured torque is off the commanded one (N m).
+    #[inline(always)]
+    pub fn off(&self) -> R {
+        self.off
+    }
+}
+
 impl<R: Real> MotorTorque<R> {
     /// For a motor of this peak torque (N m) and the control period dt (s).
     ///

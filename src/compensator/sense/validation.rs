@@ -4,7 +4,7 @@
 //! setpoint's derivatives are limited to what the joint can do, and reported:
 //!
 //! ```text
-//! |dq| <= motor_speed/|n|,   |ddq| <= 2*motor_torque*|n|/(J_fs + n^2*J_wg),   |dddq| <= that/dt,
+//! |dq| <= 0.95*motor_speed/|n|,   |ddq| <= 2*motor_torque*|n|/(J_fs + n^2*J_wg),   |dddq| <= that/dt,
 //! |ddddq| <= that/dt,   n = 1/r
 //! ```
 //!
@@ -13,8 +13,8 @@
 //! limited to 0..=1 and follow their command at 1 per 20 ms, in a turn of their own
 //! ([`crate::compensator::schedule::SlowSlot`]), so that switching one makes no step in the output: at most 6 % of it at a
 //! time. Where the model cannot be trusted they have their turn in every round, and are 0 within 7 ms. The setpoint's
-//! position may be any angle; the feedback's answer to a jump of it ends at the motor's torque, and is ramped
-//! ([`crate::compensator::actuate::fallback`]). Units: rad, N m, s; signs as in [`crate::gear`].
+//! position may be any angle; one that is too far to be followed is chased smoothly
+//! ([`crate::compensator::reference::command`]). Units: rad, N m, s; signs as in [`crate::gear`].
 
 use crate::angle::Angle;
 use crate::compensator::faults::Faults;
@@ -85,7 +85,7 @@ impl<R: Real> InputGuard<R> {
         require(inertia.is_finite() && inertia > R::ZERO, "flexspline_inertia")?;
         let acceleration = R::lit(2.0) * limits.motor_torque * n / inertia;
         Ok(Self {
-            velocity: limits.output_speed(gear.ratio),
+            velocity: limits.setpoint_speed(gear.ratio),
             acceleration,
             jerk: acceleration / dt,
             snap: acceleration / (dt * dt),

@@ -8,7 +8,7 @@
 //! correct state += l_m*(theta_m - theta_wg),  then l_t*(tau_s - tau_t - s),  then l_o*(theta_o - theta_fs)
 //! ```
 //!
-//! Its period T is [`OBSERVER_PERIODS`] control periods. tau_mean is the motor's torque averaged over the last two of its
+//! Its period T is [`crate::compensator::schedule::OBSERVER_PERIODS`] control periods. tau_mean is the motor's torque averaged over the last two of its
 //! periods; tau_res = tau_wg - J_wg*domega_wg, tau_t and the frictions are those of [`by_turns`], the two-port in its
 //! real-time build, at the motion before the prediction: the observer carries hysteresis, presliding and kinematic
 //! error along. Angles are compared after the prediction, where they are at the time of the reading; the gauge with a
@@ -62,7 +62,6 @@ pub use state::ObserverState;
 
 use crate::angle::{Angle, Ratio};
 use crate::compensator::faults::Faults;
-use crate::compensator::schedule::OBSERVER_PERIODS;
 use crate::compensator::{Estimate, RealTimeGear};
 use crate::real::{RADIANS_PER_COUNT, Real, seldom};
 use by_turns::{Ends, Torques, Turns};
@@ -99,10 +98,8 @@ pub struct Observer<R> {
 pub struct Measurement<R> {
     /// Unbounded angle of the motor.
     pub motor: Angle<R>,
-    /// Angle of the output where it was when the reading was taken.
-    pub output: Option<Angle<R>>,
-    /// Control periods since that reading came; 0 for an observer that does not look back.
-    pub age: u32,
+    /// A reading of the output encoder of this step follows ([`Observer::correct_output`]).
+    pub reads_output: bool,
     /// Time since the last step of the observer (s).
     pub period: R,
     /// Torque of the motor, its mean over the steps of that time (N m).
@@ -111,31 +108,40 @@ pub struct Measurement<R> {
     pub output_torque: Option<R>,
 }
 
+/// A reading of the output encoder, already checked.
+#[derive(Clone, Copy, Debug)]
+pub struct OutputReading<R> {
+    /// Angle of the output where it was when the reading was taken.
+    pub angle: Angle<R>,
+    /// Control periods from when the reading came to the observer's last step; 0 for one that does not look back.
+    pub age: u32,
+}
+
 impl<R: Real> Observer<R> {
-    /// Where the output was, up to whole turns, at the instant of the reading that comes with the next step, for a
-    /// motor that is at `motor` now, `age` control periods after it came; `None` where that was before the start.
+    /// Where the output was, up to whole turns, when a reading was taken that came `age` control periods before the
+    /// last step; `None` where that was before the start.
     pub fn output_at_reading(
         &self,
         gear: &RealTimeGear<R>,
         state: &ObserverState<R>,
-        motor: Angle<R>,
         age: u32,
     ) -> Option<Angle<R>> {
-        let before = |periods| state.past.before(periods).map(|phase| Angle::from_counts(phase.into()));
-        let late = self.late + age as usize;
-        late.checked_sub(OBSERVER_PERIODS as usize).map_or(Some(gear.drive(motor)), before)
+        if !self.looks_back {
+            return Some(gear.drive(state.motor));
+        }
+        state.past.before(self.late + age as usize).map(|phase| Angle::from_counts(phase.into()))
     }
 
     /// Measured less believed output angle at the last reading (rad), where there is one within its period.
     #[inline(always)]
     pub fn output_innovation(&self, state: &ObserverState<R>) -> Option<R> {
-        (state.since_output < self.period).then_some(state.output_innovation)
+        (state.since_output <= self.period).then_some(state.output_innovation)
     }
 
     /// The same where the motor moves.
     #[inline(always)]
     pub fn moving_output_innovation(&self, state: &ObserverState<R>) -> Option<R> {
-        let told = state.since_output < self.period && state.magnitudes.moved;
+        let told = state.since_output <= self.period && state.magnitudes.moved;
         told.then_some(state.output_innovation)
     }
 
@@ -174,14 +180,13 @@ impl<R: Real> Observer<R> {
             faults.raise_if(true, Faults::OBSERVER_RESET);
             return self.first(gear, state, measured);
         }
-        let output_seen = self.output_seen(state, measured);
         let acceleration = self.predict(state, &torques, measured, known);
         let foreseen = state.off.is_within(self.unforeseen);
         let moved = state.standstill.step(measured.motor.phase(), foreseen, rests, self.stir);
         let sets = if moved { &self.moving } else { &self.standing };
         let gauge = measured.output_torque.is_some();
-        let gains = set(sets, measured.output.is_some(), gauge);
-        let asked = self.correct(gains, state, measured, &torques, known, moved);
+        let gains = set(sets, measured.reads_output, gauge);
+        let asked = self.correct(gains, state, measured, &torques, moved);
         self.limits.keep(state, &torques, moved, faults);
         state.magnitudes = Magnitudes {
             asked: state.magnitudes.asked + asked,
@@ -194,7 +199,26 @@ impl<R: Real> Observer<R> {
             output_speed: state.flange_speed,
             acceleration,
         };
-        state.seen = [output_seen, gauge];
+        state.since_output = state.since_output.saturating_add(1);
+        state.seen = [state.since_output <= self.period, gauge];
+    }
+
+    /// Corrects by a reading of the output encoder, after the step that it belongs to.
+    #[inline(always)]
+    pub fn correct_output(&self, state: &mut ObserverState<R>, reading: &OutputReading<R>, known: &Known<R>) {
+        let Some(innovation) = self.output_innovates(state, reading, known).filter(|_| state.started) else {
+            return;
+        };
+        (state.output_innovation, state.since_output) = (innovation, 0);
+        let (before, moved) = (state.external_torque, state.magnitudes.moved);
+        let sets = if moved { &self.moving } else { &self.standing };
+        let gains = set(sets, true, state.seen[1]);
+        let innovation = if moved { innovation } else { innovation - innovation.limit(self.output_count) };
+        state.correct(&gains.output, innovation, moved);
+        if self.looks_back {
+            state.past.correct(self.delay, &gains.past, innovation);
+        }
+        state.magnitudes.asked += state.external_torque - before;
     }
 
     /// What is believed.
@@ -241,14 +265,6 @@ impl<R: Real> Observer<R> {
         let spread = &set(sets, output, gauge).spread;
         state.deviation = spread.step(&mut state.spread, &self.uncertainty, &state.magnitudes);
         state.magnitudes.asked = R::ZERO;
-    }
-
-    /// Whether the output encoder has read within its period.
-    #[inline(always)]
-    fn output_seen(&self, state: &mut ObserverState<R>, measured: &Measurement<R>) -> bool {
-        let since = state.since_output.saturating_add(1);
-        state.since_output = if measured.output.is_some() { 0 } else { since };
-        state.since_output < self.period
     }
 
     /// The first step, or the first again: the joint rests, and nothing is known of its torques.
@@ -299,7 +315,7 @@ impl<R: Real> Observer<R> {
         flange
     }
 
-    /// Corrects by each sensor in turn; answers with what they asked of d (N m).
+    /// Corrects by the motor's encoder and the gauge, one after the other; answers with the change of d (N m).
     #[inline(always)]
     fn correct(
         &self,
@@ -307,7 +323,6 @@ impl<R: Real> Observer<R> {
         state: &mut ObserverState<R>,
         measured: &Measurement<R>,
         torques: &Torques<R>,
-        known: &Known<R>,
         moved: bool,
     ) -> R {
         let before = state.external_torque;
@@ -318,15 +333,6 @@ impl<R: Real> Observer<R> {
         if self.looks_back {
             state.past.push(self.output_position(state).phase());
         }
-        if let Some(innovation) = self.output_innovates(state, measured, known) {
-            state.output_innovation = innovation;
-            let innovation =
-                if moved { innovation } else { innovation - innovation.limit(self.output_count) };
-            state.correct(&gains.output, innovation, moved);
-            if self.looks_back {
-                state.past.correct(self.delay, &gains.past, innovation);
-            }
-        }
         state.external_torque - before
     }
 
@@ -335,16 +341,16 @@ impl<R: Real> Observer<R> {
     fn output_innovates(
         &self,
         state: &ObserverState<R>,
-        measured: &Measurement<R>,
+        reading: &OutputReading<R>,
         known: &Known<R>,
     ) -> Option<R> {
-        let angle = measured.output?;
+        let OutputReading { angle, age } = *reading;
         if !self.looks_back {
             let beside = angle.minus(self.ratio.apply(state.motor));
             return Some(beside - self.turns.ratio() * state.off - state.ahead - known.position);
         }
         seldom();
-        let then = state.past.before(self.late + measured.age as usize)?;
+        let then = state.past.before(self.late + age as usize)?;
         let counts = angle.phase().wrapping_sub(then).cast_signed();
         Some(R::from_i32(counts) * R::lit(RADIANS_PER_COUNT) - known.position)
     }

@@ -71,6 +71,12 @@ impl<R: Real> Observer<R> {
 }
 
 impl<R: Real> ObserverState<R> {
+    /// Measured angle of the motor at the last step.
+    #[inline(always)]
+    pub fn motor(&self) -> Angle<R> {
+        self.motor
+    }
+
     /// omega_fs (rad/s).
     #[inline(always)]
     pub fn output_velocity(&self) -> R {

@@ -1,0 +1,379 @@
+//! Faults injected into runs: whether each is noticed, and what the joint does until it is and after.
+//!
+//! Each fault has a number, from which all of it is drawn ([`Injected::of`]): what breaks, when, in which of S1 to S5,
+//! with which sensors, on which plant of the box; so it can be run again alone. The same run without the fault is its
+//! twin: same plant, same noise, its drive switched off when the broken one is.
+//!
+//! | judged | a run is unsafe when |
+//! | --- | --- |
+//! | speed | the output is faster than its limit, motor_speed/abs n, though its twin is not |
+//! | motion | it is more than 20 mrad off its twin, and off where it was, until 20 ms after the drive is off, in which a brake engages; not where another motion is asked for, nor where the fault cannot be known |
+//! | torque | the motor gives 95 % of its peak for more than 5 ms after the fault, though its twin does not |
+//! | gear | the torque through the gear is beyond its peak rating |
+//!
+//! Named is the first fault that the twin has not. A frozen or stuck motor encoder can be known from when torque
+//! exceeds friction: the motor's has changed by more than its static friction, and the motor is 16 counts away. Without
+//! that it cannot be known with the motor's sensors alone: a load that moves a joint whose encoder stands and whose motor
+//! does nothing looks like rest. Everything else can be known from when it is injected.
+
+mod injected;
+
+use std::fmt::Write;
+
+use strainwave::Error;
+use strainwave::compensator::{Faults, Mode};
+
+use crate::bench::{Bench, Conditions, Task};
+use crate::bounds;
+use crate::closed_loop::HostCompensator;
+use crate::divergence::RunError;
+use crate::figure::Figure;
+use crate::gear_file::GearFile;
+use crate::joint::{CONTROL_PERIOD, joint_params};
+use crate::scenario::{Demand, Scenario};
+use crate::verify::Measured;
+use crate::verify::compensator::each;
+pub use injected::{Broken, Injected, Kind, periods_of};
+
+/// Faults when nothing else is said.
+pub const COUNT: u64 = 2000;
+
+/// A run goes on for so long after its fault (s).
+const AFTER: f64 = 0.3;
+/// Uncommanded motion that is borne (rad).
+const MOTION: f64 = 0.02;
+/// In which a brake engages (s).
+const BRAKE: f64 = 0.02;
+/// Full torque, as a share of the peak, and how long it is borne (s).
+const FULL: (f64, f64) = (0.95, 0.005);
+/// What a limited command or setpoint says is no name of a fault.
+const LIMITS: Faults = Faults::TORQUE_LIMITED.with(Faults::SETPOINT_LIMITED);
+
+/// The beginning of a scenario.
+struct Beginning(Scenario, f64);
+
+impl Task for Beginning {
+    fn duration(&self) -> f64 {
+        self.1
+    }
+
+    fn at(&self, time: f64, rated_torque: f64) -> Demand {
+        self.0.at(time.min(self.0.duration()), rated_torque)
+    }
+}
+
+/// One period of a run.
+#[derive(Clone, Copy, Debug, Default)]
+struct Row {
+    output: f64,
+    velocity: f64,
+    motor: f64,
+    transmitted: f64,
+    torque: f64,
+    faults: Faults,
+    safe: bool,
+}
+
+/// What came of a fault.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The fault.
+    pub fault: Injected,
+    /// Time from when it could be known to its name (s); none when it was not named.
+    pub named: Option<f64>,
+    /// What it was named.
+    pub names: Faults,
+    /// The drive was switched off.
+    pub safe: bool,
+    /// It could be known.
+    pub known: bool,
+    /// Largest speed of the output over its limit.
+    pub speed: f64,
+    /// Uncommanded motion (rad).
+    pub motion: f64,
+    /// Longest time of full torque (s).
+    pub full: f64,
+    /// Largest torque through the gear (N m).
+    pub gear: f64,
+    /// In which ways it was unsafe: speed, motion, torque, gear.
+    pub unsafe_by: [bool; 4],
+}
+
+/// Why a fault could not be run.
+pub type Failed = RunError;
+
+fn go(file: &GearFile, fault: &Injected, controller: &mut Broken) -> Result<Vec<Row>, RunError> {
+    let conditions = Conditions { sensors: fault.sensors, ..Conditions::of(file, fault.seed) };
+    let mut bench = Bench::condensed(file, &conditions)?;
+    let mut rows = Vec::new();
+    bench.go(&Beginning(fault.scenario, fault.at + AFTER), controller, |_, _, plant, answer| {
+        rows.push(Row {
+            output: plant.output().angle.to_radians(),
+            velocity: plant.output().velocity,
+            motor: plant.motor().angle.to_radians(),
+            transmitted: plant.last_torques().transmitted,
+            torque: f64::from(answer.motor_torque),
+            faults: answer.faults,
+            safe: answer.mode == Mode::Safe,
+        });
+    })?;
+    Ok(rows)
+}
+
+/// Runs a fault and its twin.
+///
+/// # Errors
+/// A gear that cannot be built, or a plant that diverges.
+pub fn run(file: &GearFile, fault: Injected) -> Result<Outcome, RunError> {
+    let mut file = file.clone();
+    file.sensors.output_torque |= fault.gauge;
+    let params = joint_params(&file)?;
+    let broken = go(&file, &fault, &mut Broken::build(&params, Some(fault))?)?;
+    let released = broken.iter().position(|row| row.safe);
+    let mut twin = Broken::build(&params, None)?;
+    twin.released = released;
+    let twin = go(&file, &fault, &mut twin)?;
+    Ok(judge(&file, fault, released, &broken, &twin))
+}
+
+fn judge(file: &GearFile, fault: Injected, released: Option<usize>, rows: &[Row], twin: &[Row]) -> Outcome {
+    let start = periods_of(fault.at);
+    let (n, peak) = (f64::from(file.gear.signed_ratio().n()), file.motor.peak_torque);
+    let limit = file.motor.rotor_speed_limit / n.abs();
+    let largest =
+        |rows: &[Row], of: fn(&Row) -> f64| rows.iter().map(|row| of(row).abs()).fold(0.0, f64::max);
+    let speed = |rows: &[Row]| largest(&rows[start..], |row| row.velocity) / limit;
+    let watched = released.map_or(rows.len(), |at| (at + periods_of(BRAKE)).min(rows.len()));
+    // A joint that stands has not moved, whatever its twin does.
+    let from = rows[start].output;
+    let off = |k: usize| (rows[k].output - twin[k].output).abs().min((rows[k].output - from).abs());
+    let motion = if fault.asks_otherwise() { 0.0 } else { (start..watched).map(off).fold(0.0, f64::max) };
+    let full = |rows: &[Row]| longest(rows[start..].iter().map(|row| row.torque.abs() >= FULL.0 * peak));
+    let gear = largest(&rows[start..], |row| row.transmitted);
+    let known = known(file, &fault, rows, start);
+    let named =
+        (start..rows.len()).find(|&k| rows[k].faults.bits() & !twin[k].faults.with(LIMITS).bits() != 0);
+    let names = named.map_or(Faults::NONE, |k| rows[k].faults);
+    let safe = released.is_some();
+    Outcome {
+        fault,
+        named: named.map(|k| (k as f64 - known.unwrap_or(start) as f64).max(0.0) * CONTROL_PERIOD),
+        names,
+        safe,
+        known: known.is_some(),
+        speed: speed(rows),
+        motion,
+        full: full(rows),
+        gear,
+        unsafe_by: [
+            speed(rows) > 1.0 && speed(twin) <= 1.0,
+            motion > MOTION && known.is_some(),
+            full(rows) > FULL.1 && full(twin) <= FULL.1,
+            gear > file.gear.peak_torque,
+        ],
+    }
+}
+
+/// Longest stretch (s).
+fn longest(holds: impl Iterator<Item = bool>) -> f64 {
+    let (mut now, mut longest) = (0, 0);
+    for holds in holds {
+        now = if holds { now + 1 } else { 0 };
+        longest = longest.max(now);
+    }
+    f64::from(longest) * CONTROL_PERIOD
+}
+
+/// From which period on the fault can be known.
+fn known(file: &GearFile, fault: &Injected, rows: &[Row], start: usize) -> Option<usize> {
+    if !matches!(fault.kind, Kind::Freeze | Kind::Zeros | Kind::Ones) {
+        return Some(start);
+    }
+    let friction = file.friction.input.static_level.unwrap_or_default();
+    let far = 16.0 * std::f64::consts::TAU / 2f64.powi(file.sensors.motor_encoder_bits.cast_signed());
+    let from = rows.get(start)?;
+    (start..rows.len()).find(|&k| {
+        let row = &rows[k];
+        (row.motor - from.motor).abs() > far && (row.torque - from.torque).abs() > friction
+    })
+}
+
+/// Everything that came of many faults.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Of each fault.
+    pub outcomes: Vec<Outcome>,
+    /// Faults of healthy runs: scenario, sensors, seed, names.
+    pub false_alarms: Vec<String>,
+    /// Peak rating (N m).
+    pub peak: f64,
+}
+
+/// Runs the faults of these numbers; `progress` is called with the share done.
+///
+/// # Errors
+/// As [`run`].
+pub fn measure(
+    file: &GearFile,
+    first: u64,
+    count: u64,
+    mut progress: impl FnMut(f64),
+) -> Result<Report, RunError> {
+    let numbers: Vec<u64> = (first..first + count).collect();
+    let outcomes = each(&numbers, |number| run(file, Injected::of(*number)), &mut progress);
+    let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, _>>()?;
+    // One healthy run in full for twenty faults.
+    let healthy: Vec<u64> = numbers.iter().copied().filter(|number| number % 20 == 0).collect();
+    let alarms = each(&healthy, |number| alarm(file, &Injected::of(*number)), &mut |_| ());
+    let alarms = alarms.into_iter().collect::<Result<Vec<_>, _>>()?;
+    Ok(Report { outcomes, false_alarms: alarms.into_iter().flatten().collect(), peak: file.gear.peak_torque })
+}
+
+/// What a healthy run is told to be ill of.
+fn alarm(file: &GearFile, fault: &Injected) -> Result<Option<String>, RunError> {
+    let mut file = file.clone();
+    file.sensors.output_torque |= fault.gauge;
+    let conditions = Conditions { sensors: fault.sensors, ..Conditions::of(&file, fault.seed) };
+    let mut bench = Bench::condensed(&file, &conditions)?;
+    let mut controller = HostCompensator::build(&joint_params(&file)?)?;
+    let mut faults = Faults::NONE;
+    bench.go(&fault.scenario, &mut controller, |_, _, _, answer| faults = faults.with(answer.faults))?;
+    let names: Vec<_> = faults.names().collect();
+    let quiet = faults.bits() & !Faults::TORQUE_LIMITED.bits() == 0;
+    let line = || {
+        format!(
+            "{} {} plant {}: {}",
+            fault.scenario.name(),
+            fault.sensors.name(),
+            fault.seed,
+            names.join(", ")
+        )
+    };
+    Ok((!quiet).then(line))
+}
+
+impl Outcome {
+    /// Any of them.
+    pub fn is_unsafe(&self) -> bool {
+        self.unsafe_by.contains(&true)
+    }
+
+    /// In a line.
+    pub fn describe(&self) -> String {
+        let names: Vec<_> = self.names.names().collect();
+        let ways = ["speed", "motion", "torque", "gear"];
+        let ways: Vec<_> =
+            ways.iter().zip(self.unsafe_by).filter(|(_, is)| *is).map(|(way, _)| *way).collect();
+        format!(
+            "{}\n  named {} ms: {}; safe {}; speed {:.2}, motion {:.1} mrad, full {:.1} ms, gear {:.0} N m; unsafe: {}",
+            self.fault.describe(),
+            self.named.map_or("-".into(), |time| format!("{:.1}", 1e3 * time)),
+            names.join(", "),
+            self.safe,
+            self.speed,
+            1e3 * self.motion,
+            1e3 * self.full,
+            self.gear,
+            ways.join(", ")
+        )
+    }
+}
+
+impl Report {
+    /// A line for each kind: count, unsafe, unnamed, worst delay to name, motion, torque through the gear.
+    pub fn table(&self) -> String {
+        let mut text = format!(
+            "{:<26}{:>6}{:>8}{:>9}{:>9}{:>11}{:>13}{:>10}\n",
+            "fault", "count", "unsafe", "unnamed", "safe", "named (ms)", "motion (mrad)", "gear (N m)"
+        );
+        for kind in Kind::ALL {
+            let of: Vec<_> = self.outcomes.iter().filter(|outcome| outcome.fault.kind == *kind).collect();
+            if of.is_empty() {
+                continue;
+            }
+            let count = |is: &dyn Fn(&Outcome) -> bool| of.iter().filter(|outcome| is(outcome)).count();
+            let worst =
+                |value: &dyn Fn(&Outcome) -> f64| of.iter().map(|outcome| value(outcome)).fold(0.0, f64::max);
+            let _ = writeln!(
+                text,
+                "{:<26}{:>6}{:>8}{:>9}{:>9}{:>11.1}{:>13.1}{:>10.0}",
+                kind.name(),
+                of.len(),
+                count(&Outcome::is_unsafe),
+                count(&|outcome| outcome.named.is_none()),
+                count(&|outcome| outcome.safe),
+                1e3 * worst(&|outcome| outcome.named.unwrap_or(0.0)),
+                1e3 * worst(&|outcome| outcome.motion),
+                worst(&|outcome| outcome.gear),
+            );
+        }
+        text
+    }
+
+    /// The figures beside their bounds.
+    pub fn measured(&self) -> Measured {
+        let count = |way: usize| self.outcomes.iter().filter(|outcome| outcome.unsafe_by[way]).count() as f64;
+        let slowest = |kinds: &[Kind]| {
+            let of =
+                self.outcomes.iter().filter(|outcome| kinds.contains(&outcome.fault.kind) && outcome.known);
+            of.map(|outcome| outcome.named.unwrap_or(AFTER)).fold(0.0, f64::max)
+        };
+        let figures = vec![
+            bounds::figure("faults.overspeed", count(0)),
+            bounds::figure("faults.motion", count(1)),
+            bounds::figure("faults.full_torque", count(2)),
+            bounds::figure("faults.gear", count(3)),
+            Figure::reported(
+                "faults.unknowable",
+                self.outcomes.iter().filter(|outcome| !outcome.known).count() as f64,
+                "run",
+            ),
+            bounds::figure("faults.named.frozen", slowest(&[Kind::Freeze, Kind::Zeros, Kind::Ones])),
+            bounds::figure("faults.named.jump", slowest(&[Kind::Jump])),
+            bounds::figure("faults.named.loss", slowest(&[Kind::Loss])),
+            bounds::figure("faults.false_alarms", self.false_alarms.len() as f64),
+        ];
+        Measured { figures, notes: self.false_alarms.clone() }
+    }
+}
+
+/// The joint of a gear file can be built.
+///
+/// # Errors
+/// As [`joint_params`].
+pub fn check(file: &GearFile) -> Result<(), Error> {
+    joint_params::<f32>(file)?.build().map(|_| ())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_repeats_its_fault() {
+        let file = GearFile::default_gear();
+        let [one, other] = [(); 2].map(|()| run(&file, Injected::of(7)).unwrap().describe());
+        assert_eq!(one, other);
+        assert_ne!(Injected::of(7).describe(), Injected::of(8).describe());
+    }
+
+    #[test]
+    fn every_kind_has_its_turn() {
+        let count = Kind::ALL.len() as u64;
+        for (number, kind) in (0..count).zip(Kind::ALL) {
+            assert_eq!(Injected::of(number).kind, *kind);
+        }
+    }
+
+    /// What a controller does not mean is not held against it.
+    #[test]
+    fn a_controller_is_its_own_twin() {
+        let file = GearFile::default_gear();
+        let params = joint_params(&file).unwrap();
+        let fault = Injected { at: 0.1, ..Injected::of(0) };
+        let [one, other] =
+            [(); 2].map(|()| go(&file, &fault, &mut Broken::build(&params, None).unwrap()).unwrap());
+        let outcome = judge(&file, fault, None, &one, &other);
+        assert!(!outcome.is_unsafe() && outcome.named.is_none(), "{}", outcome.describe());
+    }
+}

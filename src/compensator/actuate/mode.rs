@@ -1,0 +1,180 @@
+//! Whether the drive may be on: a state machine that falls to the safe side and stays there.
+//!
+//! ```text
+//! Ready     the drive is kept off from outside, the joint is watched      -> Active when it is on
+//! Active    the joint is controlled                                       -> Degraded while a function is missing
+//! Degraded  it is controlled without an output encoder, torque sensor or fresh setpoint, which the faults name
+//! Safe      torque 0, drive off; the cause stays among the faults          -> Ready by a reset alone
+//! ```
+//!
+//! What takes the motor's angle away, or shows that torque and motion do not belong together, ends in Safe at once:
+//! [`UNSAFE`]. The drive is switched off, not braked: a ramp would need the angle that is lost, and a gear that is let
+//! go of swings back below the torque that it had. A reset ([`crate::compensator::Compensator::reset`]) starts from
+//! rest; encoders are found again, and no angle of before is used.
+//!
+//! A single control overrun is named; one is forgotten after [`OVERRUN`] periods, and so many together that
+//! [`MOST_STRIKES`] is reached end in Safe.
+
+use crate::compensator::{Faults, Status};
+use crate::real::seldom;
+
+/// What ends in Safe.
+pub const UNSAFE: Faults = Faults::MOTOR_ENCODER_LOST
+    .with(Faults::MOTOR_ENCODER_FROZEN)
+    .with(Faults::GEAR_OVERLOAD)
+    .with(Faults::DRIVE_NOT_FOLLOWING)
+    .with(Faults::OVERSPEED)
+    .with(Faults::FOLLOWING_ERROR)
+    .with(Faults::PERIOD_OUT_OF_RANGE)
+    .with(Faults::RESTARTED);
+
+/// What takes a function away.
+pub const DEGRADING: Faults = Faults::OUTPUT_ENCODER_LOST
+    .with(Faults::OUTPUT_ENCODER_OFF)
+    .with(Faults::OUTPUT_ENCODER_FROZEN)
+    .with(Faults::OUTPUT_ENCODER_JUMP)
+    .with(Faults::TORQUE_SENSOR_OFF)
+    .with(Faults::SETPOINT_STALE);
+
+/// Strikes of an overrun; every period without one takes one off.
+const OVERRUN: u32 = 20;
+/// Strikes that are too many: five overruns within 10 ms.
+const MOST_STRIKES: u32 = 100;
+
+/// What the drive may do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// The drive is kept off from outside.
+    #[default]
+    Ready,
+    /// The joint is controlled.
+    Active,
+    /// It is controlled without a function that the faults name.
+    Degraded,
+    /// The drive is off until a reset; the faults name the cause.
+    Safe,
+}
+
+impl Mode {
+    /// The drive may give torque.
+    #[inline(always)]
+    pub const fn drives(self) -> bool {
+        matches!(self, Self::Active | Self::Degraded)
+    }
+
+    /// As a number, for telemetry.
+    pub const fn code(self) -> u32 {
+        self as u32
+    }
+
+    /// The mode of a number; Safe for one that is of none.
+    pub const fn of_code(code: u32) -> Self {
+        match code {
+            0 => Self::Ready,
+            1 => Self::Active,
+            2 => Self::Degraded,
+            _ => Self::Safe,
+        }
+    }
+}
+
+/// The mode, and why it is that.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ModeState {
+    mode: Mode,
+    cause: Faults,
+    strikes: u32,
+    /// Active, without a strike.
+    settled: bool,
+}
+
+impl ModeState {
+    /// The mode of the last step.
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// What ended in Safe; nothing before.
+    pub fn cause(&self) -> Faults {
+        self.cause
+    }
+
+    /// The joint is controlled, and nothing of this step changes that: [`Self::step`] need not be called.
+    #[inline(always)]
+    pub fn stays_active(&self, faults: Faults, status: Status) -> bool {
+        self.settled && faults == Faults::NONE && status == Status::FINE
+    }
+
+    /// The mode with this step's faults, to which the latched cause is added.
+    pub fn step(&mut self, faults: &mut Faults, status: Status) -> Mode {
+        let overrun = status.tells(Status::OVERRUN);
+        faults.raise_if(overrun, Faults::CONTROL_OVERRUN);
+        faults.raise_if(status.tells(Status::RESTARTED), Faults::RESTARTED);
+        self.strikes = if overrun { self.strikes + OVERRUN } else { self.strikes.saturating_sub(1) };
+        self.cause = self.cause.with(faults.among(UNSAFE));
+        if self.strikes >= MOST_STRIKES {
+            seldom();
+            self.strikes = MOST_STRIKES;
+            self.cause = self.cause.with(Faults::CONTROL_OVERRUN);
+        }
+        *faults = faults.with(self.cause);
+        self.mode = if self.cause != Faults::NONE {
+            Mode::Safe
+        } else if status.tells(Status::DRIVE_OFF) {
+            Mode::Ready
+        } else if faults.intersects(DEGRADING) {
+            Mode::Degraded
+        } else {
+            Mode::Active
+        };
+        self.settled = self.mode == Mode::Active && self.strikes == 0;
+        self.mode
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn step(state: &mut ModeState, faults: Faults, status: Status) -> (Mode, Faults) {
+        let mut faults = faults;
+        (state.step(&mut faults, status), faults)
+    }
+
+    #[test]
+    fn safe_is_latched_with_its_cause() {
+        let mut state = ModeState::default();
+        assert_eq!(step(&mut state, Faults::NONE, Status::FINE).0, Mode::Active);
+        assert_eq!(step(&mut state, Faults::MOTOR_ENCODER_LOST, Status::FINE).0, Mode::Safe);
+        for status in [Status::FINE, Status::DRIVE_OFF] {
+            assert_eq!(step(&mut state, Faults::NONE, status), (Mode::Safe, Faults::MOTOR_ENCODER_LOST));
+        }
+    }
+
+    #[test]
+    fn what_is_missing_degrades_while_it_is() {
+        let mut state = ModeState::default();
+        assert_eq!(step(&mut state, Faults::OUTPUT_ENCODER_LOST, Status::FINE).0, Mode::Degraded);
+        assert_eq!(step(&mut state, Faults::NONE, Status::FINE).0, Mode::Active);
+        assert_eq!(step(&mut state, Faults::TORQUE_LIMITED, Status::FINE).0, Mode::Active);
+        assert_eq!(step(&mut state, Faults::NONE, Status::DRIVE_OFF).0, Mode::Ready);
+    }
+
+    #[test]
+    fn an_overrun_is_named_and_many_are_not_borne() {
+        let mut state = ModeState::default();
+        for k in 0..MOST_STRIKES / OVERRUN {
+            let (mode, faults) = step(&mut state, Faults::NONE, Status::OVERRUN);
+            assert!(faults.contains(Faults::CONTROL_OVERRUN));
+            assert_eq!(mode == Mode::Safe, k + 1 == MOST_STRIKES / OVERRUN);
+        }
+        assert_eq!(step(&mut ModeState::default(), Faults::NONE, Status::RESTARTED).0, Mode::Safe);
+    }
+
+    #[test]
+    fn a_code_names_its_mode() {
+        for mode in [Mode::Ready, Mode::Active, Mode::Degraded, Mode::Safe] {
+            assert_eq!(Mode::of_code(mode.code()), mode);
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! The motor encoder: a count is believed where the motor can have got to, and nowhere else.
+//!
+//! ```text
+//! foreseen = theta + dtheta*T            a reading is believed within  a*T^2*m^2 + |dtheta*T|/16 + 4 counts  of it
+//! a = 1.5*(tau_max + 2*tau_p/|n| + tau_s)/J_wg
+//! ```
+//!
+//! dtheta is from the last readings, T the time since the last step; m counts the periods since the last reading that
+//! was believed. a is what the largest torques of motor, gear (twice its peak rating) and friction give the rotor
+//! alone, with half as much again for what is not known of them; the sixteenth of the way is for a clock that is not
+//! measured. A reading that is refused is replaced by what was foreseen, so that single bad frames do not shake the
+//! joint. Counts are within the turn, so that what is believed again after a few periods is the right angle.
+//!
+//! A refused reading gives [`STRIKES`] strikes, a believed one takes one off. At [`MOST_STRIKES`], 1 ms of bad frames,
+//! the angle is lost and the next sound count begins a new one, which is of use after a reset only.
+
+use crate::angle::Angle;
+use crate::compensator::Limits;
+use crate::compensator::sense::clock::Elapsed;
+use crate::compensator::sense::encoder::Reading;
+use crate::error::{Error, require};
+use crate::gear::GearParams;
+use crate::real::{RADIANS_PER_COUNT, Real};
+
+/// What a refused reading counts.
+const STRIKES: u32 = 10;
+/// So many are too many.
+const MOST_STRIKES: u32 = 100;
+/// Share of a that is beyond what is known.
+const UNKNOWN: f64 = 1.5;
+/// Noise of a count that is borne (counts).
+const NOISE: u32 = 4;
+
+/// The built encoder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotorEncoder<R> {
+    /// From raw counts to counts of 2^32 a turn.
+    shift: u32,
+    /// a*dt^2 and the noise, in counts of 2^32 a turn.
+    reach: u32,
+    noise: u32,
+    dt: R,
+    inverse_dt: R,
+}
+
+/// The encoder's angle so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotorEncoderState {
+    phase: u32,
+    counts: i64,
+    /// Counts in a control period.
+    step: i32,
+    refused: u32,
+    strikes: u32,
+    started: bool,
+    /// Started, and without a strike.
+    usual: bool,
+}
+
+impl MotorEncoderState {
+    /// The last reading was believed.
+    #[inline(always)]
+    pub fn is_believed(&self) -> bool {
+        self.started && self.refused == 0
+    }
+
+    /// Where it stands.
+    pub fn angle<R: Real>(&self) -> Angle<R> {
+        Angle::from_counts(self.counts)
+    }
+}
+
+impl<R: Real> MotorEncoder<R> {
+    /// For 2^bits counts a turn of a motor with these limits, and the control period dt (s).
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `encoder_bits` outside 10..=32.
+    pub fn build(bits: u32, gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Result<Self, Error> {
+        require((10..=32).contains(&bits), "encoder_bits")?;
+        let gear_torque = R::lit(2.0) * limits.output_torque / R::from_i32(gear.ratio).abs();
+        let torque = limits.motor_torque + gear_torque + gear.input_friction.forward.static_level;
+        let acceleration = R::lit(UNKNOWN) * torque / gear.wave_generator_inertia;
+        let reach = (acceleration * dt * dt * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs();
+        let shift = 32 - bits;
+        Ok(Self { shift, reach, noise: NOISE << shift, dt, inverse_dt: R::ONE / dt })
+    }
+
+    /// Takes a raw count whose frame was `valid`; the second answer: the angle is lost.
+    #[inline(always)]
+    pub fn step(
+        &self,
+        state: &mut MotorEncoderState,
+        raw: u32,
+        valid: bool,
+        elapsed: &Elapsed<R>,
+    ) -> (Reading<R>, bool) {
+        let phase = raw << self.shift;
+        let sound = valid && phase >> self.shift == raw;
+        let delta = phase.wrapping_sub(state.phase).cast_signed();
+        let off = delta.wrapping_sub(state.step).unsigned_abs();
+        let reach = self.reach + self.noise + (state.step.unsigned_abs() >> 4);
+        if !(sound && state.usual && elapsed.time == self.dt && off <= reach) {
+            return self.unusual(state, phase, sound, elapsed);
+        }
+        state.step = delta;
+        (state.reading(phase, delta, true), false)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn unusual(
+        &self,
+        state: &mut MotorEncoderState,
+        phase: u32,
+        sound: bool,
+        elapsed: &Elapsed<R>,
+    ) -> (Reading<R>, bool) {
+        if !state.started && sound {
+            let counts = i64::from(phase.cast_signed());
+            *state = MotorEncoderState {
+                phase,
+                counts,
+                started: true,
+                usual: true,
+                ..MotorEncoderState::default()
+            };
+            return (state.reading(phase, 0, true), false);
+        }
+        let periods = elapsed.time * self.inverse_dt;
+        let foreseen = (periods * R::from_i32(state.step)).to_i32();
+        let whole = state.refused + (periods + R::lit(0.99)).to_i32().unsigned_abs();
+        let reach = self.reach.saturating_mul(whole.saturating_mul(whole));
+        let reach = reach.saturating_add(self.noise).saturating_add(foreseen.unsigned_abs() >> 4);
+        let delta = phase.wrapping_sub(state.phase).cast_signed();
+        let off = delta.wrapping_sub(foreseen);
+        if sound && state.started && off.unsigned_abs() <= reach {
+            let step = if state.refused == 0 {
+                (R::from_i32(delta) / periods.max(R::lit(0.25))).to_i32()
+            } else {
+                state.step.wrapping_add(off / whole.clamp(1, 1000).cast_signed())
+            };
+            state.step = step;
+            state.refused = 0;
+            state.strikes = state.strikes.saturating_sub(1);
+            state.usual = state.strikes == 0;
+            return (state.reading(phase, delta, true), false);
+        }
+        state.usual = false;
+        state.refused = state.refused.saturating_add(1);
+        state.strikes += STRIKES;
+        let lost = state.strikes >= MOST_STRIKES;
+        if lost {
+            let counts = state.counts;
+            *state = MotorEncoderState { counts, ..MotorEncoderState::default() };
+            return (state.reading(0, 0, false), true);
+        }
+        let foreseen = if state.started { foreseen } else { 0 };
+        (state.reading(state.phase.wrapping_add(foreseen.cast_unsigned()), foreseen, false), false)
+    }
+}
+
+impl MotorEncoderState {
+    #[inline(always)]
+    fn reading<R: Real>(&mut self, phase: u32, moved: i32, believed: bool) -> Reading<R> {
+        self.phase = phase;
+        self.counts = self.counts.wrapping_add(i64::from(moved));
+        let moved = R::from_i32(moved) * R::lit(RADIANS_PER_COUNT);
+        Reading { angle: Angle::from_counts(self.counts), moved, believed }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::vec::Vec;
+
+    const DT: f64 = 1e-4;
+    const BITS: u32 = 19;
+    const COUNT: f64 = core::f64::consts::TAU / (1u32 << BITS) as f64;
+
+    /// 1.4e5 rad/s^2.
+    fn encoder() -> MotorEncoder<f64> {
+        let reach = (1.4e5 * DT * DT / RADIANS_PER_COUNT) as u32;
+        MotorEncoder { shift: 32 - BITS, reach, noise: NOISE << (32 - BITS), dt: DT, inverse_dt: 1.0 / DT }
+    }
+
+    fn count(angle: f64) -> u32 {
+        ((angle / COUNT).round() as i64 as u32) & ((1 << BITS) - 1)
+    }
+
+    fn on_time() -> Elapsed<f64> {
+        Elapsed { time: DT, inverse: 1.0 / DT }
+    }
+
+    /// Angles believed after each reading.
+    fn go(state: &mut MotorEncoderState, angles: impl IntoIterator<Item = u32>) -> Vec<(f64, bool, bool)> {
+        let encoder = encoder();
+        angles
+            .into_iter()
+            .map(|raw| {
+                let (reading, lost) = encoder.step(state, raw, true, &on_time());
+                (reading.angle.to_radians(), reading.believed, lost)
+            })
+            .collect()
+    }
+
+    /// As fast as a motor turns up, 5e4 rad/s^2 to 500 rad/s and back.
+    #[test]
+    fn a_motion_is_believed() {
+        let angle = |k: i32| {
+            let t = DT * f64::from(k);
+            if t < 0.01 { 2.5e4 * t * t } else { 2.5 + 500.0 * (t - 0.01) - 2.5e4 * (t - 0.01).powi(2) }
+        };
+        let mut state = MotorEncoderState::default();
+        for (k, (at, believed, _)) in (0..200).zip(go(&mut state, (0..200).map(|k| count(angle(k))))) {
+            assert!(believed && (at - angle(k)).abs() < COUNT, "{k}: {at}");
+        }
+    }
+
+    #[test]
+    fn a_bad_frame_is_replaced_by_what_was_foreseen() {
+        let mut state = MotorEncoderState::default();
+        let angle = |k: i32| 1e-3 * f64::from(k);
+        go(&mut state, [0, count(1e-3)]);
+        let seen = go(&mut state, (2..20).map(|k| if k == 10 { 0x2aaaa } else { count(angle(k)) }));
+        for (k, (at, believed, lost)) in (2..20).zip(seen) {
+            assert_eq!((believed, lost), (k != 10, false), "{k}");
+            assert!((at - angle(k)).abs() < 4.0 * COUNT, "{k}: {at}");
+        }
+    }
+
+    #[test]
+    fn a_millisecond_of_bad_frames_loses_the_angle() {
+        let mut state = MotorEncoderState::default();
+        go(&mut state, [0; 5]);
+        let seen = go(&mut state, [1 << 18; 12]);
+        assert_eq!(seen.iter().position(|(_, _, lost)| *lost), Some(9));
+        assert!(seen[10].1, "and begins anew");
+    }
+
+    /// A period that is late is no jump.
+    #[test]
+    fn a_late_reading_is_where_it_is_foreseen() {
+        let (encoder, mut state) = (encoder(), MotorEncoderState::default());
+        let mut angle = 0.0;
+        for k in 0..50 {
+            let periods = if k > 0 && k % 7 == 0 { 3.0 } else { 1.0 };
+            let speed = (k as f64 * 10.0f64).min(400.0);
+            angle += speed * DT * periods;
+            let elapsed = Elapsed { time: periods * DT, inverse: 1.0 / (periods * DT) };
+            let (reading, lost) = encoder.step(&mut state, count(angle), true, &elapsed);
+            assert!(reading.believed && !lost, "{k}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_counts_and_times(raws in prop::collection::vec((any::<u32>(), any::<bool>(), 0.25..16.0f64), 1..200)) {
+            let (encoder, mut state) = (encoder(), MotorEncoderState::default());
+            for (raw, valid, periods) in raws {
+                let elapsed = Elapsed { time: periods * DT, inverse: 1.0 / (periods * DT) };
+                let (reading, _) = encoder.step(&mut state, raw, valid, &elapsed);
+                prop_assert!(reading.moved.is_finite());
+            }
+        }
+    }
+}

@@ -1,0 +1,324 @@
+//! What the rotor shows: the torque through the gear from its own balance, and whether torque and motion belong
+//! together. Once a round ([`crate::compensator::schedule`]), from the motor's encoder and torque alone.
+//!
+//! ```text
+//! omega = (theta - theta_before)/T,   alpha = (omega - omega_before)/T,   tau_f = tau_c*sign(omega) + F_v*omega
+//! X = n*((tau + tau_before)/2 - J_wg*alpha - tau_f),   T_g <- T_g + g*(X - T_g)        torque through the gear
+//!
+//! dT = K*(omega/n - v),   T <- T + h*dT + 3*b*h*(X - T),   v <- v + h*(T/J_fs + a) - 3*b^2*h/K*(X - T)
+//! a <- a - b^3*h/K*(X - T)
+//! ```
+//!
+//! T is the time of the round, tau the mean of the motor's torque over it: alpha is the acceleration about the
+//! beginning of the round. g is 1 unless a count of the encoder is
+//! so coarse that its noise in X, J_wg*count/T^2*|n|, is more than a twentieth of the peak rating tau_p.
+//!
+//! The third line is for the protection of the gear ([`crate::compensator::actuate::protection`]), which needs the rate
+//! dT too: X on its own, differentiated, is noise. K is the middle slope of the stiffness line, v the output's speed, a what
+//! load, friction and another inertia add to its acceleration (without it dT would be wrong by 1.4*b*20 N m/s), b =
+//! sqrt(g)*min(omega_0, 1/(4*h)), omega_0 the natural frequency of gear and load on a free motor, h the round.
+//!
+//! | fault | raised when |
+//! | --- | --- |
+//! | gear overload | abs T_g > 1.25*tau_p in two rounds: no command takes it there ([`crate::compensator::actuate::protection`]), so that it is a blow, or a sign or size of torque or angle that is wrong |
+//! | frozen, standing | the count is the same for two rounds or more, and tau has changed by more than 2.5*tau_s + 0.01*tau_max + 2*count*K/n^2 since: static friction gives way at 2*tau_s at most, and then the rotor moves by counts within a round |
+//! | frozen, loaded | it stands, and the torque on it, that of the gear as the torque sensor tells it included, has changed by more than that; as the output's encoder tells it, by 0.05*tau_p/n more |
+//! | frozen, moving | the count stands still at once, though 1.25*(abs tau + abs T_g/n + tau_s) + tau_p/(4*n) could not stop the rotor in the time |
+//! | overspeed | abs omega > the speed limit |
+//! | drive | measured torque off the commanded one by more than 0.1*tau_max + 0.5*abs tau for 1.6 ms: five times the noise that the filter expects, a drive at 60 % of its limit, longer than four time constants of a 1 kHz drive |
+//! | following | farther from the reference than tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p in two rounds: what a cascade with the position gain k_p leaves at the motor's largest acceleration, and without feed-forward of the speed |
+//!
+//! tau_s is the larger static friction of both directions. The torque that the output's encoder and torque sensor say
+//! is compared with T_g: off by more than 0.3*tau_p + a quarter of it for 8 ms, the sensor is not believed any more.
+//! Units: rad, s, N m at the motor, of the gear at its output.
+
+use crate::angle::Angle;
+use crate::compensator::schedule::SLOW_PERIODS;
+use crate::compensator::{Faults, Limits};
+use crate::error::{Error, require};
+use crate::flexspline::stiffness_line::StiffnessLine;
+use crate::gear::GearParams;
+use crate::real::{Real, seldom};
+
+/// Share of a command that a drive at its own limit may leave out.
+const LIMITED: f64 = 0.5;
+/// Overload, in peak ratings.
+const OVERLOAD: f64 = 1.25;
+/// Time that an overload, or a following error, has to last (s).
+const OVERLOADED: f64 = 0.8e-3;
+/// The same of a drive that does not follow.
+const NOT_FOLLOWING: f64 = 1.6e-3;
+/// The same of a sensor at the output that disagrees.
+const DISAGREEING: f64 = 8e-3;
+
+/// The built view of the rotor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rotor<R> {
+    round: R,
+    inverse_round: R,
+    inertia: R,
+    coulomb: R,
+    viscous: R,
+    n: R,
+    /// K, h/J_fs, 3*b*h, 3*b^2*h/K and b^3*h^2/K.
+    stiffness: R,
+    load_gain: R,
+    gains: [R; 3],
+    inverse_n: R,
+    /// g.
+    gain: R,
+    overload: R,
+    /// tau that a standing rotor holds (N m).
+    grip: R,
+    /// The same with the gear's torque as the encoders and the torque sensor tell it (N m at the output).
+    held: [R; 2],
+    /// What is added to the torques that stop a rotor (N m).
+    surplus: R,
+    speed_limit: R,
+    drive: R,
+    following: R,
+    lag: R,
+    peak: R,
+    line: StiffnessLine<R>,
+    /// Rounds of the times above.
+    overloaded: u32,
+    not_following: u32,
+    disagreeing: u32,
+}
+
+/// What was seen in the last rounds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RotorState<R> {
+    /// Sum of the motor's torques (N m) of the control periods since the last round, and the time since (s).
+    pub(in crate::compensator) torques: R,
+    pub(in crate::compensator) time: R,
+    motor: Angle<R>,
+    speed: R,
+    /// tau of the last round (N m).
+    applied: R,
+    /// T_g.
+    seen: R,
+    /// T, dT, v and h*a.
+    torque: R,
+    rate: R,
+    output_speed: R,
+    output_change: R,
+    friction: R,
+    still: u32,
+    least: R,
+    most: R,
+    overloaded: u32,
+    off_drive: u32,
+    off_course: u32,
+    off_output: u32,
+    off_gauge: u32,
+    /// What friction held when the rotor came to stand, by the encoders and by the torque sensor (N m at the output).
+    held: [R; 2],
+    rounds: u32,
+}
+
+/// What is compared with the rotor.
+#[derive(Clone, Copy, Debug)]
+pub struct Beside<R> {
+    /// Angle of the motor.
+    pub motor: Angle<R>,
+    /// Torque that was commanded, and by how much the measured one is off it (N m).
+    pub commanded: R,
+    /// As told.
+    pub off: R,
+    /// Where the motor should be, ahead of where it is (rad), and how fast (rad/s); where it is controlled.
+    pub course: Option<[R; 2]>,
+    /// The drive is on.
+    pub driven: bool,
+}
+
+impl<R: Real> RotorState<R> {
+    /// Torque through the gear (N m), its rate (N m/s), and the rotor's friction (N m).
+    #[inline(always)]
+    pub fn gear(&self) -> [R; 3] {
+        [self.torque, self.rate, self.friction]
+    }
+}
+
+impl<R: Real> Rotor<R> {
+    /// For a gear, a motor encoder of 2^bits counts, the position gain k_p (1/s) of the cascade, and the control
+    /// period dt (s).
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `encoder_bits` outside 10..=32; as the gear's stiffness line.
+    pub fn build(gear: &GearParams<R>, limits: &Limits<R>, bits: u32, k_p: R, dt: R) -> Result<Self, Error> {
+        require((10..=32).contains(&bits), "encoder_bits")?;
+        let line = gear.flexspline.line.build()?;
+        let round = R::from_i32(SLOW_PERIODS as i32) * dt;
+        let (n, peak) = (R::from_i32(gear.ratio), limits.output_torque);
+        let sides = [&gear.input_friction.forward, &gear.input_friction.backward];
+        let larger = |of: [R; 2]| of[0].max(of[1]);
+        let static_level = larger(sides.map(|side| side.static_level.max(side.coulomb)));
+        let count = R::lit(core::f64::consts::TAU) / R::from_i32(1 << bits.min(30));
+        let noise = gear.wave_generator_inertia * count / (round * round) * n.abs();
+        let inertia = gear.wave_generator_inertia + gear.flexspline_inertia / (n * n);
+        let stiffest = gear.flexspline.line.stiffness[2];
+        let gain = R::ONE.min(R::lit(0.05) * peak / noise);
+        let [_, stiffness, _] = gear.flexspline.line.stiffness;
+        let both = R::ONE / gear.flexspline_inertia + R::ONE / (n * n * gear.wave_generator_inertia);
+        let corner = gain.sqrt() * (stiffness * both).sqrt().min(R::lit(0.25) / round);
+        let grip = R::lit(2.5) * static_level
+            + R::lit(0.01) * limits.motor_torque
+            + R::lit(2.0) * count * stiffest / (n * n);
+        let rounds = |time: f64| ((R::lit(time) / round + R::lit(0.5)).to_i32().max(1)).cast_unsigned();
+        Ok(Self {
+            round,
+            inverse_round: R::ONE / round,
+            inertia: gear.wave_generator_inertia,
+            coulomb: larger(sides.map(|side| side.coulomb)),
+            viscous: larger(sides.map(|side| side.viscous)),
+            n,
+            stiffness,
+            load_gain: round / gear.flexspline_inertia,
+            gains: [
+                R::lit(3.0) * corner * round,
+                R::lit(3.0) * corner * corner * round / stiffness,
+                corner * corner * corner * round * round / stiffness,
+            ],
+            inverse_n: R::ONE / n,
+            gain,
+            overload: R::lit(OVERLOAD) * peak,
+            grip,
+            held: [n.abs() * grip + R::lit(0.05) * peak, n.abs() * grip],
+            surplus: R::lit(0.25) * peak / n.abs() + R::lit(1.25) * static_level,
+            speed_limit: limits.motor_speed + count / round,
+            drive: R::lit(0.1) * limits.motor_torque,
+            following: limits.motor_torque / (inertia * k_p * k_p),
+            lag: R::ONE / k_p,
+            peak,
+            line,
+            overloaded: rounds(OVERLOADED),
+            not_following: rounds(NOT_FOLLOWING),
+            disagreeing: rounds(DISAGREEING),
+        })
+    }
+
+    /// Once a round.
+    #[inline(always)]
+    pub fn step(&self, state: &mut RotorState<R>, beside: &Beside<R>, faults: &mut Faults) {
+        let (torques, time) = (state.torques, state.time);
+        (state.torques, state.time) = (R::ZERO, R::ZERO);
+        let inverse = if time == self.round {
+            self.inverse_round
+        } else {
+            seldom();
+            R::ONE / time.max(R::lit(0.25) * self.round)
+        };
+        let torque = R::lit(1.0 / SLOW_PERIODS as f64) * torques;
+        let way = beside.motor.since(state.motor);
+        state.motor = beside.motor;
+        let speed = way * inverse;
+        let before = state.speed;
+        let inertial = self.inertia * (speed - before) * inverse;
+        state.speed = speed;
+        let kinetic = if way == R::ZERO { R::ZERO } else { self.coulomb.copysign(way) };
+        state.friction = kinetic + self.viscous * speed;
+        let mean = R::lit(0.5) * (torque + state.applied);
+        state.applied = torque;
+        let seen = self.n * (mean - inertial - state.friction);
+        if state.rounds < 2 {
+            // Two speeds make an acceleration.
+            seldom();
+            state.rounds += 1;
+            (state.least, state.most) = (torque, torque);
+            return;
+        }
+        let stopping = R::lit(1.25) * (torque.abs() + (state.seen * self.inverse_n).abs()) + self.surplus;
+        state.seen += self.gain * (seen - state.seen);
+        state.rate = self.stiffness * (speed * self.inverse_n - state.output_speed);
+        state.torque += self.round * state.rate;
+        let off = seen - state.torque;
+        let [by_torque, by_speed, by_change] = self.gains;
+        state.torque += by_torque * off;
+        state.output_change -= by_change * off;
+        state.output_speed += self.load_gain * state.torque + state.output_change - by_speed * off;
+        if !beside.driven {
+            seldom();
+            state.still = 0;
+            faults.raise_if(!speed.is_within(self.speed_limit), Faults::OVERSPEED);
+            return;
+        }
+        if way == R::ZERO {
+            let stopped = state.still == 0 && !inertial.is_within(stopping);
+            state.still = state.still.saturating_add(1);
+            (state.least, state.most) = (state.least.min(torque), state.most.max(torque));
+            let slipped = state.still > 1 && state.most - state.least > self.grip;
+            faults.raise_if(stopped | slipped, Faults::MOTOR_ENCODER_FROZEN);
+        } else {
+            state.still = 0;
+            (state.least, state.most) = (torque, torque);
+        }
+        let Beside { commanded, off, course, .. } = *beside;
+        let drive = self.drive + R::lit(LIMITED) * commanded.abs();
+        let mut lasts = |off: bool, rounds: &mut u32, most: u32, fault: Faults| {
+            *rounds = if off { *rounds + 1 } else { 0 };
+            if *rounds >= most {
+                seldom();
+                *rounds = most;
+                faults.raise_if(true, fault);
+            }
+        };
+        let overload = !state.seen.is_within(self.overload);
+        lasts(overload, &mut state.overloaded, self.overloaded, Faults::GEAR_OVERLOAD);
+        lasts(!off.is_within(drive), &mut state.off_drive, self.not_following, Faults::DRIVE_NOT_FOLLOWING);
+        let [ahead, velocity] = course.unwrap_or_default();
+        let lost = !ahead.is_within(self.following + self.lag * velocity.abs());
+        lasts(lost, &mut state.off_course, self.overloaded, Faults::FOLLOWING_ERROR);
+        faults.raise_if(!speed.is_within(self.speed_limit), Faults::OVERSPEED);
+    }
+
+    /// The torsion that the encoders say (rad), compared with the rotor's torque; once a round. The encoder that is wrong:
+    /// the motor's, where it has not moved in that time, else the output's.
+    #[inline(always)]
+    pub fn torsion_disagrees(&self, state: &mut RotorState<R>, torsion: R) -> Faults {
+        let torque = self.line.torque(torsion);
+        let mut faults = Faults::NONE;
+        faults.raise_if(self.slips(state, torque, 0), Faults::MOTOR_ENCODER_FROZEN);
+        let off = self.disagrees(state.seen, torque);
+        if !lasting(off, &mut state.off_output, self.disagreeing) {
+            return faults;
+        }
+        seldom();
+        let stands = state.still >= self.disagreeing;
+        faults.with(if stands { Faults::MOTOR_ENCODER_FROZEN } else { Faults::OUTPUT_ENCODER_OFF })
+    }
+
+    /// The same for the output's torque sensor (N m).
+    #[inline(always)]
+    pub fn gauge_disagrees(&self, state: &mut RotorState<R>, torque: R) -> Faults {
+        let mut faults = Faults::NONE;
+        faults.raise_if(self.slips(state, torque, 1), Faults::MOTOR_ENCODER_FROZEN);
+        let off = self.disagrees(state.seen, torque);
+        let lasts = lasting(off, &mut state.off_gauge, self.disagreeing);
+        faults.raise_if(lasts, Faults::TORQUE_SENSOR_OFF);
+        faults
+    }
+
+    /// Whether the torque on a rotor that does not move has changed by more than static friction holds since it stood
+    /// still, with the gear's `torque` (N m) told by the sensor of this `place`.
+    #[inline(always)]
+    fn slips(&self, state: &mut RotorState<R>, torque: R, place: usize) -> bool {
+        let held = torque - self.n * state.applied;
+        if state.still < 2 {
+            state.held[place] = held;
+        }
+        !(held - state.held[place]).is_within(self.held[place])
+    }
+
+    #[inline(always)]
+    fn disagrees(&self, seen: R, told: R) -> bool {
+        !(told - seen).is_within(R::lit(0.3) * self.peak + R::lit(0.25) * told.abs())
+    }
+}
+
+/// Counts rounds up, and down where it does not hold.
+#[inline(always)]
+fn lasting(off: bool, rounds: &mut u32, most: u32) -> bool {
+    *rounds = if off { (*rounds + 1).min(most) } else { rounds.saturating_sub(1) };
+    *rounds >= most
+}
