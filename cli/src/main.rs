@@ -5,6 +5,7 @@
 //! when it was interrupted.
 
 mod budget;
+mod design;
 mod figures;
 mod files;
 mod identify;
@@ -45,6 +46,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Budget(budget::Arguments),
+    Design(design::Arguments),
     Identify(identify::Arguments),
     Pil(pil::Arguments),
     Report(report::Arguments),
@@ -57,6 +59,7 @@ enum Command {
 fn run(command: Command) -> Result<Figures, BadInput> {
     match command {
         Command::Budget(arguments) => budget::run(&arguments),
+        Command::Design(arguments) => design::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Pil(arguments) => pil::run(&arguments),
         Command::Report(arguments) => report::run(&arguments),

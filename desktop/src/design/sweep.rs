@@ -1,0 +1,111 @@
+//! The loop as the real code closes it: a small sine is added to its torque command, and what comes back is measured.
+//!
+//! ```text
+//! u_applied = u + D sin(w t),   L = -U/U_applied       fundamentals over a second, after a second's settling
+//! ```
+//!
+//! The f64 compensator at rest on the linear [`Plant`], its disturbance path within its dead zone; encoders of 30 bits,
+//! friction, hysteresis and kinematic error off.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Complex;
+use strainwave::Error;
+use strainwave::compensator::{Input, Sensors, Setpoint, Shares};
+
+use super::controller::Parts;
+use super::corners::{Corner, Point};
+use super::plant::Plant;
+use super::{Levels, Mode, Variant, open_loop, parts};
+use crate::bench::SensorSet;
+use crate::gear_file::GearFile;
+use crate::joint::{CONTROL_PERIOD, joint_params};
+
+/// D (N m) over the motor's peak torque.
+const SINE: f64 = 4e-4;
+/// Control periods of a second.
+const SECOND: usize = 10_000;
+/// A dead zone that nothing passes (N m).
+const WIDE: f64 = 1e6;
+
+/// One frequency: in Hz, |L| measured and linear (dB).
+#[derive(Clone, Copy, Debug)]
+pub struct Measured {
+    /// (Hz)
+    pub frequency: f64,
+    /// Of the real code (dB).
+    pub measured: f64,
+    /// Of the linear loop (dB).
+    pub linear: f64,
+}
+
+/// The gear without what is not linear.
+pub fn linear_file(file: &GearFile) -> GearFile {
+    let mut file = file.clone();
+    for side in [&mut file.friction.input, &mut file.friction.output] {
+        (side.coulomb, side.static_level) = (Some(1e-9), Some(1e-9));
+    }
+    file.hysteresis.width_arcmin = 0.0;
+    (file.hysteresis.half_range, file.hysteresis.weights) = (None, None);
+    file.kinematic_error = Default::default();
+    (file.sensors.motor_encoder_bits, file.sensors.output_encoder_bits) = (30, Some(30));
+    file
+}
+
+fn raw(angle: f64) -> u32 {
+    let counts = f64::from(1 << 30);
+    ((angle / TAU * counts).round().rem_euclid(counts)) as u32
+}
+
+/// Measured beside linear at whole frequencies (Hz).
+///
+/// # Errors
+/// A gear that cannot be built.
+pub fn sweep(file: &GearFile, set: SensorSet, frequencies: &[u32]) -> Result<Vec<Measured>, Error> {
+    let file = linear_file(file);
+    let mut params = joint_params::<f64>(&file)?;
+    params.disturbance.dead_zone = WIDE;
+    let compensator = params.build()?;
+    let corner = Corner { bandwidth: 1000.0, ..Corner::nominal(Mode::Standing) };
+    let plant = Plant::new(&file, &corner);
+    let discrete = plant.discrete();
+    let parts: Parts = parts(&file, &Levels::FULL)?;
+    let variant = Variant { set, mode: Mode::Standing, point: Point::K1, passes: false };
+    let omegas: Vec<f64> = frequencies.iter().map(|f| TAU * f64::from(*f)).collect();
+    let linear = open_loop(&file, &parts, variant, &corner, &omegas);
+    let decibel = |l: Complex<f64>| 20.0 * l.norm().log10();
+    let mut points = Vec::new();
+    for (omega, linear) in omegas.into_iter().zip(linear) {
+        let (mut state, mut x) = (compensator.rest(), vec![0.0; plant.states()]);
+        let [mut commanded, mut applied] = [Complex::new(0.0, 0.0); 2];
+        for k in 0..2 * SECOND {
+            let [motor, output, torque, gauge] = plant.read(&x);
+            let input = Input {
+                sensors: Sensors {
+                    motor_encoder: raw(motor),
+                    output_encoder: (set == SensorSet::Both).then(|| raw(output)),
+                    motor_torque: torque,
+                    output_torque: file.sensors.output_torque.then_some(gauge),
+                },
+                command: Setpoint::default().into(),
+                shares: Shares { adaptation: 0.0, ripple: 0.0, friction: 0.0, ..Shares::ALL }.into(),
+                elapsed: 0.0,
+            };
+            let command = compensator.control(&mut state, &input).motor_torque;
+            let phase = omega * CONTROL_PERIOD * k as f64;
+            let sine = SINE * file.motor.peak_torque * phase.sin();
+            if k >= SECOND {
+                let turn = Complex::from_polar(1.0, -phase);
+                commanded += turn * command;
+                applied += turn * (command + sine);
+            }
+            plant.step(&discrete, &mut x, command + sine);
+        }
+        points.push(Measured {
+            frequency: omega / TAU,
+            measured: decibel(-commanded / applied),
+            linear: decibel(linear),
+        });
+    }
+    Ok(points)
+}
