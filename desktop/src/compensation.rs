@@ -11,7 +11,6 @@ use strainwave::compensator::adapt::ripple::{LearntRippleParams, RIPPLE_ORDERS, 
 use strainwave::compensator::estimate::disturbance::DisturbanceParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 
-use crate::design::{self, Levels};
 use crate::draw;
 use crate::gear_file::{Friction, GearFile};
 
@@ -63,35 +62,25 @@ const RIPPLE_SPEEDS: [f64; 2] = [1.0, 60.0];
 /// - A gear that is wound up by the share s of a load has the stiffness K/(1 - s*K/K_model), infinite at s = K_model/K:
 ///   a half leaves a gain margin of 2.
 pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
-    disturbance_params_at(file, &design::levels(file))
-}
-
-/// The same with its fast part at a level: share and corner, for the motor's torque follows f whatever the share is.
-pub fn disturbance_params_at<R: Real>(file: &GearFile, levels: &Levels) -> DisturbanceParams<R> {
     let n = f64::from(file.gear.signed_ratio().n()).abs();
     let level = |side: &Friction| side.static_level.or(side.coulomb).unwrap_or_default();
     let hidden = n * level(&file.friction.input) + level(&file.friction.output);
     let frequency = (file.stiffness.k1 / file.inertia.flexspline).sqrt();
     DisturbanceParams {
         slow_corner: R::lit(SLOW_CORNER * frequency),
-        fast_corner: R::lit(levels.fast_share / LATENESS),
+        fast_corner: R::lit(1.0 / LATENESS),
         dead_zone: R::lit(hidden),
         tolerance: R::lit(n * TORQUE_TOLERANCE),
-        wound_up: R::lit(levels.fast_share * FAST_SHARE),
+        wound_up: R::lit(FAST_SHARE),
     }
 }
 
 /// Gains without and with an output encoder.
 pub fn output_feedback_params<R: Real>(file: &GearFile) -> [OutputFeedbackParams<R>; 2] {
-    output_feedback_params_at(file, &design::levels(file))
-}
-
-/// The same at levels of damping and integral.
-pub fn output_feedback_params_at<R: Real>(file: &GearFile, levels: &Levels) -> [OutputFeedbackParams<R>; 2] {
     let frequency = (file.stiffness.k1 / file.inertia.flexspline).sqrt();
     std::array::from_fn(|k| OutputFeedbackParams {
-        damping: R::lit(levels.damping * (2.0 * ADDED_DAMPING[k] / frequency)),
-        integral: R::lit(levels.integral * (INTEGRAL[k] * frequency)),
+        damping: R::lit(2.0 * ADDED_DAMPING[k] / frequency),
+        integral: R::lit(INTEGRAL[k] * frequency),
         filter_corner: R::lit(FILTER_CORNER * frequency),
     })
 }

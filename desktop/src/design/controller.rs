@@ -1,4 +1,4 @@
-//! The controller as the code is, linear about a joint at rest or in slow motion.
+//! The controller of the code, linear about a joint at rest or in slow motion.
 //!
 //! ```text
 //! x(n+1) = A_k x(n) + B_k v(n),   [tau, d](n) = C_k x(n) + D_k v(n)       k = n mod 4: the slot
@@ -9,18 +9,19 @@
 //! what is not linear: limits, faults, ramps. A_k..D_k are read off it by unit vectors, so the multi-rate schedule is
 //! exact. Setpoint zero; dead zones pass everything, or the disturbance path nothing; the gear's line is the slope of the
 //! operating point; kinematic error, hysteresis, learnt factors and ripple are none; the observer's friction is viscous
-//! where the motor moves, and a spring besides where it stands, with its turn in every second period of the observer.
+//! where the motor moves, and a spring besides where it stands, updated in every second period of the observer.
 //! An output encoder that is late or slow is taken as prompt. The disturbance path reads d_in in the place of the
 //! observer's d where its loop is open. Units: rad, N m, s; signs as in [`strainwave::gear`].
 
 use nalgebra::DMatrix;
 use strainwave::compensator::actuate::cascade::FeedbackParams;
 use strainwave::compensator::estimate::disturbance::DisturbanceParams;
-use strainwave::compensator::estimate::observer::{GainSets, Gains, ObserverParams};
+use strainwave::compensator::estimate::observer::{GainSets, Gains};
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 
-use super::Mode;
+use super::parts::Parts;
+use super::variant::Mode;
 use crate::bench::SensorSet;
 use crate::gear_file::{Friction, GearFile};
 use crate::joint::CONTROL_PERIOD;
@@ -67,19 +68,6 @@ const FAST_ACCELERATION: usize = 29;
 const SHIFTED: usize = 30;
 const FIRST_POLE: usize = 31;
 const FILTERED: usize = 32;
-
-/// The parts that the file and the rules of the gains give.
-#[derive(Clone, Debug)]
-pub struct Parts {
-    /// Gains of the observer.
-    pub observer: ObserverParams<f64>,
-    /// The cascade.
-    pub feedback: FeedbackParams<f64>,
-    /// The disturbance path.
-    pub disturbance: DisturbanceParams<f64>,
-    /// Without and with an output encoder.
-    pub output_feedback: [OutputFeedbackParams<f64>; 2],
-}
 
 /// A linear controller at one operating point.
 #[derive(Clone, Debug)]

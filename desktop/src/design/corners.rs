@@ -1,6 +1,6 @@
 //! The corners of the box that a joint may lie in.
 
-use super::Mode;
+use super::variant::Mode;
 use crate::draw;
 use crate::gear_file::GearFile;
 
@@ -50,7 +50,7 @@ pub struct Corner {
     pub load: f64,
     /// Factor on J_wg.
     pub rotor: f64,
-    /// Torque constant over the believed one.
+    /// Torque constant over the file's.
     pub constant: f64,
     /// Delay of the drive beyond the declared (control periods).
     pub delay: usize,

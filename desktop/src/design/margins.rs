@@ -1,10 +1,10 @@
-//! Margins of an open loop L over frequency, for a closed loop 1 + L that is stable.
+//! Margins of an open loop L over frequency, for a closed loop 1/(1 + L) that is stable.
 //!
 //! ```text
-//! gain    20*log10|1/L| where L crosses the negative real axis: the nearest with |L| < 1 upwards, with |L| > 1 downwards
+//! gain    least 20*|log10|L|| where L crosses the negative real axis, upwards and downwards
 //! phase   least angle between L and -1 where |L| = 1
 //! delay   least (angle from L clockwise to -1)/w where |L| = 1
-//! modulus 1/max|S| = min|1 + L|
+//! size    max|L|
 //! ```
 //!
 //! Crossings are interpolated between two frequencies: log|L| and its phase linear. Whether the closed loop is stable is not
@@ -19,16 +19,14 @@ use nalgebra::Complex;
 /// Margins; infinite where nothing is crossed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margins {
-    /// By how much the gain may rise (dB).
+    /// By how much the gain may rise or fall (dB).
     pub gain: f64,
-    /// By how much it may fall (dB).
-    pub gain_down: f64,
     /// (rad)
     pub phase: f64,
     /// (s)
     pub delay: f64,
-    /// Least |1 + L|.
-    pub modulus: f64,
+    /// Largest |L|.
+    pub size: f64,
     /// Highest frequency with |L| = 1 (rad/s); 0 where there is none.
     pub crossover: f64,
 }
@@ -38,44 +36,39 @@ fn to_critical(l: Complex<f64>) -> f64 {
     (l.arg() + PI).rem_euclid(TAU)
 }
 
+impl Margins {
+    const NONE_CROSSED: Self =
+        Self { gain: f64::INFINITY, phase: PI, delay: f64::INFINITY, size: 0.0, crossover: 0.0 };
+
+    /// |L| = 1 at w, with this angle to -1.
+    fn cross_one(&mut self, omega: f64, critical: f64) {
+        self.phase = self.phase.min(critical.min(TAU - critical));
+        self.delay = self.delay.min(critical / omega);
+        self.crossover = omega;
+    }
+}
+
 /// Margins of L at rising frequencies (rad/s).
 pub fn margins(points: &[(f64, Complex<f64>)]) -> Margins {
-    let infinite = f64::INFINITY;
-    let mut m = Margins {
-        gain: infinite,
-        gain_down: infinite,
-        phase: PI,
-        delay: infinite,
-        modulus: infinite,
-        crossover: 0.0,
-    };
-    for (_, l) in points {
-        m.modulus = m.modulus.min((1.0 + l).norm());
-    }
+    let mut found = Margins::NONE_CROSSED;
+    found.size = points.iter().map(|(_, l)| l.norm()).fold(0.0, f64::max);
     for pair in points.windows(2) {
         let ((w, a), (v, b)) = (pair[0], pair[1]);
         let (size, change) = (a.norm().ln(), (b.norm() / a.norm()).ln());
-        let turn = (b / a).arg();
+        let rotation = (b / a).arg();
         if size * (size + change) <= 0.0 && change != 0.0 {
             let share = -size / change;
-            let (omega, critical) =
-                (w * (v / w).powf(share), to_critical(Complex::from_polar(1.0, a.arg() + share * turn)));
-            m.phase = m.phase.min(critical.min(TAU - critical));
-            m.delay = m.delay.min(critical / omega);
-            m.crossover = omega;
+            let there = Complex::from_polar(1.0, a.arg() + share * rotation);
+            found.cross_one(w * (v / w).powf(share), to_critical(there));
         }
-        let from = to_critical(a);
-        let from = if from > PI { from - TAU } else { from };
-        if from * (from + turn) <= 0.0 && turn != 0.0 && from.abs() < 0.5 * PI {
-            let gain = -20.0 / 10f64.ln() * (size - from / turn * change);
-            if gain >= 0.0 {
-                m.gain = m.gain.min(gain);
-            } else {
-                m.gain_down = m.gain_down.min(-gain);
-            }
+        let angle = to_critical(a);
+        let from = if angle > PI { angle - TAU } else { angle };
+        if from * (from + rotation) <= 0.0 && rotation != 0.0 && from.abs() < 0.5 * PI {
+            let there = size - from / rotation * change;
+            found.gain = found.gain.min(20.0 / 10f64.ln() * there.abs());
         }
     }
-    m
+    found
 }
 
 #[cfg(test)]
@@ -102,15 +95,15 @@ mod tests {
         assert_eq!(found.gain, f64::INFINITY);
     }
 
-    /// g/(s+1)^3 has the gain margin 8/g; with g = 20 the closed loop is unstable, and 2.5 less would do.
+    /// g/(s+1)^3 has the gain margin 8/g; with g = 20 it is 2.5 downwards.
     #[test]
     fn three_lags_bear_a_gain_of_eight() {
         let third = |g: f64| margins(&grid(|s| g / ((s + 1.0) * (s + 1.0) * (s + 1.0))));
         assert!((third(4.0).gain - 20.0 * 2f64.log10()).abs() < 1e-3);
-        assert!((third(20.0).gain_down - 20.0 * 2.5f64.log10()).abs() < 1e-3);
+        assert!((third(20.0).gain - 20.0 * 2.5f64.log10()).abs() < 1e-3);
     }
 
-    /// A delay turns the phase by w*T and leaves the rest.
+    /// A delay takes w*T off the phase and leaves the rest.
     #[test]
     fn a_delay_takes_itself_off_the_delay_margin() {
         let late = |time: f64| margins(&grid(|s| 20.0 / s * (-s * time).exp()));

@@ -7,7 +7,7 @@
 //! dtau_i     = w_c*(u(t - T_d) - tau_i)
 //! ```
 //!
-//! c: torque constant over the believed one; S: friction about rest as springs, 0 where it slides; J_l, k, e: a part of the
+//! c: torque constant over the file's; S: friction about rest as springs, 0 where it slides; J_l, k, e: a part of the
 //! load behind a mode. Frequency response: analytic, times the hold of a control period, (1 - e^(-s dt))/(s dt); poles: exact
 //! discretisation of the held input (matrix exponential), T_d in whole periods. Units: rad, N m, s.
 

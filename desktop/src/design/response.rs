@@ -63,9 +63,9 @@ impl Response {
 
     /// At w (rad/s).
     pub fn at(&self, omega: f64) -> Answer {
-        let turn = |k: i32| C64::from_polar(1.0, f64::from(k) * omega * CONTROL_PERIOD);
-        let z: [C64; SLOTS] = std::array::from_fn(|k| turn(k as i32));
-        let round = turn(SLOTS as i32);
+        let rotation = |k: i32| C64::from_polar(1.0, f64::from(k) * omega * CONTROL_PERIOD);
+        let z: [C64; SLOTS] = std::array::from_fn(|k| rotation(k as i32));
+        let round = rotation(SLOTS as i32);
         let mut left = -self.phi.clone();
         (0..STATES).for_each(|k| left[(k, k)] += round);
         let entered = self.enters.iter().zip(z);

@@ -11,12 +11,13 @@ use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 use strainwave::Error;
-use strainwave::compensator::{Input, Sensors, Setpoint, Shares};
+use strainwave::compensator::{Compensator, Input, Sensors, Setpoint, Shares};
 
-use super::controller::Parts;
 use super::corners::{Corner, Point};
-use super::plant::Plant;
-use super::{Levels, Mode, Variant, open_loop, parts};
+use super::loops::torque_loop;
+use super::parts::Parts;
+use super::plant::{OUTPUTS, Plant};
+use super::variant::{Mode, Variant};
 use crate::bench::SensorSet;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, joint_params};
@@ -68,44 +69,57 @@ pub fn sweep(file: &GearFile, set: SensorSet, frequencies: &[u32]) -> Result<Vec
     let compensator = params.build()?;
     let corner = Corner { bandwidth: 1000.0, ..Corner::nominal(Mode::Standing) };
     let plant = Plant::new(&file, &corner);
-    let discrete = plant.discrete();
-    let parts: Parts = parts(&file, &Levels::FULL)?;
     let variant = Variant { set, mode: Mode::Standing, point: Point::K1, passes: false };
     let omegas: Vec<f64> = frequencies.iter().map(|f| TAU * f64::from(*f)).collect();
-    let linear = open_loop(&file, &parts, variant, &corner, &omegas);
+    let linear = torque_loop(&file, &Parts::of(&file)?, variant, &corner, &omegas);
     let decibel = |l: Complex<f64>| 20.0 * l.norm().log10();
-    let mut points = Vec::new();
-    for (omega, linear) in omegas.into_iter().zip(linear) {
-        let (mut state, mut x) = (compensator.rest(), vec![0.0; plant.states()]);
-        let [mut commanded, mut applied] = [Complex::new(0.0, 0.0); 2];
-        for k in 0..2 * SECOND {
-            let [motor, output, torque, gauge] = plant.read(&x);
-            let input = Input {
-                sensors: Sensors {
-                    motor_encoder: raw(motor),
-                    output_encoder: (set == SensorSet::Both).then(|| raw(output)),
-                    motor_torque: torque,
-                    output_torque: file.sensors.output_torque.then_some(gauge),
-                },
-                command: Setpoint::default().into(),
-                shares: Shares { adaptation: 0.0, ripple: 0.0, friction: 0.0, ..Shares::ALL }.into(),
-                elapsed: 0.0,
-            };
-            let command = compensator.control(&mut state, &input).motor_torque;
-            let phase = omega * CONTROL_PERIOD * k as f64;
-            let sine = SINE * file.motor.peak_torque * phase.sin();
-            if k >= SECOND {
-                let turn = Complex::from_polar(1.0, -phase);
-                commanded += turn * command;
-                applied += turn * (command + sine);
-            }
-            plant.step(&discrete, &mut x, command + sine);
-        }
-        points.push(Measured {
+    let measured = |omega| decibel(measure(&file, &compensator, &plant, set, omega));
+    let points = omegas.into_iter().zip(linear);
+    Ok(points
+        .map(|(omega, linear)| Measured {
             frequency: omega / TAU,
-            measured: decibel(-commanded / applied),
+            measured: measured(omega),
             linear: decibel(linear),
-        });
+        })
+        .collect())
+}
+
+/// L of the real code at w (rad/s).
+fn measure(
+    file: &GearFile,
+    compensator: &Compensator<f64>,
+    plant: &Plant,
+    set: SensorSet,
+    omega: f64,
+) -> Complex<f64> {
+    let discrete = plant.discrete();
+    let (mut state, mut x) = (compensator.rest(), vec![0.0; plant.states()]);
+    let [mut commanded, mut applied] = [Complex::new(0.0, 0.0); 2];
+    for k in 0..2 * SECOND {
+        let input = input(file, set, plant.read(&x));
+        let command = compensator.control(&mut state, &input).motor_torque;
+        let phase = omega * CONTROL_PERIOD * k as f64;
+        let sine = SINE * file.motor.peak_torque * phase.sin();
+        if k >= SECOND {
+            let rotation = Complex::from_polar(1.0, -phase);
+            commanded += rotation * command;
+            applied += rotation * (command + sine);
+        }
+        plant.step(&discrete, &mut x, command + sine);
     }
-    Ok(points)
+    -commanded / applied
+}
+
+fn input(file: &GearFile, set: SensorSet, [motor, output, torque, gauge]: [f64; OUTPUTS]) -> Input<f64> {
+    Input {
+        sensors: Sensors {
+            motor_encoder: raw(motor),
+            output_encoder: (set == SensorSet::Both).then(|| raw(output)),
+            motor_torque: torque,
+            output_torque: file.sensors.output_torque.then_some(gauge),
+        },
+        command: Setpoint::default().into(),
+        shares: Shares { adaptation: 0.0, ripple: 0.0, friction: 0.0, ..Shares::ALL }.into(),
+        elapsed: 0.0,
+    }
 }
