@@ -1,17 +1,10 @@
 //! The corners of the box that a joint may lie in.
 
 use super::variant::Mode;
-use crate::draw;
 use crate::gear_file::GearFile;
 
 /// Damping ratio of the mode behind the flange: the least of the box.
 pub const LINK_DAMPING: f64 = 0.005;
-/// Largest relative deviation of torque constant and rotor inertia.
-const MOTOR: f64 = 0.1;
-/// Current loop (Hz).
-const BANDWIDTHS: [f64; 2] = [500.0, 2000.0];
-/// By how many control periods the drive may be late beyond what is declared.
-const DELAYS: [usize; 2] = [0, 2];
 /// Presliding distance over the file's, where friction does not slide.
 const PRESLIDING: [f64; 2] = [0.3, 3.0];
 /// Share of the load behind a mode, and its frequency (Hz).
@@ -52,7 +45,7 @@ pub struct Corner {
     pub rotor: f64,
     /// Torque constant over the file's.
     pub constant: f64,
-    /// Delay of the drive beyond the declared (control periods).
+    /// Delay of the drive beyond the control's own (control periods).
     pub delay: usize,
     /// Corner of its current loop (Hz).
     pub bandwidth: f64,
@@ -82,20 +75,22 @@ impl Corner {
         }
     }
 
-    /// All corners of a mode.
-    pub fn all(mode: Mode) -> Vec<Self> {
+    /// All corners of a mode: the file's [drive] and [tolerances], presliding and a mode behind the flange.
+    pub fn all(file: &GearFile, mode: Mode) -> Vec<Self> {
         let presliding = match mode {
             Mode::Moving => vec![None],
             Mode::Standing => PRESLIDING.map(Some).to_vec(),
         };
+        let (drive, known) = (&file.drive, &file.tolerances);
         let mut corners = vec![Self::nominal(mode)];
         corners = spread(&corners, &Point::ALL, |c, x| c.point = x);
-        corners = spread(&corners, &both(draw::STIFFNESS), |c, x| c.stiffness = x);
-        corners = spread(&corners, &both(draw::INERTIA), |c, x| c.load = x);
-        corners = spread(&corners, &both(MOTOR), |c, x| c.rotor = x);
-        corners = spread(&corners, &both(MOTOR), |c, x| c.constant = x);
-        corners = spread(&corners, &DELAYS, |c, x| c.delay = x);
-        corners = spread(&corners, &BANDWIDTHS, |c, x| c.bandwidth = x);
+        corners = spread(&corners, &both(known.stiffness), |c, x| c.stiffness = x);
+        corners = spread(&corners, &both(known.load_inertia), |c, x| c.load = x);
+        corners = spread(&corners, &both(known.rotor_inertia), |c, x| c.rotor = x);
+        corners = spread(&corners, &both(drive.torque_constant), |c, x| c.constant = x);
+        corners = spread(&corners, &[0, drive.delay as usize], |c, x| c.delay = x);
+        corners =
+            spread(&corners, &[drive.least_current_loop, drive.largest_current_loop], |c, x| c.bandwidth = x);
         corners = spread(&corners, &presliding, |c, x| c.presliding = x);
         spread(&corners, &LINKS, |c, x| c.link = x)
     }

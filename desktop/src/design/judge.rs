@@ -95,7 +95,7 @@ pub fn judge(
     let omegas = frequencies();
     let answers = answers(file, parts, loops, &omegas);
     let mut judged: Vec<_> = loops.iter().map(|of| Judged::new(*of)).collect();
-    let corners: Vec<_> = all_corners(each).collect();
+    let corners: Vec<_> = all_corners(file, each).collect();
     for (done, (mode, corner)) in corners.iter().enumerate() {
         let plant = Plant::new(file, corner);
         let p: Vec<_> = omegas.iter().map(|w| plant.at(*w)).collect();
@@ -120,8 +120,8 @@ pub fn judge(
 }
 
 /// Every `each`-th corner of both modes.
-fn all_corners(each: usize) -> impl Iterator<Item = (Mode, Corner)> {
-    let of = move |mode| Corner::all(mode).into_iter().step_by(each).map(move |corner| (mode, corner));
+fn all_corners(file: &GearFile, each: usize) -> impl Iterator<Item = (Mode, Corner)> {
+    let of = move |mode| Corner::all(file, mode).into_iter().step_by(each).map(move |corner| (mode, corner));
     Mode::ALL.into_iter().flat_map(of)
 }
 
@@ -133,7 +133,7 @@ pub fn unstable(
     each: usize,
     mut progress: impl FnMut(f64),
 ) -> Vec<(Variant, Corner)> {
-    let corners: Vec<_> = all_corners(each).collect();
+    let corners: Vec<_> = all_corners(file, each).collect();
     let mut found = Vec::new();
     for (done, (mode, corner)) in corners.iter().enumerate() {
         for of in loops.iter().filter(|of| of.broken == Break::Torque) {
