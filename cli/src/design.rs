@@ -3,8 +3,10 @@
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use strainwave_desktop::bench::SensorSet;
+use strainwave_desktop::design::cascade_rule::{CascadeGains, Required, cascade};
+use strainwave_desktop::design::level_rule;
 use strainwave_desktop::design::levels::Levels;
 use strainwave_desktop::design::parts::Parts;
 use strainwave_desktop::design::report::Report;
@@ -18,6 +20,9 @@ use crate::progress::Progress;
 /// Where |L| is measured (Hz).
 const FREQUENCIES: [u32; 8] = [5, 10, 20, 40, 60, 80, 120, 200];
 
+/// Unstable corners that are named.
+const UNSTABLE: usize = 5;
+
 /// Print the gains that follow from a gear file, and the margins of each loop over the box that its joint may lie in
 ///
 /// Linear analysis at the motor's torque command and at the disturbance path, with the motor's encoder alone and with
@@ -28,14 +33,65 @@ pub struct Arguments {
     /// The gear file
     #[arg(value_name = "GEAR.toml")]
     gear: PathBuf,
-    /// Judge the cascade alone, without output feedback and disturbance path
-    #[arg(long)]
-    bare: bool,
+    /// Gains of the cascade: those of the file's [feedback], or the stiffest that have margins over the box
+    #[arg(long, value_enum, default_value = "file")]
+    cascade: Source,
+    /// Phase margin that the rule's cascade has beyond its bound (degrees), for the functions on top of it
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, value_parser = reserve)]
+    reserve: f64,
+    /// Functions on top of the cascade: as they are, none, or as much of each as has margins
+    #[arg(long, value_enum, default_value = "file")]
+    functions: Functions,
     /// Also measure |L| in the loop of the real code and print it beside the linear one
     #[arg(long)]
     sweep: bool,
     #[command(flatten)]
     figures: FiguresArguments,
+}
+
+/// Where the cascade's gains come from.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Source {
+    /// The gear file
+    File,
+    /// The rule
+    Rule,
+}
+
+/// Which functions there are on top of the cascade.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Functions {
+    /// All of them, as the firmware has them
+    File,
+    /// None
+    None,
+    /// Those that have margins
+    Rule,
+}
+
+fn reserve(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|degrees| (0.0..=40.0).contains(degrees));
+    found.ok_or_else(|| "allowed: a number from 0 to 40".into())
+}
+
+fn cascade_of(arguments: &Arguments, file: &GearFile) -> Result<Option<CascadeGains>, BadInput> {
+    if arguments.cascade == Source::File {
+        return Ok(None);
+    }
+    let required = Required { phase: Required::BOUNDS.phase + arguments.reserve, ..Required::BOUNDS };
+    let missing = || BadInput::new(&arguments.gear, "no cascade has these margins over the box");
+    cascade(file, &required).map(Some).ok_or_else(missing)
+}
+
+fn levels(functions: Functions, file: &GearFile, parts: &Parts) -> Levels {
+    match functions {
+        Functions::File => Levels::FULL,
+        Functions::None => Levels::NONE,
+        Functions::Rule => {
+            let mut progress = Progress::new(1000, "levels");
+            level_rule::levels(file, parts, |share| progress.set((share * 1e3) as u64))
+        }
+    }
 }
 
 /// Analyses and judges.
@@ -45,10 +101,12 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     let file = GearFile::read(&arguments.gear)?;
     file.require_firmware_friction().map_err(|why| BadInput::new(&arguments.gear, why))?;
     files::require_writable(json)?;
-    let parts = Parts::of(&file).map_err(BadInput::message)?;
-    let levels = if arguments.bare { Levels::NONE } else { Levels::FULL };
+    let mut parts = Parts::of(&file).map_err(BadInput::message)?;
+    let rule = cascade_of(arguments, &file)?;
+    parts.feedback = rule.map_or(parts.feedback, |gains| gains.params(&file));
+    let levels = levels(arguments.functions, &file, &parts);
     let mut progress = Progress::new(1000, "margins");
-    let report = Report::of(&file, levels.apply(&parts), |share| progress.set((share * 1e3) as u64));
+    let report = Report::of(&file, &parts, rule, levels, |share| progress.set((share * 1e3) as u64));
     drop(progress);
     print(&report);
     if arguments.sweep {
@@ -64,6 +122,7 @@ fn table<const N: usize>(header: [&str; N], rows: Vec<[String; N]>) {
 
 fn print(report: &Report) {
     table(["gain", "value", "unit", "rule"], report.gains());
+    table(["function", "level"], report.functions());
     table(["loop", "margin", "value", "bound", "worst corner"], report.margins());
     say(format_args!("poles of the nominal joint, frequency/damping ratio:"));
     for (set, mode, poles) in &report.poles {
@@ -71,9 +130,13 @@ fn print(report: &Report) {
             poles.iter().map(|(w, damping)| format!("{:.1} Hz/{damping:.2}", w / TAU)).collect();
         say(format_args!("  {} {mode:?}: {}", set.name(), poles.join(", ")));
     }
-    for (variant, corner) in &report.unstable {
+    say(format_args!("\nunstable corners: {}", report.unstable.len()));
+    for (variant, corner) in report.unstable.iter().take(UNSTABLE) {
         let path = if variant.passes { "path_on" } else { "path_off" };
-        say(format_args!("unstable: {} {path} {:?} {}", variant.set.name(), variant.mode, corner.name()));
+        say(format_args!("  {} {path} {:?} {}", variant.set.name(), variant.mode, corner.name()));
+    }
+    for name in report.missed() {
+        say(format_args!("misses its bound: {name}"));
     }
     say(format_args!(""));
 }

@@ -8,7 +8,7 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use super::controller::{Controller, INPUTS, SLOTS, STATES};
+use super::controller::{Controller, INPUTS, SLOTS};
 use super::plant::Plant;
 use crate::joint::CONTROL_PERIOD;
 
@@ -16,41 +16,37 @@ use crate::joint::CONTROL_PERIOD;
 /// tell the constant part of presliding from a held torque, a double pole at 1 that rounding splits.
 const ROUNDING: f64 = 1e-6;
 
-/// Eigenvalues of a round.
-pub fn eigenvalues(controller: &Controller, plant: &Plant) -> Option<Vec<Complex<f64>>> {
-    let discrete = plant.discrete();
-    let (size, own) = (plant.states() + STATES, plant.states());
-    let units = units(controller, own);
-    let mut round = DMatrix::zeros(size, size);
-    for column in 0..size {
-        let mut x = vec![0.0; size];
-        x[column] = units[column];
-        for slot in 0..SLOTS {
-            step(controller, plant, &discrete, slot, &mut x, 0.0);
-        }
-        (0..size).for_each(|row| round[(row, column)] = x[row] / units[row]);
-    }
+/// Eigenvalues of what `round` does to states of these sizes.
+pub fn of(units: &[f64], round: impl Fn(&mut [f64])) -> Option<Vec<Complex<f64>>> {
+    let size = units.len();
+    let columns: Vec<Vec<f64>> = (0..size)
+        .map(|column| {
+            let mut x = vec![0.0; size];
+            x[column] = units[column];
+            round(&mut x);
+            x.iter().zip(units).map(|(x, unit)| x / unit).collect()
+        })
+        .collect();
     // nalgebra's QR does not converge beside the many poles at zero.
-    let round = faer::Mat::from_fn(size, size, |row, column| round[(row, column)]);
+    let round = faer::Mat::from_fn(size, size, |row, column| columns[column][row]);
     let found = round.eigenvalues().ok()?;
     Some(found.iter().map(|mu| Complex::new(mu.re, mu.im)).collect())
 }
 
-/// One control period of both; `injected` is added to the command on its way to the drive. Answers with the command.
-pub fn step(
-    controller: &Controller,
-    plant: &Plant,
-    discrete: &DMatrix<f64>,
-    slot: usize,
-    x: &mut [f64],
-    injected: f64,
-) -> f64 {
+/// Eigenvalues of a round.
+pub fn eigenvalues(controller: &Controller, plant: &Plant) -> Option<Vec<Complex<f64>>> {
+    let discrete = plant.discrete();
+    let round = |x: &mut [f64]| (0..SLOTS).for_each(|slot| step(controller, plant, &discrete, slot, x));
+    of(&units(controller, plant.states()), round)
+}
+
+/// One control period of both.
+fn step(controller: &Controller, plant: &Plant, discrete: &DMatrix<f64>, slot: usize, x: &mut [f64]) {
     let (joint, own) = x.split_at_mut(plant.states());
     let [motor, output, torque, gauge] = plant.read(joint);
     let read: [f64; INPUTS] = [motor, output, torque, gauge, 0.0];
     let [command, _] = controller.step(slot, own, &read, false);
-    plant.step(discrete, joint, command + injected);
-    command
+    plant.step(discrete, joint, command);
 }
 
 fn units(controller: &Controller, own: usize) -> Vec<f64> {
@@ -68,11 +64,15 @@ pub fn is_stable(eigenvalues: &[Complex<f64>]) -> bool {
     eigenvalues.iter().all(|mu| mu.norm() < 1.0 + ROUNDING)
 }
 
-/// Frequencies (rad/s) and damping ratios of the poles below `most` (rad/s), each pair once.
+/// Frequencies (rad/s) and damping ratios of the poles below `most` (rad/s), each pair once; without those at 1, which
+/// integrators have that nothing reads.
 pub fn modes(eigenvalues: &[Complex<f64>], most: f64) -> Vec<(f64, f64)> {
     let round = SLOTS as f64 * CONTROL_PERIOD;
     let poles = eigenvalues.iter().filter(|mu| mu.norm() > 0.0 && mu.im >= 0.0).map(|mu| mu.ln() / round);
-    let mut modes: Vec<_> = poles.map(|s| (s.norm(), -s.re / s.norm())).filter(|(w, _)| *w < most).collect();
+    let mut modes: Vec<_> = poles
+        .map(|s| (s.norm(), -s.re / s.norm()))
+        .filter(|(w, _)| (ROUNDING / round..most).contains(w))
+        .collect();
     modes.sort_by(|a, b| a.0.total_cmp(&b.0));
     modes
 }

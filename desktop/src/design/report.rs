@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::cascade_rule::CascadeGains;
 use super::corners::{Corner, Point};
 use super::judge::{Judged, Worst, judge, unstable};
 use super::levels::Levels;
@@ -41,6 +42,8 @@ fn names(set: SensorSet) -> [&'static str; 4] {
 /// What was found of a joint.
 pub struct Report {
     parts: Parts,
+    levels: Levels,
+    by_rule: bool,
     /// The cascade alone.
     pub cascade: Judged,
     /// Each loop and set.
@@ -57,11 +60,19 @@ fn place(worst: &Worst) -> String {
 }
 
 impl Report {
-    /// Of a joint with these parts; `progress` is told the share that is done.
+    /// Of a joint with these parts at these levels, the cascade's by its rule or the file's; `progress` is told the share that is done.
     ///
     /// # Errors
     /// As [`Parts::of`].
-    pub fn of(file: &GearFile, parts: Parts, mut progress: impl FnMut(f64)) -> Self {
+    pub fn of(
+        file: &GearFile,
+        parts: &Parts,
+        rule: Option<CascadeGains>,
+        levels: Levels,
+        mut progress: impl FnMut(f64),
+    ) -> Self {
+        let by_rule = rule.is_some();
+        let parts = levels.apply(parts);
         let all: Vec<_> = SensorSet::ALL.into_iter().flat_map(Loop::all).collect();
         let alone = Loop { set: SensorSet::Motor, broken: Break::Torque, passes: false };
         let cascade = judge(file, &Levels::NONE.apply(&parts), &[alone], 1, |done| progress(0.1 * done));
@@ -75,7 +86,7 @@ impl Report {
         };
         let each = SensorSet::ALL.into_iter().flat_map(|set| Mode::ALL.map(|mode| (set, mode)));
         let poles = each.map(nominal).collect();
-        Self { parts, cascade: cascade[0], judged, unstable, poles }
+        Self { parts, levels, by_rule, cascade: cascade[0], judged, unstable, poles }
     }
 
     fn of_set(&self, set: SensorSet, broken: Break) -> impl Iterator<Item = &Judged> {
@@ -101,24 +112,50 @@ impl Report {
         let row = |name: &str, value: f64, unit: &str, rule: &str| {
             [name.to_owned(), number(value), unit.to_owned(), rule.to_owned()]
         };
+        let [k_p, k_v, t_i, omega_f] = self.cascade_rules();
         let mut rows = vec![
-            row("cascade k_p", f.position_gain, "1/s", "2 pi f_p"),
-            row("cascade k_v", f.velocity_gain, "N m s/rad", "2 pi f_v (J_wg + r^2 J_fs)"),
-            row("cascade T_i", f.integral_time, "s", "file"),
-            row("cascade omega_f", f.filter_corner, "rad/s", "20 pi f_v"),
-            row("disturbance omega_l", d.slow_corner, "rad/s", "0.2 sqrt(K1/J_fs)"),
-            row("disturbance omega_f", d.fast_corner, "rad/s", "1/1 ms"),
-            row("disturbance s", d.wound_up, "1", "0.5"),
+            row("cascade k_p", f.position_gain, "1/s", k_p),
+            row("cascade k_v", f.velocity_gain, "N m s/rad", k_v),
+            row("cascade T_i", f.integral_time, "s", t_i),
+            row("cascade omega_f", f.filter_corner, "rad/s", omega_f),
+            row("disturbance omega_l", d.slow_corner, "rad/s", "level * 0.2 sqrt(K1/J_fs)"),
+            row("disturbance omega_f", d.fast_corner, "rad/s", "level / lateness"),
+            row("disturbance s", d.wound_up, "1", "level * 0.5"),
             row("disturbance z_0", d.dead_zone, "N m", "static friction of both sides"),
-            row("disturbance t", d.tolerance, "1", "0.2 N"),
+            row("disturbance t", d.tolerance, "1", "N (torque constant + rotor)"),
         ];
         for (set, b) in SensorSet::ALL.into_iter().zip(output_feedback) {
             let name = |what: &str| format!("output feedback {what} ({})", set.name());
-            rows.push(row(&name("b"), b.damping, "s", "2*0.125/sqrt(K1/J_fs)"));
-            rows.push(row(&name("k"), b.integral, "1/s", "sqrt(K1/J_fs)/16, 0 without output encoder"));
+            rows.push(row(&name("b"), b.damping, "s", "level * 2*0.125/sqrt(K1/J_fs)"));
+            rows.push(row(
+                &name("k"),
+                b.integral,
+                "1/s",
+                "level * sqrt(K1/J_fs)/16, 0 without output encoder",
+            ));
             rows.push(row(&name("omega_y"), b.filter_corner, "rad/s", "sqrt(K1/J_fs)/3"));
         }
         rows
+    }
+
+    fn cascade_rules(&self) -> [&'static str; 4] {
+        if self.by_rule {
+            ["omega_c/a", "omega_c J_wg", "a/omega_c", "2 pi * largest current loop"]
+        } else {
+            ["2 pi f_p", "2 pi f_v (J_wg + r^2 J_fs)", "file", "20 pi f_v"]
+        }
+    }
+
+    /// Functions on top of the cascade: name, level or off.
+    pub fn functions(&self) -> Vec<[String; 2]> {
+        let shown = |level: f64| if level == 0.0 { "off".to_owned() } else { number(level) };
+        self.levels.named().map(|(name, level)| [name.to_owned(), shown(level)]).collect()
+    }
+
+    /// What misses its bound, by name.
+    pub fn missed(&self) -> Vec<String> {
+        let figures = self.figures();
+        figures.into_iter().filter(|figure| !figure.holds).map(|figure| figure.name).collect()
     }
 
     /// Margins: loop, margin, value, bound, worst corner.
