@@ -6,10 +6,10 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use strainwave_desktop::bench::SensorSet;
 use strainwave_desktop::design::cascade_rule::{CascadeGains, Required, cascade};
-use strainwave_desktop::design::level_rule;
+use strainwave_desktop::design::level_rule::{self, Allowed, Miss};
 use strainwave_desktop::design::levels::Levels;
 use strainwave_desktop::design::parts::Parts;
-use strainwave_desktop::design::report::Report;
+use strainwave_desktop::design::report::{Report, place};
 use strainwave_desktop::design::sweep::{Measured, sweep};
 use strainwave_desktop::{BadInput, GearFile};
 
@@ -83,10 +83,11 @@ fn cascade_of(arguments: &Arguments, file: &GearFile) -> Result<Option<CascadeGa
     cascade(file, &required).map(Some).ok_or_else(missing)
 }
 
-fn levels(functions: Functions, file: &GearFile, parts: &Parts) -> Levels {
+fn levels(functions: Functions, file: &GearFile, parts: &Parts) -> Allowed {
+    let all = |levels| Allowed { levels, misses: Default::default() };
     match functions {
-        Functions::File => Levels::FULL,
-        Functions::None => Levels::NONE,
+        Functions::File => all(Levels::FULL),
+        Functions::None => all(Levels::NONE),
         Functions::Rule => {
             let mut progress = Progress::new(1000, "levels");
             level_rule::levels(file, parts, |share| progress.set((share * 1e3) as u64))
@@ -104,11 +105,11 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     let mut parts = Parts::of(&file).map_err(BadInput::message)?;
     let rule = cascade_of(arguments, &file)?;
     parts.feedback = rule.map_or(parts.feedback, |gains| gains.params(&file));
-    let levels = levels(arguments.functions, &file, &parts);
+    let allowed = levels(arguments.functions, &file, &parts);
     let mut progress = Progress::new(1000, "margins");
-    let report = Report::of(&file, &parts, rule, levels, |share| progress.set((share * 1e3) as u64));
+    let report = Report::of(&file, &parts, rule, allowed.levels, |share| progress.set((share * 1e3) as u64));
     drop(progress);
-    print(&report);
+    print(&report, &allowed);
     if arguments.sweep {
         print_sweep(&file)?;
     }
@@ -120,9 +121,22 @@ fn table<const N: usize>(header: [&str; N], rows: Vec<[String; N]>) {
     say(format_args!("{}\n", columns(&rows.map(|row| row.to_vec()).collect::<Vec<_>>())));
 }
 
-fn print(report: &Report) {
+/// Each function with its level, and of one that is off what it misses at the least level.
+fn functions(allowed: &Allowed) -> Vec<[String; 5]> {
+    let shown = |level: f64| if level == 0.0 { "off".to_owned() } else { format!("{level}") };
+    let row = |((name, level), miss): ((&str, f64), &Option<Miss>)| {
+        let [what, value, at] = match miss {
+            Some(miss) => [miss.what.clone(), format!("{:.3}", miss.value), place(&miss.at)],
+            None => [(); 3].map(|()| "-".to_owned()),
+        };
+        [name.to_owned(), shown(level), what, value, at]
+    };
+    allowed.levels.named().zip(&allowed.misses).map(row).collect()
+}
+
+fn print(report: &Report, allowed: &Allowed) {
     table(["gain", "value", "unit", "rule"], report.gains());
-    table(["function", "level"], report.functions());
+    table(["function", "level", "misses at 1/4", "value", "worst corner"], functions(allowed));
     table(["loop", "margin", "value", "bound", "worst corner"], report.margins());
     say(format_args!("poles of the nominal joint, frequency/damping ratio:"));
     for (set, mode, poles) in &report.poles {

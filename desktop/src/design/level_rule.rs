@@ -2,15 +2,17 @@
 //!
 //! The functions are added one by one in the order of [`FUNCTIONS`], each at the first of the levels 1, 1/2, 1/4 with which
 //! every loop of its sensors has its margins over the box and the disturbance path's |L| stays below 1, together with those
-//! before it; at none of them it is off. Where the cascade alone misses a margin already, no function may make it worse.
+//! before it; at none of them it is off, and with it what rests on it. Where the cascade alone misses a margin already, no function may make it worse.
 
+use super::cascade_rule::Required;
+use super::corners::Corner;
 use super::judge::{Judged, judge, unstable};
 use super::levels::{FUNCTIONS, Function, Levels};
 use super::loops::{Break, Loop};
 use super::parts::Parts;
+use super::variant::Variant;
 use crate::bench::SensorSet;
 use crate::bounds;
-use crate::design::cascade_rule::Required;
 use crate::gear_file::GearFile;
 
 /// Levels in the order in which they are tried.
@@ -32,38 +34,65 @@ fn floors(file: &GearFile, parts: &Parts) -> Required {
     }
 }
 
-fn has(judged: &Judged, floors: &Required) -> bool {
-    match judged.of.broken {
-        Break::Disturbance => judged.size.value < bounds::DESIGN_SIZE,
-        Break::Torque => {
-            judged.gain.value >= floors.gain
-                && judged.phase.value >= floors.phase
-                && judged.delay.value >= floors.delay
-        }
-    }
+/// A margin that a function leaves none of.
+#[derive(Clone, Debug)]
+pub struct Miss {
+    /// Loop and margin.
+    pub what: String,
+    /// (dB), (degrees), (control periods), |L| or unstable corners.
+    pub value: f64,
+    /// In which corner.
+    pub at: Option<(Variant, Corner)>,
 }
 
-fn holds(file: &GearFile, parts: &Parts, function: &Function, floors: &Required) -> bool {
+fn missed(judged: &Judged, floors: &Required) -> Option<Miss> {
+    let margins: &[_] = match judged.of.broken {
+        Break::Disturbance => &[("largest |L|", judged.size, judged.size.value < bounds::DESIGN_SIZE)],
+        Break::Torque => &[
+            ("gain [dB]", judged.gain, judged.gain.value >= floors.gain),
+            ("phase [deg]", judged.phase, judged.phase.value >= floors.phase),
+            ("delay [period]", judged.delay, judged.delay.value >= floors.delay),
+        ],
+    };
+    let (what, worst, _) = margins.iter().find(|(_, _, holds)| !holds)?;
+    Some(Miss { what: format!("{} {what}", judged.of.name()), value: worst.value, at: worst.at })
+}
+
+/// The first margin that is missed with these parts.
+fn first_missed(file: &GearFile, parts: &Parts, function: &Function, floors: &Required) -> Option<Miss> {
     let loops: Vec<_> = function.sets.iter().flat_map(|set| Loop::all(*set)).collect();
-    judge(file, parts, &loops, 1, |_| ()).iter().all(|judged| has(judged, floors))
-        && unstable(file, parts, &loops, LOOKED_AT, |_| ()).is_empty()
+    let judged = judge(file, parts, &loops, 1, |_| ());
+    judged.iter().find_map(|judged| missed(judged, floors)).or_else(|| {
+        let unstable = unstable(file, parts, &loops, LOOKED_AT, |_| ());
+        let at = unstable.first().copied()?;
+        Some(Miss { what: "unstable corners".into(), value: unstable.len() as f64, at: Some(at) })
+    })
+}
+
+/// What the rule gives.
+pub struct Allowed {
+    /// The levels.
+    pub levels: Levels,
+    /// Of a function that is off, what it misses at the least level.
+    pub misses: [Option<Miss>; FUNCTIONS.len()],
 }
 
 /// The levels of a joint with these parts; `progress` is told the share that is done.
-pub fn levels(file: &GearFile, parts: &Parts, mut progress: impl FnMut(f64)) -> Levels {
+pub fn levels(file: &GearFile, parts: &Parts, mut progress: impl FnMut(f64)) -> Allowed {
     let floors = floors(file, parts);
-    let mut found = Levels::NONE;
+    let mut found = Allowed { levels: Levels::NONE, misses: Default::default() };
     for (place, function) in FUNCTIONS.iter().enumerate() {
-        let with = |level: f64| {
-            let mut tried = found;
-            tried.0[place] = level;
-            tried
-        };
-        let level = LEVELS
-            .into_iter()
-            .find(|level| holds(file, &with(*level).apply(parts), function, &floors))
-            .unwrap_or(0.0);
-        found = with(level);
+        if function.needs.is_none_or(|needed| found.levels.0[needed] > 0.0) {
+            for level in LEVELS {
+                let mut tried = found.levels;
+                tried.0[place] = level;
+                found.misses[place] = first_missed(file, &tried.apply(parts), function, &floors);
+                if found.misses[place].is_none() {
+                    found.levels = tried;
+                    break;
+                }
+            }
+        }
         progress((place + 1) as f64 / FUNCTIONS.len() as f64);
     }
     found

@@ -11,6 +11,8 @@ pub struct Function {
     pub name: &'static str,
     /// Sets of sensors that have it.
     pub sets: &'static [SensorSet],
+    /// Place in [`FUNCTIONS`] of the function without which it does nothing.
+    pub needs: Option<usize>,
     scale: fn(&mut Parts, f64),
 }
 
@@ -19,31 +21,37 @@ pub const FUNCTIONS: [Function; 6] = [
     Function {
         name: "output feedback: damping b (motor encoder)",
         sets: &[SensorSet::Motor],
+        needs: None,
         scale: |parts, level| parts.output_feedback[0].damping *= level,
     },
     Function {
         name: "output feedback: damping b (both encoders)",
         sets: &[SensorSet::Both],
+        needs: None,
         scale: |parts, level| parts.output_feedback[1].damping *= level,
     },
     Function {
         name: "disturbance path: slow corner omega_l",
         sets: &SensorSet::ALL,
+        needs: None,
         scale: |parts, level| parts.disturbance.slow_corner *= level,
     },
     Function {
         name: "disturbance path: fast corner omega_f",
         sets: &SensorSet::ALL,
+        needs: None,
         scale: |parts, level| parts.disturbance.fast_corner *= level,
     },
     Function {
         name: "disturbance path: wound-up share s",
         sets: &SensorSet::ALL,
+        needs: Some(3),
         scale: |parts, level| parts.disturbance.wound_up *= level,
     },
     Function {
         name: "output feedback: integral k (both encoders)",
         sets: &[SensorSet::Both],
+        needs: None,
         scale: |parts, level| parts.output_feedback[1].integral *= level,
     },
 ];

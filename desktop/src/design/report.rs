@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::cascade_rule::CascadeGains;
 use super::corners::{Corner, Point};
-use super::judge::{Judged, Worst, judge, unstable};
+use super::judge::{Judged, judge, unstable};
 use super::levels::Levels;
 use super::loops::{Break, Loop};
 use super::parts::Parts;
@@ -42,7 +42,6 @@ fn names(set: SensorSet) -> [&'static str; 4] {
 /// What was found of a joint.
 pub struct Report {
     parts: Parts,
-    levels: Levels,
     by_rule: bool,
     /// The cascade alone.
     pub cascade: Judged,
@@ -55,8 +54,8 @@ pub struct Report {
 }
 
 /// Where a margin is worst, for people.
-fn place(worst: &Worst) -> String {
-    worst.at.map_or_else(|| "-".into(), |(variant, corner)| format!("{:?} {}", variant.mode, corner.name()))
+pub fn place(at: &Option<(Variant, Corner)>) -> String {
+    at.map_or_else(|| "-".into(), |(variant, corner)| format!("{:?} {}", variant.mode, corner.name()))
 }
 
 impl Report {
@@ -86,7 +85,7 @@ impl Report {
         };
         let each = SensorSet::ALL.into_iter().flat_map(|set| Mode::ALL.map(|mode| (set, mode)));
         let poles = each.map(nominal).collect();
-        Self { parts, levels, by_rule, cascade: cascade[0], judged, unstable, poles }
+        Self { parts, by_rule, cascade: cascade[0], judged, unstable, poles }
     }
 
     fn of_set(&self, set: SensorSet, broken: Break) -> impl Iterator<Item = &Judged> {
@@ -146,12 +145,6 @@ impl Report {
         }
     }
 
-    /// Functions on top of the cascade: name, level or off.
-    pub fn functions(&self) -> Vec<[String; 2]> {
-        let shown = |level: f64| if level == 0.0 { "off".to_owned() } else { number(level) };
-        self.levels.named().map(|(name, level)| [name.to_owned(), shown(level)]).collect()
-    }
-
     /// What misses its bound, by name.
     pub fn missed(&self) -> Vec<String> {
         let figures = self.figures();
@@ -171,7 +164,7 @@ impl Report {
             let disturbance = [("largest |L|", &judged.size, bounds::DESIGN_SIZE)];
             let said: &[_] = if judged.of.broken == Break::Torque { &torque } else { &disturbance };
             rows.extend(said.iter().map(|(what, worst, bound)| {
-                [name.clone(), (*what).into(), number(worst.value), number(*bound), place(worst)]
+                [name.clone(), (*what).into(), number(worst.value), number(*bound), place(&worst.at)]
             }));
         }
         rows
