@@ -9,7 +9,7 @@ use strainwave_desktop::design::cascade_rule::{CascadeGains, Required, cascade};
 use strainwave_desktop::design::level_rule::{self, Allowed, Miss};
 use strainwave_desktop::design::levels::Levels;
 use strainwave_desktop::design::parts::Parts;
-use strainwave_desktop::design::report::{Report, place};
+use strainwave_desktop::design::report::{Poles, Report, place};
 use strainwave_desktop::design::sweep::{Measured, sweep};
 use strainwave_desktop::{BadInput, GearFile};
 
@@ -139,10 +139,10 @@ fn print(report: &Report, allowed: &Allowed) {
     table(["function", "level", "misses at 1/4", "value", "worst corner"], functions(allowed));
     table(["loop", "margin", "value", "bound", "worst corner"], report.margins());
     say(format_args!("poles of the nominal joint, frequency/damping ratio:"));
-    for (set, mode, poles) in &report.poles {
-        let poles: Vec<_> =
-            poles.iter().map(|(w, damping)| format!("{:.1} Hz/{damping:.2}", w / TAU)).collect();
-        say(format_args!("  {} {mode:?}: {}", set.name(), poles.join(", ")));
+    for Poles { set, mode, modes } in &report.poles {
+        let modes: Vec<_> =
+            modes.iter().map(|(w, damping)| format!("{:.1} Hz/{damping:.2}", w / TAU)).collect();
+        say(format_args!("  {} {mode:?}: {}", set.name(), modes.join(", ")));
     }
     say(format_args!("\nunstable corners: {}", report.unstable.len()));
     for (variant, corner) in report.unstable.iter().take(UNSTABLE) {

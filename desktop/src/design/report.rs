@@ -39,6 +39,16 @@ fn names(set: SensorSet) -> [&'static str; 4] {
     }
 }
 
+/// Poles of a closed loop.
+pub struct Poles {
+    /// Sensors.
+    pub set: SensorSet,
+    /// Gains.
+    pub mode: Mode,
+    /// Frequencies (rad/s) and damping ratios.
+    pub modes: Vec<(f64, f64)>,
+}
+
 /// What was found of a joint.
 pub struct Report {
     parts: Parts,
@@ -49,8 +59,8 @@ pub struct Report {
     pub judged: Vec<Judged>,
     /// Where the closed loop is not stable.
     pub unstable: Vec<(Variant, Corner)>,
-    /// Frequencies (rad/s) and damping ratios of the nominal joint's closed loop.
-    pub poles: Vec<(SensorSet, Mode, Vec<(f64, f64)>)>,
+    /// Of the nominal joint's closed loop.
+    pub poles: Vec<Poles>,
 }
 
 /// Where a margin is worst, for people.
@@ -81,7 +91,7 @@ impl Report {
             let variant = Variant { set, mode, point: Point::K1, passes: true };
             let plant = Plant::new(file, &Corner::nominal(mode));
             let closed = poles::eigenvalues(&variant.controller(file, &parts), &plant);
-            (set, mode, poles::modes(&closed.unwrap_or_default(), FASTEST))
+            Poles { set, mode, modes: poles::modes(&closed.unwrap_or_default(), FASTEST) }
         };
         let each = SensorSet::ALL.into_iter().flat_map(|set| Mode::ALL.map(|mode| (set, mode)));
         let poles = each.map(nominal).collect();
