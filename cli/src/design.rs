@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use strainwave_desktop::bench::SensorSet;
 use strainwave_desktop::design::cascade_rule::{CascadeGains, Required, cascade};
+use strainwave_desktop::design::judge::Unstable;
 use strainwave_desktop::design::level_rule::{self, Allowed, Miss};
 use strainwave_desktop::design::levels::Levels;
 use strainwave_desktop::design::parts::Parts;
@@ -145,9 +146,11 @@ fn print(report: &Report, allowed: &Allowed) {
         say(format_args!("  {} {mode:?}: {}", set.name(), modes.join(", ")));
     }
     say(format_args!("\nunstable corners: {}", report.unstable.len()));
-    for (variant, corner) in report.unstable.iter().take(UNSTABLE) {
+    for Unstable { variant, corner, growth } in report.unstable.iter().take(UNSTABLE) {
         let path = if variant.passes { "path_on" } else { "path_off" };
-        say(format_args!("  {} {path} {:?} {}", variant.set.name(), variant.mode, corner.name()));
+        let growth = growth.map_or_else(|| "?".into(), |growth| format!("{growth:.3}"));
+        let (set, place) = (variant.set.name(), place(&Some((*variant, *corner))));
+        say(format_args!("  {set} {path} {place}: grows by {growth} 1/s"));
     }
     for name in report.missed() {
         say(format_args!("misses its bound: {name}"));

@@ -125,6 +125,17 @@ fn all_corners(file: &GearFile, each: usize) -> impl Iterator<Item = (Mode, Corn
     Mode::ALL.into_iter().flat_map(of)
 }
 
+/// A closed loop that is not stable.
+#[derive(Clone, Copy, Debug)]
+pub struct Unstable {
+    /// Which.
+    pub variant: Variant,
+    /// Where.
+    pub corner: Corner,
+    /// How fast it grows (1/s); not known where its poles are not found.
+    pub growth: Option<f64>,
+}
+
 /// Corners in which the closed loop is not stable by its poles, of every `each`-th.
 pub fn unstable(
     file: &GearFile,
@@ -132,15 +143,19 @@ pub fn unstable(
     loops: &[Loop],
     each: usize,
     mut progress: impl FnMut(f64),
-) -> Vec<(Variant, Corner)> {
+) -> Vec<Unstable> {
     let corners: Vec<_> = all_corners(file, each).collect();
     let mut found = Vec::new();
     for (done, (mode, corner)) in corners.iter().enumerate() {
         for of in loops.iter().filter(|of| of.broken == Break::Torque) {
             let variant = Variant { set: of.set, mode: *mode, point: corner.point, passes: of.passes };
             let closed = poles::eigenvalues(&variant.controller(file, parts), &Plant::new(file, corner));
-            if closed.is_none_or(|all| !poles::is_stable(&all)) {
-                found.push((variant, *corner));
+            if closed.as_deref().is_none_or(|all| !poles::is_stable(all)) {
+                found.push(Unstable {
+                    variant,
+                    corner: *corner,
+                    growth: closed.as_deref().map(poles::growth),
+                });
             }
         }
         progress(done as f64 / corners.len() as f64);

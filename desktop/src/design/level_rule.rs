@@ -6,7 +6,7 @@
 
 use super::cascade_rule::Required;
 use super::corners::Corner;
-use super::judge::{Judged, judge, unstable};
+use super::judge::{Judged, Unstable, judge, unstable};
 use super::levels::{FUNCTIONS, Function, Levels};
 use super::loops::{Break, Loop};
 use super::parts::Parts;
@@ -20,6 +20,9 @@ pub const LEVELS: [f64; 3] = [1.0, 0.5, 0.25];
 /// Of the corners every so many have their poles looked at.
 const LOOKED_AT: usize = 7;
 
+/// What a function may cost of a margin that the cascade alone misses, as a share of it: rounding between sets of sensors.
+const ROUNDING: f64 = 1e-3;
+
 /// The margins that the functions must leave: the bounds, or those of the cascade alone where they are less.
 fn floors(file: &GearFile, parts: &Parts) -> Required {
     let alone = Loop { set: SensorSet::Motor, broken: Break::Torque, passes: false };
@@ -28,9 +31,9 @@ fn floors(file: &GearFile, parts: &Parts) -> Required {
     };
     let bounds = Required::BOUNDS;
     Required {
-        gain: bounds.gain.min(cascade.gain.value),
-        phase: bounds.phase.min(cascade.phase.value),
-        delay: bounds.delay.min(cascade.delay.value),
+        gain: bounds.gain.min((1.0 - ROUNDING) * cascade.gain.value),
+        phase: bounds.phase.min((1.0 - ROUNDING) * cascade.phase.value),
+        delay: bounds.delay.min((1.0 - ROUNDING) * cascade.delay.value),
     }
 }
 
@@ -39,7 +42,7 @@ fn floors(file: &GearFile, parts: &Parts) -> Required {
 pub struct Miss {
     /// Loop and margin.
     pub what: String,
-    /// (dB), (degrees), (control periods), |L| or unstable corners.
+    /// (dB), (degrees), (control periods), |L| or growth (1/s).
     pub value: f64,
     /// In which corner.
     pub at: Option<(Variant, Corner)>,
@@ -64,8 +67,10 @@ fn first_missed(file: &GearFile, parts: &Parts, function: &Function, floors: &Re
     let judged = judge(file, parts, &loops, 1, |_| ());
     judged.iter().find_map(|judged| missed(judged, floors)).or_else(|| {
         let unstable = unstable(file, parts, &loops, LOOKED_AT, |_| ());
-        let at = unstable.first().copied()?;
-        Some(Miss { what: "unstable corners".into(), value: unstable.len() as f64, at: Some(at) })
+        let growth = |unstable: &&Unstable| unstable.growth.unwrap_or(f64::INFINITY);
+        let worst = unstable.iter().max_by(|a, b| growth(a).total_cmp(&growth(b)))?;
+        let at = Some((worst.variant, worst.corner));
+        Some(Miss { what: "unstable, growth [1/s]".into(), value: growth(&worst), at })
     })
 }
 

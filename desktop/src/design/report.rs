@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::cascade_rule::CascadeGains;
 use super::corners::{Corner, Point};
-use super::judge::{Judged, judge, unstable};
+use super::judge::{Judged, Unstable, judge, unstable};
 use super::levels::Levels;
 use super::loops::{Break, Loop};
 use super::parts::Parts;
@@ -58,7 +58,7 @@ pub struct Report {
     /// Each loop and set.
     pub judged: Vec<Judged>,
     /// Where the closed loop is not stable.
-    pub unstable: Vec<(Variant, Corner)>,
+    pub unstable: Vec<Unstable>,
     /// Of the nominal joint's closed loop.
     pub poles: Vec<Poles>,
 }
