@@ -5,6 +5,7 @@
 //! when it was interrupted.
 
 mod budget;
+mod design;
 mod faults;
 mod figures;
 mod files;
@@ -46,6 +47,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Budget(budget::Arguments),
+    Design(design::Arguments),
     Faults(faults::Arguments),
     Identify(identify::Arguments),
     Pil(pil::Arguments),
@@ -59,6 +61,7 @@ enum Command {
 fn run(command: Command) -> Result<Figures, BadInput> {
     match command {
         Command::Budget(arguments) => budget::run(&arguments),
+        Command::Design(arguments) => design::run(&arguments),
         Command::Faults(arguments) => faults::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Pil(arguments) => pil::run(&arguments),

@@ -4,15 +4,18 @@
 //! sqrt(K1/J_fs), `b = 2*zeta/omega` adds the damping ratio zeta; k and omega_y are shares of omega. The shares were
 //! chosen by simulation of the default gear; no linear analysis of their margins stands behind them. Units: rad, s, N m.
 
+use std::f64::consts::TAU;
+
 use strainwave::Real;
 use strainwave::compensator::adapt::learning::LearningParams;
 use strainwave::compensator::adapt::parameters::{AdaptationParams, Factors};
 use strainwave::compensator::adapt::ripple::{LearntRippleParams, RIPPLE_ORDERS, RippleOrder};
 use strainwave::compensator::estimate::disturbance::DisturbanceParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
+use strainwave::compensator::schedule::OBSERVER_PERIODS;
 
-use crate::draw;
-use crate::gear_file::{Friction, GearFile};
+use crate::gear_file::{Drive, Friction, GearFile};
+use crate::joint::CONTROL_PERIOD;
 
 /// Damping ratio that the output feedback adds to the torsion mode, without and with an output encoder.
 const ADDED_DAMPING: [f64; 2] = [0.125, 0.125];
@@ -22,15 +25,10 @@ const FILTER_CORNER: f64 = 1.0 / 3.0;
 
 /// Corner of the disturbance path's slow part, as a share of the torsion mode's frequency.
 const SLOW_CORNER: f64 = 0.2;
-/// By how much a torque may be late in all (s): three periods of the observer and the cascade, two that the drive may
-/// be late by, and the lag of a current loop of 500 Hz.
-const LATENESS: f64 = 1e-3;
-/// Tolerance of the motor's torque: of its constant, and of the rotor's inertia.
-const TORQUE_TOLERANCE: f64 = 0.2;
 /// Share of a sudden load that the gear is wound up for.
 const FAST_SHARE: f64 = 0.5;
 
-/// Room that a factor has beyond the box that a plant is drawn from.
+/// Room that a factor has beyond the file's tolerances.
 const ROOM: f64 = 1.25;
 /// How fast inertia is learnt where its torque is the rated one (1/s).
 const INERTIA_RATE: f64 = 30.0;
@@ -54,6 +52,13 @@ const RIPPLE_BOUNDS: [f64; 2] = [3e-4, 0.3];
 /// Speeds of the motor between which ripple is learnt; the upper is of order 1 (rad/s).
 const RIPPLE_SPEEDS: [f64; 2] = [1.0, 60.0];
 
+/// By how much a torque may be late in all (s), in whole control periods: two periods of the observer, from a torque to its
+/// estimate and from that to the motor's reference, the drive's longest delay, and the lag of its slowest current loop.
+fn lateness(drive: &Drive) -> f64 {
+    let lag = 1.0 / (TAU * drive.least_current_loop * CONTROL_PERIOD);
+    f64::from(2 * OBSERVER_PERIODS + drive.delay + lag.ceil() as u32) * CONTROL_PERIOD
+}
+
 /// The disturbance path, from what of the joint is not known.
 ///
 /// - A joint may hide the static friction of both sides, seen at the output: dead zone.
@@ -68,9 +73,9 @@ pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
     let frequency = (file.stiffness.k1 / file.inertia.flexspline).sqrt();
     DisturbanceParams {
         slow_corner: R::lit(SLOW_CORNER * frequency),
-        fast_corner: R::lit(1.0 / LATENESS),
+        fast_corner: R::lit(1.0 / lateness(&file.drive)),
         dead_zone: R::lit(hidden),
-        tolerance: R::lit(n * TORQUE_TOLERANCE),
+        tolerance: R::lit(n * (file.drive.torque_constant + file.tolerances.rotor_inertia)),
         wound_up: R::lit(FAST_SHARE),
     }
 }
@@ -103,10 +108,10 @@ fn adaptation_params<R: Real>(file: &GearFile) -> AdaptationParams<R> {
     let rated = file.gear.rated_torque;
     AdaptationParams {
         bounds: Factors {
-            inertia: R::lit(ROOM * draw::INERTIA),
-            input_friction: R::lit(ROOM * draw::FRICTION),
-            output_friction: R::lit(ROOM * draw::FRICTION),
-            compliance: R::lit(ROOM * draw::STIFFNESS),
+            inertia: R::lit(ROOM * file.tolerances.load_inertia),
+            input_friction: R::lit(ROOM * file.tolerances.friction),
+            output_friction: R::lit(ROOM * file.tolerances.friction),
+            compliance: R::lit(ROOM * file.tolerances.stiffness),
         },
         rates: Factors {
             inertia: R::lit(INERTIA_RATE),

@@ -8,6 +8,7 @@ pub mod closed_loop;
 pub mod compensation;
 pub mod data;
 mod dense;
+pub mod design;
 pub mod divergence;
 pub mod draw;
 pub mod figure;

@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod bench;
+mod design;
 mod good_input;
 mod identify;
 mod keep;

@@ -5,6 +5,7 @@
 //! times too loose, fail a test.
 
 mod compensator;
+mod design;
 mod faults;
 mod flexspline;
 mod friction;
@@ -31,15 +32,18 @@ pub struct Bound {
 pub const LOOSE: f64 = 10.0;
 
 /// Every bound, by what it is of.
-pub const BOUNDS: [&[Bound]; 7] = [
+pub const BOUNDS: [&[Bound]; 8] = [
     joint::ROWS,
     compensator::ROWS,
+    design::ROWS,
     faults::ROWS,
     flexspline::ROWS,
     friction::ROWS,
     hysteresis::ROWS,
     robustness::ROWS,
 ];
+
+pub use design::{DELAY as DESIGN_DELAY, GAIN as DESIGN_GAIN, PHASE as DESIGN_PHASE, SIZE as DESIGN_SIZE};
 
 /// What was asked of a figure whose bound stands at what is reached, by name.
 pub const ASKED: &[(&str, f64)] = &[
@@ -63,6 +67,12 @@ pub fn misses_what_was_asked(figure: &Figure) -> Option<String> {
 
 /// What a figure must at least be, by name.
 pub const FLOORS: &[Bound] = &[
+    design::FLOORS[0],
+    design::FLOORS[1],
+    design::FLOORS[2],
+    design::FLOORS[3],
+    design::FLOORS[4],
+    design::FLOORS[5],
     Bound {
         name: "compensator.replay.joints_at_half",
         value: 4.0,

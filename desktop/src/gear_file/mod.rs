@@ -12,6 +12,7 @@
 
 mod baselines;
 mod check;
+mod drive;
 pub mod friction;
 mod keys;
 mod learnt;
@@ -26,6 +27,7 @@ use toml::Table;
 
 use crate::file::{self, BadInput};
 pub use baselines::{Baselines, StoredGains};
+pub use drive::{Drive, Tolerances};
 pub use friction::{Backward, BothFrictions, Friction, FrictionModel, StateRow};
 pub use keys::{Allowed, KEYS, Key, RELATIONS, Relation};
 pub use learnt::Learnt;
@@ -70,6 +72,12 @@ pub struct GearFile {
     pub friction: BothFrictions,
     /// What the motor can do.
     pub motor: Motor,
+    /// What makes a torque of the command.
+    #[serde(default)]
+    pub drive: Drive,
+    /// How well the parameters are known.
+    #[serde(default)]
+    pub tolerances: Tolerances,
     /// What the joint measures.
     pub sensors: Sensors,
     /// Tuning of the cascaded feedback.

@@ -36,6 +36,11 @@ pub(super) fn check(gear: &GearFile) -> Result<(), String> {
         return refuse("hysteresis.width_arcmin", gear.hysteresis.width_arcmin, &allowed);
     }
     check_weights(gear)?;
+    let drive = &gear.drive;
+    if drive.least_current_loop > drive.largest_current_loop {
+        let allowed = format!("at most drive.current_loop_largest_hz = {} Hz", drive.largest_current_loop);
+        return refuse("drive.current_loop_least_hz", drive.least_current_loop, &allowed);
+    }
     let least = 4.0 * CONTROL_PERIOD * CONTROL_PERIOD * stiffness.k3;
     if gear.inertia.flexspline <= least {
         let allowed = format!("above 4*dt^2*K3 = {least:.3e} kg m^2, dt = {CONTROL_PERIOD} s");

@@ -18,7 +18,6 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use nalgebra::{DMatrix, DVector, RowDVector};
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 
-use crate::draw;
 use crate::gear_file::{Friction, GearFile};
 use crate::joint::CONTROL_PERIOD;
 
@@ -205,6 +204,6 @@ fn process_noise(file: &GearFile, sixth: Sixth, unknown: &Unknown) -> [f64; 6] {
     let motor = speed(motor, file.inertia.wave_generator);
     let output = speed(output, file.inertia.flexspline);
     let wander = (unknown.wander * file.gear.rated_torque).powi(2) * dt;
-    let last = if sixth == Sixth::Held { r } else { draw::STIFFNESS / 3f64.sqrt() };
+    let last = if sixth == Sixth::Held { r } else { file.tolerances.stiffness / 3f64.sqrt() };
     [motor * dt * dt, motor, output * dt * dt, output, wander, last * last * wander]
 }

@@ -21,7 +21,6 @@ use strainwave::compensator::estimate::observer::{Correction, GainSets, Gains, O
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use strainwave::{Error, Real};
 
-use crate::draw;
 use crate::gear_file::{Friction, GearFile};
 use linearised::{DT, Linearised, Sensor, Sixth, Unknown, encoder_noise, resolution};
 
@@ -52,9 +51,9 @@ pub fn observer_params<R: Real>(file: &GearFile) -> Result<ObserverParams<R>, Er
         output_encoder_period: file.sensors.output_encoder_period,
         output_count: R::lit(resolution(file.sensors.output_bits())),
         uncertainty: Uncertainty {
-            friction: R::lit(span(draw::FRICTION)),
-            stiffness: R::lit(span(draw::STIFFNESS)),
-            inertia: R::lit(span(draw::INERTIA) * file.inertia.flexspline),
+            friction: R::lit(span(file.tolerances.friction)),
+            stiffness: R::lit(span(file.tolerances.stiffness)),
+            inertia: R::lit(span(file.tolerances.load_inertia) * file.inertia.flexspline),
         },
     })
 }

@@ -1,0 +1,37 @@
+//! What `design` prints of each loop, over the box that a joint may lie in.
+
+use super::Bound;
+
+/// (dB)
+pub const GAIN: f64 = 6.0;
+/// (degrees)
+pub const PHASE: f64 = 35.0;
+/// Beyond the declared delay (control periods).
+pub const DELAY: f64 = 2.0;
+/// |T|*|Delta|
+pub const SIZE: f64 = 1.0;
+
+const fn row(name: &'static str, value: f64, unit: &'static str, why: &'static str) -> Bound {
+    Bound { name, value, unit, why }
+}
+
+const GAIN_WHY: &str = "gain margin of the loop at the motor's torque over the box; as asked";
+const PHASE_WHY: &str = "phase margin of the same; as asked";
+const DELAY_WHY: &str = "delay margin of the same beyond the declared delay; as asked";
+const SIZE_WHY: &str =
+    "largest |T|*|Delta| of the disturbance path, which closes its loop by what is not known; as asked";
+
+/// What a figure must at least be.
+pub(super) const FLOORS: [Bound; 6] = [
+    row("design.motor.torque.gain", GAIN, "dB", GAIN_WHY),
+    row("design.motor.torque.phase", PHASE, "deg", PHASE_WHY),
+    row("design.motor.torque.delay", DELAY, "period", DELAY_WHY),
+    row("design.both.torque.gain", GAIN, "dB", GAIN_WHY),
+    row("design.both.torque.phase", PHASE, "deg", PHASE_WHY),
+    row("design.both.torque.delay", DELAY, "period", DELAY_WHY),
+];
+
+pub(super) const ROWS: &[Bound] = &[
+    row("design.motor.disturbance.uncertainty", SIZE, "1", SIZE_WHY),
+    row("design.both.disturbance.uncertainty", SIZE, "1", SIZE_WHY),
+];

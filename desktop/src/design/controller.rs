@@ -1,0 +1,316 @@
+//! The controller of the code, linear about a joint at rest or in slow motion.
+//!
+//! ```text
+//! x(n+1) = A_k x(n) + B_k v(n),   [tau, d](n) = C_k x(n) + D_k v(n)       k = n mod 4: the slot
+//! v = [theta_m, theta_o, tau_measured, tau_t, d_in]
+//! ```
+//!
+//! [`Controller::step`] is the control step of [`strainwave::compensator`] slot by slot, statement by statement, without
+//! what is not linear: limits, faults, ramps. A_k..D_k are read off it by unit vectors, so the multi-rate schedule is
+//! exact. Setpoint zero; dead zones pass everything, or the disturbance path nothing; the gear's line is the slope of the
+//! operating point; kinematic error, hysteresis, learnt factors and ripple are none; the observer's friction is viscous
+//! where the motor moves, and a spring besides where it stands, updated in every second period of the observer.
+//! An output encoder that is late or slow is taken as prompt. The disturbance path reads d_in in the place of the
+//! observer's d where its loop is open. Units: rad, N m, s; signs as in [`strainwave::gear`].
+
+use nalgebra::DMatrix;
+use strainwave::compensator::actuate::cascade::FeedbackParams;
+use strainwave::compensator::estimate::disturbance::DisturbanceParams;
+use strainwave::compensator::estimate::observer::{GainSets, Gains};
+use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
+use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
+
+use super::parts::Parts;
+use super::variant::Mode;
+use crate::bench::SensorSet;
+use crate::gear_file::{Friction, GearFile};
+use crate::joint::CONTROL_PERIOD;
+
+/// States.
+pub const STATES: usize = 33;
+/// What it reads: theta_m, theta_o, tau_measured, tau_t, d_in.
+pub const INPUTS: usize = 5;
+/// Slots of a round.
+pub const SLOTS: usize = SLOW_PERIODS as usize;
+
+/// Corner of the motor torque's complementary filter (rad/s), as in [`strainwave::compensator::sense::motor_torque`].
+const TORQUE_CORNER: f64 = 7.0;
+
+// Places in the state.
+const MOTOR: usize = 0;
+const TORQUE: usize = 1;
+const TORQUE_OFF: usize = 2;
+const IMPULSE: usize = 3;
+const AHEAD: usize = 4;
+const COURSE: usize = 5;
+const WIND_SPEED: usize = 6;
+const WIND_ACCELERATION: usize = 7;
+const WIND_TORQUE: usize = 8;
+const SPEED: usize = 9;
+const INTEGRAL: usize = 10;
+const SEEN_MOTOR: usize = 11;
+const OFF: usize = 12;
+const MOTOR_SPEED: usize = 13;
+const FLANGE_AHEAD: usize = 14;
+const FLANGE_SPEED: usize = 15;
+const LAST_TORQUE: usize = 16;
+const LOAD: usize = 17;
+const SIXTH: usize = 18;
+const INNOVATION: usize = 19;
+const BENT: [usize; 2] = [20, 21];
+const RUBBED: [usize; 2] = [22, 23];
+const TRANSMITTED: usize = 24;
+const SLOW: usize = 25;
+const MEAN: usize = 26;
+const FAST: usize = 27;
+const FAST_RATE: usize = 28;
+const FAST_ACCELERATION: usize = 29;
+const SHIFTED: usize = 30;
+const FIRST_POLE: usize = 31;
+const FILTERED: usize = 32;
+
+/// A linear controller at one operating point.
+#[derive(Clone, Debug)]
+pub struct Controller {
+    ratio: f64,
+    inertias: [f64; 2],
+    stiffness: f64,
+    damping: f64,
+    viscous: [f64; 2],
+    bristle: [f64; 2],
+    observer: GainSets<f64>,
+    sixth_moves: bool,
+    stands: bool,
+    has_output: bool,
+    has_gauge: bool,
+    feedback: FeedbackParams<f64>,
+    disturbance: DisturbanceParams<f64>,
+    passes: f64,
+    output_feedback: OutputFeedbackParams<f64>,
+    reference_frequency: f64,
+}
+
+/// Stiffness of a side's friction about rest: sum of f_i*g0/eps_i, which is Fs*(1 + eta)/(eta*eps) of order 2.
+pub fn bristle_stiffness(side: &Friction) -> f64 {
+    let level = side.static_level.or(side.coulomb).unwrap_or_default();
+    let distance = side.presliding.unwrap_or(f64::INFINITY);
+    match side.model.name() {
+        "bliman_sorine_2" => {
+            let eta = side.presliding_ratio.unwrap_or(1.0);
+            level * (1.0 + eta) / (eta * distance)
+        }
+        _ => level / distance,
+    }
+}
+
+/// 1 - e^-x
+fn share(x: f64) -> f64 {
+    -(-x).exp_m1()
+}
+
+impl Controller {
+    /// Of a gear at an operating point of this stiffness (N m/rad).
+    pub fn new(
+        file: &GearFile,
+        parts: &Parts,
+        set: SensorSet,
+        mode: Mode,
+        stiffness: f64,
+        passes: bool,
+    ) -> Self {
+        let sides = [&file.friction.input, &file.friction.output];
+        let (stands, has_output) = (mode != Mode::Moving, set == SensorSet::Both);
+        let has_gauge = file.sensors.output_torque;
+        let observer = if stands { parts.observer.standing } else { parts.observer.moving };
+        let used = usize::from(has_output) + 2 * usize::from(has_gauge);
+        let asked =
+            |gains: &Gains<f64>| [gains.motor, gains.torque, gains.output].iter().any(|l| l[5] != 0.0);
+        Self {
+            ratio: file.gear.signed_ratio().value(),
+            inertias: [file.inertia.wave_generator, file.inertia.flexspline],
+            stiffness,
+            damping: 2.0
+                * file.damping.torsion_mode_ratio
+                * (file.stiffness.k1 * file.inertia.flexspline).sqrt(),
+            viscous: sides.map(|side| side.viscous.unwrap_or_default()),
+            bristle: sides.map(|side| if stands { bristle_stiffness(side) } else { 0.0 }),
+            sixth_moves: asked(&observer[used]),
+            observer,
+            stands,
+            has_output,
+            has_gauge,
+            feedback: parts.feedback,
+            disturbance: parts.disturbance,
+            passes: f64::from(u8::from(passes)),
+            output_feedback: parts.output_feedback[usize::from(has_output)],
+            reference_frequency: (file.stiffness.k1 / file.inertia.flexspline).sqrt(),
+        }
+    }
+
+    /// Sizes of the states, so that their numbers are of one size for an eigenvalue's sake.
+    pub fn units(&self) -> [f64; STATES] {
+        let (n, omega, torque) = (1.0 / self.ratio.abs(), self.reference_frequency, self.stiffness);
+        let mut units = [1.0; STATES];
+        let mut set = |places: &[usize], unit: f64| places.iter().for_each(|place| units[*place] = unit);
+        set(&[MOTOR, AHEAD, SEEN_MOTOR, OFF, BENT[0]], n);
+        set(&[COURSE, WIND_SPEED, SPEED, MOTOR_SPEED], n * omega);
+        set(&[WIND_ACCELERATION], n * omega * omega);
+        set(&[TORQUE, TORQUE_OFF, WIND_TORQUE, INTEGRAL, LAST_TORQUE, RUBBED[0]], torque / n);
+        set(&[IMPULSE], torque / n * 2.0 * CONTROL_PERIOD);
+        set(&[FLANGE_SPEED], omega);
+        set(&[LOAD, RUBBED[1], TRANSMITTED, SLOW, MEAN, FAST], torque);
+        set(&[SIXTH], if self.stands { torque / n } else { torque });
+        set(&[FAST_RATE], torque * omega);
+        set(&[FAST_ACCELERATION], torque * omega * omega);
+        units
+    }
+
+    /// One control period of `slot`: commanded torque and the observer's d. `open` where the disturbance path reads
+    /// v[4] in the place of d.
+    pub fn step(&self, slot: usize, x: &mut [f64], v: &[f64; INPUTS], open: bool) -> [f64; 2] {
+        let dt = CONTROL_PERIOD;
+        let [motor, output, measured, gauge, load] = *v;
+        let moved = motor - x[MOTOR];
+        x[MOTOR] = motor;
+        let commanded = x[TORQUE];
+        x[TORQUE_OFF] += share(dt * TORQUE_CORNER) * (measured - commanded - x[TORQUE_OFF]);
+        x[IMPULSE] += dt * (commanded + x[TORQUE_OFF]);
+        x[AHEAD] += dt * (x[COURSE] + x[WIND_SPEED]) - moved;
+        match slot {
+            0 => self.observe(x, motor, Some(output), gauge, open.then_some(load)),
+            1 => self.plan(x, motor, if open { load } else { x[LOAD] }),
+            2 => self.observe(x, motor, None, gauge, open.then_some(load)),
+            _ => {}
+        }
+        x[TORQUE] = self.drive(x, moved / dt);
+        [x[TORQUE], x[LOAD]]
+    }
+
+    fn observe(&self, x: &mut [f64], motor: f64, output: Option<f64>, gauge: f64, load: Option<f64>) {
+        let (dt, r) = (f64::from(OBSERVER_PERIODS) * CONTROL_PERIOD, self.ratio);
+        let torque = x[IMPULSE] / dt;
+        x[IMPULSE] = 0.0;
+        let torsion = -x[FLANGE_AHEAD];
+        let rate = r * x[MOTOR_SPEED] - x[FLANGE_SPEED];
+        let transmitted = self.stiffness * torsion + self.damping * rate;
+        if output.is_none() {
+            for (side, speed) in [x[MOTOR_SPEED], x[FLANGE_SPEED]].into_iter().enumerate() {
+                let bent = x[BENT[side]] + 2.0 * dt * speed;
+                x[BENT[side]] = if self.bristle[side] > 0.0 { bent } else { 0.0 };
+                x[RUBBED[side]] = self.viscous[side] * speed + self.bristle[side] * x[BENT[side]];
+            }
+        }
+        let (stiffness_torque, held) = if self.stands { (0.0, x[SIXTH]) } else { (x[SIXTH], 0.0) };
+        let mean = 0.5 * (torque + x[LAST_TORQUE]);
+        x[LAST_TORQUE] = torque;
+        let resisting = x[RUBBED[0]] + r * (transmitted + stiffness_torque);
+        x[MOTOR_SPEED] += dt * (mean + held - resisting) / self.inertias[0];
+        x[FLANGE_SPEED] += dt * (transmitted - x[RUBBED[1]] + x[LOAD] + stiffness_torque) / self.inertias[1];
+        let way = dt * x[MOTOR_SPEED];
+        x[OFF] += way - (motor - x[SEEN_MOTOR]);
+        x[FLANGE_AHEAD] += dt * x[FLANGE_SPEED] - r * way;
+        x[SEEN_MOTOR] = motor;
+        let read = output.filter(|_| self.has_output);
+        let gains = &self.observer[usize::from(read.is_some()) + 2 * usize::from(self.has_gauge)];
+        self.correct(x, &gains.motor, -x[OFF]);
+        if self.has_gauge {
+            let s = if self.stands { 0.0 } else { x[SIXTH] };
+            self.correct(x, &gains.torque, gauge - transmitted - s);
+        }
+        if !self.has_output {
+            x[INNOVATION] = 0.0;
+        }
+        if let Some(output) = read {
+            x[INNOVATION] = output - r * motor - r * x[OFF] - x[FLANGE_AHEAD];
+            self.correct(x, &gains.output, x[INNOVATION]);
+        }
+        x[TRANSMITTED] = transmitted + if self.stands { 0.0 } else { x[SIXTH] };
+        self.step_fast(x, dt, load.unwrap_or(x[LOAD]));
+    }
+
+    fn correct(&self, x: &mut [f64], by: &[f64; 6], innovation: f64) {
+        let by_place = [
+            (OFF, by[0]),
+            (MOTOR_SPEED, by[1]),
+            (FLANGE_AHEAD, by[2] - self.ratio * by[0]),
+            (FLANGE_SPEED, by[3]),
+            (LOAD, by[4]),
+            (SIXTH, if self.sixth_moves { by[5] } else { 0.0 }),
+        ];
+        for (place, gain) in by_place {
+            x[place] += gain * innovation;
+        }
+        if !self.sixth_moves {
+            x[SIXTH] = 0.0;
+        }
+    }
+
+    fn step_fast(&self, x: &mut [f64], dt: f64, load: f64) {
+        let omega = self.disturbance.fast_corner.min(0.5 / dt);
+        let target = self.passes * (load - x[MEAN]);
+        x[FAST_ACCELERATION] = omega * (omega * (target - x[FAST]) - 2.0 * x[FAST_RATE]);
+        x[FAST_RATE] += dt * x[FAST_ACCELERATION];
+        x[FAST] += dt * x[FAST_RATE];
+        if omega == 0.0 {
+            (x[FAST], x[FAST_RATE]) = (0.0, 0.0);
+        }
+        let by_torque = self.disturbance.wound_up / (self.stiffness * self.ratio);
+        x[WIND_SPEED] = -by_torque * x[FAST_RATE];
+        x[WIND_ACCELERATION] = -by_torque * x[FAST_ACCELERATION];
+        x[WIND_TORQUE] = self.inertias[0] * x[WIND_ACCELERATION] - self.ratio * x[FAST];
+    }
+
+    fn plan(&self, x: &mut [f64], motor: f64, load: f64) {
+        let (dt, r) = (CONTROL_PERIOD, self.ratio);
+        let round = f64::from(SLOW_PERIODS) * dt;
+        let slow_gain = share(round * self.disturbance.slow_corner);
+        x[MEAN] += slow_gain * (load - x[MEAN]);
+        x[SLOW] += slow_gain * (self.passes * load - x[SLOW]);
+        let compensated = x[SLOW] + self.disturbance.wound_up * x[FAST];
+        let wound = -compensated / self.stiffness;
+        let position = x[FLANGE_AHEAD] + dt * (x[FLANGE_SPEED] - r * x[MOTOR_SPEED]) + r * x[OFF] + r * motor;
+        let measured = if self.has_output { position + x[INNOVATION] } else { position };
+        let gains = &self.output_feedback;
+        let filter = share(round * gains.filter_corner);
+        x[FIRST_POLE] += filter * (measured - x[FIRST_POLE]);
+        x[FILTERED] += filter * (x[FIRST_POLE] - x[FILTERED]);
+        let to_integrate = gains.integral * x[FILTERED];
+        x[SHIFTED] = if gains.integral > 0.0 { x[SHIFTED] + round * to_integrate } else { 0.0 };
+        let torque = x[TRANSMITTED] - x[RUBBED[1]] + compensated;
+        let angle = gains.damping * x[FLANGE_SPEED] + x[SHIFTED];
+        let rate = gains.damping * torque / self.inertias[1] + to_integrate;
+        x[AHEAD] = (wound - angle) / r - motor;
+        x[COURSE] = -rate / r;
+    }
+
+    fn drive(&self, x: &mut [f64], speed: f64) -> f64 {
+        let dt = CONTROL_PERIOD;
+        let FeedbackParams { position_gain, velocity_gain, integral_time, filter_corner, .. } = self.feedback;
+        let filter = share(dt * filter_corner);
+        x[SPEED] += filter * (speed - x[SPEED]);
+        let late = dt * (1.0 / filter - 0.5) * x[WIND_ACCELERATION];
+        let wanted = position_gain * x[AHEAD] + x[COURSE] + x[WIND_SPEED] - late;
+        let lag = wanted - x[SPEED];
+        x[INTEGRAL] += velocity_gain * dt / integral_time * lag;
+        velocity_gain * lag + x[INTEGRAL] + x[WIND_TORQUE]
+    }
+
+    /// [A B; C D] of each slot, states in their units.
+    pub fn matrices(&self, open: bool) -> [DMatrix<f64>; SLOTS] {
+        let units = self.units();
+        std::array::from_fn(|slot| {
+            let mut matrix = DMatrix::zeros(STATES + 2, STATES + INPUTS);
+            for column in 0..STATES + INPUTS {
+                let (mut x, mut v) = ([0.0; STATES], [0.0; INPUTS]);
+                match column.checked_sub(STATES) {
+                    None => x[column] = units[column],
+                    Some(input) => v[input] = 1.0,
+                }
+                let out = self.step(slot, &mut x, &v, open);
+                (0..STATES).for_each(|row| matrix[(row, column)] = x[row] / units[row]);
+                (0..2).for_each(|row| matrix[(STATES + row, column)] = out[row]);
+            }
+            matrix
+        })
+    }
+}

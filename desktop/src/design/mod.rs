@@ -1,0 +1,27 @@
+//! From the joint file to gains that have margins: the loops that the controller closes, linear, over the box that a joint
+//! may lie in.
+//!
+//! The joint ([`plant`]) in a corner of the box ([`corners`]) and the controller slot by slot ([`controller`]), as its
+//! fundamental answers a sine ([`response`]), make open loops ([`loops`]). Each has margins ([`margins`]) for either set of
+//! sensors, with the observer's gains of a motor that moves and of one that stands, the disturbance path passing everything
+//! or (within its dead zone) nothing; [`judge`] finds the worst. Margins say how far a stable loop is from an unstable one;
+//! that it is stable the poles say ([`poles`]). Gains with margins follow by rule: the cascade's ([`cascade_rule`]), and how
+//! much of every other function there may be on top of it ([`level_rule`]). They are offered beside the gains that
+//! [`crate::joint::joint_params`] gives the firmware. [`sweep`] measures the same L in the loop of the real code.
+
+pub mod cascade;
+pub mod cascade_rule;
+pub mod controller;
+pub mod corners;
+pub mod judge;
+pub mod level_rule;
+pub mod levels;
+pub mod loops;
+pub mod margins;
+pub mod parts;
+pub mod plant;
+pub mod poles;
+pub mod report;
+pub mod response;
+pub mod sweep;
+pub mod variant;

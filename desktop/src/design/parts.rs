@@ -1,0 +1,39 @@
+//! What the linear controllers of a joint are made of.
+
+use strainwave::Error;
+use strainwave::compensator::actuate::cascade::FeedbackParams;
+use strainwave::compensator::estimate::disturbance::DisturbanceParams;
+use strainwave::compensator::estimate::observer::ObserverParams;
+use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
+
+use crate::gear_file::GearFile;
+use crate::joint::feedback_params;
+use crate::{compensation, observer_design};
+
+/// Gains that the file and the rules give.
+#[derive(Clone, Copy, Debug)]
+pub struct Parts {
+    /// Gains of the observer.
+    pub observer: ObserverParams<f64>,
+    /// The cascade.
+    pub feedback: FeedbackParams<f64>,
+    /// The disturbance path.
+    pub disturbance: DisturbanceParams<f64>,
+    /// Without and with an output encoder.
+    pub output_feedback: [OutputFeedbackParams<f64>; 2],
+}
+
+impl Parts {
+    /// Of the joint of a gear file.
+    ///
+    /// # Errors
+    /// As [`observer_design::observer_params`].
+    pub fn of(file: &GearFile) -> Result<Self, Error> {
+        Ok(Self {
+            observer: observer_design::observer_params(file)?,
+            feedback: feedback_params(file),
+            disturbance: compensation::disturbance_params(file),
+            output_feedback: compensation::output_feedback_params(file),
+        })
+    }
+}
