@@ -12,7 +12,7 @@ use strainwave::compensator::adapt::parameters::{AdaptationParams, Factors};
 use strainwave::compensator::adapt::ripple::{LearntRippleParams, RIPPLE_ORDERS, RippleOrder};
 use strainwave::compensator::estimate::disturbance::DisturbanceParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
-use strainwave::compensator::schedule::OBSERVER_PERIODS;
+use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 
 use crate::gear_file::{Drive, Friction, GearFile};
 use crate::joint::CONTROL_PERIOD;
@@ -32,6 +32,10 @@ const FAST_SHARE: f64 = 0.5;
 const ROOM: f64 = 1.25;
 /// How fast inertia is learnt where its torque is the rated one (1/s).
 const INERTIA_RATE: f64 = 30.0;
+/// Between two steps of the adaptation: two rounds (s).
+const ADAPTATION_PERIOD: f64 = 2.0 * SLOW_PERIODS as f64 * CONTROL_PERIOD;
+/// Share of the rate at which a step of the adaptation at the peak torque is no longer stable.
+const STABLE_SHARE: f64 = 0.75;
 /// How fast friction is learnt at its Coulomb level, on the motor's and on the output's side (1/s).
 const FRICTION_RATES: [f64; 2] = [1.2, 0.3];
 /// How fast compliance is learnt at the rated torque's torsion (1/s).
@@ -106,6 +110,8 @@ fn adaptation_params<R: Real>(file: &GearFile) -> AdaptationParams<R> {
     let coulomb = |side: &Friction| side.coulomb.unwrap_or_default().max(1e-3 * file.gear.rated_torque / n);
     let (input, output) = (n * coulomb(&file.friction.input), coulomb(&file.friction.output));
     let rated = file.gear.rated_torque;
+    let overload = file.gear.peak_torque / rated;
+    let fastest = STABLE_SHARE / (ADAPTATION_PERIOD * overload * overload);
     AdaptationParams {
         bounds: Factors {
             inertia: R::lit(ROOM * file.tolerances.load_inertia),
@@ -114,10 +120,10 @@ fn adaptation_params<R: Real>(file: &GearFile) -> AdaptationParams<R> {
             compliance: R::lit(ROOM * file.tolerances.stiffness),
         },
         rates: Factors {
-            inertia: R::lit(INERTIA_RATE),
+            inertia: R::lit(INERTIA_RATE.min(fastest)),
             input_friction: R::lit(FRICTION_RATES[0]),
             output_friction: R::lit(FRICTION_RATES[1]),
-            compliance: R::lit(COMPLIANCE_RATE),
+            compliance: R::lit(COMPLIANCE_RATE.min(fastest)),
         },
         levels: Factors {
             inertia: R::lit(rated),

@@ -25,8 +25,9 @@ use strainwave::compensator::{Directions, Input, Sensors, Setpoint};
 use crate::closed_loop::Controller;
 use crate::gear_file::GearFile;
 use crate::joint::CONTROL_PERIOD;
-use crate::log::MeasuredLog;
+use crate::log::{Drive, MeasuredLog};
 use crate::plant::encoder_count;
+use crate::two_port::trajectory::Trajectory;
 
 /// Time over which the motor is led to the log's first speed (s): some periods of any joint's torsion mode.
 const LEAD_IN: f64 = 0.5;
@@ -66,10 +67,12 @@ pub fn replay<C: Controller>(
     for k in 0..start.steps() {
         start.step(controller, file, log, k)?;
     }
+    // Linear between its rows the motor would change its speed at once, which no motor can.
+    let position = Trajectory::new(log.time.stamps(), &Drive::Position(log.motor_position.clone()));
     let instants = log.time.resampled(CONTROL_PERIOD);
     let count = instants.len() as f64;
     for (k, instant) in instants.take_while(|instant| instant.elapsed <= until).enumerate() {
-        let motor = instant.of(&log.motor_position) - start.whole_turns;
+        let motor = log.motor_position[0] + position.at(instant.elapsed).angle - start.whole_turns;
         let motor_torque = instant.of(&log.motor_torque);
         let output_torque = log.output_torque.as_ref().map(|torque| instant.of(torque));
         let (rigid, theta) = step(controller, file, motor, motor_torque, output_torque)?;

@@ -66,7 +66,7 @@ impl Twins {
             self.observer.step(&self.gear, &mut self.state, &measured, &known, false, &mut faults);
             if reads_output {
                 let reading = OutputReading { angle: flange.angle, age: 0 };
-                self.observer.correct_output(&mut self.state, &reading, &known);
+                self.observer.correct_output(&mut self.state, &reading, &known, &mut faults);
             }
             let estimate = self.observer.estimate(&self.state, &known);
             // The start from a wrong torsion may reach a limit; a second later none is near.
@@ -99,16 +99,18 @@ fn the_observers_error_contracts() {
 #[test]
 fn a_bad_first_reading_does_not_become_the_zero_of_the_output_encoder() {
     let compensator = joint_params::<f32>(&GearFile::default_gear()).unwrap().build().unwrap();
-    for (bad_motor, bad_output) in [(0, 1 << 19), (1 << 19, 300_000)] {
+    for (bad_motor, bad_output) in [(100_000, 1 << 19), (1 << 19, 300_000)] {
         let mut state = compensator.rest();
         let mut input = Input::<f32>::default();
         input.sensors.motor_encoder = bad_motor;
         input.sensors.output_encoder = Some(bad_output);
-        assert_ne!(compensator.step(&mut state, &input).faults, Faults::NONE);
+        let mut round = (0..SLOW_PERIODS).map(|_| compensator.step(&mut state, &input));
+        assert!(round.any(|output| output.faults != Faults::NONE));
         input.sensors.motor_encoder = 100_000;
         input.sensors.output_encoder = Some(300_000);
         let settled = (0..20_000).map(|_| compensator.step(&mut state, &input)).last().unwrap();
-        assert_eq!(settled.faults, Faults::NONE, "{settled:?}");
+        // The setpoint has never been where the output is.
+        assert!([Faults::NONE, Faults::SETPOINT_STEP].contains(&settled.faults), "{settled:?}");
         // Of a resting output one count of 2^19 a turn is taken for nothing.
         assert!(settled.estimate.torsion.abs() < (1.1 * TAU / 2f64.powi(19)) as f32, "{settled:?}");
     }

@@ -156,6 +156,7 @@ fn output_bits(output: &Output<f32>) -> Vec<u64> {
         bits(estimate.deviation.output_friction),
         bits(estimate.deviation.external_torque),
         u64::from(output.faults.bits()),
+        u64::from(output.mode.code()),
     ]
 }
 
@@ -189,7 +190,8 @@ proptest! {
         let frame: [u8; OUTPUT_BYTES] = bytes.try_into().expect("the strategy's length");
         let mut wanted = frame;
         let word = u32::from_le_bytes(frame[OUTPUT_BYTES - 4..].try_into().expect("four bytes"));
-        let named = Faults::from_bits(word).bits() | word & 1 << 31;
+        // Mode and whether the estimate is of this step.
+        let named = Faults::from_bits(word).bits() | word & 0b111 << 29;
         wanted[OUTPUT_BYTES - 4..].copy_from_slice(&named.to_le_bytes());
         prop_assert_eq!(encode_output(&decode_output(&frame)), wanted);
     }
@@ -240,5 +242,5 @@ fn fields_are_little_endian_in_the_order_of_their_declaration() {
     assert_eq!(frame[OUTPUT_TORQUE_FLAG..18], [0, 0, 0, 0, 0]);
     assert_eq!(frame[COMMAND_KIND], 0);
     assert_eq!(frame[19..27], [0xfe, 255, 255, 255, 255, 255, 255, 255]);
-    assert_eq!(frame[INPUT_BYTES - 4..], [25, 2, 3, 4]);
+    assert_eq!(frame[INPUT_BYTES - 4..], [27, 2, 3, 4]);
 }

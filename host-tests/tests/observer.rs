@@ -85,7 +85,7 @@ fn believed_at_rest(off: f64) -> f64 {
     let reading = OutputReading { angle: shown.angle, age: 0 };
     for _ in 0..5000 {
         observer.step(&model, &mut state, &measured, &Known::default(), false, &mut Faults::default());
-        observer.correct_output(&mut state, &reading, &Known::default());
+        observer.correct_output(&mut state, &reading, &Known::default(), &mut Faults::default());
     }
     observer.estimate(&state, &Known::default()).output_position.to_radians()
 }

@@ -105,12 +105,13 @@ impl<R: Real> Compensator<R> {
     #[inline(never)] // The timing budget counts it by its symbol.
     pub fn output(&self, state: &State<R>) -> Output<R> {
         let [ahead, feed_forward] = state.sent;
+        let driven = state.mode.mode().drives();
         let mut estimate = self.observer.estimate(&state.observer, &state.known);
         // What has been learnt as gravity acts from outside, too.
         estimate.external_torque += state.learning.gravity_torque();
         Output {
             motor_torque: state.fallback.torque(),
-            feed_forward_torque: feed_forward.limit(self.limits.motor_torque),
+            feed_forward_torque: if driven { feed_forward.limit(self.limits.motor_torque) } else { R::ZERO },
             motor_reference: state.motor_encoder.angle().plus(ahead),
             estimate,
             observed: !state.turn.observes(),
@@ -223,7 +224,7 @@ impl<R: Real> Compensator<R> {
         let frozen = state.faults.standstill.with(state.off).intersects(unsound);
         if let Some(zero) = state.output_zero.filter(|_| believed && !frozen) {
             let reading = OutputReading { angle: angle.less(zero), age };
-            self.observer.correct_output(&mut state.observer, &reading, &state.known);
+            self.observer.correct_output(&mut state.observer, &reading, &state.known, faults);
         }
     }
 

@@ -1,7 +1,7 @@
 //! The controller of the code, linear about a joint at rest or in slow motion.
 //!
 //! ```text
-//! x(n+1) = A_k x(n) + B_k v(n),   [tau, d](n) = C_k x(n) + D_k v(n)       k = n mod 4: the slot
+//! x(n+1) = A_k x(n) + B_k v(n),   [tau, d](n) = C_k x(n) + D_k v(n)       k = n mod 8: the slot
 //! v = [theta_m, theta_o, tau_measured, tau_t, d_in]
 //! ```
 //!
@@ -27,11 +27,16 @@ use crate::gear_file::{Friction, GearFile};
 use crate::joint::CONTROL_PERIOD;
 
 /// States.
-pub const STATES: usize = 33;
+pub const STATES: usize = 34;
 /// What it reads: theta_m, theta_o, tau_measured, tau_t, d_in.
 pub const INPUTS: usize = 5;
 /// Slots of a round.
 pub const SLOTS: usize = SLOW_PERIODS as usize;
+
+/// Slot whose reading of the output encoder is used, one slot later.
+const OUTPUT_SLOT: usize = 4;
+/// (s)
+const ROUND: f64 = SLOW_PERIODS as f64 * CONTROL_PERIOD;
 
 /// Corner of the motor torque's complementary filter (rad/s), as in [`strainwave::compensator::sense::motor_torque`].
 const TORQUE_CORNER: f64 = 7.0;
@@ -68,6 +73,7 @@ const FAST_ACCELERATION: usize = 29;
 const SHIFTED: usize = 30;
 const FIRST_POLE: usize = 31;
 const FILTERED: usize = 32;
+const READING: usize = 33;
 
 /// A linear controller at one operating point.
 #[derive(Clone, Debug)]
@@ -176,24 +182,37 @@ impl Controller {
         x[TORQUE_OFF] += share(dt * TORQUE_CORNER) * (measured - commanded - x[TORQUE_OFF]);
         x[IMPULSE] += dt * (commanded + x[TORQUE_OFF]);
         x[AHEAD] += dt * (x[COURSE] + x[WIND_SPEED]) - moved;
+        if slot == OUTPUT_SLOT {
+            x[READING] = output;
+        } else if slot == OUTPUT_SLOT + 1 && self.has_output {
+            self.read_output(x);
+        }
         match slot {
-            0 => self.observe(x, motor, Some(output), gauge, open.then_some(load)),
-            1 => self.plan(x, motor, if open { load } else { x[LOAD] }),
-            2 => self.observe(x, motor, None, gauge, open.then_some(load)),
+            0 | 2 | 4 | 6 => self.observe(slot, x, motor, gauge, open.then_some(load)),
+            1 => self.plan(x, motor),
+            3 => self.learn(x, if open { load } else { x[LOAD] }),
             _ => {}
         }
         x[TORQUE] = self.drive(x, moved / dt);
         [x[TORQUE], x[LOAD]]
     }
 
-    fn observe(&self, x: &mut [f64], motor: f64, output: Option<f64>, gauge: f64, load: Option<f64>) {
+    /// The output encoder's reading of the observer's last step.
+    fn read_output(&self, x: &mut [f64]) {
+        let gains = &self.observer[1 + 2 * usize::from(self.has_gauge)];
+        x[INNOVATION] = x[READING] - self.ratio * (x[SEEN_MOTOR] + x[OFF]) - x[FLANGE_AHEAD];
+        self.correct(x, &gains.output, x[INNOVATION]);
+    }
+
+    fn observe(&self, slot: usize, x: &mut [f64], motor: f64, gauge: f64, load: Option<f64>) {
         let (dt, r) = (f64::from(OBSERVER_PERIODS) * CONTROL_PERIOD, self.ratio);
         let torque = x[IMPULSE] / dt;
         x[IMPULSE] = 0.0;
         let torsion = -x[FLANGE_AHEAD];
         let rate = r * x[MOTOR_SPEED] - x[FLANGE_SPEED];
         let transmitted = self.stiffness * torsion + self.damping * rate;
-        if output.is_none() {
+        // Kinematic error and hysteresis in the first and third, friction in the others.
+        if slot % 4 == 2 {
             for (side, speed) in [x[MOTOR_SPEED], x[FLANGE_SPEED]].into_iter().enumerate() {
                 let bent = x[BENT[side]] + 2.0 * dt * speed;
                 x[BENT[side]] = if self.bristle[side] > 0.0 { bent } else { 0.0 };
@@ -210,8 +229,8 @@ impl Controller {
         x[OFF] += way - (motor - x[SEEN_MOTOR]);
         x[FLANGE_AHEAD] += dt * x[FLANGE_SPEED] - r * way;
         x[SEEN_MOTOR] = motor;
-        let read = output.filter(|_| self.has_output);
-        let gains = &self.observer[usize::from(read.is_some()) + 2 * usize::from(self.has_gauge)];
+        let reads = slot == OUTPUT_SLOT && self.has_output;
+        let gains = &self.observer[usize::from(reads) + 2 * usize::from(self.has_gauge)];
         self.correct(x, &gains.motor, -x[OFF]);
         if self.has_gauge {
             let s = if self.stands { 0.0 } else { x[SIXTH] };
@@ -219,10 +238,6 @@ impl Controller {
         }
         if !self.has_output {
             x[INNOVATION] = 0.0;
-        }
-        if let Some(output) = read {
-            x[INNOVATION] = output - r * motor - r * x[OFF] - x[FLANGE_AHEAD];
-            self.correct(x, &gains.output, x[INNOVATION]);
         }
         x[TRANSMITTED] = transmitted + if self.stands { 0.0 } else { x[SIXTH] };
         self.step_fast(x, dt, load.unwrap_or(x[LOAD]));
@@ -260,12 +275,15 @@ impl Controller {
         x[WIND_TORQUE] = self.inertias[0] * x[WIND_ACCELERATION] - self.ratio * x[FAST];
     }
 
-    fn plan(&self, x: &mut [f64], motor: f64, load: f64) {
-        let (dt, r) = (CONTROL_PERIOD, self.ratio);
-        let round = f64::from(SLOW_PERIODS) * dt;
-        let slow_gain = share(round * self.disturbance.slow_corner);
+    /// The slow disturbance estimate.
+    fn learn(&self, x: &mut [f64], load: f64) {
+        let slow_gain = share(ROUND * self.disturbance.slow_corner);
         x[MEAN] += slow_gain * (load - x[MEAN]);
         x[SLOW] += slow_gain * (self.passes * load - x[SLOW]);
+    }
+
+    fn plan(&self, x: &mut [f64], motor: f64) {
+        let (dt, r, round) = (CONTROL_PERIOD, self.ratio, ROUND);
         let compensated = x[SLOW] + self.disturbance.wound_up * x[FAST];
         let wound = -compensated / self.stiffness;
         let position = x[FLANGE_AHEAD] + dt * (x[FLANGE_SPEED] - r * x[MOTOR_SPEED]) + r * x[OFF] + r * motor;

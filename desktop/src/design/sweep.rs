@@ -120,6 +120,6 @@ fn input(file: &GearFile, set: SensorSet, [motor, output, torque, gauge]: [f64; 
         },
         command: Setpoint::default().into(),
         shares: Shares { adaptation: 0.0, ripple: 0.0, friction: 0.0, ..Shares::ALL }.into(),
-        elapsed: 0.0,
+        ..Input::default()
     }
 }

@@ -23,7 +23,7 @@
 //! friction, and the ellipse stands at (1 - r)*theta_0 on the flexspline.
 
 mod gauge;
-mod trajectory;
+pub(crate) mod trajectory;
 
 use std::f64::consts::TAU;
 

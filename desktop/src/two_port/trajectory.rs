@@ -1,4 +1,4 @@
-//! The wave generator's motion between the rows of an open-loop file.
+//! The wave generator's motion between the rows of a log.
 //!
 //! - `omega_wg_rad_s`: linear between stamps; the angle is its integral, from 0 at the first row.
 //! - `theta_wg_rad`: a cubic between stamps with the monotone slopes of F. Fritsch and J. Butland
@@ -11,7 +11,7 @@ use crate::log::Drive;
 
 /// Where the wave generator is and how it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Sample {
+pub(crate) struct Sample {
     /// Angle from the first row's (rad).
     pub angle: f64,
     /// (rad/s)
@@ -22,7 +22,7 @@ pub(super) struct Sample {
 
 /// Angle and speed at every stamp.
 #[derive(Debug)]
-pub(super) struct Trajectory {
+pub(crate) struct Trajectory {
     /// From the first stamp (s).
     time: Vec<f64>,
     angle: Vec<f64>,

@@ -23,7 +23,7 @@
 //! speed (95 %), a_max and a jerk of a_max in 5 ms, until both are together again:
 //!
 //! ```text
-//! v = dq + limit(min(k*|e|, sqrt(a_max*|e|)))*sign(e),   ddq <- limit(ddq_c + 4*k*(v - dq), a_max),   k = 25/s
+//! v = dq + limit(min(k*|e|, sqrt(a_max*|e|)))*sign(e),   ddq -> limit(ddq_c + 4*k*(v - dq), a_max),   k = 25/s
 //! ```
 //!
 //! A first setpoint that is not where the output is, is not chased: nobody has agreed on where that is. The reference
@@ -199,7 +199,8 @@ impl<R: Real> Commander<R> {
     ) -> Followed<R> {
         state.unreadable = if readable { R::ZERO } else { (state.unreadable + self.dt).min(R::ONE) };
         // An age that is not a number is stale.
-        let stale = !(age <= R::lit(STALE)) | (state.unreadable > R::lit(STALE));
+        let fresh = age <= R::lit(STALE) && state.unreadable <= R::lit(STALE);
+        let stale = !fresh;
         faults.raise_if(stale, Faults::SETPOINT_STALE);
         let (kind, setpoint, torque) = match *command {
             Command::Position(setpoint) => {
@@ -274,8 +275,10 @@ impl<R: Real> Commander<R> {
         state.waits = false;
         let moved = wanted.position.counts.wrapping_sub(from.position.counts).unsigned_abs();
         faults.raise_if(!state.chases && !stale && moved > self.farthest, Faults::SETPOINT_STEP);
-        let from_acceleration = from.acceleration.limit(self.acceleration);
-        let change = self.dt * from_acceleration;
+        // A reference moves on its jerk until the next one.
+        let jerked = self.dt * from.jerk;
+        let present = (from.acceleration + jerked).limit(self.acceleration);
+        let change = self.dt * (present - R::lit(0.5) * jerked);
         let position = from.position.plus(self.dt * (from.velocity + R::lit(0.5) * change));
         let velocity = (from.velocity + change).limit(self.velocity);
         let ahead = wanted.position.minus(position);
@@ -298,10 +301,10 @@ impl<R: Real> Commander<R> {
         if stale && velocity.is_within(R::lit(REST)) {
             return Setpoint { position, ..Setpoint::default() };
         }
-        let wished = (along + R::lit(4.0 * CHASE) * (target - velocity)).limit(self.acceleration);
-        let change = (wished - from_acceleration).limit(self.acceleration_step);
-        let acceleration = from_acceleration + change;
-        Setpoint { position, velocity, acceleration, jerk: change * self.inverse_dt, snap: R::ZERO }
+        let target_acceleration =
+            (along + R::lit(4.0 * CHASE) * (target - velocity)).limit(self.acceleration);
+        let change = (target_acceleration - present).limit(self.acceleration_step);
+        Setpoint { position, velocity, acceleration: present, jerk: change * self.inverse_dt, snap: R::ZERO }
     }
 
     fn turned(

@@ -11,7 +11,7 @@
 //! measured. A reading that is refused is replaced by what was foreseen, so that single bad frames do not shake the
 //! joint. Counts are within the turn, so that what is believed again after a few periods is the right angle.
 //!
-//! A refused reading gives [`STRIKES`] strikes, a believed one takes one off. At [`MOST_STRIKES`], 1 ms of bad frames,
+//! A refused reading gives [`STRIKES`] strikes, an accepted one takes [`FORGIVEN`] off: a reading in four may be bad. At [`MOST_STRIKES`], 2 ms of bad frames,
 //! the angle is lost and the next sound count begins a new one, which is of use after a reset only.
 
 use crate::angle::Angle;
@@ -22,10 +22,11 @@ use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::{RADIANS_PER_COUNT, Real};
 
-/// What a refused reading counts.
+/// What a refused reading counts, and what an accepted one takes off.
 const STRIKES: u32 = 10;
+const FORGIVEN: u32 = 4;
 /// So many are too many.
-const MOST_STRIKES: u32 = 100;
+const MOST_STRIKES: u32 = 200;
 /// Share of a that is beyond what is known.
 const UNKNOWN: f64 = 1.5;
 /// Noise of a count that is borne (counts).
@@ -141,7 +142,7 @@ impl<R: Real> MotorEncoder<R> {
             };
             state.step = step;
             state.refused = 0;
-            state.strikes = state.strikes.saturating_sub(1);
+            state.strikes = state.strikes.saturating_sub(FORGIVEN);
             state.usual = state.strikes == 0;
             return (state.reading(phase, delta, true), false);
         }

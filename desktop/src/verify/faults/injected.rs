@@ -216,7 +216,7 @@ impl Broken {
             Kind::Zeros => 0,
             Kind::Ones => mask,
             Kind::Bit => {
-                let bit = 1 << (fault.choice >> 8) % bits;
+                let bit = 1 << ((fault.choice >> 8) % bits);
                 if fault.choice & 1 == 0 { motor & !bit } else { motor | bit }
             }
             Kind::Jump => motor.wrapping_add(Self::turn(bits, fault.sign() * fault.between(0.01, 6.0))),

@@ -25,10 +25,11 @@
 //! it. What a motor that stands still does not show (a brake may hold any load) is admitted as w.
 
 use crate::compensator::EstimateDeviation;
+use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use crate::real::Real;
 
 /// Periods of the observer from one evaluation to the next.
-pub const PERIODS: u32 = 4;
+pub const PERIODS: u32 = 2 * SLOW_PERIODS / OBSERVER_PERIODS;
 
 /// The same as a number.
 const STEP: f64 = PERIODS as f64;

@@ -205,7 +205,13 @@ impl<R: Real> Observer<R> {
 
     /// Corrects by a reading of the output encoder, after the step that it belongs to.
     #[inline(always)]
-    pub fn correct_output(&self, state: &mut ObserverState<R>, reading: &OutputReading<R>, known: &Known<R>) {
+    pub fn correct_output(
+        &self,
+        state: &mut ObserverState<R>,
+        reading: &OutputReading<R>,
+        known: &Known<R>,
+        faults: &mut Faults,
+    ) {
         let Some(innovation) = self.output_innovates(state, reading, known).filter(|_| state.started) else {
             return;
         };
@@ -218,6 +224,7 @@ impl<R: Real> Observer<R> {
         if self.looks_back {
             state.past.correct(self.delay, &gains.past, innovation);
         }
+        self.limits.keep_motion(state, faults);
         state.magnitudes.asked += state.external_torque - before;
     }
 

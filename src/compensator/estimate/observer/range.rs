@@ -60,6 +60,19 @@ impl<R: Real> Range<R> {
         moved: bool,
         faults: &mut Faults,
     ) {
+        self.keep_motion(state, faults);
+        if moved {
+            let [share, least] = self.stiffness_torque;
+            state.stiffness_torque = state.stiffness_torque.limit(share * torques.transmitted.abs() + least);
+            state.held_torque = R::ZERO;
+        } else {
+            state.held_torque = state.held_torque.limit(self.held_torque);
+        }
+    }
+
+    /// Limits speeds and load, and reports it.
+    #[inline(always)]
+    pub(super) fn keep_motion(&self, state: &mut ObserverState<R>, faults: &mut Faults) {
         for (value, bound) in [
             (&mut state.wave_generator_speed, self.motor_speed),
             (&mut state.flange_speed, self.output_speed),
@@ -70,13 +83,6 @@ impl<R: Real> Range<R> {
                 faults.raise_if(true, Faults::ESTIMATE_LIMITED);
                 *value = value.limit(bound);
             }
-        }
-        if moved {
-            let [share, least] = self.stiffness_torque;
-            state.stiffness_torque = state.stiffness_torque.limit(share * torques.transmitted.abs() + least);
-            state.held_torque = R::ZERO;
-        } else {
-            state.held_torque = state.held_torque.limit(self.held_torque);
         }
     }
 }
