@@ -6,7 +6,7 @@ use crate::{clock, serial, timer, watchdog};
 use cortex_m::peripheral::NVIC;
 use stm32f4xx_hal::gpio::GpioExt;
 use stm32f4xx_hal::pac::{IWDG, Peripherals, TIM2};
-use stm32f4xx_hal::rcc::{Enable, RccExt};
+use stm32f4xx_hal::rcc::{Enable, Rcc, RccExt};
 use strainwave_app::compensator::{Sensors, Setpoint, Shares};
 use strainwave_app::jog::{Jog, LIMITS, Trajectory};
 use strainwave_app::{Input, JOINT, Output};
@@ -29,6 +29,7 @@ pub fn start() -> Option<(Board, Hardware)> {
     let device = Peripherals::take()?;
     let core = cortex_m::Peripherals::take()?;
     let mut rcc = device.RCC.constrain();
+    let restarted = was_restarted(&rcc);
     let clock = clock::start(&rcc, &device.FLASH);
     let a = device.GPIOA.split(&mut rcc);
     let b = device.GPIOB.split(&mut rcc);
@@ -44,9 +45,25 @@ pub fn start() -> Option<(Board, Hardware)> {
         return None;
     };
     TIM2::enable(&mut rcc);
-    let board =
-        Board { encoder, drive, trajectory, torque: 0.0, watched: 0, here: Setpoint::default(), jog: None };
+    let board = Board {
+        encoder,
+        drive,
+        trajectory,
+        restarted,
+        torque: 0.0,
+        watched: 0,
+        here: Setpoint::default(),
+        jog: None,
+    };
     Some((board, Hardware { interrupts: core.NVIC, timer: device.TIM2, watchdog: device.IWDG }))
+}
+
+/// Whether a watchdog or the firmware itself has reset the chip: then nobody has looked after the cause. Power and the
+/// reset pin do not count. The flags are cleared for the next time.
+fn was_restarted(rcc: &Rcc) -> bool {
+    let flags = rcc.csr().read();
+    rcc.csr().modify(|_, w| w.rmvf().set_bit());
+    flags.wdgrstf().bit_is_set() || flags.wwdgrstf().bit_is_set() || flags.sftrstf().bit_is_set()
 }
 
 /// The board as the control sees it.
@@ -54,6 +71,7 @@ pub struct Board {
     encoder: MotorEncoder,
     drive: Drive,
     trajectory: Trajectory<f32>,
+    restarted: bool,
     /// The last torque command (N m).
     torque: f32,
     watched: u32,
@@ -73,6 +91,10 @@ impl Board {
 }
 
 impl strainwave_app::Board for Board {
+    fn restarted(&self) -> bool {
+        self.restarted
+    }
+
     // 1000 reports a second, of 40 bytes at most, fit through the USART twice over.
     const REPORT_EVERY: u32 = 10;
 

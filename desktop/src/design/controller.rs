@@ -172,7 +172,7 @@ impl Controller {
     }
 
     /// One control period of `slot`: commanded torque and the observer's d. `open` where the disturbance path reads
-    /// v[4] in the place of d.
+    /// `v[4]` in the place of d.
     pub fn step(&self, slot: usize, x: &mut [f64], v: &[f64; INPUTS], open: bool) -> [f64; 2] {
         let dt = CONTROL_PERIOD;
         let [motor, output, measured, gauge, load] = *v;

@@ -75,7 +75,7 @@ impl Corner {
         }
     }
 
-    /// All corners of a mode: the file's [drive] and [tolerances], presliding and a mode behind the flange.
+    /// All corners of a mode: the file's `[drive]` and `[tolerances]`, presliding and a mode behind the flange.
     pub fn all(file: &GearFile, mode: Mode) -> Vec<Self> {
         let presliding = match mode {
             Mode::Moving => vec![None],

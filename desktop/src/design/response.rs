@@ -33,7 +33,7 @@ pub struct Response {
 }
 
 impl Response {
-    /// Of a controller whose disturbance path is open (reads v[4]) or not.
+    /// Of a controller whose disturbance path is open (reads `v[4]`) or not.
     pub fn new(controller: &Controller, open: bool) -> Self {
         let matrices = controller.matrices(open);
         let a = |k: usize| matrices[k].view((0, 0), (STATES, STATES)).into_owned();

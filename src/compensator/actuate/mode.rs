@@ -12,8 +12,7 @@
 //! go of swings back below the torque that it had. A reset ([`crate::compensator::Compensator::reset`]) starts from
 //! rest; encoders are found again, and no angle of before is used.
 //!
-//! A single control overrun is named; one is forgotten after [`OVERRUN`] periods, and so many together that
-//! [`MOST_STRIKES`] is reached end in Safe.
+//! A single control overrun is named; one is forgotten after 20 periods, five within 10 ms end in Safe.
 
 use crate::compensator::{Faults, Status};
 use crate::real::seldom;

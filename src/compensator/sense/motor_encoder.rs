@@ -11,7 +11,7 @@
 //! measured. A reading that is refused is replaced by what was foreseen, so that single bad frames do not shake the
 //! joint. Counts are within the turn, so that what is believed again after a few periods is the right angle.
 //!
-//! A refused reading gives [`STRIKES`] strikes, an accepted one takes [`FORGIVEN`] off: a reading in four may be bad. At [`MOST_STRIKES`], 2 ms of bad frames,
+//! A refused reading counts 10, an accepted one takes 4 off: a reading in four may be bad. At 200, 2 ms of bad frames,
 //! the angle is lost and the next sound count begins a new one, which is of use after a reset only.
 
 use crate::angle::Angle;
