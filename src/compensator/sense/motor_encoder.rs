@@ -232,12 +232,12 @@ mod tests {
     }
 
     #[test]
-    fn a_millisecond_of_bad_frames_loses_the_angle() {
+    fn two_milliseconds_of_bad_frames_lose_the_angle() {
         let mut state = MotorEncoderState::default();
         go(&mut state, [0; 5]);
-        let seen = go(&mut state, [1 << 18; 12]);
-        assert_eq!(seen.iter().position(|(_, _, lost)| *lost), Some(9));
-        assert!(seen[10].1, "and begins anew");
+        let seen = go(&mut state, [1 << 18; 22]);
+        assert_eq!(seen.iter().position(|(_, _, lost)| *lost), Some(19));
+        assert!(seen[20].1, "and begins anew");
     }
 
     /// A period that is late is no jump.
