@@ -25,7 +25,7 @@
 //! | frozen, loaded | it stands, and the torque on it, that of the gear as the torque sensor tells it included, has changed by more than that; as the output's encoder tells it, by 0.05*tau_p/n more |
 //! | frozen, moving | the count stands still at once, though 1.25*(abs tau + abs T_g/n + tau_s) + tau_p/(4*n) could not stop the rotor in the time |
 //! | overspeed | abs omega > the speed limit |
-//! | drive | measured torque off the commanded one by more than 0.1*tau_max + 0.5*abs tau for 1.6 ms: five times the noise that the filter expects, a drive at 60 % of its limit, longer than four time constants of a 1 kHz drive |
+//! | drive | measured torque off the commanded one by more than 0.1*tau_max + 0.5*abs tau in three rounds, two where it is of the other sign: five times the noise that the filter expects, a drive at 60 % of its limit, longer than four time constants of a 1 kHz drive |
 //! | following | farther from the reference than tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p in two rounds: what a cascade with the position gain k_p leaves at the motor's largest acceleration, and without feed-forward of the speed |
 //!
 //! tau_s is the larger static friction of both directions. The torque that the output's encoder and torque sensor say
@@ -47,7 +47,7 @@ const OVERLOAD: f64 = 1.25;
 /// Time that an overload, or a following error, has to last (s).
 const OVERLOADED: f64 = 0.8e-3;
 /// The same of a drive that does not follow.
-const NOT_FOLLOWING: f64 = 1.6e-3;
+const NOT_FOLLOWING: f64 = 2.4e-3;
 /// The same of a sensor at the output that disagrees.
 const DISAGREEING: f64 = 8e-3;
 
@@ -255,6 +255,9 @@ impl<R: Real> Rotor<R> {
         }
         let Beside { commanded, off, course, .. } = *beside;
         let drive = self.drive + R::lit(LIMITED) * commanded.abs();
+        // Torque of the other sign: such a round counts twice.
+        let opposite = !off.is_within(self.drive + commanded.abs());
+        state.off_drive += u32::from(opposite);
         let mut lasts = |off: bool, rounds: &mut u32, most: u32, fault: Faults| {
             *rounds = if off { *rounds + 1 } else { 0 };
             if *rounds >= most {
