@@ -25,7 +25,7 @@
 //! | frozen, loaded | it stands, and the torque on it, that of the gear as the torque sensor tells it included, has changed by more than that; as the output's encoder tells it, by 0.05*tau_p/n more |
 //! | frozen, moving | the count stands still at once, though 1.25*(abs tau + abs T_g/n + tau_s) + tau_p/(4*n) could not stop the rotor in the time |
 //! | overspeed | abs omega > the speed limit |
-//! | drive | measured torque off the commanded one by more than 0.1*tau_max + 0.5*abs tau in three rounds, two where it is of the other sign: five times the noise that the filter expects, a drive at 60 % of its limit, longer than four time constants of a 1 kHz drive |
+//! | drive | measured torque off the commanded one by more than 0.1*tau_max + 0.5*abs tau, the larger of this round and the last, in three rounds, two where it is of the other sign: five times the noise that the filter expects, a drive at 60 % of its limit, longer than four time constants of a 1 kHz drive |
 //! | following | farther from the reference than tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p in two rounds: what a cascade with the position gain k_p leaves at the motor's largest acceleration, and without feed-forward of the speed |
 //!
 //! tau_s is the larger static friction of both directions. The torque that the output's encoder and torque sensor say
@@ -109,6 +109,8 @@ pub struct RotorState<R> {
     most: R,
     overloaded: u32,
     off_drive: u32,
+    /// Command of the last round (N m).
+    commanded: R,
     off_course: u32,
     off_output: u32,
     off_gauge: u32,
@@ -254,9 +256,12 @@ impl<R: Real> Rotor<R> {
             (state.least, state.most) = (torque, torque);
         }
         let Beside { commanded, off, course, .. } = *beside;
-        let drive = self.drive + R::lit(LIMITED) * commanded.abs();
+        // A late drive still gives what was commanded a round ago.
+        let largest = commanded.abs().max(state.commanded.abs());
+        state.commanded = commanded;
+        let drive = self.drive + R::lit(LIMITED) * largest;
         // Torque of the other sign: such a round counts twice.
-        let opposite = !off.is_within(self.drive + commanded.abs());
+        let opposite = !off.is_within(self.drive + largest);
         state.off_drive += u32::from(opposite);
         let mut lasts = |off: bool, rounds: &mut u32, most: u32, fault: Faults| {
             *rounds = if off { *rounds + 1 } else { 0 };
