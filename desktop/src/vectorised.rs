@@ -114,11 +114,3 @@ impl<R: Real, const N: usize, const M: usize> Vectorised<Shell<R, N, M>> {
         self.processor.dispatch(FreeSteps { shell: &self.model, state, steps });
     }
 }
-
-/// Whether this processor has AVX2.
-pub fn has_avx2() -> bool {
-    #[cfg(target_arch = "x86_64")]
-    return std::arch::is_x86_feature_detected!("avx2");
-    #[cfg(not(target_arch = "x86_64"))]
-    false
-}

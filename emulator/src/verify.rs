@@ -110,7 +110,7 @@ fn flexspline(
     ])
 }
 
-/// Cycles of the dearest path through one side's friction on the target: order 2, with load, direction and ripple.
+/// Cycles of the worst-case path through one side's friction on the target: order 2, with load, direction and ripple.
 ///
 /// # Errors
 /// When the image cannot be built or judged.
@@ -118,12 +118,12 @@ pub fn friction() -> Result<Measured, Error> {
     let budget = Budget::read(BOARD)?;
     let image =
         Image::read(&pil::build(BOARD, &GearFile::default_gear())?.elf).map_err(budget::Error::from)?;
-    let dearest = budget.blocks.get(FRICTION).map(|block| block.dearest(&image)).transpose()?.flatten();
-    let cycles = dearest.map_or(f64::NAN, |cycles| cycles as f64);
+    let worst_case = budget.blocks.get(FRICTION).map(|block| block.worst_case(&image)).transpose()?.flatten();
+    let cycles = worst_case.map_or(f64::NAN, |cycles| cycles as f64);
     Ok(vec![bounds::figure("friction.target.cycles", cycles)].into())
 }
 
-/// Cost of hysteresis on the target: cycles of the dearest path through its code, those of the dearest call along
+/// Cost of hysteresis on the target: cycles of the worst-case path through its code, those of the most costly call along
 /// the histories that cost most beside it, and bytes.
 ///
 /// # Errors
@@ -142,9 +142,9 @@ pub fn hysteresis() -> Result<Measured, Error> {
         ("hysteresis.cycles.forward", "hysteresis_forward"),
         ("hysteresis.cycles.inverse", "hysteresis_inverse"),
     ] {
-        let dearest = worst.dearest(&elf, block)?.map_or(f64::NAN, |cycles| cycles as f64);
+        let worst_case = worst.worst_case(&elf, block)?.map_or(f64::NAN, |cycles| cycles as f64);
         let counted = measured.counts_of(block).map_or(f64::NAN, |counts| counts.cycles.max as f64);
-        figures.push(bounds::figure(name, dearest));
+        figures.push(bounds::figure(name, worst_case));
         figures.push(Figure::reported(format!("{name}.counted"), counted, "cycle"));
     }
     Ok(figures.into())

@@ -23,7 +23,7 @@ const SLOW_PERIODS: usize = schedule::SLOW_PERIODS as usize;
 /// Periods of the torque's ramp: what the cascade does after it is its own affair.
 const RAMP: usize = 100;
 
-/// A joint that is what its controller believes, and its controller.
+/// A joint that is the model of its controller, and its controller.
 struct Joint {
     params: JointParams<f64>,
     gear: RealTimeGear<f64>,

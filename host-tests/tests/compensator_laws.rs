@@ -95,7 +95,7 @@ fn the_observers_error_contracts() {
     }
 }
 
-/// The zero between the two encoders is taken from readings that are believed.
+/// The zero between the two encoders is taken from readings that are accepted.
 #[test]
 fn a_bad_first_reading_does_not_become_the_zero_of_the_output_encoder() {
     let compensator = joint_params::<f32>(&GearFile::default_gear()).unwrap().build().unwrap();

@@ -5,7 +5,9 @@ use std::f64::consts::TAU;
 
 use strainwave::Angle;
 use strainwave::compensator::adapt::parameters::Factors;
-use strainwave::compensator::reference::feed_forward::{Believed, Demand, FeedForward, FeedForwardState};
+use strainwave::compensator::reference::feed_forward::{
+    Demand, FeedForward, FeedForwardState, ModelCorrection,
+};
 use strainwave::compensator::schedule::SLOW_PERIODS;
 use strainwave::compensator::{JointParams, RealTimeGear, Setpoint, Shares};
 use strainwave::flexspline::Reduced;
@@ -61,8 +63,8 @@ impl Joint {
 
     /// One round: the demand, and the models' turn half a round later.
     fn demand(&mut self, setpoint: &Setpoint<f64>, shares: &Shares<f64>) -> Demand<f64> {
-        let believed = Believed::default();
-        let demand = self.feed_forward.step(&self.gear, &mut self.state, setpoint, shares, &believed);
+        let correction = ModelCorrection::default();
+        let demand = self.feed_forward.step(&self.gear, &mut self.state, setpoint, shares, &correction);
         let reference = demand.motor.angle.plus(0.5 * DT * demand.motor.velocity);
         self.feed_forward.remember(&self.gear, &mut self.state, reference, &Factors::default());
         demand
@@ -115,7 +117,7 @@ fn at_rest_it_does_not_hunt() {
     }
 }
 
-/// The motor alone pushes a joint whose friction is less than the controller believes, by all that it may be:
+/// The motor alone pushes a joint whose friction is less than the controller assumes, by all that it may be:
 /// with the default share and no feedback at all the joint stays within a few presliding lengths, and comes to rest.
 #[test]
 fn at_rest_it_does_not_drive_a_joint_of_less_friction() {

@@ -37,7 +37,7 @@ fn measured(motor: Motion<f64>, reads_output: bool, motor_torque: f64) -> Measur
     }
 }
 
-/// Largest external torque (N m) that is believed of a free joint whose motor's torque, held over each control
+/// Largest external torque (N m) that is estimated of a free joint whose motor's torque, held over each control
 /// period, swings by 1 N m at 130 Hz: 100 N m at the output.
 fn load_of_a_swinging_motor() -> f64 {
     let joint = joint();
@@ -73,8 +73,8 @@ fn the_timing_of_the_motors_torque_is_no_load() {
     assert!(load < 3.0, "{load} N m");
 }
 
-/// Angle of the output (rad) that is believed of a resting joint whose output encoder shows `off` (rad).
-fn believed_at_rest(off: f64) -> f64 {
+/// Angle of the output (rad) that is estimated of a resting joint whose output encoder shows `off` (rad).
+fn estimated_at_rest(off: f64) -> f64 {
     let joint = joint();
     let model = gear(&joint.gear, CONTROL_PERIOD);
     let observer = joint.observer.build(&joint.gear, &joint.limits, CONTROL_PERIOD).unwrap();
@@ -93,8 +93,8 @@ fn believed_at_rest(off: f64) -> f64 {
 #[test]
 fn a_resting_outputs_last_count_moves_nothing() {
     let count = TAU / 2f64.powi(19);
-    assert_eq!(believed_at_rest(0.9 * count), believed_at_rest(0.0));
-    let off = believed_at_rest(10.0 * count) - believed_at_rest(0.0);
+    assert_eq!(estimated_at_rest(0.9 * count), estimated_at_rest(0.0));
+    let off = estimated_at_rest(10.0 * count) - estimated_at_rest(0.0);
     assert!((off / count - 9.0).abs() < 0.2, "{} counts", off / count);
 }
 

@@ -100,7 +100,7 @@ impl<R: Real> Compensator<R> {
         Commanded { motor_torque, faults, mode: state.mode.mode() }
     }
 
-    /// What the last step commanded, rested on and believed. Apart from the control step: who does not look at it
+    /// What the last step commanded, rested on and accepted. Apart from the control step: who does not look at it
     /// does not pay for it.
     #[inline(never)] // The timing budget counts it by its symbol.
     pub fn output(&self, state: &State<R>) -> Output<R> {
@@ -155,7 +155,7 @@ impl<R: Real> Compensator<R> {
         let sound = !status.tells(Status::MOTOR_ENCODER_INVALID);
         let (motor, lost) =
             self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder, sound, elapsed);
-        faults.raise_if(!motor.believed, Faults::MOTOR_ENCODER_JUMP);
+        faults.raise_if(!motor.accepted, Faults::MOTOR_ENCODER_JUMP);
         faults.raise_if(lost, Faults::MOTOR_ENCODER_LOST);
         let (commanded, feedback) = (state.fallback.torque(), state.guard.shares().feedback);
         let heard = &mut state.heard;
@@ -211,18 +211,18 @@ impl<R: Real> Compensator<R> {
         let Some((raw, age)) = state.output_reading.take() else {
             return;
         };
-        let Reading { angle, believed, .. } = self.output_encoder.step::<R>(&mut state.output_encoder, raw);
-        faults.raise_if(!believed, Faults::OUTPUT_ENCODER_JUMP);
+        let Reading { angle, accepted, .. } = self.output_encoder.step::<R>(&mut state.output_encoder, raw);
+        faults.raise_if(!accepted, Faults::OUTPUT_ENCODER_JUMP);
         state.output_raw = Some(raw);
         // The two encoders are mounted at any angle to each other: the first readings that are both
-        // believed are their zero, with the torsion of that moment.
-        if state.output_zero.is_none() && believed && state.motor_encoder.is_believed() {
+        // accepted are their zero, with the torsion of that moment.
+        if state.output_zero.is_none() && accepted && state.motor_encoder.is_accepted() {
             let then = self.observer.output_at_reading(&self.gear, &state.observer, age);
             state.output_zero = then.map(|then| angle.less(then));
         }
         let unsound = Faults::OUTPUT_ENCODER_FROZEN.with(Faults::OUTPUT_ENCODER_OFF);
         let frozen = state.faults.standstill.with(state.off).intersects(unsound);
-        if let Some(zero) = state.output_zero.filter(|_| believed && !frozen) {
+        if let Some(zero) = state.output_zero.filter(|_| accepted && !frozen) {
             let reading = OutputReading { angle: angle.less(zero), age };
             self.observer.correct_output(&mut state.observer, &reading, &state.known, faults);
         }
@@ -241,8 +241,9 @@ impl<R: Real> Compensator<R> {
         let shares = state.guard.shares();
         let rests = setpoint.velocity == R::ZERO;
         let load = self.disturbance.followed(&state.disturbance);
-        let believed = self.learning.believed(&state.learning, load, shares);
-        let demand = self.feed_forward.step(&self.gear, &mut state.feed_forward, setpoint, shares, &believed);
+        let correction = self.learning.correction(&state.learning, load, shares);
+        let demand =
+            self.feed_forward.step(&self.gear, &mut state.feed_forward, setpoint, shares, &correction);
         let ahead = demand.motor.angle.minus(motor);
         // What was seen a period ago moves on. Its speed is that of the middle of the observer's period.
         let speed_behind = R::lit(1.0 + 0.5 * OBSERVER_PERIODS as f64) * self.dt;

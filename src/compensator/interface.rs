@@ -120,7 +120,7 @@ impl Status {
     }
 }
 
-/// What the observer believes: motion and external torque at the end of its period, torsion and torques at its
+/// What the observer estimates: motion and external torque at the end of its period, torsion and torques at its
 /// beginning ([`crate::compensator::schedule::OBSERVER_PERIODS`] control periods before).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimate<R> {

@@ -58,7 +58,7 @@ pub struct State<R: Real> {
     pub(super) protection: ProtectionState<R>,
     /// Torque through the flexspline that the gauge said last (N m).
     pub(super) gauge: Option<R>,
-    /// Sensors that are not believed until a reset.
+    /// Sensors that are not used until a reset.
     pub(super) off: Faults,
     pub(super) fallback: FallbackState<R>,
     pub(super) mode: ModeState,

@@ -1,7 +1,7 @@
 //! 168 MHz from the 8 MHz crystal (ST RM0090, 7.3.2 and 3.5.1).
 //!
 //! Through the registers: the HAL's `freeze` searches for PLL factors at run time and panics when it finds
-//! none, and a panic that the linker can see keeps the image from linking. The HAL goes on believing in the
+//! none, and a panic that the linker can see keeps the image from linking. The HAL goes on assuming the
 //! 16 MHz that the chip starts with; whoever gives it a frequency has to mind that.
 
 use stm32f4xx_hal::pac::FLASH;
@@ -9,7 +9,7 @@ use stm32f4xx_hal::rcc::Rcc;
 
 /// Core clock (Hz).
 pub const FULL: u32 = 168_000_000;
-/// Core clock without the crystal, and what the HAL believes in (Hz).
+/// Core clock without the crystal, and what the HAL assumes (Hz).
 pub const INTERNAL: u32 = 16_000_000;
 /// What the timers of APB1 and all of APB2 get of the core clock at [`FULL`].
 pub const PERIPHERAL_DIVISOR: u32 = 2;

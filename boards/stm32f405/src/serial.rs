@@ -1,6 +1,6 @@
 //! USART1: telemetry out, the operator's keys in (ST RM0090, chapter 30).
 //!
-//! Through the registers: the HAL would take its divider from the clock that it believes in.
+//! Through the registers: the HAL would take its divider from the clock that it assumes.
 
 use core::sync::atomic::{AtomicI32, Ordering};
 use cortex_m::peripheral::NVIC;

@@ -192,18 +192,4 @@ pub(super) const ROWS: &[Bound] = &[
         why: "a step of the condensed mesh over S1-S6 on a Cortex-M4F, modelled at the pessimistic end; 600 are \
               asked",
     },
-    Bound {
-        name: "flexspline.36x4.step.f64",
-        value: 1.6,
-        unit: "ns",
-        why: "time of a step over its 828 links, one thread, with AVX2; as asked: that of a vectorised stencil in \
-              C++",
-    },
-    Bound { name: "flexspline.36x4.step.f32", value: 1.2, unit: "ns", why: "the same in f32; as asked" },
-    Bound {
-        name: "flexspline.36x4.second_of_s1",
-        value: 1.0,
-        unit: "s",
-        why: "a second of the plant in S1, one thread: the reference is no slower than what it models",
-    },
 ];

@@ -68,15 +68,9 @@ pub(super) const ROWS: &[Bound] = &[
         name: "friction.target.cycles",
         value: 300.0,
         unit: "cycle",
-        why: "dearest path of one side, order 2, with load, direction and ripple: 216 within the limits, more beyond \
+        why: "worst-case path of one side, order 2, with load, direction and ripple: 216 within the limits, more beyond \
               them, 178 without load and ripple; 150 is asked: three exponentials, a division and 23 numbers to load \
               take more",
-    },
-    Bound {
-        name: "friction.order_2.step",
-        value: 4.0,
-        unit: "ns",
-        why: "time of a step of Bliman-Sorine of order 2 in f64, one thread; as asked",
     },
     Bound {
         name: "friction.load.erob80",

@@ -130,17 +130,10 @@ pub(super) const ROWS: &[Bound] = &[
         why: "area of the cycle by trapezoids against the energy of the relays, relative",
     },
     Bound {
-        name: "hysteresis.sample",
-        value: 5.0,
-        unit: "ns",
-        why: "a sample of the staircase on one core, the slowest of 8 to 64 levels; 4 is asked, and what a 2.6 GHz \
-              processor just about takes",
-    },
-    Bound {
         name: "hysteresis.cycles.forward",
         value: 150.0,
         unit: "cycle",
-        why: "the dearest path through a step on a Cortex-M4F, modelled at the pessimistic end: no history costs more; as asked",
+        why: "the worst-case path through a step on a Cortex-M4F, modelled at the pessimistic end: no history costs more; as asked",
     },
     Bound {
         name: "hysteresis.cycles.inverse",

@@ -5,9 +5,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use toml_edit::{DocumentMut, Item, Table};
 
-use super::GearFile;
 use crate::baseline::{BaselineGains, Kind};
-use crate::file::{self, BadInput};
+use crate::file::BadInput;
 
 /// The gains of each baseline that was tuned.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -96,14 +95,11 @@ impl Baselines {
     /// # Errors
     /// A gain is out of the file's range, `text` is no gear file, or the file cannot be written.
     pub fn keep_in(&self, text: &str, path: &Path) -> Result<(), BadInput> {
-        let kept = self.put_into(text).map_err(|error| BadInput::new(path, error.message()))?;
-        GearFile::parse(path, kept.as_bytes())?;
-        file::write(path, |out| Ok(out.write_all(kept.as_bytes())?))
+        super::keep(path, text, |document| self.put_into(document))
     }
 
-    /// The text with these sections, each where it stood, at the end where there was none.
-    fn put_into(&self, text: &str) -> Result<String, toml_edit::TomlError> {
-        let mut document: DocumentMut = text.parse()?;
+    /// Puts these sections where they stood, at the end where there was none.
+    fn put_into(&self, document: &mut DocumentMut) {
         let tuned = toml_edit::ser::to_document(self).expect("every field has a TOML form");
         let mut section = match document.remove("baselines").map(Item::into_table) {
             Some(Ok(section)) => section,
@@ -118,7 +114,6 @@ impl Baselines {
             section.insert(name, Item::Table(kept));
         }
         document.insert("baselines", Item::Table(section));
-        Ok(document.to_string())
     }
 }
 
@@ -128,6 +123,7 @@ mod tests {
     use crate::baseline::GAINS;
     use crate::gear_file::KEYS;
     use crate::gear_file::keys::Allowed;
+    use crate::gear_file::{GearFile, edited};
 
     fn plain() -> String {
         let mut file = GearFile::default_gear();
@@ -153,7 +149,7 @@ mod tests {
 
     #[test]
     fn what_is_stored_is_what_a_baseline_is_built_with() {
-        let kept = tuned().put_into(&plain()).unwrap();
+        let kept = edited(&plain(), |document| tuned().put_into(document)).unwrap();
         let file = parsed(&kept).unwrap();
         assert_eq!(file.baselines, Some(tuned()));
         assert_eq!(BaselineGains::of(&file, Kind::B3), gains());
@@ -165,9 +161,9 @@ mod tests {
     #[test]
     fn the_rest_of_the_file_stays_as_it_is() {
         let before = format!("# ours\n{}\n# by hand\n[baselines.b1]\nfriction_share = 0.7\n", plain());
-        let once = tuned().put_into(&before).unwrap();
+        let once = edited(&before, |document| tuned().put_into(document)).unwrap();
         assert!(once.starts_with(&before), "{once}");
-        assert_eq!(tuned().put_into(&once).unwrap(), once);
+        assert_eq!(edited(&once, |document| tuned().put_into(document)).unwrap(), once);
         let file = parsed(&once).unwrap();
         assert_eq!(BaselineGains::of(&file, Kind::B1).friction_share, 0.7);
     }

@@ -9,8 +9,7 @@ use strainwave::compensator::adapt::parameters::Factors;
 use strainwave::compensator::adapt::ripple::{Coefficients, RippleMap};
 use toml_edit::{DocumentMut, Item, Table};
 
-use super::GearFile;
-use crate::file::{self, BadInput};
+use crate::file::BadInput;
 
 /// Factors on the gear's parameters, and the ripple by the coefficients of its orders; what is left out is the nominal gear's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -89,21 +88,17 @@ impl Learnt {
     /// # Errors
     /// What was learnt is out of the file's range, `text` is no gear file, or the file cannot be written.
     pub fn keep_in(&self, text: &str, path: &Path) -> Result<(), BadInput> {
-        let kept = self.put_into(text).map_err(|error| BadInput::new(path, error.message()))?;
-        GearFile::parse(path, kept.as_bytes())?;
-        file::write(path, |out| Ok(out.write_all(kept.as_bytes())?))
+        super::keep(path, text, |document| self.put_into(document))
     }
 
-    /// The text with this as its `[learnt]`, where it stood, at the end when there was none.
-    fn put_into(&self, text: &str) -> Result<String, toml_edit::TomlError> {
-        let mut document: DocumentMut = text.parse()?;
+    /// Puts this as `[learnt]` where it stood, at the end when there was none.
+    fn put_into(&self, document: &mut DocumentMut) {
         let learnt = toml_edit::ser::to_document(self).expect("every field has a TOML form");
         let section = document.entry("learnt").or_insert(Item::Table(Table::new()));
         let mut kept = section.as_table().cloned().unwrap_or_default();
         kept.clear();
         kept.extend(learnt.iter().map(|(key, value)| (key, value.clone())));
         *section = Item::Table(kept);
-        Ok(document.to_string())
     }
 }
 
@@ -111,6 +106,7 @@ impl Learnt {
 mod tests {
     use super::*;
     use crate::gear_file::DEFAULT;
+    use crate::gear_file::{GearFile, edited};
 
     fn learnt() -> learning::Learnt<f32> {
         learning::Learnt {
@@ -145,7 +141,7 @@ mod tests {
     #[test]
     fn the_rest_of_the_file_stays_as_it_is() {
         let kept = Learnt::of(&learnt());
-        let appended = kept.put_into(DEFAULT).unwrap();
+        let appended = edited(DEFAULT, |document| kept.put_into(document)).unwrap();
         let section = appended.strip_prefix(DEFAULT).unwrap();
         assert!(section.trim_start().starts_with("[learnt]\ninertia = 0.8333"), "{section}");
         assert_eq!(parsed(&appended).learnt.as_ref(), Some(&kept));
@@ -154,11 +150,11 @@ mod tests {
                    compliance = 1.0\n";
         let (first, rest) = DEFAULT.split_once("[motor]").unwrap();
         let before = format!("{first}{old}\n# which?\n[motor]{rest}");
-        let replaced = kept.put_into(&before).unwrap();
+        let replaced = edited(&before, |document| kept.put_into(document)).unwrap();
         let (head, tail) = replaced.split_once("# on the bench\n[learnt] # by hand\n").unwrap();
         assert!(head == first && tail.ends_with(&format!("\n\n# which?\n[motor]{rest}")), "{replaced}");
         assert_eq!(parsed(&replaced), parsed(&appended));
-        assert_eq!(kept.put_into(&replaced).unwrap(), replaced);
+        assert_eq!(edited(&replaced, |document| kept.put_into(document)).unwrap(), replaced);
     }
 
     /// The other way to write a table.
@@ -167,7 +163,7 @@ mod tests {
         let factors =
             "learnt = { inertia = 1.2, input_friction = 1.0, output_friction = 1.0, compliance = 1.0 }\n";
         let kept = Learnt::of(&learnt());
-        let replaced = kept.put_into(&format!("{factors}{DEFAULT}")).unwrap();
+        let replaced = edited(&format!("{factors}{DEFAULT}"), |document| kept.put_into(document)).unwrap();
         assert_eq!(parsed(&replaced).learnt, Some(kept));
     }
 

@@ -24,6 +24,7 @@ use serde::{Deserialize, Serialize};
 use strainwave::hysteresis::HysteresisTable;
 use strainwave::{Ratio, Real};
 use toml::Table;
+use toml_edit::{DocumentMut, TomlError};
 
 use crate::file::{self, BadInput};
 pub use baselines::{Baselines, StoredGains};
@@ -454,6 +455,23 @@ impl GearFile {
         Self::parse(path, text.as_bytes())?;
         file::write(path, |out| Ok(out.write_all(text.as_bytes())?))
     }
+}
+
+/// Writes the gear file of this `text`, as `put` changes it, to `path`, complete or not at all. All else of it, comments
+/// too, stays as it is.
+///
+/// # Errors
+/// `text` is no gear file, before or after the change, or the file cannot be written.
+fn keep(path: &Path, text: &str, put: impl FnOnce(&mut DocumentMut)) -> Result<(), BadInput> {
+    let kept = edited(text, put).map_err(|error| BadInput::new(path, error.message()))?;
+    GearFile::parse(path, kept.as_bytes())?;
+    file::write(path, |out| Ok(out.write_all(kept.as_bytes())?))
+}
+
+fn edited(text: &str, put: impl FnOnce(&mut DocumentMut)) -> Result<String, TomlError> {
+    let mut document = text.parse()?;
+    put(&mut document);
+    Ok(document.to_string())
 }
 
 fn not_toml(text: &str, error: &toml::de::Error) -> String {

@@ -3,10 +3,10 @@
 //! ```text
 //! u(t)       = limited command, late by T_d                        piecewise constant
 //! d tau_i/dt = omega_c*(u - tau_i)                                 current loop of first order, omega_c = 2*pi*f_c
-//! tau_shaft  = c*tau_i + tau_0                                     c: torque constant over the believed one
+//! tau_shaft  = c*tau_i + tau_0                                     c: torque constant over the nominal one
 //! ```
 //!
-//! tau_i is what the drive measures, in torque of the believed constant. Units: N m, s, Hz.
+//! tau_i is what the drive measures, in torque of the nominal constant. Units: N m, s, Hz.
 //!
 //! Discretisation: exact. Over a micro-step the shaft has the mean of tau_i under the mean of u, so that a command that
 //! comes within a micro-step acts for the rest of it. Without delay and with an infinite f_c that is the command, bit for
@@ -24,7 +24,7 @@ pub struct DriveParams {
     pub delay: f64,
     /// f_c (Hz); infinite for none.
     pub bandwidth: f64,
-    /// Largest torque that it gives, by the believed constant (N m).
+    /// Largest torque that it gives, by the nominal constant (N m).
     pub limit: f64,
     /// c.
     pub torque_constant: f64,

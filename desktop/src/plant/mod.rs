@@ -367,7 +367,7 @@ impl<F: Flexspline<f64>> Plant<F> {
         self.flange
     }
 
-    /// Torque of the motor as its drive measures it, by the believed constant (N m).
+    /// Torque of the motor as its drive measures it, by the nominal constant (N m).
     pub fn measured_motor_torque(&self) -> f64 {
         self.drive.measured()
     }

@@ -101,7 +101,7 @@ pub const ROWS: &[Row] = &[
     row("drive.bandwidth", "current loop of first order, 0.5 to 2 kHz", |plant, dice| {
         plant.sides.drive.bandwidth = dice.factor(500.0, 2000.0);
     }),
-    row("drive.limit", "torque limit at 60 % of what is believed", |plant, _| {
+    row("drive.limit", "torque limit at 60 % of the nominal one", |plant, _| {
         plant.sides.drive.limit = 0.6 * plant.known.motor.peak_torque;
     }),
     structure("friction.bliman_sorine_1", "friction Bliman-Sorine of order 1", |plant, _| {

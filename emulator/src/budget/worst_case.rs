@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::{Block, Error, Measurement};
 use crate::artifact::Image;
-use crate::counting::dearest::dearest_path;
+use crate::counting::worst_path::worst_case_path;
 
 /// A program that drives blocks through the histories that cost most.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
@@ -38,9 +38,9 @@ impl WorstCase {
     ///
     /// # Errors
     /// [`Error::Image`].
-    pub fn dearest(&self, elf: &Path, block: &str) -> Result<Option<u64>, Error> {
+    pub fn worst_case(&self, elf: &Path, block: &str) -> Result<Option<u64>, Error> {
         let Some(block) = self.blocks.get(block) else { return Ok(None) };
-        block.dearest(&Image::read(elf)?)
+        block.worst_case(&Image::read(elf)?)
     }
 }
 
@@ -49,8 +49,8 @@ impl Block {
     ///
     /// # Errors
     /// [`Error::Image`].
-    pub fn dearest(&self, image: &Image) -> Result<Option<u64>, Error> {
-        let paths = image.find(&self.symbol)?.into_iter().map(|function| dearest_path(image, function));
+    pub fn worst_case(&self, image: &Image) -> Result<Option<u64>, Error> {
+        let paths = image.find(&self.symbol)?.into_iter().map(|function| worst_case_path(image, function));
         Ok(paths.collect::<Option<Vec<_>>>().and_then(|cycles| cycles.into_iter().max()))
     }
 }

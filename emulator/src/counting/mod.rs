@@ -10,11 +10,11 @@
 //! ```
 
 pub mod cycle_table;
-pub mod dearest;
 mod error;
 mod plan;
 mod plugin;
 mod result;
+pub mod worst_path;
 
 pub use error::Error;
 pub use result::{Counts, Outcome, Spread, merge};

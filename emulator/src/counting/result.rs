@@ -5,7 +5,7 @@
 pub struct Spread {
     /// Of the cheapest call.
     pub min: u64,
-    /// Of the dearest call.
+    /// Of the most costly call.
     pub max: u64,
     /// Over all calls.
     pub mean: f64,
@@ -71,7 +71,7 @@ fn counts(line: &str) -> Option<Option<Counts>> {
     Some((calls > 0).then_some(Counts { calls, instructions, cycles }))
 }
 
-/// One count for functions that share a row of the budget: the dearest call of any of them.
+/// One count for functions that share a row of the budget: the most costly call of any of them.
 pub fn merge(counts: impl IntoIterator<Item = Counts>) -> Option<Counts> {
     counts.into_iter().reduce(|a, b| {
         let calls = a.calls + b.calls;

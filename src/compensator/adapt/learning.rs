@@ -19,7 +19,7 @@ use crate::compensator::adapt::parameters::{
 };
 use crate::compensator::adapt::ripple::{LearntRipple, LearntRippleParams, Lesson, RippleMap, RippleNow};
 use crate::compensator::estimate::observer::Known;
-use crate::compensator::reference::feed_forward::Believed;
+use crate::compensator::reference::feed_forward::ModelCorrection;
 use crate::compensator::schedule::{OBSERVER_PERIODS, PLAN_TO_LEARN, SLOW_PERIODS};
 use crate::compensator::{Limits, Shares};
 use crate::error::Error;
@@ -162,11 +162,11 @@ impl<R: Real> Learning<R> {
         (known, rate)
     }
 
-    /// What is believed beside the model, with the external torque as far as it is followed.
+    /// What has been learnt beside the model, with the external torque as far as it is followed.
     #[inline(always)]
-    pub fn believed(&self, state: &LearningState<R>, load: R, shares: &Shares<R>) -> Believed<R> {
+    pub fn correction(&self, state: &LearningState<R>, load: R, shares: &Shares<R>) -> ModelCorrection<R> {
         let [ripple, torque] = [state.now.position, state.now.torque].map(|now| shares.ripple * now);
-        Believed {
+        ModelCorrection {
             factors: state.applied,
             load: load + state.gravity_torque,
             ripple,

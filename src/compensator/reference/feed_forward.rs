@@ -43,7 +43,7 @@
 //! N*de/dtheta, below 0.03 for the default gear), and the friction's load is the tau_t of the setpoint before
 //! (contraction: the load's factor).
 //!
-//! The external torque that the observer believes winds the gear up as [`crate::compensator::estimate::disturbance`] follows it: d_ff.
+//! The external torque that the observer estimates winds the gear up as [`crate::compensator::estimate::disturbance`] follows it: d_ff.
 //!
 //! M. Fliess, J. Levine, P. Martin, P. Rouchon, "Flatness and defect of non-linear systems", International Journal of
 //! Control 61 (1995); A. De Luca, "Feedforward/feedback laws for the control of flexible robots", IEEE International
@@ -111,9 +111,9 @@ pub struct FeedForwardState<R: Real> {
     engaged: R,
 }
 
-/// What is believed of the joint beside its model.
+/// What has been learnt of the joint beside its model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Believed<R: Real> {
+pub struct ModelCorrection<R: Real> {
     /// Factors on the nominal gear.
     pub factors: Factors<R>,
     /// The external torque as far as it is followed.
@@ -223,7 +223,7 @@ impl<R: Real> FeedForward<R> {
         state.rubbing = rubbing;
     }
 
-    /// Demand for a setpoint; `believed` is what is believed of the joint beside its model.
+    /// Demand for a setpoint; `correction` is what has been learnt of the joint beside its model.
     #[inline(always)]
     pub fn step(
         &self,
@@ -231,9 +231,9 @@ impl<R: Real> FeedForward<R> {
         state: &mut FeedForwardState<R>,
         setpoint: &Setpoint<R>,
         shares: &Shares<R>,
-        believed: &Believed<R>,
+        correction: &ModelCorrection<R>,
     ) -> Demand<R> {
-        let Believed { factors, load, ripple, torque } = *believed;
+        let ModelCorrection { factors, load, ripple, torque } = *correction;
         let inertia = self.flexspline_inertia * factors.inertia * shares.inertia;
         let motor_velocity = setpoint.velocity * self.inverse_ratio;
         state.velocity = setpoint.velocity + self.to_models * setpoint.acceleration;

@@ -13,7 +13,7 @@ use crate::real::{RADIANS_PER_COUNT, Real};
 pub struct EncoderParams<R> {
     /// Resolution, counts in a turn = 2^bits, 10..=32.
     pub bits: u32,
-    /// Fastest believable speed (rad/s); below a quarter turn per step.
+    /// Fastest possible speed (rad/s); below a quarter turn per step.
     pub speed_limit: R,
 }
 
@@ -22,7 +22,7 @@ pub struct EncoderParams<R> {
 pub struct Encoder {
     /// From raw counts to counts of 2^32 a turn.
     shift: u32,
-    /// Farthest believable step, in counts of 2^32 a turn.
+    /// Farthest possible step, in counts of 2^32 a turn.
     farthest: u32,
 }
 
@@ -42,8 +42,8 @@ pub struct Reading<R> {
     pub angle: Angle<R>,
     /// By how much it is farther than the last one (rad).
     pub moved: R,
-    /// The count was believed; otherwise the angle is held.
-    pub believed: bool,
+    /// The count was accepted; otherwise the angle is held.
+    pub accepted: bool,
 }
 
 /// Readings that may be refused in a row before the allowed range stops growing.
@@ -75,7 +75,7 @@ impl EncoderState {
 
     /// The last reading was.
     #[inline(always)]
-    pub fn is_believed(&self) -> bool {
+    pub fn is_accepted(&self) -> bool {
         self.started && self.refused == 0
     }
 }
@@ -91,20 +91,20 @@ impl Encoder {
                 EncoderState { phase, counts: i64::from(phase.cast_signed()), refused: 0, started: true };
         }
         let delta = phase.wrapping_sub(state.phase).cast_signed();
-        let believed = in_range && self.reaches(delta.unsigned_abs(), state.refused);
-        if believed {
+        let accepted = in_range && self.reaches(delta.unsigned_abs(), state.refused);
+        if accepted {
             state.phase = phase;
             state.counts = state.counts.wrapping_add(i64::from(delta));
             state.refused = 0;
         } else {
             state.refused = (state.refused + 1).min(MOST_REFUSED);
         }
-        let counts = if believed { delta } else { 0 };
+        let counts = if accepted { delta } else { 0 };
         let moved = R::from_i32(counts) * R::lit(RADIANS_PER_COUNT);
-        Reading { angle: Angle::from_counts(state.counts), moved, believed }
+        Reading { angle: Angle::from_counts(state.counts), moved, accepted }
     }
 
-    /// A step of so many counts is believable after so many refused ones.
+    /// A step of so many counts is possible after so many refused ones.
     #[inline(always)]
     fn reaches(&self, counts: u32, refused: u32) -> bool {
         counts <= self.farthest || counts <= self.farthest.saturating_mul(1 + refused)
@@ -134,7 +134,7 @@ mod tests {
             let steps = 20_000;
             let end = (1..=steps)
                 .map(|k| encoder().step::<f64>(&mut state, raw(start + speed * DT * f64::from(k))))
-                .inspect(|reading| assert!(reading.believed))
+                .inspect(|reading| assert!(reading.accepted))
                 .last();
             let wanted = start + speed * DT * f64::from(steps);
             assert!((end.unwrap().angle.to_radians() - wanted).abs() < 2e-5);
@@ -148,11 +148,11 @@ mod tests {
         let encoder = encoder();
         let before = encoder.step::<f64>(&mut state, raw(0.1)).angle;
         let during = encoder.step::<f64>(&mut state, raw(2.0));
-        assert!(!during.believed && during.angle == before && during.moved == 0.0);
+        assert!(!during.accepted && during.angle == before && during.moved == 0.0);
         let after = encoder.step::<f64>(&mut state, raw(0.1));
-        assert!(after.believed && after.angle == before);
+        assert!(after.accepted && after.angle == before);
         assert!(
-            (0..40).any(|_| encoder.step::<f64>(&mut state, raw(2.0)).believed),
+            (0..40).any(|_| encoder.step::<f64>(&mut state, raw(2.0)).accepted),
             "a lasting value is taken"
         );
     }
@@ -162,7 +162,7 @@ mod tests {
         let mut state = EncoderState::default();
         let encoder = encoder();
         encoder.step::<f64>(&mut state, 0);
-        assert!(!encoder.step::<f64>(&mut state, 1 << 19).believed);
+        assert!(!encoder.step::<f64>(&mut state, 1 << 19).accepted);
     }
 
     proptest! {

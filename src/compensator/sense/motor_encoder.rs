@@ -1,15 +1,15 @@
-//! The motor encoder: a count is believed where the motor can have got to, and nowhere else.
+//! The motor encoder: a count is accepted where the motor can have got to, and nowhere else.
 //!
 //! ```text
-//! foreseen = theta + dtheta*T            a reading is believed within  a*T^2*m^2 + |dtheta*T|/16 + 4 counts  of it
+//! foreseen = theta + dtheta*T            a reading is accepted within  a*T^2*m^2 + |dtheta*T|/16 + 4 counts  of it
 //! a = 1.5*(tau_max + 2*tau_p/|n| + tau_s)/J_wg
 //! ```
 //!
 //! dtheta is from the last readings, T the time since the last step; m counts the periods since the last reading that
-//! was believed. a is what the largest torques of motor, gear (twice its peak rating) and friction give the rotor
+//! was accepted. a is what the largest torques of motor, gear (twice its peak rating) and friction give the rotor
 //! alone, with half as much again for what is not known of them; the sixteenth of the way is for a clock that is not
 //! measured. A reading that is refused is replaced by what was foreseen, so that single bad frames do not shake the
-//! joint. Counts are within the turn, so that what is believed again after a few periods is the right angle.
+//! joint. Counts are within the turn, so that what is accepted again after a few periods is the right angle.
 //!
 //! A refused reading counts 10, an accepted one takes 4 off: a reading in four may be bad. At 200, 2 ms of bad frames,
 //! the angle is lost and the next sound count begins a new one, which is of use after a reset only.
@@ -59,9 +59,9 @@ pub struct MotorEncoderState {
 }
 
 impl MotorEncoderState {
-    /// The last reading was believed.
+    /// The last reading was accepted.
     #[inline(always)]
-    pub fn is_believed(&self) -> bool {
+    pub fn is_accepted(&self) -> bool {
         self.started && self.refused == 0
     }
 
@@ -162,11 +162,11 @@ impl<R: Real> MotorEncoder<R> {
 
 impl MotorEncoderState {
     #[inline(always)]
-    fn reading<R: Real>(&mut self, phase: u32, moved: i32, believed: bool) -> Reading<R> {
+    fn reading<R: Real>(&mut self, phase: u32, moved: i32, accepted: bool) -> Reading<R> {
         self.phase = phase;
         self.counts = self.counts.wrapping_add(i64::from(moved));
         let moved = R::from_i32(moved) * R::lit(RADIANS_PER_COUNT);
-        Reading { angle: Angle::from_counts(self.counts), moved, believed }
+        Reading { angle: Angle::from_counts(self.counts), moved, accepted }
     }
 }
 
@@ -194,28 +194,28 @@ mod tests {
         Elapsed { time: DT, inverse: 1.0 / DT }
     }
 
-    /// Angles believed after each reading.
+    /// Angles accepted after each reading.
     fn go(state: &mut MotorEncoderState, angles: impl IntoIterator<Item = u32>) -> Vec<(f64, bool, bool)> {
         let encoder = encoder();
         angles
             .into_iter()
             .map(|raw| {
                 let (reading, lost) = encoder.step(state, raw, true, &on_time());
-                (reading.angle.to_radians(), reading.believed, lost)
+                (reading.angle.to_radians(), reading.accepted, lost)
             })
             .collect()
     }
 
     /// As fast as a motor turns up, 5e4 rad/s^2 to 500 rad/s and back.
     #[test]
-    fn a_motion_is_believed() {
+    fn a_motion_is_accepted() {
         let angle = |k: i32| {
             let t = DT * f64::from(k);
             if t < 0.01 { 2.5e4 * t * t } else { 2.5 + 500.0 * (t - 0.01) - 2.5e4 * (t - 0.01).powi(2) }
         };
         let mut state = MotorEncoderState::default();
-        for (k, (at, believed, _)) in (0..200).zip(go(&mut state, (0..200).map(|k| count(angle(k))))) {
-            assert!(believed && (at - angle(k)).abs() < COUNT, "{k}: {at}");
+        for (k, (at, accepted, _)) in (0..200).zip(go(&mut state, (0..200).map(|k| count(angle(k))))) {
+            assert!(accepted && (at - angle(k)).abs() < COUNT, "{k}: {at}");
         }
     }
 
@@ -225,8 +225,8 @@ mod tests {
         let angle = |k: i32| 1e-3 * f64::from(k);
         go(&mut state, [0, count(1e-3)]);
         let seen = go(&mut state, (2..20).map(|k| if k == 10 { 0x2aaaa } else { count(angle(k)) }));
-        for (k, (at, believed, lost)) in (2..20).zip(seen) {
-            assert_eq!((believed, lost), (k != 10, false), "{k}");
+        for (k, (at, accepted, lost)) in (2..20).zip(seen) {
+            assert_eq!((accepted, lost), (k != 10, false), "{k}");
             assert!((at - angle(k)).abs() < 4.0 * COUNT, "{k}: {at}");
         }
     }
@@ -251,7 +251,7 @@ mod tests {
             angle += speed * DT * periods;
             let elapsed = Elapsed { time: periods * DT, inverse: 1.0 / (periods * DT) };
             let (reading, lost) = encoder.step(&mut state, count(angle), true, &elapsed);
-            assert!(reading.believed && !lost, "{k}");
+            assert!(reading.accepted && !lost, "{k}");
         }
     }
 

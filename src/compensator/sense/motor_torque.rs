@@ -1,4 +1,4 @@
-//! The motor's torque as the observer may believe it: what was commanded where it is fast, what was measured where it
+//! The motor's torque as the observer takes it: what was commanded where it is fast, what was measured where it
 //! is slow.
 //!
 //! ```text
@@ -10,7 +10,7 @@
 //! Complementary filter of the two with the corner omega = 7 rad/s: the noise of the measurement beyond it is gone,
 //! the drive's errors below it are seen. Where the share s of the feedback is 0, somebody else moves the motor and
 //! nothing is known of the command: then the measurement alone passes a low pass of 100 rad/s, between the two g
-//! changes with s. What no noise is, a drive at its limit or a brake that keeps it off, is believed at once: w has to
+//! changes with s. What no noise is, a drive at its limit or a brake that keeps it off, is accepted at once: w has to
 //! lie far beyond the noise, whose tails would otherwise stay in y for a seventh of a second each. Units: N m at the
 //! motor's shaft, rad/s. Exact for inputs that are held.
 
@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn slow_differences_are_believed_and_fast_ones_are_not() {
+    fn slow_differences_are_taken_and_fast_ones_are_not() {
         for (corner, followed) in [(CORNER, 1.0), (ALONE, 0.0)] {
             assert!(passed(0.1 * corner, followed) > 0.99);
             assert!((passed(corner, followed) - 0.5f64.sqrt()).abs() < 0.01);
@@ -116,9 +116,9 @@ mod tests {
         }
     }
 
-    /// Noise of 0.85 % of the peak torque, twice that of the default joint: a tail that was believed at once would stay.
+    /// Noise of 0.85 % of the peak torque, twice that of the default joint: a tail that was accepted at once would stay.
     #[test]
-    fn the_tails_of_noise_are_not_believed() {
+    fn the_tails_of_noise_are_not_taken() {
         let noise = 0.0085 * 2.0;
         let (filter, mut state) = (MotorTorque::build(2.0, DT).unwrap(), MotorTorqueState::default());
         let mut seed = 1u64;

@@ -20,16 +20,16 @@
 //!
 //! | fault | raised when |
 //! | --- | --- |
-//! | gear overload | abs T_g > 1.25*tau_p in two rounds: no command takes it there ([`crate::compensator::actuate::protection`]), so that it is a blow, or a sign or size of torque or angle that is wrong |
+//! | gear overload | abs T_g > 1.25*tau_p at the end of a round: no command takes it there ([`crate::compensator::actuate::protection`]), so that it is a blow, or a sign or size of torque or angle that is wrong |
 //! | frozen, standing | the count is the same for two rounds or more, and tau has changed by more than 2.5*tau_s + 0.01*tau_max + 2*count*K/n^2 since: static friction gives way at 2*tau_s at most, and then the rotor moves by counts within a round |
 //! | frozen, loaded | it stands, and the torque on it, that of the gear as the torque sensor tells it included, has changed by more than that; as the output's encoder tells it, by 0.05*tau_p/n more |
 //! | frozen, moving | the count stands still at once, though 1.25*(abs tau + abs T_g/n + tau_s) + tau_p/(4*n) could not stop the rotor in the time |
 //! | overspeed | abs omega > the speed limit |
 //! | drive | measured torque off the commanded one by more than 0.1*tau_max + 0.5*abs tau, the larger of this round and the last, in three rounds, two where it is of the other sign: five times the noise that the filter expects, a drive at 60 % of its limit, longer than four time constants of a 1 kHz drive |
-//! | following | farther from the reference than tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p in two rounds: what a cascade with the position gain k_p leaves at the motor's largest acceleration, and without feed-forward of the speed |
+//! | following | farther from the reference than tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p at the end of a round: what a cascade with the position gain k_p leaves at the motor's largest acceleration, and without feed-forward of the speed |
 //!
 //! tau_s is the larger static friction of both directions. The torque that the output's encoder and torque sensor say
-//! is compared with T_g: off by more than 0.3*tau_p + a quarter of it for 8 ms, the sensor is not believed any more.
+//! is compared with T_g: off by more than 0.3*tau_p + a quarter of it for 8 ms, the sensor is not accepted any more.
 //! Units: rad, s, N m at the motor, of the gear at its output.
 
 use crate::angle::Angle;
@@ -44,7 +44,7 @@ use crate::real::{Real, seldom};
 const LIMITED: f64 = 0.5;
 /// Overload, in peak ratings.
 const OVERLOAD: f64 = 1.25;
-/// Time that an overload, or a following error, has to last (s).
+/// Time that an overload, or a following error, has to last (s): one round of the default period.
 const OVERLOADED: f64 = 0.8e-3;
 /// The same of a drive that does not follow.
 const NOT_FOLLOWING: f64 = 2.4e-3;

@@ -20,7 +20,7 @@
 //! output), s being what the observer holds the torque to be off the torsion's. -tau_fric_in is learnt from that, the
 //! other two from what the flange misses, d - m. m_0 is slow as d_0: the encoders' zero. nu = theta_o - theta_fs
 //! (rad), what the observer misses of an output encoder, gives the compliance factor c: the torque follows from the
-//! motor's, so in fast motion nu is what the torsion phi is short of the believed one, nu = (c - c*)*phi/c, while
+//! motor's, so in fast motion nu is what the torsion phi is short of the estimated one, nu = (c - c*)*phi/c, while
 //! offsets are taken away by the observer's slow gain. The observer is told of c. Without that encoder c shows where
 //! the torque's rate changes: the load's way is then what the motor made, less the torsion, and the observer misses
 //! the torque by which the torsion accelerates the load, d = J*c_0*(c* - c)*ddtau_t with tau_t of J*ddq. c_0 is the

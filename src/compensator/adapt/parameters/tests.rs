@@ -40,8 +40,8 @@ impl Joint {
         Self { truth, observed: [Delayed::default(); 4], sees_output, time: 0.0 }
     }
 
-    /// What moves, and what an observer that was told `believed` still misses.
-    fn period(&mut self, believed: &Factors<f64>) -> (Excitation<f64>, Observed<f64>) {
+    /// What moves, and what an observer that was told `told` still misses.
+    fn period(&mut self, told: &Factors<f64>) -> (Excitation<f64>, Observed<f64>) {
         self.time += DT;
         let (slow, fast) = (2.0 * self.time, 11.0 * self.time);
         let velocity = slow.cos() + 0.6 * fast.cos();
@@ -53,19 +53,19 @@ impl Joint {
             input_friction: 0.035 * (N * velocity).signum(),
             output_friction: velocity.signum() * (1.0 - 0.9 * (-velocity.abs()).exp()),
         };
-        let off = |truth: f64, believed: f64| truth - believed;
+        let off = |truth: f64, told: f64| truth - told;
         let (filter, compliance) = (adaptation().filter, adaptation().flexibility);
         let load = INERTIA * self.truth.inertia;
         let parts = [
-            -INERTIA * excitation.acceleration * off(self.truth.inertia, believed.inertia),
-            -N * excitation.input_friction * off(self.truth.input_friction, believed.input_friction),
-            -excitation.output_friction * off(self.truth.output_friction, believed.output_friction),
-            load * load * compliance * excitation.snap * off(self.truth.compliance, believed.compliance),
+            -INERTIA * excitation.acceleration * off(self.truth.inertia, told.inertia),
+            -N * excitation.input_friction * off(self.truth.input_friction, told.input_friction),
+            -excitation.output_friction * off(self.truth.output_friction, told.output_friction),
+            load * load * compliance * excitation.snap * off(self.truth.compliance, told.compliance),
         ];
         let mut parts = self.observed.iter_mut().zip(parts).map(|(low, part)| low.step(part, filter));
         let missed: [f64; 4] = std::array::from_fn(|_| parts.next().unwrap());
         let torsion = 1e-3 * slow.sin();
-        let innovation = (believed.compliance - self.truth.compliance) * torsion;
+        let innovation = (told.compliance - self.truth.compliance) * torsion;
         // The encoders' zero is off by a torque of 0.3 N m.
         let observed = Observed {
             external_torque: 5.0 + missed.iter().sum::<f64>(),
@@ -136,16 +136,15 @@ fn an_output_encoder_tells_the_two_frictions_apart() {
             AdaptationParams { dead_zone: 0.0, ..patient() }.build(N, INERTIA, 157.0, DT).unwrap();
         let (mut state, n) = (AdaptationState::<f64>::default(), N.abs());
         for k in 0..200_000 {
-            let (forward, believed): (f64, _) =
-                (if k / 5000 % 2 == 0 { 1.0 } else { -1.0 }, *state.factors());
+            let (forward, told): (f64, _) = (if k / 5000 % 2 == 0 { 1.0 } else { -1.0 }, *state.factors());
             let excitation = Excitation {
                 velocity: forward,
                 input_friction: -0.035 * forward,
                 output_friction: forward,
                 ..Excitation::default()
             };
-            let of_input = -n * 0.035 * forward * (truth.input_friction - believed.input_friction);
-            let of_output = -forward * (truth.output_friction - believed.output_friction);
+            let of_input = -n * 0.035 * forward * (truth.input_friction - told.input_friction);
+            let of_output = -forward * (truth.output_friction - told.output_friction);
             let observed = Observed {
                 external_torque: of_input + of_output,
                 output_innovation: sees_output.then_some(0.0),

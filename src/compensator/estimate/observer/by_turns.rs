@@ -1,6 +1,6 @@
 //! The gear as the observer carries it along: its memories by turns.
 //!
-//! Torsion and torques are those of [`crate::gear::Gear`] in every period of the observer, dt. What is dearest to
+//! Torsion and torques are those of [`crate::gear::Gear`] in every period of the observer, dt. What costs most to
 //! evaluate has its turn in every second one: kinematic error and hysteresis in the first, the friction of both sides
 //! in the second, each over 2*dt. In between the kinematic error moves on its slope, hysteresis and friction are
 //! held:

@@ -21,7 +21,7 @@
 //!
 //! The gear is what is known of it ([`Known`]): model, factors and ripple as [`crate::compensator::adapt::learning`] has
 //! learnt them. A gear that is stiffer or softer than is known by 10 % makes a torsion that is measured disagree with
-//! the motor's torque by 10 %. Which to believe depends on the motor. Where it moves, its friction is known to a few
+//! the motor's torque by 10 %. Which of them is the better one depends on the motor. Where it moves, its friction is known to a few
 //! N m at the output and the rest is blamed on the stiffness: s. Where it stands, static friction or a brake may hold
 //! whatever there is, so its torque says nothing and what is left over is blamed on b, while s keeps what it learnt.
 //! When that is, [`STANDSTILL`] says; the gains of a motor that stands are small, for nothing changes there. With the
@@ -132,7 +132,7 @@ impl<R: Real> Observer<R> {
         state.past.before(self.late + age as usize).map(|phase| Angle::from_counts(phase.into()))
     }
 
-    /// Measured less believed output angle at the last reading (rad), where there is one within its period.
+    /// Measured less estimated output angle at the last reading (rad), where there is one within its period.
     #[inline(always)]
     pub fn output_innovation(&self, state: &ObserverState<R>) -> Option<R> {
         (state.since_output <= self.period).then_some(state.output_innovation)
@@ -228,7 +228,7 @@ impl<R: Real> Observer<R> {
         state.magnitudes.asked += state.external_torque - before;
     }
 
-    /// What is believed.
+    /// The estimate.
     pub fn estimate(&self, state: &ObserverState<R>, known: &Known<R>) -> Estimate<R> {
         let Magnitudes { torsion, input_friction, output_friction, .. } = state.magnitudes;
         Estimate {

@@ -1,4 +1,4 @@
-//! Where the output was believed to be over the observer's last periods: what a late reading is compared with.
+//! Where the output was estimated over the observer's last periods: what a late reading is compared with.
 //!
 //! ```text
 //! innovation = theta_o(k) - past(k - D)            D: delay of the reading
@@ -31,7 +31,7 @@ const KNOWN: usize = (LONGEST_DELAY + SLOW_PERIODS as usize) / OBSERVER_PERIODS 
 /// A power of two above it: an index is masked.
 const PLACES: usize = 16;
 
-/// Believed output angles, newest last.
+/// Estimated output angles, newest last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Past {
     phases: [u32; PLACES],

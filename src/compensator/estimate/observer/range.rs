@@ -1,4 +1,4 @@
-//! The range that the observer's states are kept in: what it believes is bounded whatever the sensors say.
+//! The range that the observer's states are kept in: its estimates are bounded whatever the sensors say.
 //!
 //! ```text
 //! |omega_wg| <= 2*motor_speed,   |omega_fs| <= 2*motor_speed/|n|,   |d| <= tau_p,   |b| <= tau_p/|n|,   n = 1/r

@@ -1,4 +1,4 @@
-//! What the observer believes and remembers, and how an innovation corrects it.
+//! What the observer estimates and keeps, and how an innovation corrects it.
 
 use crate::angle::Angle;
 use crate::compensator::EstimateDeviation;
@@ -10,7 +10,7 @@ use crate::compensator::estimate::observer::past::Past;
 use crate::compensator::estimate::observer::standstill::Standstill;
 use crate::real::Real;
 
-/// What the observer believes. Both angles are relative, so that they are small and need no more than an f32.
+/// What the observer estimates. Both angles are relative, so that they are small and need no more than an f32.
 #[derive(Clone, Debug)]
 pub struct ObserverState<R: Real> {
     pub(super) gear: GearByTurns<R>,

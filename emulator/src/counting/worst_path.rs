@@ -1,4 +1,4 @@
-//! The dearest path through a function, from its code alone: no call can cost more, whatever was before it.
+//! The worst-case path through a function, from its code alone: no call can cost more, whatever was before it.
 //!
 //! Cycles are those of [`super::cycle_table`], a taken branch with its refill. Every branch is taken to go
 //! either way at every place, whether or not the data can bring that about: the result is a bound, not a
@@ -11,7 +11,7 @@ use crate::artifact::Image;
 use crate::artifact::disassembly::Flow;
 
 /// Most cycles of one call of the function with this index; `None` where the code does not show a bound.
-pub fn dearest_path(image: &Image, function: usize) -> Option<u64> {
+pub fn worst_case_path(image: &Image, function: usize) -> Option<u64> {
     Walk { image, rest: HashMap::new() }.from(image.functions()[function].address)
 }
 
@@ -66,10 +66,10 @@ impl Walk<'_> {
 mod tests {
     use super::*;
 
-    fn dearest(code: &[u8], callee: &[u8]) -> Option<u64> {
+    fn worst_case(code: &[u8], callee: &[u8]) -> Option<u64> {
         let all = [code, callee].concat();
         let functions = [("f", 0, code.len() as u32), ("g", code.len() as u32, callee.len() as u32)];
-        dearest_path(&Image::of_code(&all, &functions, &[]).unwrap(), 0)
+        worst_case_path(&Image::of_code(&all, &functions, &[]).unwrap(), 0)
     }
 
     const BX_LR: [u8; 2] = [0x70, 0x47];
@@ -79,26 +79,26 @@ mod tests {
         // cbz r0, 1f; adds r0, #1; adds r0, #1; 1: bx lr
         let skip = [0x08, 0xb1, 0x40, 0x1c, 0x40, 0x1c, 0x70, 0x47];
         // Taken: 1 + 3, and 1 + 3 for the return; straight through: 1 + 2, and the return.
-        assert_eq!(dearest(&skip, &BX_LR), Some(8));
+        assert_eq!(worst_case(&skip, &BX_LR), Some(8));
         // The same with five additions in between.
         let long = [&[0x20, 0xb1][..], &[0x40, 0x1c].repeat(5), &BX_LR].concat();
-        assert_eq!(dearest(&long, &BX_LR), Some(10));
+        assert_eq!(worst_case(&long, &BX_LR), Some(10));
     }
 
     #[test]
     fn a_callee_counts_in() {
         // push {r4, lr}; bl g; pop {r4, pc}. g: bx lr
         let call = [0x10, 0xb5, 0x00, 0xf0, 0x01, 0xf8, 0x10, 0xbd];
-        assert_eq!(dearest(&call, &BX_LR), Some(3 + 4 + 4 + 3 + 3));
+        assert_eq!(worst_case(&call, &BX_LR), Some(3 + 4 + 4 + 3 + 3));
     }
 
     #[test]
     fn a_loop_and_a_pointer_have_no_bound() {
         // 1: subs r0, #1; bne 1b; bx lr
-        assert_eq!(dearest(&[0x40, 0x1e, 0xfd, 0xd1, 0x70, 0x47], &BX_LR), None);
+        assert_eq!(worst_case(&[0x40, 0x1e, 0xfd, 0xd1, 0x70, 0x47], &BX_LR), None);
         // blx r3; bx lr
-        assert_eq!(dearest(&[0x98, 0x47, 0x70, 0x47], &BX_LR), None);
+        assert_eq!(worst_case(&[0x98, 0x47, 0x70, 0x47], &BX_LR), None);
         // push {r4, lr}; bl g; pop {r4, pc}. g: b .
-        assert_eq!(dearest(&[0x10, 0xb5, 0x00, 0xf0, 0x01, 0xf8, 0x10, 0xbd], &[0xfe, 0xe7]), None);
+        assert_eq!(worst_case(&[0x10, 0xb5, 0x00, 0xf0, 0x01, 0xf8, 0x10, 0xbd], &[0xfe, 0xe7]), None);
     }
 }
