@@ -16,6 +16,7 @@ use strainwave::compensator::{Input, Output, Sensors, Shares, Status};
 use strainwave::flexspline::Flexspline;
 use strainwave::gear::Motion;
 
+use crate::ability::Ability;
 use crate::closed_loop::Controller;
 use crate::divergence::RunError;
 use crate::draw::Draw;
@@ -89,8 +90,8 @@ pub trait Task {
     /// Length (s).
     fn duration(&self) -> f64;
 
-    /// What is asked at `time` (s) of a joint of this rated torque (N m).
-    fn at(&self, time: f64, rated_torque: f64) -> Demand;
+    /// What is asked at `time` (s) of a joint of this ability.
+    fn at(&self, time: f64, ability: &Ability) -> Demand;
 
     /// The wave generator is held by a brake.
     fn blocked(&self) -> bool {
@@ -180,7 +181,7 @@ pub struct Bench<F: Flexspline<f64> = PlantMesh> {
     /// Micro-steps by which the plant is off the clock's whole periods.
     off: i64,
     shares: Shares<f32>,
-    rated_torque: f64,
+    ability: Ability,
     last: Output<f32>,
 }
 
@@ -245,7 +246,7 @@ impl<F: Flexspline<f64>> Bench<F> {
             clock: Clock::new(clock, random(conditions.seed, conditions.realisation, Purpose::Clock)),
             off: 0,
             shares: all_shares(file),
-            rated_torque: file.gear.rated_torque,
+            ability: Ability::of(file),
             last: Output::default(),
         }
     }
@@ -276,7 +277,7 @@ impl<F: Flexspline<f64>> Bench<F> {
             // By so much the step is after the plant's last micro-step.
             let ahead = tick.off - self.off as f64 * dt;
             if let Some(elapsed) = tick.elapsed {
-                let demand = task.at(time + tick.off, self.rated_torque);
+                let demand = task.at(time + tick.off, &self.ability);
                 let input = Input {
                     sensors: self.sensors.read(&self.plant, ahead),
                     command: demand.setpoint().into(),
@@ -287,7 +288,7 @@ impl<F: Flexspline<f64>> Bench<F> {
                 };
                 self.last = controller.step(&input)?;
             }
-            let demand = task.at(time + self.off as f64 * dt, self.rated_torque);
+            let demand = task.at(time + self.off as f64 * dt, &self.ability);
             visit(k, demand, &self.plant, self.last);
             if tick.elapsed.is_some() && !task.blocked() {
                 self.plant.command(f64::from(self.last.motor_torque), ahead / dt);

@@ -1,5 +1,6 @@
 //! The full-precision reference build, the plant, baselines, scenarios and files.
 
+pub mod ability;
 pub mod any_friction;
 pub mod baseline;
 pub mod bench;

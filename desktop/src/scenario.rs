@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use strainwave::Angle;
 use strainwave::compensator::Setpoint;
 
+use crate::ability::Ability;
 use crate::bench::Task;
 
 /// One of the six scenarios.
@@ -69,7 +70,9 @@ pub const LOAD_STEP_AT: f64 = 0.3;
 /// The steps of S1: the first (s), from one to the next (s), and how long each moves (s).
 const STEPS: (f64, f64, f64) = (0.4, 0.1, 0.02);
 /// How long the move of S3 takes (s).
-const FAST_MOVE: f64 = 0.25;
+pub(crate) const FAST_MOVE: f64 = 0.25;
+/// Its distance on the default gear (rad).
+pub(crate) const FAST_MOVE_DISTANCE: f64 = 0.5;
 
 impl Scenario {
     /// All of them.
@@ -134,16 +137,20 @@ impl Scenario {
         self == Self::S6
     }
 
-    /// What is asked at `time` (s); `rated_torque` (N m) sets the loop of S6.
-    pub fn at(self, time: f64, rated_torque: f64) -> Demand {
+    /// What is asked at `time` (s) of a joint of this ability.
+    pub fn at(self, time: f64, ability: &Ability) -> Demand {
         match self {
-            Self::S1 => steps(time),
+            Self::S1 => steps(time, ability),
             Self::S2 => sine(time),
-            Self::S3 => rest_to_rest(time, 0.5, FAST_MOVE),
+            Self::S3 => ability.scaled(rest_to_rest(time, FAST_MOVE_DISTANCE, FAST_MOVE)),
             Self::S4 => crawl(time),
-            Self::S5 => Demand { load: if time < LOAD_STEP_AT { 0.0 } else { 40.0 }, ..Demand::default() },
+            Self::S5 => {
+                let load = if time < LOAD_STEP_AT { 0.0 } else { ability.load(40.0) };
+                Demand { load, ..Demand::default() }
+            }
             Self::S6 => {
-                Demand { load: torque_loop(time, self.duration(), rated_torque), ..Demand::default() }
+                let load = torque_loop(time, self.duration(), ability.rated_torque);
+                Demand { load, ..Demand::default() }
             }
         }
     }
@@ -154,8 +161,8 @@ impl Task for Scenario {
         Self::duration(*self)
     }
 
-    fn at(&self, time: f64, rated_torque: f64) -> Demand {
-        Self::at(*self, time, rated_torque)
+    fn at(&self, time: f64, ability: &Ability) -> Demand {
+        Self::at(*self, time, ability)
     }
 
     fn blocked(&self) -> bool {
@@ -185,7 +192,7 @@ impl Task for Rest {
         Self::DURATION
     }
 
-    fn at(&self, time: f64, _rated_torque: f64) -> Demand {
+    fn at(&self, time: f64, _ability: &Ability) -> Demand {
         let Demand { position, velocity: speed, load, .. } = self.from;
         let x = (time / STOP).min(1.0);
         let (w, w1, w2, w3, _) = smooth(x);
@@ -200,15 +207,15 @@ impl Task for Rest {
     }
 }
 
-/// -50 N m from the start, then 0.2 mrad more every 0.1 s from 0.4 s on, each a 20 ms move.
-fn steps(time: f64) -> Demand {
+/// -50 N m on the default gear from the start, then 0.2 mrad more every 0.1 s from 0.4 s on, each a 20 ms move.
+fn steps(time: f64, ability: &Ability) -> Demand {
     const HEIGHT: f64 = 2e-4;
     let (first, every, moving) = STEPS;
     let elapsed = (time - first).max(0.0);
     let done = (elapsed / every).floor();
     let mut demand = rest_to_rest(elapsed - every * done, HEIGHT, moving);
     demand.position += HEIGHT * done;
-    demand.load = -50.0 * smooth(time / 0.1).0;
+    demand.load = ability.load(-50.0) * smooth(time / 0.1).0;
     demand
 }
 
@@ -302,22 +309,22 @@ mod tests {
     /// It goes on where it came from, is one motion, and rests.
     #[test]
     fn a_joint_comes_to_rest_smoothly() {
-        let from = Scenario::S4.at(1.5, 67.0);
+        let from = Scenario::S4.at(1.5, &Ability::default());
         let rest = Rest { from };
-        let start = rest.at(0.0, 67.0);
+        let start = rest.at(0.0, &Ability::default());
         assert_eq!((start.position, start.velocity), (from.position, from.velocity));
         for k in 1..600 {
-            let at = |offset: f64| rest.at(f64::from(k) * 1e-3 + offset, 67.0);
+            let at = |offset: f64| rest.at(f64::from(k) * 1e-3 + offset, &Ability::default());
             assert!(((at(1e-6).position - at(-1e-6).position) / 2e-6 - at(0.0).velocity).abs() < 1e-6);
         }
-        assert_eq!(rest.at(Rest::JUDGED_FROM, 67.0).velocity, 0.0);
+        assert_eq!(rest.at(Rest::JUDGED_FROM, &Ability::default()).velocity, 0.0);
     }
 
     /// Largest magnitude of a quantity over a scenario.
     fn largest(scenario: Scenario, of: fn(&Demand) -> f64) -> f64 {
         (0..=5000)
             .map(|k| scenario.duration() * f64::from(k) / 5000.0)
-            .map(|time| of(&scenario.at(time, 67.0)).abs())
+            .map(|time| of(&scenario.at(time, &Ability::default())).abs())
             .fold(0.0, f64::max)
     }
 
@@ -337,7 +344,7 @@ mod tests {
                 let scale = largest(scenario, derivative);
                 for k in 1..1000 {
                     let t = scenario.duration() * (f64::from(k) + 0.37) / 1001.0;
-                    let [before, now, after] = [t - h, t, t + h].map(|t| scenario.at(t, 67.0));
+                    let [before, now, after] = [t - h, t, t + h].map(|t| scenario.at(t, &Ability::default()));
                     let slope = (of(&after) - of(&before)) / (2.0 * h);
                     let error = (slope - derivative(&now)).abs();
                     assert!(error <= 1e-4 * scale, "{scenario:?} at {t}: {error} of {scale}");
@@ -375,10 +382,10 @@ mod tests {
     fn scenarios_ask_what_their_titles_say() {
         assert!((largest(Scenario::S1, |d| d.load) - 50.0).abs() < 1e-9);
         assert!((largest(Scenario::S2, |d| d.position) - 0.05).abs() < 1e-6);
-        assert!((Scenario::S3.at(0.25, 67.0).position - 0.5).abs() < 1e-12);
-        assert!((Scenario::S4.at(1.0, 67.0).velocity - 0.1).abs() < 1e-12);
-        assert_eq!([0.29, 0.31].map(|time| Scenario::S5.at(time, 67.0).load), [0.0, 40.0]);
-        let loads = (0..=4000).map(|k| Scenario::S6.at(f64::from(k) * 1e-3, 67.0).load);
+        assert!((Scenario::S3.at(0.25, &Ability::default()).position - 0.5).abs() < 1e-12);
+        assert!((Scenario::S4.at(1.0, &Ability::default()).velocity - 0.1).abs() < 1e-12);
+        assert_eq!([0.29, 0.31].map(|time| Scenario::S5.at(time, &Ability::default()).load), [0.0, 40.0]);
+        let loads = (0..=4000).map(|k| Scenario::S6.at(f64::from(k) * 1e-3, &Ability::default()).load);
         let (least, greatest) = loads.fold((0.0f64, 0.0f64), |(a, b), x| (a.min(x), b.max(x)));
         assert!((least + 67.0).abs() < 1e-3 && (greatest - 67.0).abs() < 1e-3);
         for scenario in Scenario::ALL {

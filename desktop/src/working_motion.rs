@@ -3,6 +3,7 @@
 //! Moves of several sizes and speeds there and back, slow reversals and crawls, both ways alike, without load; no part
 //! of it repeats a scenario. It starts and ends at rest at the zero angle, where every scenario starts.
 
+use crate::ability::Ability;
 use crate::bench::Task;
 use crate::scenario::{Demand, rest_to_rest};
 
@@ -41,16 +42,16 @@ impl Task for WorkingMotion {
         DURATION
     }
 
-    fn at(&self, time: f64, _rated_torque: f64) -> Demand {
+    fn at(&self, time: f64, ability: &Ability) -> Demand {
         let (mut from, mut elapsed) = (0.0, time);
         for (to, duration) in MOVES {
             if elapsed < duration + REST {
                 let demand = rest_to_rest(elapsed, to - from, duration);
-                return Demand { position: from + demand.position, ..demand };
+                return ability.scaled(Demand { position: from + demand.position, ..demand });
             }
             (from, elapsed) = (to, elapsed - duration - REST);
         }
-        Demand { position: from, ..Demand::default() }
+        ability.scaled(Demand { position: from, ..Demand::default() })
     }
 }
 
@@ -65,7 +66,7 @@ mod tests {
 
     #[test]
     fn it_comes_back_in_time_and_stays_within_the_joint() {
-        let asked = |k: u32| WorkingMotion.at(f64::from(k) * 1e-3, 67.0);
+        let asked = |k: u32| WorkingMotion.at(f64::from(k) * 1e-3, &Ability::default());
         let (start, end) = (asked(0), asked(9_900));
         assert_eq!((start.position, end.position), (0.0, 0.0));
         assert_eq!((end.velocity, end.acceleration, end.load), (0.0, 0.0, 0.0));
@@ -81,7 +82,7 @@ mod tests {
     #[test]
     fn it_is_one_motion() {
         for k in 1..100_000 {
-            let at = |offset: f64| WorkingMotion.at(f64::from(k) * 1e-4 + offset, 67.0);
+            let at = |offset: f64| WorkingMotion.at(f64::from(k) * 1e-4 + offset, &Ability::default());
             let slope = (at(1e-6).position - at(-1e-6).position) / 2e-6;
             assert!((slope - at(0.0).velocity).abs() < 1e-5, "{k}");
         }

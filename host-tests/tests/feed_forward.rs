@@ -13,6 +13,7 @@ use strainwave::compensator::{JointParams, RealTimeGear, Setpoint, Shares};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
 use strainwave_desktop::GearFile;
+use strainwave_desktop::ability::Ability;
 use strainwave_desktop::draw::FRICTION;
 use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
 use strainwave_desktop::scenario::Scenario;
@@ -174,8 +175,8 @@ fn through_a_reversal_it_follows_presliding() {
 }
 
 /// The setpoint of S3 after so many rounds.
-fn fast_move(round: usize, rated: f64) -> Setpoint<f64> {
-    let demand = Scenario::S3.at(round as f64 * DT, rated);
+fn fast_move(round: usize) -> Setpoint<f64> {
+    let demand = Scenario::S3.at(round as f64 * DT, &Ability::default());
     Setpoint {
         position: Angle::from_radians_f64(demand.position),
         velocity: demand.velocity,
@@ -191,13 +192,13 @@ fn fast_move(round: usize, rated: f64) -> Setpoint<f64> {
 #[test]
 fn a_gear_that_moves_as_demanded_carries_the_load() {
     let mut joint = Joint::new();
-    let (model, rated) = (gear(&joint.params.gear), joint.params.gear.rated_torque);
+    let model = gear(&joint.params.gear);
     let (inertia, rotor) = (joint.params.gear.flexspline_inertia, joint.params.gear.wave_generator_inertia);
     let mut state = model.rest();
     let last = HALF / 2;
     // Up to where the torsion passes a knee of the line.
     for k in 0..last * 37 / 40 {
-        let setpoint = fast_move(k, rated);
+        let setpoint = fast_move(k);
         let demanded = joint.demand(&setpoint, &Shares::ALL);
         let flange = Motion { angle: setpoint.position, velocity: setpoint.velocity };
         let torques = model.torques(&mut state, &demanded.motor, &flange, Applied::default());
@@ -220,7 +221,7 @@ fn speed_missed(shares: &Shares<f64>) -> f64 {
     let ratio = f64::from(joint.params.gear.ratio);
     let (mut summed, mut first, mut missed) = (0.0, None, 0.0f64);
     for k in 0..HALF / 2 {
-        let setpoint = fast_move(k, joint.params.gear.rated_torque);
+        let setpoint = fast_move(k);
         let demanded = joint.demand(&setpoint, shares);
         let reference = demanded.motor.angle.to_radians() - 0.5 * DT * demanded.motor.velocity;
         missed = missed.max((summed + *first.get_or_insert(reference) - reference).abs());

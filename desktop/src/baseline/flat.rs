@@ -165,7 +165,10 @@ mod tests {
     fn the_rates_are_those_of_the_angle() {
         let mut flat = flat(&GearFile::default_gear());
         let demands: Vec<_> = (0..2500)
-            .map(|k| crate::scenario::Scenario::S3.at(f64::from(k) * CONTROL_PERIOD, 67.0))
+            .map(|k| {
+                crate::scenario::Scenario::S3
+                    .at(f64::from(k) * CONTROL_PERIOD, &crate::ability::Ability::default())
+            })
             .map(|demand| flat.step(&Asked::of(&demand.setpoint()), 0.0))
             .collect();
         let fastest = demands.iter().map(|demand| demand.velocity.abs()).fold(0.0, f64::max);

@@ -197,6 +197,7 @@ fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ability::Ability;
     use crate::gear_file::GearFile;
     use crate::joint::firmware_gear_params;
 
@@ -205,7 +206,7 @@ mod tests {
         let periods = (scenario.duration() / CONTROL_PERIOD).round() as usize;
         let times = (0..periods).map(|k| k as f64 * CONTROL_PERIOD);
         let row = |time| {
-            let demand = scenario.at(time, 67.0);
+            let demand = scenario.at(time, &Ability::default());
             let (output, motor) = (demand.position + off(time), -100.0 * demand.position);
             Row { time, demand, output, motor, torsion: torsion(time), ..Row::default() }
         };
@@ -254,7 +255,7 @@ mod tests {
     fn ripple_is_what_has_the_orders_of_the_kinematic_error() {
         let ripple = |order: f64| {
             let off = |t: f64| {
-                let motor = -100.0 * Scenario::S4.at(t, 67.0).position;
+                let motor = -100.0 * Scenario::S4.at(t, &Ability::default()).position;
                 1e-3 + 1e-4 * t + 3e-5 * (order * motor + 0.3).sin()
             };
             mark(Scenario::S4, &rows(Scenario::S4, off, |_| 0.0), Mark::Ripple)

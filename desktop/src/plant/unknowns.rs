@@ -16,6 +16,8 @@ use strainwave::hysteresis::table::TABLE_LEVELS;
 use strainwave::hysteresis::torsion::gap_for_width;
 use strainwave::kinematic_error::Term;
 
+use crate::ability::Ability;
+
 use super::cogging::Wave;
 use super::friction::{Drift, Structure};
 use super::load_side::LinkParams;
@@ -248,8 +250,9 @@ pub const ROWS: &[Row] = &[
             });
         },
     ),
-    row("load.gravity", "gravity to 40 N m", |plant, dice| {
-        (plant.sides.load.gravity, plant.sides.load.hanging) = (dice.within(0.0, 40.0), dice.phase());
+    row("load.gravity", "gravity to 0.6 of rated torque, 40 N m of the default gear", |plant, dice| {
+        (plant.sides.load.gravity, plant.sides.load.hanging) =
+            (dice.within(0.0, 40.0 * rated_share(plant)), dice.phase());
     }),
     row("load.backlash", "backlash to 1 arcmin between flange and link", |plant, dice| {
         let backlash = dice.within(0.0, 1.0) / 60.0 * PI / 180.0;
@@ -311,6 +314,11 @@ impl Which {
         let chosen = grouped[Dice::new(seed, Self::ALL_NAME).whole(0, grouped.len() as u32 - 1) as usize];
         ROWS.iter().filter(|row| row.group.is_none() || row.name == chosen.name).collect()
     }
+}
+
+/// Rated torque, in that of the default gear.
+fn rated_share(plant: &PlantSample) -> f64 {
+    Ability { rated_torque: plant.params.rated_torque, ..Ability::default() }.load(1.0)
 }
 
 /// Rated torque at the motor (N m).

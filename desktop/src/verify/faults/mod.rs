@@ -23,6 +23,7 @@ use std::fmt::Write;
 use strainwave::Error;
 use strainwave::compensator::{Faults, Mode};
 
+use crate::ability::Ability;
 use crate::bench::{Bench, Conditions, Task};
 use crate::bounds;
 use crate::closed_loop::HostCompensator;
@@ -57,8 +58,8 @@ impl Task for Beginning {
         self.1
     }
 
-    fn at(&self, time: f64, rated_torque: f64) -> Demand {
-        self.0.at(time.min(self.0.duration()), rated_torque)
+    fn at(&self, time: f64, ability: &Ability) -> Demand {
+        self.0.at(time.min(self.0.duration()), ability)
     }
 }
 

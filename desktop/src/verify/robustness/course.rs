@@ -7,6 +7,7 @@ use strainwave::Error;
 use strainwave::flexspline::Flexspline;
 use strainwave::gear::GearParams;
 
+use crate::ability::Ability;
 use crate::bench::Bench;
 use crate::closed_loop::{Controller, Row, go_on};
 use crate::divergence::RunError;
@@ -113,6 +114,8 @@ pub struct Judged<'a> {
     pub torque_limit: f64,
     /// Rated torque at the motor (N m).
     pub rated: f64,
+    /// What the joint can do.
+    pub ability: Ability,
 }
 
 impl<'a> Judged<'a> {
@@ -122,6 +125,7 @@ impl<'a> Judged<'a> {
             plant,
             torque_limit: known.motor.peak_torque,
             rated: known.gear.rated_torque / f64::from(known.gear.ratio),
+            ability: Ability::of(known),
         }
     }
 
@@ -160,7 +164,7 @@ impl<'a> Judged<'a> {
     ) -> Result<Course, RunError> {
         let rows = go_on(&mut bench, scenario, &mut controller, |_| ())?.trace;
         let mut at_rest = Vec::new();
-        let rest = Rest { from: scenario.at(scenario.duration(), self.rated) };
+        let rest = Rest { from: scenario.at(scenario.duration(), &self.ability) };
         bench.go(&rest, &mut controller, |k, _, plant, answer| {
             if k as f64 * CONTROL_PERIOD >= Rest::JUDGED_FROM {
                 at_rest.push((plant.last_torques().torsion, f64::from(answer.motor_torque)));
