@@ -268,6 +268,8 @@ fn scenario_figures(run: &ScenarioRun) -> Vec<Figure> {
         Figure::reported(name("learnt.input_friction"), learnt.input_friction, "1"),
         Figure::reported(name("learnt.output_friction"), learnt.output_friction, "1"),
         Figure::reported(name("learnt.compliance"), learnt.compliance, "1"),
+        Figure::reported(name("learnt.presliding"), learnt.presliding, "1"),
+        Figure::reported(name("learnt.presliding_stiffness"), learnt.presliding_stiffness, "1"),
         Figure::reported(name("control_step.instructions_max"), cost.instructions.max as f64, "instruction"),
         Figure::reported(name("control_step.cycles_max"), cost.cycles.max as f64, "cycle"),
         bounds::figure_as(name("power_balance"), "plant.power_balance", run.compensated.imbalance),

@@ -74,11 +74,13 @@ type Named = (&'static str, fn(&Factors<f32>) -> f32);
 
 /// The factors that the compensator has learnt of the joint.
 fn factors(rows: &[Row], time: &[f64]) -> Panel {
-    let learnt: [Named; 4] = [
+    let learnt: [Named; 6] = [
         ("load inertia", |factors| factors.inertia),
         ("friction at the wave generator", |factors| factors.input_friction),
         ("friction at the output", |factors| factors.output_friction),
         ("compliance", |factors| factors.compliance),
+        ("presliding, share of order 2", |factors| factors.presliding),
+        ("presliding, stiffness", |factors| factors.presliding_stiffness),
     ];
     learnt.into_iter().fold(Panel::new("time", "s", "learnt factor", "1"), |panel, (name, of)| {
         panel.with(Series::line(name, time, &column(rows, |row| of(&row.answer.factors).into())))

@@ -1,7 +1,7 @@
 //! What the compensator's adaptation, output feedback and learnt ripple are built from, for the joint of a gear file.
 //!
 //! Output feedback ([`strainwave::compensator::reference::output_feedback`]): with the torsion mode's frequency omega =
-//! sqrt(K1/J_fs), `b = 2*zeta/omega` adds the damping ratio zeta; k and omega_y are shares of omega. The shares were
+//! sqrt(K1/J_fs), `b = 2*zeta/omega` adds the damping ratio zeta, D alike; k, omega_y and omega_m are shares of omega. The shares were
 //! chosen by simulation of the default gear; no linear analysis of their margins stands behind them. Units: rad, s, N m.
 
 use std::f64::consts::TAU;
@@ -17,11 +17,18 @@ use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use crate::gear_file::{Drive, Friction, GearFile};
 use crate::joint::CONTROL_PERIOD;
 
-/// Damping ratio that the output feedback adds to the torsion mode, without and with an output encoder.
-const ADDED_DAMPING: [f64; 2] = [0.125, 0.125];
-/// k without and with an output encoder, and omega_y, as shares of the torsion mode's frequency.
-const INTEGRAL: [f64; 2] = [0.0, 1.0 / 16.0];
-const FILTER_CORNER: f64 = 1.0 / 3.0;
+/// Damping ratio that the output feedback adds to the torsion mode, by the estimate.
+const ADDED_DAMPING: f64 = 0.125;
+/// The same by the output encoder, without and with one, in slow motion.
+const MEASURED_DAMPING: [f64; 2] = [0.0, 0.2];
+/// P without and with an output encoder.
+const PROPORTIONAL: [f64; 2] = [0.0, 0.15];
+/// k without and with an output encoder, in slow motion and at rest, as shares of the torsion mode's frequency.
+const INTEGRAL: [f64; 2] = [0.0, 0.2];
+const INTEGRAL_AT_REST: [f64; 2] = [0.0, 1.0 / 16.0];
+/// omega_y and omega_m alike.
+const FILTER_CORNER: f64 = 4.0;
+const MEASURED_CORNER: f64 = 8.0;
 
 /// Corner of the disturbance path's slow part, as a share of the torsion mode's frequency.
 const SLOW_CORNER: f64 = 0.2;
@@ -38,6 +45,10 @@ const ADAPTATION_PERIOD: f64 = 2.0 * SLOW_PERIODS as f64 * CONTROL_PERIOD;
 const STABLE_SHARE: f64 = 0.75;
 /// How fast friction is learnt at its Coulomb level, on the motor's and on the output's side (1/s).
 const FRICTION_RATES: [f64; 2] = [1.2, 0.3];
+/// The same of the presliding's shape and of its stiffness, where both weigh as much as the Coulomb levels.
+const PRESLIDING_RATES: [f64; 2] = [8.0, 40.0];
+/// Largest deviation of both from their nominal values: from nearly order 1 on, stiffness by 0.5 to 2.3.
+const PRESLIDING_BOUND: f64 = 0.9;
 /// How fast compliance is learnt at the rated torque's torsion (1/s).
 const COMPLIANCE_RATE: f64 = 80.0;
 /// The same without an output encoder, at a flexing torque of so many rated torques, which is also the largest that
@@ -88,9 +99,13 @@ pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
 pub fn output_feedback_params<R: Real>(file: &GearFile) -> [OutputFeedbackParams<R>; 2] {
     let frequency = (file.stiffness.k1 / file.inertia.flexspline).sqrt();
     std::array::from_fn(|k| OutputFeedbackParams {
-        damping: R::lit(2.0 * ADDED_DAMPING[k] / frequency),
+        damping: R::lit(2.0 * ADDED_DAMPING / frequency),
         integral: R::lit(INTEGRAL[k] * frequency),
+        integral_at_rest: R::lit(INTEGRAL_AT_REST[k] * frequency),
         filter_corner: R::lit(FILTER_CORNER * frequency),
+        proportional: R::lit(PROPORTIONAL[k]),
+        derivative: R::lit(2.0 * MEASURED_DAMPING[k] / frequency),
+        measured_corner: R::lit(MEASURED_CORNER * frequency),
     })
 }
 
@@ -118,18 +133,24 @@ fn adaptation_params<R: Real>(file: &GearFile) -> AdaptationParams<R> {
             input_friction: R::lit(ROOM * file.tolerances.friction),
             output_friction: R::lit(ROOM * file.tolerances.friction),
             compliance: R::lit(ROOM * file.tolerances.stiffness),
+            presliding: R::lit(PRESLIDING_BOUND),
+            presliding_stiffness: R::lit(PRESLIDING_BOUND),
         },
         rates: Factors {
             inertia: R::lit(INERTIA_RATE.min(fastest)),
             input_friction: R::lit(FRICTION_RATES[0]),
             output_friction: R::lit(FRICTION_RATES[1]),
             compliance: R::lit(COMPLIANCE_RATE.min(fastest)),
+            presliding: R::lit(PRESLIDING_RATES[0]),
+            presliding_stiffness: R::lit(PRESLIDING_RATES[1]),
         },
         levels: Factors {
             inertia: R::lit(rated),
             input_friction: R::lit(input),
             output_friction: R::lit(output),
             compliance: R::lit(rated / file.stiffness.k2),
+            presliding: R::lit(input + output),
+            presliding_stiffness: R::lit(input + output),
         },
         dead_zone: R::lit(DEAD_ZONE * rated),
         filter_corner: R::lit(CORNERS[0]),

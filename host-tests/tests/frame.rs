@@ -57,7 +57,7 @@ fn input_of(words: [u32; 28], counts: i64, flags: [bool; 2], kind: u8) -> Input<
     }
 }
 
-fn output_of(words: [u32; 22], counts: [i64; 2]) -> Output<f32> {
+fn output_of(words: [u32; 24], counts: [i64; 2]) -> Output<f32> {
     let f = |k: usize| f32::from_bits(words[k]);
     Output {
         motor_torque: f(0),
@@ -81,10 +81,17 @@ fn output_of(words: [u32; 22], counts: [i64; 2]) -> Output<f32> {
                 external_torque: f(16),
             },
         },
-        factors: Factors { inertia: f(17), input_friction: f(18), output_friction: f(19), compliance: f(20) },
+        factors: Factors {
+            inertia: f(17),
+            input_friction: f(18),
+            output_friction: f(19),
+            compliance: f(20),
+            presliding: f(21),
+            presliding_stiffness: f(22),
+        },
         observed: counts[0] & 1 == 1,
-        faults: Faults::from_bits(words[21]),
-        mode: Mode::of_code(words[21] >> 30),
+        faults: Faults::from_bits(words[23]),
+        mode: Mode::of_code(words[23] >> 30),
     }
 }
 

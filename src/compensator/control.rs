@@ -5,7 +5,7 @@ use crate::compensator::actuate::cascade::{Feedback, Wanted};
 use crate::compensator::actuate::fallback::Fallback;
 use crate::compensator::actuate::protection::Protection;
 use crate::compensator::adapt::learning::{Learning, Learnt};
-use crate::compensator::adapt::parameters::Observed;
+use crate::compensator::adapt::parameters::{Factors, Observed};
 use crate::compensator::estimate::disturbance::{Disturbance, JointNow};
 use crate::compensator::estimate::observer::{Measurement, Observer, OutputReading};
 use crate::compensator::reference::command::{Commander, Told};
@@ -262,7 +262,7 @@ impl<R: Real> Compensator<R> {
                 + load,
             measured,
         };
-        let shift = self.output_feedback.step(&mut state.output_feedback, &deviation, !state.limited);
+        let shift = self.output_feedback.step(&mut state.output_feedback, &deviation);
         let share = shares.output_feedback * R::from_i32(self.gear.ratio().n());
         if followed.switched {
             seldom();
@@ -298,6 +298,7 @@ impl<R: Real> Compensator<R> {
         };
         let external_torque = state.observer.external_torque();
         self.disturbance.step_slow(&mut state.disturbance, external_torque, &joint);
+        self.output_feedback.integrate(&mut state.output_feedback, !state.limited);
         if state.learns() {
             self.learning.learn_ripple(&mut state.learning);
         }
@@ -401,7 +402,12 @@ impl<R: Real> Compensator<R> {
         };
         let shares = state.guard.shares();
         let learns = state.learns();
-        self.learning.adapt(&mut state.learning, &observed, shares, learns);
+        let presliding = self.feed_forward.presliding(&self.gear, &state.feed_forward);
+        self.learning.adapt(&mut state.learning, presliding, &observed, shares, learns);
+        let Factors { presliding: share, presliding_stiffness, .. } = *state.learning.applied();
+        let stiffening = presliding_stiffness - R::ONE;
+        self.feed_forward.shape(&self.gear, &mut state.feed_forward, share, stiffening);
+        self.observer.shape(&self.gear, &mut state.observer, share, stiffening);
         state.sound = true;
     }
 

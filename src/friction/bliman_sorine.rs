@@ -95,6 +95,13 @@ impl<R: Real, const P: usize> BlimanSorineState<R, P> {
         // Not from zero on: adding it is an addition.
         self.forces.iter().copied().reduce(|sum, force| sum + force).unwrap_or(R::ZERO)
     }
+
+    /// sum w_i*x_i (N) or (N m).
+    #[inline(always)]
+    pub(super) fn weighted(&self, weights: &[R; P]) -> R {
+        let products = self.forces.iter().zip(weights).map(|(force, weight)| *force * *weight);
+        products.reduce(|sum, force| sum + force).unwrap_or(R::ZERO)
+    }
 }
 
 /// Built model of order `P`.

@@ -26,7 +26,7 @@ const COMMAND: usize = 1 + ANGLE + 4 * WORD;
 /// status.
 pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + COMMAND + 2 * 8 * WORD + 3 * WORD;
 /// Length of an output frame (bytes): torques and reference, estimate, its deviation, factors, faults.
-pub const OUTPUT_BYTES: usize = (2 * WORD + ANGLE) + (ANGLE + 6 * WORD) + 7 * WORD + 4 * WORD + WORD;
+pub const OUTPUT_BYTES: usize = (2 * WORD + ANGLE) + (ANGLE + 6 * WORD) + 7 * WORD + 6 * WORD + WORD;
 
 /// Where the faults' word says the mode, two bits.
 const MODE_BIT: u32 = 29;
@@ -159,8 +159,10 @@ pub trait Fields {
         self.angle(motor_reference);
         self.estimate(estimate);
         let Output { observed, factors, faults, mode, .. } = output;
-        let Factors { inertia, input_friction, output_friction, compliance } = factors;
+        let Factors { inertia, input_friction, output_friction, compliance, .. } = factors;
         self.f32s([inertia, input_friction, output_friction, compliance]);
+        let Factors { presliding, presliding_stiffness, .. } = factors;
+        self.f32s([presliding, presliding_stiffness]);
         let mut bits = faults.bits() | mode.code() << MODE_BIT | u32::from(*observed) << OBSERVED_BIT;
         self.u32(&mut bits);
         *faults = Faults::from_bits(bits);

@@ -27,7 +27,7 @@ use crate::gear_file::{Friction, GearFile};
 use crate::joint::CONTROL_PERIOD;
 
 /// States.
-pub const STATES: usize = 34;
+pub const STATES: usize = 35;
 /// What it reads: theta_m, theta_o, tau_measured, tau_t, d_in.
 pub const INPUTS: usize = 5;
 /// Slots of a round.
@@ -74,6 +74,7 @@ const SHIFTED: usize = 30;
 const FIRST_POLE: usize = 31;
 const FILTERED: usize = 32;
 const READING: usize = 33;
+const MEASURED: usize = 34;
 
 /// A linear controller at one operating point.
 #[derive(Clone, Debug)]
@@ -289,16 +290,21 @@ impl Controller {
         let position = x[FLANGE_AHEAD] + dt * (x[FLANGE_SPEED] - r * x[MOTOR_SPEED]) + r * x[OFF] + r * motor;
         let measured = if self.has_output { position + x[INNOVATION] } else { position };
         let gains = &self.output_feedback;
+        // As in slow motion.
+        let change = share(round * gains.measured_corner) * (measured - x[MEASURED]);
+        x[MEASURED] += change;
+        let by_measurement = gains.proportional * x[MEASURED] + gains.derivative / round * change;
+        let torque = x[TRANSMITTED] - x[RUBBED[1]] + compensated;
+        let angle = gains.damping * x[FLANGE_SPEED] + by_measurement + x[SHIFTED];
+        let rate = gains.damping * torque / self.inertias[1] + gains.integral * x[FILTERED];
+        x[AHEAD] = (wound - angle) / r - motor;
+        x[COURSE] = -rate / r;
+        // Of the next slot, where nothing else changes what it rests on.
         let filter = share(round * gains.filter_corner);
         x[FIRST_POLE] += filter * (measured - x[FIRST_POLE]);
         x[FILTERED] += filter * (x[FIRST_POLE] - x[FILTERED]);
-        let to_integrate = gains.integral * x[FILTERED];
-        x[SHIFTED] = if gains.integral > 0.0 { x[SHIFTED] + round * to_integrate } else { 0.0 };
-        let torque = x[TRANSMITTED] - x[RUBBED[1]] + compensated;
-        let angle = gains.damping * x[FLANGE_SPEED] + x[SHIFTED];
-        let rate = gains.damping * torque / self.inertias[1] + to_integrate;
-        x[AHEAD] = (wound - angle) / r - motor;
-        x[COURSE] = -rate / r;
+        let way = round * gains.integral * x[FILTERED];
+        x[SHIFTED] = if gains.integral > 0.0 { x[SHIFTED] + way } else { 0.0 };
     }
 
     fn drive(&self, x: &mut [f64], speed: f64) -> f64 {

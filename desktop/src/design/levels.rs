@@ -17,7 +17,7 @@ pub struct Function {
 }
 
 /// Every function, in the order in which they are added to the cascade.
-pub const FUNCTIONS: [Function; 6] = [
+pub const FUNCTIONS: [Function; 7] = [
     Function {
         name: "output feedback: damping b (motor encoder)",
         sets: &[SensorSet::Motor],
@@ -49,10 +49,24 @@ pub const FUNCTIONS: [Function; 6] = [
         scale: |parts, level| parts.disturbance.wound_up *= level,
     },
     Function {
+        name: "output feedback: P and D of the measured angle (both encoders)",
+        sets: &[SensorSet::Both],
+        needs: None,
+        scale: |parts, level| {
+            let gains = &mut parts.output_feedback[1];
+            gains.proportional *= level;
+            gains.derivative *= level;
+        },
+    },
+    Function {
         name: "output feedback: integral k (both encoders)",
         sets: &[SensorSet::Both],
         needs: None,
-        scale: |parts, level| parts.output_feedback[1].integral *= level,
+        scale: |parts, level| {
+            let gains = &mut parts.output_feedback[1];
+            gains.integral *= level;
+            gains.integral_at_rest *= level;
+        },
     },
 ];
 

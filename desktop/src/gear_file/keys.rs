@@ -199,6 +199,8 @@ const CONTROL: &[Key] = &[
     optional("learnt.input_friction", within(0.1, 1.9, "1")),
     optional("learnt.output_friction", within(0.1, 1.9, "1")),
     optional("learnt.compliance", within(0.1, 1.9, "1")),
+    optional("learnt.presliding", within(0.1, 1.9, "1")),
+    optional("learnt.presliding_stiffness", within(0.1, 1.9, "1")),
     optional("learnt.ripple_position_cosines_rad", Allowed::Numbers(RIPPLE_MAP, 0.01, "rad")),
     optional("learnt.ripple_position_sines_rad", Allowed::Numbers(RIPPLE_MAP, 0.01, "rad")),
     optional("learnt.ripple_torque_cosines_nm", Allowed::Numbers(RIPPLE_MAP, 1e3, "N m")),

@@ -27,6 +27,12 @@ pub struct Learnt {
     /// On the compliance of the flexspline.
     #[serde(default = "nominal")]
     pub compliance: f64,
+    /// Share of order 2 in the presliding of both frictions.
+    #[serde(default = "nominal")]
+    pub presliding: f64,
+    /// 1 and how much stiffer the presliding is.
+    #[serde(default = "nominal")]
+    pub presliding_stiffness: f64,
     /// Ripple of the position at the output (rad).
     #[serde(rename = "ripple_position_cosines_rad", default)]
     pub position_cosines: Vec<f64>,
@@ -49,7 +55,14 @@ fn nominal() -> f64 {
 impl Learnt {
     /// What a compensator has learnt.
     pub fn of(learnt: &learning::Learnt<f32>) -> Self {
-        let Factors { inertia, input_friction, output_friction, compliance } = learnt.factors;
+        let Factors {
+            inertia,
+            input_friction,
+            output_friction,
+            compliance,
+            presliding,
+            presliding_stiffness,
+        } = learnt.factors;
         let side = |map: &Coefficients<f32>, side: usize| map.iter().map(|pair| pair[side].into()).collect();
         let RippleMap { position, torque } = &learnt.ripple;
         Self {
@@ -57,6 +70,8 @@ impl Learnt {
             input_friction: input_friction.into(),
             output_friction: output_friction.into(),
             compliance: compliance.into(),
+            presliding: presliding.into(),
+            presliding_stiffness: presliding_stiffness.into(),
             position_cosines: side(position, 0),
             position_sines: side(position, 1),
             torque_cosines: side(torque, 0),
@@ -74,6 +89,8 @@ impl Learnt {
                 input_friction: R::lit(self.input_friction),
                 output_friction: R::lit(self.output_friction),
                 compliance: R::lit(self.compliance),
+                presliding: R::lit(self.presliding),
+                presliding_stiffness: R::lit(self.presliding_stiffness),
             },
             ripple: RippleMap {
                 position: map(&self.position_cosines, &self.position_sines),
@@ -115,6 +132,8 @@ mod tests {
                 input_friction: 1.1,
                 output_friction: 0.95,
                 compliance: 1.01,
+                presliding: 0.4,
+                presliding_stiffness: 1.2,
             },
             ripple: RippleMap {
                 position: [[1e-4, -2e-5], [0.0, 3.3e-6], [0.0; 2], [1e-9, 0.0]],

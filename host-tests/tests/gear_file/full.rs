@@ -42,6 +42,8 @@ fn learnt() -> Learnt {
         input_friction: 0.9,
         output_friction: 1.2,
         compliance: 0.95,
+        presliding: 0.6,
+        presliding_stiffness: 1.3,
         position_cosines: vec![1e-6, -2e-6],
         position_sines: vec![3e-6],
         torque_cosines: vec![1e-3],

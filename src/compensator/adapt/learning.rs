@@ -187,10 +187,13 @@ impl<R: Real> Learning<R> {
     pub fn adapt(
         &self,
         state: &mut LearningState<R>,
+        [presliding, stiffness]: [[R; 2]; 2],
         observed: &Observed<R>,
         shares: &Shares<R>,
         learns: bool,
     ) {
+        state.excitation.presliding = presliding;
+        state.excitation.stiffness = stiffness;
         state.missed = self.adaptation.step(&mut state.adaptation, &state.excitation, observed, learns);
         state.applied = state.adaptation.factors().scaled(shares.adaptation);
     }

@@ -78,6 +78,8 @@ pub struct FeedForward<R> {
     to_plan: R,
     /// 4/eps.
     engagement: R,
+    /// Path behind a reversal after which nothing of it is left (rad).
+    presliding_path: R,
     /// T/T_f.
     fading: R,
     /// 1/T (1/s).
@@ -109,6 +111,10 @@ pub struct FeedForwardState<R: Real> {
     velocity: R,
     /// w.
     engaged: R,
+    /// s: path of the motor since it turned back (rad), with its sign.
+    path: R,
+    /// s*dF/ds of the friction of either side (N m).
+    stiffened: [R; 2],
 }
 
 /// What has been learnt of the joint beside its model.
@@ -171,6 +177,7 @@ impl<R: Real> FeedForward<R> {
             round: StepTime::new(round),
             to_models: R::from_i32(PLAN_TO_MODELS as i32) * dt,
             to_plan: R::from_i32(MODELS_TO_PLAN as i32) * dt,
+            presliding_path: R::lit(4.0) * gear.input_friction.presliding,
             engagement: R::lit(4.0) / gear.input_friction.presliding,
             fading: (round / R::lit(FADING_TIME)).min(R::ONE),
             inverse_round: R::ONE / round,
@@ -195,11 +202,25 @@ impl<R: Real> FeedForward<R> {
             ..Slip::over(velocity, self.round).under(R::ZERO, load)
         };
         let (on_input, on_output) = gear.frictions();
+        let before =
+            [on_input.presliding(&state.input_friction), on_output.presliding(&state.output_friction)];
         on_output.step(&mut state.output_friction, &slip(output, state.carried));
         let slip = slip(output * self.inverse_ratio, self.ratio * state.carried);
         state.engaged = state.engaged - self.fading * state.engaged;
         state.engaged += (slip.displacement().abs() * self.engagement).min(R::ONE) * (R::ONE - state.engaged);
         on_input.step(&mut state.input_friction, &slip);
+        let after =
+            [on_input.presliding(&state.input_friction), on_output.presliding(&state.output_friction)];
+        let steps = self.steps_since_reversal(state, slip.displacement());
+        state.stiffened = [steps * (after[0] - before[0]), steps * (after[1] - before[1])];
+    }
+
+    /// s/ds after another `step` ds of the motor (rad); 0 at rest and where the reversal is far behind.
+    #[inline(always)]
+    fn steps_since_reversal(&self, state: &mut FeedForwardState<R>, step: R) -> R {
+        let path = if state.path * step < R::ZERO { step } else { state.path + step };
+        state.path = path.limit(self.presliding_path);
+        if step == R::ZERO || state.path != path { R::ZERO } else { path / step }
     }
 
     /// The models' turn, after the last setpoint's, with the motor sent to `reference` now.
@@ -221,6 +242,25 @@ impl<R: Real> FeedForward<R> {
             factors.output_friction * output.force(&state.output_friction) - state.hysteresis_torque;
         state.rubbing_rate = (rubbing - state.rubbing) * self.inverse_round;
         state.rubbing = rubbing;
+    }
+
+    /// w*(F_2 - F_1) and w*s*dF/ds of the friction of either side (N m), 0 at rest.
+    #[inline(always)]
+    pub fn presliding(&self, gear: &RealTimeGear<R>, state: &FeedForwardState<R>) -> [[R; 2]; 2] {
+        let (input, output) = gear.frictions();
+        if state.velocity == R::ZERO {
+            return [[R::ZERO; 2]; 2];
+        }
+        let shaped = [input.shaped(&state.input_friction), output.shaped(&state.output_friction)];
+        [shaped, state.stiffened].map(|of| of.map(|of| state.engaged * of))
+    }
+
+    /// Gives the presliding of either side its learnt shape and stiffness.
+    #[inline(always)]
+    pub fn shape(&self, gear: &RealTimeGear<R>, state: &mut FeedForwardState<R>, share: R, stiffening: R) {
+        let (input, output) = gear.frictions();
+        input.shape(&mut state.input_friction, share, stiffening);
+        output.shape(&mut state.output_friction, share, stiffening);
     }
 
     /// Demand for a setpoint; `correction` is what has been learnt of the joint beside its model.
@@ -293,6 +333,7 @@ impl<R: Real> FeedForward<R> {
                 snap: setpoint.snap,
                 input_friction: moving * input_friction,
                 output_friction: moving * output_friction,
+                ..Excitation::default()
             },
         }
     }

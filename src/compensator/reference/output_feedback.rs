@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! e      = theta_fs - q,   e' = omega_fs - dq,   e'' = (tau_t - tau_fric_out + d - J_fs*ddq)/J_fs
-//! shift  = -(b*e' + z),    dshift = -(b*e'' + k*y),    dz/dt = k*y
-//! y      = two poles at omega_y on m
+//! shift  = -(b*e' + P*m_f + D*dm_f/dt + z),    dshift = -(b*e'' + k*y),    dz/dt = k*y
+//! y      = two poles at omega_y on m,   m_f = one pole at omega_m on m in slow motion, on 0 at rest and in a fast one
 //! ```
 //!
 //! theta_fs, omega_fs, tau_t and tau_fric_out are the observer's, q the setpoint, J_fs as the feed-forward winds the
@@ -12,16 +12,18 @@
 //! be, and the cascade follows it.
 //!
 //! With a motor that follows, the load on its spring obeys J_fs*e'' = K*(shift - e): the torsion mode of frequency
-//! omega = sqrt(K/J_fs) is damped by b*omega/2, and z closes a loop of crossover k through two poles and that mode.
-//! There is no proportional part: it would stiffen the joint through a motor that is late, whose delay turns it into
-//! negative damping of the mode. b does so only where the delay passes a quarter of the mode's period. The gains
-//! are shares of omega.
+//! omega = sqrt(K/J_fs) is damped by (b + D)*omega/2, and z closes a loop of crossover k through two poles and that
+//! mode. P stiffens the joint through a motor that is late, whose delay turns it into negative damping of the mode, which
+//! D outweighs; b and D do so only where the delay passes a quarter of the mode's
+//! period. The gains are shares of omega. P and D act on what is measured, so that they are right where the model is
+//! not, and only in slow motion: at rest a count of noise would be torque, and in a fast move the flexible mode of a
+//! load would be.
 //!
 //! Where the setpoint rests, m with an output encoder is what exceeds one of its counts: static friction and the
 //! integral would answer every change of the last count. It is the measured angle that z integrates, not the estimated
 //! one, which is off by what friction of another structure than the model's does. z only runs where the setpoint is slow: what a fast move
 //! leaves, the wind-up of a gear that is stiffer or softer than its model, changes its sign before z could follow. z
-//! and the shift are limited. Discretisation: explicit Euler. Units: rad, rad/s, N m; signs as in [`crate::gear`].
+//! and the shift are limited. z moves on in a slot after the shift's. Discretisation: explicit Euler. Units: rad, rad/s, N m; signs as in [`crate::gear`].
 //!
 //! A. De Luca, W. Book, "Robots with flexible elements", Springer Handbook of Robotics (2016), chapter 11: damping by
 //! link-side velocity, and what a motor's lag makes of it.
@@ -34,10 +36,18 @@ use crate::real::Real;
 pub struct OutputFeedbackParams<R> {
     /// b (s), 0..=1.
     pub damping: R,
-    /// k (1/s), 0..=1000.
+    /// k in slow motion (1/s), 0..=1000.
     pub integral: R,
-    /// omega_y (rad/s), 0..=1000.
+    /// k at rest (1/s), 0..=1000.
+    pub integral_at_rest: R,
+    /// omega_y (rad/s), 0..=1e5.
     pub filter_corner: R,
+    /// P, 0..=1.
+    pub proportional: R,
+    /// D (s), 0..=1.
+    pub derivative: R,
+    /// omega_m (rad/s), 0..=1e5.
+    pub measured_corner: R,
 }
 
 /// Largest shift of the motor's reference, at the output (rad): more than peak torque winds a gear up.
@@ -55,6 +65,9 @@ pub struct OutputFeedback<R> {
     gains: [OutputFeedbackParams<R>; 2],
     /// Share of the way that each pole of y takes in a round.
     filter_gains: [R; 2],
+    /// Share of the way that m_f takes in a round; P and D/dt of either set.
+    measured_gain: R,
+    by_measurement: [[R; 2]; 2],
     inverse_flexspline_inertia: R,
     /// Fastest setpoint at which z runs (rad/s).
     slow: R,
@@ -63,12 +76,19 @@ pub struct OutputFeedback<R> {
     dt: R,
 }
 
-/// z, and m behind the first and the second pole (rad).
+/// z, m behind the first and the second pole, and m_f (rad).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OutputFeedbackState<R> {
     integral: R,
     first_pole: R,
     filtered: R,
+    measured: R,
+    /// dz/dt (rad/s).
+    integral_rate: R,
+    /// m of the last deviation (rad), whether it was measured, and whether the setpoint rested.
+    error: R,
+    measures: bool,
+    rests: bool,
 }
 
 /// How far the output is off its setpoint.
@@ -112,12 +132,18 @@ impl<R: Real> OutputFeedback<R> {
         for set in gains {
             require(within(set.damping, 1.0), "damping")?;
             require(within(set.integral, 1000.0), "integral")?;
-            require(within(set.filter_corner, 1000.0), "filter_corner")?;
+            require(within(set.integral_at_rest, 1000.0), "integral_at_rest")?;
+            require(within(set.filter_corner, 1e5), "filter_corner")?;
+            require(within(set.proportional, 1.0), "proportional")?;
+            require(within(set.derivative, 1.0), "derivative")?;
+            require(within(set.measured_corner, 1e5), "measured_corner")?;
         }
         require(flexspline_inertia > R::ZERO, "flexspline_inertia")?;
         Ok(Self {
             gains: *gains,
             filter_gains: [0, 1].map(|k: usize| (dt * gains[k].filter_corner).one_minus_exp_neg()),
+            measured_gain: (dt * gains[1].measured_corner).one_minus_exp_neg(),
+            by_measurement: [0, 1].map(|k: usize| [gains[k].proportional, gains[k].derivative / dt]),
             inverse_flexspline_inertia: R::ONE / flexspline_inertia,
             slow: R::lit(SLOW) * fastest,
             hidden: R::lit(HIDDEN) * count,
@@ -125,32 +151,40 @@ impl<R: Real> OutputFeedback<R> {
         })
     }
 
-    /// m.
+    /// Shift for a deviation, in the feed-forward's slot.
     #[inline(always)]
-    fn error(&self, deviation: &Deviation<R>) -> R {
+    pub fn step(&self, state: &mut OutputFeedbackState<R>, deviation: &Deviation<R>) -> Shift<R> {
+        let set = usize::from(deviation.measured.is_some());
         let speed = deviation.asked_velocity.abs();
-        if speed >= self.slow {
-            return R::ZERO;
-        }
-        let hidden = if speed == R::ZERO { self.hidden } else { R::ZERO };
-        deviation.measured.map_or(deviation.position, |measured| measured.dead_zone(hidden))
+        let rests = speed == R::ZERO;
+        let error = if speed < self.slow { deviation.measured.unwrap_or(deviation.position) } else { R::ZERO };
+        state.error = error;
+        state.rests = rests;
+        state.measures = deviation.measured.is_some();
+        let damping = self.gains[set].damping;
+        let change = self.measured_gain * (if rests { R::ZERO } else { error } - state.measured);
+        state.measured += change;
+        let measured = self.by_measurement[set][0] * state.measured + self.by_measurement[set][1] * change;
+        let acceleration = deviation.torque * self.inverse_flexspline_inertia;
+        let angle = damping * deviation.velocity + measured + state.integral;
+        let rate = damping * acceleration + state.integral_rate;
+        Shift { angle: -angle.limit(R::lit(LARGEST)), rate: -rate }
     }
 
-    /// One turn; `runs` is false while the motor cannot follow, and z stands still.
+    /// Moves z on by the last deviation, in a later slot; `runs` is false while the motor cannot follow, and z stands
+    /// still.
     #[inline(always)]
-    pub fn step(&self, state: &mut OutputFeedbackState<R>, deviation: &Deviation<R>, runs: bool) -> Shift<R> {
-        let set = usize::from(deviation.measured.is_some());
+    pub fn integrate(&self, state: &mut OutputFeedbackState<R>, runs: bool) {
+        let set = usize::from(state.measures);
         let (gains, filter_gain) = (&self.gains[set], self.filter_gains[set]);
-        state.first_pole += filter_gain * (self.error(deviation) - state.first_pole);
+        let hidden = if state.measures && state.rests { self.hidden } else { R::ZERO };
+        state.first_pole += filter_gain * (state.error.dead_zone(hidden) - state.first_pole);
         state.filtered += filter_gain * (state.first_pole - state.filtered);
-        let to_integrate = gains.integral * state.filtered;
+        let gain = if state.rests { gains.integral_at_rest } else { gains.integral };
+        state.integral_rate = gain * state.filtered;
         if runs {
-            state.integral = (state.integral + self.dt * to_integrate).limit(R::lit(LARGEST));
+            state.integral = (state.integral + self.dt * state.integral_rate).limit(R::lit(LARGEST));
         }
-        let acceleration = deviation.torque * self.inverse_flexspline_inertia;
-        let angle = gains.damping * deviation.velocity + state.integral;
-        let rate = gains.damping * acceleration + to_integrate;
-        Shift { angle: -angle.limit(R::lit(LARGEST)), rate: -rate }
     }
 }
 
@@ -161,11 +195,29 @@ mod tests {
     const DT: f64 = 4e-4;
     const INERTIA: f64 = 1.2;
     const STIFFNESS: f64 = 4e4;
-    const GAINS: OutputFeedbackParams<f64> =
-        OutputFeedbackParams { damping: 1.4e-3, integral: 0.0, filter_corner: 60.0 };
+    const GAINS: OutputFeedbackParams<f64> = OutputFeedbackParams {
+        damping: 1.4e-3,
+        integral: 0.0,
+        integral_at_rest: 0.0,
+        filter_corner: 60.0,
+        proportional: 0.0,
+        derivative: 0.0,
+        measured_corner: 1000.0,
+    };
 
     fn feedback(gains: OutputFeedbackParams<f64>) -> OutputFeedback<f64> {
         OutputFeedback::build(&[gains; 2], INERTIA, 5.86, 1.2e-5, DT).unwrap()
+    }
+
+    fn stepped(
+        feedback: &OutputFeedback<f64>,
+        state: &mut OutputFeedbackState<f64>,
+        deviation: &Deviation<f64>,
+        runs: bool,
+    ) -> Shift<f64> {
+        let shift = feedback.step(state, deviation);
+        feedback.integrate(state, runs);
+        shift
     }
 
     /// Largest deviation after `seconds`, and the last, of a load on its spring, whose motor follows at once, that starts
@@ -177,7 +229,7 @@ mod tests {
         for k in 0..periods {
             let deviation =
                 Deviation { position: e, velocity: rate, torque, measured: None, asked_velocity: 0.0 };
-            let shift = feedback.step(&mut state, &deviation, true);
+            let shift = stepped(&feedback, &mut state, &deviation, true);
             for _ in 0..16 {
                 torque = STIFFNESS * (shift.angle - e);
                 rate += DT / 16.0 * (torque + load) / INERTIA;
@@ -208,34 +260,34 @@ mod tests {
         let alone = 40.0 / STIFFNESS;
         let (_, damped) = decay(GAINS, 40.0, 2.0);
         assert!((damped - alone).abs() < 1e-3 * alone, "{damped}");
-        let (_, integrated) = decay(OutputFeedbackParams { integral: 20.0, ..GAINS }, 40.0, 2.0);
+        let (_, integrated) = decay(OutputFeedbackParams { integral_at_rest: 20.0, ..GAINS }, 40.0, 2.0);
         assert!(integrated.abs() < 1e-3 * alone, "{integrated}");
     }
 
     #[test]
     fn the_shift_is_bounded_and_the_integral_waits() {
-        let feedback = feedback(OutputFeedbackParams { integral: 30.0, ..GAINS });
+        let feedback = feedback(OutputFeedbackParams { integral: 30.0, integral_at_rest: 30.0, ..GAINS });
         let far = Deviation { position: 1e3, velocity: 1e3, ..Deviation::default() };
         let mut state = OutputFeedbackState::default();
         for _ in 0..10_000 {
-            assert!(feedback.step(&mut state, &far, true).angle.abs() <= LARGEST);
+            assert!(stepped(&feedback, &mut state, &far, true).angle.abs() <= LARGEST);
         }
         let before = state.integral;
-        feedback.step(&mut state, &Deviation { position: -1e3, ..Deviation::default() }, false);
+        stepped(&feedback, &mut state, &Deviation { position: -1e3, ..Deviation::default() }, false);
         assert_eq!(state.integral, before);
         let fast = Deviation { position: 1e-3, asked_velocity: 1.0, ..Deviation::default() };
         let mut state = OutputFeedbackState::default();
-        feedback.step(&mut state, &fast, true);
+        stepped(&feedback, &mut state, &fast, true);
         assert_eq!(state, OutputFeedbackState::default());
     }
 
     #[test]
     fn at_rest_the_last_count_moves_nothing() {
-        let feedback = feedback(OutputFeedbackParams { integral: 30.0, ..GAINS });
+        let feedback = feedback(OutputFeedbackParams { integral: 30.0, integral_at_rest: 30.0, ..GAINS });
         let integral = |position, asked_velocity| {
             let mut state = OutputFeedbackState::default();
             let deviation = Deviation { measured: Some(position), asked_velocity, ..Deviation::default() };
-            feedback.step(&mut state, &deviation, true);
+            stepped(&feedback, &mut state, &deviation, true);
             state.integral
         };
         assert_eq!(integral(11.0e-6, 0.0), 0.0);

@@ -56,12 +56,20 @@ use crate::real::Real;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointFrictionState<R> {
     presliding: BlimanSorineState<R, 2>,
+    /// Weights of the presliding forces, and what their path is stretched by: [`JointFriction::shape`].
+    weights: [R; 2],
+    stretch: R,
     force: R,
 }
 
 impl<R: Real> Default for JointFrictionState<R> {
     fn default() -> Self {
-        Self { presliding: BlimanSorineState::default(), force: R::ZERO }
+        Self {
+            presliding: BlimanSorineState::default(),
+            weights: [R::ONE; 2],
+            stretch: R::ONE,
+            force: R::ZERO,
+        }
     }
 }
 
@@ -70,6 +78,8 @@ impl<R: Real> Default for JointFrictionState<R> {
 pub struct JointFriction<R> {
     forward: Side<R>,
     backward: Side<R>,
+    /// 1/eta; 0 with order 1.
+    inverse_eta: R,
 }
 
 /// One direction of motion.
@@ -106,6 +116,35 @@ impl<R: Real> Side<R> {
 }
 
 impl<R: Real> JointFriction<R> {
+    /// Gives the presliding the shape f*F_2 + (1 - f)*F_1 between that of order 2, f = 1, and that of order 1 over the
+    /// same distance, f = 0: F_1 = -x_2*(1 - eta)/eta; and makes it 1 + u + u^2/2 times as stiff. Steady sliding is the
+    /// same. A model of order 1 has no other shape. Dissipative for f > 0: the levels f/(1 - eta) and (f + eta - 1)/(1 - eta)
+    /// are those of an order 2, or add up.
+    #[inline(always)]
+    pub fn shape(&self, state: &mut JointFrictionState<R>, share: R, stiffening: R) {
+        state.stretch = R::ONE + stiffening + R::lit(0.5) * stiffening * stiffening;
+        let other = R::ONE - share;
+        if self.inverse_eta != R::ZERO {
+            state.weights = [share, R::ONE - other * self.inverse_eta];
+        }
+    }
+
+    /// F (N m) without the viscous part.
+    #[inline(always)]
+    pub fn presliding(&self, state: &JointFrictionState<R>) -> R {
+        state.presliding.weighted(&state.weights)
+    }
+
+    /// F_2 - F_1 (N m), what f weighs; 0 in steady sliding.
+    #[inline(always)]
+    pub fn shaped(&self, state: &JointFrictionState<R>) -> R {
+        if self.inverse_eta == R::ZERO {
+            R::ZERO
+        } else {
+            state.presliding.weighted(&[R::ONE, self.inverse_eta])
+        }
+    }
+
     /// Torque (N m) after `duration` at `velocity` (rad/s), for any bits.
     // Never inlined: the timing budget counts this block by its symbol. Numbers come in registers.
     #[inline(never)]
@@ -145,8 +184,12 @@ impl<R: Real> JointFriction<R> {
     fn slid(&self, state: &mut JointFrictionState<R>, slip: &Slip<R>) -> Friction<R> {
         let side = if slip.velocity < R::ZERO { &self.backward } else { &self.forward };
         let level = side.level(slip);
-        side.presliding.approach(&mut state.presliding, slip.displacement().abs() / level, level);
-        state.force = state.presliding.force() + side.contact.viscous(slip.velocity);
+        side.presliding.approach(
+            &mut state.presliding,
+            state.stretch * slip.displacement().abs() / level,
+            level,
+        );
+        state.force = state.presliding.weighted(&state.weights) + side.contact.viscous(slip.velocity);
         Friction { force: state.force, held: false }
     }
 }

@@ -106,6 +106,10 @@ impl<R: Real> FrictionParams<R> for JointFrictionParams<R> {
         Ok(JointFriction {
             forward: Side::new(forward.build()?, ripple.forward, load, presliding),
             backward: Side::new(backward.build()?, ripple.backward, backward_load, backward_presliding),
+            inverse_eta: match self.order {
+                Order::One => R::ZERO,
+                Order::Two => R::ONE / self.presliding_ratio,
+            },
         })
     }
 }

@@ -183,3 +183,55 @@ fn a_parameter_out_of_range_is_named() {
     assert_eq!(name(|p| p.load.driven = -0.1), Error::OutOfRange("load.driven"));
     assert_eq!(name(|p| p.ripple.backward.mean = 0.1), Error::OutOfRange("backward"));
 }
+
+/// Torques along a motion there and back, of a model whose presliding has this share of order 2 and stiffening.
+fn there_and_back(params: &JointFrictionParams<f64>, share: f64, stiffening: f64) -> Vec<f64> {
+    let (model, mut state) = (params.build().unwrap(), JointFrictionState::default());
+    model.shape(&mut state, share, stiffening);
+    let velocity = |k: u32| 30.0 * (f64::from(k) * 2e-3).sin();
+    (0..10_000).map(|k| model.step(&mut state, &Slip::new(velocity(k), STEP)).force).collect()
+}
+
+fn close(one: &[f64], other: &[f64]) -> bool {
+    one.iter().zip(other).all(|(one, other)| (one - other).abs() < 1e-12)
+}
+
+/// Without order 2 it is that of order 1; stiffer, that of a shorter distance; and either slides alike.
+#[test]
+fn presliding_is_shaped() {
+    let two = wave_generator::<f64>(Order::Two);
+    let one = wave_generator::<f64>(Order::One);
+    assert!(close(&there_and_back(&two, 0.0, 0.0), &there_and_back(&one, 1.0, 0.0)));
+    assert!(close(&there_and_back(&one, 0.3, 0.0), &there_and_back(&one, 1.0, 0.0)));
+    let shorter = JointFrictionParams { presliding: two.presliding / 1.625, ..two };
+    assert!(close(&there_and_back(&two, 1.0, 0.5), &there_and_back(&shorter, 1.0, 0.0)));
+    let (model, mut state) = (two.build().unwrap(), JointFrictionState::default());
+    let slid = |state: &mut JointFrictionState<f64>| model.step(state, &Slip::new(20.0, 1.0)).force;
+    let before = slid(&mut state);
+    model.shape(&mut state, 0.2, 0.5);
+    assert!((slid(&mut state) - before).abs() < 1e-12 && model.shaped(&state).abs() < 1e-12);
+}
+
+proptest! {
+    /// No closed motion from rest gains work, whatever the shape.
+    #[test]
+    fn a_shaped_presliding_is_dissipative(
+        share in 0.01..1.9f64,
+        stiffening in -0.9..0.9f64,
+        velocities in prop::collection::vec(-30.0..30.0f64, 200),
+    ) {
+        let (model, mut state) =
+            (wave_generator::<f64>(Order::Two).build().unwrap(), JointFrictionState::default());
+        model.shape(&mut state, share, stiffening);
+        let mut work = 0.0;
+        for velocity in velocities {
+            // In short steps: the mean of the torques at both ends is the mean along it.
+            for _ in 0..50 {
+                let before = model.presliding(&state);
+                model.step(&mut state, &Slip::new(velocity, 2e-5));
+                work += 0.5 * (before + model.presliding(&state)) * velocity * 2e-5;
+            }
+            prop_assert!(work > -1e-9, "{work}");
+        }
+    }
+}

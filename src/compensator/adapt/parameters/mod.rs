@@ -9,6 +9,8 @@
 //! sides      epsilon_in = zone(m - m_0),  m = -(s + nu/c_0),  epsilon_out = zone(d - d_0 - (m - m_0))    with an output encoder
 //! stiffness  c     <- limit(c - dt*gamma_c*phi*nu, bounds),                gamma_c = rate_c/level_c^2    with an output encoder
 //!            c     <- limit(c + dt*gamma_f*psi*epsilon, bounds),           gamma_f = rate_f/level_f^2    without
+//! presliding f     <- limit(f + dt*gamma_p*(phi_in*epsilon_in + phi_out*epsilon_out), bounds),  phi = -F(s)*w*[n*(F_2 - F_1)_in, (F_2 - F_1)_out]
+//!            u     alike,  phi = -F(s)*w*[n*(s*dF/ds)_in, (s*dF/ds)_out],  s: path since the motor turned back, F(u) = F((1 + u + u^2/2)*s)
 //! flexing    psi   = F(s)*limit(c_0*(f_J*J_fs)^2*ddddq, level_f) where |dq| < v_f, else F(s)*0
 //! ```
 //!
@@ -29,6 +31,10 @@
 //! kinematic error excites that mode, it is learnt from the beginning and the end of a move alone. w is the share of
 //! friction that is fed forward: 0 at rest, so that friction is learnt in motion alone.
 //!
+//! Friction of another structure than the model's differs after a reversal: f is the share of order 2 in its presliding,
+//! the rest is of order 1 over the same distance ([`crate::friction::JointFriction::shape`]), and u by how much it is
+//! stiffer, both for either side. F_2 and F_1 slide alike, so that the levels are learnt apart from them.
+//!
 //! # Lyapunov
 //!
 //! With the true theta* constant and inside its bounds, and e = theta - theta*, take V = e' Gamma^-1 e/2. Without the
@@ -41,7 +47,10 @@
 //! theta converges along the directions that the motion excites and stands still along the others: with the motor
 //! encoder alone the two frictions are told apart only by their different Stribeck speeds and presliding. With an
 //! output encoder V of the motor's side falls by itself, and the flange's with what the motor's leaves: either
-//! friction converges where it is excited.
+//! friction converges where it is excited. f is one more component of theta. u is not: its phi is the slope of the friction
+//! by it where u is, so that V falls while u is so near that the slope keeps its sign; beyond that its bounds alone hold.
+//! Friction that is neither, LuGre or with static friction, has no theta*: f and u then lead to the least mean square of
+//! epsilon along the motion, and V need not fall.
 //!
 //! What the factors could never explain is a load: where |d - d_0| exceeds twice `|phi|'*bounds` nothing is learnt.
 //! It stands still when it is switched off, when the torque command was limited, and on a fault.
@@ -63,11 +72,22 @@ pub struct Factors<R> {
     pub output_friction: R,
     /// c, on the compliance of the flexspline.
     pub compliance: R,
+    /// f, the share of order 2 in the presliding of both frictions.
+    pub presliding: R,
+    /// 1 + u: the presliding of both is 1 + u + u^2/2 times as stiff.
+    pub presliding_stiffness: R,
 }
 
 impl<R: Real> Default for Factors<R> {
     fn default() -> Self {
-        Self { inertia: R::ONE, input_friction: R::ONE, output_friction: R::ONE, compliance: R::ONE }
+        Self {
+            inertia: R::ONE,
+            input_friction: R::ONE,
+            output_friction: R::ONE,
+            compliance: R::ONE,
+            presliding: R::ONE,
+            presliding_stiffness: R::ONE,
+        }
     }
 }
 
@@ -122,6 +142,10 @@ pub struct AdaptationState<R: Real> {
     inertia: Delayed<R>,
     input_friction: Delayed<R>,
     output_friction: Delayed<R>,
+    input_presliding: Delayed<R>,
+    output_presliding: Delayed<R>,
+    input_stiffness: Delayed<R>,
+    output_stiffness: Delayed<R>,
     flexing: Delayed<R>,
     /// d_0 and m_0.
     bias: R,
@@ -143,6 +167,10 @@ pub struct Excitation<R> {
     pub input_friction: R,
     /// w*tau_fric_out, 0 where the setpoint rests (N m).
     pub output_friction: R,
+    /// w*(F_2 - F_1) of wave generator and flexspline, 0 where the setpoint rests (N m).
+    pub presliding: [R; 2],
+    /// w*s*dF/ds of both (N m).
+    pub stiffness: [R; 2],
 }
 
 /// What the observer says of this turn.
@@ -176,13 +204,22 @@ impl<R: Real> Delayed<R> {
 
 impl<R: Real> Factors<R> {
     #[inline(always)]
-    fn all(&self) -> [R; 4] {
-        [self.inertia, self.input_friction, self.output_friction, self.compliance]
+    fn all(&self) -> [R; 6] {
+        [
+            self.inertia,
+            self.input_friction,
+            self.output_friction,
+            self.compliance,
+            self.presliding,
+            self.presliding_stiffness,
+        ]
     }
 
     #[inline(always)]
-    fn from_all([inertia, input_friction, output_friction, compliance]: [R; 4]) -> Self {
-        Self { inertia, input_friction, output_friction, compliance }
+    fn from_all(
+        [inertia, input_friction, output_friction, compliance, presliding, presliding_stiffness]: [R; 6],
+    ) -> Self {
+        Self { inertia, input_friction, output_friction, compliance, presliding, presliding_stiffness }
     }
 
     /// 1 + share*(factor - 1) of each.
@@ -278,12 +315,20 @@ impl<R: Real> Adaptation<R> {
         let inertia = state.inertia.step(-self.flexspline_inertia * excitation.acceleration, self.filter);
         let input = state.input_friction.step(-self.n * excitation.input_friction, self.filter);
         let output = state.output_friction.step(-excitation.output_friction, self.filter);
+        let [presliding_in, presliding_out] = excitation.presliding;
+        let presliding_in = state.input_presliding.step(-self.n * presliding_in, self.filter);
+        let presliding_out = state.output_presliding.step(-presliding_out, self.filter);
+        let [stiffness_in, stiffness_out] = excitation.stiffness;
+        let stiffness_in = state.input_stiffness.step(-self.n * stiffness_in, self.filter);
+        let stiffness_out = state.output_stiffness.step(-stiffness_out, self.filter);
         let flexing = state.flexing.step(self.flexing(excitation, &state.factors), self.filter);
         let left = observed.external_torque - state.bias;
         let (gains, bounds) = (&self.gains, &self.bounds);
         let reach = inertia.abs() * bounds.inertia
             + input.abs() * bounds.input_friction
-            + output.abs() * bounds.output_friction;
+            + output.abs() * bounds.output_friction
+            + (presliding_in + presliding_out).abs() * bounds.presliding
+            + (stiffness_in + stiffness_out).abs() * bounds.presliding_stiffness;
         if !learns {
             return R::ZERO;
         }
@@ -302,6 +347,14 @@ impl<R: Real> Adaptation<R> {
             &mut state.factors.output_friction,
             gains.output_friction * output * error,
             bounds.output_friction,
+        );
+        let shaped = presliding_in * of_input + presliding_out * error;
+        learn(&mut state.factors.presliding, gains.presliding * shaped, bounds.presliding);
+        let stiffer = stiffness_in * of_input + stiffness_out * error;
+        learn(
+            &mut state.factors.presliding_stiffness,
+            gains.presliding_stiffness * stiffer,
+            bounds.presliding_stiffness,
         );
         let softer = match observed.output_innovation {
             Some(innovation) => -gains.compliance * observed.torsion * innovation,

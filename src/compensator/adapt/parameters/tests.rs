@@ -11,9 +11,30 @@ const INERTIA: f64 = 1.2;
 
 fn params() -> AdaptationParams<f64> {
     AdaptationParams {
-        bounds: Factors { inertia: 0.4, input_friction: 0.25, output_friction: 0.25, compliance: 0.125 },
-        rates: Factors { inertia: 13.5, input_friction: 0.4, output_friction: 0.1, compliance: 20.0 },
-        levels: Factors { inertia: 67.0, input_friction: 3.5, output_friction: 1.0, compliance: 1.3e-3 },
+        bounds: Factors {
+            inertia: 0.4,
+            input_friction: 0.25,
+            output_friction: 0.25,
+            compliance: 0.125,
+            presliding: 0.9,
+            presliding_stiffness: 0.9,
+        },
+        rates: Factors {
+            inertia: 13.5,
+            input_friction: 0.4,
+            output_friction: 0.1,
+            compliance: 20.0,
+            presliding: 1.0,
+            presliding_stiffness: 1.0,
+        },
+        levels: Factors {
+            inertia: 67.0,
+            input_friction: 3.5,
+            output_friction: 1.0,
+            compliance: 1.3e-3,
+            presliding: 4.5,
+            presliding_stiffness: 4.5,
+        },
         dead_zone: 0.067,
         filter_corner: 200.0,
         bias_corner: 2.0,
@@ -30,14 +51,14 @@ fn adaptation() -> Adaptation<f64> {
 /// A joint of these factors whose friction is Coulomb's, in a motion of two tones; d_0 is a load of 5 N m.
 struct Joint {
     truth: Factors<f64>,
-    observed: [Delayed<f64>; 4],
+    observed: [Delayed<f64>; 8],
     sees_output: bool,
     time: f64,
 }
 
 impl Joint {
     fn new(truth: Factors<f64>, sees_output: bool) -> Self {
-        Self { truth, observed: [Delayed::default(); 4], sees_output, time: 0.0 }
+        Self { truth, observed: [Delayed::default(); 8], sees_output, time: 0.0 }
     }
 
     /// What moves, and what an observer that was told `told` still misses.
@@ -52,18 +73,29 @@ impl Joint {
             snap: 80.0 * slow.sin() + 3630.0 * fast.sin(),
             input_friction: 0.035 * (N * velocity).signum(),
             output_friction: velocity.signum() * (1.0 - 0.9 * (-velocity.abs()).exp()),
+            presliding: [0.03, 0.8].map(|level| level * (5.0 * self.time).sin()),
+            stiffness: [0.03, 0.8].map(|level| level * (7.0 * self.time).sin()),
         };
         let off = |truth: f64, told: f64| truth - told;
         let (filter, compliance) = (adaptation().filter, adaptation().flexibility);
         let load = INERTIA * self.truth.inertia;
+        let [shaped, stiffer] = [
+            (excitation.presliding, self.truth.presliding - told.presliding),
+            (excitation.stiffness, self.truth.presliding_stiffness - told.presliding_stiffness),
+        ]
+        .map(|([input, output], off)| [-N * input * off, -output * off]);
         let parts = [
             -INERTIA * excitation.acceleration * off(self.truth.inertia, told.inertia),
             -N * excitation.input_friction * off(self.truth.input_friction, told.input_friction),
             -excitation.output_friction * off(self.truth.output_friction, told.output_friction),
             load * load * compliance * excitation.snap * off(self.truth.compliance, told.compliance),
+            shaped[0],
+            shaped[1],
+            stiffer[0],
+            stiffer[1],
         ];
         let mut parts = self.observed.iter_mut().zip(parts).map(|(low, part)| low.step(part, filter));
-        let missed: [f64; 4] = std::array::from_fn(|_| parts.next().unwrap());
+        let missed: [f64; 8] = std::array::from_fn(|_| parts.next().unwrap());
         let torsion = 1e-3 * slow.sin();
         let innovation = (told.compliance - self.truth.compliance) * torsion;
         // The encoders' zero is off by a torque of 0.3 N m.
@@ -71,7 +103,7 @@ impl Joint {
             external_torque: 5.0 + missed.iter().sum::<f64>(),
             torsion,
             output_innovation: self.sees_output.then_some(innovation),
-            stiffness_torque: 0.3 - missed[1] - innovation / compliance,
+            stiffness_torque: 0.3 - missed[1] - missed[4] - missed[6] - innovation / compliance,
         };
         (excitation, observed)
     }
@@ -80,7 +112,7 @@ impl Joint {
 /// V = e' Gamma^-1 e/2.
 fn lyapunov(adaptation: &Adaptation<f64>, state: &AdaptationState<f64>, truth: &Factors<f64>) -> f64 {
     let (now, truth, gains) = (state.factors.all(), truth.all(), adaptation.gains.all());
-    (0..3).map(|k| (now[k] - truth[k]).powi(2) / gains[k]).sum()
+    [0, 1, 2, 4, 5].into_iter().map(|k| (now[k] - truth[k]).powi(2) / gains[k]).sum()
 }
 
 /// Without noise, hence with a narrow dead zone; output friction as fast as input friction.
@@ -109,15 +141,21 @@ fn after(
     (state, levels)
 }
 
-const TRUTH: Factors<f64> =
-    Factors { inertia: 0.75, input_friction: 1.15, output_friction: 0.85, compliance: 1.08 };
+const TRUTH: Factors<f64> = Factors {
+    inertia: 0.75,
+    input_friction: 1.15,
+    output_friction: 0.85,
+    compliance: 1.08,
+    presliding: 0.3,
+    presliding_stiffness: 1.4,
+};
 
 #[test]
 fn it_finds_the_joint_and_the_error_only_falls() {
     let (state, levels) = after(400.0, &patient(), TRUTH, Joint::new(TRUTH, true), true);
     let found = state.factors.all();
     for (k, (found, truth)) in found.iter().zip(TRUTH.all()).enumerate() {
-        assert!((found - truth).abs() < [0.005, 0.03, 0.06, 1e-6][k], "{k}: {found} of {truth}");
+        assert!((found - truth).abs() < [0.005, 0.03, 0.06, 1e-6, 0.01, 0.01][k], "{k}: {found} of {truth}");
     }
     assert!((state.bias - 5.0).abs() < 0.2, "{}", state.bias);
     // From second to second, once the load is found.
@@ -219,9 +257,23 @@ fn what_is_within_the_dead_zone_teaches_nothing() {
 
 #[test]
 fn it_starts_from_what_is_stored_within_its_bounds() {
-    let stored = Factors { inertia: 3.0, input_friction: f64::NAN, output_friction: 0.9, compliance: 0.0 };
+    let stored = Factors {
+        inertia: 3.0,
+        input_friction: f64::NAN,
+        output_friction: 0.9,
+        compliance: 0.0,
+        presliding: -1.0,
+        ..Factors::default()
+    };
     let state = adaptation().starting_from(&stored);
-    let wanted = Factors { inertia: 1.4, input_friction: 1.0, output_friction: 0.9, compliance: 0.875 };
+    let wanted = Factors {
+        inertia: 1.4,
+        input_friction: 1.0,
+        output_friction: 0.9,
+        compliance: 0.875,
+        presliding: 1.0 - 0.9,
+        ..Factors::default()
+    };
     assert_eq!(*state.factors(), wanted);
 }
 
@@ -254,6 +306,8 @@ proptest! {
                 snap: 1e4 * at(7),
                 input_friction: 0.001 * at(1),
                 output_friction: at(2),
+                presliding: [0.001 * at(4), at(5)],
+                stiffness: [0.001 * at(6), at(7)],
             };
             let observed = Observed {
                 external_torque: at(3),

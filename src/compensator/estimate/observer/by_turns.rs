@@ -106,6 +106,14 @@ impl<R: Real> Turns<R> {
 }
 
 impl<R: Real> GearByTurns<R> {
+    /// Gives the presliding of either side the learnt shape.
+    #[inline(always)]
+    pub fn shape(&mut self, gear: &RealTimeGear<R>, share: R, stiffening: R) {
+        let (input, output) = gear.frictions();
+        input.shape(&mut self.input_friction, share, stiffening);
+        output.shape(&mut self.output_friction, share, stiffening);
+    }
+
     /// Goes on from this angle of the wave generator; answers with the kinematic error there (rad).
     #[inline(always)]
     pub fn start_at(&mut self, gear: &RealTimeGear<R>, wave_generator: Angle<R>) -> R {

@@ -274,6 +274,12 @@ impl<R: Real> Observer<R> {
         state.magnitudes.asked = R::ZERO;
     }
 
+    /// Gives the presliding of either side the learnt shape ([`crate::friction::JointFriction::shape`]).
+    #[inline(always)]
+    pub fn shape(&self, gear: &RealTimeGear<R>, state: &mut ObserverState<R>, share: R, stiffening: R) {
+        state.gear.shape(gear, share, stiffening);
+    }
+
     /// The first step, or the first again: the joint rests, and nothing is known of its torques.
     #[cold]
     #[inline(never)]
