@@ -1,6 +1,7 @@
 //! The full-precision reference build, the plant, baselines, scenarios and files.
 
 pub mod any_friction;
+pub mod any_input;
 pub mod baseline;
 pub mod bench;
 pub mod bounds;
@@ -21,6 +22,7 @@ pub mod judge;
 pub mod log;
 pub mod mesh_size;
 pub mod observer_design;
+pub mod output_bounds;
 pub mod plant;
 pub mod plot;
 pub mod replay;

@@ -235,7 +235,7 @@ pub fn run(
         let (b0, b1) = (baseline(Baseline::b0), baseline(Baseline::b1));
         let (compensated, agreement, ending, learnt) =
             compensated(elf, &counting.arguments(), file, trial, progress)?;
-        let control_step = counting.finish(&image)?.counts.into_iter().next().flatten();
+        let control_step = counting.results(&image)?.counts.into_iter().next().flatten();
         let (b0, b1) = (joined(b0)?, joined(b1)?);
         let control_step = control_step.ok_or(counting::Error::NoResult)?;
         let plant = trial.conditions.plant(file).map_err(target::Error::from)?;
