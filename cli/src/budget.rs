@@ -60,10 +60,10 @@ fn judge(board: &str, overwrite: bool) -> Result<Vec<Figure>, BadInput> {
             let mut progress = Progress::new(1000, scenario.title());
             let mut trial = Trial::from_rest(&gear, scenario, 1);
             trial.conditions.sensors = sensors;
-            let (_, _, ending, _) = pil::compensated(&firmware.elf, arguments, &gear, &trial, |share| {
+            let run = pil::compensated(&firmware.elf, arguments, &gear, &trial, |share| {
                 progress.set((share * 1e3) as u64)
             })?;
-            deepest = deepest.max(Some(ending.stack));
+            deepest = deepest.max(Some(run.ending.stack));
         }
         Ok(deepest)
     })

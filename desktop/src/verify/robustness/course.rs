@@ -95,10 +95,16 @@ impl Course {
 
     /// A mark of it is worse than B0's.
     pub fn is_worse(&self, b0: &Self) -> bool {
-        self.marks.iter().zip(&b0.marks).any(|(ours, b0)| {
-            let no_worse = *ours <= WORSE.0 * b0 || *ours <= b0 + WORSE.1;
+        self.worse_marks(b0) > 0
+    }
+
+    /// How many of its marks are worse than those of a baseline in the same scenario.
+    pub fn worse_marks(&self, baseline: &Self) -> usize {
+        let worse = |(ours, other): &(&f64, &f64)| {
+            let no_worse = **ours <= WORSE.0 * **other || **ours <= **other + WORSE.1;
             !no_worse
-        })
+        };
+        self.marks.iter().zip(&baseline.marks).filter(worse).count()
     }
 }
 
@@ -166,16 +172,26 @@ impl<'a> Judged<'a> {
                 at_rest.push((plant.last_torques().torsion, f64::from(answer.motor_torque)));
             }
         })?;
-        let judge = Judge::new(scenario, self.plant, &rows);
-        let marks = marks(scenario).iter().map(|mark| judge.mark(*mark)).collect::<Result<_, _>>()?;
-        let period = judge.natural_period()?;
+        let period = Judge::new(scenario, self.plant, &rows).natural_period()?;
         let oscillation = |values: Vec<f64>| rms(without_slow_part(&values, period));
-        let at_limit = |row: &&Row| f64::from(row.answer.motor_torque.abs()) >= 0.999 * self.torque_limit;
         Ok(Course {
-            marks,
             torsion_at_rest: oscillation(at_rest.iter().map(|(torsion, _)| *torsion).collect()),
             torque_at_rest: oscillation(at_rest.iter().map(|(_, torque)| *torque / self.rated).collect()),
+            ..self.without_rest(scenario, &rows)?
+        })
+    }
+
+    /// What the rows of a scenario were like, one each control period; its oscillation at rest is left 0.
+    ///
+    /// # Errors
+    /// A plant whose stiffness line is none.
+    pub fn without_rest(&self, scenario: Scenario, rows: &[Row]) -> Result<Course, Error> {
+        let judge = Judge::new(scenario, self.plant, rows);
+        let at_limit = |row: &&Row| f64::from(row.answer.motor_torque.abs()) >= 0.999 * self.torque_limit;
+        Ok(Course {
+            marks: marks(scenario).iter().map(|mark| judge.mark(*mark)).collect::<Result<_, _>>()?,
             limited: judge.judged().iter().filter(at_limit).count() as f64 * CONTROL_PERIOD,
+            ..Course::default()
         })
     }
 }

@@ -36,7 +36,7 @@ use crate::plant::sample::PlantSample;
 use crate::plant::unknowns::Which;
 use crate::scenario::Scenario;
 use crate::verify::compensator::each;
-pub use course::{Course, Courses, JUDGED, Judged, Shake};
+pub use course::{Course, Courses, JUDGED, Judged, Shake, marks};
 pub use summary::{Robustness, Summary};
 
 /// Plants of a row when nothing else is said.
