@@ -36,6 +36,6 @@ pub fn beyond_bounds(joint: &JointParams<f32>, output: &Output<f32>) -> Option<&
         ("factor on the output friction", factors.output_friction, f32::MAX),
         ("factor on the compliance", factors.compliance, f32::MAX),
     ];
-    let beyond = |(_, value, bound): &(&str, f32, f32)| !(value.abs() <= *bound);
+    let beyond = |(_, value, bound): &(&str, f32, f32)| value.is_nan() || value.abs() > *bound;
     bounded.iter().find(|row| beyond(row)).map(|(name, ..)| *name)
 }

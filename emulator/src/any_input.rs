@@ -28,7 +28,7 @@ const SEQUENCES: u64 = 96;
 /// Variations of the most costly step of each slot.
 const VARIATIONS: u64 = 48;
 /// Slots of the schedule.
-const SLOTS: usize = SLOW_PERIODS as usize;
+pub const SLOTS: usize = SLOW_PERIODS as usize;
 
 /// Why the search could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -69,6 +69,8 @@ pub struct AnyInput {
     pub worst: Step,
     /// Its cycles in each function, those of its callees apart, the most first.
     pub functions: Vec<(String, u64)>,
+    /// Cycles of the most costly step of each slot, in the schedule's order.
+    pub slots: [u64; SLOTS],
 }
 
 /// A control step that was taken.
@@ -162,11 +164,12 @@ impl Search {
 
     /// What was found, the most costly step followed once more.
     fn found(mut self) -> Result<AnyInput, Error> {
+        let slots = self.most.each_ref().map(|step| step.cycles);
         let worst = self.most.iter().max_by_key(|step| step.cycles).cloned().unwrap_or_default();
         self.run(&worst.inputs, &self.counting.arguments_for_path(worst.number))?;
         let path = self.counting.results(&self.image)?.path;
         let functions = path::by_function(&self.image, &path).unwrap_or_default();
         let Self { steps, unlike_host, unbounded, .. } = self;
-        Ok(AnyInput { steps, unlike_host, unbounded, worst, functions })
+        Ok(AnyInput { steps, unlike_host, unbounded, worst, functions, slots })
     }
 }

@@ -4,6 +4,7 @@ use std::panic::resume_unwind;
 use std::path::Path;
 use std::thread::ScopedJoinHandle;
 
+use strainwave::compensator::Faults;
 use strainwave::gear::GearParams;
 use strainwave_desktop::baseline::Baseline;
 use strainwave_desktop::bench::{Bench, Conditions, SensorSet, Task, periods};
@@ -139,7 +140,7 @@ impl ScenarioRun {
     }
 
     /// Faults by name, time at the torque limit, and how many marks are worse than each baseline's: of a joint without a
-    /// fault, none.
+    /// fault, none. That the torque was limited is judged by the time at the limit, and only reported among the faults.
     ///
     /// # Errors
     /// A plant whose stiffness line is none.
@@ -149,13 +150,15 @@ impl ScenarioRun {
         let (name, ours) =
             (|rest: &str| format!("pil.{}.{rest}", self.trial.name()), course(&self.target.run)?);
         let faults = || self.target.faults.times();
-        let mut figures = vec![bounds::figure_as(name("faults"), "pil.faults", faults().count() as f64)];
-        let time = |(fault, time): (&str, f64)| {
+        let counted = faults().filter(|(fault, ..)| *fault != Faults::TORQUE_LIMITED).count();
+        let mut figures = vec![bounds::figure_as(name("faults"), "pil.faults", counted as f64)];
+        let time = |(_, fault, time): (Faults, &str, f64)| {
             Figure::reported(name(&format!("fault.{}", fault.replace(' ', "_"))), time, "s")
         };
         figures.extend(faults().map(time));
         figures.push(bounds::figure_as(name("limited"), "pil.limited", ours.limited));
-        for (baseline, run) in &self.baselines {
+        let compared = if marks(scenario).is_empty() { &[] } else { &self.baselines[..] };
+        for (baseline, run) in compared {
             let theirs = course(run)?;
             let worse = ours.worse_marks(&theirs) as f64;
             figures.push(bounds::figure_as(name(&format!("{baseline}.worse")), "pil.worse_marks", worse));

@@ -19,7 +19,7 @@ use crate::target;
 use crate::{firmware, pil};
 
 /// Board that the emulator has.
-const BOARD: &str = "mps2-an386";
+pub const BOARD: &str = "mps2-an386";
 /// The real-time flexspline among the blocks of its budget.
 const FLEXSPLINE: &str = "flexspline";
 /// One side's friction.

@@ -74,7 +74,7 @@ pub(super) const ROWS: &[Bound] = &[
         name: "pil.faults",
         value: 0.0,
         unit: "1",
-        why: "different faults that a joint raises that has none, while it works and in a scenario; as asked",
+        why: "different faults but a limited torque that a joint raises that has none, while it works and in a scenario; as asked",
     },
     Bound {
         name: "pil.limited",

@@ -16,11 +16,11 @@ impl Raised {
         }
     }
 
-    /// The faults that were raised by name, and for how long (s).
-    pub fn times(&self) -> impl Iterator<Item = (&'static str, f64)> {
+    /// The faults that were raised with their names, and for how long (s).
+    pub fn times(&self) -> impl Iterator<Item = (Faults, &'static str, f64)> {
         let all = self.0.into_iter().zip(Faults::NAMES);
         all.filter(|(periods, _)| *periods > 0)
-            .map(|(periods, (_, name))| (*name, f64::from(periods) * CONTROL_PERIOD))
+            .map(|(periods, (fault, name))| (*fault, *name, f64::from(periods) * CONTROL_PERIOD))
     }
 }
 
@@ -36,6 +36,10 @@ mod tests {
             raised.add(faults);
         }
         let times: Vec<_> = raised.times().collect();
-        assert_eq!(times, [("torque limited", CONTROL_PERIOD), ("overspeed", 2.0 * CONTROL_PERIOD)]);
+        let expected = [
+            (Faults::TORQUE_LIMITED, "torque limited", CONTROL_PERIOD),
+            (Faults::OVERSPEED, "overspeed", 2.0 * CONTROL_PERIOD),
+        ];
+        assert_eq!(times, expected);
     }
 }

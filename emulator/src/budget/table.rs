@@ -1,8 +1,10 @@
 //! The budget as a table for people.
 
 use std::fmt::Write as _;
+use std::iter::successors;
 
 use comfy_table::{CellAlignment, Table, presets};
+use strainwave::compensator::schedule::Slot;
 use strainwave_desktop::Figure;
 
 use super::{Budget, CONTROL_STEP, Measurement};
@@ -97,6 +99,9 @@ fn any_input(found: &AnyInput, budget: &Budget, figures: &[Figure]) -> String {
     let mut text = format!(
         "{table}\nmost costly: {cycles} cycles in step {number} of sequence {seed}, varied {variations} times\n"
     );
+    let slots = found.slots.iter().zip(successors(Some(Slot::default()), |slot| Some(slot.next())));
+    let slots: Vec<_> = slots.map(|(cycles, slot)| format!("{slot:?} {cycles}")).collect();
+    let _ = writeln!(text, "most of each slot: {}", slots.join(", "));
     for (function, cycles) in &found.functions {
         let _ = writeln!(text, "{cycles:>8} in {function}");
     }
@@ -138,6 +143,7 @@ fn yes(holds: bool) -> String {
 mod tests {
     use super::super::tests::{budget, measurement};
     use super::*;
+    use crate::any_input::SLOTS;
     use crate::artifact::Violation;
 
     #[test]
@@ -177,7 +183,8 @@ mod tests {
         let worst = Step { cycles: 1800, seed: 7, variations: 2, number: 31, ..Step::default() };
         let functions = vec![("a::plan".to_owned(), 1000)];
         let unbounded = [("torsion", 4)].into();
-        let any_input = Some(AnyInput { steps: 99, unlike_host: 0, unbounded, worst, functions });
+        let any_input =
+            Some(AnyInput { steps: 99, unlike_host: 0, unbounded, worst, functions, slots: [1800; SLOTS] });
         let text = print(&Measurement { any_input, ..measurement() }, &budget());
         assert!(text.contains("most costly: 1800 cycles in step 31 of sequence 7, varied 2 times"), "{text}");
         assert!(text.contains("1000 in a::plan") && text.contains("unbounded: torsion in 4 steps"), "{text}");
