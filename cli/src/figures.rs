@@ -88,7 +88,7 @@ fn trimmed(table: &Table) -> String {
 }
 
 /// One row a figure.
-fn table(figures: &[Figure]) -> String {
+pub fn table(figures: &[Figure]) -> String {
     let mut table = Table::new();
     let header = Figure::HEADER.map(String::from).to_vec();
     table.load_style(presets::NOTHING);

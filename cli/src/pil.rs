@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use strainwave_desktop::bench::{Conditions, SensorSet};
+use strainwave_desktop::closed_loop::Run;
 use strainwave_desktop::draw::Draw;
 use strainwave_desktop::gear_file::DEFAULT;
 use strainwave_desktop::identify::learn_gear;
@@ -12,7 +13,7 @@ use strainwave_desktop::log::MeasuredLog;
 use strainwave_desktop::scenario::Scenario;
 use strainwave_desktop::verify::compensator;
 use strainwave_desktop::{BadInput, Figure, GearFile, bounds};
-use strainwave_emulator::pil::{self, Replay, ScenarioRun, Trial};
+use strainwave_emulator::pil::{self, Replay, ScenarioRun, TargetRun, Trial};
 
 use crate::figures::{Figures, FiguresArguments, say};
 use crate::files;
@@ -22,8 +23,10 @@ use crate::progress::Progress;
 /// Run a board's firmware in the emulator, in lockstep with the reference plant or on a measured log
 ///
 /// Builds the firmware for the joint of the gear file, boots it, and closes the loop every 0.1 ms: sensors
-/// in, torque command out. The same scenario runs with two baselines: B0 is the motor-side cascade
-/// alone, B1 adds a rigid joint's feed-forward. Every output of the firmware is compared bit for bit with the
+/// in, torque command out. The same scenario runs with every baseline that the sensors allow: B0 is the motor-side
+/// cascade alone, B1 adds a rigid joint's feed-forward, B2 the stored kinematic error and the wind-up, B3 the output's
+/// encoder. A fault, more than 10 ms at the torque limit, or an error or vibration that is worse than a baseline's by more
+/// than 5 % and 12 urad misses its bound. Every output of the firmware is compared bit for bit with the
 /// host's f32 build, and the instructions (exact) and cycles (a model of a Cortex-M4F with zero wait states,
 /// not silicon) of the control step are counted. With --replay a measured log goes through the firmware's observer instead, and the
 /// output that it predicts is compared with the output encoder; with --learn the first part of the log first teaches the gear, as
@@ -202,7 +205,7 @@ fn scenarios(
         let run = run_trial(arguments, elf, gear, trial)?;
         figures.extend(trial_figures(&run, gear)?);
         if let Some(path) = &arguments.keep {
-            run.learnt.keep_in(text, path)?;
+            run.target.learnt.keep_in(text, path)?;
             say(format_args!("    learnt: {}", path.display()));
         }
     }
@@ -247,6 +250,7 @@ fn run_trial(
 
 fn trial_figures(run: &ScenarioRun, gear: &GearFile) -> Result<Vec<Figure>, BadInput> {
     let mut figures = run.claims(gear).map_err(BadInput::message)?;
+    figures.extend(run.health(gear).map_err(BadInput::message)?);
     figures.extend(scenario_figures(run));
     figures.extend(run.loop_figures().map_err(BadInput::message)?);
     Ok(figures)
@@ -254,14 +258,21 @@ fn trial_figures(run: &ScenarioRun, gear: &GearFile) -> Result<Vec<Figure>, BadI
 
 fn scenario_figures(run: &ScenarioRun) -> Vec<Figure> {
     let name = |rest: &str| format!("pil.{}.{rest}", run.trial.name());
-    let (estimate, cost, learnt) = (&run.compensated.estimate, &run.control_step, &run.learnt);
-    vec![
-        run.beside_baselines(),
-        Figure::reported(name("b0.rms"), run.b0.rms, "rad"),
-        Figure::reported(name("b1.rms"), run.b1.rms, "rad"),
-        Figure::reported(name("compensated.max"), run.compensated.max, "rad"),
-        Figure::reported(name("b0.max"), run.b0.max, "rad"),
-        Figure::reported(name("b1.max"), run.b1.max, "rad"),
+    let TargetRun { run: compensated, learnt, agreement, ending, .. } = &run.target;
+    let (estimate, cost) = (&compensated.estimate, &run.control_step);
+    let baselines = |what: &str, of: fn(&Run) -> f64| -> Vec<_> {
+        let figure = |(baseline, run): &(&str, Run)| {
+            Figure::reported(name(&format!("{baseline}.{what}")), of(run), "rad")
+        };
+        run.baselines.iter().map(figure).collect()
+    };
+    let errors = [
+        vec![run.beside_baselines()],
+        baselines("rms", |run| run.rms),
+        vec![Figure::reported(name("compensated.max"), compensated.max, "rad")],
+        baselines("max", |run| run.max),
+    ];
+    let others = vec![
         Figure::reported(name("estimate.output.rms"), estimate.output, "rad"),
         Figure::reported(name("estimate.external_torque.rms"), estimate.external_torque, "N m"),
         Figure::reported(name("learnt.inertia"), learnt.inertia, "1"),
@@ -272,11 +283,12 @@ fn scenario_figures(run: &ScenarioRun) -> Vec<Figure> {
         Figure::reported(name("learnt.presliding_stiffness"), learnt.presliding_stiffness, "1"),
         Figure::reported(name("control_step.instructions_max"), cost.instructions.max as f64, "instruction"),
         Figure::reported(name("control_step.cycles_max"), cost.cycles.max as f64, "cycle"),
-        bounds::figure_as(name("power_balance"), "plant.power_balance", run.compensated.imbalance),
-        Figure::reported(name("steps"), run.agreement.steps as f64, "1"),
-        run.agreement.figure(name("steps_unlike_host")),
-        Figure::reported(name("stack"), f64::from(run.ending.stack), "byte"),
-    ]
+        bounds::figure_as(name("power_balance"), "plant.power_balance", compensated.imbalance),
+        Figure::reported(name("steps"), agreement.steps as f64, "1"),
+        agreement.figure(name("steps_unlike_host")),
+        Figure::reported(name("stack"), f64::from(ending.stack), "byte"),
+    ];
+    [errors.concat(), others].concat()
 }
 
 fn replay(

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use strainwave::compensator::adapt::parameters::Factors;
 use strainwave_desktop::GearFile;
-use strainwave_desktop::closed_loop::Row;
+use strainwave_desktop::closed_loop::{Row, Run};
 use strainwave_desktop::judge::estimates::{self, Estimated};
 use strainwave_desktop::judge::{Judge, error, spectrum};
 use strainwave_desktop::plot::{Page, Panel, Series};
@@ -22,17 +22,19 @@ fn column<T>(rows: &[T], figure: impl Fn(&T) -> f64) -> Vec<f64> {
     rows.iter().map(figure).collect()
 }
 
-/// What a controller answers over time, of the two baselines and the compensator.
-const CONTROLLERS: [&str; 3] = ["B0", "B1", "compensated"];
+/// The runs of every controller with its name for people, the compensator's last.
+fn controllers(run: &ScenarioRun) -> impl Iterator<Item = (String, &Run)> {
+    let baselines = run.baselines.iter().map(|(name, run)| (name.to_uppercase(), run));
+    baselines.chain([("compensated".to_owned(), &run.target.run)])
+}
 
 /// Output, error, torque and estimates over time, and the spectrum of what rings after a move; for the loop torque over
 /// torsion too.
 pub fn scenario(run: &ScenarioRun, gear: &GearFile) -> Page {
-    let (scenario, rows) = (run.trial.scenario, &run.compensated.trace);
+    let (scenario, rows) = (run.trial.scenario, &run.target.run.trace);
     let time = column(rows, |row| row.time);
     let of_all = |panel: Panel, figure: &dyn Fn(&Row) -> f64| {
-        let runs = CONTROLLERS.into_iter().zip([&run.b0, &run.b1, &run.compensated]);
-        runs.fold(panel, |panel, (name, run)| {
+        controllers(run).fold(panel, |panel, (name, run)| {
             panel.with(Series::line(name, &time, &column(&run.trace, figure)))
         })
     };
@@ -97,15 +99,15 @@ fn external_torque(rows: &[Row], time: &[f64]) -> Panel {
 
 /// Spectrum of the torsion's vibration over the last rest of a scenario that has one.
 fn ringing(run: &ScenarioRun) -> Option<Panel> {
-    let runs = CONTROLLERS.into_iter().zip([&run.b0, &run.b1, &run.compensated]);
     let panel = Panel::new("frequency", "Hz", "vibration of the torsion at rest", "urad");
-    runs.map(|(name, of)| {
-        let vibration = Judge::new(run.trial.scenario, &run.plant, &of.trace).last_vibration()?;
-        let (frequency, amplitude): (Vec<_>, Vec<_>) =
-            spectrum(&vibration, HIGHEST).into_iter().map(|(f, a)| (f, a * 1e6)).unzip();
-        Some(Series::line(name, &frequency, &amplitude))
-    })
-    .try_fold(panel, |panel, series| Some(panel.with(series?)))
+    controllers(run)
+        .map(|(name, of)| {
+            let vibration = Judge::new(run.trial.scenario, &run.plant, &of.trace).last_vibration()?;
+            let (frequency, amplitude): (Vec<_>, Vec<_>) =
+                spectrum(&vibration, HIGHEST).into_iter().map(|(f, a)| (f, a * 1e6)).unzip();
+            Some(Series::line(name, &frequency, &amplitude))
+        })
+        .try_fold(panel, |panel, series| Some(panel.with(series?)))
 }
 
 fn torque_over_torsion(rows: &[Row]) -> Panel {

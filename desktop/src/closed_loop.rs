@@ -29,6 +29,14 @@ pub trait Controller {
     fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, Self::Error>;
 }
 
+impl<C: Controller> Controller for &mut C {
+    type Error = C::Error;
+
+    fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, C::Error> {
+        (**self).step(input)
+    }
+}
+
 /// The compensator in the firmware's precision, on the desktop.
 #[derive(Clone)]
 pub struct HostCompensator {

@@ -2,6 +2,7 @@
 
 pub mod ability;
 pub mod any_friction;
+pub mod any_input;
 pub mod baseline;
 pub mod bench;
 pub mod bounds;
@@ -22,6 +23,7 @@ pub mod judge;
 pub mod log;
 pub mod mesh_size;
 pub mod observer_design;
+pub mod output_bounds;
 pub mod plant;
 pub mod plot;
 pub mod replay;

@@ -55,6 +55,14 @@ pub struct ImageBounds {
     pub stack: Option<u64>,
 }
 
+/// What the control step may cost whatever its input is: asked for, not measured, and never overwritten.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AnyInputBounds {
+    /// Most cycles of a call, by the model of [`crate::counting::cycle_table`].
+    pub cycles: u64,
+}
+
 /// A board's budget.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -82,6 +90,8 @@ pub struct Budget {
     pub literal_mesh: Option<LiteralMesh>,
     /// What no scenario brings about.
     pub worst_case: Option<WorstCase>,
+    /// The control step on any input.
+    pub any_input: Option<AnyInputBounds>,
     /// Where calls through pointers can go.
     #[serde(default)]
     pub indirect_call: Vec<IndirectCall>,
@@ -272,6 +282,8 @@ pub(crate) mod tests {
             panics: Vec::new(),
             allocators: Vec::new(),
             doubles: Vec::new(),
+            any_path: BTreeMap::new(),
+            any_input: None,
             counts: [(CONTROL_STEP, 500), ("observer", 40), (LITERAL_MESH, 12_352)]
                 .map(|(name, max)| (name.to_owned(), counts(max)))
                 .to_vec(),

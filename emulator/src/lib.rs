@@ -1,5 +1,7 @@
 //! Cross-build, set-up, QEMU, lockstep, counting and proofs on the firmware image.
 
+pub mod again;
+pub mod any_input;
 pub mod artifact;
 pub mod budget;
 pub mod counting;

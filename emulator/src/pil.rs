@@ -4,6 +4,7 @@ use std::panic::resume_unwind;
 use std::path::Path;
 use std::thread::ScopedJoinHandle;
 
+use strainwave::compensator::Faults;
 use strainwave::gear::GearParams;
 use strainwave_desktop::baseline::Baseline;
 use strainwave_desktop::bench::{Bench, Conditions, SensorSet, Task, periods};
@@ -11,14 +12,16 @@ use strainwave_desktop::closed_loop::{self, Row, Run};
 use strainwave_desktop::divergence::RunError;
 use strainwave_desktop::gear_file::{KinematicError, Learnt};
 use strainwave_desktop::joint::{joint_params, source};
-use strainwave_desktop::judge::Judge;
+use strainwave_desktop::judge::faults::Raised;
+use strainwave_desktop::judge::{Judge, Mark};
 use strainwave_desktop::log::MeasuredLog;
 use strainwave_desktop::replay::{self, Judgement, ReplayRow};
 use strainwave_desktop::scenario::Scenario;
 use strainwave_desktop::torque_loop::{Sample, TorqueLoop};
 use strainwave_desktop::verify::compensator::CLAIMS;
+use strainwave_desktop::verify::robustness::{Judged, marks};
 use strainwave_desktop::working_motion::WorkingMotion;
-use strainwave_desktop::{Figure, GearFile};
+use strainwave_desktop::{Figure, GearFile, bounds};
 
 use crate::artifact::{self, Image};
 use crate::budget::{self, CONTROL_STEP};
@@ -105,25 +108,66 @@ pub struct ScenarioRun {
     /// The plant that it ran on.
     pub plant: GearParams<f64>,
     /// The firmware's compensator.
-    pub compensated: Run,
-    /// B0, the cascade alone.
-    pub b0: Run,
-    /// B1, with a rigid joint's feed-forward.
-    pub b1: Run,
-    /// Target against host.
-    pub agreement: Agreement,
+    pub target: TargetRun,
+    /// The baselines that the sensors allow, by name, B0 and B1 first.
+    pub baselines: Vec<(&'static str, Run)>,
     /// Cost of the control step on the target.
     pub control_step: Counts,
-    /// The firmware's report.
+}
+
+/// What came of the firmware alone.
+pub struct TargetRun {
+    /// Its run of the scenario.
+    pub run: Run,
+    /// Faults that it raised, while it worked before too.
+    pub faults: Raised,
+    /// Target against host.
+    pub agreement: Agreement,
+    /// Its report.
     pub ending: Ending,
-    /// What the compensator has learnt.
+    /// What it has learnt.
     pub learnt: Learnt,
 }
 
 impl ScenarioRun {
     /// The output error beside the baselines'.
     pub fn beside_baselines(&self) -> Figure {
-        beside_baselines(&self.trial, &self.compensated, [&self.b0, &self.b1])
+        beside_baselines(&self.trial, &self.target.run, self.b0_and_b1())
+    }
+
+    fn b0_and_b1(&self) -> [&Run; 2] {
+        [0, 1].map(|place| &self.baselines[place].1)
+    }
+
+    /// Faults by name, time at the torque limit, and how many marks are worse than each baseline's: of a joint without a
+    /// fault, none. That the torque was limited is judged by the time at the limit, and only reported among the faults.
+    ///
+    /// # Errors
+    /// A plant whose stiffness line is none.
+    pub fn health(&self, file: &GearFile) -> Result<Vec<Figure>, strainwave::Error> {
+        let (judged, scenario) = (Judged::of(file, &self.plant), self.trial.scenario);
+        let course = |run: &Run| judged.without_rest(scenario, &run.trace);
+        let (name, ours) =
+            (|rest: &str| format!("pil.{}.{rest}", self.trial.name()), course(&self.target.run)?);
+        let faults = || self.target.faults.times();
+        let counted = faults().filter(|(fault, ..)| *fault != Faults::TORQUE_LIMITED).count();
+        let mut figures = vec![bounds::figure_as(name("faults"), "pil.faults", counted as f64)];
+        let time = |(_, fault, time): (Faults, &str, f64)| {
+            Figure::reported(name(&format!("fault.{}", fault.replace(' ', "_"))), time, "s")
+        };
+        figures.extend(faults().map(time));
+        figures.push(bounds::figure_as(name("limited"), "pil.limited", ours.limited));
+        let compared = if marks(scenario).is_empty() { &[] } else { &self.baselines[..] };
+        for (baseline, run) in compared {
+            let theirs = course(run)?;
+            let worse = ours.worse_marks(&theirs) as f64;
+            figures.push(bounds::figure_as(name(&format!("{baseline}.worse")), "pil.worse_marks", worse));
+            let ratio = |(mark, (ours, theirs)): (&Mark, (&f64, &f64))| {
+                Figure::reported(name(&format!("{}.to_{baseline}", mark.name())), ours / theirs, "1")
+            };
+            figures.extend(marks(scenario).iter().zip(ours.marks.iter().zip(&theirs.marks)).map(ratio));
+        }
+        Ok(figures)
     }
 
     /// What is claimed of the compensator in this scenario, of this plant; bounded where it has worked before.
@@ -132,8 +176,9 @@ impl ScenarioRun {
     /// A plant whose stiffness line is none.
     pub fn claims(&self, file: &GearFile) -> Result<Vec<Figure>, strainwave::Error> {
         let Trial { scenario, conditions, worked } = self.trial;
+        let [b0, b1] = self.b0_and_b1();
         let [ours, b0, b1] =
-            [&self.compensated, &self.b0, &self.b1].map(|run| Judge::new(scenario, &self.plant, &run.trace));
+            [&self.target.run, b0, b1].map(|run| Judge::new(scenario, &self.plant, &run.trace));
         let mut figures = Vec::new();
         for claim in CLAIMS.iter().filter(|claim| claim.mark.is_of(scenario)) {
             let [ours, b0, b1] = [&ours, &b0, &b1].map(|judge| judge.mark(claim.mark));
@@ -150,7 +195,7 @@ impl ScenarioRun {
     /// A plant whose stiffness line is none.
     pub fn loop_figures(&self) -> Result<Vec<Figure>, strainwave::Error> {
         let sample = |row: &Row| Sample { torsion: row.torsion, torque: row.transmitted };
-        let samples: Vec<_> = self.compensated.trace.iter().map(sample).collect();
+        let samples: Vec<_> = self.target.run.trace.iter().map(sample).collect();
         let (Scenario::S6, Some(found)) = (self.trial.scenario, TorqueLoop::of(&samples)) else {
             return Ok(Vec::new());
         };
@@ -212,7 +257,7 @@ pub fn build_program(board: &str, program: &str, file: &GearFile) -> Result<Firm
     firmware::build_program(board, program, Some(&generated))
 }
 
-/// Runs a trial with the firmware and, from rest, both baselines side by side, and counts what the control step costs
+/// Runs a trial with the firmware and, from rest, every baseline that its sensors allow side by side, and counts what the control step costs
 /// on the target. The firmware was built for what [`Trial::told`] has of the gear.
 ///
 /// # Errors
@@ -224,22 +269,24 @@ pub fn run(
     progress: impl FnMut(f64),
 ) -> Result<ScenarioRun, Error> {
     std::thread::scope(|scope| {
-        let baseline = |build: fn(&GearFile) -> Result<Baseline, strainwave::Error>| {
-            scope.spawn(move || {
+        let start = |(name, mut baseline): (&'static str, Baseline)| {
+            let run = scope.spawn(move || {
                 let mut bench = Bench::build(file, &trial.conditions)?;
-                closed_loop::go_on(&mut bench, trial.scenario, &mut build(file)?, |_| ())
-            })
+                closed_loop::go_on(&mut bench, trial.scenario, &mut baseline, |_| ())
+            });
+            (name, run)
         };
+        let baselines = Baseline::all(file, trial.conditions.sensors).map_err(target::Error::from)?;
         let image = Image::read(elf)?;
         let counting = Counting::prepare(&image, &image.find(CONTROL_STEP)?)?;
-        let (b0, b1) = (baseline(Baseline::b0), baseline(Baseline::b1));
-        let (compensated, agreement, ending, learnt) =
-            compensated(elf, &counting.arguments(), file, trial, progress)?;
-        let control_step = counting.finish(&image)?.counts.into_iter().next().flatten();
-        let (b0, b1) = (joined(b0)?, joined(b1)?);
+        let baselines: Vec<_> = baselines.into_iter().map(start).collect();
+        let target = compensated(elf, &counting.arguments(), file, trial, progress)?;
+        let control_step = counting.results(&image)?.counts.into_iter().next().flatten();
+        let baselines = baselines.into_iter().map(|(name, run)| Ok((name, joined(run)?)));
+        let baselines = baselines.collect::<Result<_, target::Error>>()?;
         let control_step = control_step.ok_or(counting::Error::NoResult)?;
         let plant = trial.conditions.plant(file).map_err(target::Error::from)?;
-        Ok(ScenarioRun { trial: *trial, plant, compensated, b0, b1, agreement, control_step, ending, learnt })
+        Ok(ScenarioRun { trial: *trial, plant, target, baselines, control_step })
     })
 }
 
@@ -258,19 +305,24 @@ pub fn compensated(
     file: &GearFile,
     trial: &Trial,
     mut progress: impl FnMut(f64),
-) -> Result<(Run, Agreement, Ending, Learnt), target::Error> {
+) -> Result<TargetRun, target::Error> {
     let mut target = Target::new(Machine::boot(elf, qemu_arguments)?, &joint_params(&trial.told(file))?)?;
     let mut bench = Bench::build(file, &trial.conditions)?;
     let work = if trial.worked { WorkingMotion.duration() } else { 0.0 };
     let whole = work + trial.scenario.duration();
+    let mut faults = Raised::default();
     if trial.worked {
         let count = periods(&WorkingMotion) as f64;
-        bench.go(&WorkingMotion, &mut target, |k, _, _, _| progress(k as f64 / count * work / whole))?;
+        bench.go(&WorkingMotion, &mut target, |k, _, _, answer| {
+            faults.add(answer.faults);
+            progress(k as f64 / count * work / whole);
+        })?;
     }
     let part = |share: f64| progress((work + share * trial.scenario.duration()) / whole);
     let run = closed_loop::go_on(&mut bench, trial.scenario, &mut target, part)?;
+    run.trace.iter().for_each(|row| faults.add(row.answer.faults));
     let (agreement, learnt) = (target.agreement(), Learnt::of(&target.learnt()));
-    Ok((run, agreement, target.finish()?, learnt))
+    Ok(TargetRun { run, faults, agreement, ending: target.finish()?, learnt })
 }
 
 /// What came of a replay.

@@ -14,12 +14,12 @@ use strainwave_desktop::{BadInput, Figure, GearFile, bounds, data, gear_file};
 
 use crate::artifact::Image;
 use crate::budget::{self, Budget};
-use crate::pil::Trial;
-use crate::target::{self, Agreement};
+use crate::pil::{TargetRun, Trial};
+use crate::target;
 use crate::{firmware, pil};
 
 /// Board that the emulator has.
-const BOARD: &str = "mps2-an386";
+pub const BOARD: &str = "mps2-an386";
 /// The real-time flexspline among the blocks of its budget.
 const FLEXSPLINE: &str = "flexspline";
 /// One side's friction.
@@ -161,34 +161,26 @@ fn proofs() -> Result<Vec<Figure>, Error> {
     Ok(figures)
 }
 
-/// A scenario on the target.
-struct TargetRun {
-    scenario: Scenario,
-    run: Run,
-    agreement: Agreement,
-}
-
 /// All scenarios on the target.
 fn scenarios(
     elf: &Path,
     arguments: &[String],
     mut progress: impl FnMut(f64),
-) -> Result<Vec<TargetRun>, Error> {
+) -> Result<Vec<(Scenario, TargetRun)>, Error> {
     let gear = GearFile::default_gear();
     let mut runs = Vec::new();
     for (done, scenario) in Scenario::ALL.into_iter().enumerate() {
         let part = |share: f64| progress((done as f64 + share) / Scenario::ALL.len() as f64);
         let trial = Trial::from_rest(&gear, scenario, SEED);
-        let (run, agreement, ..) = pil::compensated(elf, arguments, &gear, &trial, part)?;
-        runs.push(TargetRun { scenario, run, agreement });
+        runs.push((scenario, pil::compensated(elf, arguments, &gear, &trial, part)?));
     }
     Ok(runs)
 }
 
 /// What the runs show of the control step; S2 beside its baselines.
-fn control_step(runs: &[TargetRun]) -> Result<Vec<Figure>, Error> {
+fn control_step(runs: &[(Scenario, TargetRun)]) -> Result<Vec<Figure>, Error> {
     let mut figures = Vec::new();
-    for TargetRun { scenario, run, agreement } in runs {
+    for (scenario, TargetRun { run, agreement, .. }) in runs {
         let name = |rest: &str| format!("pil.{}.{rest}", scenario.name());
         if *scenario == Scenario::S2 {
             let [b0, b1] = baselines(*scenario)?;

@@ -74,7 +74,7 @@ fn run(elf: &Path, periods: u32, arguments: &[String]) {
 fn counted(image: &Image, tracked: &[usize], periods: u32, more: &[String]) -> Outcome {
     let counting = Counting::prepare(image, tracked).expect("the plugin builds");
     run(image.path(), periods, &[&counting.arguments()[..], more].concat());
-    counting.finish(image).expect("the counts are there")
+    counting.results(image).expect("the counts are there")
 }
 
 #[test]

@@ -9,6 +9,7 @@ use strainwave::compensator::{
 };
 use strainwave_desktop::GearFile;
 use strainwave_desktop::joint::joint_params;
+use strainwave_desktop::output_bounds::beyond_bounds;
 
 fn joint() -> JointParams<f32> {
     joint_params(&GearFile::default_gear()).unwrap()
@@ -39,20 +40,7 @@ fn settled() -> (Compensator<f32>, State<f32>) {
 
 /// Every output is finite and within what the joint can do.
 fn assert_bounded(output: &Output<f32>) {
-    let (joint, estimate) = (joint(), &output.estimate);
-    let limits = &joint.limits;
-    assert!(output.motor_torque.abs() <= limits.motor_torque, "{output:?}");
-    assert!(output.feed_forward_torque.abs() <= limits.motor_torque, "{output:?}");
-    assert!(estimate.output_velocity.abs() <= 2.0 * limits.output_speed(joint.gear.ratio), "{output:?}");
-    assert!(estimate.external_torque.abs() <= limits.output_torque, "{output:?}");
-    assert!(estimate.transmitted_torque.abs() <= 4.0 * limits.output_torque, "{output:?}");
-    assert!(estimate.torsion.abs() <= 0.02, "{output:?}");
-    for friction in [estimate.input_friction, estimate.output_friction] {
-        assert!(friction.abs() <= 100.0, "{output:?}");
-    }
-    for angle in [output.motor_reference, estimate.output_position] {
-        assert!(angle.rest.abs() <= 2.0, "{output:?}");
-    }
+    assert_eq!(beyond_bounds(&joint(), output), None, "{output:?}");
 }
 
 fn any_float() -> impl Strategy<Value = f32> {

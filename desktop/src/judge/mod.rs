@@ -23,6 +23,7 @@
 //! the motor.
 
 pub mod estimates;
+pub mod faults;
 mod ripple;
 mod vibration;
 
@@ -78,6 +79,20 @@ impl Mark {
         Self::ExternalTorque,
         Self::Outside,
     ];
+
+    /// As in the names of figures.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::StepVibration | Self::MoveVibration => "vibration",
+            Self::Error => "error",
+            Self::Settling => "settling",
+            Self::Ripple => "ripple",
+            Self::Peak => "peak",
+            Self::Steady => "steady",
+            Self::ExternalTorque => "external_torque",
+            Self::Outside => "outside",
+        }
+    }
 
     /// It is one of this scenario alone; those of the estimates are of all.
     pub fn is_of(self, scenario: Scenario) -> bool {

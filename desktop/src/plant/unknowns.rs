@@ -277,6 +277,13 @@ pub enum Which {
     All,
 }
 
+/// By name: every row has one of its own.
+impl PartialEq for Which {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name()
+    }
+}
+
 impl Which {
     /// The name of all at once.
     pub const ALL_NAME: &'static str = "all";

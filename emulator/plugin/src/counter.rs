@@ -43,6 +43,15 @@ pub struct Counts {
     pub cycles: Spread,
 }
 
+/// What is kept of the first tracked function beside its counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Kept {
+    /// The cycles of every call.
+    pub calls: bool,
+    /// The instructions of the call of this number, the first call's being 0.
+    pub path: Option<u64>,
+}
+
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Totals {
     instructions: u64,
@@ -74,12 +83,15 @@ pub struct Counter<'p> {
     totals: Totals,
     executed: u64,
     counts: Vec<Counts>,
+    kept: Kept,
+    calls: Vec<u64>,
+    path: Vec<u32>,
     anomaly: Option<String>,
 }
 
 impl<'p> Counter<'p> {
     /// Nothing executed yet.
-    pub fn new(plan: &'p Plan) -> Self {
+    pub fn new(plan: &'p Plan, kept: Kept) -> Self {
         let none = Counts { calls: 0, instructions: Spread::NONE, cycles: Spread::NONE };
         Self {
             plan,
@@ -89,6 +101,9 @@ impl<'p> Counter<'p> {
             totals: Totals::default(),
             executed: 0,
             counts: vec![none; plan.tracked.len()],
+            kept,
+            calls: Vec::new(),
+            path: Vec::new(),
             anomaly: None,
         }
     }
@@ -101,6 +116,9 @@ impl<'p> Counter<'p> {
         }
         if let Some(tracked) = now.entry {
             self.enter(tracked);
+        }
+        if self.kept.path.is_some() && self.is_on_path() {
+            self.path.push(now.address);
         }
         self.executed += 1;
         self.totals.instructions += 1;
@@ -129,9 +147,25 @@ impl<'p> Counter<'p> {
         &self.counts
     }
 
+    /// Cycles of every call of the first tracked function, where they are kept.
+    pub fn calls(&self) -> &[u64] {
+        &self.calls
+    }
+
+    /// Addresses of the instructions of one call of the first tracked function, where they are kept.
+    pub fn path(&self) -> &[u32] {
+        &self.path
+    }
+
     /// The first thing seen inside a tracked call that makes its counts wrong.
     pub fn anomaly(&self) -> Option<&str> {
         self.anomaly.as_deref()
+    }
+
+    /// The call of the first tracked function whose instructions are kept is running.
+    fn is_on_path(&self) -> bool {
+        let calls = self.counts.first().map(|counts| counts.calls);
+        calls == self.kept.path && self.activations.iter().any(|activation| activation.tracked == 0)
     }
 
     fn not_costed(&mut self, address: u32) {
@@ -163,6 +197,7 @@ impl<'p> Counter<'p> {
     fn restart(&mut self) {
         self.frames.clear();
         self.activations.clear();
+        self.path.clear();
     }
 
     fn settle(&mut self, previous: &'p Instruction, now: &'p Instruction) {
@@ -203,7 +238,11 @@ impl<'p> Counter<'p> {
             let counts = &mut self.counts[activation.tracked];
             counts.calls += 1;
             counts.instructions.add(self.totals.instructions - activation.since.instructions);
-            counts.cycles.add(self.totals.cycles - activation.since.cycles);
+            let cycles = self.totals.cycles - activation.since.cycles;
+            counts.cycles.add(cycles);
+            if self.kept.calls && activation.tracked == 0 {
+                self.calls.push(cycles);
+            }
         }
     }
 
@@ -225,7 +264,7 @@ mod tests {
     /// Runs the addresses and gives (calls, instructions, cycles) of every tracked function.
     fn run(plan: &str, addresses: &[u32]) -> (Vec<Counts>, Option<String>) {
         let plan = Plan::parse(plan).unwrap();
-        let mut counter = Counter::new(&plan);
+        let mut counter = Counter::new(&plan, Kept::default());
         for address in addresses {
             match plan.instructions.get(address) {
                 Some(instruction) => counter.execute(instruction),
@@ -321,6 +360,18 @@ mod tests {
         assert_eq!(counts[0].calls, 2);
         assert_eq!(counts[0].instructions, Spread { min: 3, max: 5, sum: 8 });
         assert_eq!(counts[0].cycles, Spread { min: 8, max: 2 + 1 + 3 + 1 + 4 + 5, sum: 24 });
+    }
+
+    #[test]
+    fn every_call_and_the_path_of_one_are_kept_where_they_are_asked_for() {
+        let plan = Plan::parse(&PROGRAM.replace("insn 12 4 4 c", "insn 12 4 1 C")).unwrap();
+        let mut counter = Counter::new(&plan, Kept { calls: true, path: Some(1) });
+        let (long, short) = ([0, 0x10, 0x12, 0x20, 0x22, 0x16, 4], [0, 0x10, 0x12, 0x16, 4]);
+        for address in long.iter().chain(&short).chain(&long) {
+            counter.execute(&plan.instructions[address]);
+        }
+        assert_eq!(counter.calls(), [2 + 1 + 3 + 1 + 4 + 5, 8, 16]);
+        assert_eq!(counter.path(), [0x10, 0x12, 0x16]);
     }
 
     #[test]

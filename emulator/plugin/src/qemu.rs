@@ -5,7 +5,7 @@ use std::ffi::{CStr, c_char, c_int, c_uint, c_void};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use crate::counter::{Counter, Spread};
+use crate::counter::{Counter, Kept, Spread};
 use crate::plan::{Instruction, Plan};
 
 /// The interface version that the plugin declares.
@@ -105,12 +105,17 @@ fn open(info: &Info, arguments: impl Iterator<Item = String>) -> Result<Run, Str
     if !info.system_emulation || info.cpus != 1 {
         return Err(format!("{} CPUs, allowed: a machine with 1", info.cpus));
     }
-    let (mut plan, mut out) = (None, None);
+    let (mut plan, mut out, mut kept) = (None, None, Kept::default());
     for argument in arguments {
         match argument.split_once('=') {
             Some(("plan", file)) => plan = Some(file.to_owned()),
             Some(("out", folder)) => out = Some(PathBuf::from(folder)),
-            _ => return Err(format!("argument \"{argument}\", allowed: plan=FILE, out=FOLDER")),
+            Some(("calls", "yes")) => kept.calls = true,
+            Some(("path", call)) if call.parse::<u64>().is_ok() => kept.path = call.parse().ok(),
+            _ => {
+                let allowed = "plan=FILE, out=FOLDER, calls=yes, path=NUMBER";
+                return Err(format!("argument \"{argument}\", allowed: {allowed}"));
+            }
         }
     }
     let file = plan.ok_or("argument plan=FILE is missing")?;
@@ -119,7 +124,7 @@ fn open(info: &Info, arguments: impl Iterator<Item = String>) -> Result<Run, Str
     let plan: &'static Plan = Box::leak(Box::new(Plan::parse(&text)?));
     // Several emulators may run with the same arguments: each has a result of its own.
     let out = out.ok_or("argument out=FOLDER is missing")?.join(std::process::id().to_string());
-    Ok(Run { plan, counter: Counter::new(plan), out })
+    Ok(Run { plan, counter: Counter::new(plan, kept), out })
 }
 
 fn start(id: Id, run: Run) {
@@ -197,8 +202,19 @@ fn report(counter: &Counter) -> String {
         let _ = writeln!(text, "{} {instructions} {cycles}", counts.calls);
     }
     let _ = writeln!(text, "executed {}", counter.executed());
+    for (name, words) in [("calls", numbers(counter.calls())), ("path", numbers(counter.path()))] {
+        if let Some(words) = words {
+            let _ = writeln!(text, "{name} {words}");
+        }
+    }
     if let Some(anomaly) = counter.anomaly() {
         let _ = writeln!(text, "anomaly {anomaly}");
     }
     text
+}
+
+/// The numbers as words; `None` of nothing.
+fn numbers<T: ToString>(numbers: &[T]) -> Option<String> {
+    let words: Vec<_> = numbers.iter().map(ToString::to_string).collect();
+    (!words.is_empty()).then(|| words.join(" "))
 }

@@ -9,7 +9,7 @@ use object::read::elf::{ElfFile32, ProgramHeader, SectionHeader};
 use object::{Architecture, Endianness, Object, ObjectSection, ObjectSymbol, SymbolKind};
 
 use super::Error;
-use super::disassembly::{Instruction, disassemble};
+use super::disassembly::{Instruction, PC, disassemble};
 use super::symbol;
 
 /// A function, by its first instruction.
@@ -190,6 +190,19 @@ impl Image {
             return Err(Error::NoFunction { pattern: pattern.to_owned(), nearest: self.nearest(pattern) });
         }
         Ok(found)
+    }
+
+    /// Where `tbb [pc, r]` and `tbh [pc, r, lsl #1]` can go, whose table of half distances, `size` bytes each, stands
+    /// behind the instruction; `None` where there is no such table.
+    pub fn table_targets(&self, instruction: &Instruction, size: u32) -> Option<Vec<u32>> {
+        let base = instruction.next();
+        let entries = self.constants_at(base);
+        if instruction.memory().map(|m| m.0) != Some(PC) || entries.is_empty() {
+            return None;
+        }
+        let target =
+            |entry: &[u8]| base + 2 * entry.iter().rev().fold(0, |v, byte| v << 8 | u32::from(*byte));
+        Some(entries.chunks_exact(size as usize).map(target).collect())
     }
 
     fn nearest(&self, pattern: &str) -> String {

@@ -1,11 +1,13 @@
 //! Measures an image against its budget.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
-use strainwave_desktop::Figure;
+use strainwave_desktop::{Figure, bounds};
 
-use super::{Block, Budget, Error, LITERAL_MESH, table};
+use super::{Block, Budget, CONTROL_STEP, Error, LITERAL_MESH, table};
+use crate::any_input::AnyInput;
 use crate::artifact::{CallGraph, Image, Sizes, StackBound, Violation, proofs};
 use crate::counting::{Counting, Counts, Outcome, merge};
 use crate::machine::{Machine, Options};
@@ -30,6 +32,10 @@ pub struct Measurement {
     pub doubles: Vec<Violation>,
     /// What the control step, its parts and the literal mesh cost, in the budget's order; empty when nothing was run.
     pub counts: Vec<(String, Counts)>,
+    /// Most cycles of any path through the code of the control step and its parts, by name, where the code shows a bound.
+    pub any_path: BTreeMap<String, u64>,
+    /// What the control step costs on any input, where it was searched for.
+    pub any_input: Option<AnyInput>,
     /// The deepest stack that a run has seen, in bytes.
     pub stack_mark: Option<u32>,
 }
@@ -83,7 +89,7 @@ fn count(
     let functions: Vec<Vec<usize>> = found.collect::<Result<_, _>>()?;
     let counting = Counting::prepare(image, &distinct(&functions))?;
     workload(&counting.arguments()).map_err(Error::Workload)?;
-    by_block(blocks, &functions, &counting.finish(image)?)
+    by_block(blocks, &functions, &counting.results(image)?)
 }
 
 impl Measurement {
@@ -115,8 +121,18 @@ fn examine(budget: &Budget, image: &Image) -> Result<Measurement, Error> {
         allocators: proofs::allocators(image.symbols(), &graph, &handlers),
         doubles: proofs::doubles(&graph, &control_step),
         counts: Vec::new(),
+        any_path: any_path(budget, image)?,
+        any_input: None,
         stack_mark: None,
     })
+}
+
+fn any_path(budget: &Budget, image: &Image) -> Result<BTreeMap<String, u64>, Error> {
+    let mut found = BTreeMap::new();
+    for (name, block) in budget.blocks() {
+        found.extend(block.worst_case(image)?.map(|cycles| (name.to_owned(), cycles)));
+    }
+    Ok(found)
 }
 
 /// Every function once: two blocks may name the same one.
@@ -159,10 +175,32 @@ impl Measurement {
             figures.push(mean("instructions", "instruction", instructions.mean));
             figures.push(max("cycles", "cycle", cycles.max, block.and_then(|b| b.cycles)));
             figures.push(mean("cycles", "cycle", cycles.mean));
+            let any_path = |cycles: &u64| {
+                budget.figure(&format!("{name}.any_path.cycles"), *cycles as f64, "cycle", None)
+            };
+            figures.extend(self.any_path.get(name).map(any_path));
         }
+        figures.extend(self.any_input_figures(budget));
         figures.extend(self.ratio_figure(budget));
         figures.extend(self.image_figures(budget));
         figures
+    }
+
+    /// The control step on any input: exact, like the host's, and bounded.
+    fn any_input_figures(&self, budget: &Budget) -> Vec<Figure> {
+        let Some(found) = &self.any_input else { return Vec::new() };
+        let name = |what: &str| format!("{CONTROL_STEP}.any_input.{what}");
+        let full = |what: &str| format!("budget.{}.{}", budget.board, name(what));
+        let bound = budget.any_input.map(|bounds| bounds.cycles);
+        let unbounded = found.unbounded.values().sum::<u64>();
+        vec![
+            budget
+                .figure(&name("cycles"), found.worst.cycles as f64, "cycle", bound)
+                .of_draw(found.worst.seed),
+            Figure::reported(full("steps"), found.steps as f64, "1"),
+            bounds::figure_as(full("steps_unlike_host"), "pil.steps_unlike_host", found.unlike_host as f64),
+            Figure::bounded(full("steps_unbounded"), unbounded as f64, "1", 0.0),
+        ]
     }
 
     /// What the control step, one of its parts or the literal mesh costs.

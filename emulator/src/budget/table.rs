@@ -1,11 +1,14 @@
 //! The budget as a table for people.
 
 use std::fmt::Write as _;
+use std::iter::successors;
 
 use comfy_table::{CellAlignment, Table, presets};
+use strainwave::compensator::schedule::Slot;
 use strainwave_desktop::Figure;
 
-use super::{Budget, Measurement};
+use super::{Budget, CONTROL_STEP, Measurement};
+use crate::any_input::{AnyInput, Step};
 
 /// Block by block, then the image, then what must not be in it.
 pub fn print(measured: &Measurement, budget: &Budget) -> String {
@@ -15,6 +18,7 @@ pub fn print(measured: &Measurement, budget: &Budget) -> String {
         let _ = writeln!(text, "{}\n", counts(measured, budget, &figures));
     }
     let _ = writeln!(text, "{}", image(budget, &figures));
+    text.extend(measured.any_input.as_ref().map(|found| any_input(found, budget, &figures)));
     for (name, found) in measured.proofs() {
         for violation in found {
             let _ = writeln!(text, "{name}: {violation}");
@@ -60,6 +64,7 @@ fn counts(measured: &Measurement, budget: &Budget, figures: &[Figure]) -> Table 
         "cycles max",
         "mean",
         "bound",
+        "any path",
         "holds",
     ]);
     for (name, counts) in &measured.counts {
@@ -78,6 +83,7 @@ fn counts(measured: &Measurement, budget: &Budget, figures: &[Figure]) -> Table 
             counts.cycles.max.to_string(),
             format!("{:.0}", counts.cycles.mean),
             bound(cycles),
+            measured.any_path.get(name).map_or_else(|| "-".to_owned(), u64::to_string),
             yes(holds),
         ]);
     }
@@ -85,15 +91,38 @@ fn counts(measured: &Measurement, budget: &Budget, figures: &[Figure]) -> Table 
     table
 }
 
+/// The rows of the control step on any input, and which step was the most costly.
+fn any_input(found: &AnyInput, budget: &Budget, figures: &[Figure]) -> String {
+    let prefix = format!("budget.{}.{CONTROL_STEP}.any_input.", budget.board);
+    let table = rows("any input", &prefix, figures);
+    let Step { cycles, seed, variations, number, .. } = &found.worst;
+    let mut text = format!(
+        "{table}\nmost costly: {cycles} cycles in step {number} of sequence {seed}, varied {variations} times\n"
+    );
+    let slots = found.slots.iter().zip(successors(Some(Slot::default()), |slot| Some(slot.next())));
+    let slots: Vec<_> = slots.map(|(cycles, slot)| format!("{slot:?} {cycles}")).collect();
+    let _ = writeln!(text, "most of each slot: {}", slots.join(", "));
+    for (function, cycles) in &found.functions {
+        let _ = writeln!(text, "{cycles:>8} in {function}");
+    }
+    for (name, steps) in &found.unbounded {
+        let _ = writeln!(text, "unbounded: {name} in {steps} steps");
+    }
+    text
+}
+
 fn image(budget: &Budget, figures: &[Figure]) -> Table {
+    // The blocks' figures have one more segment.
+    let of_image = figures.iter().filter(|figure| figure.name.matches('.').count() == 2);
+    rows("image", &format!("budget.{}.", budget.board), of_image)
+}
+
+/// The figures whose names begin with `prefix`, a row each, named by the rest.
+fn rows<'f>(header: &str, prefix: &str, figures: impl IntoIterator<Item = &'f Figure>) -> Table {
     let mut table = empty();
-    table.set_header(["image", "value", "unit", "bound", "holds"]);
-    let prefix = format!("budget.{}.", budget.board);
+    table.set_header([header, "value", "unit", "bound", "holds"]);
     for figure in figures {
-        // The blocks' figures have one more segment.
-        let Some(name) = figure.name.strip_prefix(&prefix).filter(|name| !name.contains('.')) else {
-            continue;
-        };
+        let Some(name) = figure.name.strip_prefix(prefix) else { continue };
         let value = figure.value.to_string();
         let unit = figure.unit.clone();
         table.add_row([name.to_owned(), value, unit, bound(Some(figure)), yes(figure.holds)]);
@@ -114,6 +143,7 @@ fn yes(holds: bool) -> String {
 mod tests {
     use super::super::tests::{budget, measurement};
     use super::*;
+    use crate::any_input::SLOTS;
     use crate::artifact::Violation;
 
     #[test]
@@ -137,7 +167,7 @@ mod tests {
             .unwrap()
             .split_whitespace()
             .collect();
-        assert_eq!(row, ["control_step", "3", "500", "2", "-", "1000", "2", "10", "NO"]);
+        assert_eq!(row, ["control_step", "3", "500", "2", "-", "1000", "2", "10", "-", "NO"]);
     }
 
     #[test]
@@ -146,6 +176,21 @@ mod tests {
         let row = text.lines().find(|l| l.trim_start().starts_with("literal_over_reduced")).unwrap();
         let cells: Vec<&str> = row.split_whitespace().collect();
         assert_eq!(cells, ["literal_over_reduced", "308", "1", ">=", "300", "yes"]);
+    }
+
+    #[test]
+    fn the_most_costly_step_is_named() {
+        let worst = Step { cycles: 1800, seed: 7, variations: 2, number: 31, ..Step::default() };
+        let functions = vec![("a::plan".to_owned(), 1000)];
+        let unbounded = [("torsion", 4)].into();
+        let any_input =
+            Some(AnyInput { steps: 99, unlike_host: 0, unbounded, worst, functions, slots: [1800; SLOTS] });
+        let text = print(&Measurement { any_input, ..measurement() }, &budget());
+        assert!(text.contains("most costly: 1800 cycles in step 31 of sequence 7, varied 2 times"), "{text}");
+        assert!(text.contains("1000 in a::plan") && text.contains("unbounded: torsion in 4 steps"), "{text}");
+        let row =
+            |name: &str| text.lines().map(str::trim).find(|line| line.starts_with(name)).unwrap().to_owned();
+        assert!(row("cycles").ends_with("yes") && row("steps_unbounded").ends_with("NO"), "{text}");
     }
 
     #[test]

@@ -11,6 +11,7 @@
 
 pub mod cycle_table;
 mod error;
+pub mod path;
 mod plan;
 mod plugin;
 mod result;
@@ -54,15 +55,30 @@ impl Counting {
         ["-plugin".to_owned(), option]
     }
 
-    /// The results of every emulator that was started with the arguments and has ended by itself.
+    /// The same, for a result that has the cycles of every call of the first tracked function.
+    pub fn arguments_for_calls(&self) -> [String; 2] {
+        let [option, plugin] = self.arguments();
+        [option, plugin + ",calls=yes"]
+    }
+
+    /// The same, for a result that has the instructions of one call of the first tracked function, the first being 0.
+    pub fn arguments_for_path(&self, call: usize) -> [String; 2] {
+        let [option, plugin] = self.arguments();
+        [option, format!("{plugin},path={call}")]
+    }
+
+    /// The results of every emulator that was started with the arguments and has ended by itself since they were last asked
+    /// for.
     ///
     /// # Errors
     /// [`Error::NoResult`], or what kept the plugin from counting: [`Error::NoCost`], [`Error::NotInImage`],
     /// [`Error::LostTrack`].
-    pub fn finish(self, image: &Image) -> Result<Outcome, Error> {
+    pub fn results(&self, image: &Image) -> Result<Outcome, Error> {
         let mut outcome: Option<Outcome> = None;
         for file in std::fs::read_dir(self.folder.path().join(RESULTS))? {
-            let text = std::fs::read_to_string(file?.path())?;
+            let path = file?.path();
+            let text = std::fs::read_to_string(&path)?;
+            std::fs::remove_file(&path)?;
             let one = result::parse(&text).ok_or(Error::NoResult)?;
             outcome = Some(outcome.map_or_else(|| one.clone(), |all| all.and(&one)));
         }

@@ -1,5 +1,7 @@
 //! What the plugin counted.
 
+use std::str::FromStr;
+
 /// Smallest, largest and mean over the calls of a function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
@@ -29,17 +31,23 @@ pub struct Outcome {
     pub counts: Vec<Option<Counts>>,
     /// Every instruction that the guest executed.
     pub executed: u64,
+    /// Cycles of every call of the first tracked function, where they were asked for.
+    pub calls: Vec<u64>,
+    /// Addresses of the instructions of one of its calls, where they were asked for.
+    pub path: Vec<u32>,
     /// What makes the counts wrong, in the plugin's words.
     pub anomaly: Option<String>,
 }
 
 impl Outcome {
-    /// Two runs of one image as one.
+    /// Two runs of one image as one; single calls are kept of the first alone.
     pub fn and(self, other: &Self) -> Self {
         let pairs = self.counts.into_iter().zip(&other.counts);
         Self {
             counts: pairs.map(|(a, b)| merge(a.into_iter().chain(*b))).collect(),
             executed: self.executed + other.executed,
+            calls: self.calls,
+            path: self.path,
             anomaly: self.anomaly.or_else(|| other.anomaly.clone()),
         }
     }
@@ -47,7 +55,8 @@ impl Outcome {
 
 /// Reads the plugin's result.
 pub fn parse(text: &str) -> Option<Outcome> {
-    let mut outcome = Outcome { counts: Vec::new(), executed: 0, anomaly: None };
+    let mut outcome =
+        Outcome { counts: Vec::new(), executed: 0, calls: Vec::new(), path: Vec::new(), anomaly: None };
     let mut complete = false;
     for line in text.lines() {
         match line.split_once(' ')? {
@@ -55,6 +64,8 @@ pub fn parse(text: &str) -> Option<Outcome> {
                 outcome.executed = count.parse().ok()?;
                 complete = true;
             }
+            ("calls", cycles) => outcome.calls = numbers(cycles)?,
+            ("path", addresses) => outcome.path = numbers(addresses)?,
             ("anomaly", what) => outcome.anomaly = Some(what.to_owned()),
             _ => outcome.counts.push(counts(line)?),
         }
@@ -62,9 +73,13 @@ pub fn parse(text: &str) -> Option<Outcome> {
     complete.then_some(outcome)
 }
 
+fn numbers<T: FromStr>(words: &str) -> Option<Vec<T>> {
+    words.split(' ').map(|word| word.parse().ok()).collect()
+}
+
 /// `CALLS INSTRUCTIONS_MIN MAX SUM CYCLES_MIN MAX SUM`.
 fn counts(line: &str) -> Option<Option<Counts>> {
-    let numbers: Vec<u64> = line.split(' ').map(str::parse).collect::<Result<_, _>>().ok()?;
+    let numbers: Vec<u64> = numbers(line)?;
     let [calls, i_min, i_max, i_sum, c_min, c_max, c_sum] = numbers[..] else { return None };
     let spread = |min, max, sum: u64| Spread { min, max, mean: sum as f64 / calls as f64 };
     let (instructions, cycles) = (spread(i_min, i_max, i_sum), spread(c_min, c_max, c_sum));
@@ -94,12 +109,14 @@ mod tests {
 
     #[test]
     fn a_result_is_read_back() {
-        let outcome =
-            parse("2 3 5 8 10 20 30\n0 18446744073709551615 0 0 18446744073709551615 0 0\nexecuted 99\n");
+        let outcome = parse(
+            "2 3 5 8 10 20 30\n0 18446744073709551615 0 0 18446744073709551615 0 0\nexecuted 99\ncalls 10 20\npath 16 18\n",
+        );
         let outcome = outcome.unwrap();
         let counts = outcome.counts[0].unwrap();
         assert_eq!((counts.calls, counts.instructions), (2, Spread { min: 3, max: 5, mean: 4.0 }));
         assert_eq!(counts.cycles, Spread { min: 10, max: 20, mean: 15.0 });
+        assert_eq!((&outcome.calls[..], &outcome.path[..]), (&[10, 20][..], &[16, 18][..]));
         assert_eq!((outcome.counts[1], outcome.executed, outcome.anomaly), (None, 99, None));
     }
 

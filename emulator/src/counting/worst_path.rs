@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use super::cycle_table::{REFILL, cycles};
 use crate::artifact::Image;
-use crate::artifact::disassembly::Flow;
+use crate::artifact::disassembly::{Flow, Instruction};
 
 /// Most cycles of one call of the function with this index; `None` where the code does not show a bound.
 pub fn worst_case_path(image: &Image, function: usize) -> Option<u64> {
@@ -55,10 +55,21 @@ impl Walk<'_> {
             Flow::Return => Some(refill),
             Flow::Branch(target) => Some(refill + self.from(target)?),
             Flow::Call(callee) => return Some(own + self.from(callee)? + self.from(instruction.next())?),
-            Flow::Trap | Flow::Table(_) | Flow::Indirect | Flow::CallIndirect => return None,
+            Flow::Table(size) => Some(self.table(instruction, size)?),
+            Flow::Trap | Flow::Indirect | Flow::CallIndirect => return None,
         };
         let goes_on = if falls_through { Some(self.from(instruction.next())?) } else { None };
         leaves.max(goes_on).map(|rest| own + rest)
+    }
+
+    /// Most cycles behind a table branch. What fills up its table to an even size points at no instruction.
+    fn table(&mut self, instruction: &Instruction, size: u32) -> Option<u64> {
+        let is_code =
+            |address: &u32| self.image.instructions().binary_search_by_key(address, |i| i.address).is_ok();
+        let targets: Vec<u32> =
+            self.image.table_targets(instruction, size)?.into_iter().filter(is_code).collect();
+        let rests = targets.into_iter().map(|target| self.from(target));
+        rests.collect::<Option<Vec<_>>>()?.into_iter().max()
     }
 }
 

@@ -79,7 +79,7 @@ pub fn against_baselines(
 }
 
 /// Does the same work for every item on all processors; `progress` is called with the share done.
-pub(crate) fn each<I: Sync, T: Send>(
+pub fn each<I: Sync, T: Send>(
     items: &[I],
     work: impl Fn(&I) -> T + Sync,
     progress: &mut impl FnMut(f64),

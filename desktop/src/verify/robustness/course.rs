@@ -81,12 +81,16 @@ impl Course {
 
     /// It keeps oscillating at rest where B0 does not; in which way.
     pub fn shakes(&self, b0: &Self) -> Option<Shake> {
-        let beyond = |ours: f64, b0: f64, quiet: f64| ours > (TIMES * b0).max(quiet) || ours.is_nan();
-        if beyond(self.torsion_at_rest, b0.torsion_at_rest, QUIET[0]) {
-            Some(Shake::Torsion)
-        } else {
-            beyond(self.torque_at_rest, b0.torque_at_rest, QUIET[1]).then_some(Shake::Torque)
-        }
+        let [torsion, torque] = self.shaking(b0).map(|over| over > 1.0 || over.is_nan());
+        if torsion { Some(Shake::Torsion) } else { torque.then_some(Shake::Torque) }
+    }
+
+    /// Oscillation at rest of the torsion and of the motor's torque, each over the largest that is none beside B0's.
+    pub fn shaking(&self, b0: &Self) -> [f64; 2] {
+        [
+            self.torsion_at_rest / (TIMES * b0.torsion_at_rest).max(QUIET[0]),
+            self.torque_at_rest / (TIMES * b0.torque_at_rest).max(QUIET[1]),
+        ]
     }
 
     /// It stays at its torque limit where B0 does not.
@@ -96,10 +100,22 @@ impl Course {
 
     /// A mark of it is worse than B0's.
     pub fn is_worse(&self, b0: &Self) -> bool {
-        self.marks.iter().zip(&b0.marks).any(|(ours, b0)| {
-            let no_worse = *ours <= WORSE.0 * b0 || *ours <= b0 + WORSE.1;
+        self.worse_marks(b0) > 0
+    }
+
+    /// Largest ratio to B0's of a mark that is more than a count above it; 0 when there is none.
+    pub fn worst_ratio(&self, b0: &Self) -> f64 {
+        let above = self.marks.iter().zip(&b0.marks).filter(|(ours, b0)| **ours > **b0 + WORSE.1);
+        above.map(|(ours, b0)| ours / b0).fold(0.0, f64::max)
+    }
+
+    /// How many of its marks are worse than those of a baseline in the same scenario.
+    pub fn worse_marks(&self, baseline: &Self) -> usize {
+        let worse = |(ours, other): &(&f64, &f64)| {
+            let no_worse = **ours <= WORSE.0 * **other || **ours <= **other + WORSE.1;
             !no_worse
-        })
+        };
+        self.marks.iter().zip(&baseline.marks).filter(worse).count()
     }
 }
 
@@ -152,16 +168,36 @@ impl<'a> Judged<'a> {
         Ok(courses)
     }
 
-    /// One scenario from where bench and controller are, then the rest.
+    /// Works, and goes into one scenario from there.
     ///
     /// # Errors
     /// As [`Bench::go`].
-    pub(crate) fn course<F: Flexspline<f64>, C: Controller<Error = RunError>>(
+    pub fn worked_course<F: Flexspline<f64>, C: Controller>(
         &self,
         mut bench: Bench<F>,
         mut controller: C,
         scenario: Scenario,
-    ) -> Result<Course, RunError> {
+    ) -> Result<Course, C::Error>
+    where
+        C::Error: From<RunError>,
+    {
+        bench.go(&WorkingMotion, &mut controller, |_, _, _, _| ())?;
+        self.course(bench, controller, scenario)
+    }
+
+    /// One scenario from where bench and controller are, then the rest.
+    ///
+    /// # Errors
+    /// As [`Bench::go`].
+    pub(crate) fn course<F: Flexspline<f64>, C: Controller>(
+        &self,
+        mut bench: Bench<F>,
+        mut controller: C,
+        scenario: Scenario,
+    ) -> Result<Course, C::Error>
+    where
+        C::Error: From<RunError>,
+    {
         let rows = go_on(&mut bench, scenario, &mut controller, |_| ())?.trace;
         let mut at_rest = Vec::new();
         let rest = Rest { from: scenario.at(scenario.duration(), &self.ability) };
@@ -170,16 +206,26 @@ impl<'a> Judged<'a> {
                 at_rest.push((plant.last_torques().torsion, f64::from(answer.motor_torque)));
             }
         })?;
-        let judge = Judge::new(scenario, self.plant, &rows);
-        let marks = marks(scenario).iter().map(|mark| judge.mark(*mark)).collect::<Result<_, _>>()?;
-        let period = judge.natural_period()?;
+        let period = Judge::new(scenario, self.plant, &rows).natural_period().map_err(RunError::from)?;
         let oscillation = |values: Vec<f64>| rms(without_slow_part(&values, period));
-        let at_limit = |row: &&Row| f64::from(row.answer.motor_torque.abs()) >= 0.999 * self.torque_limit;
         Ok(Course {
-            marks,
             torsion_at_rest: oscillation(at_rest.iter().map(|(torsion, _)| *torsion).collect()),
             torque_at_rest: oscillation(at_rest.iter().map(|(_, torque)| *torque / self.rated).collect()),
+            ..self.without_rest(scenario, &rows).map_err(RunError::from)?
+        })
+    }
+
+    /// What the rows of a scenario were like, one each control period; its oscillation at rest is left 0.
+    ///
+    /// # Errors
+    /// A plant whose stiffness line is none.
+    pub fn without_rest(&self, scenario: Scenario, rows: &[Row]) -> Result<Course, Error> {
+        let judge = Judge::new(scenario, self.plant, rows);
+        let at_limit = |row: &&Row| f64::from(row.answer.motor_torque.abs()) >= 0.999 * self.torque_limit;
+        Ok(Course {
+            marks: marks(scenario).iter().map(|mark| judge.mark(*mark)).collect::<Result<_, _>>()?,
             limited: judge.judged().iter().filter(at_limit).count() as f64 * CONTROL_PERIOD,
+            ..Course::default()
         })
     }
 }

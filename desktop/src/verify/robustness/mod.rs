@@ -14,10 +14,11 @@
 //! | `s2.error.to_b0`, `s3.vibration.to_b0` | over B0's, the worst of the plants; only reported |
 //! | `s4.error.learnt`, `s4.error.absent` | as `s4.error`, of a compensator that was not told the kinematic error, and has learnt it while it worked or may not learn it; only reported, of some rows |
 //!
-//! Plants have the condensed mesh; single ones can be run again on the reference mesh.
+//! Plants have the condensed mesh; the worst can be run again on the reference mesh ([`Robustness::worst_runs`]).
 //!
 //! A rival that needs the output's encoder is none of the compensator's without it.
 
+mod again;
 mod course;
 mod summary;
 
@@ -36,7 +37,8 @@ use crate::plant::sample::PlantSample;
 use crate::plant::unknowns::Which;
 use crate::scenario::Scenario;
 use crate::verify::compensator::each;
-pub use course::{Course, Courses, JUDGED, Judged, Shake};
+pub use again::{Again, Place, WorstRun};
+pub use course::{Course, Courses, JUDGED, Judged, Shake, marks};
 pub use summary::{Robustness, Summary};
 
 /// Plants of a row when nothing else is said.
@@ -81,6 +83,8 @@ pub const RIVALS: &[Rival] = &[
 pub struct Outcome {
     /// The plant.
     pub seed: u64,
+    /// Its noise.
+    pub realisation: u32,
     /// The rivals, in their order.
     pub rivals: Vec<Courses>,
     /// The compensator with each set of sensors.
@@ -135,9 +139,10 @@ pub fn measure(file: &GearFile, asked: &Asked, mut progress: impl FnMut(f64)) ->
     let outcomes = each(&jobs, run, &mut progress);
     let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, _>>()?;
     let a_row = (asked.seeds * u64::from(asked.noises)) as usize;
-    let summaries =
-        asked.rows.iter().zip(outcomes.chunks(a_row)).map(|(which, outcomes)| Summary::of(*which, outcomes));
-    Ok(Robustness { rows: summaries.collect() })
+    let outcomes: Vec<_> =
+        asked.rows.iter().copied().zip(outcomes.chunks(a_row).map(<[_]>::to_vec)).collect();
+    let rows = outcomes.iter().map(|(which, outcomes)| Summary::of(*which, outcomes)).collect();
+    Ok(Robustness { rows, outcomes })
 }
 
 impl Job {
@@ -181,6 +186,7 @@ impl Job {
         };
         Ok(Outcome {
             seed: self.seed,
+            realisation: self.realisation,
             rivals,
             compensated: both_sets(&joint, &JUDGED)?,
             untold: if asks_for_the_map(self.which) { Some(untold()?) } else { None },

@@ -1,7 +1,8 @@
 //! What the runs of a row come to.
 
+use super::again::{WorstRun, worst};
 use super::course::{Course, JUDGED, Shake};
-use super::{Outcome, RIVALS};
+use super::{Outcome, RIVALS, Rival};
 use crate::bench::SensorSet;
 use crate::bounds;
 use crate::figure::{Figure, number};
@@ -11,7 +12,7 @@ use crate::scenario::Scenario;
 use crate::verify::Measured;
 
 /// Ratios with a bound: its row, scenario, mark.
-const RATIOS: [(&str, Scenario, Mark); 4] = [
+pub(super) const RATIOS: [(&str, Scenario, Mark); 4] = [
     ("robustness.s1.vibration", Scenario::S1, Mark::StepVibration),
     ("robustness.s2.error", Scenario::S2, Mark::Error),
     ("robustness.s3.vibration", Scenario::S3, Mark::MoveVibration),
@@ -26,10 +27,12 @@ const WORST: [(&str, Scenario, Mark); 2] = [
 const NAMED: usize = 3;
 
 /// Every row.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Robustness {
     /// In the order in which they were asked for.
     pub rows: Vec<Summary>,
+    /// What they sum up, in the same order.
+    pub outcomes: Vec<(Which, Vec<Outcome>)>,
 }
 
 /// A row.
@@ -220,6 +223,11 @@ impl Robustness {
         }
     }
 
+    /// The worst runs of each claim of each row: of so many plants.
+    pub fn worst_runs(&self, count: usize) -> Vec<WorstRun> {
+        self.outcomes.iter().flat_map(|(which, outcomes)| worst(*which, outcomes, count)).collect()
+    }
+
     /// One line a row, the header first.
     pub fn table(&self) -> Vec<Vec<String>> {
         let set = |name: &str| {
@@ -327,10 +335,14 @@ fn worse(ours: Option<&Course>, b0: Option<&Course>) -> bool {
     }
 }
 
+/// A rival that reads no more than these sensors.
+pub(super) fn reads_no_more(rival: &Rival, sensors: SensorSet) -> bool {
+    sensors == SensorSet::Both || rival.sensors == SensorSet::Motor
+}
+
 /// The smallest mark of the rivals that read no more than these sensors.
 fn best(outcome: &Outcome, sensors: SensorSet, scenario: Scenario, mark: Mark) -> f64 {
-    let fair = |sensors_of_rival| sensors == SensorSet::Both || sensors_of_rival == SensorSet::Motor;
-    let rivals = RIVALS.iter().zip(&outcome.rivals).filter(|(rival, _)| fair(rival.sensors));
+    let rivals = RIVALS.iter().zip(&outcome.rivals).filter(|(rival, _)| reads_no_more(rival, sensors));
     let place = JUDGED.iter().position(|other| *other == scenario).unwrap_or_default();
     let marks = rivals.filter_map(|(_, courses)| Some(courses[place].as_ref()?.mark(scenario, mark)));
     marks.fold(f64::INFINITY, f64::min)

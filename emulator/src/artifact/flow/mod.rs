@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use self::state::{DEPTH_MAX, State, Value};
-use super::disassembly::{Flow, Instruction, PC};
+use super::disassembly::{Flow, Instruction};
 use super::image::{Function, Image};
 use super::{Error, symbol};
 
@@ -212,18 +212,12 @@ impl<'i> Walk<'i> {
         Ok(())
     }
 
-    /// `tbb [pc, r]` and `tbh`: the table of half distances stands behind the instruction.
     fn table(&mut self, instruction: &Instruction, size: u32, state: &State) -> Result<(), Error> {
-        let base = instruction.next();
-        let entries = self.image.constants_at(base);
-        if instruction.memory().map(|m| m.0) != Some(PC) || entries.is_empty() {
-            return Err(self.lost_control(instruction));
-        }
-        for entry in entries.chunks_exact(size as usize) {
-            let half = entry.iter().rev().fold(0, |value, byte| value << 8 | u32::from(*byte));
+        let targets = self.image.table_targets(instruction, size);
+        for target in targets.ok_or_else(|| self.lost_control(instruction))? {
             // What fills up the table to an even size points at no instruction.
-            if self.instruction(base + 2 * half).is_some() {
-                self.arrive(base + 2 * half, state);
+            if self.instruction(target).is_some() {
+                self.arrive(target, state);
             }
         }
         Ok(())
