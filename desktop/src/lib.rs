@@ -5,6 +5,7 @@ pub mod any_friction;
 pub mod baseline;
 pub mod bench;
 pub mod bounds;
+pub mod catalogue;
 pub mod closed_loop;
 pub mod compensation;
 pub mod data;

@@ -4,6 +4,7 @@
 //! torque when their running mean over the natural period is taken away, rms over the last 0.3 s.
 
 use strainwave::Error;
+use strainwave::compensator::{Faults, Mode};
 use strainwave::flexspline::Flexspline;
 use strainwave::gear::GearParams;
 
@@ -70,6 +71,10 @@ pub struct Course {
     pub torque_at_rest: f64,
     /// At the torque limit in the judged part (s).
     pub limited: f64,
+    /// Every fault that was named in the run and the rest after it.
+    pub faults: Faults,
+    /// At the end of the rest; a baseline has none.
+    pub mode: Mode,
 }
 
 impl Course {
@@ -94,11 +99,12 @@ impl Course {
         self.limited > LONGEST_LIMITED.max(2.0 * b0.limited)
     }
 
-    /// A mark of it is worse than B0's.
+    /// A mark of it is worse than B0's; one that neither has is not.
     pub fn is_worse(&self, b0: &Self) -> bool {
         self.marks.iter().zip(&b0.marks).any(|(ours, b0)| {
             let no_worse = *ours <= WORSE.0 * b0 || *ours <= b0 + WORSE.1;
-            !no_worse
+            let none = ours.is_nan() && b0.is_nan();
+            !no_worse && !none
         })
     }
 }
@@ -163,9 +169,12 @@ impl<'a> Judged<'a> {
         scenario: Scenario,
     ) -> Result<Course, RunError> {
         let rows = go_on(&mut bench, scenario, &mut controller, |_| ())?.trace;
+        let mut faults = rows.iter().fold(Faults::NONE, |faults, row| faults.with(row.answer.faults));
+        let mut mode = Mode::default();
         let mut at_rest = Vec::new();
         let rest = Rest { from: scenario.at(scenario.duration(), &self.ability) };
         bench.go(&rest, &mut controller, |k, _, plant, answer| {
+            (faults, mode) = (faults.with(answer.faults), answer.mode);
             if k as f64 * CONTROL_PERIOD >= Rest::JUDGED_FROM {
                 at_rest.push((plant.last_torques().torsion, f64::from(answer.motor_torque)));
             }
@@ -180,6 +189,8 @@ impl<'a> Judged<'a> {
             torsion_at_rest: oscillation(at_rest.iter().map(|(torsion, _)| *torsion).collect()),
             torque_at_rest: oscillation(at_rest.iter().map(|(_, torque)| *torque / self.rated).collect()),
             limited: judge.judged().iter().filter(at_limit).count() as f64 * CONTROL_PERIOD,
+            faults,
+            mode,
         })
     }
 }
@@ -197,7 +208,14 @@ fn unless_diverged<T>(run: Result<T, RunError>) -> Result<Option<T>, Error> {
 mod tests {
     use super::*;
 
-    const B0: Course = Course { marks: vec![], torsion_at_rest: 5e-6, torque_at_rest: 0.001, limited: 0.0 };
+    const B0: Course = Course {
+        marks: vec![],
+        torsion_at_rest: 5e-6,
+        torque_at_rest: 0.001,
+        limited: 0.0,
+        faults: Faults::NONE,
+        mode: Mode::Active,
+    };
 
     fn course(error: f64) -> Course {
         Course { marks: vec![error], ..B0 }
@@ -219,6 +237,7 @@ mod tests {
         let worse = |ours: f64, b0: f64| course(ours).is_worse(&course(b0));
         assert!(!worse(1.04e-3, 1e-3) && !worse(11e-6, 1e-6) && !worse(5e-6, 9e-6));
         assert!(worse(1.06e-3, 1e-3) && worse(14e-6, 1e-6) && worse(f64::NAN, 1.0));
+        assert!(!worse(f64::NAN, f64::NAN));
     }
 
     #[test]
