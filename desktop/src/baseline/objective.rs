@@ -204,7 +204,7 @@ impl Objective {
     /// Gains that no baseline can be built with.
     pub fn score(&self, gains: &BaselineGains) -> Result<Score, RunError> {
         let build = |known: &GearFile| -> Result<Baseline, RunError> {
-            let gains = gains.for_load(self.kind, &self.file, known);
+            let gains = gains.carried_over(self.kind, &self.file, known);
             Ok(Baseline::with_gains(known, self.kind, &gains)?)
         };
         let courses = self.courses(&build)?;

@@ -12,10 +12,11 @@
 //! | friction at the flexspline | Coulomb 0.5 % of the rated torque, static 1.3 times, viscous 4 s/rad times that |
 //! | motor | 1.5 times peak torque/N; 5600 turns a minute of size 25, with size^-0.62 (4800 of size 32) |
 //! | noise of the torques | 1 % of the rated torque, at the motor over N |
-//! | cascade | that of the tuned baseline B0; untuned: f_v*(1 + J_fs/(N^2*J_wg)) = 180 Hz, f_p = f_v/4, T_i = 1.2/f_v |
+//! | baselines | as tuned; else the default gear's, carried over ([`super::load`]) |
+//! | cascade | that of baseline B0 |
 //!
-//! The untuned velocity loop crosses over at 180 Hz above the torsion mode, where the rotor alone is left, whatever the
-//! load: what limits it is the drive's lag, the same for every size. Damping, presliding, Stribeck speeds, drive and
+//! The default gear's velocity loop crosses over at 180 Hz above the torsion mode, where the rotor alone is left: what
+//! limits it is the drive's lag, the same for every size and load. Damping, presliding, Stribeck speeds, drive and
 //! tolerances are the default gear's.
 
 use crate::baseline::Kind;
@@ -25,9 +26,8 @@ use crate::gear_file::{
 };
 
 use super::figures::{self, Read};
+use super::load::untuned;
 
-/// f_v*(1 + J_fs/(N^2*J_wg)) (Hz).
-const CROSSOVER: f64 = 180.0;
 /// J_fs/(N^2*J_wg).
 pub const NOMINAL_LOAD: f64 = 2.0;
 /// J_wg over the wave generator's.
@@ -53,13 +53,13 @@ impl Model {
         format!("hd{:02}-{:03}", self.size, self.ratio)
     }
 
-    /// The gear file, with what the baselines were tuned to.
+    /// The gear file; without tuned baselines it has those of the default gear, carried over.
     pub fn gear(self, baselines: Option<Baselines>) -> GearFile {
         let n = f64::from(self.ratio);
         let rated = rounded(figures::rated_torque(self.size, self.ratio));
         let peak = rounded(157.0 / 67.0 * rated);
         let rotor = rounded(WITH_ROTOR * figures::wave_generator_inertia(self.size));
-        let mut file = GearFile {
+        let file = GearFile {
             gear: Gear {
                 name: self.name(),
                 ratio: self.ratio,
@@ -85,13 +85,15 @@ impl Model {
             drive: Drive::default(),
             tolerances: Tolerances::default(),
             sensors: sensors(rated, n),
-            feedback: untuned_feedback(NOMINAL_LOAD),
+            feedback: GearFile::default_gear().feedback,
             compensation: Compensation { friction_share: 0.8, external_torque_wander: None },
             learnt: None,
             baselines,
         };
-        file.feedback = feedback(&file);
-        file
+        match file.baselines {
+            Some(_) => GearFile { feedback: feedback(&file), ..file },
+            None => untuned(file),
+        }
     }
 
     fn stiffness(self) -> Stiffness {
@@ -159,7 +161,7 @@ impl Model {
             slopes,
             from(friction, "Friction at the wave generator, of ratio 100"),
             "# Hysteresis, cup, output friction, motor and noise follow from size and rated torque; not a claim about one unit.".to_owned(),
-            "# [feedback] is baseline B0's; [baselines] as `strainwave tune --joints` found them.".to_owned(),
+            "# [feedback] is baseline B0's; [baselines] as tuned, else the default gear's, carried over.".to_owned(),
         ]
         .join("\n")
             + "\n"
@@ -181,15 +183,6 @@ fn sensors(rated: f64, n: f64) -> Sensors {
         motor_torque_noise: rounded(0.01 * rated / n),
         output_torque_noise: rounded(0.01 * rated),
         ..GearFile::default_gear().sensors
-    }
-}
-
-fn untuned_feedback(load: f64) -> Feedback {
-    let velocity_bandwidth = CROSSOVER / (1.0 + load);
-    Feedback {
-        velocity_bandwidth,
-        position_bandwidth: velocity_bandwidth / 4.0,
-        integral_time: 1.2 / velocity_bandwidth,
     }
 }
 

@@ -1,4 +1,4 @@
-//! The gains of a joint that has another load than the gear file that they were tuned for.
+//! The gains of a joint that has another load, or another gear, than that which they were tuned for.
 //!
 //! ```text
 //! f_v' = f_v*(1 + L)/(1 + L'),   L = J_fs/(N^2*J_wg)      k_v stays: above the torsion mode it meets the rotor alone
@@ -9,6 +9,7 @@
 //! All others stay, and each stays within its range.
 
 use super::gear::feedback;
+use crate::baseline::gains::torsion_mode;
 use crate::baseline::{BaselineGains, Kind};
 use crate::gear_file::{Baselines, GearFile};
 
@@ -19,11 +20,11 @@ pub fn load_ratio(file: &GearFile) -> f64 {
 }
 
 impl BaselineGains {
-    /// These gains of the joint `from`, for the joint `to` that differs by its load.
+    /// These gains of the joint `from`, for the joint `to`.
     #[must_use]
-    pub fn for_load(&self, kind: Kind, from: &GearFile, to: &GearFile) -> Self {
+    pub fn carried_over(&self, kind: Kind, from: &GearFile, to: &GearFile) -> Self {
         let loop_speed = (1.0 + load_ratio(from)) / (1.0 + load_ratio(to));
-        let mode = (from.inertia.flexspline / to.inertia.flexspline).sqrt();
+        let mode = torsion_mode(to) / torsion_mode(from);
         let mut gains = Self {
             position_bandwidth: self.position_bandwidth * loop_speed,
             velocity_bandwidth: self.velocity_bandwidth * loop_speed,
@@ -41,17 +42,27 @@ impl BaselineGains {
     }
 }
 
+/// The joint `to` with the baselines of the joint `from`, and the cascade of its B0.
+fn with_gains_of(from: &GearFile, mut to: GearFile) -> GearFile {
+    let mut baselines = Baselines::default();
+    for kind in Kind::ALL {
+        baselines.set(kind, &BaselineGains::of(from, kind).carried_over(kind, from, &to));
+    }
+    to.baselines = Some(baselines);
+    to.feedback = feedback(&to);
+    to
+}
+
 /// The joint of a gear file with another load (kg m^2), its cascade and baselines by the rule.
 pub fn with_load(file: &GearFile, inertia: f64) -> GearFile {
     let mut joint = file.clone();
     joint.inertia.flexspline = inertia;
-    let mut baselines = Baselines::default();
-    for kind in Kind::ALL {
-        baselines.set(kind, &BaselineGains::of(file, kind).for_load(kind, file, &joint));
-    }
-    joint.baselines = Some(baselines);
-    joint.feedback = feedback(&joint);
-    joint
+    with_gains_of(file, joint)
+}
+
+/// A gear file that nobody has tuned, with the cascade and baselines of the default gear by the rule.
+pub fn untuned(file: GearFile) -> GearFile {
+    with_gains_of(&GearFile::default_gear(), file)
 }
 
 #[cfg(test)]

@@ -169,7 +169,7 @@ impl Outcome {
         JUDGED.into_iter().enumerate().map(|(place, scenario)| (scenario, self.run(place)))
     }
 
-    /// The joint, and of each scenario the marks over the best baseline's, what is wrong and which faults were named.
+    /// The joint, and of each scenario the marks beside the best baseline's (urad), what is wrong and which faults were named.
     fn line(&self) -> String {
         let runs: Vec<_> = self.runs().map(|(scenario, run)| run.line(scenario)).collect();
         format!("{}: {}", self.joint.describe(), runs.join("; "))
@@ -180,9 +180,9 @@ impl Run<'_> {
     fn line(&self, scenario: Scenario) -> String {
         let Some(ours) = self.ours else { return format!("{} diverged", scenario.name()) };
         let best = self.best.iter().flat_map(|best| &best.marks);
-        let ratios = ours.marks.iter().zip(best).map(|(ours, best)| format!("{:.2}", ours / best));
+        let both = |(ours, best): (&f64, &f64)| format!("{:.1}/{:.1}", 1e6 * ours, 1e6 * best);
         let mut words = vec![scenario.name().to_owned()];
-        words.extend(ratios);
+        words.extend(ours.marks.iter().zip(best).map(both));
         words.extend(self.shake().map(|shake| format!("shakes/{}", shake.name())));
         words.extend(self.is_worse().then(|| "worse".to_owned()));
         words.extend(self.is_limited().then(|| "limited".to_owned()));
