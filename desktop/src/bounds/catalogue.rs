@@ -4,6 +4,12 @@ use super::Bound;
 
 pub(super) const ROWS: &[Bound] = &[
     Bound {
+        name: "catalogue.refused",
+        value: 0.0,
+        unit: "joint",
+        why: "joints of the catalogue that no compensator can be built for: their gear files are within every range",
+    },
+    Bound {
         name: "catalogue.shakes",
         value: 0.0,
         unit: "run",

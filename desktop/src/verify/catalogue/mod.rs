@@ -7,6 +7,7 @@
 //!
 //! | figure | definition |
 //! | --- | --- |
+//! | `refused` | joints that no compensator can be built for; their runs count as diverged |
 //! | `shakes` | runs that diverge or keep oscillating at rest beside B0 ([`Course::shakes`]) |
 //! | `worse` | runs of which a mark is worse than the smallest of the baselines', by more than 5 % and more than 12 urad |
 //! | `error.median`, `error.p95` | rms output error of a run over the smallest of the baselines', of all runs |
@@ -47,14 +48,16 @@ pub struct Outcome {
     pub joint: Joint,
     /// Its baselines, B0 first.
     pub baselines: Vec<Courses>,
-    /// The compensator.
+    /// The compensator; nothing of one that was refused.
     pub compensated: Courses,
+    /// Why no compensator can be built for the joint.
+    pub refused: Option<Error>,
 }
 
 /// Runs every joint that is asked for; `progress` is called with the share done.
 ///
 /// # Errors
-/// A joint that no plant, compensator or baseline can be built for.
+/// A joint that no plant or baseline can be built for.
 pub fn measure(asked: &Asked, mut progress: impl FnMut(f64)) -> Result<Report, Error> {
     let seeds = asked.first..asked.first + asked.count;
     let joints: Vec<_> = asked.set.joints().into_iter().filter(|joint| seeds.contains(&joint.seed)).collect();
@@ -76,9 +79,13 @@ impl Outcome {
             .filter(|kind| sensors == SensorSet::Both || kind.sensors() == SensorSet::Motor)
             .map(|kind| judged.courses(bench(kind.sensors())?, Baseline::build(known, kind)?, &JUDGED))
             .collect::<Result<_, _>>()?;
-        let compensator = HostCompensator::build(&joint_params(known)?)?;
-        let compensated = judged.courses(bench(sensors)?, compensator, &JUDGED)?;
-        Ok(Self { joint: joint.clone(), baselines, compensated })
+        let built = joint_params(known).and_then(|joint| HostCompensator::build(&joint));
+        let refused = built.as_ref().err().copied();
+        let compensated = match built {
+            Ok(compensator) => judged.courses(bench(sensors)?, compensator, &JUDGED)?,
+            Err(_) => Courses::default(),
+        };
+        Ok(Self { joint: joint.clone(), baselines, compensated, refused })
     }
 
     fn sensors(&self) -> SensorSet {
@@ -122,7 +129,7 @@ mod tests {
     fn outcome(baselines: [Option<Course>; 2], ours: Option<Course>) -> Outcome {
         let joint = Set::Judged.joints().swap_remove(0);
         let of = |course| [course, None, None, None, None];
-        Outcome { joint, baselines: baselines.map(of).to_vec(), compensated: of(ours) }
+        Outcome { joint, baselines: baselines.map(of).to_vec(), compensated: of(ours), refused: None }
     }
 
     #[test]

@@ -113,7 +113,9 @@ impl Report {
     /// The figures beside their bounds.
     pub fn figures(&self) -> Vec<Figure> {
         let all = Tally::of(self.runs(None, None));
+        let refused = self.outcomes.iter().filter(|outcome| outcome.refused.is_some()).count();
         let mut figures = vec![
+            bounds::figure("catalogue.refused", refused as f64),
             bounds::figure("catalogue.shakes", all.shakes as f64),
             bounds::figure("catalogue.worse", all.worse as f64),
             bounds::figure("catalogue.error.median", all.quantile(0.5)),
@@ -171,6 +173,9 @@ impl Outcome {
 
     /// The joint, and of each scenario the marks beside the best baseline's (urad), what is wrong and which faults were named.
     fn line(&self) -> String {
+        if let Some(error) = self.refused {
+            return format!("{}: refused, {error}", self.joint.describe());
+        }
         let runs: Vec<_> = self.runs().map(|(scenario, run)| run.line(scenario)).collect();
         format!("{}: {}", self.joint.describe(), runs.join("; "))
     }
