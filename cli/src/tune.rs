@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use strainwave_desktop::baseline::tuning::{self, Tuned};
+use strainwave_desktop::baseline::tuning::{self, Training, Tuned};
 use strainwave_desktop::baseline::{BaselineGains, Kind};
 use strainwave_desktop::gear_file::Baselines;
 use strainwave_desktop::verify::baselines;
@@ -38,6 +38,10 @@ pub struct Arguments {
     /// Seeds of the training plants, within 1..999
     #[arg(long, value_name = "FIRST..LAST", default_value = "901..906", value_parser = seeds)]
     seeds: RangeInclusive<u64>,
+    /// Instead of plants of the file's joint: so many joints with this gear, of other loads and encoders, box and noise
+    /// drawn; the gains are carried over to each load by rule
+    #[arg(long, value_name = "COUNT", conflicts_with = "seeds", value_parser = clap::value_parser!(u64).range(1..=400))]
+    joints: Option<u64>,
     /// Evaluations of the objective for each baseline
     #[arg(long, value_name = "EVALUATIONS", default_value_t = tuning::BUDGET, value_parser = clap::value_parser!(u64).range(LEAST_BUDGET..=100_000))]
     budget: u64,
@@ -45,7 +49,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Tune nothing: run each baseline with the gains of the gear file on so many plants, from seed 1 on
-    #[arg(long, value_name = "PLANTS", conflicts_with_all = ["budget", "output", "only", "seeds"])]
+    #[arg(long, value_name = "PLANTS", conflicts_with_all = ["budget", "output", "only", "seeds", "joints"])]
     report: Option<u64>,
     #[command(flatten)]
     figures: FiguresArguments,
@@ -97,9 +101,11 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
 
 fn tune(arguments: &Arguments, file: &GearFile, kind: Kind) -> Result<Tuned, BadInput> {
     let mut progress = Progress::new(1000, kind.name());
-    let seeds = arguments.seeds.clone();
-    let found = tuning::tune(file, kind, seeds, arguments.budget, |share| progress.set((share * 1e3) as u64))
-        .map_err(BadInput::message)?;
+    let training =
+        arguments.joints.map_or_else(|| Training::Plants(arguments.seeds.clone()), Training::Joints);
+    let found =
+        tuning::tune(file, kind, &training, arguments.budget, |share| progress.set((share * 1e3) as u64))
+            .map_err(BadInput::message)?;
     drop(progress);
     say(format_args!("{}: {}", kind.name(), told(kind, &found.after.0)));
     Ok(found)

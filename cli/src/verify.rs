@@ -4,12 +4,13 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, value_parser};
+use strainwave_desktop::catalogue::Set;
 use strainwave_desktop::plant::unknowns::Which;
 use strainwave_desktop::verify::faults;
 use strainwave_desktop::verify::flexspline::speed;
 use strainwave_desktop::verify::robustness::Robustness;
 use strainwave_desktop::verify::{self, Measured};
-use strainwave_desktop::verify::{compensator, friction, hysteresis, replay, robustness};
+use strainwave_desktop::verify::{catalogue, compensator, friction, hysteresis, replay, robustness};
 use strainwave_desktop::{BadInput, Figure, GearFile, bounds};
 use strainwave_emulator::again;
 use strainwave_emulator::verify::{self as emulated, Parts};
@@ -22,6 +23,8 @@ use crate::progress::Progress;
 const FIRMWARE: &str = "firmware";
 /// The part that is measured only when it is asked for by name: it takes longer than all others.
 const ROBUSTNESS: &str = "robustness";
+/// The part that runs joints all over the catalogue, by itself too.
+const CATALOGUE: &str = "catalogue";
 /// The part that injects faults, by itself too.
 const FAULTS: &str = "faults";
 
@@ -31,7 +34,7 @@ const FAULTS: &str = "faults";
 ///
 /// The parts `firmware` and `flexspline` boot the image in the emulator and run S1-S6, both together once; that takes
 /// some minutes; `hysteresis` boots an image of its own. All but `firmware` also measure this machine by the clock:
-/// other work on it counts in. The part `robustness` is measured only when it is named.
+/// other work on it counts in. The parts `robustness` and `catalogue` are measured only when they are named.
 #[derive(Args)]
 pub struct Arguments {
     /// Only this part; every part when left out
@@ -46,12 +49,18 @@ pub struct Arguments {
     /// Of `robustness`, only this unknown, such as drive.delay; may be given several times
     #[arg(long = "row", value_name = "NAME", value_parser = row_parser())]
     rows: Vec<String>,
-    /// Of `robustness`, plants of each row
-    #[arg(long, value_name = "COUNT", default_value_t = robustness::SEEDS, value_parser = value_parser!(u64).range(1..=100_000))]
-    seeds: u64,
-    /// Of `robustness`, the first plant; 1 to 999 are for choosing gains, from 10000 on for claims
-    #[arg(long, value_name = "SEED", default_value_t = robustness::FIRST, value_parser = value_parser!(u64).range(0..=1_000_000_000))]
-    first: u64,
+    /// Of `robustness`, plants of each row (6 when left out); of `catalogue`, joints (all 500)
+    #[arg(long, value_name = "COUNT", value_parser = value_parser!(u64).range(1..=100_000))]
+    seeds: Option<u64>,
+    /// The first plant of `robustness` or joint of `catalogue`; 1 to 999 are for choosing gains, from 10000 on for claims
+    #[arg(long, value_name = "SEED", value_parser = value_parser!(u64).range(0..=1_000_000_000))]
+    first: Option<u64>,
+    /// Of `catalogue`, the joints for choosing gains
+    #[arg(long)]
+    training: bool,
+    /// Of `catalogue`, how many joints are named, the worst first
+    #[arg(long, value_name = "COUNT", default_value_t = 10)]
+    named: usize,
     /// Of `robustness`, noises on each plant
     #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = value_parser!(u32).range(1..=1000))]
     noises: u32,
@@ -79,7 +88,8 @@ fn row_parser() -> impl TypedValueParser<Value = String> {
 
 fn part_parser() -> impl TypedValueParser<Value = String> {
     let names = verify::Part::ALL.map(verify::Part::name);
-    PossibleValuesParser::new(names.into_iter().chain([FIRMWARE, ROBUSTNESS, FAULTS])).map(String::from)
+    PossibleValuesParser::new(names.into_iter().chain([FIRMWARE, ROBUSTNESS, CATALOGUE, FAULTS]))
+        .map(String::from)
 }
 
 /// Measures the parts asked for.
@@ -87,6 +97,9 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     files::require_writable(arguments.figures.json.as_deref())?;
     if arguments.part.as_deref() == Some(ROBUSTNESS) {
         return against_unknowns(arguments);
+    }
+    if arguments.part.as_deref() == Some(CATALOGUE) {
+        return across_the_catalogue(arguments);
     }
     if arguments.part.as_deref() == Some(FAULTS) {
         let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
@@ -141,8 +154,8 @@ fn against_unknowns(arguments: &Arguments) -> Result<Figures, BadInput> {
             [] => Which::every().collect(),
             names => names.iter().filter_map(|name| Which::named(name)).collect(),
         },
-        first: arguments.first,
-        seeds: arguments.seeds,
+        first: arguments.first.unwrap_or(robustness::FIRST),
+        seeds: arguments.seeds.unwrap_or(robustness::SEEDS),
         noises: arguments.noises,
         reference: arguments.reference,
     };
@@ -171,6 +184,32 @@ fn again(arguments: &Arguments, gear: &GearFile, found: &Robustness) -> Result<V
     drop(progress);
     say(format_args!("\n{}", figures_table(&figures)));
     Ok(figures)
+}
+
+/// On joints of the catalogue; its table is one line a scenario.
+fn across_the_catalogue(arguments: &Arguments) -> Result<Figures, BadInput> {
+    let set = if arguments.training { Set::Training } else { Set::Judged };
+    let first = arguments.first.unwrap_or(set.first());
+    let count = arguments.seeds.unwrap_or(set.seeds().end.saturating_sub(first));
+    if !set.seeds().contains(&first) || first + count > set.seeds().end {
+        let all = set.seeds();
+        return Err(BadInput::message(format!(
+            "--first {first} --seeds {count}: no such joints; allowed: within {}..{}",
+            all.start,
+            all.end - 1
+        )));
+    }
+    let mut progress = Progress::new(1000, "joints of the catalogue");
+    let asked = catalogue::Asked { set, first, count };
+    let measured = catalogue::measure(&asked, |share| progress.set((share * 1e3) as u64));
+    drop(progress);
+    let found = measured.map_err(BadInput::message)?;
+    say(format_args!("{}", columns(&found.table())));
+    let measured = found.measured(arguments.named);
+    for note in &measured.notes {
+        say(format_args!("{note}"));
+    }
+    Ok(Figures::new(measured.figures, &arguments.figures))
 }
 
 fn emulated_parts(firmware: bool, flexspline: bool) -> Option<Parts> {

@@ -6,6 +6,7 @@ pub mod any_input;
 pub mod baseline;
 pub mod bench;
 pub mod bounds;
+pub mod catalogue;
 pub mod closed_loop;
 pub mod compensation;
 pub mod data;

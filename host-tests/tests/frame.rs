@@ -144,6 +144,8 @@ fn output_bits(output: &Output<f32>) -> Vec<u64> {
         bits(output.factors.input_friction),
         bits(output.factors.output_friction),
         bits(output.factors.compliance),
+        bits(output.factors.presliding),
+        bits(output.factors.presliding_stiffness),
         bits(output.feed_forward_torque),
         output.motor_reference.counts.cast_unsigned(),
         bits(output.motor_reference.rest),
@@ -187,7 +189,7 @@ proptest! {
     }
 
     #[test]
-    fn an_output_survives_the_frame(words in array::uniform22(any::<u32>()), counts: [i64; 2]) {
+    fn an_output_survives_the_frame(words in array::uniform24(any::<u32>()), counts: [i64; 2]) {
         let output = output_of(words, counts);
         prop_assert_eq!(output_bits(&decode_output(&encode_output(&output))), output_bits(&output));
     }

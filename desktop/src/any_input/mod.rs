@@ -13,6 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use strainwave::Error;
 use strainwave::compensator::{Input, JointParams, Output};
 
+use crate::ability::Ability;
 use crate::bench::{Bench, Conditions, SensorSet, Task};
 use crate::closed_loop::{Controller, HostCompensator};
 use crate::divergence::RunError;
@@ -134,8 +135,8 @@ impl Task for Beginning {
         self.length as f64 * CONTROL_PERIOD
     }
 
-    fn at(&self, time: f64, rated_torque: f64) -> Demand {
-        self.scenario.at(time, rated_torque)
+    fn at(&self, time: f64, ability: &Ability) -> Demand {
+        self.scenario.at(time, ability)
     }
 }
 

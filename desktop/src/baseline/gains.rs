@@ -90,7 +90,7 @@ impl BaselineGains {
 }
 
 /// omega_t (rad/s).
-fn torsion_mode(file: &GearFile) -> f64 {
+pub(crate) fn torsion_mode(file: &GearFile) -> f64 {
     (file.stiffness.k2 / file.inertia.flexspline).sqrt()
 }
 

@@ -22,7 +22,8 @@
 //! torque limit where the untuned B0 on the same plant does not ([`Course::shakes`], [`Course::is_limited`]).
 //!
 //! Half of the training plants, the even seeds, have every unknown at once ([`crate::plant::unknowns`]); the others are the
-//! box alone. On each the untuned B0 has worked ([`crate::working_motion`]) before; the baseline takes over at rest and has
+//! box alone. On joints of the catalogue ([`crate::catalogue::joints`]), whose loads and encoders differ, the gains are
+//! those that the rule of [`crate::catalogue::load`] makes of them for each load. On each the untuned B0 has worked ([`crate::working_motion`]) before; the baseline takes over at rest and has
 //! [`Rest::DURATION`] to settle.
 
 use std::thread;
@@ -110,13 +111,8 @@ struct Stand {
 impl Stand {
     /// # Errors
     /// A gear that cannot be built.
-    fn build(file: &GearFile, sensors: SensorSet, seed: u64) -> Result<Self, RunError> {
-        let sample = if seed.is_multiple_of(2) {
-            PlantSample::of(file, Which::All, seed)?
-        } else {
-            PlantSample::boxed(file, seed)?
-        };
-        let conditions = Conditions { sensors, ..Conditions::of(&sample.known, seed) };
+    fn build(sample: PlantSample, sensors: SensorSet) -> Result<Self, RunError> {
+        let conditions = Conditions { sensors, ..Conditions::of(&sample.known, sample.seed) };
         let mut bench = Bench::condensed_of(&sample, &conditions)?;
         let mut b0 = untuned(&sample.known, Kind::B0)?;
         bench.go(&WorkingMotion, &mut b0, |_, _, _, _| ())?;
@@ -137,6 +133,18 @@ impl Stand {
     }
 }
 
+/// The training plant of a seed.
+///
+/// # Errors
+/// A gear that no plant can be built for.
+pub fn training_plant(file: &GearFile, seed: u64) -> Result<PlantSample, strainwave::Error> {
+    if seed.is_multiple_of(2) {
+        PlantSample::of(file, Which::All, seed)
+    } else {
+        PlantSample::boxed(file, seed)
+    }
+}
+
 fn untuned(file: &GearFile, kind: Kind) -> Result<Baseline, strainwave::Error> {
     Baseline::with_gains(file, kind, &BaselineGains::untuned(file, kind))
 }
@@ -144,6 +152,8 @@ fn untuned(file: &GearFile, kind: Kind) -> Result<Baseline, strainwave::Error> {
 /// The objective of one baseline.
 pub struct Objective {
     kind: Kind,
+    /// The joint that the gains are of.
+    file: GearFile,
     stands: Vec<Stand>,
     /// The untuned B0 on each stand in each scenario.
     b0: Vec<Courses>,
@@ -170,18 +180,19 @@ impl Score {
 }
 
 impl Objective {
-    /// Of a baseline on the plants of these seeds.
+    /// Of a baseline of this joint on these plants.
     ///
     /// # Errors
     /// A gear that no plant or baseline can be built for, or one that the untuned B0 loses.
     pub fn build(
         file: &GearFile,
         kind: Kind,
-        seeds: impl IntoIterator<Item = u64>,
+        plants: impl IntoIterator<Item = PlantSample>,
     ) -> Result<Self, RunError> {
-        let stands = seeds.into_iter().map(|seed| Stand::build(file, kind.sensors(), seed));
+        let stands = plants.into_iter().map(|plant| Stand::build(plant, kind.sensors()));
         let stands = stands.collect::<Result<_, _>>()?;
-        let mut objective = Self { kind, stands, b0: Vec::new(), untuned: [0.0; FIGURES.len()] };
+        let file = file.clone();
+        let mut objective = Self { kind, file, stands, b0: Vec::new(), untuned: [0.0; FIGURES.len()] };
         objective.b0 = objective.courses(&|file| Ok(untuned(file, Kind::B0)?))?;
         objective.untuned = logarithms(&objective.courses(&|file| Ok(untuned(file, kind)?))?);
         Ok(objective)
@@ -192,7 +203,11 @@ impl Objective {
     /// # Errors
     /// Gains that no baseline can be built with.
     pub fn score(&self, gains: &BaselineGains) -> Result<Score, RunError> {
-        let courses = self.courses(&|file| Ok(Baseline::with_gains(file, self.kind, gains)?))?;
+        let build = |known: &GearFile| -> Result<Baseline, RunError> {
+            let gains = gains.carried_over(self.kind, &self.file, known);
+            Ok(Baseline::with_gains(known, self.kind, &gains)?)
+        };
+        let courses = self.courses(&build)?;
         let pairs = courses.iter().flatten().zip(self.b0.iter().flatten());
         let bad = pairs.filter(|(run, b0)| is_bad(run.as_ref(), b0.as_ref())).count();
         let found = logarithms(&courses);

@@ -15,10 +15,12 @@ use basin::{
     NoConstraints, PopulationProgress,
 };
 
-use super::objective::{Objective, Score};
+use super::objective::{Objective, Score, training_plant};
 use super::{BaselineGains, Gain, Kind};
+use crate::catalogue::joints::{self, Joint};
 use crate::divergence::RunError;
 use crate::gear_file::GearFile;
+use crate::plant::sample::PlantSample;
 
 /// Plants that gains are chosen on, unless others are named.
 pub const SEEDS: std::ops::RangeInclusive<u64> = 901..=906;
@@ -40,6 +42,24 @@ pub struct Tuned {
     pub after: (BaselineGains, Score),
 }
 
+/// What gains are chosen on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Training {
+    /// Plants of the gear file's joint, by seed.
+    Plants(std::ops::RangeInclusive<u64>),
+    /// So many joints with this gear, of other loads and encoders ([`crate::catalogue::joints`]).
+    Joints(u64),
+}
+
+impl Training {
+    fn plants(&self, file: &GearFile) -> Result<Vec<PlantSample>, strainwave::Error> {
+        match self {
+            Self::Plants(seeds) => seeds.clone().map(|seed| training_plant(file, seed)).collect(),
+            Self::Joints(count) => joints::of_gear(file, *count).iter().map(Joint::plant).collect(),
+        }
+    }
+}
+
 /// Searches the gains of a baseline from those that the gear file has for it; `progress` is called with the share done.
 ///
 /// # Errors
@@ -47,11 +67,11 @@ pub struct Tuned {
 pub fn tune(
     file: &GearFile,
     kind: Kind,
-    seeds: impl IntoIterator<Item = u64>,
+    training: &Training,
     budget: u64,
     mut progress: impl FnMut(f64),
 ) -> Result<Tuned, RunError> {
-    let objective = Objective::build(file, kind, seeds)?;
+    let objective = Objective::build(file, kind, training.plants(file)?)?;
     let start = BaselineGains::of(file, kind);
     let worth = objective.score(&start)?;
     let found = search(kind, &start, budget, |gains, share| {
@@ -194,7 +214,7 @@ mod tests {
         let slow = BaselineGains { position_bandwidth: 5.0, velocity_bandwidth: 25.0, ..untuned };
         file.baselines = Some(Baselines::default());
         file.baselines.iter_mut().for_each(|stored| stored.set(Kind::B0, &slow));
-        let tuned = || tune(&file, Kind::B0, [901], 20, |_| ()).unwrap();
+        let tuned = || tune(&file, Kind::B0, &Training::Plants(901..=901), 20, |_| ()).unwrap();
         let found = tuned();
         assert!(found.after.1.logarithm() < found.before.1.logarithm(), "{found:?}");
         assert_eq!(found, tuned());

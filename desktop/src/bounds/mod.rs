@@ -4,6 +4,7 @@
 //! [`FLOORS`] are what a figure must not be below. A row that nothing measures, and a bound that has become [`LOOSE`]
 //! times too loose, fail a test.
 
+mod catalogue;
 mod compensator;
 mod design;
 mod faults;
@@ -32,8 +33,9 @@ pub struct Bound {
 pub const LOOSE: f64 = 10.0;
 
 /// Every bound, by what it is of.
-pub const BOUNDS: [&[Bound]; 8] = [
+pub const BOUNDS: [&[Bound]; 9] = [
     joint::ROWS,
+    catalogue::ROWS,
     compensator::ROWS,
     design::ROWS,
     faults::ROWS,

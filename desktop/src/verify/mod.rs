@@ -3,6 +3,7 @@
 //! These parts need no emulator; what is measured on the firmware image stands with the emulator.
 
 pub mod baselines;
+pub mod catalogue;
 pub mod compensator;
 pub mod faults;
 pub mod flexspline;

@@ -157,7 +157,8 @@ impl<R: Real> OutputFeedback<R> {
         let set = usize::from(deviation.measured.is_some());
         let speed = deviation.asked_velocity.abs();
         let rests = speed == R::ZERO;
-        let error = if speed < self.slow { deviation.measured.unwrap_or(deviation.position) } else { R::ZERO };
+        let error =
+            if speed < self.slow { deviation.measured.unwrap_or(deviation.position) } else { R::ZERO };
         state.error = error;
         state.rests = rests;
         state.measures = deviation.measured.is_some();

@@ -220,7 +220,13 @@ mod tests {
 
     fn outcome(seed: u64, error: f64, limited: f64) -> Outcome {
         let course = |error| {
-            Some(Course { marks: vec![error], torsion_at_rest: 1e-6, torque_at_rest: 1e-3, limited: 0.0 })
+            Some(Course {
+                marks: vec![error],
+                torsion_at_rest: 1e-6,
+                torque_at_rest: 1e-3,
+                limited: 0.0,
+                ..Course::default()
+            })
         };
         let mut ours: [Option<Course>; JUDGED.len()] = Default::default();
         ours.fill(course(error));

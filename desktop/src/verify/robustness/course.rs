@@ -4,6 +4,7 @@
 //! torque when their running mean over the natural period is taken away, rms over the last 0.3 s.
 
 use strainwave::Error;
+use strainwave::compensator::{Faults, Mode};
 use strainwave::flexspline::Flexspline;
 use strainwave::gear::GearParams;
 
@@ -70,6 +71,10 @@ pub struct Course {
     pub torque_at_rest: f64,
     /// At the torque limit in the judged part (s).
     pub limited: f64,
+    /// Every fault that was named in the run and the rest after it.
+    pub faults: Faults,
+    /// At the end of the rest; a baseline has none.
+    pub mode: Mode,
 }
 
 impl Course {
@@ -98,7 +103,7 @@ impl Course {
         self.limited > LONGEST_LIMITED.max(2.0 * b0.limited)
     }
 
-    /// A mark of it is worse than B0's.
+    /// A mark of it is worse than B0's; one that neither has is not.
     pub fn is_worse(&self, b0: &Self) -> bool {
         self.worse_marks(b0) > 0
     }
@@ -113,7 +118,8 @@ impl Course {
     pub fn worse_marks(&self, baseline: &Self) -> usize {
         let worse = |(ours, other): &(&f64, &f64)| {
             let no_worse = **ours <= WORSE.0 * **other || **ours <= **other + WORSE.1;
-            !no_worse
+            let none = ours.is_nan() && other.is_nan();
+            !no_worse && !none
         };
         self.marks.iter().zip(&baseline.marks).filter(worse).count()
     }
@@ -199,9 +205,12 @@ impl<'a> Judged<'a> {
         C::Error: From<RunError>,
     {
         let rows = go_on(&mut bench, scenario, &mut controller, |_| ())?.trace;
+        let mut faults = rows.iter().fold(Faults::NONE, |faults, row| faults.with(row.answer.faults));
+        let mut mode = Mode::default();
         let mut at_rest = Vec::new();
         let rest = Rest { from: scenario.at(scenario.duration(), &self.ability) };
         bench.go(&rest, &mut controller, |k, _, plant, answer| {
+            (faults, mode) = (faults.with(answer.faults), answer.mode);
             if k as f64 * CONTROL_PERIOD >= Rest::JUDGED_FROM {
                 at_rest.push((plant.last_torques().torsion, f64::from(answer.motor_torque)));
             }
@@ -211,6 +220,8 @@ impl<'a> Judged<'a> {
         Ok(Course {
             torsion_at_rest: oscillation(at_rest.iter().map(|(torsion, _)| *torsion).collect()),
             torque_at_rest: oscillation(at_rest.iter().map(|(_, torque)| *torque / self.rated).collect()),
+            faults,
+            mode,
             ..self.without_rest(scenario, &rows).map_err(RunError::from)?
         })
     }
@@ -243,7 +254,14 @@ fn unless_diverged<T>(run: Result<T, RunError>) -> Result<Option<T>, Error> {
 mod tests {
     use super::*;
 
-    const B0: Course = Course { marks: vec![], torsion_at_rest: 5e-6, torque_at_rest: 0.001, limited: 0.0 };
+    const B0: Course = Course {
+        marks: vec![],
+        torsion_at_rest: 5e-6,
+        torque_at_rest: 0.001,
+        limited: 0.0,
+        faults: Faults::NONE,
+        mode: Mode::Active,
+    };
 
     fn course(error: f64) -> Course {
         Course { marks: vec![error], ..B0 }
@@ -265,6 +283,7 @@ mod tests {
         let worse = |ours: f64, b0: f64| course(ours).is_worse(&course(b0));
         assert!(!worse(1.04e-3, 1e-3) && !worse(11e-6, 1e-6) && !worse(5e-6, 9e-6));
         assert!(worse(1.06e-3, 1e-3) && worse(14e-6, 1e-6) && worse(f64::NAN, 1.0));
+        assert!(!worse(f64::NAN, f64::NAN));
     }
 
     #[test]

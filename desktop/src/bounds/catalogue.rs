@@ -1,0 +1,31 @@
+//! What `verify catalogue` measures.
+
+use super::Bound;
+
+pub(super) const ROWS: &[Bound] = &[
+    Bound {
+        name: "catalogue.refused",
+        value: 0.0,
+        unit: "joint",
+        why: "joints of the catalogue that no compensator can be built for: their gear files are within every range",
+    },
+    Bound {
+        name: "catalogue.shakes",
+        value: 0.0,
+        unit: "run",
+        why: "runs of S1-S5 on joints of the catalogue that diverge or keep oscillating at rest; as asked",
+    },
+    Bound {
+        name: "catalogue.worse",
+        value: 0.0,
+        unit: "run",
+        why: "runs of which a mark is worse than the best baseline's by more than 5 % and 12 urad; as asked",
+    },
+    Bound {
+        name: "catalogue.error.median",
+        value: 0.35,
+        unit: "1",
+        why: "output error over that of the best baseline, median of the runs of S1-S5 on joints of the catalogue; as asked",
+    },
+    Bound { name: "catalogue.error.p95", value: 0.8, unit: "1", why: "the same, 95th percentile; as asked" },
+];

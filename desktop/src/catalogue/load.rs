@@ -1,0 +1,89 @@
+//! The gains of a joint that has another load, or another gear, than that which they were tuned for.
+//!
+//! ```text
+//! f_v' = f_v*(1 + L)/(1 + L'),   L = J_fs/(N^2*J_wg)      k_v stays: above the torsion mode it meets the rotor alone
+//! f_p' = f_p*f_v'/f_v,   T_i' = T_i*f_v/f_v'              the loops stay as far apart
+//! I' = I*w'/w,   f_l' = f_l*w'/w,   D' = D*w/w'           w = sqrt(K2/J_fs), the torsion's mode
+//! ```
+//!
+//! All others stay, and each stays within its range.
+
+use super::gear::feedback;
+use crate::baseline::gains::torsion_mode;
+use crate::baseline::{BaselineGains, Kind};
+use crate::gear_file::{Baselines, GearFile};
+
+/// L.
+pub fn load_ratio(file: &GearFile) -> f64 {
+    let n = f64::from(file.gear.ratio);
+    file.inertia.flexspline / (n * n * file.inertia.wave_generator)
+}
+
+impl BaselineGains {
+    /// These gains of the joint `from`, for the joint `to`.
+    #[must_use]
+    pub fn carried_over(&self, kind: Kind, from: &GearFile, to: &GearFile) -> Self {
+        let loop_speed = (1.0 + load_ratio(from)) / (1.0 + load_ratio(to));
+        let mode = torsion_mode(to) / torsion_mode(from);
+        let mut gains = Self {
+            position_bandwidth: self.position_bandwidth * loop_speed,
+            velocity_bandwidth: self.velocity_bandwidth * loop_speed,
+            integral_time: self.integral_time / loop_speed,
+            output_integral: self.output_integral * mode,
+            output_derivative: self.output_derivative / mode,
+            output_low_pass: self.output_low_pass * mode,
+            ..*self
+        };
+        for gain in kind.gains() {
+            let place = (gain.place)(&mut gains);
+            *place = place.clamp(gain.range[0], gain.range[1]);
+        }
+        gains
+    }
+}
+
+/// The joint `to` with the baselines of the joint `from`, and the cascade of its B0.
+fn with_gains_of(from: &GearFile, mut to: GearFile) -> GearFile {
+    let mut baselines = Baselines::default();
+    for kind in Kind::ALL {
+        baselines.set(kind, &BaselineGains::of(from, kind).carried_over(kind, from, &to));
+    }
+    to.baselines = Some(baselines);
+    to.feedback = feedback(&to);
+    to
+}
+
+/// The joint of a gear file with another load (kg m^2), its cascade and baselines by the rule.
+pub fn with_load(file: &GearFile, inertia: f64) -> GearFile {
+    let mut joint = file.clone();
+    joint.inertia.flexspline = inertia;
+    with_gains_of(file, joint)
+}
+
+/// A gear file that nobody has tuned, with the cascade and baselines of the default gear by the rule.
+pub fn untuned(file: GearFile) -> GearFile {
+    with_gains_of(&GearFile::default_gear(), file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_same_load_has_the_same_gains() {
+        let file = GearFile::default_gear();
+        assert_eq!(with_load(&file, file.inertia.flexspline).baselines, file.baselines);
+    }
+
+    /// The gain from speed to torque, k_v = 2 pi f_v (J_wg + J_fs/N^2), is that of before.
+    #[test]
+    fn the_velocity_gain_stays() {
+        let file = GearFile::default_gear();
+        let gain = |file: &GearFile| file.feedback.velocity_bandwidth * (1.0 + load_ratio(file));
+        for load in [0.3, 1.2, 6.0] {
+            let joint = with_load(&file, load);
+            assert!((gain(&joint) / gain(&file) - 1.0).abs() < 1e-12, "{load}");
+            assert!(joint.check().is_ok());
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! What the runs of the joints come to.
+
+use strainwave::compensator::Mode;
+
+use super::{Outcome, Run};
+use crate::bench::SensorSet;
+use crate::bounds;
+use crate::figure::{Figure, number};
+use crate::judge::Mark;
+use crate::scenario::Scenario;
+use crate::verify::Measured;
+use crate::verify::robustness::{JUDGED, Shake};
+
+/// Everything that ran.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// A joint each.
+    pub outcomes: Vec<Outcome>,
+}
+
+/// What is counted of some runs, and what their output error is over that of the best baseline.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Tally {
+    runs: usize,
+    shakes: usize,
+    worse: usize,
+    limited: usize,
+    stopped: usize,
+    /// From the smallest on.
+    ratios: Vec<f64>,
+}
+
+impl Run<'_> {
+    /// In which way it oscillates at rest; one that diverged does, also where B0 does.
+    fn shake(&self) -> Option<Shake> {
+        match (self.ours, self.b0) {
+            (Some(ours), Some(b0)) => ours.shakes(b0),
+            (None, _) => Some(Shake::Diverged),
+            (Some(_), None) => None,
+        }
+    }
+
+    fn is_worse(&self) -> bool {
+        match (self.ours, &self.best) {
+            (Some(ours), Some(best)) => ours.is_worse(best),
+            (None, best) => best.is_some(),
+            (Some(_), None) => false,
+        }
+    }
+
+    fn is_limited(&self) -> bool {
+        matches!((self.ours, self.b0), (Some(ours), Some(b0)) if ours.is_limited(b0))
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.ours.is_some_and(|ours| ours.mode == Mode::Safe)
+    }
+
+    /// Output error over that of the best baseline.
+    fn ratio(&self, scenario: Scenario) -> f64 {
+        let error = |course: &crate::verify::robustness::Course| course.mark(scenario, Mark::Error);
+        match (self.ours, &self.best) {
+            (Some(ours), Some(best)) => error(ours) / error(best),
+            (None, _) => f64::INFINITY,
+            (Some(_), None) => 0.0,
+        }
+    }
+}
+
+impl Tally {
+    fn of<'a>(runs: impl Iterator<Item = (Scenario, Run<'a>)>) -> Self {
+        let mut tally = Self::default();
+        for (scenario, run) in runs {
+            tally.runs += 1;
+            tally.shakes += usize::from(run.shake().is_some());
+            tally.worse += usize::from(run.is_worse());
+            tally.limited += usize::from(run.is_limited());
+            tally.stopped += usize::from(run.is_stopped());
+            tally.ratios.push(run.ratio(scenario).abs());
+        }
+        tally.ratios.sort_by(f64::total_cmp);
+        tally
+    }
+
+    /// The ratio that this share of the runs does not exceed; NaN of none.
+    fn quantile(&self, share: f64) -> f64 {
+        let place = (share * self.ratios.len() as f64).ceil() as usize;
+        self.ratios.get(place.saturating_sub(1)).copied().unwrap_or(f64::NAN)
+    }
+
+    fn cells(&self, name: String) -> Vec<String> {
+        let counts = [self.runs, self.shakes, self.worse, self.limited, self.stopped].map(|n| n.to_string());
+        let ratios = [0.5, 0.95, 1.0].map(|share| number(self.quantile(share)));
+        [name].into_iter().chain(counts).chain(ratios).collect()
+    }
+}
+
+impl Report {
+    fn runs(
+        &self,
+        sensors: Option<SensorSet>,
+        of: Option<Scenario>,
+    ) -> impl Iterator<Item = (Scenario, Run<'_>)> {
+        let outcomes =
+            self.outcomes.iter().filter(move |outcome| sensors.is_none_or(|set| set == outcome.sensors()));
+        outcomes.flat_map(move |outcome| {
+            let places =
+                JUDGED.iter().enumerate().filter(move |(_, scenario)| of.is_none_or(|of| of == **scenario));
+            places.map(move |(place, scenario)| (*scenario, outcome.run(place)))
+        })
+    }
+
+    /// The figures beside their bounds.
+    pub fn figures(&self) -> Vec<Figure> {
+        let all = Tally::of(self.runs(None, None));
+        let refused = self.outcomes.iter().filter(|outcome| outcome.refused.is_some()).count();
+        let mut figures = vec![
+            bounds::figure("catalogue.refused", refused as f64),
+            bounds::figure("catalogue.shakes", all.shakes as f64),
+            bounds::figure("catalogue.worse", all.worse as f64),
+            bounds::figure("catalogue.error.median", all.quantile(0.5)),
+            bounds::figure("catalogue.error.p95", all.quantile(0.95)),
+            Figure::reported("catalogue.limited", all.limited as f64, "run"),
+            Figure::reported("catalogue.stopped", all.stopped as f64, "run"),
+        ];
+        for sensors in SensorSet::ALL {
+            let set = Tally::of(self.runs(Some(sensors), None));
+            let name = |what: &str| format!("catalogue.{}.{what}", sensors.name());
+            figures.extend([
+                Figure::reported(name("error.median"), set.quantile(0.5), "1"),
+                Figure::reported(name("error.p95"), set.quantile(0.95), "1"),
+            ]);
+        }
+        figures
+    }
+
+    /// One line for each set of sensors and scenario, the header first.
+    pub fn table(&self) -> Vec<Vec<String>> {
+        let header = ["runs", "", "shake", "worse", "limited", "stopped", "median", "p95", "max"];
+        let mut rows = vec![header.map(String::from).to_vec()];
+        for sensors in SensorSet::ALL {
+            for scenario in JUDGED.map(Some).into_iter().chain([None]) {
+                let name = format!("{} {}", sensors.name(), scenario.map_or("all", Scenario::name));
+                rows.push(Tally::of(self.runs(Some(sensors), scenario)).cells(name));
+            }
+        }
+        rows
+    }
+
+    /// The worst joints, a line each: those with most runs that shake, then that are worse, then by the largest error.
+    pub fn worst(&self, count: usize) -> Vec<String> {
+        let mut ranked: Vec<_> = self.outcomes.iter().map(|outcome| (outcome.rank(), outcome)).collect();
+        ranked.sort_by(|a, b| (b.0.0, b.0.1).cmp(&(a.0.0, a.0.1)).then(b.0.2.total_cmp(&a.0.2)));
+        ranked.into_iter().take(count).map(|(_, outcome)| outcome.line()).collect()
+    }
+
+    /// The figures, with notes on the worst joints.
+    pub fn measured(&self, named: usize) -> Measured {
+        Measured { figures: self.figures(), notes: self.worst(named) }
+    }
+}
+
+impl Outcome {
+    /// Runs that shake, runs that are worse, the largest ratio of errors.
+    fn rank(&self) -> (usize, usize, f64) {
+        let all = Tally::of(self.runs());
+        (all.shakes, all.worse, all.quantile(1.0))
+    }
+
+    fn runs(&self) -> impl Iterator<Item = (Scenario, Run<'_>)> {
+        JUDGED.into_iter().enumerate().map(|(place, scenario)| (scenario, self.run(place)))
+    }
+
+    /// The joint, and of each scenario the marks beside the best baseline's (urad), what is wrong and which faults were named.
+    fn line(&self) -> String {
+        if let Some(error) = self.refused {
+            return format!("{}: refused, {error}", self.joint.describe());
+        }
+        let runs: Vec<_> = self.runs().map(|(scenario, run)| run.line(scenario)).collect();
+        format!("{}: {}", self.joint.describe(), runs.join("; "))
+    }
+}
+
+impl Run<'_> {
+    fn line(&self, scenario: Scenario) -> String {
+        let Some(ours) = self.ours else { return format!("{} diverged", scenario.name()) };
+        let best = self.best.iter().flat_map(|best| &best.marks);
+        let both = |(ours, best): (&f64, &f64)| format!("{:.1}/{:.1}", 1e6 * ours, 1e6 * best);
+        let mut words = vec![scenario.name().to_owned()];
+        words.extend(ours.marks.iter().zip(best).map(both));
+        words.extend(self.shake().map(|shake| format!("shakes/{}", shake.name())));
+        words.extend(self.is_worse().then(|| "worse".to_owned()));
+        words.extend(self.is_limited().then(|| "limited".to_owned()));
+        words.extend(self.is_stopped().then(|| "stopped".to_owned()));
+        let faults: Vec<_> = ours.faults.names().collect();
+        if !faults.is_empty() {
+            words.push(format!("({})", faults.join(", ")));
+        }
+        words.join(" ")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verify::robustness::Course;
+
+    fn course(marks: &[f64]) -> Course {
+        Course { marks: marks.to_vec(), ..Course::default() }
+    }
+
+    fn run<'a>(ours: Option<&'a Course>, best: &'a Course) -> Run<'a> {
+        Run { ours, b0: Some(best), best: Some(best.clone()) }
+    }
+
+    #[test]
+    fn a_run_is_judged_by_the_best_of_the_baselines() {
+        let (good, bad, best) = (course(&[1e-3]), course(&[2e-3]), course(&[1e-3]));
+        assert!(!run(Some(&good), &best).is_worse() && run(Some(&bad), &best).is_worse());
+        assert!(run(None, &best).is_worse() && run(None, &best).shake() == Some(Shake::Diverged));
+        assert!((run(Some(&bad), &best).ratio(Scenario::S2) - 2.0).abs() < 1e-12);
+    }
+
+    /// A mark that neither has counts for nothing; one that ours alone lacks counts.
+    #[test]
+    fn what_cannot_be_told_counts_for_nothing() {
+        let (none, some) = (course(&[1e-3, f64::NAN]), course(&[1e-3, 1e-3]));
+        assert!(!run(Some(&none), &none).is_worse());
+        assert!(run(Some(&none), &some).is_worse());
+    }
+
+    #[test]
+    fn a_share_of_the_runs_does_not_exceed_its_quantile() {
+        let tally = Tally { ratios: (1..=100).map(f64::from).collect(), ..Tally::default() };
+        assert_eq!([0.5, 0.95, 1.0].map(|share| tally.quantile(share)), [50.0, 95.0, 100.0]);
+        assert!(Tally::default().quantile(0.5).is_nan());
+    }
+}
