@@ -108,7 +108,8 @@ impl<R: Real> Compensator<R> {
         let driven = state.mode.mode().drives();
         let mut estimate = self.observer.estimate(&state.observer, &state.known);
         // What has been learnt as gravity acts from outside, too.
-        estimate.external_torque += state.learning.gravity_torque();
+        let external_torque = estimate.external_torque + state.learning.gravity_torque();
+        estimate.external_torque = external_torque.limit(self.limits.output_torque);
         Output {
             motor_torque: state.fallback.torque(),
             feed_forward_torque: if driven { feed_forward.limit(self.limits.motor_torque) } else { R::ZERO },
@@ -298,7 +299,6 @@ impl<R: Real> Compensator<R> {
         };
         let external_torque = state.observer.external_torque();
         self.disturbance.step_slow(&mut state.disturbance, external_torque, &joint);
-        self.output_feedback.integrate(&mut state.output_feedback, !state.limited);
         if state.learns() {
             self.learning.learn_ripple(&mut state.learning);
         }
@@ -309,6 +309,7 @@ impl<R: Real> Compensator<R> {
         match if falls_back { SlowSlot::Lead } else { state.slow } {
             SlowSlot::Adapt => self.adapt(state),
             SlowSlot::Deviate => {
+                self.shape(state);
                 self.observer.deviate(&mut state.observer);
                 if state.learns() {
                     let external_torque = state.observer.external_torque();
@@ -343,6 +344,7 @@ impl<R: Real> Compensator<R> {
     #[inline(always)]
     fn check(&self, state: &mut State<R>) {
         let mut faults = Faults::NONE;
+        self.output_feedback.integrate(&mut state.output_feedback, !state.limited);
         self.read_output(state, &mut faults);
         let course = &state.course;
         // Where the share of the feedback is not all of it, somebody else moves the motor.
@@ -404,11 +406,16 @@ impl<R: Real> Compensator<R> {
         let learns = state.learns();
         let presliding = self.feed_forward.presliding(&self.gear, &state.feed_forward);
         self.learning.adapt(&mut state.learning, presliding, &observed, shares, learns);
+        state.sound = true;
+    }
+
+    /// Gives the friction's presliding what has been learnt of it.
+    #[inline(always)]
+    fn shape(&self, state: &mut State<R>) {
         let Factors { presliding: share, presliding_stiffness, .. } = *state.learning.applied();
         let stiffening = presliding_stiffness - R::ONE;
         self.feed_forward.shape(&self.gear, &mut state.feed_forward, share, stiffening);
         self.observer.shape(&self.gear, &mut state.observer, share, stiffening);
-        state.sound = true;
     }
 
     /// The cascade's turn: every period. Answers with the torque that is commanded.

@@ -187,7 +187,7 @@ impl<R: Real> Learning<R> {
     pub fn adapt(
         &self,
         state: &mut LearningState<R>,
-        [presliding, stiffness]: [[R; 2]; 2],
+        [presliding, stiffness]: [R; 2],
         observed: &Observed<R>,
         shares: &Shares<R>,
         learns: bool,

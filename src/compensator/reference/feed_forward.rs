@@ -113,8 +113,8 @@ pub struct FeedForwardState<R: Real> {
     engaged: R,
     /// s: path of the motor since it turned back (rad), with its sign.
     path: R,
-    /// s*dF/ds of the friction of either side (N m).
-    stiffened: [R; 2],
+    /// s*dF/ds of its friction (N m).
+    stiffened: R,
 }
 
 /// What has been learnt of the joint beside its model.
@@ -202,17 +202,14 @@ impl<R: Real> FeedForward<R> {
             ..Slip::over(velocity, self.round).under(R::ZERO, load)
         };
         let (on_input, on_output) = gear.frictions();
-        let before =
-            [on_input.presliding(&state.input_friction), on_output.presliding(&state.output_friction)];
+        let before = on_input.presliding(&state.input_friction);
         on_output.step(&mut state.output_friction, &slip(output, state.carried));
         let slip = slip(output * self.inverse_ratio, self.ratio * state.carried);
         state.engaged = state.engaged - self.fading * state.engaged;
         state.engaged += (slip.displacement().abs() * self.engagement).min(R::ONE) * (R::ONE - state.engaged);
         on_input.step(&mut state.input_friction, &slip);
-        let after =
-            [on_input.presliding(&state.input_friction), on_output.presliding(&state.output_friction)];
-        let steps = self.steps_since_reversal(state, slip.displacement());
-        state.stiffened = [steps * (after[0] - before[0]), steps * (after[1] - before[1])];
+        let change = on_input.presliding(&state.input_friction) - before;
+        state.stiffened = self.steps_since_reversal(state, slip.displacement()) * change;
     }
 
     /// s/ds after another `step` ds of the motor (rad); 0 at rest and where the reversal is far behind.
@@ -244,15 +241,12 @@ impl<R: Real> FeedForward<R> {
         state.rubbing = rubbing;
     }
 
-    /// w*(F_2 - F_1) and w*s*dF/ds of the friction of either side (N m), 0 at rest.
+    /// w*(F_2 - F_1) and w*s*dF/ds of the wave generator's friction (N m), 0 at rest.
     #[inline(always)]
-    pub fn presliding(&self, gear: &RealTimeGear<R>, state: &FeedForwardState<R>) -> [[R; 2]; 2] {
-        let (input, output) = gear.frictions();
-        if state.velocity == R::ZERO {
-            return [[R::ZERO; 2]; 2];
-        }
-        let shaped = [input.shaped(&state.input_friction), output.shaped(&state.output_friction)];
-        [shaped, state.stiffened].map(|of| of.map(|of| state.engaged * of))
+    pub fn presliding(&self, gear: &RealTimeGear<R>, state: &FeedForwardState<R>) -> [R; 2] {
+        let (input, _) = gear.frictions();
+        let engaged = if state.velocity == R::ZERO { R::ZERO } else { state.engaged };
+        [engaged * input.shaped(&state.input_friction), engaged * state.stiffened]
     }
 
     /// Gives the presliding of either side its learnt shape and stiffness.

@@ -21,9 +21,9 @@
 //! | fault | raised when |
 //! | --- | --- |
 //! | gear overload | abs T_g > 1.25*tau_p at the end of a round: no command takes it there ([`crate::compensator::actuate::protection`]), so that it is a blow, or a sign or size of torque or angle that is wrong |
-//! | frozen, standing | the count is the same for two rounds or more, and tau has changed by more than 2.5*tau_s + 0.01*tau_max + 2*count*K/n^2 since: static friction gives way at 2*tau_s at most, and then the rotor moves by counts within a round |
+//! | frozen, standing | the count is the same for two rounds or more, and tau has changed by more than 2.5*tau_s + 0.01*tau_max + 2*count*K/n^2 + 8*J_wg*count/h^2 since: static friction gives way at 2*tau_s at most, and then the last of it moves the rotor by two counts within half a round |
 //! | frozen, loaded | it stands, and the torque on it, that of the gear as the torque sensor tells it included, has changed by more than that; as the output's encoder tells it, by 0.05*tau_p/n more |
-//! | frozen, moving | the count stands still at once, though 1.25*(abs tau + abs T_g/n + tau_s) + tau_p/(4*n) could not stop the rotor in the time |
+//! | frozen, moving | the count stands still at once, though 1.25*(abs tau + abs T_g/n + tau_s) + tau_p/(4*n) + 3*J_wg*count/h^2, the last for what rounding makes of two speeds, could not stop the rotor in the time |
 //! | overspeed | abs omega > the speed limit |
 //! | drive | measured torque off the commanded one by more than 0.1*tau_max + 0.5*abs tau, the larger of this round and the last, in three rounds, two where it is of the other sign: five times the noise that the filter expects, a drive at 60 % of its limit, longer than four time constants of a 1 kHz drive |
 //! | following | farther from the reference than tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p at the end of a round: what a cascade with the position gain k_p leaves at the motor's largest acceleration, and without feed-forward of the speed |
@@ -166,7 +166,8 @@ impl<R: Real> Rotor<R> {
         let corner = gain.sqrt() * (stiffness * both).sqrt().min(R::lit(0.25) / round);
         let grip = R::lit(2.5) * static_level
             + R::lit(0.01) * limits.motor_torque
-            + R::lit(2.0) * count * stiffest / (n * n);
+            + R::lit(2.0) * count * stiffest / (n * n)
+            + R::lit(8.0) * noise / n.abs();
         let rounds = |time: f64| ((R::lit(time) / round + R::lit(0.5)).to_i32().max(1)).cast_unsigned();
         Ok(Self {
             round,
@@ -187,7 +188,9 @@ impl<R: Real> Rotor<R> {
             overload: R::lit(OVERLOAD) * peak,
             grip,
             held: [n.abs() * grip + R::lit(0.05) * peak, n.abs() * grip],
-            surplus: R::lit(0.25) * peak / n.abs() + R::lit(1.25) * static_level,
+            surplus: R::lit(0.25) * peak / n.abs()
+                + R::lit(1.25) * static_level
+                + R::lit(3.0) * noise / n.abs(),
             speed_limit: limits.motor_speed + count / round,
             drive: R::lit(0.1) * limits.motor_torque,
             following: limits.motor_torque / (inertia * k_p * k_p),

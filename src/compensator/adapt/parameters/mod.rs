@@ -9,8 +9,8 @@
 //! sides      epsilon_in = zone(m - m_0),  m = -(s + nu/c_0),  epsilon_out = zone(d - d_0 - (m - m_0))    with an output encoder
 //! stiffness  c     <- limit(c - dt*gamma_c*phi*nu, bounds),                gamma_c = rate_c/level_c^2    with an output encoder
 //!            c     <- limit(c + dt*gamma_f*psi*epsilon, bounds),           gamma_f = rate_f/level_f^2    without
-//! presliding f     <- limit(f + dt*gamma_p*(phi_in*epsilon_in + phi_out*epsilon_out), bounds),  phi = -F(s)*w*[n*(F_2 - F_1)_in, (F_2 - F_1)_out]
-//!            u     alike,  phi = -F(s)*w*[n*(s*dF/ds)_in, (s*dF/ds)_out],  s: path since the motor turned back, F(u) = F((1 + u + u^2/2)*s)
+//! presliding f     <- limit(f + dt*gamma_p*phi_p*epsilon_in, bounds),      phi_p = -F(s)*w*n*(F_2 - F_1)
+//!            u     <- limit(u + dt*gamma_u*phi_u*epsilon_in, bounds),      phi_u = -F(s)*w*n*s*dF/ds,  F(u) = F((1 + u + u^2/2)*s)
 //! flexing    psi   = F(s)*limit(c_0*(f_J*J_fs)^2*ddddq, level_f) where |dq| < v_f, else F(s)*0
 //! ```
 //!
@@ -33,7 +33,8 @@
 //!
 //! Friction of another structure than the model's differs after a reversal: f is the share of order 2 in its presliding,
 //! the rest is of order 1 over the same distance ([`crate::friction::JointFriction::shape`]), and u by how much it is
-//! stiffer, both for either side. F_2 and F_1 slide alike, so that the levels are learnt apart from them.
+//! stiffer. Both are learnt at the wave generator, s being its path since it turned back, and hold for either side. F_2
+//! and F_1 slide alike, so that the levels are learnt apart from them.
 //!
 //! # Lyapunov
 //!
@@ -142,10 +143,8 @@ pub struct AdaptationState<R: Real> {
     inertia: Delayed<R>,
     input_friction: Delayed<R>,
     output_friction: Delayed<R>,
-    input_presliding: Delayed<R>,
-    output_presliding: Delayed<R>,
-    input_stiffness: Delayed<R>,
-    output_stiffness: Delayed<R>,
+    presliding: Delayed<R>,
+    stiffness: Delayed<R>,
     flexing: Delayed<R>,
     /// d_0 and m_0.
     bias: R,
@@ -167,10 +166,10 @@ pub struct Excitation<R> {
     pub input_friction: R,
     /// w*tau_fric_out, 0 where the setpoint rests (N m).
     pub output_friction: R,
-    /// w*(F_2 - F_1) of wave generator and flexspline, 0 where the setpoint rests (N m).
-    pub presliding: [R; 2],
-    /// w*s*dF/ds of both (N m).
-    pub stiffness: [R; 2],
+    /// w*(F_2 - F_1) of the wave generator, 0 where the setpoint rests (N m).
+    pub presliding: R,
+    /// w*s*dF/ds of it (N m).
+    pub stiffness: R,
 }
 
 /// What the observer says of this turn.
@@ -315,20 +314,16 @@ impl<R: Real> Adaptation<R> {
         let inertia = state.inertia.step(-self.flexspline_inertia * excitation.acceleration, self.filter);
         let input = state.input_friction.step(-self.n * excitation.input_friction, self.filter);
         let output = state.output_friction.step(-excitation.output_friction, self.filter);
-        let [presliding_in, presliding_out] = excitation.presliding;
-        let presliding_in = state.input_presliding.step(-self.n * presliding_in, self.filter);
-        let presliding_out = state.output_presliding.step(-presliding_out, self.filter);
-        let [stiffness_in, stiffness_out] = excitation.stiffness;
-        let stiffness_in = state.input_stiffness.step(-self.n * stiffness_in, self.filter);
-        let stiffness_out = state.output_stiffness.step(-stiffness_out, self.filter);
+        let presliding = state.presliding.step(-self.n * excitation.presliding, self.filter);
+        let stiffness = state.stiffness.step(-self.n * excitation.stiffness, self.filter);
         let flexing = state.flexing.step(self.flexing(excitation, &state.factors), self.filter);
         let left = observed.external_torque - state.bias;
         let (gains, bounds) = (&self.gains, &self.bounds);
         let reach = inertia.abs() * bounds.inertia
             + input.abs() * bounds.input_friction
             + output.abs() * bounds.output_friction
-            + (presliding_in + presliding_out).abs() * bounds.presliding
-            + (stiffness_in + stiffness_out).abs() * bounds.presliding_stiffness;
+            + presliding.abs() * bounds.presliding
+            + stiffness.abs() * bounds.presliding_stiffness;
         if !learns {
             return R::ZERO;
         }
@@ -348,12 +343,10 @@ impl<R: Real> Adaptation<R> {
             gains.output_friction * output * error,
             bounds.output_friction,
         );
-        let shaped = presliding_in * of_input + presliding_out * error;
-        learn(&mut state.factors.presliding, gains.presliding * shaped, bounds.presliding);
-        let stiffer = stiffness_in * of_input + stiffness_out * error;
+        learn(&mut state.factors.presliding, gains.presliding * presliding * of_input, bounds.presliding);
         learn(
             &mut state.factors.presliding_stiffness,
-            gains.presliding_stiffness * stiffer,
+            gains.presliding_stiffness * stiffness * of_input,
             bounds.presliding_stiffness,
         );
         let softer = match observed.output_innovation {

@@ -51,14 +51,14 @@ fn adaptation() -> Adaptation<f64> {
 /// A joint of these factors whose friction is Coulomb's, in a motion of two tones; d_0 is a load of 5 N m.
 struct Joint {
     truth: Factors<f64>,
-    observed: [Delayed<f64>; 8],
+    observed: [Delayed<f64>; 6],
     sees_output: bool,
     time: f64,
 }
 
 impl Joint {
     fn new(truth: Factors<f64>, sees_output: bool) -> Self {
-        Self { truth, observed: [Delayed::default(); 8], sees_output, time: 0.0 }
+        Self { truth, observed: [Delayed::default(); 6], sees_output, time: 0.0 }
     }
 
     /// What moves, and what an observer that was told `told` still misses.
@@ -73,29 +73,22 @@ impl Joint {
             snap: 80.0 * slow.sin() + 3630.0 * fast.sin(),
             input_friction: 0.035 * (N * velocity).signum(),
             output_friction: velocity.signum() * (1.0 - 0.9 * (-velocity.abs()).exp()),
-            presliding: [0.03, 0.8].map(|level| level * (5.0 * self.time).sin()),
-            stiffness: [0.03, 0.8].map(|level| level * (7.0 * self.time).sin()),
+            presliding: 0.03 * (5.0 * self.time).sin(),
+            stiffness: 0.03 * (7.0 * self.time).sin(),
         };
         let off = |truth: f64, told: f64| truth - told;
         let (filter, compliance) = (adaptation().filter, adaptation().flexibility);
         let load = INERTIA * self.truth.inertia;
-        let [shaped, stiffer] = [
-            (excitation.presliding, self.truth.presliding - told.presliding),
-            (excitation.stiffness, self.truth.presliding_stiffness - told.presliding_stiffness),
-        ]
-        .map(|([input, output], off)| [-N * input * off, -output * off]);
         let parts = [
             -INERTIA * excitation.acceleration * off(self.truth.inertia, told.inertia),
             -N * excitation.input_friction * off(self.truth.input_friction, told.input_friction),
             -excitation.output_friction * off(self.truth.output_friction, told.output_friction),
             load * load * compliance * excitation.snap * off(self.truth.compliance, told.compliance),
-            shaped[0],
-            shaped[1],
-            stiffer[0],
-            stiffer[1],
+            -N * excitation.presliding * off(self.truth.presliding, told.presliding),
+            -N * excitation.stiffness * off(self.truth.presliding_stiffness, told.presliding_stiffness),
         ];
         let mut parts = self.observed.iter_mut().zip(parts).map(|(low, part)| low.step(part, filter));
-        let missed: [f64; 8] = std::array::from_fn(|_| parts.next().unwrap());
+        let missed: [f64; 6] = std::array::from_fn(|_| parts.next().unwrap());
         let torsion = 1e-3 * slow.sin();
         let innovation = (told.compliance - self.truth.compliance) * torsion;
         // The encoders' zero is off by a torque of 0.3 N m.
@@ -103,7 +96,7 @@ impl Joint {
             external_torque: 5.0 + missed.iter().sum::<f64>(),
             torsion,
             output_innovation: self.sees_output.then_some(innovation),
-            stiffness_torque: 0.3 - missed[1] - missed[4] - missed[6] - innovation / compliance,
+            stiffness_torque: 0.3 - missed[1] - missed[4] - missed[5] - innovation / compliance,
         };
         (excitation, observed)
     }
@@ -306,8 +299,8 @@ proptest! {
                 snap: 1e4 * at(7),
                 input_friction: 0.001 * at(1),
                 output_friction: at(2),
-                presliding: [0.001 * at(4), at(5)],
-                stiffness: [0.001 * at(6), at(7)],
+                presliding: 0.001 * at(4),
+                stiffness: 0.001 * at(6),
             };
             let observed = Observed {
                 external_torque: at(3),
