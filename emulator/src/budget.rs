@@ -55,12 +55,14 @@ pub struct ImageBounds {
     pub stack: Option<u64>,
 }
 
-/// What the control step may cost whatever its input is: asked for, not measured, and never overwritten.
+/// What the control step may cost whatever its input is; never overwritten.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AnyInputBounds {
     /// Most cycles of a call, by the model of [`crate::counting::cycle_table`].
     pub cycles: u64,
+    /// What is asked for, where that is not reached: the table says so.
+    pub asked: Option<u64>,
 }
 
 /// A board's budget.

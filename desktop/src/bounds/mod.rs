@@ -54,6 +54,7 @@ pub const ASKED: &[(&str, f64)] = &[
     ("compensator.both.s1.vibration_to_b0", 0.05),
     ("compensator.motor.s3.vibration_to_b0", 0.25),
     ("compensator.both.s3.vibration_to_b0", 0.2),
+    ("compensator.both.s4.ripple_to_b0", 0.05),
     ("compensator.motor.s3.settling_to_b0", 0.25),
     ("compensator.motor.s5.peak_to_b0", 0.6),
     ("compensator.both.s5.peak_to_b0", 0.55),
