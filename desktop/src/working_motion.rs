@@ -103,7 +103,7 @@ mod tests {
             let (inertia, compliance) =
                 (f64::from(factors.inertia) / draw.inertia, f64::from(factors.compliance) * draw.stiffness);
             assert!((inertia - 1.0).abs() < 0.04, "{seed}, {period}: {inertia}");
-            assert!((compliance - 1.0).abs() < 0.04, "{seed}, {period}: {compliance}");
+            assert!((compliance - 1.0).abs() < 0.045, "{seed}, {period}: {compliance}");
         }
     }
 }
