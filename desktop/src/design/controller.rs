@@ -115,6 +115,14 @@ fn share(x: f64) -> f64 {
     -(-x).exp_m1()
 }
 
+/// The output feedback as it acts where the motor stands, at rest, or moves slowly.
+fn in_mode(gains: &OutputFeedbackParams<f64>, stands: bool) -> OutputFeedbackParams<f64> {
+    if !stands {
+        return *gains;
+    }
+    OutputFeedbackParams { integral: gains.integral_at_rest, proportional: 0.0, derivative: 0.0, ..*gains }
+}
+
 impl Controller {
     /// Of a gear at an operating point of this stiffness (N m/rad).
     pub fn new(
@@ -149,7 +157,7 @@ impl Controller {
             feedback: parts.feedback,
             disturbance: parts.disturbance,
             passes: f64::from(u8::from(passes)),
-            output_feedback: parts.output_feedback[usize::from(has_output)],
+            output_feedback: in_mode(&parts.output_feedback[usize::from(has_output)], stands),
             reference_frequency: (file.stiffness.k1 / file.inertia.flexspline).sqrt(),
         }
     }
@@ -290,7 +298,6 @@ impl Controller {
         let position = x[FLANGE_AHEAD] + dt * (x[FLANGE_SPEED] - r * x[MOTOR_SPEED]) + r * x[OFF] + r * motor;
         let measured = if self.has_output { position + x[INNOVATION] } else { position };
         let gains = &self.output_feedback;
-        // As in slow motion.
         let change = share(round * gains.measured_corner) * (measured - x[MEASURED]);
         x[MEASURED] += change;
         let by_measurement = gains.proportional * x[MEASURED] + gains.derivative / round * change;
