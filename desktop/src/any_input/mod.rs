@@ -1,7 +1,7 @@
 //! Input sequences that take the control step where no scenario does: any bits, and legal motions in which things go
 //! wrong.
 //!
-//! A sequence is drawn from its seed alone. One in [`ANY_BITS`] has nothing but random bits; the others are motions of S1 to S5
+//! A sequence is drawn from its seed alone. One in `ANY_BITS` has nothing but random bits; the others are motions of S1 to S5
 //! on the condensed plant, closed by the compensator itself, in which single periods are disturbed
 //! ([`disturbance`]): so that most of its code still has a sound state to work on. Every sequence begins at a
 //! restart. What a disturbed compensator answers acts on the plant.
