@@ -140,9 +140,12 @@ fn a_gear_by_turns_is_the_gear() {
             let off = (one.transmitted - other.transmitted).abs() / rated;
             assert!(k < 2 || off < allowed, "{speed} rad/s, period {k}: {off} {one:?} {other:?}");
             let n = f64::from(joint.gear.ratio.abs());
-            let rubs = n * (one.input_friction - other.input_friction).abs()
+            let friction = n * (one.input_friction - other.input_friction).abs()
                 + (one.output_friction - other.output_friction).abs();
-            assert!(k < 100 || rubs < 0.02 * rated, "{speed} rad/s, period {k}: {rubs} {one:?} {other:?}");
+            assert!(
+                k < 100 || friction < 0.02 * rated,
+                "{speed} rad/s, period {k}: {friction} {one:?} {other:?}"
+            );
         }
     }
 }

@@ -40,7 +40,7 @@ pub(super) struct Flat {
     body: RigidBody,
     wave_generator_inertia: f64,
     flexspline_inertia: f64,
-    rubbing: JointFrictionState<f64>,
+    friction_state: JointFrictionState<f64>,
     /// tau_t of the last setpoint (N m).
     carried: f64,
     /// Friction (N m) and e' of the last setpoint.
@@ -57,7 +57,7 @@ impl Flat {
             body,
             wave_generator_inertia: gear.wave_generator_inertia,
             flexspline_inertia: gear.flexspline_inertia,
-            rubbing: JointFrictionState::default(),
+            friction_state: JointFrictionState::default(),
             carried: 0.0,
             last: None,
         })
@@ -67,7 +67,7 @@ impl Flat {
     pub fn step(&mut self, asked: &Asked, shift: f64) -> Demand {
         let (r, j): (f64, f64) = (self.ratio.value(), self.flexspline_inertia);
         let slip = Slip::new(asked.velocity, CONTROL_PERIOD).under(0.0, self.carried);
-        let friction = self.output_friction.step(&mut self.rubbing, &slip).force;
+        let friction = self.output_friction.step(&mut self.friction_state, &slip).force;
         let accelerating = j * asked.acceleration;
         self.carried = accelerating + friction;
         let (wound, compliance) = (self.line.torsion(self.carried), self.line.compliance(self.carried));

@@ -63,7 +63,7 @@ const LOAD: usize = 17;
 const SIXTH: usize = 18;
 const INNOVATION: usize = 19;
 const BENT: [usize; 2] = [20, 21];
-const RUBBED: [usize; 2] = [22, 23];
+const FRICTION: [usize; 2] = [22, 23];
 const TRANSMITTED: usize = 24;
 const SLOW: usize = 25;
 const MEAN: usize = 26;
@@ -170,10 +170,10 @@ impl Controller {
         set(&[MOTOR, AHEAD, SEEN_MOTOR, OFF, BENT[0]], n);
         set(&[COURSE, WIND_SPEED, SPEED, MOTOR_SPEED], n * omega);
         set(&[WIND_ACCELERATION], n * omega * omega);
-        set(&[TORQUE, TORQUE_OFF, WIND_TORQUE, INTEGRAL, LAST_TORQUE, RUBBED[0]], torque / n);
+        set(&[TORQUE, TORQUE_OFF, WIND_TORQUE, INTEGRAL, LAST_TORQUE, FRICTION[0]], torque / n);
         set(&[IMPULSE], torque / n * 2.0 * CONTROL_PERIOD);
         set(&[FLANGE_SPEED], omega);
-        set(&[LOAD, RUBBED[1], TRANSMITTED, SLOW, MEAN, FAST], torque);
+        set(&[LOAD, FRICTION[1], TRANSMITTED, SLOW, MEAN, FAST], torque);
         set(&[SIXTH], if self.stands { torque / n } else { torque });
         set(&[FAST_RATE], torque * omega);
         set(&[FAST_ACCELERATION], torque * omega * omega);
@@ -225,15 +225,16 @@ impl Controller {
             for (side, speed) in [x[MOTOR_SPEED], x[FLANGE_SPEED]].into_iter().enumerate() {
                 let bent = x[BENT[side]] + 2.0 * dt * speed;
                 x[BENT[side]] = if self.bristle[side] > 0.0 { bent } else { 0.0 };
-                x[RUBBED[side]] = self.viscous[side] * speed + self.bristle[side] * x[BENT[side]];
+                x[FRICTION[side]] = self.viscous[side] * speed + self.bristle[side] * x[BENT[side]];
             }
         }
         let (stiffness_torque, held) = if self.stands { (0.0, x[SIXTH]) } else { (x[SIXTH], 0.0) };
         let mean = 0.5 * (torque + x[LAST_TORQUE]);
         x[LAST_TORQUE] = torque;
-        let resisting = x[RUBBED[0]] + r * (transmitted + stiffness_torque);
+        let resisting = x[FRICTION[0]] + r * (transmitted + stiffness_torque);
         x[MOTOR_SPEED] += dt * (mean + held - resisting) / self.inertias[0];
-        x[FLANGE_SPEED] += dt * (transmitted - x[RUBBED[1]] + x[LOAD] + stiffness_torque) / self.inertias[1];
+        x[FLANGE_SPEED] +=
+            dt * (transmitted - x[FRICTION[1]] + x[LOAD] + stiffness_torque) / self.inertias[1];
         let way = dt * x[MOTOR_SPEED];
         x[OFF] += way - (motor - x[SEEN_MOTOR]);
         x[FLANGE_AHEAD] += dt * x[FLANGE_SPEED] - r * way;
@@ -301,7 +302,7 @@ impl Controller {
         let change = share(round * gains.measured_corner) * (measured - x[MEASURED]);
         x[MEASURED] += change;
         let by_measurement = gains.proportional * x[MEASURED] + gains.derivative / round * change;
-        let torque = x[TRANSMITTED] - x[RUBBED[1]] + compensated;
+        let torque = x[TRANSMITTED] - x[FRICTION[1]] + compensated;
         let angle = gains.damping * x[FLANGE_SPEED] + by_measurement + x[SHIFTED];
         let rate = gains.damping * torque / self.inertias[1] + gains.integral * x[FILTERED];
         x[AHEAD] = (wound - angle) / r - motor;

@@ -17,7 +17,9 @@ use crate::compensator::adapt::gravity::{Gravity, GravityState};
 use crate::compensator::adapt::parameters::{
     Adaptation, AdaptationParams, AdaptationState, Excitation, Factors, Observed,
 };
-use crate::compensator::adapt::ripple::{LearntRipple, LearntRippleParams, Lesson, RippleMap, RippleNow};
+use crate::compensator::adapt::ripple::{
+    LearntRipple, LearntRippleParams, RippleMap, RippleNow, RippleSample,
+};
 use crate::compensator::estimate::observer::Known;
 use crate::compensator::reference::feed_forward::ModelCorrection;
 use crate::compensator::schedule::{OBSERVER_PERIODS, PLAN_TO_LEARN, SLOW_PERIODS};
@@ -210,7 +212,7 @@ impl<R: Real> Learning<R> {
     #[inline(always)]
     pub fn learn_ripple(&self, state: &mut LearningState<R>) {
         let torque = -self.ratio * state.missed;
-        let lesson = Lesson { speed: state.speed, position: state.position, torque };
-        self.ripple.learn(&mut state.map, &state.now, &lesson);
+        let sample = RippleSample { speed: state.speed, position: state.position, torque };
+        self.ripple.learn(&mut state.map, &state.now, &sample);
     }
 }

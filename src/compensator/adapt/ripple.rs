@@ -99,7 +99,7 @@ pub struct RippleNow<R> {
 
 /// What one turn teaches.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Lesson<R> {
+pub struct RippleSample<R> {
     /// Speed of the motor's reference (rad/s).
     pub speed: R,
     /// Measured output less setpoint (rad), where there is an output encoder.
@@ -185,16 +185,16 @@ impl<R: Real> LearntRipple<R> {
 
     /// The order whose turn it was learns from it: its position and its torque by turns.
     #[inline(always)]
-    pub fn learn(&self, map: &mut RippleMap<R>, now: &RippleNow<R>, lesson: &Lesson<R>) {
-        let (speed, order) = (lesson.speed.abs(), now.turn % RIPPLE_ORDERS);
+    pub fn learn(&self, map: &mut RippleMap<R>, now: &RippleNow<R>, sample: &RippleSample<R>) {
+        let (speed, order) = (sample.speed.abs(), now.turn % RIPPLE_ORDERS);
         if speed < self.least_speed || speed >= self.fastest[order] {
             return;
         }
         let [cosine, sine] = now.basis;
         if now.turn >= RIPPLE_ORDERS {
-            let by = self.torque_gain * lesson.torque;
+            let by = self.torque_gain * sample.torque;
             add(&mut map.torque[order], [by * cosine, by * sine], self.torque_bound);
-        } else if let Some(position) = lesson.position {
+        } else if let Some(position) = sample.position {
             let by = self.position_gain * position;
             add(&mut map.position[order], [by * cosine, by * sine], self.position_bound);
         }
@@ -240,12 +240,12 @@ mod tests {
             let theta = Angle::from_radians_f64(speed * DT * k as f64);
             ripple.turn_to(&map, &mut now, theta, ratio.apply(theta), speed);
             ripple.turn_to(&TRUTH, &mut there, theta, ratio.apply(theta), speed);
-            let lesson = Lesson {
+            let sample = RippleSample {
                 speed,
                 position: Some(there.position - now.position),
                 torque: there.torque - now.torque,
             };
-            ripple.learn(&mut map, &now, &lesson);
+            ripple.learn(&mut map, &now, &sample);
         }
         map
     }

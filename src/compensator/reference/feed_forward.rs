@@ -96,8 +96,8 @@ pub struct FeedForwardState<R: Real> {
     hysteresis: TorsionHysteresisState<R, HYSTERESIS_MEMORY>,
     hysteresis_torque: R,
     /// tau_fric_out - tau_hyst in the hysteresis' last turn (N m), and its rate.
-    rubbing: R,
-    rubbing_rate: R,
+    resistance: R,
+    resistance_rate: R,
     /// e and de/dtheta of the last turn, moved on since.
     deviation: Deviation<R>,
     /// de/dtheta in the last turn, and its rate (1/s).
@@ -195,7 +195,7 @@ impl<R: Real> FeedForward<R> {
 
     /// The frictions' turn; w with that of the motor.
     #[inline(always)]
-    fn rub(&self, gear: &RealTimeGear<R>, state: &mut FeedForwardState<R>) {
+    fn step_friction(&self, gear: &RealTimeGear<R>, state: &mut FeedForwardState<R>) {
         let (heading, output) = (state.heading, state.velocity);
         let slip = |velocity, load| Slip {
             wave_generator: heading,
@@ -231,14 +231,14 @@ impl<R: Real> FeedForward<R> {
     ) {
         state.heading = reference.heading();
         self.deviate(gear, state, reference);
-        self.rub(gear, state);
+        self.step_friction(gear, state);
         let scale = R::ONE + factors.stiffening();
         state.hysteresis_torque = scale * gear.hysteresis().step(&mut state.hysteresis, state.nominal).torque;
         let (_, output) = gear.frictions();
-        let rubbing =
+        let resistance =
             factors.output_friction * output.force(&state.output_friction) - state.hysteresis_torque;
-        state.rubbing_rate = (rubbing - state.rubbing) * self.inverse_round;
-        state.rubbing = rubbing;
+        state.resistance_rate = (resistance - state.resistance) * self.inverse_round;
+        state.resistance = resistance;
     }
 
     /// w*(F_2 - F_1) and w*s*dF/ds of the wave generator's friction (N m), 0 at rest.
@@ -283,7 +283,7 @@ impl<R: Real> FeedForward<R> {
         let compliance = gear.flexspline().compliance(on_line);
         let wound_share = shares.wind_up * factors.compliance;
         let wound = wound_share * compliance;
-        let carried_rate = accelerating_rate + state.rubbing_rate;
+        let carried_rate = accelerating_rate + state.resistance_rate;
         state.nominal = nominal + self.to_models * compliance * carried_rate;
 
         let moved = self.to_plan * motor_velocity;

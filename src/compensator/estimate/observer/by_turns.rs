@@ -33,7 +33,7 @@ pub struct GearByTurns<R: Real> {
     deviation: Deviation<R>,
     heading: Heading<R>,
     /// The frictions had the last turn, not the kinematic error.
-    rubbed: bool,
+    friction_last: bool,
 }
 
 /// How both ends move.
@@ -131,9 +131,9 @@ impl<R: Real> GearByTurns<R> {
         ends: &Ends<R, impl Fn() -> Angle<R>>,
         known: &Known<R>,
     ) -> Torques<R> {
-        self.rubbed = !self.rubbed;
-        let rubs = self.rubbed;
-        if rubs {
+        self.friction_last = !self.friction_last;
+        let has_friction = self.friction_last;
+        if has_friction {
             self.deviation.error += self.deviation.slope * (turns.dt * ends.wave_generator_speed);
         } else {
             self.start_at(gear, (ends.wave_generator)());
@@ -143,13 +143,13 @@ impl<R: Real> GearByTurns<R> {
         let torsion_rate = slope * ends.wave_generator_speed - ends.flange_speed;
         let scale = R::ONE + known.stiffening;
         let torque = gear.flexspline().torque(scale * torsion, scale * torsion_rate);
-        if !rubs {
+        if !has_friction {
             let hysteresis = gear.hysteresis().step(&mut self.hysteresis, scale * torsion);
             self.hysteresis_torque = scale * hysteresis.torque;
         }
         let transmitted = torque + self.hysteresis_torque;
         let (on_input, on_output) = gear.frictions();
-        if rubs {
+        if has_friction {
             let slip = |velocity, load| Slip {
                 wave_generator: self.heading,
                 ..Slip::over(velocity, turns.round).under(R::ZERO, load)
