@@ -149,10 +149,6 @@ pub struct Demand<R> {
     pub transmission: R,
     /// By how much the gear's torsion yields to a torque, as far as it is wound up (rad/(N m)).
     pub wound: R,
-    /// J*ddq that the gear is wound up for (N m).
-    pub accelerating: R,
-    /// How fast that changes (N m/s).
-    pub accelerating_rate: R,
     /// What it rests on, from the nominal gear.
     pub excitation: Excitation<R>,
 }
@@ -318,8 +314,6 @@ impl<R: Real> FeedForward<R> {
                 + torque,
             transmission,
             wound,
-            accelerating,
-            accelerating_rate,
             excitation: Excitation {
                 velocity: setpoint.velocity,
                 acceleration: setpoint.acceleration,

@@ -1,13 +1,14 @@
 //! Output feedback: the motor's reference is shifted so that the torsional vibration is damped and no error stays.
 //!
 //! ```text
-//! e      = theta_fs - q,   e' = omega_fs - dq,   e'' = (tau_t - tau_fric_out + d - J_fs*ddq)/J_fs
+//! e      = theta_fs - q,   e' = omega_fs - dq,   e'' = domega_fs/dt - ddq
 //! shift  = -(b*e' + P*m_f + D*dm_f/dt + z),    dshift = -(b*e'' + k*y),    dz/dt = k*y
 //! y      = two poles at omega_y on m,   m_f = one pole at omega_m on m in slow motion, on 0 at rest and in a fast one
 //! ```
 //!
-//! theta_fs, omega_fs, tau_t and tau_fric_out are the observer's, q the setpoint, J_fs as the feed-forward winds the
-//! gear up for it, d the external torque as far as it is compensated ([`crate::compensator::estimate::disturbance`]).
+//! theta_fs and omega_fs are the observer's, domega_fs/dt what it predicts with, so that e'' is zero where e' stands still,
+//! whatever the load is: any other balance of torques would make of a constant load a reference that ramps between two
+//! slots and jumps back in each. q is the setpoint.
 //! m is the output encoder's angle less q, less what a count hides; without that encoder e. The shift (rad at the output) is added to where the motor side should
 //! be, and the cascade follows it.
 //!
@@ -68,7 +69,6 @@ pub struct OutputFeedback<R> {
     /// Share of the way that m_f takes in a round; P and D/dt of either set.
     measured_gain: R,
     by_measurement: [[R; 2]; 2],
-    inverse_flexspline_inertia: R,
     /// Fastest setpoint at which z runs (rad/s).
     slow: R,
     /// What a count of the output encoder hides (rad).
@@ -100,8 +100,8 @@ pub struct Deviation<R> {
     pub velocity: R,
     /// dq (rad/s).
     pub asked_velocity: R,
-    /// J_fs*e'' (N m).
-    pub torque: R,
+    /// e'' (rad/s^2).
+    pub acceleration: R,
     /// Output encoder's angle less q (rad), where it reads.
     pub measured: Option<R>,
 }
@@ -116,18 +116,12 @@ pub struct Shift<R> {
 }
 
 impl<R: Real> OutputFeedback<R> {
-    /// From the gains without and with an output encoder, J_fs (kg m^2), the output's fastest speed (rad/s), one
+    /// From the gains without and with an output encoder, the output's fastest speed (rad/s), one
     /// count of its encoder (rad) and the time dt between its turns (s).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `damping`, `integral`, `filter_corner` or `flexspline_inertia`.
-    pub fn build(
-        gains: &[OutputFeedbackParams<R>; 2],
-        flexspline_inertia: R,
-        fastest: R,
-        count: R,
-        dt: R,
-    ) -> Result<Self, Error> {
+    /// [`Error::OutOfRange`] with the name of the gain outside its range.
+    pub fn build(gains: &[OutputFeedbackParams<R>; 2], fastest: R, count: R, dt: R) -> Result<Self, Error> {
         let within = |value: R, most: f64| value >= R::ZERO && value <= R::lit(most);
         for set in gains {
             require(within(set.damping, 1.0), "damping")?;
@@ -138,13 +132,11 @@ impl<R: Real> OutputFeedback<R> {
             require(within(set.derivative, 1.0), "derivative")?;
             require(within(set.measured_corner, 1e5), "measured_corner")?;
         }
-        require(flexspline_inertia > R::ZERO, "flexspline_inertia")?;
         Ok(Self {
             gains: *gains,
             filter_gains: [0, 1].map(|k: usize| (dt * gains[k].filter_corner).one_minus_exp_neg()),
             measured_gain: (dt * gains[1].measured_corner).one_minus_exp_neg(),
             by_measurement: [0, 1].map(|k: usize| [gains[k].proportional, gains[k].derivative / dt]),
-            inverse_flexspline_inertia: R::ONE / flexspline_inertia,
             slow: R::lit(SLOW) * fastest,
             hidden: R::lit(HIDDEN) * count,
             dt,
@@ -166,9 +158,8 @@ impl<R: Real> OutputFeedback<R> {
         let change = self.measured_gain * (if rests { R::ZERO } else { error } - state.measured);
         state.measured += change;
         let measured = self.by_measurement[set][0] * state.measured + self.by_measurement[set][1] * change;
-        let acceleration = deviation.torque * self.inverse_flexspline_inertia;
         let angle = damping * deviation.velocity + measured + state.integral;
-        let rate = damping * acceleration + state.integral_rate;
+        let rate = damping * deviation.acceleration + state.integral_rate;
         Shift { angle: -angle.limit(R::lit(LARGEST)), rate: -rate }
     }
 
@@ -207,7 +198,7 @@ mod tests {
     };
 
     fn feedback(gains: OutputFeedbackParams<f64>) -> OutputFeedback<f64> {
-        OutputFeedback::build(&[gains; 2], INERTIA, 5.86, 1.2e-5, DT).unwrap()
+        OutputFeedback::build(&[gains; 2], 5.86, 1.2e-5, DT).unwrap()
     }
 
     fn stepped(
@@ -225,15 +216,15 @@ mod tests {
     /// 1 mrad off under a constant `load` (N m); what the observer knows of it is taken for the truth.
     fn decay(gains: OutputFeedbackParams<f64>, load: f64, seconds: f64) -> (f64, f64) {
         let (feedback, mut state) = (feedback(gains), OutputFeedbackState::default());
-        let (mut e, mut rate, mut torque, mut largest) = (1e-3f64, 0.0, 0.0, 0.0f64);
+        let (mut e, mut rate, mut acceleration, mut largest) = (1e-3f64, 0.0, 0.0, 0.0f64);
         let periods = (seconds / DT) as usize;
         for k in 0..periods {
             let deviation =
-                Deviation { position: e, velocity: rate, torque, measured: None, asked_velocity: 0.0 };
+                Deviation { position: e, velocity: rate, acceleration, measured: None, asked_velocity: 0.0 };
             let shift = stepped(&feedback, &mut state, &deviation, true);
             for _ in 0..16 {
-                torque = STIFFNESS * (shift.angle - e);
-                rate += DT / 16.0 * (torque + load) / INERTIA;
+                acceleration = (STIFFNESS * (shift.angle - e) + load) / INERTIA;
+                rate += DT / 16.0 * acceleration;
                 e += DT / 16.0 * rate;
             }
             // The last quarter of a second.
@@ -297,7 +288,7 @@ mod tests {
 
     #[test]
     fn a_gain_out_of_range_is_named() {
-        let build = |gains| OutputFeedback::build(&[GAINS, gains], INERTIA, 5.86, 1.2e-5, DT).unwrap_err();
+        let build = |gains| OutputFeedback::build(&[GAINS, gains], 5.86, 1.2e-5, DT).unwrap_err();
         let named = |name| Error::OutOfRange(name);
         assert_eq!(build(OutputFeedbackParams { filter_corner: f64::NAN, ..GAINS }), named("filter_corner"));
         assert_eq!(build(OutputFeedbackParams { damping: -0.1, ..GAINS }), named("damping"));
