@@ -94,11 +94,10 @@ impl<R: Real, const L: usize> Everett<R, L> {
         Self::rounded(R::ZERO, |k, l| sums.major_mean(k) - sums.major_mean(l) - sums.corner(k, l))
     }
 
-    /// The least rise of G over a cell of its upper end, in outputs.
-    pub(crate) fn least_slope(&self) -> R {
-        let rises = (0..L).flat_map(|k| (0..=k).map(move |l| (k, l)));
-        let slopes = rises.map(|(k, l)| (self.entry(k + 1, l) - self.entry(k, l)).real() * self.quantum);
-        slopes.fold(R::MAX, R::min)
+    /// Rise of G over each cell of its upper end, in outputs.
+    pub(crate) fn slopes(&self) -> impl Iterator<Item = R> {
+        let cells = (0..L).flat_map(|k| (0..=k).map(move |l| (k, l)));
+        cells.map(|(k, l)| (self.entry(k + 1, l) - self.entry(k, l)).real() * self.quantum)
     }
 
     /// From G at the edges k > l, with room for outputs of twice the `reach`: weights of either sign can give more

@@ -117,6 +117,12 @@ impl<R: Real, const L: usize, const MEMORY: usize> TorsionHysteresis<R, L, MEMOR
         self.staircase.peek(state, torsion).into()
     }
 
+    /// Greatest slope of any branch (N m/rad), at least 0: the steepest that a reversal can meet.
+    #[inline(always)]
+    pub fn greatest_slope(&self) -> R {
+        self.staircase.greatest_slope()
+    }
+
     /// The inverse: torsion for a given torque through `line` and the hysteresis in parallel.
     ///
     /// # Errors

@@ -27,6 +27,9 @@ use crate::angle::Angle;
 use crate::error::{Error, require};
 use crate::real::{RADIANS_PER_COUNT, Real};
 
+/// Largest position that is learnt from, over the bound of a coefficient.
+const LARGEST_SAMPLE: f64 = 0.125;
+
 /// Number of learnt orders.
 pub const RIPPLE_ORDERS: usize = 4;
 
@@ -76,6 +79,8 @@ pub struct LearntRipple<R> {
     torque_gain: R,
     position_bound: R,
     torque_bound: R,
+    /// Largest position that is learnt from (rad).
+    largest_sample: R,
     least_speed: R,
     /// Fastest speed at which each order learns (rad/s); 0 for a place that is not used.
     fastest: [R; RIPPLE_ORDERS],
@@ -128,6 +133,7 @@ impl<R: Real> LearntRippleParams<R> {
             torque_gain: R::lit(4.0) * round * self.torque_rate,
             position_bound: self.position_bound,
             torque_bound: self.torque_bound,
+            largest_sample: R::lit(LARGEST_SAMPLE) * self.position_bound,
             least_speed: least,
             fastest: self.orders.map(|order| match order.order {
                 0 => R::ZERO,
@@ -195,7 +201,7 @@ impl<R: Real> LearntRipple<R> {
             let by = self.torque_gain * sample.torque;
             add(&mut map.torque[order], [by * cosine, by * sine], self.torque_bound);
         } else if let Some(position) = sample.position {
-            let by = self.position_gain * position;
+            let by = self.position_gain * position.limit(self.largest_sample);
             add(&mut map.position[order], [by * cosine, by * sine], self.position_bound);
         }
     }

@@ -3,22 +3,23 @@
 //! ```text
 //! J = f_J*J_fs,  tau_fric = f*friction of the gear's model along the setpoint       f: learnt factors
 //! tau_t     = s_i*J*ddq + tau_fric_out - d_ff                 torque through the flexspline
-//! phi       = c*line^-1(tau_t - tau_hyst)                      wind-up for it; tau_hyst: the model's of phi/c, over c
+//! phi       = c*(phi_m + (line^-1(tau_t - tau_m) - phi_m)/(1 + h*w))       wind-up for it
 //! theta_ref = (q + s_w*phi - s_e*e(theta_ref) - ripple) / r    motor reference
 //! tau_ff    = J_wg*ddtheta_ref + s_f*tau_fric_in + (r + s_e*de/dtheta)*(J*(ddq + dt/2*dddq) + s_f*tau_fric_out)
-//! dtheta_ref  = (dq + s_w*c/k*(J*dddq + d(tau_fric_out - tau_hyst)/dt) - s_e*de/dt) / r
-//! ddtheta_ref = (ddq + dt/2*dddq + s_w*c/k*J*ddddq - s_e*dde/dt^2) / r
+//! dtheta_ref  = (dq + s_w*c*w/(1 + h*w)*(J*dddq + dtau_fric_out/dt) - s_e*de/dt) / r
+//! ddtheta_ref = (ddq + dt/2*dddq + s_w*c*w/(1 + h*w)*J*ddddq - s_e*dde/dt^2) / r
 //! ```
 //!
-//! q is the setpoint of the output with its derivatives, d_ff the compensated external torque, k the line's stiffness at
-//! tau_t, c its compliance factor, and s the gains (0..=1) of inertia, friction, wind-up and kinematic error. Units: rad,
+//! q is the setpoint of the output with its derivatives, d_ff the compensated external torque, w the line's compliance at
+//! tau_t, c its factor, tau_m over c the hysteresis torque of the models' last slot at the torsion phi_m, h its slope there,
+//! and s the gains (0..=1) of inertia, friction, wind-up and kinematic error. Units: rad,
 //! N m; signs as in [`crate::gear`]. Evaluated once per round T of [`crate::compensator::schedule`], for the setpoint of
 //! that instant; the torque, which is held over each control period dt, for the middle of the first one. Until the next
 //! setpoint the motor reference is extrapolated by the returned acceleration, jerk and torque rate. [`PLAN_TO_MODELS`]
 //! periods later is the slot of kinematic error, hysteresis and the friction of either side
 //! ([`FeedForward::step_models`]), for the setpoint extrapolated to that instant by its acceleration, and the torsion by
 //! its rate. The kinematic error is extrapolated by its slope, and the slope by its rate, until the next setpoint. Rates
-//! of friction, hysteresis and slope are their differences over T.
+//! of friction and slope are their differences over T.
 //!
 //! The flexible joint is flat: motor angle and torque follow from the output's trajectory without solving a
 //! differential equation: the motor's speed contains the setpoint's jerk, its acceleration the snap. Friction is the
@@ -36,9 +37,12 @@
 //! which reaches 1 after a quarter of the presliding, drops by a few percent at a reversal, and tends to 0 at rest: the
 //! torque decreases monotonically there, so that it does not hunt. At a motor speed of eps/(4*T_f) w is a half.
 //!
-//! Hysteresis, kinematic error and the friction's load are implicit equations; all are solved by one fixed-point step
-//! in their slot: the hysteresis torque follows the torsion of the setpoint before (contraction: its slope over K1,
-//! about 0.2), e and the friction's ripple follow the motor reference of [`MODELS_TO_PLAN`] periods before (contraction:
+//! Hysteresis, kinematic error and the friction's load are implicit equations. The hysteresis is solved by one Newton step a
+//! round: h is the slope of the branch that the torsion is on where it goes on in its direction, and the steepest of all
+//! branches where it reverses or has stood. So h is never less than the slope that the torsion meets on a new branch, and
+//! the steps of a torsion that reverses approach the solution from one side, for a loop of any width: with the hysteresis
+//! torque of the round before in the place of its slope they alternate around it, and from 0.4 of the line's stiffness on
+//! they grow. The others are solved by one fixed-point step: e and the friction's ripple follow the motor reference of [`MODELS_TO_PLAN`] periods before (contraction:
 //! N*de/dtheta, below 0.03 for the default gear), and the friction's load is the tau_t of the setpoint before
 //! (contraction: the load's factor).
 //!
@@ -55,9 +59,12 @@ use crate::compensator::{CompensationGains, HYSTERESIS_MEMORY, RealTimeGear, Set
 use crate::error::{Error, require};
 use crate::friction::{FrictionModel, JointFrictionState, Slip, StepTime};
 use crate::gear::{GearParams, Motion};
-use crate::hysteresis::torsion::TorsionHysteresisState;
+use crate::hysteresis::torsion::{HysteresisTorque, TorsionHysteresisState};
 use crate::kinematic_error::ErrorAndSlope;
 use crate::real::Real;
+
+/// Least h*w: where line and hysteresis together are less than half as stiff as the line, the Newton step is shortened.
+const LEAST_SLOPE: f64 = -0.5;
 
 /// T_f (s): time constant of the friction feed-forward's decay at rest.
 const FADING_TIME: f64 = 0.5;
@@ -93,10 +100,16 @@ pub struct FeedForwardState<R: Real> {
     input_friction: JointFrictionState<R>,
     output_friction: JointFrictionState<R>,
     hysteresis: TorsionHysteresisState<R, HYSTERESIS_MEMORY>,
+    /// tau_m (N m), its slope along the branch and the steepest of all branches (N m/rad), phi_m (rad), and its change
+    /// in a round.
     hysteresis_torque: R,
-    /// tau_fric_out - tau_hyst in the models' last slot (N m), and its rate.
-    resistance: R,
-    resistance_rate: R,
+    hysteresis_slope: R,
+    steepest_slope: R,
+    torsion: R,
+    torsion_change: R,
+    /// tau_fric_out in the models' last slot (N m), and its rate.
+    friction: R,
+    friction_rate: R,
     /// e and de/dtheta of the last slot, extrapolated since.
     kinematic_error: ErrorAndSlope<R>,
     /// de/dtheta in the last slot, and its rate (1/s).
@@ -146,7 +159,7 @@ pub struct Demand<R> {
     pub torque_rate: R,
     /// r + s_e*de/dtheta there: motor torque for each N m at the output.
     pub transmission: R,
-    /// Compliance of the gear times the wind-up gain (rad/(N m)).
+    /// Compliance of the gear's line times the wind-up gain (rad/(N m)).
     pub wind_up_compliance: R,
     /// Its regressors for the adaptation, from the nominal gear.
     pub excitation: Excitation<R>,
@@ -233,12 +246,15 @@ impl<R: Real> FeedForward<R> {
         self.step_kinematic_error(gear, state, reference);
         self.step_friction(gear, state);
         let scale = R::ONE + factors.stiffening();
-        state.hysteresis_torque = scale * gear.hysteresis().step(&mut state.hysteresis, state.nominal).torque;
+        let HysteresisTorque { torque, slope } = gear.hysteresis().step(&mut state.hysteresis, state.nominal);
+        (state.hysteresis_torque, state.hysteresis_slope) = (scale * torque, scale * slope);
+        state.steepest_slope = scale * gear.hysteresis().greatest_slope();
+        state.torsion_change = state.nominal - state.torsion;
+        state.torsion = state.nominal;
         let (_, output) = gear.frictions();
-        let resistance =
-            factors.output_friction * output.force(&state.output_friction) - state.hysteresis_torque;
-        state.resistance_rate = (resistance - state.resistance) * self.inverse_round;
-        state.resistance = resistance;
+        let friction = factors.output_friction * output.force(&state.output_friction);
+        state.friction_rate = (friction - state.friction) * self.inverse_round;
+        state.friction = friction;
     }
 
     /// w*(F_2 - F_1) and w*s*dF/ds of the wave generator's friction (N m), 0 at rest.
@@ -263,6 +279,19 @@ impl<R: Real> FeedForward<R> {
         output.shape(&mut state.output_friction, order_two, stiffening);
     }
 
+    /// The nominal gear's torsion for tau_t (rad), and the compliance there of its line and of both, line and hysteresis
+    /// (rad/(N m)).
+    #[inline(always)]
+    fn torsion(&self, gear: &RealTimeGear<R>, state: &FeedForwardState<R>) -> (R, R, R) {
+        let on_line = state.transmitted - state.hysteresis_torque;
+        let line_compliance = gear.flexspline().compliance(on_line);
+        let change = gear.flexspline().torsion(on_line) - state.torsion;
+        let goes_on = change * state.torsion_change > R::ZERO;
+        let slope = if goes_on { state.hysteresis_slope } else { state.steepest_slope };
+        let share = R::ONE / (R::ONE + (slope * line_compliance).max(R::lit(LEAST_SLOPE)));
+        (state.torsion + share * change, line_compliance, share * line_compliance)
+    }
+
     /// Demand for a setpoint, with the learnt `correction` of the model.
     #[inline(always)]
     pub fn step(
@@ -284,12 +313,10 @@ impl<R: Real> FeedForward<R> {
 
         let (accelerating, accelerating_rate) = (inertia * setpoint.acceleration, inertia * setpoint.jerk);
         state.transmitted = accelerating + on_output - load;
-        let on_line = state.transmitted - state.hysteresis_torque;
-        let nominal = gear.flexspline().torsion(on_line);
-        let compliance = gear.flexspline().compliance(on_line);
+        let (nominal, line_compliance, compliance) = self.torsion(gear, state);
         let wind_up_gain = gains.wind_up * factors.compliance;
         let wind_up_compliance = wind_up_gain * compliance;
-        let transmitted_rate = accelerating_rate + state.resistance_rate;
+        let transmitted_rate = accelerating_rate + state.friction_rate;
         state.nominal = nominal + self.to_models * compliance * transmitted_rate;
 
         let moved = self.to_plan * motor_velocity;
@@ -326,7 +353,7 @@ impl<R: Real> FeedForward<R> {
                 + transmission * (inertia * acceleration + friction_gain * on_output)
                 + torque,
             transmission,
-            wind_up_compliance,
+            wind_up_compliance: wind_up_gain * line_compliance,
             excitation: Excitation {
                 velocity: setpoint.velocity,
                 acceleration: setpoint.acceleration,

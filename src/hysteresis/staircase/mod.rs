@@ -52,8 +52,9 @@ pub struct Staircase<R: Real, const L: usize, const MEMORY: usize> {
     cell_width: R,
     cells_per_unit: R,
     quanta_per_output: R,
-    /// Least slope of any branch.
+    /// Least and greatest slope of any branch.
     least_slope: R,
+    greatest_slope: R,
     everett: Everett<R, L>,
 }
 
@@ -80,7 +81,8 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
             cell_width: R::ONE / cells_per_unit,
             cells_per_unit,
             quanta_per_output: if everett.quantum() > R::ZERO { R::ONE / everett.quantum() } else { R::ZERO },
-            least_slope: everett.least_slope() * cells_per_unit,
+            least_slope: everett.slopes().fold(R::MAX, R::min) * cells_per_unit,
+            greatest_slope: everett.slopes().fold(R::ZERO, R::max) * cells_per_unit,
         })
     }
 
@@ -216,6 +218,11 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
     /// Least slope of any branch.
     pub(crate) fn least_slope(&self) -> R {
         self.least_slope
+    }
+
+    /// Greatest slope of any branch, at least 0.
+    pub(crate) fn greatest_slope(&self) -> R {
+        self.greatest_slope
     }
 
     /// The table.
