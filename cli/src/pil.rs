@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use strainwave_desktop::bench::{Conditions, SensorSet};
+use strainwave_desktop::box_sample::BoxSample;
 use strainwave_desktop::closed_loop::Run;
-use strainwave_desktop::draw::Draw;
 use strainwave_desktop::gear_file::DEFAULT;
 use strainwave_desktop::identify::learn_gear;
 use strainwave_desktop::log::MeasuredLog;
@@ -239,11 +239,11 @@ fn run_trial(
     let path = arguments.plots.join(format!("pil.{}.svg", trial.name()));
     files::make_folder(&arguments.plots)?;
     pil_plots::scenario(&run, gear).write(&path)?;
-    let draw = Draw::from_seed(seed);
+    let sample = BoxSample::from_seed(seed);
     say(format_args!("{}: {}; plot {}", trial.name(), scenario.title(), path.display()));
     say(format_args!(
         "    plant of seed {seed}: friction x {:.3} (input) x {:.3} (output), stiffness x {:.3}, load inertia x {:.3}",
-        draw.friction[0], draw.friction[1], draw.stiffness, draw.inertia
+        sample.friction[0], sample.friction[1], sample.stiffness, sample.inertia
     ));
     Ok(run)
 }

@@ -12,7 +12,7 @@ use strainwave_desktop::verify::robustness::Robustness;
 use strainwave_desktop::verify::{self, Measured};
 use strainwave_desktop::verify::{catalogue, compensator, friction, hysteresis, replay, robustness};
 use strainwave_desktop::{BadInput, Figure, GearFile, bounds};
-use strainwave_emulator::again;
+use strainwave_emulator::rerun;
 use strainwave_emulator::verify::{self as emulated, Parts};
 
 use crate::figures::{Figures, FiguresArguments, columns, say, table as figures_table};
@@ -133,7 +133,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     if let Some(parts) = emulated_parts(wanted(FIRMWARE), flexspline) {
         measured.add(measure_emulated(parts)?);
     }
-    let missed = measured.figures.iter().filter_map(bounds::misses_what_was_asked);
+    let missed = measured.figures.iter().filter_map(bounds::misses_target);
     for note in measured.notes.iter().cloned().chain(missed) {
         say(format_args!("{note}"));
     }
@@ -149,7 +149,7 @@ fn against_baselines(arguments: &Arguments) -> Result<Measured, BadInput> {
 
 /// On plants that the controllers do not know; its table is one line a row.
 fn against_unknowns(arguments: &Arguments) -> Result<Figures, BadInput> {
-    let asked = robustness::Asked {
+    let request = robustness::Request {
         rows: match arguments.rows.as_slice() {
             [] => Which::every().collect(),
             names => names.iter().filter_map(|name| Which::named(name)).collect(),
@@ -161,7 +161,7 @@ fn against_unknowns(arguments: &Arguments) -> Result<Figures, BadInput> {
     };
     let mut progress = Progress::new(1000, "judged plants");
     let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
-    let measured = robustness::measure(&gear, &asked, |share| {
+    let measured = robustness::measure(&gear, &request, |share| {
         progress.set((share * 1e3) as u64);
     });
     drop(progress);
@@ -171,8 +171,8 @@ fn against_unknowns(arguments: &Arguments) -> Result<Figures, BadInput> {
     for note in &measured.notes {
         say(format_args!("{note}"));
     }
-    let again = if arguments.again > 0 { again(arguments, &gear, &found)? } else { Vec::new() };
-    Ok(Figures::silent([measured.figures, again].concat(), &arguments.figures))
+    let rerun = if arguments.again > 0 { again(arguments, &gear, &found)? } else { Vec::new() };
+    Ok(Figures::silent([measured.figures, rerun].concat(), &arguments.figures))
 }
 
 /// The worst plants again, on the reference mesh with the firmware; a line each claim and plant.
@@ -180,7 +180,7 @@ fn again(arguments: &Arguments, gear: &GearFile, found: &Robustness) -> Result<V
     let worst = found.worst_runs(arguments.again as usize);
     let mut progress = Progress::new(1000, "reference mesh and firmware");
     let share = |share: f64| progress.set((share * 1e3) as u64);
-    let figures = again::measure(emulated::BOARD, gear, &worst, share).map_err(BadInput::message)?;
+    let figures = rerun::measure(emulated::BOARD, gear, &worst, share).map_err(BadInput::message)?;
     drop(progress);
     say(format_args!("\n{}", figures_table(&figures)));
     Ok(figures)
@@ -200,8 +200,8 @@ fn across_the_catalogue(arguments: &Arguments) -> Result<Figures, BadInput> {
         )));
     }
     let mut progress = Progress::new(1000, "joints of the catalogue");
-    let asked = catalogue::Asked { set, first, count };
-    let measured = catalogue::measure(&asked, |share| progress.set((share * 1e3) as u64));
+    let request = catalogue::Request { set, first, count };
+    let measured = catalogue::measure(&request, |share| progress.set((share * 1e3) as u64));
     drop(progress);
     let found = measured.map_err(BadInput::message)?;
     say(format_args!("{}", columns(&found.table())));

@@ -16,10 +16,10 @@ use strainwave::compensator::{CompensationGains, Input, Output, Sensors, Status}
 use strainwave::flexspline::Flexspline;
 use strainwave::gear::Motion;
 
-use crate::ability::Ability;
+use crate::box_sample::BoxSample;
+use crate::capability::Capability;
 use crate::closed_loop::Controller;
 use crate::divergence::RunError;
-use crate::draw::Draw;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, firmware_gear_params};
 use crate::plant::clock::{Clock, ClockParams};
@@ -60,7 +60,7 @@ impl SensorSet {
 /// What a joint is put on the bench with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditions {
-    /// The plant (see [`Draw::from_seed`]) and its noise.
+    /// The plant (see [`BoxSample::from_seed`]) and its noise.
     pub seed: u64,
     /// What the controller reads.
     pub sensors: SensorSet,
@@ -81,7 +81,7 @@ impl Conditions {
     /// # Errors
     /// As [`firmware_gear_params`].
     pub fn plant(&self, file: &GearFile) -> Result<strainwave::gear::GearParams<f64>, Error> {
-        Ok(Draw::from_seed(self.seed).apply(&firmware_gear_params(file)?))
+        Ok(BoxSample::from_seed(self.seed).apply(&firmware_gear_params(file)?))
     }
 }
 
@@ -90,8 +90,8 @@ pub trait Task {
     /// Length (s).
     fn duration(&self) -> f64;
 
-    /// What is asked at `time` (s) of a joint of this ability.
-    fn at(&self, time: f64, ability: &Ability) -> Demand;
+    /// What is asked at `time` (s) of a joint of this capability.
+    fn at(&self, time: f64, capability: &Capability) -> Demand;
 
     /// The wave generator is held by a brake.
     fn blocked(&self) -> bool {
@@ -181,7 +181,7 @@ pub struct Bench<F: Flexspline<f64> = PlantMesh> {
     /// Micro-steps by which the plant is off the clock's whole periods.
     off: i64,
     gains: CompensationGains<f32>,
-    ability: Ability,
+    capability: Capability,
     last: Output<f32>,
 }
 
@@ -246,7 +246,7 @@ impl<F: Flexspline<f64>> Bench<F> {
             clock: Clock::new(clock, random(conditions.seed, conditions.realisation, Purpose::Clock)),
             off: 0,
             gains: all_gains(file),
-            ability: Ability::of(file),
+            capability: Capability::of(file),
             last: Output::default(),
         }
     }
@@ -277,7 +277,7 @@ impl<F: Flexspline<f64>> Bench<F> {
             // By so much the step is after the plant's last micro-step.
             let ahead = tick.off - self.off as f64 * dt;
             if let Some(elapsed) = tick.elapsed {
-                let demand = task.at(time + tick.off, &self.ability);
+                let demand = task.at(time + tick.off, &self.capability);
                 let input = Input {
                     sensors: self.sensors.read(&self.plant, ahead),
                     command: demand.setpoint().into(),
@@ -288,7 +288,7 @@ impl<F: Flexspline<f64>> Bench<F> {
                 };
                 self.last = controller.step(&input)?;
             }
-            let demand = task.at(time + self.off as f64 * dt, &self.ability);
+            let demand = task.at(time + self.off as f64 * dt, &self.capability);
             visit(k, demand, &self.plant, self.last);
             if tick.elapsed.is_some() && !task.blocked() {
                 self.plant.command(f64::from(self.last.motor_torque), ahead / dt);

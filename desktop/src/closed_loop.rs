@@ -150,7 +150,7 @@ pub struct EstimateErrors {
     pub external_torque: f64,
 }
 
-/// Runs a scenario from rest on the reference plant of `seed` (see [`crate::draw::Draw::from_seed`]); `progress` is
+/// Runs a scenario from rest on the reference plant of `seed` (see [`crate::box_sample::BoxSample::from_seed`]); `progress` is
 /// called with the share done.
 ///
 /// # Errors

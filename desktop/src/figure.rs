@@ -18,7 +18,7 @@ pub struct Figure {
     pub at_least: bool,
     /// The value is within its bound, or has none.
     pub holds: bool,
-    /// Of the worst of many draws of the plant, the seed. In JSON only where there is one.
+    /// Of the worst of many samples of the plant, the seed. In JSON only where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
 }
@@ -58,9 +58,9 @@ impl Figure {
         Self { bound: None, at_least: false, holds: true, ..self }
     }
 
-    /// The same, of the draw of this seed.
+    /// The same, of the sample of this seed.
     #[must_use]
-    pub fn of_draw(self, seed: u64) -> Self {
+    pub fn of_seed(self, seed: u64) -> Self {
         Self { seed: Some(seed), ..self }
     }
 

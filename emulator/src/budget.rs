@@ -38,7 +38,7 @@ pub struct Block {
     pub instructions: Option<u64>,
     /// Most cycles of a call, by the model of [`crate::counting::cycle_table`].
     pub cycles: Option<u64>,
-    /// The bounds are asked for, not measured: they are never overwritten.
+    /// The bounds are requirements, not measurements: they are never overwritten.
     #[serde(default)]
     pub fixed: bool,
 }
@@ -61,8 +61,9 @@ pub struct ImageBounds {
 pub struct AnyInputBounds {
     /// Most cycles of a call, by the model of [`crate::counting::cycle_table`].
     pub cycles: u64,
-    /// What is asked for, where that is not reached: the table says so.
-    pub asked: Option<u64>,
+    /// Target, where it is missed: the table reports it.
+    #[serde(alias = "asked")]
+    pub target: Option<u64>,
 }
 
 /// A board's budget.
@@ -340,7 +341,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn what_is_asked_is_never_overwritten() {
+    fn a_fixed_bound_is_never_overwritten() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("budget.toml");
         std::fs::write(&file, FILE.replace("cycles = 10 # by the model", "fixed = true\ncycles = 10"))

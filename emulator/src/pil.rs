@@ -13,13 +13,13 @@ use strainwave_desktop::divergence::RunError;
 use strainwave_desktop::gear_file::{KinematicError, Learnt};
 use strainwave_desktop::joint::{joint_params, source};
 use strainwave_desktop::judge::faults::Raised;
-use strainwave_desktop::judge::{Judge, Mark};
+use strainwave_desktop::judge::{Judge, Metric};
 use strainwave_desktop::log::MeasuredLog;
 use strainwave_desktop::replay::{self, Judgement, ReplayRow};
 use strainwave_desktop::scenario::Scenario;
 use strainwave_desktop::torque_loop::{Sample, TorqueLoop};
 use strainwave_desktop::verify::compensator::CLAIMS;
-use strainwave_desktop::verify::robustness::{Judged, marks};
+use strainwave_desktop::verify::robustness::{Judged, metrics};
 use strainwave_desktop::working_motion::WorkingMotion;
 use strainwave_desktop::{Figure, GearFile, bounds};
 
@@ -139,7 +139,7 @@ impl ScenarioRun {
         [0, 1].map(|place| &self.baselines[place].1)
     }
 
-    /// Faults by name, time at the torque limit, and how many marks are worse than each baseline's: of a joint without a
+    /// Faults by name, time at the torque limit, and how many metrics are worse than each baseline's: of a joint without a
     /// fault, none. That the torque was limited is judged by the time at the limit, and only reported among the faults.
     ///
     /// # Errors
@@ -157,15 +157,15 @@ impl ScenarioRun {
         };
         figures.extend(faults().map(time));
         figures.push(bounds::figure_as(name("limited"), "pil.limited", ours.limited));
-        let compared = if marks(scenario).is_empty() { &[] } else { &self.baselines[..] };
+        let compared = if metrics(scenario).is_empty() { &[] } else { &self.baselines[..] };
         for (baseline, run) in compared {
             let theirs = course(run)?;
             let worse = ours.worse_marks(&theirs) as f64;
             figures.push(bounds::figure_as(name(&format!("{baseline}.worse")), "pil.worse_marks", worse));
-            let ratio = |(mark, (ours, theirs)): (&Mark, (&f64, &f64))| {
-                Figure::reported(name(&format!("{}.to_{baseline}", mark.name())), ours / theirs, "1")
+            let ratio = |(metric, (ours, theirs)): (&Metric, (&f64, &f64))| {
+                Figure::reported(name(&format!("{}.to_{baseline}", metric.name())), ours / theirs, "1")
             };
-            figures.extend(marks(scenario).iter().zip(ours.marks.iter().zip(&theirs.marks)).map(ratio));
+            figures.extend(metrics(scenario).iter().zip(ours.metrics.iter().zip(&theirs.metrics)).map(ratio));
         }
         Ok(figures)
     }
@@ -180,10 +180,10 @@ impl ScenarioRun {
         let [ours, b0, b1] =
             [&self.target.run, b0, b1].map(|run| Judge::new(scenario, &self.plant, &run.trace));
         let mut figures = Vec::new();
-        for claim in CLAIMS.iter().filter(|claim| claim.mark.is_of(scenario)) {
-            let [ours, b0, b1] = [&ours, &b0, &b1].map(|judge| judge.mark(claim.mark));
+        for claim in CLAIMS.iter().filter(|claim| claim.metric.is_of(scenario)) {
+            let [ours, b0, b1] = [&ours, &b0, &b1].map(|judge| judge.metric(claim.metric));
             let value = claim.relative(ours?, [b0?, b1?], file.gear.rated_torque);
-            let figure = claim.of_target(conditions.sensors, value).of_draw(conditions.seed);
+            let figure = claim.of_target(conditions.sensors, value).of_seed(conditions.seed);
             figures.push(if worked { figure } else { figure.without_bound() });
         }
         Ok(figures)

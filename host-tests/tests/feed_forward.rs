@@ -13,8 +13,8 @@ use strainwave::compensator::{CompensationGains, JointParams, RealTimeGear, Setp
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
 use strainwave_desktop::GearFile;
-use strainwave_desktop::ability::Ability;
-use strainwave_desktop::draw::FRICTION;
+use strainwave_desktop::box_sample::FRICTION;
+use strainwave_desktop::capability::Capability;
 use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
 use strainwave_desktop::scenario::Scenario;
 
@@ -176,7 +176,7 @@ fn through_a_reversal_it_follows_presliding() {
 
 /// The setpoint of S3 after so many rounds.
 fn fast_move(round: usize) -> Setpoint<f64> {
-    let demand = Scenario::S3.at(round as f64 * DT, &Ability::default());
+    let demand = Scenario::S3.at(round as f64 * DT, &Capability::default());
     Setpoint {
         position: Angle::from_radians_f64(demand.position),
         velocity: demand.velocity,

@@ -61,7 +61,7 @@ impl Disturbance {
     ];
 
     /// Any of them.
-    pub fn draw(random: &mut ChaCha8Rng) -> Self {
+    pub fn sample(random: &mut ChaCha8Rng) -> Self {
         Self::ALL[random.random_range(0..Self::ALL.len())]
     }
 

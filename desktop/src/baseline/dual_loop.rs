@@ -20,7 +20,7 @@ use strainwave::compensator::sense::encoder::{Encoder, EncoderParams, EncoderSta
 use strainwave::gear::GearParams;
 use strainwave::{Angle, Error};
 
-use super::Asked;
+use super::Commanded;
 use super::gains::BaselineGains;
 use crate::gear_file::GearFile;
 use crate::joint::CONTROL_PERIOD;
@@ -89,17 +89,17 @@ impl DualLoop {
 
     /// What to add to the output's setpoint (rad). `raw`: the output's encoder, in a period in which it reads;
     /// `limited`: the last torque was at its limit.
-    pub fn step(&mut self, asked: &Asked, raw: Option<u32>, limited: bool) -> f64 {
-        let then = self.delayed(asked.position);
+    pub fn step(&mut self, commanded: &Commanded, raw: Option<u32>, limited: bool) -> f64 {
+        let then = self.delayed(commanded.position);
         if let Some(raw) = raw {
             let output = self.encoder.step::<f64>(&mut self.encoder_state, raw);
             self.error = then.minus(output.angle);
         }
-        let count = if asked.rests() { self.count } else { 0.0 };
+        let count = if commanded.rests() { self.count } else { 0.0 };
         let before = self.felt;
         self.filtered += self.low_pass * (self.error - self.filtered);
         self.felt += self.low_pass * (beyond(self.error, NOISE * count) - self.felt);
-        if !limited && asked.velocity.abs() <= self.slow {
+        if !limited && commanded.velocity.abs() <= self.slow {
             self.summed += self.integral * beyond(self.filtered, HIDDEN * count);
             self.summed = self.summed.clamp(-self.bound, self.bound);
         }
@@ -142,27 +142,27 @@ mod tests {
     fn the_integral_is_bounded() {
         let mut held = built(&GearFile::default_gear());
         let shifts: Vec<_> =
-            (0..200_000).map(|_| held.step(&Asked::default(), Some(raw(-1e-2)), false)).collect();
+            (0..200_000).map(|_| held.step(&Commanded::default(), Some(raw(-1e-2)), false)).collect();
         assert!(shifts.iter().all(|shift| shift.abs() <= held.bound));
         assert_eq!((shifts[199_999], held.summed), (held.bound, held.bound));
         for _ in 0..2000 {
-            held.step(&Asked::default(), Some(raw(1e-2)), false);
+            held.step(&Commanded::default(), Some(raw(1e-2)), false);
         }
         assert!(
-            held.summed < held.bound && held.step(&Asked::default(), Some(raw(1e-2)), false) < held.bound
+            held.summed < held.bound && held.step(&Commanded::default(), Some(raw(1e-2)), false) < held.bound
         );
     }
 
     #[test]
     fn the_integral_stands_still_at_the_torques_limit_and_in_a_fast_move() {
         let mut held = built(&GearFile::default_gear());
-        let fast = Asked { velocity: 1.0, ..Asked::default() };
+        let fast = Commanded { velocity: 1.0, ..Commanded::default() };
         for _ in 0..1000 {
-            held.step(&Asked::default(), Some(raw(-1e-3)), true);
+            held.step(&Commanded::default(), Some(raw(-1e-3)), true);
             held.step(&fast, Some(raw(-1e-3)), false);
         }
         assert_eq!(held.summed, 0.0);
-        held.step(&Asked::default(), Some(raw(-1e-3)), false);
+        held.step(&Commanded::default(), Some(raw(-1e-3)), false);
         assert!(held.summed > 0.0);
     }
 
@@ -172,9 +172,10 @@ mod tests {
         let mut held = built(&GearFile::default_gear());
         let count = TAU / f64::from(1 << 19);
         let off = |held: &mut DualLoop, share: f64, velocity| {
-            let asked = Asked { position: Angle::from_radians(share * count), velocity, ..Asked::default() };
+            let commanded =
+                Commanded { position: Angle::from_radians(share * count), velocity, ..Commanded::default() };
             for _ in 0..2000 {
-                held.step(&asked, Some(0), false);
+                held.step(&commanded, Some(0), false);
             }
             held.summed
         };
@@ -192,8 +193,8 @@ mod tests {
         for k in 0..1000 {
             let at = |k: i32| 1e-3 * f64::from(k.max(0));
             let position = Angle::from_radians(at(k));
-            let asked = Asked { position, velocity: 10.0, ..Asked::default() };
-            let shift = late.step(&asked, (k >= 5).then(|| raw(at(k - 5))), false);
+            let commanded = Commanded { position, velocity: 10.0, ..Commanded::default() };
+            let shift = late.step(&commanded, (k >= 5).then(|| raw(at(k - 5))), false);
             assert!(shift.abs() < 2e-4, "{k}: {shift}");
         }
     }

@@ -22,7 +22,7 @@ use strainwave::gear::{GearParams, KINEMATIC_TERMS};
 use strainwave::kinematic_error::KinematicError;
 use strainwave::{Angle, Error, Ratio};
 
-use super::Asked;
+use super::Commanded;
 use super::cascade::Demand;
 use super::rigid_body::RigidBody;
 use crate::joint::CONTROL_PERIOD;
@@ -64,24 +64,25 @@ impl Flat {
     }
 
     /// Where the motor should be and with what torque; `shift` (rad) is added to the output's setpoint.
-    pub fn step(&mut self, asked: &Asked, shift: f64) -> Demand {
+    pub fn step(&mut self, commanded: &Commanded, shift: f64) -> Demand {
         let (r, j): (f64, f64) = (self.ratio.value(), self.flexspline_inertia);
-        let slip = Slip::new(asked.velocity, CONTROL_PERIOD).under(0.0, self.carried);
+        let slip = Slip::new(commanded.velocity, CONTROL_PERIOD).under(0.0, self.carried);
         let friction = self.output_friction.step(&mut self.friction_state, &slip).force;
-        let accelerating = j * asked.acceleration;
+        let accelerating = j * commanded.acceleration;
         self.carried = accelerating + friction;
         let (wound, compliance) = (self.line.torsion(self.carried), self.line.compliance(self.carried));
 
-        let ideal = asked.position.plus(shift + wound);
+        let ideal = commanded.position.plus(shift + wound);
         let angle = self.ahead_of_error(ideal);
         let slope = self.kinematic_error.at(angle).slope;
         let (before, slope_before) = self.last.replace((friction, slope)).unwrap_or((friction, slope));
-        let winding = compliance * (j * asked.jerk + (friction - before) / CONTROL_PERIOD);
+        let winding = compliance * (j * commanded.jerk + (friction - before) / CONTROL_PERIOD);
         let transmission = r + slope;
-        let velocity = (asked.velocity + winding) / transmission;
+        let velocity = (commanded.velocity + winding) / transmission;
         let bending = (slope - slope_before) / CONTROL_PERIOD * velocity;
-        let acceleration = (asked.acceleration + compliance * j * asked.snap - bending) / transmission;
-        let [on_input, on_output] = self.body.friction(asked.velocity);
+        let acceleration =
+            (commanded.acceleration + compliance * j * commanded.snap - bending) / transmission;
+        let [on_input, on_output] = self.body.friction(commanded.velocity);
         Demand {
             angle,
             velocity,
@@ -128,8 +129,9 @@ mod tests {
             // Through the three pieces of the line; an acceleration at no speed leaves the friction alone.
             for torque in [-60.0, -7.0, 0.0, 7.0, 30.0, 100.0] {
                 let acceleration = torque / file.inertia.flexspline;
-                let asked = Asked { position: Angle::from_radians(0.2), acceleration, ..Asked::default() };
-                let demand = flat(&file).step(&asked, 0.0);
+                let commanded =
+                    Commanded { position: Angle::from_radians(0.2), acceleration, ..Commanded::default() };
+                let demand = flat(&file).step(&commanded, 0.0);
                 let wound = (0.2
                     + firmware_gear_params::<f64>(&file)
                         .unwrap()
@@ -153,7 +155,7 @@ mod tests {
             let error = firmware_gear_params::<f64>(&file).unwrap().kinematic_error.build(ratio).unwrap();
             for k in 0..1000 {
                 let q = Angle::from_radians(1e-3 * f64::from(k));
-                let theta = flat.step(&Asked { position: q, ..Asked::default() }, 0.0).angle;
+                let theta = flat.step(&Commanded { position: q, ..Commanded::default() }, 0.0).angle;
                 let left = ratio.apply(theta).plus(error.at(theta).error).minus(q);
                 assert!(left.abs() < 1e-9, "{k}: {left}");
             }
@@ -167,9 +169,9 @@ mod tests {
         let demands: Vec<_> = (0..2500)
             .map(|k| {
                 crate::scenario::Scenario::S3
-                    .at(f64::from(k) * CONTROL_PERIOD, &crate::ability::Ability::default())
+                    .at(f64::from(k) * CONTROL_PERIOD, &crate::capability::Capability::default())
             })
-            .map(|demand| flat.step(&Asked::of(&demand.setpoint()), 0.0))
+            .map(|demand| flat.step(&Commanded::of(&demand.setpoint()), 0.0))
             .collect();
         let fastest = demands.iter().map(|demand| demand.velocity.abs()).fold(0.0, f64::max);
         let strongest = demands.iter().map(|demand| demand.acceleration.abs()).fold(0.0, f64::max);

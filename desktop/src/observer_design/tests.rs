@@ -7,7 +7,7 @@ use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
 
 use super::*;
-use crate::draw::Draw;
+use crate::box_sample::BoxSample;
 use crate::joint::{CONTROL_PERIOD, firmware_gear_params, joint_params};
 
 fn late(delay: u32, period: u32) -> GearFile {
@@ -94,7 +94,7 @@ impl Twin {
                 .unwrap()
         };
         let nominal = firmware_gear_params(file).unwrap();
-        let params = Draw::from_seed(seed).apply(&nominal);
+        let params = BoxSample::from_seed(seed).apply(&nominal);
         let joint = joint_params::<f64>(file).unwrap();
         let limits: Limits<f64> = joint.limits;
         let observer = joint.observer.build(&joint.gear, &limits, CONTROL_PERIOD).unwrap();

@@ -8,9 +8,9 @@ use strainwave::gear::GearParams;
 use super::clock::ClockParams;
 use super::encoder::EncoderErrors;
 use super::friction::{Drift, PlantFrictionParams, Structure};
-use super::unknowns::{Dice, Which};
+use super::unknowns::{SampleStream, Which};
 use super::{PlantParams, Sides, with_friction};
-use crate::draw::Draw;
+use crate::box_sample::BoxSample;
 use crate::gear_file::GearFile;
 use crate::joint::firmware_gear_params;
 
@@ -36,7 +36,7 @@ pub struct PlantSample {
 }
 
 impl PlantSample {
-    /// The plant that a gear file describes, off by the old box of `seed` (see [`Draw::from_seed`]).
+    /// The plant that a gear file describes, off by the old box of `seed` (see [`BoxSample::from_seed`]).
     ///
     /// # Errors
     /// As [`firmware_gear_params`].
@@ -44,7 +44,7 @@ impl PlantSample {
         Ok(Self {
             seed,
             known: file.clone(),
-            params: Draw::from_seed(seed).apply(&firmware_gear_params(file)?),
+            params: BoxSample::from_seed(seed).apply(&firmware_gear_params(file)?),
             structure: Structure::default(),
             drift: None,
             sides: Sides::IDEAL,
@@ -60,7 +60,7 @@ impl PlantSample {
     pub fn of(file: &GearFile, which: Which, seed: u64) -> Result<Self, Error> {
         let mut sample = Self::boxed(file, seed)?;
         for row in which.rows(seed) {
-            (row.draw)(&mut sample, &mut Dice::new(seed, row.name));
+            (row.sample)(&mut sample, &mut SampleStream::new(seed, row.name));
         }
         Ok(sample)
     }

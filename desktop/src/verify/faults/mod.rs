@@ -23,9 +23,9 @@ use std::fmt::Write;
 use strainwave::Error;
 use strainwave::compensator::{Faults, Mode};
 
-use crate::ability::Ability;
 use crate::bench::{Bench, Conditions, Task};
 use crate::bounds;
+use crate::capability::Capability;
 use crate::closed_loop::HostCompensator;
 use crate::divergence::RunError;
 use crate::figure::Figure;
@@ -58,8 +58,8 @@ impl Task for Beginning {
         self.1
     }
 
-    fn at(&self, time: f64, ability: &Ability) -> Demand {
-        self.0.at(time.min(self.0.duration()), ability)
+    fn at(&self, time: f64, capability: &Capability) -> Demand {
+        self.0.at(time.min(self.0.duration()), capability)
     }
 }
 

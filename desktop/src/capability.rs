@@ -20,21 +20,21 @@ const SMOOTH_ACCELERATION: f64 = 7.5132;
 
 /// What the scenarios need to know of a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ability {
+pub struct Capability {
     /// Rated torque through the gear (N m).
     pub rated_torque: f64,
     /// Size of its moves, in those of the default gear.
     pub moves: f64,
 }
 
-impl Default for Ability {
+impl Default for Capability {
     /// The default gear's.
     fn default() -> Self {
         Self { rated_torque: RATED, moves: 1.0 }
     }
 }
 
-impl Ability {
+impl Capability {
     /// Of the joint of a gear file.
     pub fn of(file: &GearFile) -> Self {
         let n = f64::from(file.gear.ratio);
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn the_default_gear_does_all_of_it() {
-        assert_eq!(Ability::of(&GearFile::default_gear()), Ability::default());
+        assert_eq!(Capability::of(&GearFile::default_gear()), Capability::default());
     }
 
     /// Half the speed, torque or rating halves the moves at most; loads follow the rating.
@@ -84,7 +84,7 @@ mod tests {
         let of = |change: fn(&mut GearFile)| {
             let mut file = GearFile::default_gear();
             change(&mut file);
-            Ability::of(&file)
+            Capability::of(&file)
         };
         let slow = of(|file| file.motor.rotor_speed_limit *= 0.5);
         assert!(slow.moves < 0.55 && slow.moves > 0.45, "{slow:?}");
