@@ -132,7 +132,7 @@ fn default_gear() -> (GearFile, String) {
     (GearFile::default_gear(), DEFAULT.into())
 }
 
-/// What is learnt in one run on a gear of which the compensator was told all that the file says.
+/// Learnt values can be kept from one run of a compensator with the complete gear file only.
 fn require_keepable(arguments: &Arguments) -> Result<(), BadInput> {
     let refuse = |why: &str| Err(BadInput::message(format_args!("--keep {why}")));
     match (&arguments.keep, arguments.scenario.0.as_slice(), arguments.sensors) {
@@ -188,8 +188,8 @@ fn scenarios(
     if all && arguments.seed.is_none() {
         figures = table(gear)?;
     }
-    let asked = arguments.sensors.map(|sensors| vec![sensors]);
-    let sensor_sets = asked.or_else(|| all.then(|| SensorSet::ALL.to_vec())).unwrap_or_default();
+    let chosen = arguments.sensors.map(|sensors| vec![sensors]);
+    let sensor_sets = chosen.or_else(|| all.then(|| SensorSet::ALL.to_vec())).unwrap_or_default();
     let mut trials: Vec<Trial> = Vec::new();
     for scenario in &arguments.scenario.0 {
         let rest = Trial::from_rest(gear, *scenario, arguments.seed.unwrap_or(1));
@@ -212,7 +212,7 @@ fn scenarios(
     Ok(figures)
 }
 
-/// The compensator beside the baselines on the desktop, every row the worst of many draws.
+/// The compensator against the baselines on the desktop, every row the worst of many draws.
 fn table(gear: &GearFile) -> Result<Vec<Figure>, BadInput> {
     let mut progress = Progress::new(1000, "compensator and baselines");
     let measured = compensator::against_baselines(gear, compensator::DRAWS, 0, |share| {
@@ -230,7 +230,7 @@ fn run_trial(
 ) -> Result<ScenarioRun, BadInput> {
     let (scenario, seed) = (trial.scenario, trial.conditions.seed);
     let mut progress = Progress::new(1000, scenario.title());
-    let learning = trial.learns_ripple().then(|| pil::build(&arguments.board, &trial.told(gear)));
+    let learning = trial.learns_ripple().then(|| pil::build(&arguments.board, &trial.controller_gear(gear)));
     let learning = learning.transpose().map_err(BadInput::message)?;
     let elf = learning.as_ref().map_or(elf, |firmware| &firmware.elf);
     let run =

@@ -107,12 +107,12 @@ fn tune(arguments: &Arguments, file: &GearFile, kind: Kind) -> Result<Tuned, Bad
         tuning::tune(file, kind, &training, arguments.budget, |share| progress.set((share * 1e3) as u64))
             .map_err(BadInput::message)?;
     drop(progress);
-    say(format_args!("{}: {}", kind.name(), told(kind, &found.after.0)));
+    say(format_args!("{}: {}", kind.name(), describe(kind, &found.after.0)));
     Ok(found)
 }
 
 /// The gains in one line.
-fn told(kind: Kind, gains: &BaselineGains) -> String {
+fn describe(kind: Kind, gains: &BaselineGains) -> String {
     let gain = |gain: &strainwave_desktop::baseline::Gain| format!("{} {:.4}", gain.key, (gain.get)(gains));
     kind.gains().map(gain).collect::<Vec<_>>().join(", ")
 }

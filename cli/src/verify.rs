@@ -28,9 +28,9 @@ const CATALOGUE: &str = "catalogue";
 /// The part that injects faults, by itself too.
 const FAULTS: &str = "faults";
 
-/// Measure every accuracy and cost figure that the project claims, beside its bound
+/// Measure every accuracy and cost figure that the project claims, with its bound
 ///
-/// Where a bound stands at what is reached instead of at what was asked, a line above the table says so.
+/// For a bound that is the reached value instead of the target, a line above the table names the missed target.
 ///
 /// The parts `firmware` and `flexspline` boot the image in the emulator and run S1-S6, both together once; that takes
 /// some minutes; `hysteresis` boots an image of its own. All but `firmware` also measure this machine by the clock:

@@ -5,8 +5,8 @@
 //! period. The motor's torque is what its drive makes of the command, and what is measured of it carries noise. An encoder
 //! gives the count whose middle is nearest to the angle ([`crate::plant::encoder`]). Torques in N m, angles in rad.
 //!
-//! Where the clock jitters ([`crate::plant::clock`]) the plant stays on its micro-steps: it goes to the last one before
-//! the instant, the encoders are read a part of a micro-step ahead at constant speed, and the new torque acts from there.
+//! With a jittering clock ([`crate::plant::clock`]) the plant stays on its micro-steps: it goes to the last one before
+//! the instant, the encoders are read a part of a micro-step in advance at constant speed, and the new torque acts from there.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -41,7 +41,7 @@ impl SensorSet {
     /// Both of them.
     pub const ALL: [Self; 2] = [Self::Motor, Self::Both];
 
-    /// What a gear file's joint has.
+    /// Sensors of a gear file's joint.
     pub fn of(file: &GearFile) -> Self {
         if file.sensors.output_encoder_bits.is_some() { Self::Both } else { Self::Motor }
     }
@@ -57,12 +57,12 @@ impl SensorSet {
     }
 }
 
-/// What a joint is put on the bench with.
+/// Test conditions of a joint on the bench.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditions {
     /// The plant (see [`BoxSample::from_seed`]) and its noise.
     pub seed: u64,
-    /// What the controller reads.
+    /// Sensors of the controller.
     pub sensors: SensorSet,
     /// Factor on the noise of the sensors: 2 doubles the deviation of the torques and takes the encoders' last bit.
     pub noise: f64,
@@ -85,12 +85,12 @@ impl Conditions {
     }
 }
 
-/// What a joint is asked to do.
+/// Task of a joint.
 pub trait Task {
     /// Length (s).
     fn duration(&self) -> f64;
 
-    /// What is asked at `time` (s) of a joint of this capability.
+    /// Demand at `time` (s) on a joint of this capability.
     fn at(&self, time: f64, capability: &Capability) -> Demand;
 
     /// The wave generator is held by a brake.
@@ -110,7 +110,7 @@ struct SensorModel {
     encoder_random: ChaCha8Rng,
 }
 
-/// What the random numbers of a bench are for; each has a stream of its own, and other noise on the same plant others.
+/// Purposes of a bench's random numbers; each has a stream of its own, and other noise on the same plant others.
 #[derive(Clone, Copy)]
 enum Purpose {
     Torque,
@@ -147,11 +147,11 @@ impl SensorModel {
         }
     }
 
-    /// As they read `ahead` (s) of the plant's last micro-step.
-    fn read<F: Flexspline<f64>>(&mut self, plant: &Plant<F>, ahead: f64) -> Sensors<f32> {
+    /// As they read `advance` (s) after the plant's last micro-step.
+    fn read<F: Flexspline<f64>>(&mut self, plant: &Plant<F>, advance: f64) -> Sensors<f32> {
         let (random, encoder_random) = (&mut self.random, &mut self.encoder_random);
         let angle = |motion: Motion<f64>| {
-            if ahead > 0.0 { motion.angle.plus(motion.velocity * ahead) } else { motion.angle }
+            if advance > 0.0 { motion.angle.plus(motion.velocity * advance) } else { motion.angle }
         };
         Sensors {
             motor_encoder: self.motor_encoder.read(angle(plant.motor()), encoder_random),
@@ -275,11 +275,11 @@ impl<F: Flexspline<f64>> Bench<F> {
             let time = k as f64 * CONTROL_PERIOD;
             let tick = self.clock.tick();
             // By so much the step is after the plant's last micro-step.
-            let ahead = tick.off - self.off as f64 * dt;
+            let advance = tick.off - self.off as f64 * dt;
             if let Some(elapsed) = tick.elapsed {
                 let demand = task.at(time + tick.off, &self.capability);
                 let input = Input {
-                    sensors: self.sensors.read(&self.plant, ahead),
+                    sensors: self.sensors.read(&self.plant, advance),
                     command: demand.setpoint().into(),
                     gains: self.gains.into(),
                     elapsed: elapsed as f32,
@@ -291,7 +291,7 @@ impl<F: Flexspline<f64>> Bench<F> {
             let demand = task.at(time + self.off as f64 * dt, &self.capability);
             visit(k, demand, &self.plant, self.last);
             if tick.elapsed.is_some() && !task.blocked() {
-                self.plant.command(f64::from(self.last.motor_torque), ahead / dt);
+                self.plant.command(f64::from(self.last.motor_torque), advance / dt);
             }
             self.advance(demand.load, task.blocked()).map_err(RunError::from)?;
         }

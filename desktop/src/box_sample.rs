@@ -1,4 +1,4 @@
-//! How far a plant is off what its controller knows.
+//! Sample from the box of parameter tolerances: factors of a plant's parameters on its controller's.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

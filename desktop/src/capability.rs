@@ -1,4 +1,4 @@
-//! What a joint can do: the loads and moves of a scenario are as large on every gear, in shares of what it is rated for.
+//! Capability of a joint: the loads and moves of a scenario scale with the ratings of the gear.
 //!
 //! ```text
 //! loads   as on the default gear, times  tau_rated/67 N m
@@ -18,7 +18,7 @@ const RATED: f64 = 67.0;
 const SMOOTH_SPEED: f64 = 2.1875;
 const SMOOTH_ACCELERATION: f64 = 7.5132;
 
-/// What the scenarios need to know of a joint.
+/// Ratings of a joint that the scenarios scale with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capability {
     /// Rated torque through the gear (N m).

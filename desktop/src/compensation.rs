@@ -1,4 +1,4 @@
-//! What the compensator's adaptation, output feedback and learnt ripple are built from, for the joint of a gear file.
+//! Parameters of the compensator's adaptation, output feedback and learnt ripple, for the joint of a gear file.
 //!
 //! Output feedback ([`strainwave::compensator::reference::output_feedback`]): with the torsion mode's frequency omega =
 //! sqrt(K1/J_fs), `b = 2*zeta/omega` adds the damping ratio zeta, D alike; k, omega_y and omega_m are shares of omega. The shares were
@@ -37,19 +37,19 @@ const FAST_SHARE: f64 = 0.5;
 
 /// Room that a factor has beyond the file's tolerances.
 const ROOM: f64 = 1.25;
-/// How fast inertia is learnt where its torque is the rated one (1/s).
+/// Rate of the inertia's factor where its torque is the rated one (1/s).
 const INERTIA_RATE: f64 = 30.0;
 /// Between two steps of the adaptation: two rounds (s).
 const ADAPTATION_PERIOD: f64 = 2.0 * SLOW_PERIODS as f64 * CONTROL_PERIOD;
 /// Share of the rate at which a step of the adaptation at the peak torque is no longer stable.
 const STABLE_SHARE: f64 = 0.75;
-/// How fast friction is learnt at its Coulomb level, on the motor's and on the output's side (1/s).
+/// Rate of the friction's factor at its Coulomb level, on the motor's and on the output's side (1/s).
 const FRICTION_RATES: [f64; 2] = [1.2, 0.3];
 /// The same of the presliding's shape and of its stiffness, where both weigh as much as the Coulomb levels.
 const PRESLIDING_RATES: [f64; 2] = [8.0, 40.0];
 /// Largest deviation of both from their nominal values: from nearly order 1 on, stiffness by 0.5 to 2.3.
 const PRESLIDING_BOUND: f64 = 0.9;
-/// How fast compliance is learnt at the rated torque's torsion (1/s).
+/// Rate of the compliance's factor at the rated torque's torsion (1/s).
 const COMPLIANCE_RATE: f64 = 80.0;
 /// The same without an output encoder, at a flexing torque of so many rated torques, which is also the largest that
 /// counts.
@@ -60,7 +60,7 @@ const DEAD_ZONE: f64 = 0.001;
 /// Corners of F(s) and of the slow part (rad/s).
 const CORNERS: [f64; 2] = [200.0, 2.0];
 
-/// How fast ripple is learnt, of position and of torque (1/s).
+/// Rates of the ripple of position and of torque (1/s).
 const RIPPLE_RATES: [f64; 2] = [5.0, 1.0];
 /// Largest ripple of position (rad), and of torque in Coulomb levels of the motor's side.
 const RIPPLE_BOUNDS: [f64; 2] = [3e-4, 0.3];
@@ -114,7 +114,7 @@ fn mode(file: &GearFile) -> f64 {
     (file.inertia.flexspline / file.stiffness.k2).sqrt()
 }
 
-/// What is learnt of the joint.
+/// Parameters of the learning.
 pub fn learning_params<R: Real>(file: &GearFile) -> LearningParams<R> {
     LearningParams { adaptation: adaptation_params(file), ripple: learnt_ripple_params(file) }
 }
@@ -157,7 +157,7 @@ fn adaptation_params<R: Real>(file: &GearFile) -> AdaptationParams<R> {
         bias_corner: R::lit(CORNERS[1]),
         flexing_rate: R::lit(FLEXING_RATE),
         flexing_level: R::lit(FLEXING_LEVEL * rated),
-        // Of the kinematic error most is twice a turn.
+        // Of the kinematic error most is twice a revolution.
         flexing_speed: R::lit(0.5 / (n * mode(file))),
     }
 }

@@ -1,6 +1,6 @@
 //! `Debug`'s pretty text, one value a line, as people write it: a block that fits on a line is one.
 //!
-//! What is equal all along an array is written once, with the count: `[0.0; 16]`. The text stays an expression.
+//! Dense text of an expression: an array of equal elements is written as `[0.0; 16]`.
 
 /// Longest line (characters).
 const WIDTH: usize = 110;

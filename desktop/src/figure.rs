@@ -1,4 +1,4 @@
-//! A measured figure beside the bound it is asked to keep.
+//! A measured figure with the bound it is asked to keep.
 
 use serde::Serialize;
 
@@ -7,7 +7,7 @@ use serde::Serialize;
 pub struct Figure {
     /// Dotted, stable name.
     pub name: String,
-    /// What was measured, in `unit`.
+    /// Measured value, in `unit`.
     pub value: f64,
     /// SI unit or "1".
     pub unit: String,
@@ -64,7 +64,7 @@ impl Figure {
         Self { seed: Some(seed), ..self }
     }
 
-    /// What the cells of a row for people are.
+    /// Headings of the cells of a printed row.
     pub const HEADER: [&str; 5] = ["name", "value", "unit", "bound", "holds"];
 
     /// The row for people; `-` for a bound that there is not.

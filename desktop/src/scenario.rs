@@ -26,7 +26,7 @@ pub enum Scenario {
     S6,
 }
 
-/// What one instant of a scenario asks.
+/// Demand of a scenario at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Demand {
     /// Output angle (rad).
@@ -69,7 +69,7 @@ pub struct Stretch {
 pub const LOAD_STEP_AT: f64 = 0.3;
 /// The steps of S1: the first (s), from one to the next (s), and how long each moves (s).
 const STEPS: (f64, f64, f64) = (0.4, 0.1, 0.02);
-/// How long the move of S3 takes (s).
+/// Duration of the move of S3 (s).
 pub(crate) const FAST_MOVE: f64 = 0.25;
 /// Its distance on the default gear (rad).
 pub(crate) const FAST_MOVE_DISTANCE: f64 = 0.5;
@@ -119,7 +119,7 @@ impl Scenario {
         }
     }
 
-    /// Where the joint should rest after a move.
+    /// Stretches of rest after a move.
     pub fn rests(self) -> Vec<Stretch> {
         let (first, every, moving) = STEPS;
         match self {
@@ -137,7 +137,7 @@ impl Scenario {
         self == Self::S6
     }
 
-    /// What is asked at `time` (s) of a joint of this capability.
+    /// Demand at `time` (s) on a joint of this capability.
     pub fn at(self, time: f64, capability: &Capability) -> Demand {
         match self {
             Self::S1 => steps(time, capability),
@@ -170,13 +170,13 @@ impl Task for Scenario {
     }
 }
 
-/// How long a joint takes to stop (s).
+/// Time in which a joint stops (s).
 const STOP: f64 = 0.2;
 
 /// The end of a run: from where it has come the joint stops smoothly, and rests under the load that it has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rest {
-    /// What was asked last.
+    /// Last demand.
     pub from: Demand,
 }
 
@@ -378,7 +378,7 @@ mod tests {
         }
     }
 
-    /// What each scenario is for: its title's numbers, and something to judge.
+    /// Each scenario has its title's numbers, and a judged part.
     #[test]
     fn scenarios_ask_what_their_titles_say() {
         assert!((largest(Scenario::S1, |d| d.load) - 50.0).abs() < 1e-9);

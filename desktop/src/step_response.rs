@@ -32,7 +32,7 @@ const SHARE_OF_RATED: f64 = 0.75;
 const LOADING: f64 = 0.1;
 /// From one step to the next (s).
 const EVERY: f64 = 0.4;
-/// How many there are.
+/// Number of steps.
 const STEPS: usize = 4;
 /// Steps at the output (rad) as small as those of S1, and ones wider than the presliding.
 pub const SMALL: f64 = 2e-4;
@@ -45,7 +45,7 @@ const PERIODS: usize = 3;
 pub struct StepResponse {
     /// Angle of the wave generator (rad), a sample each 0.1 ms.
     pub wave_generator: Vec<f64>,
-    /// What the gear did.
+    /// Response of the gear.
     pub rows: Vec<OpenLoopRow>,
     /// Load on the output (N m).
     pub load: f64,
@@ -95,7 +95,7 @@ impl StepResponse {
     }
 }
 
-/// Wind-up and ringing of the reference build beside their bounds.
+/// Wind-up and ringing of the reference build with their bounds.
 ///
 /// # Errors
 /// As [`StepResponse::of`].

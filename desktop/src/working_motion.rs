@@ -1,4 +1,4 @@
-//! What a joint does for 10 s before it is judged: an ordinary working motion, from which a controller may learn.
+//! Working motion of 10 s before a joint is judged, from which a controller may learn.
 //!
 //! Moves of several sizes and speeds there and back, slow reversals and crawls, both ways alike, without load; no part
 //! of it repeats a scenario. It starts and ends at rest at the zero angle, where every scenario starts.
@@ -12,7 +12,7 @@ const DURATION: f64 = 10.0;
 /// Rest between two moves (s).
 const REST: f64 = 0.1;
 
-/// Where each move ends (rad) and how long it takes (s).
+/// End (rad) and duration (s) of each move.
 const MOVES: [(f64, f64); 17] = [
     (0.50, 0.30),
     (0.00, 0.35),
@@ -66,14 +66,14 @@ mod tests {
 
     #[test]
     fn it_comes_back_in_time_and_stays_within_the_joint() {
-        let asked = |k: u32| WorkingMotion.at(f64::from(k) * 1e-3, &Capability::default());
-        let (start, end) = (asked(0), asked(9_900));
+        let demand = |k: u32| WorkingMotion.at(f64::from(k) * 1e-3, &Capability::default());
+        let (start, end) = (demand(0), demand(9_900));
         assert_eq!((start.position, end.position), (0.0, 0.0));
         assert_eq!((end.velocity, end.acceleration, end.load), (0.0, 0.0, 0.0));
         let file = GearFile::default_gear();
         let speed = file.motor.rotor_speed_limit / f64::from(file.gear.ratio);
         let acceleration = file.gear.peak_torque / file.inertia.flexspline;
-        for demand in (0..10_000).map(asked) {
+        for demand in (0..10_000).map(demand) {
             assert!(demand.velocity.abs() < speed && demand.acceleration.abs() < acceleration, "{demand:?}");
         }
     }

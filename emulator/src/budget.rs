@@ -43,7 +43,7 @@ pub struct Block {
     pub fixed: bool,
 }
 
-/// What the image may take.
+/// Bounds of the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImageBounds {
@@ -55,7 +55,7 @@ pub struct ImageBounds {
     pub stack: Option<u64>,
 }
 
-/// What the control step may cost whatever its input is; never overwritten.
+/// Bounds of the control step on any input; never overwritten.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AnyInputBounds {
@@ -77,11 +77,11 @@ pub struct Budget {
     file: PathBuf,
     /// The compiler that the bounds were measured with.
     pub compiler: String,
-    /// What a bound leaves above the measured value, as a part of it, 0 to 1.
+    /// Margin of a bound above the measured value, relative to it, 0 to 1.
     pub headroom: f64,
     /// Whether the board can be run in the emulator; otherwise only its image is judged.
     pub emulated: bool,
-    /// What the image may take.
+    /// Bounds of the image.
     #[serde(default)]
     pub image: ImageBounds,
     /// The control step.
@@ -89,13 +89,13 @@ pub struct Budget {
     /// Its parts, by name.
     #[serde(default)]
     pub blocks: BTreeMap<String, Block>,
-    /// What one of them is the reduction of.
+    /// The literal mesh, whose reduction one of them is.
     pub literal_mesh: Option<LiteralMesh>,
-    /// What no scenario brings about.
+    /// Workload beyond the scenarios.
     pub worst_case: Option<WorstCase>,
     /// The control step on any input.
     pub any_input: Option<AnyInputBounds>,
-    /// Where calls through pointers can go.
+    /// Targets of calls through pointers.
     #[serde(default)]
     pub indirect_call: Vec<IndirectCall>,
 }

@@ -12,7 +12,7 @@ use signal_hook::iterator::Signals;
 
 use crate::{process, scratch};
 
-/// What a shell adds to the number of the signal that ended a program.
+/// Offset by a shell on the number of the signal that ended a program.
 const SHELL_OFFSET: i32 = 128;
 
 static ENDING: AtomicBool = AtomicBool::new(false);

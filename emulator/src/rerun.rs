@@ -47,7 +47,7 @@ impl Runs {
     }
 }
 
-/// What the firmware was built for, with its image.
+/// Gear files that the firmware was built for, with its images.
 struct Images(Vec<(GearFile, PathBuf)>);
 
 impl Images {
@@ -85,7 +85,7 @@ impl Images {
 
 /// Makes the runs again with a board's firmware for the joint of `file`. Of each claim its value on the condensed mesh, on the
 /// host, and on the reference mesh, with the firmware; and in how many steps that was unlike the host. `progress` is called with
-/// the share done.
+/// the fraction done.
 ///
 /// # Errors
 /// When the firmware cannot be built or run, or a rival cannot be built.

@@ -16,7 +16,7 @@ pub struct Target {
     agreement: Agreement,
 }
 
-/// How often target and host answered alike.
+/// Number of steps in which target and host agreed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Agreement {
     /// Steps taken.
@@ -55,12 +55,12 @@ impl Target {
         Ok(Self { machine, host: HostCompensator::build(joint)?, agreement: Agreement::default() })
     }
 
-    /// How often both answered alike so far.
+    /// Number of steps in which both agreed so far.
     pub fn agreement(&self) -> Agreement {
         self.agreement
     }
 
-    /// What the compensator has learnt, by the host's build: it answers as the target does.
+    /// Learnt factors and ripple of the host's build, which equal the target's.
     pub fn learnt(&self) -> Learnt<f32> {
         self.host.learnt()
     }

@@ -111,7 +111,7 @@ fn a_bad_first_reading_does_not_become_the_zero_of_the_output_encoder() {
         let settled = (0..20_000).map(|_| compensator.step(&mut state, &input)).last().unwrap();
         // The setpoint has never been where the output is.
         assert!([Faults::NONE, Faults::SETPOINT_STEP].contains(&settled.faults), "{settled:?}");
-        // Of a resting output one count of 2^19 a turn is taken for nothing.
+        // Of a resting output one count of 2^19 a revolution is taken for nothing.
         assert!(settled.estimate.torsion.abs() < (1.1 * TAU / 2f64.powi(19)) as f32, "{settled:?}");
     }
 }

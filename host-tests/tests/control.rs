@@ -6,7 +6,7 @@ use strainwave::compensator::{CompensationGains, Input, Output, Setpoint};
 use strainwave_app::telemetry::CAPACITY;
 use strainwave_app::{Board, Control, JOINT, Log, Telemetry, control_step};
 
-/// What happened on the board, in order.
+/// Events on the board, in order.
 #[derive(Clone, Debug, PartialEq)]
 enum Event {
     Commanded(f32),

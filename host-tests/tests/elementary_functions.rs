@@ -27,7 +27,7 @@ fn worst(of: impl Fn(f32) -> f32, exact: impl Fn(f64) -> f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Largest absolute error of a sine over a turn.
+/// Largest absolute error of a sine over a revolution.
 fn worst_sine(sine: impl Fn(u32) -> f32) -> f64 {
     (0..1 << 20)
         .map(|k: u32| k.wrapping_mul(4099))

@@ -41,8 +41,8 @@ impl Sequence {
     }
 }
 
-/// Within a turn of an encoder of 19 bits.
-const TURN: u32 = (1 << 19) - 1;
+/// Within a revolution of an encoder of 19 bits.
+const LARGEST_COUNT: u32 = (1 << 19) - 1;
 
 const GAINS: CompensationGains<f32> = CompensationGains { friction: 0.8, ..CompensationGains::ALL };
 
@@ -63,13 +63,14 @@ fn command(sequence: &mut Sequence, period: u32) -> JointCommand<f32> {
     }
 }
 
-/// What a joint reports that turns at 100 rad/s in front of the gear, with sensors that come and go.
+/// Readings of a joint that moves at 100 rad/s in front of the gear, with sensors that come and go.
 fn plausible(sequence: &mut Sequence, period: u32) -> Input<f32> {
     Input {
         sensors: Sensors {
             // 0.01 rad are 834 counts; the last two bits are noise.
-            motor_encoder: (834 * period + (sequence.word() >> 30)) & TURN,
-            output_encoder: (!period.is_multiple_of(3)).then(|| (834 * period / 100).wrapping_neg() & TURN),
+            motor_encoder: (834 * period + (sequence.word() >> 30)) & LARGEST_COUNT,
+            output_encoder: (!period.is_multiple_of(3))
+                .then(|| (834 * period / 100).wrapping_neg() & LARGEST_COUNT),
             motor_torque: 0.6 * sequence.unit(),
             output_torque: period.is_multiple_of(5).then(|| 60.0 * sequence.unit()),
         },

@@ -1,4 +1,4 @@
-//! How sharp the stored solutions of friction are, and what is asked of them; the table of bounds is tighter.
+//! Accuracy of the stored solutions of friction, and their targets; the table of bounds is tighter.
 
 use strainwave_desktop::verify::friction::lugre::StickSlip;
 use strainwave_desktop::verify::friction::order_p;

@@ -14,7 +14,7 @@ fn the_free_shell_moves_as_mujocos_at_every_stored_step() {
     }
 }
 
-/// How sharp the oracle is.
+/// Sensitivity of the oracle.
 #[test]
 fn either_link_constant_off_by_1e_8_of_itself_shows() {
     let mut stiffer = Problem::stored();

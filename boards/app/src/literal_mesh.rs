@@ -30,7 +30,7 @@ const RISE: u32 = 30;
 /// Torque at the end, in torques of the second knee.
 const WIND_UP: f32 = 1.25;
 
-/// How far the mesh may be from its reduction in the end, as a share of the torque.
+/// Largest difference of the mesh to its reduction in the end, relative to the torque.
 pub const AGREEMENT: f32 = 1e-3;
 
 /// Torques on the held output at the end of the wind-up (N m).

@@ -66,7 +66,7 @@ impl MotorEncoder {
         None
     }
 
-    /// The raw count within the turn in the joint's resolution; `None` once the encoder is lost.
+    /// The raw count within the revolution in the joint's resolution; `None` once the encoder is lost.
     pub fn count(&mut self) -> Option<u32> {
         if lost() {
             return None;

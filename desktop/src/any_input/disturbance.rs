@@ -1,4 +1,4 @@
-//! What goes wrong with the input of one control period. Sizes are of the joint: no field is only ever absurd.
+//! Disturbances of the input of one control period, scaled to the joint, so that no field is always out of range.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;

@@ -77,7 +77,7 @@ struct Disturbed {
     joint: JointParams<f32>,
     random: ChaCha8Rng,
     rate: f64,
-    /// What `elapsed` is off the control period by, in every period.
+    /// Error of `elapsed` against the control period, in every period.
     off_time: f32,
     read: Vec<Input<f32>>,
 }

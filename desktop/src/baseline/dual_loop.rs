@@ -25,9 +25,9 @@ use super::gains::BaselineGains;
 use crate::gear_file::GearFile;
 use crate::joint::CONTROL_PERIOD;
 
-/// What of a resting output its encoder does not show, in counts.
+/// Half width of the dead zone of a resting output, in counts of its encoder.
 const HIDDEN: f64 = 0.4;
-/// What of a resting output's reading may be rounding and noise, in counts.
+/// Rounding and noise of a resting output's reading, in counts.
 const NOISE: f64 = 1.5;
 /// Fastest setpoint at which z runs, as a share of the joint's fastest speed.
 const SLOW: f64 = 0.05;
@@ -87,7 +87,7 @@ impl DualLoop {
         })
     }
 
-    /// What to add to the output's setpoint (rad). `raw`: the output's encoder, in a period in which it reads;
+    /// Shift of the output's setpoint (rad). `raw`: the output's encoder, in a period in which it reads;
     /// `limited`: the last torque was at its limit.
     pub fn step(&mut self, commanded: &Commanded, raw: Option<u32>, limited: bool) -> f64 {
         let then = self.delayed(commanded.position);
@@ -117,7 +117,7 @@ impl DualLoop {
     }
 }
 
-/// What of a value exceeds `small` either way.
+/// Dead zone of half width `small`.
 fn beyond(value: f64, small: f64) -> f64 {
     value - value.clamp(-small, small)
 }
@@ -166,7 +166,7 @@ mod tests {
         assert!(held.summed > 0.0);
     }
 
-    /// What a count hides at rest is not summed up; a setpoint that moves has no dead zone.
+    /// An error below a count is not integrated at rest; a moving setpoint has no dead zone.
     #[test]
     fn a_fraction_of_a_count_moves_nothing_at_rest() {
         let mut held = built(&GearFile::default_gear());

@@ -1,7 +1,7 @@
 //! Flat feed-forward: the stored kinematic error and the gear's wind-up, put in advance.
 //!
 //! ```text
-//! tau_t      = J_fs*ddq + fric(q)                                  what the flexspline must carry
+//! tau_t      = J_fs*ddq + fric(q)                                  torque through the flexspline
 //! phi        = line^-1(tau_t),   c = dphi/dtau_t                   wind-up by the catalogue's line
 //! dphi       = c*(J_fs*dddq + dfric/dt),   ddphi = c*J_fs*ddddq    its rates
 //! theta      = (q + phi - e(theta))/r                              e, e': stored kinematic error and its slope
@@ -42,7 +42,7 @@ pub(super) struct Flat {
     flexspline_inertia: f64,
     friction_state: JointFrictionState<f64>,
     /// tau_t of the last setpoint (N m).
-    carried: f64,
+    transmitted: f64,
     /// Friction (N m) and e' of the last setpoint.
     last: Option<(f64, f64)>,
 }
@@ -58,21 +58,22 @@ impl Flat {
             wave_generator_inertia: gear.wave_generator_inertia,
             flexspline_inertia: gear.flexspline_inertia,
             friction_state: JointFrictionState::default(),
-            carried: 0.0,
+            transmitted: 0.0,
             last: None,
         })
     }
 
-    /// Where the motor should be and with what torque; `shift` (rad) is added to the output's setpoint.
+    /// Reference and torque of the motor; `shift` (rad) is added to the output's setpoint.
     pub fn step(&mut self, commanded: &Commanded, shift: f64) -> Demand {
         let (r, j): (f64, f64) = (self.ratio.value(), self.flexspline_inertia);
-        let slip = Slip::new(commanded.velocity, CONTROL_PERIOD).under(0.0, self.carried);
+        let slip = Slip::new(commanded.velocity, CONTROL_PERIOD).under(0.0, self.transmitted);
         let friction = self.output_friction.step(&mut self.friction_state, &slip).force;
         let accelerating = j * commanded.acceleration;
-        self.carried = accelerating + friction;
-        let (wound, compliance) = (self.line.torsion(self.carried), self.line.compliance(self.carried));
+        self.transmitted = accelerating + friction;
+        let (wind_up, compliance) =
+            (self.line.torsion(self.transmitted), self.line.compliance(self.transmitted));
 
-        let ideal = commanded.position.plus(shift + wound);
+        let ideal = commanded.position.plus(shift + wind_up);
         let angle = self.ahead_of_error(ideal);
         let slope = self.kinematic_error.at(angle).slope;
         let (before, slope_before) = self.last.replace((friction, slope)).unwrap_or((friction, slope));
@@ -132,7 +133,7 @@ mod tests {
                 let commanded =
                     Commanded { position: Angle::from_radians(0.2), acceleration, ..Commanded::default() };
                 let demand = flat(&file).step(&commanded, 0.0);
-                let wound = (0.2
+                let wind_up = (0.2
                     + firmware_gear_params::<f64>(&file)
                         .unwrap()
                         .flexspline
@@ -141,13 +142,13 @@ mod tests {
                         .unwrap()
                         .torsion(torque))
                     / r;
-                assert!((demand.angle.to_radians() - wound).abs() < 1e-7, "{torque}: {demand:?}");
+                assert!((demand.angle.to_radians() - wind_up).abs() < 1e-7, "{torque}: {demand:?}");
                 assert_eq!(demand.velocity, 0.0);
             }
         }
     }
 
-    /// What the plant's kinematic error adds is what was put in advance: r*theta + e(theta) = q.
+    /// The reference cancels the plant's kinematic error: r*theta + e(theta) = q.
     #[test]
     fn the_kinematic_error_cancels() {
         for file in arrangements() {

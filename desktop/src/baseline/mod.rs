@@ -39,7 +39,7 @@ pub struct Baseline {
     output: Option<DualLoop>,
 }
 
-/// What is known in advance.
+/// Feed-forward of a baseline.
 #[derive(Clone)]
 enum Advance {
     Nothing,
@@ -167,14 +167,14 @@ impl Baseline {
 }
 
 impl Kind {
-    /// What it needs to read.
+    /// Sensors that it needs.
     pub fn sensors(self) -> SensorSet {
         if self == Self::B3 { SensorSet::Both } else { SensorSet::Motor }
     }
 }
 
 impl Advance {
-    /// What is asked of the motor for a setpoint that is shifted by `shift` (rad).
+    /// Reference of the motor for a setpoint that is shifted by `shift` (rad).
     fn step(&mut self, ratio: Ratio, commanded: &Commanded, shift: f64) -> Demand {
         let torque = match self {
             Self::Flat(flat) => return flat.step(commanded, shift),

@@ -1,4 +1,4 @@
-//! What a baseline is tuned for: one objective for all, on training plants.
+//! Objective that the baselines are tuned by: one for all, on training plants.
 //!
 //! ```text
 //! ln J = mean over plants and scenarios of (1/n)*sum_k ln sqrt(x_k^2 + f^2)  +  bad*ln 2  +  lost
@@ -39,13 +39,13 @@ use crate::plant::CondensedMesh;
 use crate::plant::sample::PlantSample;
 use crate::plant::unknowns::Which;
 use crate::scenario::{Demand, Rest, Scenario};
-use crate::verify::robustness::{JUDGED, Judged, RunResult, RunResults, told_apart};
+use crate::verify::robustness::{JUDGED, Judged, RunResult, RunResults, separable_orders};
 use crate::working_motion::WorkingMotion;
 
 /// A figure: the scenario, the metric and its name.
 pub type FigureOf = (Scenario, Metric, &'static str);
 
-/// What counts.
+/// Figures of the objective.
 pub const FIGURES: [FigureOf; 8] = [
     (Scenario::S1, Metric::StepVibration, "s1.vibration"),
     (Scenario::S2, Metric::Error, "s2.error"),
@@ -59,7 +59,7 @@ pub const FIGURES: [FigureOf; 8] = [
 
 /// f (rad).
 const FLOOR: f64 = 1e-6;
-/// What a figure counts as where the plant diverged (rad).
+/// Value of a figure where the plant diverged (rad).
 pub const LOST: f64 = 1.0;
 
 /// ln sqrt(x^2 + f^2) of a figure of a run; none where the plant diverged.
@@ -102,7 +102,7 @@ fn is_bad(result: Option<&RunResult>, b0: Option<&RunResult>) -> bool {
 
 /// A joint on the bench that has worked.
 struct Stand {
-    /// What its controller knows, and what it is.
+    /// Nominal gear of its controller, and the plant's true parameters.
     known: GearFile,
     plant: GearParams<f64>,
     bench: Bench<CondensedMesh>,
@@ -116,7 +116,7 @@ impl Stand {
         let mut bench = Bench::condensed_of(&sample, &conditions)?;
         let mut b0 = untuned(&sample.known, Kind::B0)?;
         bench.go(&WorkingMotion, &mut b0, |_, _, _, _| ())?;
-        Ok(Self { plant: told_apart(&sample.params), known: sample.known, bench })
+        Ok(Self { plant: separable_orders(&sample.params), known: sample.known, bench })
     }
 
     /// A baseline in one scenario; none where the plant diverges.
@@ -161,14 +161,14 @@ pub struct Objective {
     untuned: [f64; FIGURES.len()],
 }
 
-/// What some gains are worth.
+/// Score of some gains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
     /// Geometric mean of the figures (rad).
     pub mean: f64,
     /// Bad runs.
     pub bad: usize,
-    /// What it lost of the untuned baseline's figures.
+    /// Loss relative to the untuned baseline's figures.
     pub lost: f64,
 }
 
@@ -198,7 +198,7 @@ impl Objective {
         Ok(objective)
     }
 
-    /// What these gains are worth.
+    /// Score of these gains.
     ///
     /// # Errors
     /// Gains that no baseline can be built with.

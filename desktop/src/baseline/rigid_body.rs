@@ -1,4 +1,4 @@
-//! What practitioners feed forward: the torque of a rigid joint.
+//! Feed-forward of practitioners: the torque of a rigid joint.
 //!
 //! ```text
 //! tau_ff = (J_wg/r + r*J_fs)*ddq + s_f*(fric_in(dq/r) + r*fric_out(dq)),    fric(v) = Fc*sign(v) + Fv*v

@@ -4,13 +4,13 @@
 //! | --- | --- |
 //! | stiffness, knees, rated torque, inertia of the wave generator, friction | [`super::figures`] |
 //! | peak torque | 157/67 of the rated torque, as the default gear's |
-//! | kinematic error | twice and four times a turn, 0.34 and 0.07 of the positional accuracy, as the default gear's |
+//! | kinematic error | twice and four times a revolution, 0.34 and 0.07 of the positional accuracy, as the default gear's |
 //! | cup | radius, length, wall and ellipse of the default gear's size 25, linear with size |
 //! | J_wg | the wave generator's, and a rotor of 0.45 of it, as the default gear's |
 //! | J_fs | 2*N^2*J_wg, as the default gear's |
 //! | friction at the wave generator | static: starting torque; Coulomb: 0.72 of it; viscous: the rest of the running torque; load: the rest of the loss at rated torque |
 //! | friction at the flexspline | Coulomb 0.5 % of the rated torque, static 1.3 times, viscous 4 s/rad times that |
-//! | motor | 1.5 times peak torque/N; 5600 turns a minute of size 25, with size^-0.62 (4800 of size 32) |
+//! | motor | 1.5 times peak torque/N; 5600 revolutions a minute of size 25, with size^-0.62 (4800 of size 32) |
 //! | noise of the torques | 1 % of the rated torque, at the motor over N |
 //! | baselines | as tuned; else the default gear's, carried over ([`super::load`]) |
 //! | cascade | that of baseline B0 |

@@ -1,4 +1,4 @@
-//! How much of each function the compensator has: a factor on what the rules of [`crate::compensation`] give.
+//! Levels of the compensator's functions: factors on the gains by the rules of [`crate::compensation`].
 
 use crate::bench::SensorSet;
 

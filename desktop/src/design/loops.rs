@@ -22,7 +22,7 @@ use crate::bench::SensorSet;
 use crate::gear_file::GearFile;
 use crate::joint::CONTROL_PERIOD;
 
-/// Where a loop is broken.
+/// Point at which a loop is broken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Break {
     /// At the motor's torque command.
@@ -36,7 +36,7 @@ pub enum Break {
 pub struct Loop {
     /// Sensors.
     pub set: SensorSet,
-    /// Where it is broken.
+    /// Point at which it is broken.
     pub broken: Break,
     /// The disturbance path passes everything, or nothing.
     pub passes: bool,

@@ -1,6 +1,6 @@
 //! `[drive]` and `[tolerances]`: the box that the joint of a gear file lies in.
 //!
-//! What is left out has the default below: the ranges of the plants that a controller does not know
+//! Omitted keys have the defaults below: the parameter ranges of the judged plants
 //! ([`crate::plant::unknowns`], [`crate::box_sample`]).
 
 use serde::{Deserialize, Serialize};

@@ -53,7 +53,7 @@ fn nominal() -> f64 {
 }
 
 impl Learnt {
-    /// What a compensator has learnt.
+    /// The keys of a compensator's learnt factors and ripple.
     pub fn of(learnt: &learning::Learnt<f32>) -> Self {
         let Factors {
             inertia,
@@ -103,7 +103,7 @@ impl Learnt {
     /// comments too, stays as it is.
     ///
     /// # Errors
-    /// What was learnt is out of the file's range, `text` is no gear file, or the file cannot be written.
+    /// When a learnt value is out of the file's range, `text` is no gear file, or the file cannot be written.
     pub fn keep_in(&self, text: &str, path: &Path) -> Result<(), BadInput> {
         super::keep(path, text, |document| self.put_into(document))
     }

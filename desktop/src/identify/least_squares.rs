@@ -44,7 +44,7 @@ impl Factor {
         Self { triangle: DMatrix::from_rows(&blocks).qr().r(), rows }
     }
 
-    /// How many rows were reduced.
+    /// Number of reduced rows.
     pub fn rows(&self) -> usize {
         self.rows
     }

@@ -1,4 +1,4 @@
-//! What is preferred where the log does not decide: a weight density without steps.
+//! Smoothness penalty: prefers a weight density without steps where the log does not determine it.
 //!
 //! ```text
 //! |D mu|^2 = sum over neighbouring cells of (rho - rho')^2      rho = mu/(2*S/L^2), on the diagonal mu/(S/L^2)
@@ -9,7 +9,7 @@
 //! cells that the log does not reach, what it says of the others is continued, and a log that says nothing
 //! of the shape gives the standard shape of the gap that fits it.
 //!
-//! Where there is a prior, of a gear its catalogue's loss, the difference from it is to be smooth, and small:
+//! With a prior, of a gear its catalogue's loss, the difference from it is to be smooth, and small:
 //!
 //! ```text
 //! |D (mu - mu0)|^2 + sum over cells of (rho - rho0)^2 * area/l^2

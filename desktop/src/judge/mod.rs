@@ -1,4 +1,4 @@
-//! How a run of a scenario is judged: one set of metrics, the same for every controller.
+//! Metrics of a run of a scenario: one set, the same for every controller.
 //!
 //! A metric is a number of one run, the smaller the better; a claim is the ratio of the compensator's metric to a
 //! baseline's on the same plant with the same noise. Rows come every control period; t0 is where a scenario's judged
@@ -43,7 +43,7 @@ pub const SETTLED: f64 = 20e-6;
 /// Over this time at its end a run is steady (s).
 const STEADY: f64 = 0.2;
 
-/// What a run is judged by.
+/// Metric of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Metric {
     /// Vibration after the steps.
@@ -58,7 +58,7 @@ pub enum Metric {
     Ripple,
     /// Largest deviation under a load step.
     Peak,
-    /// What remains of it.
+    /// Steady deviation under it.
     Steady,
     /// Error of the estimated external torque.
     ExternalTorque,
@@ -136,7 +136,7 @@ impl<'a> Judge<'a> {
             Metric::Outside => {
                 let mut outside = estimates::Outside::default();
                 outside.count(self.judged());
-                outside.worst_share()
+                outside.worst_fraction()
             }
         })
     }
@@ -252,7 +252,7 @@ mod tests {
         assert!((metric(Scenario::S5, &rows, Metric::Steady) - 2e-5).abs() < 1e-7);
     }
 
-    /// What the torsion does slowly, and during the move, is no vibration.
+    /// Slow torsion, and that during the move, is no vibration.
     #[test]
     fn vibration_is_what_rings_at_rest() {
         let plant = firmware_gear_params(&GearFile::default_gear()).unwrap();

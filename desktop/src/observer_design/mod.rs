@@ -26,7 +26,7 @@ use linearised::{DT, Linearised, Sensor, Sixth, Unknown, encoder_noise, resoluti
 
 /// Eigenvalue from which on a mode counts as one that the motor's encoder does not show: slower than a second.
 const UNSEEN: f64 = 1.0 - 1e-4;
-/// Noise of a motor encoder that stands, besides its resolution, in counts of 2^19 a turn.
+/// Noise of a motor encoder that stands, besides its resolution, in counts of 2^19 a revolution.
 const STILL: f64 = 0.5;
 /// Way of the motor that is a motion, in deviations of its encoder's noise.
 const STIR: f64 = 8.0;
@@ -37,7 +37,7 @@ const UNSEEN_RATE: f64 = 1.0;
 /// than what is known of its path.
 const PATH: [f64; 3] = [0.03, 0.4, 0.75];
 
-/// What the observer of a gear is built from.
+/// Parameters of a gear's observer.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] with the set of sensors by which the gear is not observable.
@@ -105,7 +105,7 @@ struct Filter {
     gains: [DVector<f64>; 3],
     /// F.
     between: DMatrix<f64>,
-    /// What a period between readings adds to the covariance.
+    /// Covariance of the process noise in a period between readings.
     between_noise: DMatrix<f64>,
     /// Covariance after a reading.
     after: DMatrix<f64>,
@@ -269,7 +269,7 @@ impl Filter {
         })
     }
 
-    /// What the deviations are made of; the covariance is that at its largest, just before a late reading comes.
+    /// Coefficients of the standard deviations; the covariance is the largest one, just before a late reading.
     fn spread<R: Real>(&self, file: &GearFile) -> Spread<R> {
         let p = (1..self.period + self.delay).fold(self.after.clone(), |p, _| self.later(&p));
         let state = |k: usize| p[(k, k)].sqrt() * self.model.units[k];

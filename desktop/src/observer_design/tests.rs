@@ -199,10 +199,10 @@ fn past_and_state_are_corrected_alike() {
 #[test]
 fn no_linear_filter_follows_a_load_step_as_asked() {
     let file = GearFile::default_gear();
-    for (with_output, asked) in [(false, 0.03), (true, 0.02)] {
+    for (with_output, target) in [(false, 0.03), (true, 0.02)] {
         let least = least_load_error(&file, 40.0, 0.8, with_output).unwrap() / file.gear.rated_torque;
         println!("{with_output}: {least}");
-        assert!(least > asked && least < 1.6 * asked, "{with_output}: {least}");
+        assert!(least > target && least < 1.6 * target, "{with_output}: {least}");
     }
 }
 

@@ -12,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::joint::CONTROL_PERIOD;
 
-/// How the clock is off.
+/// Errors of the clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ClockParams {
     /// J (s), less than half the control period.

@@ -4,15 +4,15 @@
 //! tau_motor = tau_shaft*(1 + b*sin(m*theta + q)) + a*sin(k*theta + p)
 //! ```
 //!
-//! theta is the rotor's angle relative to the case, k and m are orders a turn. Cogging has no mean over a turn, so that it
+//! theta is the rotor's angle relative to the case, k and m are orders a revolution. Cogging has no mean over a revolution, so that it
 //! gives no work over one. Units: a (N m), b without. Memoryless.
 
 use strainwave::{Angle, Real};
 
-/// One sine over a turn.
+/// One sine over a revolution.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wave {
-    /// Periods a turn.
+    /// Periods a revolution.
     pub order: u32,
     /// Amplitude; 0 for none.
     pub amplitude: f64,

@@ -1,4 +1,4 @@
-//! One plant that its controller does not know: parameters, structure, sides, sensors and clock.
+//! Plant sample: parameters, structure, sides, sensors and clock that differ from its controller's gear file.
 //!
 //! Drawn by [`super::unknowns`]; seeds 1 to 999 are for choosing gains, claims are judged from 10 000 on.
 
@@ -19,13 +19,13 @@ use crate::joint::firmware_gear_params;
 pub struct PlantSample {
     /// From which it is drawn.
     pub seed: u64,
-    /// What its controller knows: the gear file, with the bits of this joint's encoders.
+    /// Gear file of its controller, with the bits of this joint's encoders.
     pub known: GearFile,
     /// The gear's true parameters.
     pub params: GearParams<f64>,
     /// The structure of its friction, on both sides.
     pub structure: Structure,
-    /// How that drifts.
+    /// Drift of that friction.
     pub drift: Option<Drift>,
     /// Drive, motor and load.
     pub sides: Sides,

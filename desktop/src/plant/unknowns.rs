@@ -1,4 +1,4 @@
-//! What a controller does not know, row by row: the one table from which judged plants are drawn.
+//! Uncertainties of the plant, row by row: the table from which judged plants are drawn.
 //!
 //! Every row stands on the old box (friction +-20 %, stiffness +-10 %, load inertia +-30 %; [`crate::box_sample`]) and changes one
 //! thing more. A row draws from a stream of its own, which follows from the seed and the row's name: a row that is added or
@@ -69,7 +69,7 @@ impl SampleStream {
 pub struct Row {
     /// Dotted and stable.
     pub name: &'static str,
-    /// What it changes, and by how much.
+    /// Changed parameter, and its range.
     pub what: &'static str,
     /// Of the rows of one group a plant has one.
     pub group: Option<&'static str>,
@@ -153,7 +153,7 @@ pub const ROWS: &[Row] = &[
     ),
     row(
         "friction.ripple",
-        "friction ripples by 0 to 20 % over the wave generator's turn",
+        "friction ripples by 0 to 20 % over the wave generator's revolution",
         |plant, random| {
             for side in [&mut plant.params.input_friction, &mut plant.params.output_friction] {
                 side.ripple.forward = rippled(random);
@@ -222,7 +222,7 @@ pub const ROWS: &[Row] = &[
     }),
     row(
         "encoder.eccentricity",
-        "once and twice a turn: motor to 2 and 1 mrad, output to 100 and 30 urad",
+        "once and twice a revolution: motor to 2 and 1 mrad, output to 100 and 30 urad",
         |plant, random| {
             for (errors, most) in plant.encoders.iter_mut().zip([[2e-3, 1e-3], [1e-4, 3e-5]]) {
                 errors.waves[0] = random.wave(1, most[0]);
@@ -232,7 +232,7 @@ pub const ROWS: &[Row] = &[
     ),
     row(
         "encoder.interpolation",
-        "to 0.3 % of the signal period, 1024 a turn at the motor, 2048 at the output",
+        "to 0.3 % of the signal period, 1024 a revolution at the motor, 2048 at the output",
         |plant, random| {
             for (errors, periods) in plant.encoders.iter_mut().zip([1024, 2048]) {
                 errors.waves[2] = random.wave(periods, 0.003 * TAU / f64::from(periods));
@@ -314,7 +314,7 @@ impl Which {
         }
     }
 
-    /// What differs, for people.
+    /// Description of the uncertainty.
     pub fn what(self) -> &'static str {
         match self {
             Self::Row(row) => row.what,

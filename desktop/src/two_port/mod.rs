@@ -44,7 +44,7 @@ pub use gauge::Gauge;
 use gauge::{Gauged, Turned};
 use trajectory::Trajectory;
 
-/// How long the gear is led before the start (s): several times what the mesh's transient takes.
+/// Time of the run-in before the start (s): several times the mesh's transient.
 pub const RUN_IN: f64 = 20.0 * STEP;
 
 /// Which build of the models.
@@ -177,7 +177,7 @@ fn advance_ripple<R: Real, const K: usize>(harmonics: &mut Harmonics<R, K>, angl
     }
 }
 
-/// Within half a turn either way (rad).
+/// Within half a revolution either way (rad).
 fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
@@ -197,13 +197,13 @@ fn rows<'a, R: Real, F: Gauged<R> + 'a, P: FrictionParams<R>, const L: usize, co
     Ok(Box::new(instants.map(move |instant| simulation.row(instant))))
 }
 
-/// What drives a gear, over the time since the first stamp.
+/// Inputs of a gear, over the time since the first stamp.
 struct Inputs<'a> {
     trajectory: Trajectory,
     log: &'a OpenLoop,
-    /// Where the run-in starts, and the wave generator is counted from (rad).
+    /// Start of the run-in, and zero of the wave generator (rad).
     start: f64,
-    /// Where its major axis stands on the flexspline then (rad).
+    /// Angle of its major axis on the flexspline then (rad).
     ellipse: f64,
     gauges: &'a [Gauge],
     wave_generator_inertia: f64,

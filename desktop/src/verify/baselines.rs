@@ -1,5 +1,4 @@
-//! What each baseline reaches, with the gains that the gear file has for it, on plants of the box and after the working
-//! motion.
+//! Metrics of each baseline, with its gains in the gear file, on plants of the box and after the working motion.
 //!
 //! For each baseline the median of every figure of [`crate::baseline::objective`] over the plants, the worst ratio to B0's,
 //! and how much it shakes: the worst oscillation of torsion and torque at rest ([`RunResult`]).
@@ -16,7 +15,7 @@ use crate::verify::Measured;
 use crate::verify::compensator::each;
 use crate::verify::robustness::{JUDGED, Judged, RunResult, RunResults};
 
-/// Runs each baseline on the plants of seeds 1 to `plants`; `progress` is called with the share done.
+/// Runs each baseline on the plants of seeds 1 to `plants`; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// A gear that no plant or baseline can be built for.

@@ -1,4 +1,4 @@
-//! What cannot be in the image: panics, an allocator, and double precision in the control step.
+//! Proofs of absence in the image: panics, an allocator, and double precision in the control step.
 //!
 //! The linker has dropped every function that nothing refers to, so a symbol that is not there cannot be
 //! called. (A panic handler small enough to be inlined would leave no symbol. The boards' handlers call a

@@ -23,7 +23,7 @@ pub struct LiteralMesh {
 }
 
 impl LiteralMesh {
-    /// What is wrong with it, if anything, beside these blocks.
+    /// Its inconsistency with these blocks, if any.
     pub(super) fn fault(&self, blocks: &BTreeMap<String, Block>) -> Option<String> {
         let missing = !blocks.contains_key(&self.reduced);
         missing

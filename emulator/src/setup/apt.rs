@@ -49,7 +49,7 @@ pub struct Apt<'a> {
     folder: PathBuf,
 }
 
-/// What apt would fetch.
+/// Packages that apt would fetch.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Plan {
     /// Name and version of each package, dependencies included.
@@ -92,15 +92,15 @@ impl<'a> Apt<'a> {
     /// Brings the package lists up to date.
     ///
     /// # Errors
-    /// What apt said.
+    /// The output of apt.
     pub fn update(&self) -> Result<(), String> {
         self.run(&["update"], None)
     }
 
-    /// What `packages` need.
+    /// Plan for `packages` and their dependencies.
     ///
     /// # Errors
-    /// What apt said.
+    /// The output of apt.
     pub fn plan(&self, packages: &[&str]) -> Result<Plan, String> {
         // Once for the message: the output of a failed command is not passed on.
         self.run(&[&["install", "--simulate"], packages].concat(), None)?;
@@ -116,7 +116,7 @@ impl<'a> Apt<'a> {
     /// Downloads and checks `packages` and what they need.
     ///
     /// # Errors
-    /// What apt said.
+    /// The output of apt.
     pub fn download(&self, packages: &[&str], plan: &Plan) -> Result<(), String> {
         let folder = self.path("archives");
         let total = plan.bytes + size(&folder);

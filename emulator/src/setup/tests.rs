@@ -19,11 +19,11 @@ struct Played {
     _folder: Option<TempDir>,
     /// Package -> version and the programs in it.
     offered: HashMap<&'static str, (&'static str, &'static [&'static str])>,
-    /// What every package needs.
+    /// Dependency of every package.
     needs: Option<&'static str>,
     /// Why every download fails.
     refusal: Option<&'static str>,
-    /// What happens when rustup adds the target.
+    /// Result when rustup adds the target.
     rustup_adds: Option<&'static str>,
     log: RefCell<Vec<String>>,
 }
@@ -127,7 +127,7 @@ impl Played {
         self.log().iter().filter_map(|line| line.strip_prefix("run ")).map(str::to_owned).collect()
     }
 
-    /// What apt-get is asked for, the options that place its state left out.
+    /// Arguments of apt-get without the options that place its state.
     fn apt(&self, arguments: &[&str]) -> Result<String, String> {
         let request = request(arguments);
         let (packages, switches): (Vec<&str>, Vec<&str>) =

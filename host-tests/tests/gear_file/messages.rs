@@ -1,4 +1,4 @@
-//! How mistakes are told.
+//! Messages for mistakes in a gear file.
 
 use strainwave_desktop::gear_file::DEFAULT;
 

@@ -1,4 +1,4 @@
-//! What only the whole gear can tell.
+//! Checks that need the whole gear.
 
 use toml::Value;
 

@@ -9,7 +9,7 @@
 //! weight along the path, free up to the gear's peak torque. F and V are put into the gear; M is not: the load that it
 //! weighs is the base gear's affair. Noise: [`UNKNOWN`] of the Coulomb level, alike over [`ALIKE`].
 //!
-//! Motion with the torque's sign the other way round is told apart by friction alone, which never drives.
+//! Motion with the torque's sign the other way round is separated by friction alone, which never drives.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -96,7 +96,7 @@ mod tests {
         gear_params(&GearFile::default_gear()).flexspline
     }
 
-    /// What the reduction neglects is estimated from these.
+    /// Basis of the estimate of the reduction's error.
     #[test]
     fn the_lowest_modes_are_those_that_the_reduction_is_documented_with() {
         let within =

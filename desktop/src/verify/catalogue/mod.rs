@@ -8,7 +8,7 @@
 //! | figure | definition |
 //! | --- | --- |
 //! | `refused` | joints that no compensator can be built for; their runs count as diverged |
-//! | `shakes` | runs that diverge or keep oscillating at rest beside B0 ([`RunResult::shakes`]) |
+//! | `shakes` | runs that diverge or keep oscillating at rest against B0 ([`RunResult::shakes`]) |
 //! | `worse` | runs of which a metric is worse than the smallest of the baselines', by more than 5 % and more than 12 urad |
 //! | `error.median`, `error.p95` | rms output error of a run over the smallest of the baselines', of all runs |
 //! | `limited` | runs that stay at the torque limit ([`RunResult::is_limited`]); only reported |
@@ -30,14 +30,14 @@ use crate::verify::compensator::each;
 use crate::verify::robustness::{JUDGED, Judged, RunResult, RunResults};
 pub use summary::Report;
 
-/// What is asked.
+/// Requested joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Request {
     /// Of which joints.
     pub set: Set,
     /// Seed of the first.
     pub first: u64,
-    /// How many; those that the set has from there on at most.
+    /// Number of joints; at most those that the set has from there on.
     pub count: u64,
 }
 
@@ -54,7 +54,7 @@ pub struct Outcome {
     pub refused: Option<Error>,
 }
 
-/// Runs every joint that is asked for; `progress` is called with the share done.
+/// Runs every joint that is asked for; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// A joint that no plant or baseline can be built for.
@@ -112,7 +112,7 @@ impl Outcome {
     }
 }
 
-/// The compensator in one scenario, beside the baselines; none of what diverged.
+/// The compensator in one scenario, against the baselines; none of what diverged.
 struct Run<'a> {
     ours: Option<&'a RunResult>,
     b0: Option<&'a RunResult>,

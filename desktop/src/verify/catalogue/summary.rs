@@ -1,4 +1,4 @@
-//! What the runs of the joints come to.
+//! Summary of the joints' runs.
 
 use strainwave::compensator::Mode;
 
@@ -18,7 +18,7 @@ pub struct Report {
     pub outcomes: Vec<Outcome>,
 }
 
-/// What is counted of some runs, and what their output error is over that of the best baseline.
+/// Counts of some runs, and ratios of their output error to the best baseline's.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Tally {
     runs: usize,
@@ -110,7 +110,7 @@ impl Report {
         })
     }
 
-    /// The figures beside their bounds.
+    /// The figures with their bounds.
     pub fn figures(&self) -> Vec<Figure> {
         let all = Tally::of(self.runs(None, None));
         let refused = self.outcomes.iter().filter(|outcome| outcome.refused.is_some()).count();

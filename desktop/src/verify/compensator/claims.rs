@@ -1,4 +1,4 @@
-//! What is claimed of the compensator, row by row.
+//! Claims of the compensator, row by row.
 
 use crate::bench::SensorSet;
 use crate::bounds;
@@ -7,7 +7,7 @@ use crate::judge::Metric;
 use crate::scenario::Scenario;
 use crate::verify::compensator::performance::{Compared, Performance};
 
-/// What a metric is compared with.
+/// Reference of a metric's ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reference {
     /// The same metric of the cascade alone.
@@ -25,9 +25,9 @@ pub enum Reference {
 pub struct Claim {
     /// With the motor's sensors, with both encoders.
     pub names: [&'static str; 2],
-    /// What is judged.
+    /// Metric of the claim.
     pub metric: Metric,
-    /// Beside what.
+    /// Reference of the ratio.
     pub reference: Reference,
 }
 
@@ -78,7 +78,7 @@ pub const CLAIMS: &[Claim] = &[
 ];
 
 impl Claim {
-    /// The worst of all samples beside its bound, with the sample's seed; `rated` torque (N m).
+    /// The worst of all samples with its bound, with the sample's seed; `rated` torque (N m).
     pub fn figure(&self, sensors: SensorSet, samples: &[Compared], rated: f64) -> Figure {
         let values = samples.iter().map(|sample| (sample.seed, self.value(sensors, sample, rated)));
         let worst = values.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
@@ -101,7 +101,7 @@ impl Claim {
         }
     }
 
-    /// The figure of one plant with the firmware in the loop, beside the same bound.
+    /// The figure of one plant with the firmware in the loop, with the same bound.
     pub fn of_target(&self, sensors: SensorSet, value: f64) -> Figure {
         let row = self.names[sensors as usize];
         bounds::figure_as(row.replacen("compensator", "pil", 1), row, value)

@@ -38,12 +38,12 @@ pub const BOX_DRAWS: u64 = 1000;
 /// Factor on the noise in the box.
 const BOX_NOISE: f64 = 2.0;
 
-/// What needs no run: angles.
+/// Figures without a run: angles.
 pub fn measure() -> Measured {
     angle::measure().into()
 }
 
-/// Every claim on so many samples, and so many of the box; `progress` is called with the share done.
+/// Every claim on so many samples, and so many of the box; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// A gear that no compensator can be built for, or a baseline that diverges.
@@ -78,7 +78,7 @@ pub fn against_baselines(
     Ok(figures.into())
 }
 
-/// Does the same work for every item on all processors; `progress` is called with the share done.
+/// Does the same work for every item on all processors; `progress` is called with the fraction done.
 pub fn each<I: Sync, T: Send>(
     items: &[I],
     work: impl Fn(&I) -> T + Sync,

@@ -30,10 +30,10 @@ const MOST_VIBRATION: f64 = 3.0;
 const QUIET: f64 = 10e-6;
 /// Share of a run that is its end.
 const END: f64 = 0.2;
-/// What a run may be worse than B0's, which is repeatable to less.
+/// Largest ratio to B0's error, which is repeatable to less.
 const WORSE: f64 = 1.01;
 
-/// What one run of one scenario was like.
+/// Result of one run of one scenario.
 #[derive(Clone, Copy, Debug)]
 struct RunResult {
     scenario: Scenario,
@@ -80,7 +80,7 @@ impl Performance {
             external.extend(judge.judged().iter().map(external_torque_error));
             outside.count(judge.judged());
         }
-        performance.metrics.insert(Metric::Outside, outside.worst_share());
+        performance.metrics.insert(Metric::Outside, outside.worst_fraction());
         performance.metrics.insert(Metric::ExternalTorque, rms(external));
         Ok(performance)
     }
@@ -122,7 +122,7 @@ impl RunResult {
     }
 }
 
-/// What is compared on every sample.
+/// Controllers compared on every sample.
 pub struct Rivals {
     baselines: [Baseline; 2],
     joint: JointParams<f32>,

@@ -47,7 +47,7 @@ const MOTION: f64 = 0.02;
 const BRAKE: f64 = 0.02;
 /// Full torque, as a share of the peak, and how long it is borne (s).
 const FULL: (f64, f64) = (0.95, 0.005);
-/// What a limited command or setpoint says is no name of a fault.
+/// Faults of a limited command or setpoint, which do not name an injected fault.
 const LIMITS: Faults = Faults::TORQUE_LIMITED.with(Faults::SETPOINT_LIMITED);
 
 /// The beginning of a scenario.
@@ -75,14 +75,14 @@ struct Row {
     safe: bool,
 }
 
-/// What came of a fault.
+/// Outcome of a fault.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// The fault.
     pub fault: Injected,
     /// Time from when it could be known to its name (s); none when it was not named.
     pub named: Option<f64>,
-    /// What it was named.
+    /// Reported faults.
     pub names: Faults,
     /// The drive was switched off.
     pub safe: bool,
@@ -210,7 +210,7 @@ pub struct Report {
     pub peak: f64,
 }
 
-/// Runs the faults of these numbers; `progress` is called with the share done.
+/// Runs the faults of these numbers; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// As [`run`].
@@ -230,7 +230,7 @@ pub fn measure(
     Ok(Report { outcomes, false_alarms: alarms.into_iter().flatten().collect(), peak: file.gear.peak_torque })
 }
 
-/// What a healthy run is told to be ill of.
+/// False alarm of a healthy run.
 fn alarm(file: &GearFile, fault: &Injected) -> Result<Option<String>, RunError> {
     let mut file = file.clone();
     file.sensors.output_torque |= fault.gauge;
@@ -311,7 +311,7 @@ impl Report {
         text
     }
 
-    /// The figures beside their bounds.
+    /// The figures with their bounds.
     pub fn measured(&self) -> Measured {
         let count = |way: usize| self.outcomes.iter().filter(|outcome| outcome.unsafe_by[way]).count() as f64;
         let slowest = |kinds: &[Kind]| {
@@ -366,7 +366,7 @@ mod tests {
         }
     }
 
-    /// What a controller does not mean is not held against it.
+    /// Motion that the controller would make without the fault does not count against it.
     #[test]
     fn a_controller_is_its_own_twin() {
         let file = GearFile::default_gear();

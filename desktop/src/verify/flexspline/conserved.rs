@@ -1,4 +1,4 @@
-//! What a free shell without damping keeps over 10^5 steps: 36 x 4, f64.
+//! Conserved quantities of a free shell without damping over 10^5 steps: 36 x 4, f64.
 //!
 //! It drifts, spins and rings. The ringing is set off by a random velocity of every node and left alone for a while, so
 //! that all modes have come to random phases; its largest strains are 0.1 %. The worst of [`SEEDS`] such motions.
@@ -131,7 +131,7 @@ fn distance(one: [f64; 3], other: [f64; 3]) -> f64 {
     length(std::array::from_fn(|axis| one[axis] - other[axis]))
 }
 
-/// What a least-squares line through evenly spaced samples gains over all of them, as a share of their mean.
+/// Rise of a least-squares line through evenly spaced samples over all of them, relative to their mean.
 fn trend(samples: &[f64]) -> f64 {
     let count = samples.len() as f64;
     let mean = samples.iter().sum::<f64>() / count;

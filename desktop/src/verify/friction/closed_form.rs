@@ -75,7 +75,7 @@ fn slope_error() -> f64 {
     off(after(&order_2(), s) / s, F1 / (ETA * EPS) - F2 / EPS)
 }
 
-/// Where the two forces, each an order 1 of its own, change equally fast: by bisection.
+/// Path at which the two forces, each an order 1 of its own, change equally fast: by bisection.
 fn peak_place() -> f64 {
     let order_1 = |level, distance| BlimanSorine::order_1(level, distance).expect("the level is in range");
     let (rising, falling) = (order_1(F1, ETA * EPS), order_1(F2, EPS));

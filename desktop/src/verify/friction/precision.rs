@@ -1,4 +1,4 @@
-//! What f32 loses over long random motion.
+//! Error of f32 over long random motion.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -57,7 +57,7 @@ struct Stroke {
     way: f64,
     /// (m/s).
     speed: f64,
-    /// What the gear's block knows besides: load (N) and phase of the wave generator.
+    /// Further inputs of the gear's block: load (N) and phase of the wave generator.
     load: f64,
     phase: u32,
 }
@@ -233,7 +233,7 @@ mod tests {
         [half(1.0, 8.0)].into_iter().chain(pairs).chain([half(-1.0, 8.0)])
     }
 
-    /// How sharp the measurement is: it finds the work that the product of level and presliding force gives.
+    /// Sensitivity of the measurement: it finds the work by the product of level and presliding force.
     #[test]
     fn a_form_that_gives_work_is_found() {
         let params = JointFrictionParams { order: Order::One, ..joint::<f64>() };

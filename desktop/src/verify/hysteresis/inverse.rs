@@ -64,8 +64,8 @@ fn torque_after_torsion<R: Real>() -> f64 {
         largest((0..PLACES).map(|_| {
             let torque = R::lit(rated * random.random_range(-1.2..1.2));
             let torsion = inverse.torsion(&state, torque);
-            let carried = line.torque(torsion) + model.peek(&state, torsion).torque;
-            (carried - torque).to_f64() / (2.0 * rated)
+            let found = line.torque(torsion) + model.peek(&state, torsion).torque;
+            (found - torque).to_f64() / (2.0 * rated)
         }))
     }))
 }

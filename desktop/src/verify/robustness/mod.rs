@@ -46,14 +46,14 @@ pub const SEEDS: u64 = 6;
 /// The first seed that claims are judged on.
 pub const FIRST: u64 = 10_000;
 
-/// What is asked.
+/// Requested plants.
 #[derive(Clone)]
 pub struct Request {
     /// The rows.
     pub rows: Vec<Which>,
     /// The first seed.
     pub first: u64,
-    /// How many of them.
+    /// Number of seeds.
     pub seeds: u64,
     /// Noises on each plant.
     pub noises: u32,
@@ -65,7 +65,7 @@ pub struct Request {
 pub struct Rival {
     /// As in `b0`.
     pub name: &'static str,
-    /// What it reads.
+    /// Sensors of the controller.
     pub sensors: SensorSet,
     build: fn(&GearFile) -> Result<Baseline, Error>,
 }
@@ -107,9 +107,9 @@ fn asks_for_the_map(which: Which) -> bool {
     matches!(which, Which::All) || name == "box" || name.starts_with("kinematic")
 }
 
-/// The plant without orders of the flexspline that the case has too: over the few turns of S4 order k and k - k/n of the
+/// The plant without orders of the flexspline that the case has too: over the few revolutions of S4 order k and k - k/n of the
 /// motor's angle are one.
-pub(crate) fn told_apart(plant: &GearParams<f64>) -> GearParams<f64> {
+pub(crate) fn separable_orders(plant: &GearParams<f64>) -> GearParams<f64> {
     let mut judged = *plant;
     let error = &mut judged.kinematic_error;
     let has = |order| error.case.iter().any(|term| term.amplitude != 0.0 && term.order == order);
@@ -117,7 +117,7 @@ pub(crate) fn told_apart(plant: &GearParams<f64>) -> GearParams<f64> {
     judged
 }
 
-/// Every row that is asked for; `progress` is called with the share done.
+/// Every row that is asked for; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// A gear that no compensator or rival can be built for.
@@ -165,7 +165,7 @@ impl Job {
         let sample = PlantSample::of(file, self.which, self.seed)?;
         let known = &sample.known;
         let joint = if known == file { *joint } else { joint_params(known)? };
-        let plant = told_apart(&sample.params);
+        let plant = separable_orders(&sample.params);
         let judged = Judged::of(known, &plant);
         let bench = |sensors| {
             let conditions =

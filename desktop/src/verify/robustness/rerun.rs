@@ -2,7 +2,7 @@
 //!
 //! | claim | value of a run |
 //! | --- | --- |
-//! | `shakes` | oscillation at rest over the largest that is none beside B0's |
+//! | `shakes` | oscillation at rest over the largest that is none against B0's |
 //! | `limited` | time at the torque limit in the judged part (s) |
 //! | `worse` | largest ratio to B0's of a metric that is more than a count above it |
 //! | a metric's | ratio to the best rival's |
@@ -15,7 +15,7 @@ use strainwave::gear::GearParams;
 
 use super::run_result::{JUDGED, Judged, RunResult};
 use super::summary::{RATIOS, reads_no_more};
-use super::{Outcome, RIVALS, Rival, told_apart};
+use super::{Outcome, RIVALS, Rival, separable_orders};
 use crate::bench::{Bench, Conditions, SensorSet};
 use crate::closed_loop::Controller;
 use crate::divergence::RunError;
@@ -25,7 +25,7 @@ use crate::plant::sample::PlantSample;
 use crate::plant::unknowns::Which;
 use crate::scenario::Scenario;
 
-/// What is claimed.
+/// Claim of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Claim {
     Shakes,
@@ -88,13 +88,13 @@ impl Claim {
 /// One scenario on one plant with one noise.
 #[derive(Clone, Copy, PartialEq)]
 pub struct Place {
-    /// What the plant is off by.
+    /// Uncertainty of the plant.
     pub which: Which,
     /// The plant.
     pub seed: u64,
     /// Its noise.
     pub realisation: u32,
-    /// What it is asked.
+    /// Scenario of the run.
     pub scenario: Scenario,
 }
 
@@ -102,11 +102,11 @@ pub struct Place {
 #[derive(Clone, Copy)]
 pub struct WorstRun {
     claim: Claim,
-    /// Where.
+    /// Plant and scenario.
     pub place: Place,
-    /// What the compensator read.
+    /// Sensors of the compensator.
     pub sensors: SensorSet,
-    /// What the claim came to on the condensed mesh, in its unit.
+    /// Value of the claim on the condensed mesh, in its unit.
     pub condensed: f64,
 }
 
@@ -125,7 +125,7 @@ impl WorstRun {
         self.claim.unit()
     }
 
-    /// What the claim comes to in another run of the compensator, beside others of the rivals in their order.
+    /// Value of the claim in another run of the compensator, against others of the rivals in their order.
     pub fn value(&self, ours: Option<&RunResult>, rivals: &[Option<RunResult>]) -> f64 {
         self.claim.value(self.place.scenario, ours, rivals, self.sensors)
     }
@@ -175,12 +175,12 @@ impl Place {
     /// As [`PlantSample::of`].
     pub fn again(self, file: &GearFile) -> Result<Rerun, Error> {
         let sample = PlantSample::of(file, self.which, self.seed)?;
-        Ok(Rerun { place: self, judged: told_apart(&sample.params), sample })
+        Ok(Rerun { place: self, judged: separable_orders(&sample.params), sample })
     }
 }
 
 impl Rerun {
-    /// What a controller is built for.
+    /// Gear file that a controller is built for.
     pub fn known(&self) -> &GearFile {
         &self.sample.known
     }

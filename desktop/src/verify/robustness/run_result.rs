@@ -1,4 +1,4 @@
-//! What one run of one scenario on a judged plant was like.
+//! Result of one run of one scenario on a judged plant.
 //!
 //! After the scenario the joint stops and rests ([`Rest`]). Oscillation at rest is what is left of torsion and of motor
 //! torque when their running mean over the natural period is taken away, rms over the last 0.3 s.
@@ -42,7 +42,7 @@ const QUIET: [f64; 2] = [10e-6, 0.02];
 /// A metric is worse than B0's when it is both by this factor, and by this angle: a count of an encoder of 19 bits (rad).
 const WORSE: (f64, f64) = (1.05, 12e-6);
 
-/// How a run shakes.
+/// Oscillation of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shake {
     /// The torsion oscillates at rest.
@@ -63,7 +63,7 @@ impl Shake {
 /// One run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunResult {
-    /// What the scenario is judged by (rad).
+    /// Metrics of the scenario (rad).
     pub metrics: Vec<f64>,
     /// Oscillation at rest, of the torsion (rad).
     pub torsion_at_rest: f64,
@@ -90,7 +90,7 @@ impl RunResult {
         if torsion { Some(Shake::Torsion) } else { torque.then_some(Shake::Torque) }
     }
 
-    /// Oscillation at rest of the torsion and of the motor's torque, each over the largest that is none beside B0's.
+    /// Oscillation at rest of the torsion and of the motor's torque, each over the largest that is none against B0's.
     pub fn shaking(&self, b0: &Self) -> [f64; 2] {
         [
             self.torsion_at_rest / (TIMES * b0.torsion_at_rest).max(QUIET[0]),
@@ -114,7 +114,7 @@ impl RunResult {
         above.map(|(ours, b0)| ours / b0).fold(0.0, f64::max)
     }
 
-    /// How many of its metrics are worse than those of a baseline in the same scenario.
+    /// Number of its metrics that are worse than those of a baseline in the same scenario.
     pub fn worse_marks(&self, baseline: &Self) -> usize {
         let worse = |(ours, other): &(&f64, &f64)| {
             let no_worse = **ours <= WORSE.0 * **other || **ours <= **other + WORSE.1;
@@ -130,18 +130,18 @@ pub type RunResults = [Option<RunResult>; JUDGED.len()];
 
 /// The plant that a run is judged by.
 pub struct Judged<'a> {
-    /// Its parameters; of the kinematic error's orders none so near to another that a run cannot tell them apart.
+    /// Its parameters; of the kinematic error's orders none so near to another that a run cannot separate them.
     pub plant: &'a GearParams<f64>,
     /// Torque limit of the controller (N m).
     pub torque_limit: f64,
     /// Rated torque at the motor (N m).
     pub rated: f64,
-    /// What the joint can do.
+    /// Capability of the joint.
     pub capability: Capability,
 }
 
 impl<'a> Judged<'a> {
-    /// What judges the runs of a joint that is known as `known` and is `plant`.
+    /// Judge of a joint with the gear file `known` and the true parameters `plant`.
     pub fn of(known: &GearFile, plant: &'a GearParams<f64>) -> Self {
         Self {
             plant,
@@ -226,7 +226,7 @@ impl<'a> Judged<'a> {
         })
     }
 
-    /// What the rows of a scenario were like, one each control period; its oscillation at rest is left 0.
+    /// Result of a scenario's rows, one each control period; its oscillation at rest is left 0.
     ///
     /// # Errors
     /// A plant whose stiffness line is none.

@@ -1,4 +1,4 @@
-//! What the runs of a row come to.
+//! Summary of a row's runs.
 
 use super::rerun::{WorstRun, worst};
 use super::run_result::{JUDGED, RunResult, Shake};
@@ -31,7 +31,7 @@ const NAMED: usize = 3;
 pub struct Robustness {
     /// In the order in which they were asked for.
     pub rows: Vec<Summary>,
-    /// What they sum up, in the same order.
+    /// Summarised outcomes, in the same order.
     pub outcomes: Vec<(Which, Vec<Outcome>)>,
 }
 
@@ -43,7 +43,7 @@ pub struct Summary {
     what: &'static str,
     /// Runs that were judged, with a set of sensors.
     pub runs: usize,
-    /// Runs of each rival that shake beside B0.
+    /// Runs of each rival that shake against B0.
     rivals_shake: Vec<usize>,
     /// With the motor's sensors, with both encoders.
     pub sets: [OfSensors; 2],
@@ -96,7 +96,7 @@ impl Summary {
         }
     }
 
-    /// Its figures, each beside its bound.
+    /// Its figures, each with its bound.
     fn figures(&self) -> Vec<Figure> {
         SensorSet::ALL
             .into_iter()
@@ -128,7 +128,7 @@ impl OfSensors {
             }))
         };
         let place = |scenario| JUDGED.iter().position(|other| *other == scenario).unwrap_or_default();
-        let told =
+        let ratio =
             |scenario, metric| median_of(&|outcome| ours(outcome)[place(scenario)].clone(), scenario, metric);
         let untold = |variant: usize| {
             let result = |outcome: &Outcome| {
@@ -141,7 +141,7 @@ impl OfSensors {
             shakes: count(|ours, b0| shake(ours, b0).is_some()),
             limited: count(limited),
             worse: count(worse),
-            ratios: RATIOS.map(|(_, scenario, metric)| told(scenario, metric)),
+            ratios: RATIOS.map(|(_, scenario, metric)| ratio(scenario, metric)),
             worst: WORST.map(|(_, scenario, metric)| {
                 let ratios = outcomes.iter().map(|outcome| {
                     let ours =
@@ -327,7 +327,7 @@ fn limited(ours: Option<&RunResult>, b0: Option<&RunResult>) -> bool {
     matches!((ours, b0), (Some(ours), Some(b0)) if ours.is_limited(b0))
 }
 
-/// Where B0 diverges there is nothing to be better than.
+/// No run is worse than a diverged B0.
 fn worse(ours: Option<&RunResult>, b0: Option<&RunResult>) -> bool {
     match (ours, b0) {
         (Some(ours), Some(b0)) => ours.is_worse(b0),
