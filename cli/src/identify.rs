@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Gear file to write, complete or not at all
     #[arg(long, value_name = "OUT.toml")]
     output: PathBuf,
-    /// Share of each log, from its start, that trains; 0.2 to 1
+    /// Fraction of each log, from its start, that trains; 0.2 to 1
     #[arg(long, value_name = "SHARE", default_value_t = 0.5, allow_hyphen_values = true)]
     training: f64,
     /// The joint moves: learn friction, kinematic error and stiffness instead, from one log

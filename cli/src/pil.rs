@@ -37,8 +37,8 @@ pub struct Arguments {
     /// Which board's firmware; one that the emulator has
     #[arg(long, value_name = "BOARD", default_value = "mps2-an386")]
     board: String,
-    /// Which scenario; or all of them, with the whole table of what is claimed: each row the worst of 20 draws of the
-    /// plant on the desktop, then every scenario on that draw with the firmware, with either set of sensors
+    /// Which scenario; or all of them, with the whole table of what is claimed: each row the worst of 20 samples of the
+    /// plant on the desktop, then every scenario on that sample with the firmware, with either set of sensors
     #[arg(long, value_name = "S1..S6|all", default_value = "S2", ignore_case = true,
           value_parser = scenario_parser(), conflicts_with = "replay")]
     scenario: Scenarios,
@@ -54,8 +54,8 @@ pub struct Arguments {
     /// The log's motor torque counts against its motor angle
     #[arg(long, requires = "replay")]
     reversed_torque: bool,
-    /// Which plant: a draw of what the controller does not know; 0 is the plant that it knows [default: 1; for all
-    /// scenarios the draw that is worst in each]
+    /// Which plant: a sample of the uncertainties; 0 is the nominal plant [default: 1; for all
+    /// scenarios the sample that is worst in each]
     #[arg(long, conflicts_with = "replay")]
     seed: Option<u64>,
     /// Which encoders the compensator reads, after 10 s of work from which it may learn, as in the table of `verify
@@ -176,7 +176,7 @@ fn learn(
     Ok(Some(found.learnt))
 }
 
-/// Everything that is run: one scenario; or the whole table, and every scenario on the draw that is worst there.
+/// Everything that is run: one scenario; or the whole table, and every scenario on the sample that is worst there.
 fn scenarios(
     arguments: &Arguments,
     elf: &Path,
@@ -212,10 +212,10 @@ fn scenarios(
     Ok(figures)
 }
 
-/// The compensator against the baselines on the desktop, every row the worst of many draws.
+/// The compensator against the baselines on the desktop, every row the worst of many plant samples.
 fn table(gear: &GearFile) -> Result<Vec<Figure>, BadInput> {
     let mut progress = Progress::new(1000, "compensator and baselines");
-    let measured = compensator::against_baselines(gear, compensator::DRAWS, 0, |share| {
+    let measured = compensator::against_baselines(gear, compensator::SAMPLES, 0, |share| {
         progress.set((share * 1e3) as u64)
     })
     .map_err(BadInput::message)?;

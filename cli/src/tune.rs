@@ -39,7 +39,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FIRST..LAST", default_value = "901..906", value_parser = seeds)]
     seeds: RangeInclusive<u64>,
     /// Instead of plants of the file's joint: so many joints with this gear, of other loads and encoders, box and noise
-    /// drawn; the gains are carried over to each load by rule
+    /// drawn; the gains are transferred to each load by rule
     #[arg(long, value_name = "COUNT", conflicts_with = "seeds", value_parser = clap::value_parser!(u64).range(1..=400))]
     joints: Option<u64>,
     /// Evaluations of the objective for each baseline

@@ -40,12 +40,12 @@ pub struct Arguments {
     /// Only this part; every part when left out
     #[arg(value_name = "PART", value_parser = part_parser())]
     part: Option<String>,
-    /// Draws of the plant on which the compensator is compared with the baselines; the bounds are for 20
-    #[arg(long, value_name = "COUNT", default_value_t = compensator::DRAWS, value_parser = value_parser!(u64).range(1..=100_000))]
-    draws: u64,
-    /// Draws with doubled sensor noise on which it must be stable and no worse than the cascade; the bounds are for 1000
-    #[arg(long = "box", value_name = "COUNT", default_value_t = compensator::BOX_DRAWS, value_parser = value_parser!(u64).range(0..=100_000))]
-    box_draws: u64,
+    /// Plant samples on which the compensator is compared with the baselines; the bounds are for 20
+    #[arg(long, alias = "draws", value_name = "COUNT", default_value_t = compensator::SAMPLES, value_parser = value_parser!(u64).range(1..=100_000))]
+    samples: u64,
+    /// Plant samples with doubled sensor noise on which it must be stable and no worse than the cascade; the bounds are for 1000
+    #[arg(long = "box", value_name = "COUNT", default_value_t = compensator::BOX_SAMPLES, value_parser = value_parser!(u64).range(0..=100_000))]
+    box_samples: u64,
     /// Of `robustness`, only this unknown, such as drive.delay; may be given several times
     #[arg(long = "row", value_name = "NAME", value_parser = row_parser())]
     rows: Vec<String>,
@@ -105,9 +105,9 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
         return crate::faults::inject(&gear, 0, faults::COUNT, &arguments.figures);
     }
-    let wanted = |name: &str| arguments.part.as_ref().is_none_or(|part| part == name);
+    let expected = |name: &str| arguments.part.as_ref().is_none_or(|part| part == name);
     let mut measured = Measured::default();
-    let parts: Vec<_> = verify::Part::ALL.into_iter().filter(|part| wanted(part.name())).collect();
+    let parts: Vec<_> = verify::Part::ALL.into_iter().filter(|part| expected(part.name())).collect();
     let mut progress = Progress::new(parts.len() as u64, "measuring");
     for (done, part) in parts.iter().enumerate() {
         progress.set(done as u64);
@@ -130,7 +130,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         measured.add(replay::measure()?);
         measured.add(against_baselines(arguments)?);
     }
-    if let Some(parts) = emulated_parts(wanted(FIRMWARE), flexspline) {
+    if let Some(parts) = emulated_parts(expected(FIRMWARE), flexspline) {
         measured.add(measure_emulated(parts)?);
     }
     let missed = measured.figures.iter().filter_map(bounds::misses_target);
@@ -142,8 +142,9 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
 
 fn against_baselines(arguments: &Arguments) -> Result<Measured, BadInput> {
     let mut progress = Progress::new(1000, "compensator and baselines");
-    let (gear, [draws, box_draws]) = (GearFile::default_gear(), [arguments.draws, arguments.box_draws]);
-    compensator::against_baselines(&gear, draws, box_draws, |share| progress.set((share * 1e3) as u64))
+    let (gear, [samples, box_samples]) =
+        (GearFile::default_gear(), [arguments.samples, arguments.box_samples]);
+    compensator::against_baselines(&gear, samples, box_samples, |share| progress.set((share * 1e3) as u64))
         .map_err(BadInput::message)
 }
 

@@ -167,7 +167,7 @@ impl SensorModel {
     }
 }
 
-/// All corrections on, friction by the gear file's share.
+/// All corrections on, friction by the gear file's gain.
 fn all_gains(file: &GearFile) -> CompensationGains<f32> {
     CompensationGains { friction: file.compensation.friction_share as f32, ..CompensationGains::ALL }
 }
@@ -335,10 +335,10 @@ mod tests {
     #[test]
     fn the_controller_reads_the_encoders_of_its_set() {
         let file = GearFile::default_gear();
-        for (sensors, wanted) in [(SensorSet::Motor, None), (SensorSet::Both, Some(0))] {
+        for (sensors, expected) in [(SensorSet::Motor, None), (SensorSet::Both, Some(0))] {
             let conditions = Conditions { sensors, ..Conditions::of(&file, 1) };
             let mut bench = Bench::condensed(&file, &conditions).unwrap();
-            assert_eq!(bench.sensors.read(&bench.plant, 0.0).output_encoder, wanted);
+            assert_eq!(bench.sensors.read(&bench.plant, 0.0).output_encoder, expected);
         }
     }
 

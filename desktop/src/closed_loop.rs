@@ -137,7 +137,7 @@ pub struct Run {
     pub last: f64,
     /// Errors of the controller's estimates; without a meaning for a controller without estimates.
     pub estimate: EstimateErrors,
-    /// Power balance of the plant: what is missing, as a share of the energy moved.
+    /// Power balance of the plant: what is missing, as a fraction of the energy moved.
     pub imbalance: f64,
 }
 

@@ -69,7 +69,7 @@ mod tests {
     fn what_does_not_fit_stays_a_value_a_line() {
         let pretty = format!("{:#?}", [(0..40).collect::<Vec<_>>(), vec![7]]);
         let lines: Vec<_> = pretty.lines().collect();
-        let wanted = [&lines[..43], &["    [7],", "]"]].concat().join("\n");
-        assert_eq!(dense(&pretty), wanted);
+        let expected = [&lines[..43], &["    [7],", "]"]].concat().join("\n");
+        assert_eq!(dense(&pretty), expected);
     }
 }

@@ -111,8 +111,8 @@ mod tests {
             (-0.0123456, "-0.01235"),
             (1.2e-10, "1.200e-10"),
         ];
-        for (value, wanted) in cases {
-            assert_eq!(number(value), wanted);
+        for (value, expected) in cases {
+            assert_eq!(number(value), expected);
         }
         assert_eq!(
             (number(123.456), number(99_999.9), number(f64::NAN)),

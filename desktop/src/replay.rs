@@ -162,11 +162,11 @@ impl Start {
 /// shows nothing while it does: shares of a moving joint's log are shares of its motion.
 pub fn time_of_path(log: &MeasuredLog, share: f64) -> f64 {
     let steps = || log.motor_position.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let wanted = share * steps().sum::<f64>();
+    let expected = share * steps().sum::<f64>();
     let mut gone = 0.0;
     let reached = steps().position(|step| {
         gone += step;
-        gone >= wanted
+        gone >= expected
     });
     let stamps = log.time.stamps();
     stamps[reached.map_or(stamps.len() - 1, |before| before + 1)] - stamps[0]

@@ -22,9 +22,9 @@ pub fn end_in_order() {
     static HANDLER: Once = Once::new();
     HANDLER.call_once(|| {
         let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-        let wanted = [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| !ignored(&status, *signal));
+        let expected = [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| !ignored(&status, *signal));
         // Without a handler the kernel still ends the emulators.
-        let Ok(mut signals) = Signals::new(wanted) else { return };
+        let Ok(mut signals) = Signals::new(expected) else { return };
         std::thread::spawn(move || signals.forever().next().map(end));
     });
 }

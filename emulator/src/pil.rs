@@ -160,7 +160,7 @@ impl ScenarioRun {
         let compared = if metrics(scenario).is_empty() { &[] } else { &self.baselines[..] };
         for (baseline, run) in compared {
             let theirs = course(run)?;
-            let worse = ours.worse_marks(&theirs) as f64;
+            let worse = ours.worse_metrics(&theirs) as f64;
             figures.push(bounds::figure_as(name(&format!("{baseline}.worse")), "pil.worse_marks", worse));
             let ratio = |(metric, (ours, theirs)): (&Metric, (&f64, &f64))| {
                 Figure::reported(name(&format!("{}.to_{baseline}", metric.name())), ours / theirs, "1")

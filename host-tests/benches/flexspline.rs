@@ -15,7 +15,7 @@ use strainwave_desktop::vectorised::Vectorised;
 
 /// Rate of the drive (rad/s).
 const DRIVE_RATE: f64 = 10.0;
-/// Share of the largest stable step that is taken.
+/// Fraction of the largest stable step that is taken.
 const STEP: f64 = 0.7;
 
 fn step<R: Real, const N: usize, const M: usize>(criterion: &mut Criterion, precision: &str) {

@@ -125,10 +125,10 @@ fn another_joint_is_another_image() {
     for period in 0..300 {
         let input = if period < 200 { plausible(&mut sequence, period) } else { out_of_reach() };
         control_step(&compensator, &mut state, &input);
-        let wanted = compensator.output(&state);
+        let expected = compensator.output(&state);
         let answer = machine.exchange(&encode_input(&input)).expect("answers");
-        assert_eq!(answer, encode_output(&wanted), "period {period}");
-        differs |= strong.step(&mut beside, &input) != wanted;
+        assert_eq!(answer, encode_output(&expected), "period {period}");
+        differs |= strong.step(&mut beside, &input) != expected;
     }
     assert!(differs);
 }
@@ -144,10 +144,10 @@ fn the_image_answers_as_the_host_does_bit_for_bit() {
     for period in 0..1200 {
         let input = if period < 1000 { plausible(&mut sequence, period) } else { arbitrary(&mut sequence) };
         control_step(&compensator, &mut state, &input);
-        let wanted = compensator.output(&state);
+        let expected = compensator.output(&state);
         let answer = machine.exchange(&encode_input(&input)).expect("answers");
-        assert_eq!(answer, encode_output(&wanted), "period {period}: {input:?} -> {wanted:?}");
-        moved |= wanted.motor_torque != 0.0;
+        assert_eq!(answer, encode_output(&expected), "period {period}: {input:?} -> {expected:?}");
+        moved |= expected.motor_torque != 0.0;
     }
     assert!(moved);
     let ending = machine.finish().expect("ends as it should");

@@ -90,9 +90,9 @@ impl Driven {
     fn look_ahead(&mut self, input: f32) -> Result<(), Error> {
         let mut next = self.torsion_state;
         self.torsion.step(&mut next, input);
-        let wanted = self.model.peek(&self.state, input).output;
-        let found = self.model.inverse()?.input(&self.state, wanted);
-        let distance = (self.model.peek(&self.state, found).output - wanted).abs();
+        let expected = self.model.peek(&self.state, input).output;
+        let found = self.model.inverse()?.input(&self.state, expected);
+        let distance = (self.model.peek(&self.state, found).output - expected).abs();
         self.worst = self.worst.max(distance);
         Ok(())
     }

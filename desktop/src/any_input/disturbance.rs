@@ -35,7 +35,7 @@ pub enum Disturbance {
     Position,
     /// A command of another kind.
     Kind,
-    /// Any shares.
+    /// Any gains.
     Gains,
     /// Any bits of everything.
     Bits,

@@ -96,9 +96,9 @@ impl Cascade {
             acceleration: demand.acceleration,
         };
         let feedback = self.feedback.step(&mut self.state, motor.speed, &input, self.limited);
-        let wanted = feedback + demand.torque;
-        let torque = wanted.clamp(-self.torque_limit, self.torque_limit);
-        self.limited = torque != wanted;
+        let expected = feedback + demand.torque;
+        let torque = expected.clamp(-self.torque_limit, self.torque_limit);
+        self.limited = torque != expected;
         torque
     }
 }

@@ -29,7 +29,7 @@ use crate::joint::CONTROL_PERIOD;
 const HIDDEN: f64 = 0.4;
 /// Rounding and noise of a resting output's reading, in counts.
 const NOISE: f64 = 1.5;
-/// Fastest setpoint at which z runs, as a share of the joint's fastest speed.
+/// Fastest setpoint at which z runs, as a fraction of the joint's fastest speed.
 const SLOW: f64 = 0.05;
 /// b in torsions at peak torque.
 const ROOM: f64 = 2.0;
@@ -51,7 +51,7 @@ pub(super) struct DualLoop {
     bound: f64,
     /// (rad/s)
     slow: f64,
-    /// Setpoints on their way to the reading that they belong to, the newest last; one more than the delay.
+    /// Setpoints delayed to the reading that they belong to, the newest last; one more than the delay.
     past: VecDeque<Angle<f64>>,
     delay: usize,
     /// e, e_f, m_f and z (rad).

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! q is the setpoint of the output with its derivatives. fric is the gear's own friction model driven along the
-//! setpoint, so that a wind-up which friction holds at rest stays; what is fed forward as torque is the share s_f of
+//! setpoint, so that a wind-up which friction holds at rest stays; what is fed forward as torque is the fraction s_f of
 //! Coulomb and viscous friction ([`super::rigid_body`]), nothing at rest. theta is found by fixed-point steps
 //! (contraction N*e', 0.03 for the default gear). Rates of friction and of e' are differences over the control period.
 //! Hysteresis is left out: the line is what a catalogue gives. Units: rad, N m; signs as in [`strainwave::gear`].

@@ -53,7 +53,7 @@ pub struct BaselineGains {
     pub integral_time: f64,
     /// Corner of the speed's low pass in multiples of f_v.
     pub speed_filter_factor: f64,
-    /// Share of the friction that is fed forward.
+    /// Fraction of the friction that is fed forward.
     pub friction_share: f64,
     /// P of the output's error.
     pub output_proportional: f64,

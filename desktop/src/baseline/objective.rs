@@ -19,7 +19,7 @@
 //!
 //! They are the metrics of [`crate::judge`]. f = 1 urad: less than that gains next to nothing. Every bad run doubles J: one
 //! under which the plant diverges (its figures then count as [`LOST`]) or which keeps oscillating at rest or stays at its
-//! torque limit where the untuned B0 on the same plant does not ([`RunResult::shakes`], [`RunResult::is_limited`]).
+//! torque limit where the untuned B0 on the same plant does not ([`RunResult::oscillates`], [`RunResult::is_limited`]).
 //!
 //! Half of the training plants, the even seeds, have every unknown at once ([`crate::plant::unknowns`]); the others are the
 //! box alone. On joints of the catalogue ([`crate::catalogue::joints`]), whose loads and encoders differ, the gains are
@@ -92,10 +92,10 @@ fn lost(logarithms: &[f64; FIGURES.len()], untuned: &[f64; FIGURES.len()]) -> f6
     logarithms.iter().zip(untuned).map(|(ours, untuned)| (ours - untuned).max(0.0)).sum()
 }
 
-/// A run is bad beside that of the untuned B0; one that the B0 loses cannot be judged.
+/// A run is bad against that of the untuned B0; one that the B0 loses cannot be judged.
 fn is_bad(result: Option<&RunResult>, b0: Option<&RunResult>) -> bool {
     match (result, b0) {
-        (Some(result), Some(b0)) => result.shakes(b0).is_some() || result.is_limited(b0),
+        (Some(result), Some(b0)) => result.oscillates(b0).is_some() || result.is_limited(b0),
         (result, _) => result.is_none(),
     }
 }

@@ -4,7 +4,7 @@
 //! tau_ff = (J_wg/r + r*J_fs)*ddq + s_f*(fric_in(dq/r) + r*fric_out(dq)),    fric(v) = Fc*sign(v) + Fv*v
 //! ```
 //!
-//! q is the setpoint of the output, s_f the share of the friction. Units: rad, N m at the motor's shaft.
+//! q is the setpoint of the output, s_f the gain of the friction. Units: rad, N m at the motor's shaft.
 
 use strainwave::friction::JointFrictionParams;
 use strainwave::gear::GearParams;
@@ -86,8 +86,8 @@ mod tests {
                     + output.viscous * f64::powi(velocity, 2);
                 let commanded = Commanded { velocity, acceleration, ..Commanded::default() };
                 let supplied = body.torque(&commanded) * motor_velocity;
-                let wanted = kinetic * velocity + friction;
-                assert!((supplied - wanted).abs() < 1e-12, "{supplied} W, wanted {wanted} W");
+                let expected = kinetic * velocity + friction;
+                assert!((supplied - expected).abs() < 1e-12, "{supplied} W, expected {expected} W");
             }
         }
     }

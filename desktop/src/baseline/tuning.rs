@@ -84,7 +84,7 @@ pub fn tune(
     Ok(Tuned { kind, before, after: if better { (found, score) } else { before } })
 }
 
-/// The best gains for a cost, which is told the share of the budget that is behind it.
+/// The best gains for a cost, which is called with the fraction of the budget that is used.
 fn search(
     kind: Kind,
     start: &BaselineGains,
@@ -181,10 +181,10 @@ mod tests {
     #[test]
     fn the_search_finds_the_least() {
         let start = BaselineGains::untuned(&GearFile::default_gear(), Kind::B1);
-        let wanted = BaselineGains { position_bandwidth: 30.0, friction_share: 0.0, ..start };
+        let expected = BaselineGains { position_bandwidth: 30.0, friction_share: 0.0, ..start };
         let cost = |gains: &BaselineGains, _| {
             let off = |gain: &Gain| {
-                to_coordinate(gain, (gain.get)(gains)) - to_coordinate(gain, (gain.get)(&wanted))
+                to_coordinate(gain, (gain.get)(gains)) - to_coordinate(gain, (gain.get)(&expected))
             };
             Kind::B1.gains().map(|gain| off(gain).powi(2)).sum()
         };

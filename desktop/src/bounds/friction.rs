@@ -25,7 +25,7 @@ pub(super) const ROWS: &[Bound] = &[
         name: "friction.order_1_is_dahl",
         value: 0.0,
         unit: "1",
-        why: "two ways to write one exponential: the same bits",
+        why: "two forms of one exponential: the same bits",
     },
     Bound {
         name: "friction.rate_independence",

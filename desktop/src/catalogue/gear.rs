@@ -12,7 +12,7 @@
 //! | friction at the flexspline | Coulomb 0.5 % of the rated torque, static 1.3 times, viscous 4 s/rad times that |
 //! | motor | 1.5 times peak torque/N; 5600 revolutions a minute of size 25, with size^-0.62 (4800 of size 32) |
 //! | noise of the torques | 1 % of the rated torque, at the motor over N |
-//! | baselines | as tuned; else the default gear's, carried over ([`super::load`]) |
+//! | baselines | as tuned; else the default gear's, transferred ([`super::load`]) |
 //! | cascade | that of baseline B0 |
 //!
 //! The default gear's velocity loop crosses over at 180 Hz above the torsion mode, where the rotor alone is left: what
@@ -53,7 +53,7 @@ impl Model {
         format!("hd{:02}-{:03}", self.size, self.ratio)
     }
 
-    /// The gear file; without tuned baselines it has those of the default gear, carried over.
+    /// The gear file; without tuned baselines it has those of the default gear, transferred.
     pub fn gear(self, baselines: Option<Baselines>) -> GearFile {
         let n = f64::from(self.ratio);
         let rated = rounded(figures::rated_torque(self.size, self.ratio));
@@ -161,7 +161,7 @@ impl Model {
             slopes,
             from(friction, "Friction at the wave generator, of ratio 100"),
             "# Hysteresis, cup, output friction, motor and noise follow from size and rated torque; not a claim about one unit.".to_owned(),
-            "# [feedback] is baseline B0's; [baselines] as tuned, else the default gear's, carried over.".to_owned(),
+            "# [feedback] is baseline B0's; [baselines] as tuned, else the default gear's, transferred.".to_owned(),
         ]
         .join("\n")
             + "\n"

@@ -321,8 +321,8 @@ impl Controller {
         let filter = share(dt * filter_corner);
         x[SPEED] += filter * (speed - x[SPEED]);
         let late = dt * (1.0 / filter - 0.5) * x[WIND_ACCELERATION];
-        let wanted = position_gain * x[AHEAD] + x[COURSE] + x[WIND_SPEED] - late;
-        let lag = wanted - x[SPEED];
+        let expected = position_gain * x[AHEAD] + x[COURSE] + x[WIND_SPEED] - late;
+        let lag = expected - x[SPEED];
         x[INTEGRAL] += velocity_gain * dt / integral_time * lag;
         velocity_gain * lag + x[INTEGRAL] + x[WIND_TORQUE]
     }

@@ -84,7 +84,7 @@ fn answers(file: &GearFile, parts: &Parts, loops: &[Loop], omegas: &[f64]) -> Ve
     answers
 }
 
-/// Margins of some loops over every `each`-th corner of the box; `progress` is told the fraction done.
+/// Margins of some loops over every `each`-th corner of the box; `progress` is called with the fraction done.
 pub fn judge(
     file: &GearFile,
     parts: &Parts,

@@ -83,7 +83,7 @@ pub struct Allowed {
     pub misses: [Option<Miss>; FUNCTIONS.len()],
 }
 
-/// The levels of a joint with these parts; `progress` is told the fraction done.
+/// The levels of a joint with these parts; `progress` is called with the fraction done.
 pub fn levels(file: &GearFile, parts: &Parts, mut progress: impl FnMut(f64)) -> Allowed {
     let floors = floors(file, parts);
     let mut found = Allowed { levels: Levels::NONE, misses: Default::default() };

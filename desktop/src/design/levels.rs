@@ -43,7 +43,7 @@ pub const FUNCTIONS: [Function; 7] = [
         scale: |parts, level| parts.disturbance.fast_corner *= level,
     },
     Function {
-        name: "disturbance path: wound-up share s",
+        name: "disturbance path: wind-up fraction s",
         sets: &SensorSet::ALL,
         needs: Some(3),
         scale: |parts, level| parts.disturbance.wind_up_fraction *= level,

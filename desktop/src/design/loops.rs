@@ -7,7 +7,7 @@
 //!
 //! P is the joint ([`super::plant`]), C the controller's fundamental ([`super::response`]). Where the plant is the model the
 //! observer sees nothing of what the motor does, and the second L is 0; what is left of it is T*Delta, T what the path makes
-//! of a load and Delta what of it comes back by what is not known. |T| < 1/|Delta| is |L| < 1.
+//! of a load and Delta the part of it that returns by the uncertainty. |T| < 1/|Delta| is |L| < 1.
 //!
 //! K. Zhou, J. Doyle, K. Glover, "Robust and optimal control" (1996), chapter 9 (small gain).
 

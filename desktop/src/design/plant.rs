@@ -90,7 +90,7 @@ impl Plant {
         [angle, follows * angle, torque, spring * (r - follows) * angle]
     }
 
-    /// States: both angles and speeds, link, drive, and the commands on their way.
+    /// States: both angles and speeds, link, drive, and the delayed commands.
     pub fn states(&self) -> usize {
         7 + self.delay
     }

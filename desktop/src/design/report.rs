@@ -69,7 +69,7 @@ pub fn place(at: &Option<(Variant, Corner)>) -> String {
 }
 
 impl Report {
-    /// Of a joint with these parts at these levels, the cascade's by its rule or the file's; `progress` is told the fraction done.
+    /// Of a joint with these parts at these levels, the cascade's by its rule or the file's; `progress` is called with the fraction done.
     ///
     /// # Errors
     /// As [`Parts::of`].

@@ -27,7 +27,7 @@ pub struct Learnt {
     /// On the compliance of the flexspline.
     #[serde(default = "nominal")]
     pub compliance: f64,
-    /// Share of order 2 in the presliding of both frictions.
+    /// Fraction of order 2 in the presliding of both frictions.
     #[serde(default = "nominal")]
     pub presliding: f64,
     /// 1 and how much stiffer the presliding is.

@@ -363,7 +363,7 @@ pub struct Feedback {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Compensation {
-    /// Share of the friction that is fed forward: all of it can drive the joint by itself.
+    /// Fraction of the friction that is fed forward: all of it can drive the joint by itself.
     pub friction_share: f64,
     /// By how much the external torque wanders in a second [N m/s^0.5]; the observer's design has one when it is left out. It is how much of
     /// the motor torque that friction and inertia do not explain the observer takes for external torque.

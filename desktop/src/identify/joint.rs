@@ -57,7 +57,7 @@ const SETTLED: f64 = 1e-6;
 /// Options of the identification.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GearOptions {
-    /// Share of each log, from its start, that trains; the rest is predicted. 0.2..=1.
+    /// Fraction of each log, from its start, that trains; the rest is predicted. 0.2..=1.
     pub training: f64,
     /// One of [`LEVELS`]; chosen by cross-validation when there is none.
     pub levels: Option<usize>,
@@ -153,7 +153,7 @@ struct Parameters {
 }
 
 impl Parameters {
-    /// A share of the way to `target`; weights stay within their bounds.
+    /// A fraction of the way to `target`; weights stay within their bounds.
     fn towards(&self, target: &Self, share: f64) -> Self {
         let blend = |a: f64, b: f64| a + share * (b - a);
         let blends = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| blend(*a, *b)).collect();

@@ -18,7 +18,7 @@ use crate::torque_loop::{Sample, TorqueLoop};
 /// Halvings of the bracket: to the last bit of a torsion in it.
 const HALVINGS: usize = 60;
 
-/// Samples of a course for each 1 of its way.
+/// Samples of a path for each 1 of its length.
 const SAMPLES: f64 = 500.0;
 
 /// The law.

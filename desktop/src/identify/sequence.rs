@@ -17,7 +17,7 @@ use crate::plant::MEMORY;
 
 /// Fewest samples that train.
 pub(super) const LEAST_SAMPLES: usize = 50;
-/// Share of the input's span that it must turn back by to have reversed.
+/// Fraction of the input's span that it must turn back by to have reversed.
 pub(super) const REVERSAL: f64 = 0.01;
 
 /// A recorded input and output.
@@ -34,7 +34,7 @@ pub struct Sequence<'a> {
 pub struct Options {
     /// U: the grid covers inputs of +-U.
     pub half_range: f64,
-    /// Share of the samples, from the first on, that train; the rest is predicted. 0.2..=1.
+    /// Fraction of the samples, from the first on, that train; the rest is predicted. 0.2..=1.
     pub training: f64,
     /// The smoothness.
     pub smoothing: Smoothing,

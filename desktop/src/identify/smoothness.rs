@@ -31,7 +31,7 @@ const REACH: f64 = 0.25;
 pub(super) fn penalty_to_prior<const L: usize>() -> DMatrix<f64> {
     let mut penalty = penalty::<L>();
     for (index, (i, j)) in pairs::<L>().enumerate() {
-        // Areas are as shares of the total weight are: halves on the diagonal; a pair has two cells but on its axis.
+        // Areas are as fractions of the total weight are: halves on the diagonal; a pair has two cells but on its axis.
         let cells = if i + j + 1 == L { 1.0 } else { 2.0 };
         penalty[(index, index)] += 0.5 * cells * unit_density::<L>((i, j)) / (REACH * REACH);
     }

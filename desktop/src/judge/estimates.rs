@@ -1,4 +1,4 @@
-//! Estimates beside what is true, and how often they are off by more than three of their stated deviations.
+//! Errors of the estimates, and how often they exceed three of their declared standard deviations.
 //!
 //! They are judged in the slots of the observer. Motion is estimated at the time of the reading;
 //! torsion, torques and friction are those of its slot before, and so is the load that acted.
@@ -140,7 +140,7 @@ mod tests {
 
     use super::*;
 
-    /// A row whose estimates are off by `off` deviations of one.
+    /// A row whose estimates have an error of `off` deviations of one.
     fn row(off: f64) -> Row {
         let mut row =
             Row { output: 0.3, output_velocity: 2.0, torsion: 1e-3, transmitted: 20.0, ..Row::default() };
@@ -195,7 +195,7 @@ mod tests {
         assert_eq!(worst_fraction(&[row(0.0), held, row(0.0), held, row(3.1)]), 0.5);
     }
 
-    /// One estimate that is off is not hidden by six that are not.
+    /// One estimate with a large error is not hidden by six without.
     #[test]
     fn the_worst_estimate_counts() {
         let mut off = row(0.0);

@@ -14,7 +14,7 @@
 //! | [`Metric::Peak`] | S5 | largest magnitude of the output error after the load step (rad) |
 //! | [`Metric::Steady`] | S5 | magnitude of the mean output error over the last 0.2 s (rad) |
 //! | [`Metric::ExternalTorque`] | all but S6 | rms of the estimated external torque less the true one from t0 on (N m); in S6 a brake holds what the joint cannot know |
-//! | [`Metric::Outside`] | all but S6 | share of the periods from t0 on in which an estimate is off by more than three of its stated deviations, of the estimate that is so most often |
+//! | [`Metric::Outside`] | all but S6 | fraction of the periods from t0 on in which an estimate's error exceeds three of its declared standard deviations, of the estimate that is so most often |
 //!
 //! Vibration (`vibration.rs`): the torsion less its running mean over one natural period of the load on the gear at
 //! the torque at hand. The mean has no part of the natural frequency and its multiples, and all of what is slow.
@@ -216,7 +216,7 @@ mod tests {
     use crate::gear_file::GearFile;
     use crate::joint::firmware_gear_params;
 
-    /// A run of a scenario whose output is off by `off` and whose torsion is `torsion`, both of the time.
+    /// A run of a scenario whose output has the error `off` and whose torsion is `torsion`, both of the time.
     fn rows(scenario: Scenario, off: impl Fn(f64) -> f64, torsion: impl Fn(f64) -> f64) -> Vec<Row> {
         let periods = (scenario.duration() / CONTROL_PERIOD).round() as usize;
         let times = (0..periods).map(|k| k as f64 * CONTROL_PERIOD);

@@ -28,9 +28,9 @@ pub(super) const DT: f64 = PERIODS * CONTROL_PERIOD;
 /// Process and measurement noise of the filter's model.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unknown {
-    /// Way of the external torque in a second, as a share of the rated torque.
+    /// Random walk of the external torque in a second, as a fraction of the rated torque.
     pub wander: f64,
-    /// Share of the Coulomb friction that is renewed every control period.
+    /// Fraction of the Coulomb friction that is renewed every control period.
     pub friction: f64,
     /// Noise of the motor's encoder besides its resolution, in counts of 2^19 a revolution: of each reading that the observer
     /// looks at.
@@ -64,7 +64,7 @@ impl Unknown {
     }
 }
 
-/// Least noise of a torque, as a share of the rated one: a torque that is exactly known has no filter.
+/// Least noise of a torque, as a fraction of the rated one: a torque that is exactly known has no filter.
 const LEAST_NOISE: f64 = 1e-3;
 /// Torsion that makes the unit of each state (rad).
 const UNIT: f64 = 1e-5;

@@ -78,7 +78,7 @@ fn a_gear_whose_output_nothing_shows_is_refused_by_name() {
     assert_eq!(observer_params::<f32>(&file).err(), Some(Error::OutOfRange(NAMES[0])));
 }
 
-/// The joint as the observer models it, off by a draw, its motor moved along a given acceleration.
+/// The joint as the observer models it, with parameters from the box, its motor moved along a given acceleration.
 struct Twin {
     gear: RealTimeGear<f64>,
     params: GearParams<f64>,
@@ -101,7 +101,7 @@ impl Twin {
         Self { gear: build(&params), params, observer, model: build(&nominal) }
     }
 
-    /// Estimates beside the true output angle (rad) of every period of the observer: 0.1 s of acceleration, then 50
+    /// Estimates and the true output angle (rad) of every period of the observer: 0.1 s of acceleration, then 50
     /// rad/s at the motor, with readings of the output that are `delay` periods late, one every `period`.
     fn run(&self, delay: usize, period: usize) -> Vec<(Estimate<f64>, f64)> {
         let (mut plant, mut state) = (self.gear.rest(), self.observer.rest());
@@ -181,7 +181,7 @@ fn late_readings_at_every_period_are_no_offset_either() {
     }
 }
 
-/// The filter's gains are those of its design without delay, carried on.
+/// The filter's gains are those of its design without delay, continued.
 #[test]
 fn past_and_state_are_corrected_alike() {
     for delay in [1, 5, 16] {

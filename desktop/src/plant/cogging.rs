@@ -40,7 +40,7 @@ impl Wave {
 pub struct Cogging {
     /// Cogging (N m).
     pub cogging: Wave,
-    /// Ripple, as a share of the torque.
+    /// Ripple, as a fraction of the torque.
     pub ripple: Wave,
 }
 
@@ -77,8 +77,8 @@ mod tests {
             let torque = MOTOR.torque(1.0, at(k));
             assert_eq!(torque, MOTOR.torque(1.0, at(k + 1024)));
             let angle = at(k).to_radians();
-            let wanted = 1.0 + 0.02 * (6.0 * angle - 1.0).sin() + 0.01 * (12.0 * angle + 0.4).sin();
-            assert!((torque - wanted).abs() < 1e-12);
+            let expected = 1.0 + 0.02 * (6.0 * angle - 1.0).sin() + 0.01 * (12.0 * angle + 0.4).sin();
+            assert!((torque - expected).abs() < 1e-12);
             mean += MOTOR.torque(0.0, at(k)) / 1024.0;
         }
         assert!(mean.abs() < 1e-12, "{mean}");

@@ -52,7 +52,7 @@ pub(super) struct Drive {
     /// e^(-omega_c*dt), and the mean of that decay over a micro-step.
     kept: f64,
     kept_mean: f64,
-    /// Commands on their way: in how many micro-steps, how much (N m).
+    /// Delayed commands: in how many micro-steps, how much (N m).
     coming: VecDeque<(f64, f64)>,
     /// u (N m).
     command: f64,

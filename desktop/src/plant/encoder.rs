@@ -17,7 +17,7 @@ use strainwave::Angle;
 
 use super::cogging::Wave;
 
-/// Sines that an encoder's scale is off by.
+/// Sines of an encoder's scale error.
 pub const WAVES: usize = 3;
 
 /// Errors of an encoder.
@@ -84,7 +84,7 @@ pub struct LateEncoder {
     delay: usize,
     /// Every how many.
     every: usize,
-    /// Counts on their way, the newest last.
+    /// Delayed counts, the newest last.
     coming: VecDeque<u32>,
     periods: usize,
 }
@@ -132,8 +132,8 @@ mod tests {
     fn a_late_and_slow_encoder_gives_old_counts_now_and_then() {
         let mut late = LateEncoder::new(EncoderModel::new(4, 1.0, EncoderErrors::default()), 2, 3);
         let read = (0..10).map(|k| late.read(revolutions(f64::from(k)), &mut random()));
-        let wanted = [None, None, None, Some(1), None, None, Some(4), None, None, Some(7)];
-        assert_eq!(read.collect::<Vec<_>>(), wanted);
+        let expected = [None, None, None, Some(1), None, None, Some(4), None, None, Some(7)];
+        assert_eq!(read.collect::<Vec<_>>(), expected);
     }
 
     #[test]
@@ -148,9 +148,9 @@ mod tests {
             let x = angle.to_radians();
             let shown = f64::from(count) * TAU / f64::from(1 << 24);
             let error = |x: f64| 1e-3 * (x + 0.3).sin() + 2e-4 * (2.0 * x - 0.8).sin();
-            let wanted = x + error(x) - error(0.0);
-            let off = (shown - wanted) - TAU * ((shown - wanted) / TAU).round();
-            assert!(off.abs() < TAU / f64::from(1 << 24), "{k}: {shown} {wanted}");
+            let expected = x + error(x) - error(0.0);
+            let off = (shown - expected) - TAU * ((shown - expected) / TAU).round();
+            assert!(off.abs() < TAU / f64::from(1 << 24), "{k}: {shown} {expected}");
             assert_eq!(count, encoder.read(Angle::from_counts(angle.counts + (3 << 32)), &mut random()));
         }
     }
@@ -162,6 +162,6 @@ mod tests {
         let angle = Angle::from_counts(100 << 24);
         let counts: Vec<_> = (0..400).map(|_| encoder.read(angle, &mut random)).collect();
         assert!(counts.iter().all(|count| (99..=101).contains(count)));
-        assert!((99..=101).all(|wanted| counts.contains(&wanted)));
+        assert!((99..=101).all(|expected| counts.contains(&expected)));
     }
 }

@@ -47,7 +47,7 @@ pub const NODES: (usize, usize) = (36, 4);
 pub const LEVELS: usize = 64;
 /// Turning points that it remembers.
 pub const MEMORY: usize = 128;
-/// Largest micro-step as a share of the mesh's stable step.
+/// Largest micro-step as a fraction of the mesh's stable step.
 pub const STEP_SHARE: f64 = 0.95;
 
 /// Micro-steps of a control period with the mesh condensed.
@@ -349,7 +349,7 @@ impl<F: Flexspline<f64>> Plant<F> {
         self.energy
     }
 
-    /// Power balance since the start: what is missing, as a share of the energy moved.
+    /// Power balance since the start: what is missing, as a fraction of the energy moved.
     pub fn imbalance(&self) -> f64 {
         let energy = &self.energy;
         let came = energy.from_motor + energy.from_load;

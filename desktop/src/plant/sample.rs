@@ -36,7 +36,7 @@ pub struct PlantSample {
 }
 
 impl PlantSample {
-    /// The plant that a gear file describes, off by the old box of `seed` (see [`BoxSample::from_seed`]).
+    /// The plant that a gear file describes, with factors from the box of `seed` (see [`BoxSample::from_seed`]).
     ///
     /// # Errors
     /// As [`firmware_gear_params`].
@@ -53,7 +53,7 @@ impl PlantSample {
         })
     }
 
-    /// The same, off by what a row or all of them draw too.
+    /// The same, with the uncertainties of a row, or of all.
     ///
     /// # Errors
     /// As [`PlantSample::boxed`].

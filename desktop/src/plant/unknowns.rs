@@ -182,7 +182,7 @@ pub const ROWS: &[Row] = &[
     }),
     row(
         "kinematic.stored",
-        "the stored kinematic error's phases off by 0.3 rad, amplitudes by 30 %",
+        "errors of the stored kinematic error: phases 0.3 rad, amplitudes 30 %",
         |plant, random| {
             let error = &mut plant.params.kinematic_error;
             for term in
@@ -322,7 +322,7 @@ impl Which {
         }
     }
 
-    /// The rows that the plant of a seed is off by.
+    /// The uncertainties of the plant of a seed.
     pub fn rows(self, seed: u64) -> Vec<&'static Row> {
         let Self::All = self else { return ROWS.iter().filter(|row| row.name == self.name()).collect() };
         let grouped: Vec<_> = ROWS.iter().filter(|row| row.group.is_some()).collect();
@@ -505,8 +505,8 @@ mod tests {
         assert_eq!((terms[1].order, terms[1].amplitude), (3, 1e-5));
         for x in [0.0, 0.4, 2.0] {
             let at = |term: &Term<f64>| term.amplitude * (f64::from(term.order) * x + term.phase).sin();
-            let wanted = 2e-5 * (4.0 * x + 0.3).sin() + 1e-5 * (4.0 * x - 2.0).sin();
-            assert!((at(&terms[0]) - wanted).abs() < 1e-18);
+            let expected = 2e-5 * (4.0 * x + 0.3).sin() + 1e-5 * (4.0 * x - 2.0).sin();
+            assert!((at(&terms[0]) - expected).abs() < 1e-18);
         }
     }
 }

@@ -221,7 +221,7 @@ impl Inputs<'_> {
     }
 }
 
-/// A gear on its way through its inputs.
+/// A run of a gear through its inputs.
 struct Simulation<'a, R: Real, F: Gauged<R>, C: FrictionModel<R>, const L: usize, const MEMORY: usize> {
     gear: Gear<R, Turned<R, F>, C, L, MEMORY>,
     state: GearState<R, F::State, C::State, MEMORY>,

@@ -1,4 +1,4 @@
-//! Measures the figures that the project claims, each beside its row in [`crate::bounds`].
+//! Measures the figures that the project claims, each with its row in [`crate::bounds`].
 //!
 //! These parts need no emulator; what is measured on the firmware image stands with the emulator.
 

@@ -206,8 +206,8 @@ impl Image {
     }
 
     fn nearest(&self, pattern: &str) -> String {
-        let wanted: Vec<&str> = pattern.rsplit("::").collect();
-        let alike = |path: &&String| path.rsplit("::").zip(&wanted).take_while(|(a, b)| a == *b).count();
+        let expected: Vec<&str> = pattern.rsplit("::").collect();
+        let alike = |path: &&String| path.rsplit("::").zip(&expected).take_while(|(a, b)| a == *b).count();
         let paths = self.functions.iter().flat_map(|f| &f.paths);
         paths.max_by_key(alike).filter(|path| alike(path) > 0).map_or_else(|| "none".to_owned(), Clone::clone)
     }

@@ -54,12 +54,12 @@ pub fn doubles(graph: &CallGraph, roots: &[usize]) -> Vec<Violation> {
 }
 
 fn symbols_that(
-    wanted: fn(&str) -> bool,
+    expected: fn(&str) -> bool,
     symbols: &[String],
     graph: &CallGraph,
     roots: &[usize],
 ) -> Vec<Violation> {
-    let mut found: Vec<&String> = symbols.iter().filter(|s| wanted(s)).collect();
+    let mut found: Vec<&String> = symbols.iter().filter(|s| expected(s)).collect();
     found.sort();
     found.dedup();
     let path = |name: &str| {

@@ -293,13 +293,13 @@ fn debians_packages_are_the_last_resort_and_change_nothing_of_the_system() {
     assert_eq!(found.linker, Some("/rustup/lib/rustlib/x86_64-unknown-linux-gnu/bin/rust-lld".into()));
     let packages = "rustc-web cargo-web rust-web-src rust-web-clippy";
     let commands = host.commands();
-    let wanted = [
+    let expected = [
         "rustup target add thumbv7em-none-eabihf".to_owned(),
         "apt-get update".to_owned(),
         format!("apt-get install --simulate {packages}"),
         format!("apt-get install --download-only {packages}"),
     ];
-    assert_eq!(commands[..4], wanted);
+    assert_eq!(commands[..4], expected);
     assert!(commands[4..].iter().all(|command| command.starts_with("dpkg-deb --extract ")), "{commands:?}");
 }
 

@@ -22,7 +22,7 @@ use crate::replay::ReplayRow;
 
 /// Speed from which on the contact slides (rad/s).
 const SLIDING: f64 = 0.3;
-/// Share of the Coulomb level that friction varies by beside the curve.
+/// Fraction of the Coulomb level that friction varies by around the curve.
 const UNKNOWN: f64 = 0.2;
 /// Time over which this is alike (s).
 const ALIKE: f64 = 0.1;

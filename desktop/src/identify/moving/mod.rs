@@ -18,7 +18,7 @@
 //! squares is kept. The wander says how much of the motor torque that friction does not explain winds the gear up: where
 //! friction is not known to a fraction of the rated torque, hardly any.
 //!
-//! The first share of the motor's path trains, the rest is predicted; a path holds few revolutions, so every unknown has a
+//! The first part of the motor's path trains, the rest is predicted; a path holds few revolutions, so every unknown has a
 //! prior of catalogue size and an order that the path does not show is not learnt. The two kinds of orders beat
 //! once in a revolution of the output: over less than half a beat they are one, and counted relative to the flexspline.
 //!

@@ -1,4 +1,4 @@
-//! The output encoder beside the motor's: offset, kinematic error, scale error and stiffness by regularised least squares.
+//! Output encoder against the motor's: offset, kinematic error, scale error and stiffness by regularised least squares.
 //!
 //! ```text
 //! min  sum of (what is left of a row - rho*what is left of the row before)^2/(sigma^2 (1 - rho^2) + q^2) + priors

@@ -8,7 +8,7 @@
 //! | figure | definition |
 //! | --- | --- |
 //! | `refused` | joints that no compensator can be built for; their runs count as diverged |
-//! | `shakes` | runs that diverge or keep oscillating at rest against B0 ([`RunResult::shakes`]) |
+//! | `shakes` | runs that diverge or keep oscillating at rest against B0 ([`RunResult::oscillates`]) |
 //! | `worse` | runs of which a metric is worse than the smallest of the baselines', by more than 5 % and more than 12 urad |
 //! | `error.median`, `error.p95` | rms output error of a run over the smallest of the baselines', of all runs |
 //! | `limited` | runs that stay at the torque limit ([`RunResult::is_limited`]); only reported |

@@ -9,7 +9,7 @@ use crate::figure::{Figure, number};
 use crate::judge::Metric;
 use crate::scenario::Scenario;
 use crate::verify::Measured;
-use crate::verify::robustness::{JUDGED, Shake};
+use crate::verify::robustness::{JUDGED, Oscillation};
 
 /// Everything that ran.
 #[derive(Clone, Debug)]
@@ -32,10 +32,10 @@ struct Tally {
 
 impl Run<'_> {
     /// In which way it oscillates at rest; one that diverged does, also where B0 does.
-    fn shake(&self) -> Option<Shake> {
+    fn shake(&self) -> Option<Oscillation> {
         match (self.ours, self.b0) {
-            (Some(ours), Some(b0)) => ours.shakes(b0),
-            (None, _) => Some(Shake::Diverged),
+            (Some(ours), Some(b0)) => ours.oscillates(b0),
+            (None, _) => Some(Oscillation::Diverged),
             (Some(_), None) => None,
         }
     }
@@ -171,7 +171,7 @@ impl Outcome {
         JUDGED.into_iter().enumerate().map(|(place, scenario)| (scenario, self.run(place)))
     }
 
-    /// The joint, and of each scenario the metrics beside the best baseline's (urad), what is wrong and which faults were named.
+    /// The joint, and of each scenario the metrics against the best baseline's (urad), what is wrong and which faults were named.
     fn line(&self) -> String {
         if let Some(error) = self.refused {
             return format!("{}: refused, {error}", self.joint.describe());
@@ -217,7 +217,7 @@ mod tests {
     fn a_run_is_judged_by_the_best_of_the_baselines() {
         let (good, bad, best) = (result(&[1e-3]), result(&[2e-3]), result(&[1e-3]));
         assert!(!run(Some(&good), &best).is_worse() && run(Some(&bad), &best).is_worse());
-        assert!(run(None, &best).is_worse() && run(None, &best).shake() == Some(Shake::Diverged));
+        assert!(run(None, &best).is_worse() && run(None, &best).shake() == Some(Oscillation::Diverged));
         assert!((run(Some(&bad), &best).ratio(Scenario::S2) - 2.0).abs() < 1e-12);
     }
 

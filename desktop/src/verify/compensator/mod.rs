@@ -32,9 +32,9 @@ pub use claims::{CLAIMS, Claim, Reference, worst_draw};
 pub use performance::{Performance, Rivals};
 
 /// Samples that every claim is judged on.
-pub const DRAWS: u64 = 20;
+pub const SAMPLES: u64 = 20;
 /// Samples of the whole box.
-pub const BOX_DRAWS: u64 = 1000;
+pub const BOX_SAMPLES: u64 = 1000;
 /// Factor on the noise in the box.
 const BOX_NOISE: f64 = 2.0;
 
@@ -50,12 +50,12 @@ pub fn measure() -> Measured {
 pub fn against_baselines(
     file: &GearFile,
     samples: u64,
-    box_draws: u64,
+    box_samples: u64,
     mut progress: impl FnMut(f64),
 ) -> Result<Measured, RunError> {
     let (rivals, rated) = (Rivals::build(file)?, file.gear.rated_torque);
     let claimed = (1..=samples).map(|seed| (seed, 1.0));
-    let all: Vec<_> = claimed.chain((1..=box_draws).map(|seed| (seed, BOX_NOISE))).collect();
+    let all: Vec<_> = claimed.chain((1..=box_samples).map(|seed| (seed, BOX_NOISE))).collect();
     let compare = |(seed, noise): &(u64, f64)| {
         let conditions = Conditions { noise: *noise, ..Conditions::of(file, *seed) };
         if *noise == BOX_NOISE {

@@ -28,7 +28,7 @@ const LONGEST_LIMITED: f64 = 0.01;
 const MOST_VIBRATION: f64 = 3.0;
 /// (rad)
 const QUIET: f64 = 10e-6;
-/// Share of a run that is its end.
+/// Fraction of a run that is its end.
 const END: f64 = 0.2;
 /// Largest ratio to B0's error, which is repeatable to less.
 const WORSE: f64 = 1.01;
@@ -242,7 +242,7 @@ mod tests {
         assert_eq!([1.005e-4, 1.02e-4].map(|error| result(error, 0.0, 0.0).worse(&b0)), [0, 1]);
     }
 
-    /// B0 beside itself is neither.
+    /// B0 against itself is neither.
     #[test]
     fn a_run_repeats() {
         let file = GearFile::default_gear();

@@ -45,7 +45,7 @@ const AFTER: f64 = 0.3;
 const MOTION: f64 = 0.02;
 /// In which a brake engages (s).
 const BRAKE: f64 = 0.02;
-/// Full torque, as a share of the peak, and how long it is borne (s).
+/// Full torque, as a fraction of the peak, and how long it is borne (s).
 const FULL: (f64, f64) = (0.95, 0.005);
 /// Faults of a limited command or setpoint, which do not name an injected fault.
 const LIMITS: Faults = Faults::TORQUE_LIMITED.with(Faults::SETPOINT_LIMITED);

@@ -28,7 +28,7 @@ use crate::plant::NODES;
 use crate::vectorised::Vectorised;
 use crate::verify::largest;
 
-/// Step as a share of the stable one.
+/// Step as a fraction of the stable one.
 const SHARE: f64 = 0.05;
 /// Motions.
 const SEEDS: u64 = 3;

@@ -17,7 +17,7 @@ const F1: f64 = 1.5;
 const F2: f64 = 0.5;
 const EPS: f64 = 0.02;
 const ETA: f64 = 0.3;
-/// Steps as shares of eps.
+/// Steps as fractions of eps.
 const STEPS: [f64; 8] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0];
 /// Steps of each size.
 const COUNT: u32 = 1000;

@@ -7,7 +7,7 @@
 //! 1e-17 of quadrature. Models with kinks: strokes of whole dyadic units on which all kinks lie, a piece a
 //! unit, in which F is straight.
 //!
-//! The figures are the largest gain of a trajectory as a share of level times path: rounding.
+//! The figures are the largest gain of a trajectory as a fraction of level times path: rounding.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -164,7 +164,7 @@ fn worst<R: Real>(model: &impl FrictionModel<R>, strokes: fn(&mut ChaCha8Rng) ->
     }))
 }
 
-/// Work given, as a share of level times path; work lost counts as none.
+/// Work given, as a fraction of level times path; work lost counts as none.
 fn gain<R: Real>(model: &impl FrictionModel<R>, strokes: impl Iterator<Item = Stroke>) -> f64 {
     let mut state = Default::default();
     let (mut lost, mut path) = (0.0, f64::MIN_POSITIVE);

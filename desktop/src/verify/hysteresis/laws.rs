@@ -1,4 +1,4 @@
-//! Laws of the operator on random histories, differences as shares of the total weight.
+//! Laws of the operator on random histories, differences as fractions of the total weight.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -21,7 +21,7 @@ pub(super) fn measure() -> Vec<Figure> {
     ]
 }
 
-/// Largest difference from a memory that holds all, as a share of the output at saturation.
+/// Largest difference from a memory that holds all, as a fraction of the output at saturation.
 fn error(side: f64) -> f64 {
     let weights = Weights::uniform(1.0).expect("the weight is in range");
     let whole = Staircase::<f64, LEVELS, { 5 * HYSTERESIS_MEMORY }>::build(1.0, &weights).expect("as this");

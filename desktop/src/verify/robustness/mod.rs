@@ -5,7 +5,7 @@
 //!
 //! | figure | definition |
 //! | --- | --- |
-//! | `shakes` | runs that diverge or keep oscillating at rest ([`RunResult::shakes`]) |
+//! | `shakes` | runs that diverge or keep oscillating at rest ([`RunResult::oscillates`]) |
 //! | `limited` | runs that stay at the torque limit for more than 10 ms of their judged part ([`RunResult::is_limited`]) |
 //! | `worse` | runs of which a metric is worse than B0's, by more than 5 % and more than 12 urad ([`RunResult::is_worse`]) |
 //! | `s2.error`, `s4.error` | rms output error over that of the best rival on the same plant, median of the plants |
@@ -38,7 +38,7 @@ use crate::plant::unknowns::Which;
 use crate::scenario::Scenario;
 use crate::verify::compensator::each;
 pub use rerun::{Place, Rerun, WorstRun};
-pub use run_result::{JUDGED, Judged, RunResult, RunResults, Shake, metrics};
+pub use run_result::{JUDGED, Judged, Oscillation, RunResult, RunResults, metrics};
 pub use summary::{Robustness, Summary};
 
 /// Plants of a row when nothing else is said.

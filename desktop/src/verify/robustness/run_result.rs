@@ -35,7 +35,7 @@ pub fn metrics(scenario: Scenario) -> &'static [Metric] {
 
 /// Longest time at the torque limit of a run's judged part (s).
 const LONGEST_LIMITED: f64 = 0.01;
-/// A run shakes when it oscillates at rest by more than this many times B0.
+/// A run oscillates when it oscillates at rest by more than this many times B0.
 const TIMES: f64 = 3.0;
 /// Nor does it below this torsion (rad), and this share of the rated torque.
 const QUIET: [f64; 2] = [10e-6, 0.02];
@@ -44,7 +44,7 @@ const WORSE: (f64, f64) = (1.05, 12e-6);
 
 /// Oscillation of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shake {
+pub enum Oscillation {
     /// The torsion oscillates at rest.
     Torsion,
     /// The motor's torque alone does.
@@ -53,7 +53,7 @@ pub enum Shake {
     Diverged,
 }
 
-impl Shake {
+impl Oscillation {
     /// For people.
     pub fn name(self) -> &'static str {
         ["torsion", "torque", "diverged"][self as usize]
@@ -85,9 +85,9 @@ impl RunResult {
     }
 
     /// It keeps oscillating at rest where B0 does not; in which way.
-    pub fn shakes(&self, b0: &Self) -> Option<Shake> {
+    pub fn oscillates(&self, b0: &Self) -> Option<Oscillation> {
         let [torsion, torque] = self.shaking(b0).map(|over| over > 1.0 || over.is_nan());
-        if torsion { Some(Shake::Torsion) } else { torque.then_some(Shake::Torque) }
+        if torsion { Some(Oscillation::Torsion) } else { torque.then_some(Oscillation::Torque) }
     }
 
     /// Oscillation at rest of the torsion and of the motor's torque, each over the largest that is none against B0's.
@@ -105,7 +105,7 @@ impl RunResult {
 
     /// A metric of it is worse than B0's; one that neither has is not.
     pub fn is_worse(&self, b0: &Self) -> bool {
-        self.worse_marks(b0) > 0
+        self.worse_metrics(b0) > 0
     }
 
     /// Largest ratio to B0's of a metric that is more than a count above it; 0 when there is none.
@@ -115,7 +115,7 @@ impl RunResult {
     }
 
     /// Number of its metrics that are worse than those of a baseline in the same scenario.
-    pub fn worse_marks(&self, baseline: &Self) -> usize {
+    pub fn worse_metrics(&self, baseline: &Self) -> usize {
         let worse = |(ours, other): &(&f64, &f64)| {
             let no_worse = **ours <= WORSE.0 * **other || **ours <= **other + WORSE.1;
             let none = ours.is_nan() && other.is_nan();
@@ -272,11 +272,12 @@ mod tests {
 
     #[test]
     fn what_keeps_oscillating_shakes() {
-        let shakes =
-            |torsion_at_rest, torque_at_rest| RunResult { torsion_at_rest, torque_at_rest, ..B0 }.shakes(&B0);
+        let shakes = |torsion_at_rest, torque_at_rest| {
+            RunResult { torsion_at_rest, torque_at_rest, ..B0 }.oscillates(&B0)
+        };
         assert_eq!(shakes(14e-6, 0.019), None);
-        assert_eq!([shakes(16e-6, 0.0), shakes(f64::NAN, 0.0)], [Some(Shake::Torsion); 2]);
-        assert_eq!(shakes(0.0, 0.021), Some(Shake::Torque));
+        assert_eq!([shakes(16e-6, 0.0), shakes(f64::NAN, 0.0)], [Some(Oscillation::Torsion); 2]);
+        assert_eq!(shakes(0.0, 0.021), Some(Oscillation::Torque));
         let limited = |limited| RunResult { limited, ..B0 }.is_limited(&B0);
         assert!(!limited(0.009) && limited(0.011));
     }

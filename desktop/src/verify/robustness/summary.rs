@@ -1,7 +1,7 @@
 //! Summary of a row's runs.
 
 use super::rerun::{WorstRun, worst};
-use super::run_result::{JUDGED, RunResult, Shake};
+use super::run_result::{JUDGED, Oscillation, RunResult};
 use super::{Outcome, RIVALS, Rival};
 use crate::bench::SensorSet;
 use crate::bounds;
@@ -38,7 +38,7 @@ pub struct Robustness {
 /// A row.
 #[derive(Clone, Debug)]
 pub struct Summary {
-    /// Its name and what it is off by.
+    /// Its name and uncertainty.
     pub name: &'static str,
     what: &'static str,
     /// Runs that were judged, with a set of sensors.
@@ -314,10 +314,10 @@ impl Bad {
 }
 
 /// One that diverged does, also where B0 does.
-fn shake(ours: Option<&RunResult>, b0: Option<&RunResult>) -> Option<Shake> {
+fn shake(ours: Option<&RunResult>, b0: Option<&RunResult>) -> Option<Oscillation> {
     match (ours, b0) {
-        (Some(ours), Some(b0)) => ours.shakes(b0),
-        (None, _) => Some(Shake::Diverged),
+        (Some(ours), Some(b0)) => ours.oscillates(b0),
+        (None, _) => Some(Oscillation::Diverged),
         (Some(_), None) => None,
     }
 }
@@ -374,7 +374,7 @@ mod tests {
     #[test]
     fn what_diverges_shakes_and_is_worse_where_b0_does_not() {
         let some = RunResult::default();
-        assert_eq!([shake(None, Some(&some)), shake(None, None)], [Some(Shake::Diverged); 2]);
+        assert_eq!([shake(None, Some(&some)), shake(None, None)], [Some(Oscillation::Diverged); 2]);
         assert_eq!([shake(Some(&some), None), shake(Some(&some), Some(&some))], [None; 2]);
         assert!(worse(None, Some(&some)) && !worse(None, None) && !worse(Some(&some), None));
     }
