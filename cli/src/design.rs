@@ -43,7 +43,7 @@ pub struct Arguments {
     /// Functions on top of the cascade: as they are, none, or as much of each as has margins
     #[arg(long, value_enum, default_value = "file")]
     functions: Functions,
-    /// Also measure |L| in the loop of the real code and print it beside the linear one
+    /// Also measure |L| in the loop of the real code and print it next to the linear one
     #[arg(long)]
     sweep: bool,
     #[command(flatten)]

@@ -155,7 +155,7 @@ fn replayable(path: &Path, reversed_torque: bool) -> Result<MeasuredLog, BadInpu
     Ok(if reversed_torque { log.with_reversed_torque() } else { log })
 }
 
-/// Teaches the gear from the share of the log that is asked for; the time up to which (s).
+/// Learns the gear from the chosen fraction of the log; the time up to which (s).
 fn learn(
     arguments: &Arguments,
     gear: &mut GearFile,

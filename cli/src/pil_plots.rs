@@ -89,7 +89,7 @@ fn factors(rows: &[Row], time: &[f64]) -> Panel {
     })
 }
 
-/// The estimated external torque beside the load.
+/// Estimated external torque and load.
 fn external_torque(rows: &[Row], time: &[f64]) -> Panel {
     let estimated = column(rows, |row| row.answer.estimate.external_torque.into());
     Panel::new("time", "s", "external torque", "N m")

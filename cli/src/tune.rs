@@ -25,7 +25,7 @@ const LEAST_BUDGET: u64 = 30;
 /// B0 is the motor-side cascade, B1 has a rigid joint's feed-forward too, B2 the stored kinematic error and the wind-up
 /// in advance, B3 the output's error fed back. The objective is the geometric mean over S1..S5 of residual vibration,
 /// output error, ripple, peak and steady deviation on plants that the controller does not know, doubled by every run
-/// that shakes, saturates or diverges. No figure may be paid for by another: what one loses beside the untuned baseline
+/// that shakes, saturates or diverges. No figure may be paid for by another: what one loses against the untuned baseline
 /// counts in full.
 #[derive(Args)]
 pub struct Arguments {

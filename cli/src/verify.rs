@@ -21,7 +21,7 @@ use crate::progress::Progress;
 
 /// The part that is measured in the emulator alone.
 const FIRMWARE: &str = "firmware";
-/// The part that is measured only when it is asked for by name: it takes longer than all others.
+/// The part that is measured only when it is named: it takes longer than all others.
 const ROBUSTNESS: &str = "robustness";
 /// The part that runs joints all over the catalogue, by itself too.
 const CATALOGUE: &str = "catalogue";
@@ -92,7 +92,7 @@ fn part_parser() -> impl TypedValueParser<Value = String> {
         .map(String::from)
 }
 
-/// Measures the parts asked for.
+/// Measures the requested parts.
 pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     files::require_writable(arguments.figures.json.as_deref())?;
     if arguments.part.as_deref() == Some(ROBUSTNESS) {

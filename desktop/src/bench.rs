@@ -2,7 +2,7 @@
 //! the loop every 0.1 ms.
 //!
 //! Each control period: the sensors are read, the controller answers, its torque acts on the plant for one
-//! period. The motor's torque is what its drive makes of the command, and what is measured of it carries noise. An encoder
+//! period. The motor's torque is the drive's response to the command, and its measurement is noisy. An encoder
 //! gives the count whose middle is nearest to the angle ([`crate::plant::encoder`]). Torques in N m, angles in rad.
 //!
 //! With a jittering clock ([`crate::plant::clock`]) the plant stays on its micro-steps: it goes to the last one before
@@ -256,8 +256,8 @@ impl<F: Flexspline<f64>> Bench<F> {
         &self.plant
     }
 
-    /// Goes through a task from where the joint is; `visit` sees the plant at the start of each period with what is
-    /// asked and the controller's answer to it, the one before where it missed its step.
+    /// Goes through a task from where the joint is; `visit` sees the plant at the start of each period with the
+    /// demand and the controller's output, the last one where it missed its step.
     ///
     /// # Errors
     /// The controller's, or a plant that diverges.
@@ -393,7 +393,7 @@ mod tests {
         }
     }
 
-    /// The controller is told the true time, and the plant has gone just as far whatever the clock does.
+    /// The controller gets the true time, and the plant has gone just as far whatever the clock does.
     #[test]
     fn a_clock_that_is_off_keeps_the_time() {
         let file = GearFile::default_gear();

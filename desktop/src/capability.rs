@@ -12,7 +12,7 @@
 use crate::gear_file::GearFile;
 use crate::scenario::{Demand, FAST_MOVE, FAST_MOVE_DISTANCE};
 
-/// Rated torque of the default gear (N m), of which the scenarios' loads are told.
+/// Rated torque of the default gear (N m), that the scenarios' loads refer to.
 const RATED: f64 = 67.0;
 /// Largest first and second derivative of the move from 0 to 1 in 1.
 const SMOOTH_SPEED: f64 = 2.1875;

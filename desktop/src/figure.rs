@@ -1,4 +1,4 @@
-//! A measured figure with the bound it is asked to keep.
+//! A measured figure with its bound.
 
 use serde::Serialize;
 

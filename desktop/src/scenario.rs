@@ -1,4 +1,4 @@
-//! The scenarios S1-S6: what is asked of the joint and what acts on it.
+//! The scenarios S1-S6: demand on the joint and load.
 
 use std::f64::consts::PI;
 
@@ -354,7 +354,7 @@ mod tests {
         }
     }
 
-    /// The default joint can do what is asked: speed, torque through the gear and at the motor.
+    /// The default joint is capable of the demand: speed, torque through the gear and at the motor.
     #[test]
     fn the_default_joint_can_follow() {
         let file = GearFile::default_gear();

@@ -146,7 +146,7 @@ impl Search {
         Ok(())
     }
 
-    /// Runs inputs from a restart, beside the host.
+    /// Runs inputs from a restart, on target and host.
     fn run(&mut self, inputs: &[Input<f32>], arguments: &[String]) -> Result<(), Error> {
         let mut target = Target::new(Machine::boot(self.image.path(), arguments)?, &self.joint)?;
         for input in inputs {

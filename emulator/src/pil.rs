@@ -80,7 +80,7 @@ impl Trial {
         Self { scenario, conditions: Conditions::of(file, seed), worked: false }
     }
 
-    /// The compensator is not told the gear's kinematic error: it has to learn it while it works.
+    /// The compensator has no stored kinematic error of the gear: it has to learn it in operation.
     pub fn learns_ripple(&self) -> bool {
         self.worked && self.scenario == Scenario::S4 && self.conditions.sensors == SensorSet::Both
     }
@@ -189,7 +189,7 @@ impl ScenarioRun {
         Ok(figures)
     }
 
-    /// Width and stiffness of the loop of S6, each beside what the plant's parameters ask; of others none.
+    /// Width and stiffness of the loop of S6, each with the value by the plant's parameters; none in other scenarios.
     ///
     /// # Errors
     /// A plant whose stiffness line is none.

@@ -1,6 +1,6 @@
 //! The worst runs of the robustness rows again: the firmware image in the emulator, the plant with the reference mesh.
 //!
-//! Every rival runs beside it on the same plant, on the desktop. Nothing is shortened: each run is the 10 s of work, the scenario
+//! Every rival runs on the same plant, on the desktop. Nothing is shortened: each run is the 10 s of work, the scenario
 //! and the rest of the rows.
 
 use std::path::PathBuf;

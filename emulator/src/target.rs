@@ -9,7 +9,7 @@ use strainwave_desktop::{Figure, bounds};
 
 use crate::machine::{self, Ending, Machine};
 
-/// A booted firmware beside the host's build of the same joint.
+/// A booted firmware and the host's build of the same joint.
 pub struct Target {
     machine: Machine,
     host: HostCompensator,
@@ -47,7 +47,7 @@ pub enum Error {
 }
 
 impl Target {
-    /// Puts the host's build of `joint` beside a machine that was booted with the same joint.
+    /// Pairs the host's build of `joint` with a machine that was booted with the same joint.
     ///
     /// # Errors
     /// As [`JointParams::build`].

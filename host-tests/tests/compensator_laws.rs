@@ -16,7 +16,7 @@ fn joint() -> JointParams<f64> {
     joint_params(&GearFile::default_gear()).unwrap()
 }
 
-/// The observer beside a gear that is the very model it runs, wound up by a load of which it knows nothing.
+/// The observer with a gear equal to its model, wound up by an unknown load.
 struct Twins {
     joint: JointParams<f64>,
     gear: RealTimeGear<f64>,

@@ -1,4 +1,4 @@
-//! Why the control step has elementary functions of its own: micromath's beside them, over the same ranges.
+//! Why the control step has elementary functions of its own: compared with micromath's over the same ranges.
 //!
 //! Sine and cosine stand in the kinematic error, whose amplitudes are up to 1e-3 rad: an error of 1e-3 is
 //! all of the 1 urad that torsion has to be resolved to. 1 - e^-x stands in the Stribeck level and in

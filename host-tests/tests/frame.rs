@@ -1,4 +1,4 @@
-//! The frames of the emulator link carry every bit of every field, both ways.
+//! The frames of the emulator link transmit every bit of every field, both ways.
 
 use proptest::array;
 use proptest::prelude::*;

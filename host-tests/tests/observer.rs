@@ -171,7 +171,7 @@ fn a_gear_by_turns_is_the_gear() {
     }
 }
 
-/// A gear file whose stiffness is larger by a share is the nominal gear told of that share: hysteresis and wind-up.
+/// A gear file whose stiffness is larger by a fraction is the nominal gear corrected by it: hysteresis and wind-up.
 #[test]
 fn a_gear_told_to_be_stiffer_is_the_stiffer_gear() {
     for stiffening in [-0.1, 0.1] {

@@ -2,7 +2,7 @@
 
 use strainwave_desktop::verify::flexspline::oracle::Problem;
 
-/// Largest distance that is asked (m); the table of bounds holds a tighter one.
+/// Target of the largest distance (m); the table of bounds holds a tighter one.
 const TARGET: f64 = 1e-12;
 
 #[test]

@@ -2,7 +2,7 @@
 //!
 //! The torsion runs down towards zero until the memory is full and beyond, each time turning a little earlier. From
 //! every depth it then turns, goes on, or wipes out any number of what it remembers, all of it at once included;
-//! and so does the inverse in looking for the output there, which must be the one that was asked for. Random
+//! and so does the inverse in looking for the output there, which must be the target. Random
 //! inputs follow. Inputs in half ranges, outputs in those at saturation.
 
 use strainwave::Error;

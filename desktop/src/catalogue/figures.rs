@@ -70,7 +70,7 @@ pub struct Read {
     row: usize,
     /// Size that it was read of.
     pub size: u32,
-    /// Size that is wanted over that size.
+    /// Requested size over that size.
     pub scale: f64,
 }
 

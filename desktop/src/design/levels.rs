@@ -4,7 +4,7 @@ use crate::bench::SensorSet;
 
 use super::parts::Parts;
 
-/// A function that closes a loop beside the cascade, and what its level scales.
+/// A function that closes a loop in addition to the cascade, and the gain that its level scales.
 #[derive(Clone, Copy, Debug)]
 pub struct Function {
     /// For people.

@@ -289,7 +289,7 @@ pub struct Motor {
 pub struct Sensors {
     /// Bits a revolution of the motor encoder.
     pub motor_encoder_bits: u32,
-    /// Noise of the motor's encoder beside its resolution, as the observer is designed for (rad); it has one when it is left out.
+    /// Noise of the motor's encoder in addition to its resolution, as the observer is designed for (rad); it has one when it is left out.
     #[serde(rename = "motor_encoder_noise_rad", default, skip_serializing_if = "Option::is_none")]
     pub motor_encoder_noise: Option<f64>,
     /// The same of the output's encoder (rad).

@@ -2,7 +2,7 @@
 //!
 //! A metric is a number of one run, the smaller the better; a claim is the ratio of the compensator's metric to a
 //! baseline's on the same plant with the same noise. Rows come every control period; t0 is where a scenario's judged
-//! part begins ([`Scenario::judged_from`]). The output error is output - asked position.
+//! part begins ([`Scenario::judged_from`]). The output error is output - demanded position.
 //!
 //! | metric | of | definition |
 //! | --- | --- | --- |

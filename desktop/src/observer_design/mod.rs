@@ -140,7 +140,7 @@ impl Filter {
     fn design(file: &GearFile, sixth: Sixth, set: usize) -> Option<Self> {
         let stands = sixth == Sixth::Held;
         let (has_output, has_torque) = (set & 1 != 0, set & 2 != 0);
-        // What the sixth state would be told apart by.
+        // Quantity that makes the sixth state observable.
         let sixth = match (has_output, has_torque, sixth) {
             (false, false, _) | (false, true, Sixth::Stiffness) => Sixth::None,
             _ => sixth,

@@ -15,7 +15,7 @@
 //! Discretisation: a row every 0.1 ms from the first stamp of the input. The real-time build takes one
 //! step for it, the reference build as many micro-steps as its mesh needs. Between the input's
 //! stamps the load is linear; for the wave generator see `trajectory.rs`. A row holds the values at
-//! its instant. After each, the mesh is asked for its most strained link: a run that diverges ends there.
+//! its instant. After each, the mesh's most strained link is checked: a run that diverges ends there.
 //!
 //! The models start at the zero angle. A wave generator that is run in from theta_0 is therefore
 //! counted from there: theta_fs gets r*theta_0 added back, and a term of order k of the kinematic error has

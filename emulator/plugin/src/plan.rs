@@ -58,7 +58,7 @@ pub struct Tracked {
     pub size: u32,
 }
 
-/// Everything that the plugin is told.
+/// Input of the plugin.
 #[derive(Debug, Default)]
 pub struct Plan {
     /// Cycles that a taken conditional branch adds.

@@ -1,4 +1,4 @@
-//! The mesh of eq. (6), stepped literally on the target, beside the block that is its reduction.
+//! The mesh of eq. (6), stepped literally on the target, and the block that is its reduction.
 
 use std::collections::BTreeMap;
 use std::path::Path;

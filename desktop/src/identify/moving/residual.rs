@@ -6,7 +6,7 @@
 //! ```
 //!
 //! path (rad) and time (s) are those from row to row: what no column explains is alike along a short piece of either, with
-//! the standard deviation sigma = [`LEFT`], beside the encoders' own noise q = [`READING`]. Without it the rows of a
+//! the standard deviation sigma = [`LEFT`], in addition to the encoders' own noise q = [`READING`]. Without it the rows of a
 //! fraction of a revolution would be taken for thousands of witnesses.
 //!
 //! Priors (standard deviations): an order k of e has [`ORDER_2`]*(2/k)^2, order 1 a quarter of it; order k of E has

@@ -15,7 +15,7 @@
 //! | `stopped` | runs at whose end the drive is off by a fault; only reported |
 //!
 //! A metric that neither has counts for nothing: where the load swings so slowly that a rest between two steps is shorter than
-//! a period, there is no vibration to be told.
+//! a period, there is no vibration to be measured.
 
 mod summary;
 
@@ -54,7 +54,7 @@ pub struct Outcome {
     pub refused: Option<Error>,
 }
 
-/// Runs every joint that is asked for; `progress` is called with the fraction done.
+/// Runs every requested joint; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// A joint that no plant or baseline can be built for.

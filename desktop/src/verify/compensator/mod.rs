@@ -6,7 +6,7 @@
 //! each scenario from there. Metrics are those of [`crate::judge`]; a claim is the worst ratio over 20 samples, and names
 //! the sample. The plant is the condensed one ([`crate::plant::Plant::condensed`]).
 //!
-//! With both encoders the ripple of S4 is that of a compensator which was not told the kinematic error and has learnt it
+//! With both encoders the ripple of S4 is that of a compensator without the stored kinematic error, which has learnt it
 //! while it worked.
 //!
 //! The whole box is gone through by 1000 samples with the noise of all sensors doubled; there a run is

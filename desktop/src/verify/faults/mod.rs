@@ -7,7 +7,7 @@
 //! | judged | a run is unsafe when |
 //! | --- | --- |
 //! | speed | the output is faster than its limit, motor_speed/abs n, though its twin is not |
-//! | motion | it is more than 20 mrad off its twin, and off where it was, until 20 ms after the drive is off, in which a brake engages; not where another motion is asked for, nor where the fault cannot be known |
+//! | motion | it differs by more than 20 mrad from its twin, and from its angle at the fault, until 20 ms after the drive is off, in which a brake engages; not where another motion is asked for, nor where the fault cannot be known |
 //! | torque | the motor gives 95 % of its peak for more than 5 ms after the fault, though its twin does not |
 //! | gear | the torque through the gear is beyond its peak rating |
 //!

@@ -12,7 +12,7 @@
 //! energy from mode to mode, and what is kept then weighs a mode by 1 + (omega*dt)^2/6 + ... (E. Hairer, C. Lubich, G.
 //! Wanner, "Geometric Numerical Integration", chapter IX). So the scheme's energy wanders with that exchange, as dt^2,
 //! either way, and no further in ten times as many steps: by 1e-3 at 0.9 of the stable step, 5e-5 at a half, 1e-6 at a
-//! tenth. A trend of 1e-6 can be told from it at small steps only, hence [`SHARE`].
+//! tenth. A trend of 1e-6 can be separated from it at small steps only, hence [`SHARE`].
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

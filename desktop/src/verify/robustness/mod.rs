@@ -12,7 +12,7 @@
 //! | `s1.vibration`, `s3.vibration` | the torsion's vibration after the moves, alike |
 //! | `rest.torque` | the motor torque's oscillation at rest over B0's, rms of S1 to S5, median of the plants |
 //! | `s2.error.to_b0`, `s3.vibration.to_b0` | over B0's, the worst of the plants; only reported |
-//! | `s4.error.learnt`, `s4.error.absent` | as `s4.error`, of a compensator that was not told the kinematic error, and has learnt it while it worked or may not learn it; only reported, of some rows |
+//! | `s4.error.learnt`, `s4.error.absent` | as `s4.error`, of a compensator without the stored kinematic error, which has learnt it while it worked or may not learn it; only reported, of some rows |
 //!
 //! Plants have the condensed mesh; the worst can be run again on the reference mesh ([`Robustness::worst_runs`]).
 //!
@@ -89,7 +89,7 @@ pub struct Outcome {
     pub rivals: Vec<RunResults>,
     /// The compensator with each set of sensors.
     pub compensated: [RunResults; 2],
-    /// The same in S4, not told the kinematic error: it has learnt it, it may not learn it.
+    /// The same in S4, without the stored kinematic error: learnt, or not.
     pub untold: Option<[[RunResults; 2]; 2]>,
 }
 
@@ -117,7 +117,7 @@ pub(crate) fn separable_orders(plant: &GearParams<f64>) -> GearParams<f64> {
     judged
 }
 
-/// Every row that is asked for; `progress` is called with the fraction done.
+/// Every requested row; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// A gear that no compensator or rival can be built for.

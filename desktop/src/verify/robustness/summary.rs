@@ -29,7 +29,7 @@ const NAMED: usize = 3;
 /// Every row.
 #[derive(Clone)]
 pub struct Robustness {
-    /// In the order in which they were asked for.
+    /// In the requested order.
     pub rows: Vec<Summary>,
     /// Summarised outcomes, in the same order.
     pub outcomes: Vec<(Which, Vec<Outcome>)>,
