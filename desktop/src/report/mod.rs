@@ -18,7 +18,7 @@ use crate::verify::Measured;
 
 const STYLE: &str = include_str!("style.css");
 
-/// How a chapter is made of a gear file; called with the share of it that is done.
+/// Function that makes a chapter of a gear file; it reports the fraction done.
 type Make = fn(&GearFile, &mut dyn FnMut(f64)) -> Result<Chapter, BadInput>;
 
 /// The chapters, in the order of the page.
@@ -30,7 +30,7 @@ struct Chapter {
     id: &'static str,
     title: &'static str,
     body: Markup,
-    /// What was measured for it.
+    /// Figures measured for it.
     measured: Measured,
 }
 
@@ -38,11 +38,11 @@ struct Chapter {
 pub struct Report {
     /// The page.
     pub html: String,
-    /// What was measured for all chapters.
+    /// Figures measured for all chapters.
     pub measured: Measured,
 }
 
-/// Measures, draws and writes every chapter; `progress` is called with the share done.
+/// Measures, draws and writes every chapter; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// A gear that no model can be built from, or data that are there and cannot be used.
@@ -110,7 +110,7 @@ fn table<const K: usize>(header: [&str; K], rows: &[[String; K]]) -> Markup {
     }
 }
 
-/// Figures beside their bounds, one that misses marked, and what was skipped.
+/// Figures with their bounds, one that misses marked, and what was skipped.
 fn figure_table(measured: &Measured) -> Markup {
     html! {
         div.wide {
