@@ -25,6 +25,37 @@ use crate::compensator::{
 use crate::real::{Real, seldom};
 
 /// The built compensator of a joint.
+///
+/// Called every control period with what the sensors say, it answers with the motor's torque. The joint below rests, then its
+/// setpoint leaves, then a sensor fails.
+///
+/// ```
+/// # mod joint { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/joint/hd25_100.rs")); }
+/// # use joint::JOINT;
+/// use strainwave::Angle;
+/// use strainwave::compensator::{Faults, Input, Mode, Sensors, Setpoint, Shares};
+///
+/// let compensator = JOINT.build()?; // every parameter is checked once
+/// let mut state = compensator.rest();
+/// let mut input = Input { shares: Shares::ALL.into(), ..Input::default() };
+/// for _ in 0..1000 {
+///     let commanded = compensator.control(&mut state, &input);
+///     assert_eq!((commanded.mode, commanded.faults), (Mode::Active, Faults::NONE));
+///     assert!(commanded.motor_torque.abs() < 1e-3); // it is where it should be
+/// }
+/// // The setpoint leaves by 50 urad: the motor is to turn the other way, for the ratio is negative.
+/// input.command = Setpoint { position: Angle::from_radians(5e-5), ..Setpoint::default() }.into();
+/// for _ in 0..100 {
+///     input.sensors.motor_torque = compensator.control(&mut state, &input).motor_torque;
+/// }
+/// assert!(input.sensors.motor_torque < 0.0);
+/// // A reading that is no number is named; its last value is held, and the torque stays finite.
+/// input.sensors = Sensors { motor_torque: f32::NAN, ..input.sensors };
+/// let commanded = compensator.control(&mut state, &input);
+/// assert!(commanded.faults.contains(Faults::INPUT_NOT_FINITE));
+/// assert!(commanded.motor_torque.abs() <= JOINT.limits.motor_torque);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Compensator<R: Real> {
     pub(super) gear: RealTimeGear<R>,

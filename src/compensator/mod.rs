@@ -18,6 +18,8 @@
 //! third order. All that is compared in every period is kept relative to the motor's encoder: small numbers, that an
 //! f32 holds.
 //!
+//! In the examples `JOINT` is a [`JointParams`], as it is generated from a gear file: `examples/joint/hd25_100.rs`.
+//!
 //! [`Compensator::control`] is total: for any input bits every output is finite and bounded, and what is wrong is
 //! reported as [`Faults`] by name. Units: rad, rad/s, N m; signs as in [`crate::gear`].
 
