@@ -30,7 +30,7 @@ fn main() -> Result<(), Error> {
     for period in (0..=way.periods() + SLOW_PERIODS).step_by(SLOW_PERIODS as usize) {
         let setpoint = way.at(period);
         let demand = feed_forward.step(&gear, &mut state, &setpoint, &Shares::ALL, &nominal);
-        if period / SLOW_PERIODS % 20 == 0 {
+        if (period / SLOW_PERIODS).is_multiple_of(20) {
             println!(
                 "{:8.3} {:13.4} {:14.3} {:45.1} {:19.3}",
                 period as f32 * JOINT.dt,
