@@ -1,7 +1,7 @@
 //! Angles that grow without bound, and the gear ratio between two of them.
 //!
-//! An angle is an integer number of counts, 2^32 to a turn (the low word is the phase, the high
-//! word the turns), plus the fraction of a count that has not yet become a whole one:
+//! An angle is an integer number of counts, 2^32 to a revolution (the low word is the phase, the high
+//! word the revolutions), plus the fraction of a count that has not yet become a whole one:
 //!
 //! ```text
 //! theta = (counts + rest) * 2*pi/2^32      1 count = 1.46e-9 rad
@@ -9,11 +9,11 @@
 //!
 //! After [`Angle::plus`] |rest| <= 1. The exact operations leave what theirs add up to, a few counts.
 //!
-//! so a difference of two angles is as exact after 10^6 turns as after none, in f32 too. Counts
-//! wrap after 2^31 turns (248 days at 100 turns a second); differences stay right across the wrap.
+//! so a difference of two angles is as exact after 10^6 revolutions as after none, in f32 too. Counts
+//! wrap after 2^31 revolutions (248 days at 100 revolutions a second); differences stay right across the wrap.
 //!
 //! The signed ratio r = 1/n is applied as a binary fraction of 63 bits. After 10^6
-//! wave-generator turns (2^52 counts) its rounding is below 2^-12 counts.
+//! wave-generator revolutions (2^52 counts) its rounding is below 2^-12 counts.
 //! Turning back, n is an integer: no count is rounded, only the fraction of one.
 
 use crate::error::{Error, require};
@@ -41,7 +41,7 @@ use crate::real::{RADIANS_PER_COUNT, Real, seldom};
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Angle<R> {
-    /// Whole counts, 2^32 to a turn.
+    /// Whole counts, 2^32 to a revolution.
     pub counts: i64,
     /// Fraction of a count that is still to be carried.
     pub rest: R,
@@ -54,13 +54,13 @@ impl<R: Real> Angle<R> {
         Self { counts, rest: R::ZERO }
     }
 
-    /// An angle of at most half a turn either way (rad); larger ones saturate there.
+    /// An angle of at most half a revolution either way (rad); larger ones saturate there.
     #[inline]
     pub fn from_radians(angle: R) -> Self {
         Self::default().plus(angle)
     }
 
-    /// The fraction numerator/denominator of a turn; the denominator is not 0. For `build` only.
+    /// The fraction numerator/denominator of a revolution; the denominator is not 0. For `build` only.
     pub fn from_turn_fraction(numerator: i32, denominator: i32) -> Self {
         let (numerator, denominator) = (i64::from(numerator) << 32, i64::from(denominator));
         let rest = R::from_i32((numerator % denominator) as i32) / R::from_i32(denominator as i32);
@@ -75,7 +75,7 @@ impl<R: Real> Angle<R> {
         (sine + cosine * rest, cosine - sine * rest)
     }
 
-    /// Counts within the turn.
+    /// Counts within the revolution.
     #[inline(always)]
     pub fn phase(self) -> u32 {
         self.counts as u32
@@ -87,7 +87,7 @@ impl<R: Real> Angle<R> {
         Heading::of_phase(self.phase())
     }
 
-    /// `self + delta` (rad); a `delta` beyond half a turn saturates there, NaN moves by a few counts at most.
+    /// `self + delta` (rad); a `delta` beyond half a revolution saturates there, NaN moves by a few counts at most.
     #[inline]
     #[must_use]
     pub fn plus(self, delta: R) -> Self {
@@ -97,7 +97,7 @@ impl<R: Real> Angle<R> {
         Self { counts: self.counts.wrapping_add(i64::from(whole)), rest: rest.limit(R::ONE) }
     }
 
-    /// `self - other` (rad); saturates at 2^15 turns either way.
+    /// `self - other` (rad); saturates at 2^15 revolutions either way.
     #[inline]
     pub fn minus(self, other: Self) -> R {
         let counts = self.counts.wrapping_sub(other.counts);
@@ -111,7 +111,7 @@ impl<R: Real> Angle<R> {
         (whole + (self.rest - other.rest)) * R::lit(RADIANS_PER_COUNT)
     }
 
-    /// `self - other` (rad) of two angles that are less than half a turn apart; of others so many turns less.
+    /// `self - other` (rad) of two angles that are less than half a revolution apart; of others so many revolutions less.
     #[inline(always)]
     pub fn since(self, other: Self) -> R {
         let counts = self.phase().wrapping_sub(other.phase()).cast_signed();
@@ -138,7 +138,7 @@ impl<R: Real> Angle<R> {
     }
 }
 
-/// Counts as a number, saturating at 2^15 turns either way.
+/// Counts as a number, saturating at 2^15 revolutions either way.
 #[inline(always)]
 fn rounded<R: Real>(counts: i64) -> R {
     let high = (counts >> 16).clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
@@ -197,7 +197,7 @@ impl Ratio {
 
     /// angle / r: from the ideal output to the wave generator.
     #[inline]
-    pub fn undo<R: Real>(self, angle: Angle<R>) -> Angle<R> {
+    pub fn to_motor<R: Real>(self, angle: Angle<R>) -> Angle<R> {
         let fraction = angle.rest * R::from_i32(self.n);
         let whole = fraction.to_i32();
         let counts = angle.counts.wrapping_mul(i64::from(self.n)).wrapping_add(i64::from(whole));
@@ -237,7 +237,7 @@ impl<R: Real> Default for Heading<R> {
 }
 
 impl<R: Real> Heading<R> {
-    /// Of a phase of 2^32 counts a turn.
+    /// Of a phase of 2^32 counts a revolution.
     #[inline(always)]
     pub fn of_phase(phase: u32) -> Self {
         let (sine, cosine) = R::sin_cos_phase(phase);
@@ -259,16 +259,16 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Torsion r*theta_wg - theta_fs resolves equally well after a million turns, in f32.
+    /// Torsion r*theta_wg - theta_fs resolves equally well after a million revolutions, in f32.
     #[test]
     fn resolution_after_a_million_turns() {
         let worst = [0, 1_000_000, -1_000_000]
             .into_iter()
-            .flat_map(|turns: i64| (-1000..1000).map(move |step| (turns, step)))
-            .map(|(turns, step)| {
+            .flat_map(|revolutions: i64| (-1000..1000).map(move |step| (revolutions, step)))
+            .map(|(revolutions, step)| {
                 let ratio = Ratio::one_over(-100).unwrap();
                 let torsion = f64::from(step) * 1e-7;
-                let motor = Angle::<f32>::from_counts((turns << 32) + 12_345_678);
+                let motor = Angle::<f32>::from_counts((revolutions << 32) + 12_345_678);
                 let exact_output = -(motor.counts as f64) / 100.0 * RADIANS_PER_COUNT;
                 let residue = (-(i128::from(motor.counts)) % 100) as f64 / 100.0 * RADIANS_PER_COUNT;
                 let output = Angle::<f32>::from_counts(-motor.counts / 100).plus((residue - torsion) as f32);
@@ -303,20 +303,20 @@ mod tests {
         #[test]
         fn small_increments_add_up(increment in 1e-12..1e-9f32) {
             let sum = (0..1000).fold(Angle::<f32>::default(), |angle, _| angle.plus(increment));
-            let wanted = 1000.0 * f64::from(increment);
-            prop_assert!((sum.to_radians() - wanted).abs() <= 1e-4 * wanted);
+            let expected = 1000.0 * f64::from(increment);
+            prop_assert!((sum.to_radians() - expected).abs() <= 1e-4 * expected);
         }
 
         #[test]
-        fn a_ratio_divides_exactly(turns in -2_000_000..2_000_000i64, phase: u32, n in 2..1000i32) {
-            let angle = Angle::<f64>::from_counts((turns << 32) + i64::from(phase));
+        fn a_ratio_divides_exactly(revolutions in -2_000_000..2_000_000i64, phase: u32, n in 2..1000i32) {
+            let angle = Angle::<f64>::from_counts((revolutions << 32) + i64::from(phase));
             for n in [n, -n] {
                 let ratio = Ratio::one_over(n).unwrap();
                 let applied = ratio.apply(angle);
                 let (n, counts) = (i128::from(n), i128::from(angle.counts));
                 let error = (i128::from(applied.counts) * n - counts) as f64 / n as f64 + applied.rest;
                 prop_assert!(error.abs() < 1e-3, "{} counts", error);
-                prop_assert!((ratio.undo(applied).minus(angle)).abs() < 1e-9);
+                prop_assert!((ratio.to_motor(applied).minus(angle)).abs() < 1e-9);
             }
         }
 

@@ -39,7 +39,7 @@ static DOUBLE_TABLE: [f64; DOUBLE] = {
     table
 };
 
-/// `1 - e^-x` for x >= 0 within a few units of rounding: the series at a small share of x, which is then
+/// `1 - e^-x` for x >= 0 within a few units of rounding: the series at a small fraction of x, which is then
 /// doubled, E(2y) = E(y)*(2 - E(y)).
 const fn exact(x: f64) -> f64 {
     let (mut y, mut doublings) = (x, 0);
@@ -90,7 +90,7 @@ pub fn one_minus_exp_neg_f64(x: f64) -> f64 {
     let k = on_grid.to_bits().wrapping_sub(GRID.to_bits()) as usize;
     let entry = DOUBLE_TABLE[k % DOUBLE];
     let rest = x + (GRID - on_grid);
-    // Pairs first (Estrin): what one step waits for is short, and several steps are on their way at once.
+    // Pairs first (Estrin): the chain of dependent operations is short, and several run at once.
     let square = rest * rest;
     let high = (C[0] + rest * C[1]) + square * (C[2] + rest * C[3]);
     let ratio = (1.0 - 0.5 * rest) + square * high;

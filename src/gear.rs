@@ -23,7 +23,7 @@ use crate::friction::{FrictionModel, FrictionParams, JointFrictionParams, Slip, 
 use crate::hysteresis::table::HysteresisTable;
 use crate::hysteresis::torsion::{TorsionHysteresis, TorsionHysteresisState, gap_for_width};
 use crate::hysteresis::weights::Weights;
-use crate::kinematic_error::{Deviation, KinematicError, KinematicErrorParams};
+use crate::kinematic_error::{ErrorAndSlope, KinematicError, KinematicErrorParams};
 use crate::real::Real;
 
 /// Most terms of the kinematic error, relative to the case and to the flexspline each.
@@ -113,7 +113,7 @@ pub struct Gear<R: Real, F, C, const L: usize, const MEMORY: usize> {
     dt: StepTime<R>,
 }
 
-/// What a gear remembers besides the motion of its ends.
+/// Internal state of a gear, without the motion of its ends.
 #[derive(Clone, Debug)]
 pub struct GearState<R: Real, S, T, const MEMORY: usize> {
     flexspline: S,
@@ -150,14 +150,14 @@ pub struct Torques<R> {
     pub hysteresis: R,
     /// All that resists the wave generator but its inertia: tau_wg - J_wg*d2theta_wg.
     pub wave_generator: R,
-    /// Power that the flexspline's damping turns into heat (W).
+    /// Power dissipated by the flexspline's damping (W).
     pub damping_loss: R,
     /// The flexspline's torque is at the end of its range.
     pub saturated: bool,
 }
 
 impl<R: Real, S, T, const MEMORY: usize> GearState<R, S, T, MEMORY> {
-    /// What the flexspline remembers.
+    /// Model of the flexspline.
     pub fn flexspline(&self) -> &S {
         &self.flexspline
     }
@@ -261,16 +261,16 @@ impl<R: Real, F: Flexspline<R>, C: FrictionModel<R>, const L: usize, const MEMOR
 
     /// Kinematic error at a wave-generator angle of this heading.
     #[inline(always)]
-    pub fn kinematic_error(&self, wave_generator: Angle<R>, heading: Heading<R>) -> Deviation<R> {
+    pub fn kinematic_error(&self, wave_generator: Angle<R>, heading: Heading<R>) -> ErrorAndSlope<R> {
         self.kinematic_error.evaluate(wave_generator.counts, heading)
     }
 
-    /// Where the output stands without torsion: r*theta_wg + e(theta_wg).
+    /// Angle of the output without torsion: r*theta_wg + e(theta_wg).
     pub fn drive(&self, wave_generator: Angle<R>) -> Angle<R> {
         self.ratio.apply(wave_generator).plus(self.kinematic_error.at(wave_generator).error)
     }
 
-    /// What the motion of both sides is to the flexspline.
+    /// Motion of the flexspline's ends for a motion of both sides.
     pub fn flexspline_ends(&self, wave_generator: &Motion<R>, flange: &Motion<R>) -> Ends<R> {
         self.ends(wave_generator, flange, wave_generator.angle.heading()).0
     }
@@ -278,10 +278,10 @@ impl<R: Real, F: Flexspline<R>, C: FrictionModel<R>, const L: usize, const MEMOR
     #[inline(always)]
     fn ends(&self, wave_generator: &Motion<R>, flange: &Motion<R>, heading: Heading<R>) -> (Ends<R>, R) {
         let ideal = self.ratio.apply(wave_generator.angle);
-        let deviation = self.kinematic_error(wave_generator.angle, heading);
-        let slope = self.ratio_value + deviation.slope;
+        let kinematic_error = self.kinematic_error(wave_generator.angle, heading);
+        let slope = self.ratio_value + kinematic_error.slope;
         let ends = Ends {
-            drive: ideal.plus(deviation.error),
+            drive: ideal.plus(kinematic_error.error),
             drive_rate: slope * wave_generator.velocity,
             wave_generator: wave_generator.angle,
             wave_generator_rate: wave_generator.velocity,
@@ -436,7 +436,7 @@ pub(crate) mod tests {
 
     #[test]
     fn the_output_turns_by_the_signed_ratio() {
-        for (ratio, wanted) in [(-100, -0.01), (101, 1.0 / 101.0)] {
+        for (ratio, expected) in [(-100, -0.01), (101, 1.0 / 101.0)] {
             let params = GearParams { ratio, ..params() };
             let gear = gear(&params);
             let (mut state, mut flange, mut motor) = (gear.rest(), Motion::default(), Motion::default());
@@ -446,7 +446,7 @@ pub(crate) mod tests {
                 gear.step(&mut state, &mut flange, &motor, 0.0);
             }
             let moved = flange.angle.to_radians() / motor.angle.to_radians();
-            assert!((moved / wanted - 1.0).abs() < 0.01, "{moved}");
+            assert!((moved / expected - 1.0).abs() < 0.01, "{moved}");
         }
     }
 

@@ -1,24 +1,24 @@
-//! Kinematic error: how far the output of the unloaded gear is off its ideal angle.
+//! Kinematic error: angle of the unloaded gear's output less its ideal angle.
 //!
 //! ```text
 //! e(theta) = sum_i A_i sin(k_i*theta + p_i)  +  sum_j A_j sin(k_j*(theta - r*theta) + p_j)
 //! de/dtheta = sum_i k_i A_i cos(..)          +  sum_j k_j*(1 - r) A_j cos(..)
 //! ```
 //!
-//! theta is the wave generator's angle, r the signed ratio. The first list counts orders per turn
-//! of the wave generator relative to the case, the second per turn relative to the flexspline: with
+//! theta is the wave generator's angle, r the signed ratio. The first list counts orders per revolution
+//! of the wave generator relative to the case, the second per revolution relative to the flexspline: with
 //! r = +1/n order k of the second is order k - k/n of theta. Both rims show in measured gears.
 //!
 //! Sign: e adds to r*theta, torsion = r*theta + e - theta_fs. Units: e (rad) at the output,
 //! de/dtheta without unit. Memoryless.
 //!
 //! Precision: theta and r*theta are integer phases, so an order times a phase wraps exactly and
-//! e does not lose accuracy over any number of turns; the fractions of a count that the phases leave
+//! e does not lose accuracy over any number of revolutions; the fractions of a count that the phases leave
 //! out are below 5e-9 rad of theta.
 //!
-//! Cost: one sine and cosine of theta, which the wave generator's friction shares, carry a ladder of orders
-//! 1, 2, 3, ... or 2, 4, 6, ...: the heading of each is that of the one below turned on, four multiplications
-//! in the place of a sine and cosine. In f32 each turn adds a rounding, 1e-7 of an amplitude. Orders off the
+//! Cost: one sine and cosine of theta, which the wave generator's friction uses too, give a ladder of orders
+//! 1, 2, 3, ... or 2, 4, 6, ...: the heading of each is that of the one below rotated on, four multiplications
+//! in the place of a sine and cosine. In f32 each rotation adds a rounding, 1e-7 of an amplitude. Orders off the
 //! ladder have a sine and cosine of their own, and the angle relative to the flexspline has one where there are
 //! terms of it. Which is which is decided at build.
 //!
@@ -32,7 +32,7 @@ use crate::real::Real;
 /// One sine; amplitude 0 leaves the place unused.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Term<R> {
-    /// k, periods per turn; 0..=1000.
+    /// k, periods per revolution; 0..=1000.
     pub order: u32,
     /// A (rad) at the output; within +-0.1.
     pub amplitude: R,
@@ -43,9 +43,9 @@ pub struct Term<R> {
 /// Up to `K` sines of each kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KinematicErrorParams<R, const K: usize> {
-    /// Orders per turn of the wave generator relative to the case.
+    /// Orders per revolution of the wave generator relative to the case.
     pub case: [Term<R>; K],
-    /// Orders per turn of the wave generator relative to the flexspline.
+    /// Orders per revolution of the wave generator relative to the flexspline.
     pub flexspline: [Term<R>; K],
 }
 
@@ -83,7 +83,7 @@ impl<R: Real> Term<R> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Sine<R> {
     order: u32,
-    /// What the order's sine and cosine add to e, A cos(p) and A sin(p), and to de/dtheta.
+    /// Coefficients of the order's sine and cosine in e, A cos(p) and A sin(p), and in de/dtheta.
     error: [R; 2],
     slope: [R; 2],
 }
@@ -100,11 +100,11 @@ impl<R: Real> Sine<R> {
         self.slope[1] += rate * of_sine;
     }
 
-    /// What it adds at the heading of the order's angle.
+    /// Its term at the heading of the order's angle.
     #[inline(always)]
-    fn at(&self, heading: Heading<R>) -> Deviation<R> {
+    fn at(&self, heading: Heading<R>) -> ErrorAndSlope<R> {
         let Heading { cosine, sine } = heading;
-        Deviation {
+        ErrorAndSlope {
             error: self.error[0] * sine + self.error[1] * cosine,
             slope: self.slope[0] * sine + self.slope[1] * cosine,
         }
@@ -145,7 +145,7 @@ impl<R: Real, const K: usize> Series<R, K> {
         series
     }
 
-    /// Where a term of this rung goes, one off the ladder to a place of its own: there is one for every term.
+    /// Place of a term of this rung; a term off the ladder has a place of its own: there is one for every term.
     fn place(&mut self, rung: usize) -> Option<&mut Sine<R>> {
         let place = match rung.wrapping_sub(2) {
             usize::MAX => return Some(&mut self.first),
@@ -162,7 +162,7 @@ impl<R: Real, const K: usize> Series<R, K> {
 
     /// Sum of the ladder.
     #[inline(always)]
-    fn on_ladder(&self, heading: Heading<R>) -> Deviation<R> {
+    fn on_ladder(&self, heading: Heading<R>) -> ErrorAndSlope<R> {
         let stride = if self.even { heading.plus(heading) } else { heading };
         let (mut at, mut sum) = (stride, self.first.at(stride));
         for (rung, sine) in self.sines.iter().enumerate() {
@@ -176,9 +176,9 @@ impl<R: Real, const K: usize> Series<R, K> {
     }
 
     /// Sum of the rest.
-    fn apart(&self, phase: u32) -> Deviation<R> {
+    fn apart(&self, phase: u32) -> ErrorAndSlope<R> {
         let sines = self.sines.iter().take(self.len).skip(self.above);
-        sines.fold(Deviation::default(), |sum, sine| {
+        sines.fold(ErrorAndSlope::default(), |sum, sine| {
             sum.plus(sine.at(Heading::of_phase(sine.order.wrapping_mul(phase))))
         })
     }
@@ -196,14 +196,14 @@ fn ladder<const K: usize>(terms: usize, on: impl Fn(usize) -> usize) -> usize {
 
 /// The kinematic error at one angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Deviation<R> {
+pub struct ErrorAndSlope<R> {
     /// e (rad) at the output.
     pub error: R,
     /// de/dtheta.
     pub slope: R,
 }
 
-impl<R: Real> Deviation<R> {
+impl<R: Real> ErrorAndSlope<R> {
     #[inline(always)]
     fn plus(self, other: Self) -> Self {
         Self { error: self.error + other.error, slope: self.slope + other.slope }
@@ -243,21 +243,21 @@ pub struct KinematicError<R, const K: usize> {
 impl<R: Real, const K: usize> KinematicError<R, K> {
     /// e and de/dtheta at the wave generator's angle `theta`. Finite for any input: only whole counts are read.
     #[inline(always)]
-    pub fn at(&self, theta: Angle<R>) -> Deviation<R> {
+    pub fn at(&self, theta: Angle<R>) -> ErrorAndSlope<R> {
         self.evaluate(theta.counts, theta.heading())
     }
 
     /// The same of an angle's counts, where its heading is at hand.
     // Never inlined: the timing budget counts this block by its symbol. Numbers come in registers.
     #[inline(never)]
-    pub fn evaluate(&self, theta: i64, heading: Heading<R>) -> Deviation<R> {
+    pub fn evaluate(&self, theta: i64, heading: Heading<R>) -> ErrorAndSlope<R> {
         let sum = self.case.on_ladder(heading);
         if self.more { self.plus_more(sum, theta) } else { sum }
     }
 
     /// Apart in the code too: a gear that has no more saves no registers for it.
     #[inline(never)]
-    fn plus_more(&self, sum: Deviation<R>, theta: i64) -> Deviation<R> {
+    fn plus_more(&self, sum: ErrorAndSlope<R>, theta: i64) -> ErrorAndSlope<R> {
         let sum = sum.plus(self.case.apart(theta as u32));
         if self.flexspline.is_empty() {
             return sum;
@@ -274,7 +274,7 @@ mod tests {
     use crate::real::RADIANS_PER_COUNT;
     use proptest::prelude::*;
 
-    const TURN: i64 = 1 << 32;
+    const REVOLUTION: i64 = 1 << 32;
 
     fn term<R: Real>(order: u32, amplitude: f64, phase: f64) -> Term<R> {
         Term { order, amplitude: R::lit(amplitude), phase: R::lit(phase) }
@@ -288,32 +288,32 @@ mod tests {
         }
     }
 
-    fn evaluate<R: Real, const K: usize>(model: &KinematicError<R, K>, counts: i64) -> Deviation<R> {
+    fn evaluate<R: Real, const K: usize>(model: &KinematicError<R, K>, counts: i64) -> ErrorAndSlope<R> {
         model.at(Angle::from_counts(counts))
     }
 
     proptest! {
         #[test]
-        fn it_is_the_sum_of_sines(counts in -TURN..TURN, n in prop::sample::select(&[-100, -50, 81, 101][..])) {
+        fn it_is_the_sum_of_sines(counts in -REVOLUTION..REVOLUTION, n in prop::sample::select(&[-100, -50, 81, 101][..])) {
             let ratio = Ratio::one_over(n).unwrap();
             let found = evaluate(&params::<f64>().build(ratio).unwrap(), counts);
             let (theta, r) = (counts as f64 * RADIANS_PER_COUNT, 1.0 / f64::from(n));
-            let mut wanted = Deviation::<f64>::default();
+            let mut expected = ErrorAndSlope::<f64>::default();
             let mut add = |term: &Term<f64>, angle: f64, per_theta: f64| {
                 let order = f64::from(term.order);
-                wanted.error += term.amplitude * (order * angle + term.phase).sin();
-                wanted.slope += term.amplitude * order * per_theta * (order * angle + term.phase).cos();
+                expected.error += term.amplitude * (order * angle + term.phase).sin();
+                expected.slope += term.amplitude * order * per_theta * (order * angle + term.phase).cos();
             };
             params().case.iter().for_each(|term| add(term, theta, 1.0));
             params().flexspline.iter().for_each(|term| add(term, theta * (1.0 - r), 1.0 - r));
-            prop_assert!((found.error - wanted.error).abs() < 2e-12);
-            prop_assert!((found.slope - wanted.slope).abs() < 1e-11);
+            prop_assert!((found.error - expected.error).abs() < 2e-12);
+            prop_assert!((found.slope - expected.slope).abs() < 1e-11);
         }
 
         /// Whatever is on the ladder, off it, there twice, or constant.
         #[test]
         fn any_orders_are_the_sum_of_sines(
-            counts in -TURN..TURN,
+            counts in -REVOLUTION..REVOLUTION,
             orders in prop::array::uniform8(prop_oneof![0..=20u32, 0..=1000u32, (0..=8u32).prop_map(|k| 2 * k)]),
             present in 0..=8usize,
         ) {
@@ -323,14 +323,14 @@ mod tests {
             let ratio = Ratio::one_over(-100).unwrap();
             let theta = counts as f64 * RADIANS_PER_COUNT;
             let argument = |t: &Term<f64>| f64::from(t.order) * theta + t.phase;
-            let wanted: f64 = terms.iter().map(|t| t.amplitude * argument(t).sin()).sum();
+            let expected: f64 = terms.iter().map(|t| t.amplitude * argument(t).sin()).sum();
             let slope: f64 = terms.iter().map(|t| t.amplitude * f64::from(t.order) * argument(t).cos()).sum();
             let case = |case| KinematicErrorParams { case, flexspline: [Term::default(); 8] };
             let found = evaluate(&case(terms).build(ratio).unwrap(), counts);
-            prop_assert!((found.error - wanted).abs() < 1e-12 && (found.slope - slope).abs() < 1e-9);
+            prop_assert!((found.error - expected).abs() < 1e-12 && (found.slope - slope).abs() < 1e-9);
             let case = KinematicErrorParams { case: single, flexspline: [Term::default(); 8] };
             let single = evaluate(&case.build(ratio).unwrap(), counts);
-            prop_assert!((f64::from(single.error) - wanted).abs() < 4e-7 * 3.6e-4);
+            prop_assert!((f64::from(single.error) - expected).abs() < 4e-7 * 3.6e-4);
         }
 
         #[test]
@@ -350,16 +350,16 @@ mod tests {
             even.flexspline = [Term::default(); 3];
             let ratio = Ratio::one_over(-100).unwrap();
             let model = even.build(ratio).unwrap();
-            let moved = counts.wrapping_add(half * TURN / 2);
+            let moved = counts.wrapping_add(half * REVOLUTION / 2);
             prop_assert_eq!(evaluate(&model, counts), evaluate(&model, moved));
         }
 
         #[test]
-        fn a_million_turns_change_nothing_in_f32(phase in 0..TURN) {
-            // 101 turns of the wave generator are 100 relative to the flexspline.
+        fn a_million_turns_change_nothing_in_f32(phase in 0..REVOLUTION) {
+            // 101 revolutions of the wave generator are 100 relative to the flexspline.
             let ratio = Ratio::one_over(101).unwrap();
             let model = params::<f32>().build(ratio).unwrap();
-            let far = evaluate(&model, phase + 1_010_000 * TURN);
+            let far = evaluate(&model, phase + 1_010_000 * REVOLUTION);
             let near = evaluate(&model, phase);
             prop_assert!((far.error - near.error).abs() <= 1e-9);
         }

@@ -73,12 +73,12 @@
 //!
 //! ```text
 //! phi    = r*theta_wg + e(theta_wg) - theta_fs          torsion; r = -1/N (circular spline fixed) or 1/(N + 1)
-//! tau_t  = tau_mesh(phi, dphi) + tau_hyst[phi]          through the FS: turns it forwards where phi > 0
+//! tau_t  = tau_mesh(phi, dphi) + tau_hyst[phi]          through the FS: drives it forwards where phi > 0
 //! J_fs*d2theta_fs = tau_t - tau_fric_out + tau_load     tau_load acts ON the FS
 //! tau_wg = J_wg*d2theta_wg + tau_fric_in + (r + de/dtheta_wg)*tau_t         what the motor must supply
 //! ```
 //!
-//! Friction has the sign of the velocity that it opposes. Torsion is as exact after a million turns as
+//! Friction has the sign of the velocity that it opposes. Torsion is as exact after a million revolutions as
 //! after none:
 //!
 //! ```

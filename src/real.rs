@@ -6,7 +6,7 @@
 //!
 //! Every square root, exponential and sine of the library is called through it. Square roots and the f64 sine
 //! are libm's. The functions of the control step are our own, because libm's `sinf` reduces its argument in
-//! f64, which a Cortex-M4F only has in software. micromath's, which do without, are off by 1.1e-3 (sine) and
+//! f64, which a Cortex-M4F only has in software. micromath's, which do without, have errors of 1.1e-3 (sine) and
 //! 2.9e-2 (1 - e^-x from 1e-6 on), too much for torsion and presliding (measured in
 //! `host-tests/tests/elementary_functions.rs`):
 //!
@@ -31,7 +31,7 @@ pub const ONE_MINUS_EXP_NEG_ERROR: f64 = 2.5e-7;
 /// Largest relative error of the f64 [`Real::one_minus_exp_neg`].
 pub const ONE_MINUS_EXP_NEG_ERROR_F64: f64 = 6e-16;
 
-/// Radians in one count of a phase of 2^32 counts a turn.
+/// Radians in one count of a phase of 2^32 counts a revolution.
 pub const RADIANS_PER_COUNT: f64 = core::f64::consts::TAU / 4_294_967_296.0;
 
 /// A floating-point scalar: f32 in firmware, f64 in the reference build.
@@ -77,7 +77,7 @@ pub trait Real:
     /// The same bits. One comparison of integers.
     fn is_same(self, other: Self) -> bool;
     /// Within 0..=1, without -0; not NaN. One comparison of integers.
-    fn is_share(self) -> bool;
+    fn is_fraction(self) -> bool;
     /// Square root, for `build` only.
     fn sqrt(self) -> Self;
     /// Square root of a finite number; 0 of one below 0.
@@ -85,7 +85,7 @@ pub trait Real:
     /// `1 - e^-x` for a finite `x >= 0`, accurate for small `x`. No other bits panic, but what they give is
     /// not said.
     fn one_minus_exp_neg(self) -> Self;
-    /// Sine and cosine of a phase of 2^32 counts a turn: the range reduction is exact.
+    /// Sine and cosine of a phase of 2^32 counts a revolution: the range reduction is exact.
     fn sin_cos_phase(phase: u32) -> (Self, Self);
 
     /// Magnitude: the sign bit cleared.
@@ -139,7 +139,7 @@ pub trait Real:
     }
 }
 
-/// What is written alike for both.
+/// Methods with the same text for both scalars.
 macro_rules! common {
     () => {
         const ZERO: Self = 0.0;
@@ -160,7 +160,7 @@ macro_rules! common {
             self.to_bits() == other.to_bits()
         }
         #[inline(always)]
-        fn is_share(self) -> bool {
+        fn is_fraction(self) -> bool {
             self.to_bits() <= Self::ONE.to_bits()
         }
         #[inline(always)]
@@ -290,8 +290,8 @@ mod tests {
         (0..200_000)
             .map(|k| {
                 let x = top * (k as f32 / 200_000.0) * (k as f32 / 200_000.0) + 1e-9;
-                let wanted = exact(f64::from(x));
-                ((f64::from(f(x)) - wanted) / wanted).abs()
+                let expected = exact(f64::from(x));
+                ((f64::from(f(x)) - expected) / expected).abs()
             })
             .fold(0.0, f64::max)
     }

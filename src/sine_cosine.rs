@@ -1,12 +1,12 @@
-//! Sine and cosine of a phase, in f32: a table around the turn, and the addition theorem for what is left.
+//! Sine and cosine of a phase, in f32: a table around the revolution, and the addition theorem for the remainder.
 //!
 //! ```text
 //! theta = k*2*pi/128 + r, |r| <= pi/128       t = r - r^3/6 (sin r),   h = r^2/2 (1 - cos r)
 //! cos(theta) = C_k - (C_k*h + S_k*t)          sin(theta) = S_k + (C_k*t - S_k*h)
 //! ```
 //!
-//! The series leave out r^4/24 < 1.6e-8. k and the rest are bits of the phase: no quadrant is told apart, and half a
-//! turn more gives exactly the negative of both, a quarter exchanges them.
+//! The series leave out r^4/24 < 1.6e-8. k and the rest are bits of the phase: no quadrant is distinguished, and half a
+//! revolution more gives exactly the negative of both, a quarter exchanges them.
 
 /// Entries; 1 kB.
 const ENTRIES: usize = 1 << ENTRIES_LOG2;
@@ -33,7 +33,7 @@ static TABLE: [[f32; 2]; ENTRIES] = {
     table
 };
 
-/// sin(k*2*pi/[`ENTRIES`]) up to a quarter turn, by its series.
+/// sin(k*2*pi/[`ENTRIES`]) up to a quarter revolution, by its series.
 const fn exact_sine(k: usize) -> f32 {
     let x = k as f64 * (core::f64::consts::TAU / ENTRIES as f64);
     let (mut series, mut order) = (1.0, 21.0);
@@ -44,7 +44,7 @@ const fn exact_sine(k: usize) -> f32 {
     (x * series) as f32
 }
 
-/// Sine and cosine of a phase of 2^32 counts a turn.
+/// Sine and cosine of a phase of 2^32 counts a revolution.
 #[inline(always)]
 pub fn sine_cosine_f32(phase: u32) -> (f32, f32) {
     let k = phase.wrapping_add(1 << (STEP_LOG2 - 1)) >> STEP_LOG2;

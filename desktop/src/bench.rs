@@ -12,7 +12,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use strainwave::Error;
-use strainwave::compensator::{Input, Output, Sensors, Shares, Status};
+use strainwave::compensator::{CompensationGains, Input, Output, Sensors, Status};
 use strainwave::flexspline::Flexspline;
 use strainwave::gear::Motion;
 
@@ -168,8 +168,8 @@ impl SensorModel {
 }
 
 /// All corrections on, friction by the gear file's share.
-fn all_shares(file: &GearFile) -> Shares<f32> {
-    Shares { friction: file.compensation.friction_share as f32, ..Shares::ALL }
+fn all_gains(file: &GearFile) -> CompensationGains<f32> {
+    CompensationGains { friction: file.compensation.friction_share as f32, ..CompensationGains::ALL }
 }
 
 /// Plant, sensors, clock, and the controller's last answer.
@@ -180,7 +180,7 @@ pub struct Bench<F: Flexspline<f64> = PlantMesh> {
     clock: Clock,
     /// Micro-steps by which the plant is off the clock's whole periods.
     off: i64,
-    shares: Shares<f32>,
+    gains: CompensationGains<f32>,
     ability: Ability,
     last: Output<f32>,
 }
@@ -245,7 +245,7 @@ impl<F: Flexspline<f64>> Bench<F> {
             sensors: SensorModel::new(file, conditions, errors),
             clock: Clock::new(clock, random(conditions.seed, conditions.realisation, Purpose::Clock)),
             off: 0,
-            shares: all_shares(file),
+            gains: all_gains(file),
             ability: Ability::of(file),
             last: Output::default(),
         }
@@ -281,7 +281,7 @@ impl<F: Flexspline<f64>> Bench<F> {
                 let input = Input {
                     sensors: self.sensors.read(&self.plant, ahead),
                     command: demand.setpoint().into(),
-                    shares: self.shares.into(),
+                    gains: self.gains.into(),
                     elapsed: elapsed as f32,
                     setpoint_age: 0.0,
                     status: if task.blocked() { Status::DRIVE_OFF } else { Status::FINE },

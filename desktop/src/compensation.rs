@@ -91,7 +91,7 @@ pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
         fast_corner: R::lit(1.0 / lateness(&file.drive)),
         dead_zone: R::lit(hidden),
         tolerance: R::lit(n * (file.drive.torque_constant + file.tolerances.rotor_inertia)),
-        wound_up: R::lit(FAST_SHARE),
+        wind_up_fraction: R::lit(FAST_SHARE),
     }
 }
 

@@ -110,7 +110,7 @@ fn step<C: Controller>(
         },
         // Nothing is commanded: the setpoint is where the joint already is.
         command: Setpoint { position: Angle::from_radians_f64(rigid), ..Setpoint::default() }.into(),
-        shares: Directions::default(),
+        gains: Directions::default(),
         ..Input::default()
     };
     Ok((rigid, controller.step(&input)?.estimate.output_position.to_radians()))

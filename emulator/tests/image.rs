@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use strainwave::compensator::{Input, Sensors, Shares};
+use strainwave::compensator::{CompensationGains, Input, Sensors};
 use strainwave_app::JOINT;
 use strainwave_app::frame::encode_input;
 use strainwave_app::literal_mesh::PERIODS;
@@ -64,8 +64,8 @@ fn run(elf: &Path, periods: u32, arguments: &[String]) {
     let mut machine = Machine::boot(elf, arguments).expect("boots");
     for period in 0..periods {
         let sensors = Sensors { motor_encoder: period * 70_000, motor_torque: 0.1, ..Sensors::default() };
-        let shares = Shares { friction: 0.8, ..Shares::ALL };
-        let input = Input { sensors, shares: shares.into(), ..Input::default() };
+        let gains = CompensationGains { friction: 0.8, ..CompensationGains::ALL };
+        let input = Input { sensors, gains: gains.into(), ..Input::default() };
         machine.exchange(&encode_input(&input)).expect("answers");
     }
     machine.finish().expect("ends");

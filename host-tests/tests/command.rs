@@ -5,8 +5,8 @@ use strainwave::Angle;
 use strainwave::compensator::actuate::fallback::TORQUE_RAMP;
 use strainwave::compensator::schedule;
 use strainwave::compensator::{
-    Command, Compensator, Directions, Faults, Input, JointParams, Mode, Output, RealTimeGear, Sensors,
-    Setpoint, Shares, State,
+    Command, CompensationGains, Compensator, Directions, Faults, Input, JointParams, Mode, Output,
+    RealTimeGear, Sensors, Setpoint, State,
 };
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearState, Motion};
@@ -14,7 +14,7 @@ use strainwave_desktop::GearFile;
 use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
 use strainwave_desktop::plant::encoder_count;
 
-const SHARES: Shares<f32> = Shares::ALL;
+const GAINS: CompensationGains<f32> = CompensationGains::ALL;
 
 /// Periods in a second.
 const SECOND: usize = 10_000;
@@ -33,7 +33,7 @@ struct Joint {
     compensator: Compensator<f32>,
     state: State<f32>,
     torque: f32,
-    shares: Directions<f32>,
+    gains: Directions<f32>,
 }
 
 impl Joint {
@@ -53,7 +53,7 @@ impl Joint {
             state: compensator.rest(),
             compensator,
             torque: 0.0,
-            shares: SHARES.into(),
+            gains: GAINS.into(),
         };
         joint.run(300, |_| Command::default());
         joint
@@ -71,7 +71,7 @@ impl Joint {
 
     /// One control period; `change` is what is wrong with its input.
     fn step(&mut self, command: Command<f32>, change: impl Fn(&mut Input<f32>)) -> Output<f32> {
-        let mut input = Input { sensors: self.sensors(), command, shares: self.shares, ..Input::default() };
+        let mut input = Input { sensors: self.sensors(), command, gains: self.gains, ..Input::default() };
         change(&mut input);
         let output = self.compensator.step(&mut self.state, &input);
         assert!(output.motor_torque.is_finite() && output.feed_forward_torque.is_finite(), "{output:?}");
@@ -144,7 +144,7 @@ fn a_velocity_goes_on_from_the_reference_that_is_there() {
 fn a_torque_accelerates_what_it_should() {
     let accelerate = |friction: f32| {
         let mut joint = Joint::new();
-        joint.shares = Shares { friction, ..SHARES }.into();
+        joint.gains = CompensationGains { friction, ..GAINS }.into();
         joint.run(500, |_| Command::Torque(20.0));
         let from = joint.flange.velocity;
         joint.run(500, |_| Command::Torque(20.0));
@@ -187,8 +187,8 @@ fn the_feedback_takes_the_torque_over() {
 #[test]
 fn shares_of_either_direction_cross_over_without_a_step() {
     let mut joint = Joint::new();
-    let backward = Shares { inertia: 0.0, friction: 0.0, ripple: 0.0, adaptation: 0.0, ..SHARES };
-    joint.shares = Directions { forward: SHARES, backward };
+    let backward = CompensationGains { inertia: 0.0, friction: 0.0, ripple: 0.0, adaptation: 0.0, ..GAINS };
+    joint.gains = Directions { forward: GAINS, backward };
     let mut outputs = Vec::new();
     for k in 0..4000 {
         // From -0.2 to 0.2 rad/s at 1 rad/s^2.
@@ -312,7 +312,7 @@ fn without_the_motors_angle_the_drive_is_off_until_a_reset() {
 #[test]
 fn the_fallback_follows_the_ideal_gear() {
     let mut joint = Joint::new();
-    let ideal = |k: usize| joint_ratio().undo(crawl(0.2, k).position);
+    let ideal = |k: usize| joint_ratio().to_motor(crawl(0.2, k).position);
     joint.run(1000, |k| crawl(0.2, k).into());
     let sound = joint.step(crawl(0.2, 1000).into(), |_| ());
     assert_ne!(sound.motor_reference, ideal(1000));

@@ -4,8 +4,8 @@ use proptest::prelude::*;
 use strainwave::Angle;
 use strainwave::compensator::schedule::SLOW_PERIODS;
 use strainwave::compensator::{
-    Command, Compensator, Directions, Faults, Input, JointParams, Mode, Output, Sensors, Setpoint, Shares,
-    State, Status,
+    Command, CompensationGains, Compensator, Directions, Faults, Input, JointParams, Mode, Output, Sensors,
+    Setpoint, State, Status,
 };
 use strainwave_desktop::GearFile;
 use strainwave_desktop::joint::joint_params;
@@ -15,8 +15,8 @@ fn joint() -> JointParams<f32> {
     joint_params(&GearFile::default_gear()).unwrap()
 }
 
-fn shares() -> Shares<f32> {
-    Shares { friction: 0.8, ..Shares::ALL }
+fn gains() -> CompensationGains<f32> {
+    CompensationGains { friction: 0.8, ..CompensationGains::ALL }
 }
 
 /// A joint at rest whose encoder reads `motor_encoder`.
@@ -24,7 +24,7 @@ fn resting(motor_encoder: u32) -> Input<f32> {
     Input {
         sensors: Sensors { motor_encoder, ..Sensors::default() },
         command: Command::default(),
-        shares: shares().into(),
+        gains: gains().into(),
         ..Input::default()
     }
 }
@@ -51,8 +51,8 @@ prop_compose! {
     fn any_shares()(
         [feedback, inertia, friction, wind_up, kinematic_error, output_feedback, adaptation, ripple]
             in prop::array::uniform8(any_float()),
-    ) -> Shares<f32> {
-        Shares { feedback, inertia, friction, wind_up, kinematic_error, output_feedback, adaptation, ripple }
+    ) -> CompensationGains<f32> {
+        CompensationGains { feedback, inertia, friction, wind_up, kinematic_error, output_feedback, adaptation, ripple }
     }
 }
 
@@ -92,7 +92,7 @@ prop_compose! {
                     snap,
                 }),
             },
-            shares: Directions { forward, backward },
+            gains: Directions { forward, backward },
             elapsed,
             setpoint_age: age,
             status: Status(status),
@@ -133,9 +133,9 @@ fn nan_and_infinity_are_held_and_named() {
                 &mut setpoint.jerk,
                 &mut setpoint.snap,
                 &mut setpoint.position.rest,
-                &mut input.shares.forward.feedback,
-                &mut input.shares.backward.friction,
-                &mut input.shares.forward.wind_up,
+                &mut input.gains.forward.feedback,
+                &mut input.gains.backward.friction,
+                &mut input.gains.forward.wind_up,
             ];
             *values.into_iter().nth(place).unwrap() = bad;
             input.command = setpoint.into();
@@ -221,7 +221,7 @@ fn switching_a_share_makes_no_step_in_the_torque() {
     let mut last = None;
     for k in 0..2000 {
         let inertia = if (k / 500) % 2 == 0 { 1.0 } else { 0.0 };
-        input.shares = Shares { inertia, ..shares() }.into();
+        input.gains = CompensationGains { inertia, ..gains() }.into();
         let output = compensator.step(&mut state, &input);
         input.sensors.motor_torque = output.motor_torque;
         let torque = output.feed_forward_torque;

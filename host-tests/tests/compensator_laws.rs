@@ -3,7 +3,7 @@
 use core::f64::consts::TAU;
 
 use strainwave::compensator::estimate::observer::{
-    Known, Measurement, Observer, ObserverState, OutputReading,
+    GearCorrection, Measurement, Observer, ObserverState, OutputReading,
 };
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use strainwave::compensator::{Faults, Input, JointParams, RealTimeGear};
@@ -42,14 +42,14 @@ impl Twins {
             self.gear.step(&mut plant, &mut flange, &Motion::default(), load);
         }
         let mut motor = Motion::default();
-        let (mut errors, mut heard) = (Vec::new(), 0.0);
+        let (mut errors, mut latch) = (Vec::new(), 0.0);
         for k in 0..20_000 {
             let acceleration = 300.0 * (10.0 * f64::from(k) * CONTROL_PERIOD).cos();
             let torques = self.gear.torques(&mut plant, &motor, &flange, Applied { motor: 0.0, load });
             let motor_torque = torques.wave_generator + self.joint.gear.wave_generator_inertia * acceleration;
             motor.advance(acceleration, CONTROL_PERIOD);
             flange.advance(self.gear.flange_acceleration(&torques, load), CONTROL_PERIOD);
-            heard += motor_torque;
+            latch += motor_torque;
             if (k + 1) % OBSERVER_PERIODS != 0 {
                 continue;
             }
@@ -58,17 +58,17 @@ impl Twins {
                 period: f64::from(OBSERVER_PERIODS) * CONTROL_PERIOD,
                 motor: motor.angle,
                 reads_output,
-                motor_torque: core::mem::take(&mut heard) / f64::from(OBSERVER_PERIODS),
+                motor_torque: core::mem::take(&mut latch) / f64::from(OBSERVER_PERIODS),
                 output_torque: None,
             };
             let mut faults = Faults::NONE;
-            let known = Known::default();
-            self.observer.step(&self.gear, &mut self.state, &measured, &known, false, &mut faults);
+            let gear_correction = GearCorrection::default();
+            self.observer.step(&self.gear, &mut self.state, &measured, &gear_correction, false, &mut faults);
             if reads_output {
                 let reading = OutputReading { angle: flange.angle, age: 0 };
-                self.observer.correct_output(&mut self.state, &reading, &known, &mut faults);
+                self.observer.correct_output(&mut self.state, &reading, &gear_correction, &mut faults);
             }
-            let estimate = self.observer.estimate(&self.state, &known);
+            let estimate = self.observer.estimate(&self.state, &gear_correction);
             // The start from a wrong torsion may reach a limit; a second later none is near.
             assert!(k < 10_000 || faults == Faults::NONE, "step {k}: {faults:?}");
             let angle = estimate.output_position.minus(flange.angle);

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 use std::rc::Rc;
-use strainwave::compensator::{Input, Output, Setpoint, Shares};
+use strainwave::compensator::{CompensationGains, Input, Output, Setpoint};
 use strainwave_app::telemetry::CAPACITY;
 use strainwave_app::{Board, Control, JOINT, Log, Telemetry, control_step};
 
@@ -56,7 +56,7 @@ fn input(encoder: u32) -> Input<f32> {
     let mut input = Input::default();
     input.sensors.motor_encoder = encoder;
     input.command = Setpoint { velocity: 0.1, ..Setpoint::default() }.into();
-    input.shares = Shares { feedback: 1.0, ..Shares::default() }.into();
+    input.gains = CompensationGains { feedback: 1.0, ..CompensationGains::default() }.into();
     input
 }
 

@@ -9,7 +9,7 @@ use strainwave::compensator::reference::feed_forward::{
     Demand, FeedForward, FeedForwardState, ModelCorrection,
 };
 use strainwave::compensator::schedule::SLOW_PERIODS;
-use strainwave::compensator::{JointParams, RealTimeGear, Setpoint, Shares};
+use strainwave::compensator::{CompensationGains, JointParams, RealTimeGear, Setpoint};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
 use strainwave_desktop::GearFile;
@@ -27,7 +27,7 @@ const DT: f64 = SLOW_PERIODS as f64 * CONTROL_PERIOD;
 const HALF: usize = (0.5 / DT) as usize;
 
 /// Friction alone.
-const SHARES: Shares<f64> = Shares {
+const GAINS: CompensationGains<f64> = CompensationGains {
     feedback: 0.0,
     inertia: 0.0,
     friction: FRICTION_SHARE,
@@ -63,11 +63,11 @@ impl Joint {
     }
 
     /// One round: the demand, and the models' turn half a round later.
-    fn demand(&mut self, setpoint: &Setpoint<f64>, shares: &Shares<f64>) -> Demand<f64> {
+    fn demand(&mut self, setpoint: &Setpoint<f64>, gains: &CompensationGains<f64>) -> Demand<f64> {
         let correction = ModelCorrection::default();
-        let demand = self.feed_forward.step(&self.gear, &mut self.state, setpoint, shares, &correction);
+        let demand = self.feed_forward.step(&self.gear, &mut self.state, setpoint, gains, &correction);
         let reference = demand.motor.angle.plus(0.5 * DT * demand.motor.velocity);
-        self.feed_forward.remember(&self.gear, &mut self.state, reference, &Factors::default());
+        self.feed_forward.step_models(&self.gear, &mut self.state, reference, &Factors::default());
         demand
     }
 
@@ -75,7 +75,7 @@ impl Joint {
     fn torque(&mut self, position: f64, velocity: f64) -> f64 {
         let setpoint =
             Setpoint { position: Angle::from_radians_f64(position), velocity, ..Setpoint::default() };
-        self.demand(&setpoint, &SHARES).torque
+        self.demand(&setpoint, &GAINS).torque
     }
 
     /// Levels of both sides at standstill, at the motor (N m).
@@ -160,7 +160,7 @@ fn through_a_reversal_it_follows_presliding() {
         let phase = TAU * 0.2 * k as f64 * DT;
         let (position, velocity) = (0.05 * phase.sin(), 0.05 * TAU * 0.2 * phase.cos());
         let angle = Angle::from_radians_f64(position);
-        let motor = Motion { angle: reference.ratio().undo(angle), velocity: n * velocity };
+        let motor = Motion { angle: reference.ratio().to_motor(angle), velocity: n * velocity };
         let torques = reference.torques(&mut state, &motor, &Motion { angle, velocity }, Applied::default());
         let friction = torques.input_friction + torques.output_friction / n;
         let fed = joint.torque(position, velocity) / FRICTION_SHARE;
@@ -199,7 +199,7 @@ fn a_gear_that_moves_as_demanded_carries_the_load() {
     // Up to where the torsion passes a knee of the line.
     for k in 0..last * 37 / 40 {
         let setpoint = fast_move(k);
-        let demanded = joint.demand(&setpoint, &Shares::ALL);
+        let demanded = joint.demand(&setpoint, &CompensationGains::ALL);
         let flange = Motion { angle: setpoint.position, velocity: setpoint.velocity };
         let torques = model.torques(&mut state, &demanded.motor, &flange, Applied::default());
         if k < last * 17 / 20 {
@@ -216,13 +216,13 @@ fn a_gear_that_moves_as_demanded_carries_the_load() {
 
 /// The angle (rad, at the output) by which the sum of the demanded speeds is off the reference, at its largest, over
 /// a fast move.
-fn speed_missed(shares: &Shares<f64>) -> f64 {
+fn speed_missed(gains: &CompensationGains<f64>) -> f64 {
     let mut joint = Joint::new();
     let ratio = f64::from(joint.params.gear.ratio);
     let (mut summed, mut first, mut missed) = (0.0, None, 0.0f64);
     for k in 0..HALF / 2 {
         let setpoint = fast_move(k);
-        let demanded = joint.demand(&setpoint, shares);
+        let demanded = joint.demand(&setpoint, gains);
         let reference = demanded.motor.angle.to_radians() - 0.5 * DT * demanded.motor.velocity;
         missed = missed.max((summed + *first.get_or_insert(reference) - reference).abs());
         summed += DT * demanded.motor.velocity;
@@ -234,6 +234,6 @@ fn speed_missed(shares: &Shares<f64>) -> f64 {
 /// is 400 urad here: a speed without it would drag the motor along behind its reference.
 #[test]
 fn the_speed_is_that_of_the_reference() {
-    let missed = speed_missed(&Shares { kinematic_error: 0.0, ..Shares::ALL });
+    let missed = speed_missed(&CompensationGains { kinematic_error: 0.0, ..CompensationGains::ALL });
     assert!(missed < 10e-6, "{missed}");
 }

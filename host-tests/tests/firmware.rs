@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use strainwave::Angle;
-use strainwave::compensator::{Command as JointCommand, Directions, Input, Sensors, Setpoint, Shares};
+use strainwave::compensator::{
+    Command as JointCommand, CompensationGains, Directions, Input, Sensors, Setpoint,
+};
 use strainwave_app::frame::{INPUT_BYTES, decode_input, encode_input, encode_output};
 use strainwave_app::{JOINT, control_step};
 use strainwave_desktop::joint;
@@ -42,7 +44,7 @@ impl Sequence {
 /// Within a turn of an encoder of 19 bits.
 const TURN: u32 = (1 << 19) - 1;
 
-const SHARES: Shares<f32> = Shares { friction: 0.8, ..Shares::ALL };
+const GAINS: CompensationGains<f32> = CompensationGains { friction: 0.8, ..CompensationGains::ALL };
 
 /// A position that moves at -1 rad/s, and for some time a velocity and a torque.
 fn command(sequence: &mut Sequence, period: u32) -> JointCommand<f32> {
@@ -72,7 +74,7 @@ fn plausible(sequence: &mut Sequence, period: u32) -> Input<f32> {
             output_torque: period.is_multiple_of(5).then(|| 60.0 * sequence.unit()),
         },
         command: command(sequence, period),
-        shares: Directions { forward: SHARES, backward: Shares { friction: 0.6, ..SHARES } },
+        gains: Directions { forward: GAINS, backward: CompensationGains { friction: 0.6, ..GAINS } },
         ..Input::default()
     }
 }
@@ -80,7 +82,7 @@ fn plausible(sequence: &mut Sequence, period: u32) -> Input<f32> {
 /// A joint that stands still, far from where it should be.
 fn out_of_reach() -> Input<f32> {
     let position = Setpoint { position: Angle::from_radians(0.5), ..Setpoint::default() };
-    Input { command: position.into(), shares: SHARES.into(), ..Input::default() }
+    Input { command: position.into(), gains: GAINS.into(), ..Input::default() }
 }
 
 /// Any bits at all, in a valid frame.

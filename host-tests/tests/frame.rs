@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use strainwave::Angle;
 use strainwave::compensator::adapt::parameters::Factors;
 use strainwave::compensator::{
-    Command, Directions, Estimate, EstimateDeviation, Faults, Input, Mode, Output, Sensors, Setpoint, Shares,
-    Status,
+    Command, CompensationGains, Directions, Estimate, EstimateDeviation, Faults, Input, Mode, Output,
+    Sensors, Setpoint, Status,
 };
 use strainwave_app::frame::{
     INPUT_BYTES, OUTPUT_BYTES, decode_input, decode_output, encode_input, encode_output,
@@ -22,7 +22,7 @@ const COMMAND: usize = 12 + 16;
 
 fn input_of(words: [u32; 28], counts: i64, flags: [bool; 2], kind: u8) -> Input<f32> {
     let f = |k: usize| f32::from_bits(words[k]);
-    let shares = |k: usize| Shares {
+    let gains = |k: usize| CompensationGains {
         feedback: f(k),
         inertia: f(k + 1),
         friction: f(k + 2),
@@ -50,7 +50,7 @@ fn input_of(words: [u32; 28], counts: i64, flags: [bool; 2], kind: u8) -> Input<
             1 => Command::Velocity { velocity: f(5), acceleration: f(6) },
             _ => Command::Torque(f(5)),
         },
-        shares: Directions { forward: shares(9), backward: shares(17) },
+        gains: Directions { forward: gains(9), backward: gains(17) },
         elapsed: f(25),
         setpoint_age: f(26),
         status: Status(words[27]),
@@ -97,7 +97,7 @@ fn output_of(words: [u32; 24], counts: [i64; 2]) -> Output<f32> {
 
 /// Every bit of a value, NaN payloads too, as its `Debug` text cannot show them.
 fn input_bits(input: &Input<f32>) -> Vec<u64> {
-    let Input { sensors, command, shares, elapsed, setpoint_age, status } = input;
+    let Input { sensors, command, gains, elapsed, setpoint_age, status } = input;
     let bits = |x: f32| u64::from(x.to_bits());
     let some = |x: Option<u32>| x.map_or(u64::MAX, u64::from);
     let mut all = vec![
@@ -117,8 +117,8 @@ fn input_bits(input: &Input<f32>) -> Vec<u64> {
         Command::Velocity { velocity, acceleration } => all.extend([1, bits(*velocity), bits(*acceleration)]),
         Command::Torque(torque) => all.extend([2, bits(*torque)]),
     }
-    for shares in [&shares.forward, &shares.backward] {
-        let Shares {
+    for gains in [&gains.forward, &gains.backward] {
+        let CompensationGains {
             feedback,
             inertia,
             friction,
@@ -127,7 +127,7 @@ fn input_bits(input: &Input<f32>) -> Vec<u64> {
             output_feedback,
             adaptation,
             ripple,
-        } = *shares;
+        } = *gains;
         all.extend([feedback, inertia, friction, wind_up].map(bits));
         all.extend([kinematic_error, output_feedback, adaptation, ripple].map(bits));
     }

@@ -4,7 +4,9 @@
 use std::f64::consts::TAU;
 
 use strainwave::Angle;
-use strainwave::compensator::estimate::observer::by_turns::{Ends, GearByTurns, Known, Turns};
+use strainwave::compensator::estimate::observer::multi_rate::{
+    Ends, GearCorrection, MultiRate, MultiRateGear,
+};
 use strainwave::compensator::estimate::observer::{Measurement, OutputReading};
 use strainwave::compensator::schedule::OBSERVER_PERIODS;
 use strainwave::compensator::{Faults, JointParams, RealTimeGear};
@@ -57,7 +59,14 @@ fn load_of_a_swinging_motor() -> f64 {
         }
         if k % OBSERVER_PERIODS == 1 {
             let measured = measured(motor, false, 0.5 * (before + held));
-            observer.step(&model, &mut state, &measured, &Known::default(), false, &mut Faults::default());
+            observer.step(
+                &model,
+                &mut state,
+                &measured,
+                &GearCorrection::default(),
+                false,
+                &mut Faults::default(),
+            );
             largest = if k < 2000 { 0.0 } else { largest.max(state.external_torque().abs()) };
         }
         before = held;
@@ -84,10 +93,17 @@ fn estimated_at_rest(off: f64) -> f64 {
     let measured = measured(Motion::default(), true, 0.0);
     let reading = OutputReading { angle: shown.angle, age: 0 };
     for _ in 0..5000 {
-        observer.step(&model, &mut state, &measured, &Known::default(), false, &mut Faults::default());
-        observer.correct_output(&mut state, &reading, &Known::default(), &mut Faults::default());
+        observer.step(
+            &model,
+            &mut state,
+            &measured,
+            &GearCorrection::default(),
+            false,
+            &mut Faults::default(),
+        );
+        observer.correct_output(&mut state, &reading, &GearCorrection::default(), &mut Faults::default());
     }
-    observer.estimate(&state, &Known::default()).output_position.to_radians()
+    observer.estimate(&state, &GearCorrection::default()).output_position.to_radians()
 }
 
 #[test]
@@ -110,7 +126,7 @@ fn ends(model: &RealTimeGear<f64>, speed: f64, torsion: f64, k: u32) -> (Motion<
     (motor, Motion { angle, velocity: drive_rate - rate * phase.cos() })
 }
 
-fn by_turns(
+fn observer_ends(
     model: &RealTimeGear<f64>,
     motor: Motion<f64>,
     flange: Motion<f64>,
@@ -118,7 +134,7 @@ fn by_turns(
     Ends {
         wave_generator: move || motor.angle,
         wave_generator_speed: motor.velocity,
-        ahead: flange.angle.minus(model.ratio().apply(motor.angle)),
+        link_offset: flange.angle.minus(model.ratio().apply(motor.angle)),
         flange_speed: flange.velocity,
     }
 }
@@ -130,12 +146,17 @@ fn a_gear_by_turns_is_the_gear() {
     let rated = joint.gear.rated_torque;
     for (speed, torsion, allowed) in [(0.0, 1.2e-3, 1e-3), (5.0, 1.2e-3, 1e-3), (200.0, 1e-4, 5e-3)] {
         let model = gear(&joint.gear, PERIOD);
-        let turns = Turns::build(model.ratio().value(), PERIOD);
-        let (mut ours, mut theirs) = (GearByTurns::default(), model.rest());
+        let multi_rate = MultiRate::build(model.ratio().value(), PERIOD);
+        let (mut ours, mut theirs) = (MultiRateGear::default(), model.rest());
         ours.start_at(&model, Angle::default());
         for k in 0..10_000 {
             let (motor, flange) = ends(&model, speed, torsion, k);
-            let one = ours.torques(&turns, &model, &by_turns(&model, motor, flange), &Known::default());
+            let one = ours.torques(
+                &multi_rate,
+                &model,
+                &observer_ends(&model, motor, flange),
+                &GearCorrection::default(),
+            );
             let other = model.torques(&mut theirs, &motor, &flange, Applied::default());
             let off = (one.transmitted - other.transmitted).abs() / rated;
             assert!(k < 2 || off < allowed, "{speed} rad/s, period {k}: {off} {one:?} {other:?}");
@@ -158,12 +179,12 @@ fn a_gear_told_to_be_stiffer_is_the_stiffer_gear() {
         let mut stiffer = joint.gear;
         stiffer.flexspline.line.stiffness = stiffer.flexspline.line.stiffness.map(|k| (1.0 + stiffening) * k);
         let [told, true_one] = [&joint.gear, &stiffer].map(|params| gear(params, PERIOD));
-        let turns = Turns::build(told.ratio().value(), PERIOD);
-        let known = Known { stiffening, ..Known::default() };
-        let (mut of_told, mut of_true) = (GearByTurns::default(), true_one.rest());
+        let multi_rate = MultiRate::build(told.ratio().value(), PERIOD);
+        let known = GearCorrection { stiffening, ..GearCorrection::default() };
+        let (mut of_told, mut of_true) = (MultiRateGear::default(), true_one.rest());
         for k in 0..10_000 {
             let (motor, flange) = ends(&told, 0.0, 1.2e-3, k);
-            let ours = of_told.torques(&turns, &told, &by_turns(&told, motor, flange), &known);
+            let ours = of_told.torques(&multi_rate, &told, &observer_ends(&told, motor, flange), &known);
             let theirs = true_one.torques(&mut of_true, &motor, &flange, Applied::default());
             let off = (ours.transmitted - theirs.transmitted).abs() / joint.gear.rated_torque;
             assert!(off < 3e-3, "{off}: {ours:?} {theirs:?}");

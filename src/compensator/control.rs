@@ -1,23 +1,23 @@
-//! The control step: each stage writes its part of the state and reads those of the others.
+//! Control step: each stage writes its part of the state and reads those of the others.
 
 use crate::angle::Angle;
-use crate::compensator::actuate::cascade::{Feedback, Wanted};
+use crate::compensator::actuate::cascade::{CascadeInput, Feedback};
 use crate::compensator::actuate::fallback::Fallback;
 use crate::compensator::actuate::protection::Protection;
 use crate::compensator::adapt::learning::{Learning, Learnt};
 use crate::compensator::adapt::parameters::{Factors, Observed};
-use crate::compensator::estimate::disturbance::{Disturbance, JointNow};
+use crate::compensator::estimate::disturbance::{Disturbance, DisturbanceInput};
 use crate::compensator::estimate::observer::{Measurement, Observer, OutputReading};
-use crate::compensator::reference::command::{Commander, Told};
+use crate::compensator::reference::command::{CommandStatus, Commander};
 use crate::compensator::reference::feed_forward::FeedForward;
-use crate::compensator::reference::motor_reference::Course;
-use crate::compensator::reference::output_feedback::{Deviation, OutputFeedback};
+use crate::compensator::reference::motor_reference::MotorReference;
+use crate::compensator::reference::output_feedback::{OutputError, OutputFeedback};
 use crate::compensator::schedule::{OBSERVER_PERIODS, Slot, SlowSlot};
 use crate::compensator::sense::clock::{Clock, Elapsed};
 use crate::compensator::sense::encoder::{Encoder, Reading};
 use crate::compensator::sense::motor_encoder::MotorEncoder;
 use crate::compensator::sense::motor_torque::MotorTorque;
-use crate::compensator::sense::rotor::{Beside, Rotor};
+use crate::compensator::sense::rotor::{Rotor, RotorInput};
 use crate::compensator::sense::validation::{self, FrozenEncoder, InputGuard};
 use crate::compensator::{
     Commanded, Directions, Faults, Input, Limits, Output, RealTimeGear, Sensors, State, Status,
@@ -72,7 +72,7 @@ pub struct Compensator<R: Real> {
     pub(super) feedback: Feedback<R>,
     pub(super) output_feedback: OutputFeedback<R>,
     pub(super) learning: Learning<R>,
-    /// What it starts from.
+    /// Stored factors and ripple that the state starts from.
     pub(super) learnt: Learnt<R>,
     pub(super) motor_torque: MotorTorque<R>,
     pub(super) rotor: Rotor<R>,
@@ -82,17 +82,17 @@ pub struct Compensator<R: Real> {
     pub(super) dt: R,
     /// Control periods without a reading after which the output encoder is lost.
     pub(super) output_lost: u32,
-    /// From the torques that the observer saw to the plan (s).
+    /// Time from the observer's torques to the plan (s).
     pub(super) behind: R,
 }
 
 impl<R: Real> Compensator<R> {
-    /// What has been learnt of the joint, to be stored.
+    /// Learnt factors and ripple, to be stored.
     pub fn learnt(&self, state: &State<R>) -> Learnt<R> {
         state.learning.learnt()
     }
 
-    /// One control step, and all that is to be known of it: [`Self::control`] and [`Self::output`].
+    /// One control step with all of its outputs: [`Self::control`] and [`Self::output`].
     pub fn step(&self, state: &mut State<R>, input: &Input<R>) -> Output<R> {
         self.control(state, input);
         self.output(state)
@@ -105,12 +105,12 @@ impl<R: Real> Compensator<R> {
         let sensors = self.guard.sensors(&mut state.guard, &input.sensors, &mut faults);
         let elapsed = self.clock.step(input.elapsed, &mut faults);
         let motor = self.read(state, &sensors, input.status, &elapsed, &mut faults);
-        match state.turn {
+        match state.slot {
             Slot::Plan => self.plan(state, input, motor.angle),
-            Slot::Learn => self.learn(state, &input.shares, motor.angle),
+            Slot::Learn => self.learn(state, &input.gains, motor.angle),
             Slot::ObserveOutput => {
-                let age = state.heard.age;
-                let reading = state.heard.output.take().filter(|_| age == 0 || self.observer.looks_back());
+                let age = state.latch.age;
+                let reading = state.latch.output.take().filter(|_| age == 0 || self.observer.looks_back());
                 state.output_reading = reading.map(|raw| (raw, age));
                 self.observe(state, motor.angle, state.output_reading.is_some());
             }
@@ -120,7 +120,7 @@ impl<R: Real> Compensator<R> {
                 self.observe(state, motor.angle, false);
             }
         }
-        state.turn = state.turn.next();
+        state.slot = state.slot.next();
         faults = faults.with(state.faults.all());
         let mut motor_torque = self.drive(state, &motor, elapsed.inverse, &mut faults);
         if !state.mode.stays_active(faults, input.status) {
@@ -131,30 +131,30 @@ impl<R: Real> Compensator<R> {
         Commanded { motor_torque, faults, mode: state.mode.mode() }
     }
 
-    /// What the last step commanded, rested on and accepted. Apart from the control step: who does not look at it
-    /// does not pay for it.
+    /// Command, references and estimates of the last step; separate from the control step, so that callers pay only on
+    /// request.
     #[inline(never)] // The timing budget counts it by its symbol.
     pub fn output(&self, state: &State<R>) -> Output<R> {
-        let [ahead, feed_forward] = state.sent;
+        let [position_error, feed_forward] = state.sent;
         let driven = state.mode.mode().drives();
-        let mut estimate = self.observer.estimate(&state.observer, &state.known);
-        // What has been learnt as gravity acts from outside, too.
+        let mut estimate = self.observer.estimate(&state.observer, &state.gear_correction);
+        // The learnt gravity is an external torque, too.
         let external_torque = estimate.external_torque + state.learning.gravity_torque();
         estimate.external_torque = external_torque.limit(self.limits.output_torque);
         Output {
             motor_torque: state.fallback.torque(),
             feed_forward_torque: if driven { feed_forward.limit(self.limits.motor_torque) } else { R::ZERO },
-            motor_reference: state.motor_encoder.angle().plus(ahead),
+            motor_reference: state.motor_encoder.angle().plus(position_error),
             estimate,
-            observed: !state.turn.observes(),
+            observed: !state.slot.observes(),
             factors: *state.learning.applied(),
             faults: state.reported,
             mode: state.mode.mode(),
         }
     }
 
-    /// The torque in the mode after this step. Where the drive is off, or comes on with this step, none; when it is on
-    /// again the reference begins where the output is.
+    /// Torque in the mode after this step: none where the drive is off or is switched on with this step; then the
+    /// reference begins at the output's angle.
     #[cold]
     #[inline(never)]
     fn change_mode(&self, state: &mut State<R>, faults: &mut Faults, status: Status, torque: R) -> R {
@@ -169,12 +169,12 @@ impl<R: Real> Compensator<R> {
             state.commander = Default::default();
             state.feedback = Default::default();
             state.output_feedback = Default::default();
-            state.course = Default::default();
+            state.motor_reference = Default::default();
         }
         R::ZERO
     }
 
-    /// The sensors' turn: every period.
+    /// Reads the sensors, in every period.
     #[inline(always)]
     fn read(
         &self,
@@ -184,27 +184,27 @@ impl<R: Real> Compensator<R> {
         elapsed: &Elapsed<R>,
         faults: &mut Faults,
     ) -> Reading<R> {
-        let sound = !status.tells(Status::MOTOR_ENCODER_INVALID);
+        let sound = !status.contains(Status::MOTOR_ENCODER_INVALID);
         let (motor, lost) =
             self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder, sound, elapsed);
         faults.raise_if(!motor.accepted, Faults::MOTOR_ENCODER_JUMP);
         faults.raise_if(lost, Faults::MOTOR_ENCODER_LOST);
-        let (commanded, feedback) = (state.fallback.torque(), state.guard.shares().feedback);
-        let heard = &mut state.heard;
-        heard.motor_torque +=
+        let (commanded, feedback) = (state.fallback.torque(), state.guard.gains().feedback);
+        let latch = &mut state.latch;
+        latch.motor_torque +=
             self.motor_torque.step(&mut state.motor_torque, commanded, feedback, sensors.motor_torque);
-        heard.time += elapsed.time;
-        if sensors.output_encoder.is_some() && !status.tells(Status::OUTPUT_ENCODER_INVALID) {
-            (heard.output, heard.age) = (sensors.output_encoder, 0);
+        latch.time += elapsed.time;
+        if sensors.output_encoder.is_some() && !status.contains(Status::OUTPUT_ENCODER_INVALID) {
+            (latch.output, latch.age) = (sensors.output_encoder, 0);
         } else {
-            heard.age = heard.age.saturating_add(1);
+            latch.age = latch.age.saturating_add(1);
         }
         if sensors.output_torque.is_some() {
-            heard.output_torque = sensors.output_torque;
+            latch.output_torque = sensors.output_torque;
             state.gauge = sensors.output_torque;
         }
-        state.course.advance(state.wind_up.velocity, elapsed.time);
-        state.course.ahead -= motor.moved;
+        state.motor_reference.advance(state.wind_up.velocity, elapsed.time);
+        state.motor_reference.position_error -= motor.moved;
         motor
     }
 
@@ -212,26 +212,26 @@ impl<R: Real> Compensator<R> {
     #[inline(never)] // The timing budget counts this slot by its symbol.
     fn observe(&self, state: &mut State<R>, motor: Angle<R>, reads_output: bool) {
         let mut faults = Faults::NONE;
-        state.rotor.torques += state.heard.motor_torque;
-        state.rotor.time += state.heard.time;
-        let gauge = state.heard.output_torque.take();
+        state.rotor.torques += state.latch.motor_torque;
+        state.rotor.time += state.latch.time;
+        let gauge = state.latch.output_torque.take();
         let measured = Measurement {
             motor,
             reads_output,
-            period: state.heard.time,
-            motor_torque: R::lit(1.0 / OBSERVER_PERIODS as f64) * state.heard.motor_torque,
-            output_torque: gauge.filter(|_| !state.off.contains(Faults::TORQUE_SENSOR_OFF)),
+            period: state.latch.time,
+            motor_torque: R::lit(1.0 / OBSERVER_PERIODS as f64) * state.latch.motor_torque,
+            output_torque: gauge.filter(|_| !state.disabled_sensors.contains(Faults::TORQUE_SENSOR_OFF)),
         };
-        (state.heard.motor_torque, state.heard.time) = (R::ZERO, R::ZERO);
+        (state.latch.motor_torque, state.latch.time) = (R::ZERO, R::ZERO);
         self.observer.step(
             &self.gear,
             &mut state.observer,
             &measured,
-            &state.known,
-            state.course.rests,
+            &state.gear_correction,
+            state.motor_reference.rests,
             &mut faults,
         );
-        state.known.load += state.load_rate;
+        state.gear_correction.load += state.load_rate;
         self.disturbance.step_fast(&mut state.disturbance, state.observer.external_torque());
         state.wind_up = self.disturbance.wind_up(&state.disturbance);
         state.faults.observer = faults;
@@ -253,178 +253,182 @@ impl<R: Real> Compensator<R> {
             state.output_zero = then.map(|then| angle.less(then));
         }
         let unsound = Faults::OUTPUT_ENCODER_FROZEN.with(Faults::OUTPUT_ENCODER_OFF);
-        let frozen = state.faults.standstill.with(state.off).intersects(unsound);
+        let frozen = state.faults.standstill.with(state.disabled_sensors).intersects(unsound);
         if let Some(zero) = state.output_zero.filter(|_| accepted && !frozen) {
             let reading = OutputReading { angle: angle.less(zero), age };
-            self.observer.correct_output(&mut state.observer, &reading, &state.known, faults);
+            self.observer.correct_output(&mut state.observer, &reading, &state.gear_correction, faults);
         }
     }
 
-    /// The feed-forward's turn.
+    /// The feed-forward's slot.
     #[inline(never)] // The timing budget counts this slot by its symbol.
     fn plan(&self, state: &mut State<R>, input: &Input<R>, motor: Angle<R>) {
         let mut faults = Faults::NONE;
         let command = self.guard.command(&mut state.guard, &input.command, &mut faults);
-        let told = Told { age: input.setpoint_age, readable: !faults.contains(Faults::INPUT_NOT_FINITE) };
-        let now = || self.observer.estimate(&state.observer, &state.known);
-        let followed = self.commander.step(&mut state.commander, &command, told, now, &mut faults);
+        let status =
+            CommandStatus { age: input.setpoint_age, readable: !faults.contains(Faults::INPUT_NOT_FINITE) };
+        let now = || self.observer.estimate(&state.observer, &state.gear_correction);
+        let target = self.commander.step(&mut state.commander, &command, status, now, &mut faults);
         state.faults.plan = faults;
-        let setpoint = &followed.setpoint;
-        let shares = state.guard.shares();
+        let setpoint = &target.setpoint;
+        let gains = state.guard.gains();
         let rests = setpoint.velocity == R::ZERO;
-        let load = self.disturbance.followed(&state.disturbance);
-        let correction = self.learning.correction(&state.learning, load, shares);
+        let load = self.disturbance.compensated_load(&state.disturbance);
+        let correction = self.learning.correction(&state.learning, load, gains);
         let demand =
-            self.feed_forward.step(&self.gear, &mut state.feed_forward, setpoint, shares, &correction);
-        let ahead = demand.motor.angle.minus(motor);
-        // What was seen a period ago moves on. Its speed is that of the middle of the observer's period.
+            self.feed_forward.step(&self.gear, &mut state.feed_forward, setpoint, gains, &correction);
+        let position_error = demand.motor.angle.minus(motor);
+        // Extrapolates the estimate of a period ago. Its speed is that of the middle of the observer's period.
         let speed_behind = R::lit(1.0 + 0.5 * OBSERVER_PERIODS as f64) * self.dt;
         let velocity = state.observer.output_velocity() + speed_behind * setpoint.acceleration;
-        let position =
-            demand.ahead + self.observer.output_beside(&state.observer, &state.known, ahead, self.dt);
+        let position = demand.link_offset
+            + self.observer.output_offset(&state.observer, &state.gear_correction, position_error, self.dt);
         let measured =
             self.observer.output_innovation(&state.observer).map(|innovation| position + innovation);
-        let deviation = Deviation {
+        let error = OutputError {
             position,
             velocity: velocity - setpoint.velocity,
-            asked_velocity: setpoint.velocity,
+            setpoint_velocity: setpoint.velocity,
             torque: self.observer.transmitted(&state.observer)
                 - state.observer.output_friction()
                 - (demand.accelerating - self.behind * demand.accelerating_rate)
                 + load,
             measured,
         };
-        let shift = self.output_feedback.step(&mut state.output_feedback, &deviation);
-        let share = shares.output_feedback * R::from_i32(self.gear.ratio().n());
-        if followed.switched {
+        let shift = self.output_feedback.step(&mut state.output_feedback, &error);
+        let gain = gains.output_feedback * R::from_i32(self.gear.ratio().n());
+        if target.switched {
             seldom();
             self.fallback.begin_ramp(&mut state.fallback);
         }
-        state.course = Course {
-            ahead: ahead + share * shift.angle,
-            velocity: demand.motor.velocity + share * shift.rate,
+        state.motor_reference = MotorReference {
+            position_error: position_error + gain * shift.angle,
+            velocity: demand.motor.velocity + gain * shift.rate,
             acceleration: demand.acceleration,
             jerk: demand.jerk,
-            known: shares.wind_up,
+            acceleration_gain: gains.wind_up,
             torque: demand.torque,
             torque_rate: demand.torque_rate,
             transmission: demand.transmission,
-            wound: demand.wound,
-            output_torque: followed.torque,
-            rests: rests && followed.torque.is_none(),
-            switched: followed.switched,
+            wind_up_compliance: demand.wind_up_compliance,
+            output_torque: target.torque,
+            rests: rests && target.torque.is_none(),
+            switched: target.switched,
             planned: true,
-            closed: followed.torque.is_none(),
+            closed: target.torque.is_none(),
         };
         self.learning.follow(&mut state.learning, &demand.excitation, measured);
     }
 
-    /// The slot of the slow disturbance estimate and of what is learnt.
+    /// The slot of the slow disturbance estimate and of the adaptation.
     #[inline(always)]
-    fn learn(&self, state: &mut State<R>, shares: &Directions<R>, motor: Angle<R>) {
-        let joint = JointNow {
-            motor_torque: state.course.torque,
+    fn learn(&self, state: &mut State<R>, gains: &Directions<R>, motor: Angle<R>) {
+        let joint = DisturbanceInput {
+            motor_torque: state.motor_reference.torque,
             rests: state.commander.velocity() == R::ZERO,
-            compliance: state.course.wound,
-            gain: state.guard.shares().wind_up,
+            compliance: state.motor_reference.wind_up_compliance,
+            gain: state.guard.gains().wind_up,
         };
         let external_torque = state.observer.external_torque();
         self.disturbance.step_slow(&mut state.disturbance, external_torque, &joint);
         if state.learns() {
             self.learning.learn_ripple(&mut state.learning);
         }
-        (state.known, state.load_rate) = self.learning.known(&state.learning, state.guard.shares());
+        (state.gear_correction, state.load_rate) =
+            self.learning.gear_correction(&state.learning, state.guard.gains());
         let trusted = state.fallback.trusted();
-        let mut arrived = true;
+        let mut settled = true;
         let falls_back = !trusted && !self.guard.model_is_off(&state.guard);
-        match if falls_back { SlowSlot::Lead } else { state.slow } {
+        match if falls_back { SlowSlot::RampGains } else { state.slow } {
             SlowSlot::Adapt => self.adapt(state),
-            SlowSlot::Deviate => {
+            SlowSlot::StandardDeviations => {
                 self.shape(state);
-                self.observer.deviate(&mut state.observer);
+                self.observer.step_standard_deviations(&mut state.observer);
                 if state.learns() {
                     let external_torque = state.observer.external_torque();
                     self.learning.learn_gravity(&mut state.learning, external_torque);
                 }
                 self.notice_standstill(state, motor);
-                arrived = self.guard.shares_have_arrived(&state.guard, shares, trusted);
-                state.faults.shares = Faults::NONE;
+                settled = self.guard.gains_have_settled(&state.guard, gains, trusted);
+                state.faults.gains = Faults::NONE;
             }
-            SlowSlot::Lead => {
-                let course = validation::Course { velocity: state.commander.velocity(), trusted };
+            SlowSlot::RampGains => {
+                let motion = validation::CommandedMotion { velocity: state.commander.velocity(), trusted };
                 let mut faults = Faults::NONE;
-                self.guard.lead(&mut state.guard, shares, course, &mut faults);
-                state.faults.shares = faults;
+                self.guard.ramp_gains(&mut state.guard, gains, motion, &mut faults);
+                state.faults.gains = faults;
             }
         }
-        state.slow = state.slow.next(arrived);
+        state.slow = state.slow.next(settled);
         state.faults.collect();
     }
 
     /// The slot of the feed-forward's models.
     #[inline(always)]
     fn model(&self, state: &mut State<R>, motor: Angle<R>) {
-        let reference = state.course.reference(motor);
+        let reference = state.motor_reference.reference(motor);
         let factors = state.learning.applied();
-        self.feed_forward.remember(&self.gear, &mut state.feed_forward, reference, factors);
-        let (position, shares) = (state.commander.position(), state.guard.shares());
-        self.learning.turn_to(&mut state.learning, reference, position, shares);
+        self.feed_forward.step_models(&self.gear, &mut state.feed_forward, reference, factors);
+        let (position, gains) = (state.commander.position(), state.guard.gains());
+        self.learning.step_models(&mut state.learning, reference, position, gains);
     }
 
-    /// Compares what the rotor shows with all that it should be.
+    /// Compares the balance of the rotor with its reference, the drive and the sensors at the output.
     #[inline(always)]
     fn check(&self, state: &mut State<R>) {
         let mut faults = Faults::NONE;
         self.output_feedback.integrate(&mut state.output_feedback, !state.limited);
         self.read_output(state, &mut faults);
-        let course = &state.course;
-        // Where the share of the feedback is not all of it, somebody else moves the motor.
-        let controlled = course.planned && course.output_torque.is_none();
-        let driven = state.mode.mode().drives() && state.guard.shares().feedback == R::ONE;
-        let beside = Beside {
+        let reference = &state.motor_reference;
+        // With a feedback gain below 1 another controller moves the motor.
+        let controlled = reference.planned && reference.output_torque.is_none();
+        let driven = state.mode.mode().drives() && state.guard.gains().feedback == R::ONE;
+        let input = RotorInput {
             motor: state.observer.motor(),
             commanded: state.fallback.torque(),
-            off: state.motor_torque.off(),
-            course: controlled.then_some([course.ahead, course.velocity]),
+            drive_error: state.motor_torque.drive_error(),
+            reference: controlled.then_some([reference.position_error, reference.velocity]),
             driven,
         };
-        self.rotor.step(&mut state.rotor, &beside, &mut faults);
+        self.rotor.step(&mut state.rotor, &input, &mut faults);
         let [torque, rate, friction] = state.rotor.gear();
         self.protection.follow(&mut state.protection, torque, rate, friction);
         if state.output_zero.is_some() {
             if let Some(innovation) = self.observer.output_innovation(&state.observer) {
                 let torsion = state.observer.torsion() - innovation;
-                state.off = state.off.with(self.rotor.torsion_disagrees(&mut state.rotor, torsion));
+                state.disabled_sensors =
+                    state.disabled_sensors.with(self.rotor.torsion_disagrees(&mut state.rotor, torsion));
             }
-            faults.raise_if(state.heard.age > self.output_lost, Faults::OUTPUT_ENCODER_LOST);
+            faults.raise_if(state.latch.age > self.output_lost, Faults::OUTPUT_ENCODER_LOST);
         }
         if let Some(gauge) = state.gauge {
-            state.off = state.off.with(self.rotor.gauge_disagrees(&mut state.rotor, gauge));
+            state.disabled_sensors =
+                state.disabled_sensors.with(self.rotor.gauge_disagrees(&mut state.rotor, gauge));
         }
-        state.faults.rotor = faults.with(state.off);
+        state.faults.rotor = faults.with(state.disabled_sensors);
         state.faults.collect();
     }
 
-    /// Raises the faults of encoders that stand still while the motor is asked to move. A joint that is held against
-    /// its load by a brake is noticed by it too: what the output feedback asks is a motion.
+    /// Raises the faults of encoders that stand still while a motion is commanded. A joint that a brake holds against
+    /// its load is detected too: the shift of the output feedback is a commanded motion.
     #[inline(always)]
     fn notice_standstill(&self, state: &mut State<R>, motor: Angle<R>) {
         let mut faults = Faults::NONE;
-        let asked = state.course.asked();
+        let velocity = state.motor_reference.commanded_velocity();
         let stood_still = motor == state.last_motor;
         state.last_motor = motor;
-        let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, asked);
+        let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, velocity);
         faults.raise_if(frozen && state.mode.mode().drives(), Faults::MOTOR_ENCODER_FROZEN);
         if let Some(raw) = state.output_raw.take() {
             let stood_still = state.last_output.replace(raw) == Some(raw);
-            self.frozen_output.step(&mut state.frozen_output_path, stood_still, asked);
+            self.frozen_output.step(&mut state.frozen_output_path, stood_still, velocity);
         }
         faults
             .raise_if(self.frozen_output.is_frozen(state.frozen_output_path), Faults::OUTPUT_ENCODER_FROZEN);
         state.faults.standstill = faults;
     }
 
-    /// The factors' turn.
+    /// The factors' slot.
     #[inline(always)]
     fn adapt(&self, state: &mut State<R>) {
         let observed = Observed {
@@ -433,62 +437,62 @@ impl<R: Real> Compensator<R> {
             output_innovation: self.observer.moving_output_innovation(&state.observer),
             stiffness_torque: state.observer.stiffness_torque(),
         };
-        let shares = state.guard.shares();
+        let gains = state.guard.gains();
         let learns = state.learns();
         let presliding = self.feed_forward.presliding(&self.gear, &state.feed_forward);
-        self.learning.adapt(&mut state.learning, presliding, &observed, shares, learns);
+        self.learning.adapt(&mut state.learning, presliding, &observed, gains, learns);
         state.sound = true;
     }
 
-    /// Gives the friction's presliding what has been learnt of it.
+    /// Sets the learnt shape and stiffness of the friction's presliding.
     #[inline(always)]
     fn shape(&self, state: &mut State<R>) {
-        let Factors { presliding: share, presliding_stiffness, .. } = *state.learning.applied();
+        let Factors { presliding, presliding_stiffness, .. } = *state.learning.applied();
         let stiffening = presliding_stiffness - R::ONE;
-        self.feed_forward.shape(&self.gear, &mut state.feed_forward, share, stiffening);
-        self.observer.shape(&self.gear, &mut state.observer, share, stiffening);
+        self.feed_forward.shape(&self.gear, &mut state.feed_forward, presliding, stiffening);
+        self.observer.shape(&self.gear, &mut state.observer, presliding, stiffening);
     }
 
-    /// The cascade's turn: every period. Answers with the torque that is commanded.
+    /// Torque command of the cascade, in every period.
     #[inline(always)]
     fn drive(&self, state: &mut State<R>, motor: &Reading<R>, inverse_elapsed: R, faults: &mut Faults) -> R {
-        let (course, wind_up) = (&state.course, &state.wind_up);
-        let wanted = Wanted {
-            ahead: course.ahead,
-            velocity: course.velocity + wind_up.velocity,
-            acceleration: course.known * course.acceleration + wind_up.acceleration,
+        let (reference, wind_up) = (&state.motor_reference, &state.wind_up);
+        let input = CascadeInput {
+            position_error: reference.position_error,
+            velocity: reference.velocity + wind_up.velocity,
+            acceleration: reference.acceleration_gain * reference.acceleration + wind_up.acceleration,
         };
-        let held = state.limited || !course.closed;
-        let feedback = self.feedback.step(&mut state.feedback, motor.moved * inverse_elapsed, &wanted, held)
+        let held = state.limited || !reference.closed;
+        let feedback = self.feedback.step(&mut state.feedback, motor.moved * inverse_elapsed, &input, held)
             + wind_up.torque;
-        let closed = if course.closed {
-            state.guard.shares().feedback * self.taken_over(state, feedback)
+        let closed = if reference.closed {
+            state.guard.gains().feedback * self.taken_over(state, feedback)
         } else {
             seldom();
-            let torque = course.transmission * course.output_torque.unwrap_or_default();
-            state.course.switched = false;
+            let torque = reference.transmission * reference.output_torque.unwrap_or_default();
+            state.motor_reference.switched = false;
             torque
         };
-        let torque = self.command(state, state.course.torque + closed, faults);
-        state.sent = [state.course.ahead, state.course.torque];
+        let torque = self.command(state, state.motor_reference.torque + closed, faults);
+        state.sent = [state.motor_reference.position_error, state.motor_reference.torque];
         torque
     }
 
     /// The feedback, which goes on from the torque (N m) so far when it was switched to.
     fn taken_over(&self, state: &mut State<R>, feedback: R) -> R {
-        if !state.course.switched {
+        if !state.motor_reference.switched {
             return feedback;
         }
         seldom();
-        state.course.switched = false;
-        let left = state.fallback.torque() - state.course.torque - feedback;
-        feedback + self.feedback.take_over(&mut state.feedback, left)
+        state.motor_reference.switched = false;
+        let difference = state.fallback.torque() - state.motor_reference.torque - feedback;
+        feedback + self.feedback.take_over(&mut state.feedback, difference)
     }
 
-    /// The torque that is commanded: never more than the motor's peak, nor than the gear bears.
-    fn command(&self, state: &mut State<R>, wanted: R, faults: &mut Faults) -> R {
-        let limited = wanted.limit(self.limits.motor_torque);
-        faults.raise_if(limited != wanted, Faults::TORQUE_LIMITED);
+    /// The torque command: `target` (N m) limited to the motor's peak torque and to the gear's rating.
+    fn command(&self, state: &mut State<R>, target: R, faults: &mut Faults) -> R {
+        let limited = target.limit(self.limits.motor_torque);
+        faults.raise_if(limited != target, Faults::TORQUE_LIMITED);
         let ramped = self.fallback.step(&mut state.fallback, limited, *faults);
         let torque = self.protection.limit(&state.protection, ramped).limit(self.limits.motor_torque);
         if torque != ramped {
@@ -497,7 +501,7 @@ impl<R: Real> Compensator<R> {
             state.fallback.sent(torque);
         }
         // The feedback's integral must not run while its torque does not reach the motor.
-        state.limited = torque != wanted;
+        state.limited = torque != target;
         torque
     }
 }

@@ -1,4 +1,4 @@
-//! What can be wrong at a joint, by name.
+//! Faults of a joint, by name.
 
 /// A set of named faults, one bit each.
 ///
@@ -29,18 +29,18 @@ faults! {
     0 INPUT_NOT_FINITE "input not finite": "A sensor or setpoint was NaN or infinite; its last finite value was held.";
     1 SETPOINT_LIMITED "setpoint limited": "A derivative of the setpoint was beyond what the joint can do; it was limited.";
     2 MOTOR_ENCODER_JUMP "motor encoder jump": "The motor encoder moved farther than the motor can, or its count has too many bits.";
-    3 MOTOR_ENCODER_FROZEN "motor encoder frozen": "The motor encoder stood still while the motor was asked to move: frozen, or the joint is blocked. It stays until the encoder moves.";
+    3 MOTOR_ENCODER_FROZEN "motor encoder frozen": "The motor encoder stood still while a motion of the motor was commanded: frozen, or the joint is blocked. It stays until the encoder moves.";
     4 OUTPUT_ENCODER_JUMP "output encoder jump": "The output encoder moved farther than the output can, or its count has too many bits.";
     5 TORQUE_LIMITED "torque limited": "The torque command was beyond the motor's peak torque; it was limited.";
     6 OBSERVER_RESET "observer reset": "The observer's torsion left the range of the gear; it starts again from the motor's angle.";
     7 ESTIMATE_LIMITED "estimate limited": "An estimate was beyond what the joint can do; it was limited.";
-    8 TORSION_BEYOND_RANGE "torsion beyond range": "The observed torsion or its rate asks for more torque than the gear can carry; the model's torque ends there.";
+    8 TORSION_BEYOND_RANGE "torsion beyond range": "The observed torsion or its rate requires more torque than the gear can transmit; the model's torque saturates there.";
     9 SETPOINT_STEP "setpoint step": "The position moved farther from one reading of the command to the next than the output can.";
-    10 OUTPUT_ENCODER_FROZEN "output encoder frozen": "The output encoder stood still while the motor was asked to move; it is ignored until it moves.";
+    10 OUTPUT_ENCODER_FROZEN "output encoder frozen": "The output encoder stood still while a motion of the motor was commanded; it is ignored until it moves.";
     11 PERIOD_OUT_OF_RANGE "period out of range": "The time since the last step was shorter than a quarter of the control period or longer than 16: the control stood still.";
     12 MOTOR_ENCODER_LOST "motor encoder lost": "The motor encoder was refused for so long that the motor's angle is no longer known.";
-    13 GEAR_OVERLOAD "gear overload": "The rotor's motion under its torque shows more torque through the gear than it can carry: an overload, or torque and motion that disagree in sign or size.";
-    14 DRIVE_NOT_FOLLOWING "drive not following": "The motor's torque as measured stays off what was commanded.";
+    13 GEAR_OVERLOAD "gear overload": "The rotor's motion under its torque shows more torque through the gear than it can transmit: an overload, or torque and motion that disagree in sign or size.";
+    14 DRIVE_NOT_FOLLOWING "drive not following": "The motor's measured torque does not follow the command.";
     15 OVERSPEED "overspeed": "The motor is faster than its speed limit.";
     16 FOLLOWING_ERROR "following error": "The motor is farther from its reference than its torque explains.";
     17 SETPOINT_STALE "setpoint stale": "The setpoint has not been renewed for too long; the joint brakes to rest.";
@@ -91,7 +91,7 @@ impl Faults {
         Self(self.0 | other.0)
     }
 
-    /// Those that are in `others` too.
+    /// The intersection with `others`.
     #[inline(always)]
     #[must_use]
     pub const fn among(self, others: Self) -> Self {

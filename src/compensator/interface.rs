@@ -1,7 +1,7 @@
-//! What goes into the compensator in each step, and what comes out of it.
+//! Inputs and outputs of the control step.
 //!
-//! What goes in may be any bits: [`super::sense::validation`] makes it finite and bounded. What comes out is. Units: rad, rad/s,
-//! N m; signs as in [`crate::gear`].
+//! Inputs may be any bits: [`super::sense::validation`] makes them finite and bounded. Outputs always are. Units: rad,
+//! rad/s, N m; signs as in [`crate::gear`].
 
 use crate::angle::Angle;
 use crate::compensator::actuate::mode::Mode;
@@ -9,12 +9,12 @@ use crate::compensator::adapt::parameters::Factors;
 use crate::compensator::{Command, Directions, Faults};
 use crate::real::Real;
 
-/// What the joint's sensors report to one step.
+/// Sensor readings of one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensors<R> {
-    /// Motor (wave-generator) encoder, raw count within the turn.
+    /// Motor (wave-generator) encoder, raw count within the revolution.
     pub motor_encoder: u32,
-    /// Output (flexspline) encoder, raw count within the turn.
+    /// Output (flexspline) encoder, raw count within the revolution.
     pub output_encoder: Option<u32>,
     /// Torque of the motor at its shaft (N m).
     pub motor_torque: R,
@@ -22,7 +22,7 @@ pub struct Sensors<R> {
     pub output_torque: Option<R>,
 }
 
-/// Where the output should be, with the derivatives that the feed-forward uses.
+/// Setpoint of the output, with the derivatives that the feed-forward uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Setpoint<R> {
     /// Output angle.
@@ -37,9 +37,9 @@ pub struct Setpoint<R> {
     pub snap: R,
 }
 
-/// How much of each correction is applied, 0..=1; changed at run time without a step in the output.
+/// Gains of the compensation functions, 0..=1 each; changed at run time without a step in the output.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Shares<R> {
+pub struct CompensationGains<R> {
     /// The cascaded feedback.
     pub feedback: R,
     /// Inertia of motor and load.
@@ -50,16 +50,16 @@ pub struct Shares<R> {
     pub wind_up: R,
     /// Kinematic error.
     pub kinematic_error: R,
-    /// Output feedback: the torsional vibration's damping.
+    /// Output feedback: damping of the torsional vibration.
     pub output_feedback: R,
-    /// Factors that have been learnt; 0 also stops the learning.
+    /// Learnt factors; 0 also stops the learning.
     pub adaptation: R,
-    /// Ripple that has been learnt; 0 also stops the learning.
+    /// Learnt ripple; 0 also stops the learning.
     pub ripple: R,
 }
 
-impl<R: Real> Shares<R> {
-    /// Everything on.
+impl<R: Real> CompensationGains<R> {
+    /// All gains 1.
     pub const ALL: Self = Self {
         feedback: R::ONE,
         inertia: R::ONE,
@@ -72,31 +72,32 @@ impl<R: Real> Shares<R> {
     };
 }
 
-/// What one step reads.
+/// Input of one control step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Input<R> {
     /// The joint's sensors.
     pub sensors: Sensors<R>,
-    /// The outer controller's wish: read once a round ([`crate::compensator::schedule::SLOW_PERIODS`] control periods).
+    /// Command of the outer controller, read once a round ([`crate::compensator::schedule::SLOW_PERIODS`] control
+    /// periods).
     pub command: Command<R>,
-    /// What is switched on, for either direction of the output.
-    pub shares: Directions<R>,
+    /// Gains of the compensation functions, for either direction of the output.
+    pub gains: Directions<R>,
     /// Time since the sensors of the last step were read (s); 0 where it is not measured: then one control period.
     pub elapsed: R,
-    /// Age of the command (s); 0 where it is fresh or nobody knows.
+    /// Age of the command (s); 0 where it is fresh or unknown.
     pub setpoint_age: R,
-    /// What the board knows of this reading.
+    /// Status of this reading, from the board.
     pub status: Status,
 }
 
-/// What the board itself knows of a reading, one bit each.
+/// Status of a reading as the board reports it, one bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Status(pub u32);
 
 impl Status {
-    /// Nothing to tell: all is well, and the drive is on.
+    /// No condition: readings are valid and the drive is on.
     pub const FINE: Self = Self(0);
-    /// The motor encoder's frame had a wrong check sum, or its status bits say so: its count is refused.
+    /// The motor encoder's frame had a wrong check sum or an error bit: its count is refused.
     pub const MOTOR_ENCODER_INVALID: Self = Self(1);
     /// The same of the output encoder.
     pub const OUTPUT_ENCODER_INVALID: Self = Self(1 << 1);
@@ -107,9 +108,9 @@ impl Status {
     /// The drive is kept off from outside, a brake may hold the motor: the joint is watched, not moved.
     pub const DRIVE_OFF: Self = Self(1 << 4);
 
-    /// All of `other` is told.
+    /// All of `other` is set.
     #[inline(always)]
-    pub const fn tells(self, other: Self) -> bool {
+    pub const fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }
 
@@ -120,7 +121,7 @@ impl Status {
     }
 }
 
-/// What the observer estimates: motion and external torque at the end of its period, torsion and torques at its
+/// Estimates of the observer: motion and external torque at the end of its period, torsion and torques at its
 /// beginning ([`crate::compensator::schedule::OBSERVER_PERIODS`] control periods before).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimate<R> {
@@ -138,7 +139,7 @@ pub struct Estimate<R> {
     pub output_friction: R,
     /// External torque on the flexspline (N m).
     pub external_torque: R,
-    /// How far off they may be.
+    /// Their standard deviations.
     pub deviation: EstimateDeviation<R>,
 }
 
@@ -161,33 +162,33 @@ pub struct EstimateDeviation<R> {
     pub external_torque: R,
 }
 
-/// What one step commands: finite and bounded for any input bits.
+/// Command of one step: finite and bounded for any input bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Commanded<R> {
     /// Torque command to the motor (N m).
     pub motor_torque: R,
-    /// What is wrong, by name.
+    /// Faults of the step.
     pub faults: Faults,
     /// Whether the drive may be on.
     pub mode: Mode,
 }
 
-/// The same with what it rested on: finite and bounded for any input bits.
+/// Command, references and estimates of one step: finite and bounded for any input bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Output<R: Real> {
     /// Torque command to the motor (N m).
     pub motor_torque: R,
-    /// The part of it that is feed-forward (N m).
+    /// Feed-forward part of it (N m).
     pub feed_forward_torque: R,
-    /// Where the motor should be.
+    /// Reference angle of the motor.
     pub motor_reference: Angle<R>,
-    /// The observer's estimates, from its last turn.
+    /// Estimates of the observer's last slot.
     pub estimate: Estimate<R>,
-    /// The observer's turn was in this step.
+    /// This step was a slot of the observer.
     pub observed: bool,
-    /// What has been learnt of the joint, as far as it is applied.
+    /// Learnt factors of the joint as applied, times the adaptation's gain.
     pub factors: Factors<R>,
-    /// What is wrong, by name.
+    /// Faults of the step.
     pub faults: Faults,
     /// Whether the drive may be on.
     pub mode: Mode,

@@ -1,7 +1,7 @@
 //! Parameters of a joint's compensator, checked and built.
 //!
-//! Each part checks its own. What they have in common is settled here: which period each of them runs with
-//! ([`crate::compensator::schedule`]), and how far the encoders may move from one reading that is looked at to the next.
+//! Each part checks its own. Common to them, and set here: the period that each of them runs with
+//! ([`crate::compensator::schedule`]), and the largest motion of the encoders between two evaluated readings.
 
 use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::fallback::Fallback;
@@ -32,11 +32,11 @@ pub struct JointParams<R: Real> {
     pub dt: R,
     /// The gear.
     pub gear: GearParams<R>,
-    /// Resolution of the motor encoder, 2^bits counts a turn.
+    /// Resolution of the motor encoder, 2^bits counts a revolution.
     pub motor_encoder_bits: u32,
-    /// Resolution of the output encoder, 2^bits counts a turn.
+    /// Resolution of the output encoder, 2^bits counts a revolution.
     pub output_encoder_bits: u32,
-    /// What the joint can do.
+    /// Limits of motor and gear.
     pub limits: Limits<R>,
     /// The observer's gains.
     pub observer: ObserverParams<R>,
@@ -48,12 +48,12 @@ pub struct JointParams<R: Real> {
     pub output_feedback: [OutputFeedbackParams<R>; 2],
     /// Adaptation and ripple.
     pub learning: LearningParams<R>,
-    /// What has been learnt of the joint before.
+    /// Learnt factors and ripple to start from.
     pub learnt: Learnt<R>,
 }
 
 impl<R: Real> JointParams<R> {
-    /// Checks every parameter once and precomputes all that the step needs.
+    /// Checks every parameter once and precomputes the constants of the step.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the first parameter that is out of its range.
@@ -64,8 +64,8 @@ impl<R: Real> JointParams<R> {
         let (limits, n) = (&self.limits, self.gear.ratio);
         let [observed, round] =
             [OBSERVER_PERIODS, SLOW_PERIODS].map(|periods| R::from_i32(periods as i32) * self.dt);
-        // Periods between readings of the output encoder that the observer sees, and that its standstill is looked
-        // for in.
+        // Periods between readings of the output encoder that the observer uses, and that the test for a frozen encoder
+        // uses.
         let [readings, looks] = [SLOW_PERIODS, 2 * SLOW_PERIODS]
             .map(|least| R::from_i32(self.observer.output_encoder_period.max(least) as i32));
         Ok(Compensator {

@@ -1,4 +1,4 @@
-//! What a joint can do: the bounds of every output.
+//! Limits of a joint: the bounds of every output.
 
 use crate::error::{Error, require};
 use crate::real::Real;
@@ -26,8 +26,8 @@ impl<R: Real> Limits<R> {
         require(positive(self.output_torque), "output_torque")
     }
 
-    /// Fastest speed of a setpoint of the output behind a ratio 1/n (rad/s): a twentieth is left for what a joint
-    /// overshoots by, before it is too fast.
+    /// Fastest speed of a setpoint of the output behind a ratio 1/n (rad/s): 95 % of the output's fastest speed, a
+    /// margin for overshoot.
     pub fn setpoint_speed(&self, n: i32) -> R {
         R::lit(0.95) * self.output_speed(n)
     }

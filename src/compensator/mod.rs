@@ -1,27 +1,27 @@
-//! What runs on the joint controller, once every 0.1 ms.
+//! The compensator: the control step of the joint controller, run once every 0.1 ms.
 //!
 //! ```text
 //! sense -> estimate -> reference -> adapt -> actuate -> torque command
 //! ```
 //!
-//! | room | what is in it |
+//! | module | contents |
 //! | --- | --- |
-//! | [`sense`] | validation of the inputs, encoders, motor torque, what the rotor shows |
+//! | [`sense`] | validation of the inputs, encoders, motor torque, balance of the rotor |
 //! | [`estimate`] | observer, external load |
 //! | [`mod@reference`] | command, feed-forward, motor reference, output feedback |
 //! | [`adapt`] | parameter factors, ripple |
 //! | [`actuate`] | cascade, fallback, mode, protection of the gear |
-//! | `control`, [`schedule`] | the step, and what runs in which control period |
+//! | `control`, [`schedule`] | the step, and the multi-rate schedule of its stages |
 //!
-//! The model runs by a multi-rate [`schedule`], so that no control period bears the whole of it. From one plan of the feed-forward
-//! to the next the motor goes on by the acceleration and jerk that were planned: what it is sent to is smooth to the
-//! third order. All that is compared in every period is kept relative to the motor's encoder: small numbers, that an
-//! f32 holds.
+//! The model runs by a multi-rate [`schedule`], so that no control period takes the time of the whole of it. From one
+//! plan of the feed-forward to the next the motor reference is extrapolated by the planned acceleration and jerk: it is
+//! smooth to the third order. Angles that are compared in every period are kept relative to the motor's encoder: small
+//! numbers, which an f32 resolves.
 //!
 //! In the examples `JOINT` is a [`JointParams`], as it is generated from a gear file: `examples/joint/hd25_100.rs`.
 //!
-//! [`Compensator::control`] is total: for any input bits every output is finite and bounded, and what is wrong is
-//! reported as [`Faults`] by name. Units: rad, rad/s, N m; signs as in [`crate::gear`].
+//! [`Compensator::control`] is total: for any input bits every output is finite and bounded, and faults are reported
+//! as [`Faults`] by name. Units: rad, rad/s, N m; signs as in [`crate::gear`].
 
 pub mod actuate;
 pub mod adapt;
@@ -41,7 +41,7 @@ pub use actuate::mode::Mode;
 pub use control::Compensator;
 pub use faults::Faults;
 pub use interface::{
-    Commanded, Estimate, EstimateDeviation, Input, Output, Sensors, Setpoint, Shares, Status,
+    Commanded, CompensationGains, Estimate, EstimateDeviation, Input, Output, Sensors, Setpoint, Status,
 };
 pub use joint_params::JointParams;
 pub use limits::Limits;

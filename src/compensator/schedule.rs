@@ -4,13 +4,13 @@
 //! | --- | --- |
 //! | first, third, fifth, seventh | observer and fast disturbance estimate |
 //! | second | command, feed-forward, output feedback |
-//! | fourth | slow disturbance estimate; in rotation factors, standard deviations, the gains' ramp |
+//! | fourth | slow disturbance estimate; in rotation: factors, standard deviations, the gains' ramp |
 //! | sixth | correction of the observer by the output encoder's reading of the fifth; checks of the rotor and the sensors |
 //! | eighth | the feed-forward's models, learnt ripple |
 //!
-//! Encoders, cascade and torque command run in every period. So the model costs in each period what one of its parts
-//! does. What the motor's sensors show of a load is in the torque two periods later at most; what the output's
-//! encoder, the setpoint and the gains say takes up to a round and a period.
+//! Encoders, cascade and torque command run in every period, so that the model costs in each period no more than one of
+//! its parts. Latency: motor's encoder and torque to the torque command, at most two periods; output encoder, setpoint
+//! and gains, up to a round and a period.
 
 /// Control periods from one observer slot to the next.
 pub const OBSERVER_PERIODS: u32 = 2;
@@ -18,11 +18,11 @@ pub const OBSERVER_PERIODS: u32 = 2;
 /// Control periods of a round, from one slot of everything else to the next.
 pub const SLOW_PERIODS: u32 = 8;
 
-/// Control periods from the feed-forward's slot to that of what is learnt.
+/// Control periods from the feed-forward's slot to the adaptation's.
 pub const PLAN_TO_LEARN: u32 = 2;
-/// The same to its models'.
+/// Control periods from the feed-forward's slot to that of its models.
 pub const PLAN_TO_MODELS: u32 = 6;
-/// The same from the models' slot to the feed-forward's next.
+/// Control periods from the models' slot to the feed-forward's next.
 pub const MODELS_TO_PLAN: u32 = SLOW_PERIODS - PLAN_TO_MODELS;
 
 /// The slot of a control period.
@@ -47,7 +47,7 @@ pub enum Slot {
     Plan,
     /// The observer.
     ObserveSecond,
-    /// What is learnt.
+    /// The adaptation and the slow disturbance estimate.
     Learn,
     /// The observer; the output encoder's reading of this period is kept.
     ObserveOutput,
@@ -83,30 +83,30 @@ impl Slot {
     }
 }
 
-/// What the fourth period of a round is for in rotation.
+/// Functions that share the fourth period of a round in rotation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SlowSlot {
-    /// The factors.
+    /// The adaptive factors.
     #[default]
     Adapt,
-    /// The estimates' deviations, and encoders that stand still.
-    Deviate,
-    /// The shares, while one is on its way.
-    Lead,
+    /// The estimates' standard deviations, and the test for frozen encoders.
+    StandardDeviations,
+    /// The ramp of the compensation functions' gains, while one has not settled.
+    RampGains,
 }
 
-/// How many there are.
+/// Number of slow slots.
 pub const SLOW_SLOTS: u32 = 3;
 
 impl SlowSlot {
     /// In the next round.
     #[inline(always)]
     #[must_use]
-    pub fn next(self, shares_have_arrived: bool) -> Self {
+    pub fn next(self, gains_have_settled: bool) -> Self {
         match self {
-            Self::Adapt => Self::Deviate,
-            Self::Deviate if !shares_have_arrived => Self::Lead,
-            Self::Deviate | Self::Lead => Self::Adapt,
+            Self::Adapt => Self::StandardDeviations,
+            Self::StandardDeviations if !gains_have_settled => Self::RampGains,
+            Self::StandardDeviations | Self::RampGains => Self::Adapt,
         }
     }
 }
@@ -117,34 +117,34 @@ mod tests {
     use std::vec::Vec;
 
     #[test]
-    fn in_a_round_everyone_has_a_turn_and_the_observer_every_second() {
-        let turns: Vec<Slot> =
-            core::iter::successors(Some(Slot::default()), |turn| Some(turn.next())).take(17).collect();
-        let observes = |turn: &Slot| turn.observes();
-        for (k, turn) in turns.iter().enumerate() {
-            assert_eq!(*turn, turns[k % SLOW_PERIODS as usize]);
-            assert_eq!(observes(turn), k % OBSERVER_PERIODS as usize == 0);
+    fn a_round_has_every_slot_and_the_observer_in_every_second_period() {
+        let slots: Vec<Slot> =
+            core::iter::successors(Some(Slot::default()), |slot| Some(slot.next())).take(17).collect();
+        let observes = |slot: &Slot| slot.observes();
+        for (k, slot) in slots.iter().enumerate() {
+            assert_eq!(*slot, slots[k % SLOW_PERIODS as usize]);
+            assert_eq!(observes(slot), k % OBSERVER_PERIODS as usize == 0);
         }
-        let place = |slot: Slot| turns.iter().position(|other| *other == slot).unwrap() as u32;
+        let place = |slot: Slot| slots.iter().position(|other| *other == slot).unwrap() as u32;
         assert_eq!(place(Slot::Learn) - place(Slot::Plan), PLAN_TO_LEARN);
         assert_eq!(place(Slot::Model) - place(Slot::Plan), PLAN_TO_MODELS);
         for slot in [Slot::Plan, Slot::Learn, Slot::Check, Slot::Model] {
-            assert!(turns.contains(&slot), "{slot:?}");
+            assert!(slots.contains(&slot), "{slot:?}");
         }
     }
 
-    /// While a share is on its way, nobody starves.
+    /// While a gain is ramped, the other slots still come in every third round.
     #[test]
-    fn who_leads_takes_a_turn_from_nobody() {
-        for (arrived, others) in [(true, 2), (false, SLOW_SLOTS as usize)] {
+    fn the_gains_ramp_takes_every_third_slot_at_most() {
+        for (settled, others) in [(true, 2), (false, SLOW_SLOTS as usize)] {
             let slow: Vec<SlowSlot> =
-                core::iter::successors(Some(SlowSlot::Adapt), |slow| Some(slow.next(arrived)))
+                core::iter::successors(Some(SlowSlot::Adapt), |slow| Some(slow.next(settled)))
                     .take(12)
                     .collect();
-            for turn in [SlowSlot::Adapt, SlowSlot::Deviate] {
-                assert_eq!(slow.iter().filter(|had| **had == turn).count(), 12 / others);
+            for slot in [SlowSlot::Adapt, SlowSlot::StandardDeviations] {
+                assert_eq!(slow.iter().filter(|other| **other == slot).count(), 12 / others);
             }
-            assert_eq!(slow.contains(&SlowSlot::Lead), !arrived);
+            assert_eq!(slow.contains(&SlowSlot::RampGains), !settled);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What the compensator remembers from step to step: the states of its parts, and what one turn leaves for another.
+//! State of the compensator: the states of its parts, and the quantities that one slot passes to another.
 
 use crate::angle::Angle;
 use crate::compensator::actuate::cascade::FeedbackState;
@@ -7,10 +7,10 @@ use crate::compensator::actuate::mode::{Mode, ModeState};
 use crate::compensator::actuate::protection::ProtectionState;
 use crate::compensator::adapt::learning::LearningState;
 use crate::compensator::estimate::disturbance::{DisturbanceState, WindUpResponse};
-use crate::compensator::estimate::observer::{Known, ObserverState};
+use crate::compensator::estimate::observer::{GearCorrection, ObserverState};
 use crate::compensator::reference::command::CommanderState;
 use crate::compensator::reference::feed_forward::FeedForwardState;
-use crate::compensator::reference::motor_reference::Course;
+use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::reference::output_feedback::OutputFeedbackState;
 use crate::compensator::schedule::{Slot, SlowSlot};
 use crate::compensator::sense::encoder::EncoderState;
@@ -21,21 +21,21 @@ use crate::compensator::sense::validation::InputGuardState;
 use crate::compensator::{Compensator, Faults};
 use crate::real::Real;
 
-/// What the compensator remembers from step to step.
+/// State of the compensator.
 #[derive(Clone, Debug)]
 pub struct State<R: Real> {
-    pub(super) turn: Slot,
+    pub(super) slot: Slot,
     pub(super) guard: InputGuardState<R>,
     pub(super) motor_encoder: MotorEncoderState,
     pub(super) output_encoder: EncoderState,
-    pub(super) heard: Heard<R>,
+    pub(super) latch: SensorLatch<R>,
     /// Raw count of the output encoder at the observer's last step, and its age (control periods).
     pub(super) output_reading: Option<(u32, u32)>,
     /// Output encoder's angle where the observer's output angle is zero.
     pub(super) output_zero: Option<Angle<R>>,
     pub(super) frozen_path: R,
     pub(super) frozen_output_path: R,
-    /// Of the output encoder since its standstill was looked for, and when it was.
+    /// Raw counts of the output encoder: the newest since the last test for standstill, and that of the test.
     pub(super) output_raw: Option<u32>,
     pub(super) last_output: Option<u32>,
     pub(super) last_motor: Angle<R>,
@@ -44,48 +44,48 @@ pub struct State<R: Real> {
     pub(super) disturbance: DisturbanceState<R>,
     pub(super) wind_up: WindUpResponse<R>,
     pub(super) feed_forward: FeedForwardState<R>,
-    pub(super) course: Course<R>,
+    pub(super) motor_reference: MotorReference<R>,
     pub(super) feedback: FeedbackState<R>,
     pub(super) output_feedback: OutputFeedbackState<R>,
     pub(super) learning: LearningState<R>,
-    pub(super) known: Known<R>,
-    /// By how much its load changes until the observer's next turn but one (N m).
+    pub(super) gear_correction: GearCorrection<R>,
+    /// Change of the correction's load from one slot of the observer to the next (N m).
     pub(super) load_rate: R,
-    /// Whose turn it is among what is slow.
+    /// The next slow slot.
     pub(super) slow: SlowSlot,
     pub(super) motor_torque: MotorTorqueState<R>,
     pub(super) rotor: RotorState<R>,
     pub(super) protection: ProtectionState<R>,
-    /// Torque through the flexspline that the gauge said last (N m).
+    /// Last reading of the strain gauge: torque through the flexspline (N m).
     pub(super) gauge: Option<R>,
-    /// Sensors that are not used until a reset.
-    pub(super) off: Faults,
+    /// Sensors that are disabled until a reset.
+    pub(super) disabled_sensors: Faults,
     pub(super) fallback: FallbackState<R>,
     pub(super) mode: ModeState,
-    /// By how much the motor's reference was ahead of it in the last step (rad), and the feed-forward (N m).
+    /// Position error of the motor (rad) and feed-forward torque (N m) of the last step.
     pub(super) sent: [R; 2],
-    /// What the last turns found wrong, and what was reported.
+    /// Faults of the last slots, and the reported ones.
     pub(super) faults: SlotFaults,
     pub(super) reported: Faults,
     pub(super) limited: bool,
-    /// Nothing has been wrong since the factors' last turn.
+    /// No fault since the factors' last slot.
     pub(super) sound: bool,
 }
 
-/// What the sensors have said since the observer's last turn.
+/// Sensor latch: readings since the observer's last slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Heard<R> {
+pub(super) struct SensorLatch<R> {
     /// Sum of the motor's torque over the steps since then (N m), and the time since then (s).
     pub(super) motor_torque: R,
     pub(super) time: R,
-    /// Raw count of the output encoder, and how many control periods ago it was.
+    /// Raw count of the output encoder, and its age (control periods).
     pub(super) output: Option<u32>,
     pub(super) age: u32,
     /// Strain gauge (N m).
     pub(super) output_torque: Option<R>,
 }
 
-/// What is wrong, by who has found it in its last turn.
+/// Faults of each slot that tests for them, as of its last run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct SlotFaults {
     pub(super) observer: Faults,
@@ -93,7 +93,7 @@ pub(super) struct SlotFaults {
     slow: Faults,
     pub(super) plan: Faults,
     pub(super) standstill: Faults,
-    pub(super) shares: Faults,
+    pub(super) gains: Faults,
     pub(super) rotor: Faults,
 }
 
@@ -104,22 +104,22 @@ impl SlotFaults {
         self.observer.with(self.slow)
     }
 
-    /// At the end of the slots of what is learnt and of the checks.
+    /// Collects the faults at the end of the slots `Learn` and `Check`.
     #[inline(always)]
     pub(super) fn collect(&mut self) {
-        self.slow = self.plan.with(self.standstill).with(self.shares).with(self.rotor);
+        self.slow = self.plan.with(self.standstill).with(self.gains).with(self.rotor);
     }
 }
 
 impl<R: Real> Compensator<R> {
-    /// The state before the first step: what was learnt before, within its bounds.
+    /// The state before the first step, with the stored learnt factors and ripple within their bounds.
     pub fn rest(&self) -> State<R> {
         State {
-            turn: Slot::default(),
+            slot: Slot::default(),
             guard: InputGuardState::default(),
             motor_encoder: MotorEncoderState::default(),
             output_encoder: EncoderState::default(),
-            heard: Heard::default(),
+            latch: SensorLatch::default(),
             output_reading: None,
             output_zero: None,
             frozen_path: R::ZERO,
@@ -132,18 +132,18 @@ impl<R: Real> Compensator<R> {
             disturbance: DisturbanceState::default(),
             wind_up: WindUpResponse::default(),
             feed_forward: FeedForwardState::default(),
-            course: Course::default(),
+            motor_reference: MotorReference::default(),
             feedback: FeedbackState::default(),
             output_feedback: OutputFeedbackState::default(),
             learning: self.learning.starting_from(&self.learnt),
-            known: Known::default(),
+            gear_correction: GearCorrection::default(),
             load_rate: R::ZERO,
-            slow: SlowSlot::Lead,
+            slow: SlowSlot::RampGains,
             motor_torque: MotorTorqueState::default(),
             rotor: RotorState::default(),
             protection: ProtectionState::default(),
             gauge: None,
-            off: Faults::NONE,
+            disabled_sensors: Faults::NONE,
             fallback: FallbackState::default(),
             mode: ModeState::default(),
             sent: [R::ZERO; 2],
@@ -156,9 +156,9 @@ impl<R: Real> Compensator<R> {
 }
 
 impl<R: Real> Compensator<R> {
-    /// From Safe back to Ready, by whoever has looked after the cause: the joint starts from rest, and its encoders
-    /// are found again. Of what was before only what has been learnt stays. The reference begins where the output is
-    /// found, and goes on smoothly to what is commanded.
+    /// Resets from Safe to Ready, to be called once the cause is removed: the joint starts from rest, and its encoders
+    /// are initialised again. Only the learnt factors and ripple are kept. The reference begins at the output's angle
+    /// and moves smoothly to the command.
     pub fn reset(&self, state: &mut State<R>) {
         let learning = self.learning.starting_from(&self.learnt(state));
         *state = State { learning, ..self.rest() };
@@ -171,14 +171,14 @@ impl<R: Real> State<R> {
         self.mode.mode()
     }
 
-    /// What ended in [`Mode::Safe`].
+    /// Faults that led to [`Mode::Safe`].
     pub fn cause(&self) -> Faults {
         self.mode.cause()
     }
 
-    /// What is learnt may rest on this round.
+    /// Adaptation is enabled in this round.
     #[inline(always)]
     pub(super) fn learns(&self) -> bool {
-        self.sound && self.guard.shares().adaptation > R::ZERO && self.course.output_torque.is_none()
+        self.sound && self.guard.gains().adaptation > R::ZERO && self.motor_reference.output_torque.is_none()
     }
 }

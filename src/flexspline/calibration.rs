@@ -7,16 +7,16 @@
 //! ```
 //!
 //! and every link gets the one constant k of eq. (6) that gives the mesh this stiffness. Torsion is
-//! axisymmetric: all nodes of a slice turn by one angle psi_j, and a link from slice j to j + dj whose
+//! axisymmetric: all nodes of a slice rotate by one angle psi_j, and a link from slice j to j + dj whose
 //! direction has the tangential cosine c lengthens by R*c*(psi_{j+dj} - psi_j). The mesh is therefore a
 //! chain of m angles; the inner ones are eliminated (static condensation) and k follows by division.
 //!
-//! What is softer than the tube, the tooth contact, makes up the rest of the catalogue's line: its
-//! compliances are the catalogue's less the shell's ([`StiffnessLineParams::without_series`]).
+//! The tooth contact, softer than the tube, gives the rest of the catalogue's line: its compliances are the
+//! catalogue's less the shell's ([`StiffnessLineParams::without_series`]).
 //!
 //! Damping: the catalogue's modal damping ratio zeta of the torsion mode (stiffness K1, inertia J_fs)
 //! is placed in the lubricated contact as a dashpot. Seen from outside a dashpot behind a series
-//! spring counts by the square of its share of the motion, hence c_contact = c*(K_contact1/K1)^2,
+//! spring counts by the square of its fraction of the motion, hence c_contact = c*(K_contact1/K1)^2,
 //! c = 2*zeta*sqrt(K1*J_fs). The links' own mu gives the first torsion mode of the shell the same
 //! zeta; more would not be steel and would govern the stable step.
 
@@ -128,8 +128,8 @@ impl<R: Real> FlexsplineParams<R> {
     /// The tooth contact's dashpot (N m s/rad).
     pub fn contact_damping(&self) -> R {
         let k1 = self.line.stiffness[0];
-        let share = self.contact_line().stiffness[0] / k1;
-        R::lit(2.0) * self.damping_ratio * (k1 * self.inertia).sqrt() * share * share
+        let relative = self.contact_line().stiffness[0] / k1;
+        R::lit(2.0) * self.damping_ratio * (k1 * self.inertia).sqrt() * relative * relative
     }
 }
 
@@ -140,7 +140,7 @@ pub fn link_length<R: Real>(cup: &Cup<R>, n: usize, spacing: R, (around, along):
     (chord * chord + axial * axial).sqrt()
 }
 
-/// Whether a direction is one of the bend links', to the next neighbours but one.
+/// Whether a direction is a bend link's, to the next neighbours but one.
 pub fn is_bend((around, along): (i32, usize)) -> bool {
     around.abs() == 2 || along == 2
 }

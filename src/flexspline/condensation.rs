@@ -15,7 +15,7 @@
 //! ```
 //!
 //! (the mirrored forms, sin for cos, are the same shape turned by a quarter of a wave: a ring of n > 2*m nodes
-//! tells them apart, whatever its n). A link whose middle stands at b then gains `p*cos(m*b) + q*sin(m*b)`
+//! separates them, whatever its n). A link whose middle stands at b then gains `p*cos(m*b) + q*sin(m*b)`
 //! with p and q linear in the three amplitudes of its two slices, and the energy of the n links of a direction
 //! is k*n/4*(p^2 + q^2), twice that for m = 0. That leaves 3 unknowns a slice; those of the inner slices are
 //! eliminated (static condensation, R. Guyan, "Reduction of stiffness and mass matrices", AIAA Journal 3,
@@ -78,7 +78,7 @@ impl<R: Real> Link<R> {
         ]
     }
 
-    /// What the link gains in length, to first order (m).
+    /// Elongation of the link, to first order (m).
     fn elongation(&self, near: Displacement<R>, far: Displacement<R>) -> R {
         let [_, tangential, axial] = self.relative(near, far);
         self.tangential * tangential + self.axial * axial
@@ -116,7 +116,7 @@ impl<R: Real> Link<R> {
         self.rows(n, order).map(square).into_iter().fold(R::ZERO, |sum, part| sum + part).sqrt()
     }
 
-    /// Elongation per amplitude when the two ends are displaced by these shares of it.
+    /// Elongation per amplitude when the two ends are displaced by these fractions of it.
     fn row(&self, near: Displacement<R>, far: Displacement<R>) -> [Displacement<R>; 2] {
         let still = [R::ZERO; 3];
         [

@@ -1,4 +1,4 @@
-//! What holds the mesh's ends, node by node: the balances of rim and flange.
+//! Forces on the mesh's ends, node by node: the balances of rim and flange.
 //!
 //! The links pull at the end nodes; wave generator, tooth contact and flange hold against them. At rest the
 //! forces of both ends balance, in all three directions and about the axis:

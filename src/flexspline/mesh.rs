@@ -1,6 +1,6 @@
 //! The flexspline as the mass-spring shell of eq. (6), driven at the rim and held by the flange.
 //!
-//! The nodes between are those of [`Shell`]. Slice 0 is the toothed rim: it turns as one by its own angle
+//! The nodes between are those of [`Shell`]. Slice 0 is the toothed rim: it rotates as one by its own angle
 //! psi (inertia of its nodes), pressed by the wave generator into the inextensional ellipse, radial
 //! w0*cos(2b), tangential -(w0/2)*sin(2b), b = angle from the wave generator's major axis. The tooth contact
 //! (`contact_line`, with its dashpot) drives it towards r*theta_wg + e. Slice m-1 is rigid with the output
@@ -90,7 +90,7 @@ impl<R: Real, const N: usize, const M: usize> MeshState<R, N, M> {
     }
 }
 
-/// What moves an end slice: per unit of an angle, the displacement of its nodes in x and y (m/rad), by entry.
+/// Displacement of an end slice's nodes in x and y per unit of an angle (m/rad), by entry.
 type Displacement<R, const N: usize> = [[R; N]; 2];
 
 /// Displacements of the rim nodes by the two angles that move them, and of the flange's by its own.
@@ -115,7 +115,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
     /// Largest stable time step of this mesh (s).
     ///
     /// Of a positive matrix the largest eigenvalue is at most the sum of those of its diagonal blocks: the
-    /// inner slices, and the rim, which turns as one between its links and the tooth contact.
+    /// inner slices, and the rim, which rotates as one between its links and the tooth contact.
     pub fn stable_step(params: &FlexsplineParams<R>) -> R {
         let shell = params.shell::<M>(N);
         let contact = params.contact_line().stiffness.into_iter().fold(R::ZERO, R::max);
@@ -171,7 +171,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
         }
     }
 
-    /// The shell, to ask for strains.
+    /// The shell, for the strains of its links.
     pub fn shell(&self) -> &Shell<R, N, M> {
         &self.shell
     }
@@ -208,7 +208,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
         placed
     }
 
-    /// Puts the end slices where their angles say.
+    /// Sets the end slices to their angles.
     #[inline(always)]
     fn place_ends(&self, state: &mut MeshState<R, N, M>, ends: &Ends<R>) -> EndShapes<R, N> {
         let (by_rim, by_wave_generator) = self.place_rim(state, ends);
@@ -226,12 +226,12 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
             counts: state.rim.counts.wrapping_sub(ends.wave_generator.counts).wrapping_mul(2),
             rest: R::lit(2.0) * (state.rim.rest - ends.wave_generator.rest),
         };
-        let turn = state.rim.sin_cos();
+        let rotation = state.rim.sin_cos();
         let twice = from_axis.sin_cos();
         let (mut by_rim, mut by_wave_generator) = ([[R::ZERO; N]; 2], [[R::ZERO; N]; 2]);
         let [x, y, _] = state.shell.position[0].each_mut().map(|axis| axis.entries_mut());
         for i in 0..N {
-            let (cosine, sine) = turned_by(self.shell.angles(), i, turn);
+            let (cosine, sine) = turned_by(self.shell.angles(), i, rotation);
             let (c, s) = turned_by(&self.twice, i, twice);
             let (c, s) = (self.ellipse * c, self.ellipse * s);
             let place = |radial: R, tangential: R| {
@@ -250,11 +250,11 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
     /// The flange, round and rigid.
     #[inline(always)]
     fn place_flange(&self, shell: &mut ShellState<R, N, M>, ends: &Ends<R>) -> Displacement<R, N> {
-        let turn = ends.flange.sin_cos();
+        let rotation = ends.flange.sin_cos();
         let mut by_flange = [[R::ZERO; N]; 2];
         let [x, y, _] = shell.position[M - 1].each_mut().map(|axis| axis.entries_mut());
         for i in 0..N {
-            let (cosine, sine) = turned_by(self.shell.angles(), i, turn);
+            let (cosine, sine) = turned_by(self.shell.angles(), i, rotation);
             (x[i], y[i]) = (self.radius * cosine, self.radius * sine);
             (by_flange[0][i], by_flange[1][i]) = (-y[i], x[i]);
         }
@@ -481,8 +481,8 @@ mod tests {
         }
         let periods = crossings.len() - 1;
         let omega = core::f64::consts::TAU * periods as f64 / (crossings[periods] - crossings[0]);
-        let wanted = (3.1e4f64 / 1.2).sqrt();
-        assert!((omega / wanted - 1.0).abs() < 1e-3, "{omega} against {wanted} rad/s");
+        let expected = (3.1e4f64 / 1.2).sqrt();
+        assert!((omega / expected - 1.0).abs() < 1e-3, "{omega} against {expected} rad/s");
         let decrement = (peaks[0] / peaks[peaks.len() - 1]).ln() / (peaks.len() - 1) as f64;
         let ratio = decrement / core::f64::consts::TAU;
         assert!((ratio / 0.02 - 1.0).abs() < 0.02, "damping ratio {ratio}");

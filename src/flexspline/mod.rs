@@ -3,10 +3,10 @@
 //! Both stand between the same two motions, the drive `r*theta_wg + e` at the tooth contact and the
 //! output flange, and answer with the same torques, so that [`crate::gear::Gear`] composes either.
 //!
-//! Where the hardening sits: in the tooth contact at the rim, in series with a linear shell. More
+//! The hardening is placed in the tooth contact at the rim, in series with a linear shell. More
 //! teeth engage with torque (the paper's "non-stationary surface contact"), while the steel cup
 //! itself is linear: its own stiffness G*J/l is about three times K3. A bend link that hardened in
-//! plain L - L0 would see mostly the wave generator's ellipse (0.2-0.5 % of strain, rated torsion is
+//! plain L - L0 would respond mostly to the wave generator's ellipse (0.2-0.5 % of strain, rated torsion is
 //! 0.1 %) and smear the catalogue's knees.
 
 pub mod calibration;
@@ -32,7 +32,7 @@ pub use two_links::{TwoLinks, TwoLinksParams};
 use crate::angle::Angle;
 use crate::real::Real;
 
-/// What drives and what loads the flexspline during one step.
+/// Motion of both ends of the flexspline during one step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Ends<R> {
     /// Ideal output angle r*theta_wg + e(theta_wg): where the tooth contact drives the rim.
@@ -49,18 +49,18 @@ pub struct Ends<R> {
     pub flange_rate: R,
 }
 
-/// Torques of the flexspline on what holds it (N m).
+/// Torques of the flexspline on its ends (N m).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reaction<R> {
-    /// Torsion, by which the drive is ahead of the flange (rad).
+    /// Torsion: drive angle less flange angle (rad).
     pub torsion: R,
-    /// Through the tooth contact, positive when the drive is ahead: it loads the wave generator by r + de/dtheta.
+    /// Through the tooth contact, positive for positive torsion: it loads the wave generator by r + de/dtheta.
     pub contact: R,
-    /// On the output flange, positive when the drive is ahead.
+    /// On the output flange, positive for positive torsion.
     pub flange: R,
-    /// On the wave generator, from turning the ellipse; zero on average.
+    /// On the wave generator, from rotating the ellipse; zero on average.
     pub ellipse: R,
-    /// Power that the flexspline's damping turns into heat (W).
+    /// Power dissipated by the flexspline's damping (W).
     pub loss: R,
     /// The model has reached the end of its range: its torque is limited there.
     pub saturated: bool,
@@ -68,7 +68,7 @@ pub struct Reaction<R> {
 
 /// A flexspline model.
 pub trait Flexspline<R: Real> {
-    /// What the model remembers from step to step.
+    /// State of the model.
     type State: Clone;
 
     /// The state at rest with both ends at the zero angle, without torsion.

@@ -5,21 +5,21 @@
 //! displacement(i, j) = tau*twist_j + ellipse_j at b,    b = a_i + theta_fs - theta_wg,    a_i = 2*pi*i/N
 //! ```
 //!
-//! Torque in N m, torsion phi in rad, positive when the drive is ahead of the flange. No state.
+//! Torque in N m, torsion phi in rad, drive angle less flange angle. No state.
 //!
 //! # Derivation from eq. (6)
 //!
 //! 1. About the round, unloaded shape the link forces are linear in the displacements, and the same all around: the
 //!    stiffness is block-circulant and a Fourier transform around the ring decouples its harmonics
 //!    (`condensation.rs`). What drives the mesh lies in two of them: the torque in harmonic 0, the ellipse
-//!    w0*cos(2b), -(w0/2)*sin(2b) in harmonic 2. The ellipse carries no torque, and a mirror keeps the
+//!    w0*cos(2b), -(w0/2)*sin(2b) in harmonic 2. The ellipse transmits no torque, and a mirror keeps the
 //!    tangential part of harmonic 0 apart from the rest: a chain of M angles.
 //! 2. The shell is so light that at 0.1 ms it is at rest in its shape: acceleration and mu drop out of
 //!    eq. (6), the inner slices follow from the ends, once, at build. What is left is `twist`, the angle of
 //!    every slice per torque, `ellipse`, three amplitudes a slice, and the chain's stiffness, which the
 //!    calibration of k makes that of the tube, G*J/l, for every N x M ([`super::calibration`]).
 //! 3. The rim between shell and tooth contact has no inertia that matters, so the two are in series: compliances
-//!    add, which gives `line`, and the contact's dashpot sees its share of the motion, and acts back through it:
+//!    add, which gives `line`, and the contact's dashpot takes its fraction of the motion, and acts back through it:
 //!    `c_piece = c_contact*(K_piece/K_contact,piece)^2`.
 //!
 //! Nothing is integrated, so no time step is too long: of the two limits of the explicit mesh, 2/omega of the
@@ -96,7 +96,7 @@ pub struct Reduced<R, const N: usize, const M: usize> {
     line: StiffnessLine<R>,
     /// Dashpot of each piece of the line (N m s/rad).
     damping: [R; 3],
-    /// Where the law ends, as a torque (N m) and as a torsion at rest (rad).
+    /// End of the law's range, as a torque (N m) and as a torsion at rest (rad).
     largest_torque: R,
     largest_torsion: R,
     cup: Cup<R>,
@@ -152,7 +152,7 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
         torque.abs() >= self.largest_torque
     }
 
-    /// Torsion that carries a torque at rest (rad); the line goes on past its range.
+    /// Torsion for a torque at rest (rad); the line continues beyond its range.
     #[inline(always)]
     pub fn torsion(&self, torque: R) -> R {
         self.line.torsion(torque)
@@ -164,7 +164,7 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
         self.line.compliance(torque)
     }
 
-    /// Angle by which each slice is ahead of the flange, per torque (rad/(N m)); rim first.
+    /// Angle of each slice relative to the flange, per torque (rad/(N m)); rim first.
     pub fn twist(&self) -> [R; M] {
         self.twist.map(|[_, tangential, _]| tangential / self.cup.radius)
     }
@@ -352,7 +352,7 @@ mod tests {
             }
         }
 
-        /// What is not elastic never drives.
+        /// Damping is dissipative: the torque beyond the elastic one never drives.
         #[test]
         fn it_is_passive(torsion in -0.1..0.1f64, rate in -1e4..1e4f64) {
             let dashpot = step(torsion, rate).flange - step(torsion, 0.0).flange;
@@ -367,7 +367,7 @@ mod tests {
             prop_assert!((slope - step(torsion, 0.0).flange).abs() < 5e-3);
         }
 
-        /// The rim follows the wave generator's inextensional ellipse, turned by the torque; the flange stays.
+        /// The rim follows the wave generator's inextensional ellipse, rotated by the torque; the flange is fixed.
         #[test]
         fn the_ends_stand_where_they_are_held(i in 0..8usize, torque in -300.0..300.0f64, counts: u32) {
             let (cup, angle) = (SIZE_25.cup, Angle::from_counts(i64::from(counts)));

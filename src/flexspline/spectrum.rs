@@ -10,7 +10,7 @@
 //! which is too high by at most the factor (3*m)^(1/q): 1 % for m = 4. Powers by squaring, the trace divided out each time.
 //!
 //! The assembled mesh is not round: its links are strained by up to e = w0/(2*R), which adds at most 2*16*k*e
-//! to an eigenvalue that is at least 16*k/3 (a third of the trace at a node): the share [`assembled`].
+//! to an eigenvalue that is at least 16*k/3 (a third of the trace at a node): the factor [`assembled`].
 
 use crate::flexspline::calibration::Cup;
 use crate::flexspline::condensation::stiffness;
@@ -43,7 +43,7 @@ pub(super) fn of_rim<R: Real, const M: usize>(cup: &Cup<R>, n: usize) -> R {
     R::lit(2.0) * stiffness::<R, M>(cup, n, 0)[0][1][0][1]
 }
 
-/// What the pre-strain of the assembled mesh may add to an eigenvalue, as a factor.
+/// Bound of the factor by which the pre-strain of the assembled mesh raises an eigenvalue.
 pub(super) fn assembled<R: Real>(cup: &Cup<R>) -> R {
     R::ONE + R::lit(3.0) * cup.ellipse / cup.radius
 }

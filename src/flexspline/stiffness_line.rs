@@ -56,7 +56,7 @@ struct Pieces<R> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Piece<R> {
     slope: R,
-    /// Where the piece would be at x = 0, coming from above.
+    /// Value of the piece extrapolated to x = 0 from above.
     offset: R,
 }
 

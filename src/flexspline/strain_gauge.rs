@@ -5,7 +5,7 @@
 //! ```
 //!
 //! tau is the torque through the shell (N m), t = theta_wg - theta_fs the wave generator's angle seen from
-//! the cup, which the gauge turns with. Strain without unit, positive when the link is longer than in the round,
+//! the cup, which the gauge rotates with. Strain without unit, positive when the link is longer than in the round,
 //! unloaded cup. No state; one sine and cosine a reading.
 //!
 //! The torque's part is linear; the ellipse displaces the link's ends by harmonic 2 ([`super::reduced`]), but the
@@ -16,7 +16,7 @@
 //! ```
 //!
 //! the square gives a mean and a 4th harmonic. Size 25, largest over all links: 4.8e-3 by the ellipse, 1.9e-4 by
-//! rated torque, 2.6e-4 mean, 5e-5 4th harmonic; without the square the strain is off by 1.0e-4, half of what
+//! rated torque, 2.6e-4 mean, 5e-5 4th harmonic; without the square the strain's error is 1.0e-4, half of what
 //! the rated torque makes. The five terms are the discrete Fourier series of [`Reduced::strain`]
 //! over 8 angles, so that they hold all of it but the harmonics from the 6th on, below 1e-6.
 //!
@@ -31,7 +31,7 @@ use crate::flexspline::Reduced;
 use crate::flexspline::reduced::{Direction, Node};
 use crate::real::Real;
 
-/// Angles of the Fourier series over one period of the ellipse, half a turn.
+/// Angles of the Fourier series over one period of the ellipse, half a revolution.
 const SAMPLES: usize = 8;
 
 /// The built gauge.
@@ -96,18 +96,18 @@ impl<R: Real> StrainGauge<R> {
         Ok(gauge)
     }
 
-    /// Adds a sample's share of the Fourier series.
+    /// Adds a sample's term of the Fourier series.
     fn add_sample(&mut self, angle: Angle<R>, strain: R) {
-        let share = strain * R::lit(1.0 / SAMPLES as f64);
+        let weighted = strain * R::lit(1.0 / SAMPLES as f64);
         let ([cosine, sine], [cosine_4, sine_4]) = waves(angle);
-        self.constant += share;
+        self.constant += weighted;
         for (amplitude, wave) in [
             (&mut self.cosine, cosine),
             (&mut self.sine, sine),
             (&mut self.cosine_4, cosine_4),
             (&mut self.sine_4, sine_4),
         ] {
-            *amplitude += R::lit(2.0) * share * wave;
+            *amplitude += R::lit(2.0) * weighted * wave;
         }
     }
 

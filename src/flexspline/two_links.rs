@@ -27,7 +27,7 @@
 use crate::error::{Error, require};
 use crate::real::Real;
 
-/// Where the two links stand, and what they are.
+/// Geometry and constants of the two links.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoLinksParams<R> {
     /// a: how far along the base each link reaches, to either side (m).
@@ -163,8 +163,8 @@ mod tests {
 
         #[test]
         fn a_relaxed_pair_has_the_tangents_share_of_both_links(reach in 0.0..0.02f64, height in 1e-3..0.02f64) {
-            let wanted = 2e6 * reach * reach / (reach * reach + height * height);
-            prop_assert!((relaxed(reach, height).stiffness() - wanted).abs() < 1e-8);
+            let expected = 2e6 * reach * reach / (reach * reach + height * height);
+            prop_assert!((relaxed(reach, height).stiffness() - expected).abs() < 1e-8);
         }
 
         /// The paper: L2 is stretched for any displacement forwards; L1 is clamped up to a, stretched from there to 2*a.
@@ -202,7 +202,7 @@ mod tests {
         assert!((pair.lengths(6e-3)[0] - 5e-3).abs() < 1e-18);
     }
 
-    /// The pairs that the links of an inner node make, each with its share: a link along the axis is half of one.
+    /// The pairs that the links of an inner node make, each with its weight: a link along the axis is half of one.
     fn pairs(params: &ShellParams<f64>, n: usize, spacing: f64) -> std::vec::Vec<(TwoLinks<f64>, f64)> {
         let radius = params.cup.radius;
         let of = |(around, along): (i32, usize)| {
@@ -233,8 +233,11 @@ mod tests {
             state.position[2][1].set_node(0, displacement);
             shell.step(&mut state);
             let force = -state.velocity(0, 2)[1] * params.node_mass(N, 5) / dt;
-            let wanted: f64 = pairs.iter().map(|(pair, share)| share * pair.force(displacement)).sum();
-            assert!((force / wanted - 1.0).abs() < 1e-6, "{force} N against {wanted} N at {displacement} m");
+            let expected: f64 = pairs.iter().map(|(pair, weight)| weight * pair.force(displacement)).sum();
+            assert!(
+                (force / expected - 1.0).abs() < 1e-6,
+                "{force} N against {expected} N at {displacement} m"
+            );
         }
     }
 

@@ -29,7 +29,7 @@
 //!
 //! Known weakness: two models and a switch. F jumps by Fv*v at a reversal that a step jumps over; the dwell
 //! time of a joint that creeps is not defined by anything physical; seven parameters that no single
-//! experiment tells apart.
+//! experiment separates.
 //!
 //! B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, "A survey of models, analysis tools and
 //! compensation methods for the control of machines with friction", Automatica 30 (1994); H. Olsson et al.,
@@ -140,7 +140,7 @@ impl<R: Real> Default for ArmstrongState<R> {
 }
 
 impl<R: Real> Armstrong<R> {
-    /// What is left of the Stribeck term `surplus` at the lagged velocity.
+    /// The Stribeck term `surplus` at the lagged velocity.
     #[inline]
     fn weakened(&self, surplus: R, lagged_velocity: R) -> R {
         let ratio = lagged_velocity * self.slowness;
@@ -219,7 +219,7 @@ mod tests {
     };
     const STEP: f64 = 1e-4;
 
-    /// Force at the end, and the largest on the way, of a time (s) at a velocity (m/s).
+    /// Force at the end, and the largest before, of a time (s) at a velocity (m/s).
     fn run(state: &mut ArmstrongState<f64>, velocity: f64, time: f64) -> (f64, f64) {
         let model = PARAMS.build().unwrap();
         let steps = (time / STEP).round() as usize;
@@ -263,8 +263,8 @@ mod tests {
         };
         let left = 0.6 / 101.0;
         for rest in [0.1, 1.0, 10.0] {
-            let wanted = 1.0 + left + (0.6 - left) * rest / (rest + 2.0);
-            assert!((break_away(rest) - wanted).abs() < 0.2, "{rest}: {} {wanted}", break_away(rest));
+            let expected = 1.0 + left + (0.6 - left) * rest / (rest + 2.0);
+            assert!((break_away(rest) - expected).abs() < 0.2, "{rest}: {} {expected}", break_away(rest));
         }
         assert!(break_away(0.1) < break_away(1.0) && break_away(1.0) < break_away(10.0));
     }

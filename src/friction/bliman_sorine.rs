@@ -59,7 +59,7 @@ impl<R: Real, const P: usize> BlimanSorineParams<R, P> {
         Ok(model)
     }
 
-    /// For levels that are known to be dissipative: without that check, and so without its f64.
+    /// For levels that are dissipative by construction: without that check, and so without its f64.
     pub(super) fn build_dissipative(&self) -> Result<BlimanSorine<R, P>, Error> {
         let greatest = R::lit(1e6);
         require(self.levels.iter().all(|level| level.abs() <= greatest), "levels")?;
@@ -177,7 +177,7 @@ impl<R: Real, const P: usize> BlimanSorine<R, P> {
     /// Moves by a path length (m) or (rad) towards the levels times `target`.
     #[inline(always)]
     pub(super) fn approach(&self, state: &mut BlimanSorineState<R, P>, path: R, target: R) {
-        // First all shares: the compiler makes one vector of them where it has any.
+        // First all factors: the compiler makes one vector of them where it has any.
         let covered = self.rates.map(|rate| (path * rate).one_minus_exp_neg());
         for ((force, &level), covered) in state.forces.iter_mut().zip(&self.levels).zip(covered) {
             *force += covered * (level * target - *force);

@@ -4,11 +4,11 @@
 //! F = sum sigma0 * (x - b_k),  k = 1..B          a bond snaps at |x - b_k| = delta_s, and forms again
 //! ```
 //!
-//! x is the position of one surface on the other, b_k where bond k took hold. Haessig and Friedland let it
-//! take hold anew at a random place. Here it takes hold, without tension, where its bristle then is, and at
+//! x is the position of one surface on the other, b_k that at which bond k formed. Haessig and Friedland let it
+//! form again at a random position. Here it forms, without tension, at the present position of its bristle, and at
 //! rest the B tensions are spread evenly over (-delta_s/2, delta_s/2): every bond snaps each delta_s of
-//! one-way sliding, and evenly spread bonds stay evenly spread for ever, so that nothing is left to chance.
-//! One-way sliding then runs at
+//! one-way sliding, and evenly spread bonds stay evenly spread, so that the model is deterministic.
+//! The force in one-way sliding is
 //!
 //! ```text
 //! B*sigma0*delta_s/2,  within +-sigma0*delta_s/2 around it
@@ -60,15 +60,15 @@ impl<R: Real, const B: usize> BristleParams<R, B> {
     }
 }
 
-/// Tensions, as shares of that at which a bond snaps.
+/// Tensions, relative to that at which a bond snaps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BristleState<R, const B: usize> {
-    shares: [R; B],
+    tensions: [R; B],
 }
 
 impl<R: Real, const B: usize> Default for BristleState<R, B> {
     fn default() -> Self {
-        Self { shares: core::array::from_fn(|k| R::lit((k as f64 + 0.5) / B as f64 - 0.5)) }
+        Self { tensions: core::array::from_fn(|k| R::lit((k as f64 + 0.5) / B as f64 - 0.5)) }
     }
 }
 
@@ -100,7 +100,7 @@ pub struct Bristle<R, const B: usize> {
     rate: R,
 }
 
-/// What is left of `x >= 0` after its whole part.
+/// Fractional part of `x >= 0`.
 #[inline(always)]
 fn fraction<R: Real>(x: R) -> R {
     // Past 2^24 an f32 has no fraction; before that the integer holds it.
@@ -112,20 +112,20 @@ impl<R: Real, const B: usize> FrictionModel<R> for Bristle<R, B> {
     type State = BristleState<R, B>;
 
     fn force(&self, state: &Self::State) -> R {
-        self.greatest * state.shares.iter().fold(R::ZERO, |sum, &share| sum + share)
+        self.greatest * state.tensions.iter().fold(R::ZERO, |sum, &tension| sum + tension)
     }
 
     fn advance(&self, state: &mut Self::State, slip: &Slip<R>) {
-        let way = slip.displacement() * self.rate;
-        let (direction, path) = (way.sign(), way.abs());
+        let step = slip.displacement() * self.rate;
+        let (direction, path) = (step.sign(), step.abs());
         let part = fraction(path);
-        for share in &mut state.shares {
-            let along = *share * direction;
+        for tension in &mut state.tensions {
+            let along = *tension * direction;
             if along + path < R::ONE {
-                *share += way;
+                *tension += step;
             } else {
-                // Whole lengths change nothing, and left out they cannot round the bonds into step.
-                *share = direction * fraction(along + R::ONE + part);
+                // Whole lengths change nothing; left out, their rounding cannot synchronise the bonds.
+                *tension = direction * fraction(along + R::ONE + part);
             }
         }
     }

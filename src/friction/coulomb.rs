@@ -7,7 +7,7 @@
 //! Sign: F has the sign of v and is subtracted in the equation of motion. Units: Fc (N) or (N m). Memoryless:
 //! there is nothing to discretise.
 //!
-//! Known weakness: at v = 0, where a joint spends most of its time, it says nothing. The jump at v = 0
+//! Known weakness: at v = 0, where a joint spends most of its time, it is undefined. The jump at v = 0
 //! makes a simulation chatter between both signs at every step, and a compensator that adds it hunts.
 //!
 //! C. A. Coulomb, "Théorie des machines simples", 1785; H. Olsson et al., "Friction models and friction

@@ -16,8 +16,7 @@
 //! | 1 | exponential: [`super::BlimanSorine`] of order 1 with eps = Fc/sigma | u*e^-q |
 //! | 2 | long tail | u/(1 + q*u) |
 //!
-//! Other exponents take a power, which has no place in the control step, and measured loops don't tell them
-//! apart. The force is independent of the rate and of how a stroke is cut into steps. It loses work over
+//! Other exponents take a power, too costly for the control step, and measured loops do not separate them. The force is independent of the rate and of how a stroke is cut into steps. It loses work over
 //! any closed motion: F^2/(2*sigma) is stored at most.
 //!
 //! Known weakness: no Stribeck effect, static friction is no higher than sliding friction, so no
@@ -51,19 +50,19 @@ impl<R: Real> DahlParams<R> {
         require_divisor(self.coulomb, "coulomb")?;
         let stiffest = R::lit(GREATEST * GREATEST);
         require((R::lit(LEAST)..=stiffest).contains(&self.stiffness), "stiffness")?;
-        let yielding = match self.exponent {
-            i if i == R::ZERO => Yield::Sudden,
-            i if i == R::ONE => Yield::Exponential,
-            i if i == R::lit(2.0) => Yield::LongTail,
+        let shape = match self.exponent {
+            i if i == R::ZERO => Shape::Sudden,
+            i if i == R::ONE => Shape::Exponential,
+            i if i == R::lit(2.0) => Shape::LongTail,
             _ => return Err(Error::OutOfRange("exponent")),
         };
-        Ok(Dahl { coulomb: self.coulomb, rate: self.stiffness / self.coulomb, yielding })
+        Ok(Dahl { coulomb: self.coulomb, rate: self.stiffness / self.coulomb, shape })
     }
 }
 
 /// The exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Yield {
+enum Shape {
     Sudden,
     Exponential,
     LongTail,
@@ -72,7 +71,7 @@ enum Yield {
 /// F/Fc, within +-1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DahlState<R> {
-    share: R,
+    relative: R,
 }
 
 /// Built model.
@@ -98,7 +97,7 @@ pub struct Dahl<R> {
     coulomb: R,
     /// sigma/Fc.
     rate: R,
-    yielding: Yield,
+    shape: Shape,
 }
 
 impl<R: Real> FrictionModel<R> for Dahl<R> {
@@ -106,21 +105,21 @@ impl<R: Real> FrictionModel<R> for Dahl<R> {
 
     #[inline(always)]
     fn force(&self, state: &Self::State) -> R {
-        self.coulomb * state.share
+        self.coulomb * state.relative
     }
 
     #[inline(always)]
     fn advance(&self, state: &mut Self::State, slip: &Slip<R>) {
-        let way = slip.displacement() * self.rate;
-        let (direction, path) = (way.sign(), way.abs());
+        let step = slip.displacement() * self.rate;
+        let (direction, path) = (step.sign(), step.abs());
         // Written as F moving towards Fc, not as u: near F = 0 the small force keeps all its digits.
-        let left = direction - state.share;
-        state.share += match self.yielding {
-            Yield::Sudden => way.limit(left.abs()),
-            Yield::Exponential => left * path.one_minus_exp_neg(),
-            Yield::LongTail => {
-                let yielded = path * left.abs();
-                left * (yielded / (R::ONE + yielded))
+        let remainder = direction - state.relative;
+        state.relative += match self.shape {
+            Shape::Sudden => step.limit(remainder.abs()),
+            Shape::Exponential => remainder * path.one_minus_exp_neg(),
+            Shape::LongTail => {
+                let scaled = path * remainder.abs();
+                remainder * (scaled / (R::ONE + scaled))
             }
         };
     }

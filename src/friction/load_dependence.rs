@@ -7,7 +7,7 @@
 //! ```
 //!
 //! tau_m is the motor's torque, tau_e the external torque on the joint, both on the output side in one
-//! sense: a motor that holds a load has tau_m = -tau_e. w(v) is the Stribeck share, 1 at standstill and 0
+//! sense: a motor that holds a load has tau_m = -tau_e. w(v) is the Stribeck weight, 1 at standstill and 0
 //! in fast sliding: whatever curve the sliding model has, such as exp(-|v/vs|^delta). The factors k, l have
 //! no unit, q (1/(N m)), levels (N m). The friction torque is this level times a normalised force (sign of
 //! v, or presliding), plus a viscous part.
@@ -66,10 +66,10 @@ fn require_factor<R: Real>(factor: R, name: &'static str) -> Result<(), Error> {
     require((R::ZERO..=R::lit(GREATEST_FACTOR)).contains(&factor), name)
 }
 
-/// What the gear's block knows of its load: the torque through it alone, on its own side.
+/// Load factors of the gear's friction: on the torque through the gear, at its own side.
 ///
-/// A joint that turns steadily has tau_e = -tau_m up to its friction, so that m3 to m5 add (k_m + k_e)*|tau|
-/// to the level both ways and Q what differs between driving and driven.
+/// A joint at constant speed has tau_e = -tau_m up to its friction, so that m3 to m5 add (k_m + k_e)*|tau|
+/// to the level in both directions, and Q the difference between driving and driven.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LoadFactors<R> {
     /// Level over torque while the motor drives the load; 0..=10.
@@ -103,7 +103,7 @@ impl<R: Real> DirectedLoad<R> {
         self.even == R::ZERO && self.odd == R::ZERO
     }
 
-    /// What `load` (N m) adds to the level (N m).
+    /// Level by `load` (N m), added to the unloaded one (N m).
     #[inline(always)]
     pub(super) fn level(&self, load: R) -> R {
         self.even * load.abs() + self.odd * load
@@ -115,7 +115,7 @@ impl<R: Real> DirectedLoad<R> {
 pub struct LoadDependenceParams<R> {
     /// F0, k_m, k_e: at every speed.
     pub sliding: LoadedLevel<R>,
-    /// F1, l_m, l_e: what standstill adds.
+    /// F1, l_m, l_e: added at standstill.
     pub stribeck: LoadedLevel<R>,
     /// q_m (1/(N m)); 0..=10.
     pub motor_squared: R,
@@ -144,15 +144,15 @@ pub struct LoadDependence<R> {
 }
 
 impl<R: Real> LoadDependence<R> {
-    /// Level (N m) at the motor's and the external torque (N m) and a Stribeck share w(v), 0..=1. A torque
+    /// Level (N m) at the motor's and the external torque (N m) and a Stribeck weight w(v), 0..=1. A torque
     /// that is not finite counts as none.
     #[inline]
-    pub fn level(&self, motor: R, external: R, share: R) -> R {
+    pub fn level(&self, motor: R, external: R, weight: R) -> R {
         let limit = R::lit(LIMIT);
         let (motor, external) =
             (motor.finite_or(R::ZERO).limit(limit), external.finite_or(R::ZERO).limit(limit));
         let stribeck = self.params.stribeck.at(motor, external) + self.squared(motor, external);
-        self.params.sliding.at(motor, external) + share.max(R::ZERO).min(R::ONE) * stribeck
+        self.params.sliding.at(motor, external) + weight.max(R::ZERO).min(R::ONE) * stribeck
     }
 
     /// Q: of the torque that is overcome.
@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn the_level_depends_on_load_direction_and_speed() {
         let model = PARAMS.build().unwrap();
-        let level = |motor, external, share| model.level(motor, external, share);
+        let level = |motor, external, weight| model.level(motor, external, weight);
         assert_eq!(level(0.0, 0.0, 0.0), 1.0);
         assert_eq!(level(0.0, 0.0, 1.0), 1.5);
         // The motor lifts the load, holds it, is driven by it.
@@ -198,15 +198,15 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_bits_give_a_level_that_is_not_negative(motor: u32, external: u32, share: u32) {
+        fn any_bits_give_a_level_that_is_not_negative(motor: u32, external: u32, weight: u32) {
             let params = LoadDependenceParams {
                 sliding: LoadedLevel { unloaded: 1e6, motor: 10.0, external: 10.0 },
                 stribeck: LoadedLevel { unloaded: 1e6, motor: 10.0, external: 10.0 },
                 motor_squared: 10.0f32,
                 external_squared: 10.0,
             };
-            let [motor, external, share] = [motor, external, share].map(f32::from_bits);
-            let level = params.build().unwrap().level(motor, external, share);
+            let [motor, external, weight] = [motor, external, weight].map(f32::from_bits);
+            let level = params.build().unwrap().level(motor, external, weight);
             prop_assert!(level.is_finite() && level >= 0.0);
         }
     }

@@ -8,9 +8,9 @@
 //! Sign: F has the sign of v and is subtracted in the equation of motion. Units: Fc, Fs (N) or
 //! (N m), v, vs (m/s) or (rad/s), Fv (N s/m) or (N m s/rad). Memoryless: there is nothing to
 //! discretise. Only delta = 1 and 2 exist, because a power has no place in the control step and
-//! measured curves don't tell other exponents apart.
+//! measured curves do not separate other exponents.
 //!
-//! Known weakness: no friction at v = 0 and a jump beside it, as Coulomb's, unless it is used as the level
+//! Known weakness: no friction at v = 0 and a jump at it, as Coulomb's, unless it is used as the level
 //! of a model with presliding; the slope below vs is negative damping; measured friction lags behind speed,
 //! this does not.
 //!
@@ -108,7 +108,7 @@ impl<R: Real> LubricatedContact<R> {
         self.level(velocity) * velocity.sign() + self.viscous(velocity)
     }
 
-    /// What holds the force applied to a body that stands, at most Fs; else the sliding force.
+    /// Friction that balances the force applied to a body at rest, at most Fs; else the sliding force.
     #[inline]
     pub(super) fn standing_or_sliding(&self, stands: bool, slip: &Slip<R>) -> R {
         if stands { slip.applied.limit(self.level(R::ZERO)) } else { self.sliding(slip.velocity) }

@@ -159,8 +159,8 @@ mod tests {
                 z += h / 6.0 * (k1 + 2.0 * (k2 + k3) + rate(z + h * k3));
             }
             let force = model.step(&mut LuGreState::default(), &Slip::new(velocity, duration)).force;
-            let wanted = 1e5 * z + 1e5f64.sqrt() * rate(z) + 0.4 * velocity;
-            assert!((force - wanted).abs() < 1e-9, "{velocity} {duration}: {force} {wanted}");
+            let expected = 1e5 * z + 1e5f64.sqrt() * rate(z) + 0.4 * velocity;
+            assert!((force - expected).abs() < 1e-9, "{velocity} {duration}: {force} {expected}");
         }
     }
 

@@ -83,7 +83,7 @@ impl<R: Real> StepTime<R> {
     }
 }
 
-/// What a friction contact sees of one step.
+/// Motion and forces of a friction contact in one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Slip<R: Real> {
     /// v, constant over the step (m/s) or (rad/s).
@@ -96,7 +96,7 @@ pub struct Slip<R: Real> {
     /// Torque through the contact (N) or (N m), positive where the motor drives the load at v > 0. Only
     /// [`JointFriction`] reads it.
     pub load: R,
-    /// Where the wave generator stands. Only [`JointFriction`] reads it.
+    /// Angle of the wave generator. Only [`JointFriction`] reads it.
     pub wave_generator: Heading<R>,
 }
 
@@ -107,7 +107,7 @@ impl<R: Real> Slip<R> {
         Self::over(velocity, StepTime::new(duration))
     }
 
-    /// The same of a time that is known to be one.
+    /// The same, without the check.
     #[inline(always)]
     pub fn over(velocity: R, duration: StepTime<R>) -> Self {
         Self { velocity, duration, ..Self::default() }
@@ -119,7 +119,7 @@ impl<R: Real> Slip<R> {
         Self { applied, load, ..self }
     }
 
-    /// Way that the step covers, with its sign (m) or (rad).
+    /// Displacement of the step, with its sign (m) or (rad).
     #[inline(always)]
     pub fn displacement(&self) -> R {
         self.velocity * self.duration.seconds()
@@ -148,7 +148,7 @@ impl<R: Real> Slip<R> {
 
 /// Parameters of a friction model.
 pub trait FrictionParams<R: Real> {
-    /// What they build.
+    /// The built model.
     type Model: FrictionModel<R> + 'static;
 
     /// Checks and precomputes.
@@ -160,7 +160,7 @@ pub trait FrictionParams<R: Real> {
 
 /// A friction model, its parameters checked and built.
 pub trait FrictionModel<R: Real> {
-    /// What the model remembers; by default at rest, without tension.
+    /// State of the model; by default at rest, without tension.
     type State: Clone + Default + 'static;
 
     /// The model reads [`Slip::applied`]. What it does not read may be anything.
@@ -173,7 +173,7 @@ pub trait FrictionModel<R: Real> {
     fn advance(&self, state: &mut Self::State, slip: &Slip<R>);
 
     /// Force at the end of the step, finite for any input bits. Input that is not finite leaves the state
-    /// as it is: the force is that of the step before, and says so.
+    /// as it is: the force is that of the step before, which is reported.
     #[inline(always)]
     fn step(&self, state: &mut Self::State, slip: &Slip<R>) -> Friction<R> {
         if slip.is_usual(Self::READS_APPLIED) {

@@ -13,7 +13,7 @@
 //! N(j*w) D(-j*w) of degree P - 1. With w^2 = t/(1 - t), q >= 0 on 0..=1 is decided in Bernstein form:
 //! coefficients that are all at least 0 prove it, a negative end value disproves it, and else the interval
 //! is halved. Each coefficient of q is first raised by [`TOLERANCE`] of its terms' magnitude, so that a
-//! system that just touches zero passes; what is certified is therefore Re G >= 0 to that share of
+//! system that just touches zero passes; what is certified is therefore Re G >= 0 to that fraction of
 //! rounding. All in f64.
 
 /// Share of the magnitude of a coefficient's terms that is taken for rounding.

@@ -4,7 +4,7 @@
 //! level(theta) = mean + sum over k = 1..K of a_k*cos(k*theta) + b_k*sin(k*theta)
 //! ```
 //!
-//! with a mean and K orders a turn for forward, and others for backward motion. Order 2 is the ellipse,
+//! with a mean and K orders a revolution for forward, and others for backward motion. Order 2 is the ellipse,
 //! order 1 what is off centre. Levels and coefficients (N) or (N m); the gear's block multiplies another level
 //! by level/mean. Sum over k of sqrt(a_k^2 + b_k^2) is at most 0.99 of the mean, so that the level is positive,
 //! from wherever the angle is counted.
@@ -45,8 +45,8 @@ impl<R: Real, const K: usize> Harmonics<R, K> {
     /// Over the mean.
     fn normalised(&self) -> Self {
         let inverse = R::ONE / self.mean;
-        let share = |part: R| part * inverse;
-        Self { mean: self.mean, cosines: self.cosines.map(share), sines: self.sines.map(share) }
+        let relative = |part: R| part * inverse;
+        Self { mean: self.mean, cosines: self.cosines.map(relative), sines: self.sines.map(relative) }
     }
 
     /// The level is the mean everywhere.
@@ -54,17 +54,17 @@ impl<R: Real, const K: usize> Harmonics<R, K> {
         self.cosines.iter().chain(&self.sines).all(|&amplitude| amplitude == R::ZERO)
     }
 
-    /// Level over its mean, of harmonics over the mean, each order's heading the one below it turned on.
+    /// Level over its mean, of harmonics over the mean, each order's heading that of the one below rotated on.
     #[inline(always)]
-    pub(super) fn share(&self, heading: Heading<R>) -> R {
-        let (mut at, mut share) = (heading, R::ONE);
+    pub(super) fn relative_level(&self, heading: Heading<R>) -> R {
+        let (mut at, mut level) = (heading, R::ONE);
         for (order, (&a, &b)) in self.cosines.iter().zip(&self.sines).enumerate() {
             if order > 0 {
                 at = at.plus(heading);
             }
-            share += a * at.cosine + b * at.sine;
+            level += a * at.cosine + b * at.sine;
         }
-        share
+        level
     }
 }
 
@@ -108,7 +108,7 @@ impl<R: Real, const K: usize> Ripple<R, K> {
     #[inline]
     pub fn level(&self, wave_generator: Heading<R>, backwards: bool) -> R {
         let harmonics = if backwards { &self.backward } else { &self.forward };
-        harmonics.mean * harmonics.share(wave_generator)
+        harmonics.mean * harmonics.relative_level(wave_generator)
     }
 }
 

@@ -28,7 +28,7 @@
 //! presliding, at most 31*P^2 more in a long step. The matrices are stored minus 1, and doubled as (1 +
 //! E)^2 - 1 = 2E + E^2, so that slow modes keep their digits.
 //!
-//! Known weakness: as Dahl's model, none of its states knows speed: no Stribeck effect in time; 31*P^2
+//! Known weakness: as Dahl's model, none of its states depends on speed: no Stribeck effect in time; 31*P^2
 //! numbers of memory.
 //!
 //! P.-A. Bliman, M. Sorine, "Easy-to-use realistic dry friction models for automatic control", European
@@ -42,9 +42,9 @@ use crate::real::Real;
 
 /// Stored powers of e^(A*h).
 const DOUBLINGS: usize = 31;
-/// What |A|*h is.
+/// |A|*h of the series' step h.
 const SHORT: f64 = 0.0625;
-/// What may be left of e^(A*T).
+/// Largest remainder of e^(A*T).
 const VANISHED: f64 = 1e-12;
 
 /// The matrices of eq. (8).
@@ -114,9 +114,9 @@ impl<const P: usize> Exponentials<P> {
         let (mut power, mut sliding_term) = (term, b.map(|entry| entry * h));
         let mut sliding = sliding_term;
         for order in 2..=12 {
-            let share = h / f64::from(order);
-            term = positive_real::product(a, &term).map(|row| row.map(|entry| entry * share));
-            sliding_term = positive_real::times(a, &sliding_term).map(|entry| entry * share);
+            let factor = h / f64::from(order);
+            term = positive_real::product(a, &term).map(|row| row.map(|entry| entry * factor));
+            sliding_term = positive_real::times(a, &sliding_term).map(|entry| entry * factor);
             for i in 0..P {
                 sliding[i] += sliding_term[i];
                 (0..P).for_each(|j| power[i][j] += term[i][j]);
@@ -216,8 +216,8 @@ impl<R: Real, const P: usize> StateSpace<R, P> {
         let terms = if R::MANTISSA_DIGITS > 24 { 9 } else { 5 };
         let mut term: [R; P] = core::array::from_fn(|i| state.x[i] - target[i]);
         for order in 1..=terms {
-            let share = path * R::lit(1.0 / f64::from(order));
-            term = times(&self.a, &term).map(|entry| entry * share);
+            let factor = path * R::lit(1.0 / f64::from(order));
+            term = times(&self.a, &term).map(|entry| entry * factor);
             (0..P).for_each(|i| state.x[i] += term[i]);
         }
     }
@@ -261,7 +261,7 @@ mod tests {
         StateSpaceParams { a: [[-1.0, 4.0], [-4.0, -2.0]], b: [1.0, 0.5], c: [1.0, 0.5] };
 
     proptest! {
-        /// The diagonal case beside its own exact step, from 1e-8 to 1e6 distances.
+        /// The diagonal case against its own exact step, from 1e-8 to 1e6 distances.
         #[test]
         fn a_diagonal_system_is_the_cheap_one(
             strokes in prop::collection::vec((-8.0..6.0f64, any::<bool>()), 1..30),

@@ -1,4 +1,4 @@
-//! What every model must do.
+//! Laws that every friction model obeys.
 
 use super::*;
 use crate::friction::state_space::StateSpaceParams;
@@ -27,7 +27,7 @@ fn joint<R: Real>() -> JointFrictionParams<R> {
     }
 }
 
-/// What is done with each model.
+/// Task that is run with each model.
 trait Task<R: Real> {
     fn run<M: FrictionModel<R, State: Debug + PartialEq>>(&self, name: &str, model: &M);
 }
@@ -130,7 +130,7 @@ proptest! {
     }
 }
 
-/// The force after moving both ways by mirror images is opposite.
+/// The force after a mirrored motion is opposite.
 struct Odd(Vec<f64>);
 
 impl Task<f64> for Odd {

@@ -14,13 +14,13 @@
 //! continuous in the input.
 //!
 //! Entries are integers, one of which is the quantum: that of f32 is 1/32 767 of the largest |G|, so
-//! that G is off by at most half of that, 1.6e-5 of it, everywhere; that of f64 is below what f64 resolves.
+//! that the error of G is at most half of that, 1.6e-5 of it; that of f64 is below what f64 resolves.
 //! Inputs are positions, see [`super::fixed`].
 //!
 //! D. Everett, Transactions of the Faraday Society 51 (1955).
 
 use super::fixed::Fixed;
-use super::memory::{Turn, cheaper};
+use super::memory::{TurningPoint, cheaper};
 use super::weights::Weights;
 use crate::real::Real;
 
@@ -43,7 +43,7 @@ pub(crate) struct Change<F> {
     pub(crate) slope: F,
 }
 
-/// The output along a cell: start + slope*x at the share x of it.
+/// The output along a cell: start + slope*x at the fraction x of it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Climb<F> {
     pub(crate) cell: usize,
@@ -154,12 +154,12 @@ impl<R: Real, const L: usize> Everett<R, L> {
         Change { value: slope.share(to - from), slope }
     }
 
-    /// The cell of a branch in which the output has `reached` what is looked for, told by an edge and the output
+    /// The cell of a branch in which the output has `reached` its target, a function of an edge and the output
     /// there; the last one when it does in none.
     #[inline(always)]
     pub(crate) fn climb(
         &self,
-        start: &Turn<R>,
+        start: &TurningPoint<R>,
         reached: impl Fn(usize, R::Fixed) -> bool,
     ) -> Climb<R::Fixed> {
         let (first, from) = R::Fixed::place(start.position, L);
@@ -182,7 +182,7 @@ impl<R: Real, const L: usize> Everett<R, L> {
         Climb { cell, start: start.output - slope.share(from), slope }
     }
 
-    /// The same of the virgin curve, on which both ends of G move: it is bent in its cells, as second value.
+    /// The same of the virgin curve, on which both ends of G move: its curvature in the cells is the second value.
     #[inline(always)]
     pub(crate) fn climb_virgin_curve(
         &self,

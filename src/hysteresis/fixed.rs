@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! position    the input over -U..U on the whole range of an unsigned integer; its mirror is its complement
-//! fraction    where in a cell, as a share of 2^(BITS - 1)
+//! fraction    position in a cell, relative to 2^(BITS - 1)
 //! output      in quanta of 2^-SHIFT of an entry of the table; its mirror is its complement
 //! ```
 //!
@@ -50,7 +50,7 @@ pub trait Fixed<R>:
     const FORESEEN: bool;
     /// Positions in half of the range: 2^(BITS - 1).
     const HALF_RANGE: R;
-    /// What [`Self::position`] takes for the input U, and for 0.
+    /// Arguments of [`Self::position`] for the input U, and for 0.
     const UPPER_END: R;
     /// See [`Self::UPPER_END`].
     const CENTRE: R;

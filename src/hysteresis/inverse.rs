@@ -1,21 +1,21 @@
-//! The input for a wanted output, on the same memory.
+//! Inverse of the operator: the input for a target output, on the same memory.
 //!
 //! ```text
-//! u with line(u) + y[u] = w,   y[u] what the operator answers when the input goes on to u monotonically
+//! u with line(u) + y[u] = w,   y[u]: output of the operator for an input that changes monotonically to u
 //! ```
 //!
-//! line is a stiffness line beside the operator, or none. Where the sum rises along every branch, the way to
-//! the wanted output is found as that to an input is: the outputs of the turning points are nested as their
-//! inputs are. On the branch the cell is found by halving, and in the cell the equation solved: it is linear,
-//! on the virgin curve quadratic, with the line's knees between. So the forward operator returns the wanted
+//! line is a stiffness line in parallel with the operator, or none. Where the sum rises along every branch, the branch
+//! of the target output is found as that of an input is: the outputs of the turning points are nested as their
+//! inputs are. On the branch the cell is found by bisection, and in the cell the equation solved: it is linear,
+//! on the virgin curve quadratic, with the line's knees between. So the forward operator returns the target
 //! output to rounding.
 //!
-//! Where y does not rise, because no relay switches there, any of its inputs is an answer; one of the cell is
-//! given. An output that no input reaches gives the end of the range, one that is not finite the input as it is.
+//! In a cell where y is constant, because no relay switches there, any input solves the equation; one of the cell is
+//! returned. An output that no input reaches gives the end of the range, one that is not finite the present input.
 
 use super::everett::Climb;
 use super::fixed::Fixed;
-use super::memory::{StaircaseState, Turn, cheaper};
+use super::memory::{StaircaseState, TurningPoint, cheaper};
 use super::staircase::Staircase;
 use crate::flexspline::stiffness_line::StiffnessLine;
 use crate::real::Real;
@@ -41,7 +41,7 @@ pub struct Inverse<'s, R: Real, const L: usize, const MEMORY: usize> {
     pub(super) staircase: &'s Staircase<R, L, MEMORY>,
 }
 
-/// The torsion for a torque through a stiffness line and the hysteresis beside it.
+/// The torsion for a torque through a stiffness line and the hysteresis in parallel.
 ///
 /// How far the motor has to wind the gear up for a torque, coming from above or from below:
 ///
@@ -71,8 +71,8 @@ pub struct TorsionInverse<'s, R: Real, const L: usize, const MEMORY: usize> {
 }
 
 impl<R: Real, const L: usize, const MEMORY: usize> TorsionInverse<'_, R, L, MEMORY> {
-    /// The torsion (rad) that the next step must have for line and hysteresis to carry `torque` (N m); beyond +-U
-    /// the line carries it alone.
+    /// The torsion (rad) of the next step for which line and hysteresis sum to `torque` (N m); beyond +-U the line
+    /// alone.
     #[inline(never)] // The timing budget counts this block by its symbol.
     pub fn torsion(&self, state: &StaircaseState<R, MEMORY>, torque: R) -> R {
         let staircase = self.staircase;
@@ -80,15 +80,15 @@ impl<R: Real, const L: usize, const MEMORY: usize> TorsionInverse<'_, R, L, MEMO
             cheaper();
             return staircase.input(state);
         }
-        let total = |turn: &Turn<R>| self.total(staircase.input_at(turn.position), turn.output);
+        let total = |point: &TurningPoint<R>| self.total(staircase.input_at(point.position), point.output);
         let along = if state.is_falling() { -torque } else { torque };
-        let wanted = Wanted::of(state, along, total(&state.now()), |torque| -torque);
-        let reached = |edge, output| self.total(staircase.edge(edge), output) >= wanted.to;
-        let (climb, bend) = match wanted.start(state, total) {
+        let target = Target::of(state, along, total(&state.now()), |torque| -torque);
+        let reached = |edge, output| self.total(staircase.edge(edge), output) >= target.to;
+        let (climb, bend) = match target.start(state, total) {
             Some(start) => (staircase.everett().climb(&start, reached), R::Fixed::default()),
             None => staircase.everett().climb_virgin_curve(reached),
         };
-        wanted.in_frame(self.in_cell(&climb, bend, wanted.to))
+        target.in_frame(self.in_cell(&climb, bend, target.to))
     }
 
     /// Line and hysteresis.
@@ -109,7 +109,7 @@ impl<R: Real, const L: usize, const MEMORY: usize> TorsionInverse<'_, R, L, MEMO
             let missing = torque - self.line.torque(torsion) - start - share * (slope + share * bend);
             let (stiffness, end) = self.line.piece_from(torsion);
             let rise = slope + bend * (share + share) + stiffness * staircase.cell_width();
-            let found = torsion + bent_root(missing, rise, bend) * staircase.cell_width();
+            let found = torsion + quadratic_root(missing, rise, bend) * staircase.cell_width();
             if found <= end.min(upper) {
                 return found;
             }
@@ -134,14 +134,14 @@ impl<R: Real, const L: usize, const MEMORY: usize> Inverse<'_, R, L, MEMORY> {
             return staircase.input(state);
         }
         let along = staircase.quanta(output).in_frame(state.frame());
-        let wanted = Wanted::of(state, along, state.now().output, |output| !output);
-        let width = wanted.in_frame(staircase.cell_width());
-        let Some(start) = wanted.start(state, |turn| turn.output) else {
+        let target = Target::of(state, along, state.now().output, |output| !output);
+        let width = target.in_frame(staircase.cell_width());
+        let Some(start) = target.start(state, |point| point.output) else {
             cheaper();
-            return self.on_virgin_curve(wanted.to) * width;
+            return self.on_virgin_curve(target.to) * width;
         };
-        let climb = staircase.everett().climb(&start, |_, output| output >= wanted.to);
-        let value = wanted.to - climb.start;
+        let climb = staircase.everett().climb(&start, |_, output| output >= target.to);
+        let value = target.to - climb.start;
         let share = if value < climb.slope {
             value.real() / climb.slope.real()
         } else {
@@ -154,25 +154,25 @@ impl<R: Real, const L: usize, const MEMORY: usize> Inverse<'_, R, L, MEMORY> {
     #[inline(always)]
     fn on_virgin_curve(&self, to: R::Fixed) -> R {
         let (climb, bend) = self.staircase.everett().climb_virgin_curve(|_, output| output >= to);
-        let share = bent_root((to - climb.start).real(), climb.slope.real(), bend.real());
-        // Where nothing rises, not a number counts as the end of the cell.
+        let share = quadratic_root((to - climb.start).real(), climb.slope.real(), bend.real());
+        // In a cell without a slope, not a number counts as its end.
         self.staircase.cells(climb.cell, share.min(R::ONE))
     }
 }
 
-/// What is looked for, in the frame of the way to it.
-struct Wanted<K> {
+/// Target, in the frame of its branch.
+struct Target<K> {
     to: K,
     /// In the other frame.
     mirror: K,
-    /// Where the last step left off.
+    /// Value of the last step.
     now: K,
     /// The frame is not that of the last step.
     turned: bool,
     falling: bool,
 }
 
-impl<K: PartialOrd + Copy> Wanted<K> {
+impl<K: PartialOrd + Copy> Target<K> {
     /// `along` and `now` in the frame of the last step.
     #[inline(always)]
     fn of<R: Real, const MEMORY: usize>(
@@ -187,14 +187,14 @@ impl<K: PartialOrd + Copy> Wanted<K> {
         Self { to, mirror, now, turned, falling: state.is_falling() != turned }
     }
 
-    /// Where its branch starts; the virgin curve has no start.
+    /// Start of its branch; the virgin curve has none.
     #[inline(always)]
     fn start<R: Real, const MEMORY: usize>(
         &self,
         state: &StaircaseState<R, MEMORY>,
-        key: impl Fn(&Turn<R>) -> K,
-    ) -> Option<Turn<R>> {
-        state.start_of_way(self.turned, self.to, self.mirror, self.now, key)
+        key: impl Fn(&TurningPoint<R>) -> K,
+    ) -> Option<TurningPoint<R>> {
+        state.start_of_branch(self.turned, self.to, self.mirror, self.now, key)
     }
 
     #[inline(always)]
@@ -205,7 +205,7 @@ impl<K: PartialOrd + Copy> Wanted<K> {
 
 /// x >= 0 with slope*x + bend*x^2 = `value` >= 0, where that rises.
 #[inline(always)]
-fn bent_root<R: Real>(value: R, slope: R, bend: R) -> R {
+fn quadratic_root<R: Real>(value: R, slope: R, bend: R) -> R {
     // The sum, not the difference of nearly equal numbers.
     let square = slope * slope + R::lit(4.0) * bend * value;
     (value + value) / (slope + square.sqrt_or_zero())
@@ -243,9 +243,9 @@ mod tests {
         let inverse = model.inverse().unwrap();
         let mut worst = [0.0f64; 2];
         for end in ends {
-            let wanted = R::lit(end * S);
-            let found = model.peek(&state, inverse.input(&state, wanted)).output;
-            worst[0] = worst[0].max((found - wanted).to_f64().abs() / (2.0 * S));
+            let target = R::lit(end * S);
+            let found = model.peek(&state, inverse.input(&state, target)).output;
+            worst[0] = worst[0].max((found - target).to_f64().abs() / (2.0 * S));
             let input = R::lit(end * U);
             let back = inverse.input(&state, model.peek(&state, input).output);
             worst[1] = worst[1].max((back - input).to_f64().abs() / (2.0 * U));
@@ -292,8 +292,8 @@ mod tests {
             for end in ends {
                 let torque = 80.0 * end;
                 let torsion = inverse.torsion(&state, torque);
-                let carried = line.torque(torsion) + model.peek(&state, torsion).torque;
-                prop_assert!((carried - torque).abs() < 1e-11, "{} {} {}", torque, carried, torsion);
+                let found = line.torque(torsion) + model.peek(&state, torsion).torque;
+                prop_assert!((found - torque).abs() < 1e-11, "{} {} {}", torque, found, torsion);
             }
         }
 
@@ -304,10 +304,10 @@ mod tests {
             for u in history {
                 model.step(&mut state, (u * U) as f32);
             }
-            let wanted = f32::from_bits(bits);
-            let input = model.inverse().unwrap().input(&state, wanted);
+            let target = f32::from_bits(bits);
+            let input = model.inverse().unwrap().input(&state, target);
             prop_assert!(input.abs() <= U as f32);
-            prop_assert!(wanted.is_finite() || (input - model.input(&state)).abs() < 1e-6 * U as f32);
+            prop_assert!(target.is_finite() || (input - model.input(&state)).abs() < 1e-6 * U as f32);
         }
     }
 
@@ -332,9 +332,9 @@ mod tests {
         let mut state = StaircaseState::default();
         for u in [0.0, 1.0, 0.2, 0.5] {
             model.step(&mut state, u * U);
-            for wanted in [-S, -0.3 * S, model.output(&state), S] {
-                let input = model.inverse().unwrap().input(&state, wanted);
-                assert!((model.peek(&state, input).output - wanted).abs() < 1e-12, "{u} {wanted} {input}");
+            for target in [-S, -0.3 * S, model.output(&state), S] {
+                let input = model.inverse().unwrap().input(&state, target);
+                assert!((model.peek(&state, input).output - target).abs() < 1e-12, "{u} {target} {input}");
             }
         }
     }

@@ -1,4 +1,4 @@
-//! What a staircase remembers: the turning points that later ones have not wiped out.
+//! Memory of a staircase: the turning points that later ones have not wiped out.
 //!
 //! They alternate and are nested, r_1 the outermost; r_0 = -r_1 stands for the demagnetised past. Weights are
 //! symmetric, so a falling input is a rising one in a mirror: every branch rises in its own frame. A turning point
@@ -7,25 +7,25 @@
 //!
 //! ```text
 //! the input is at v in the frame of the branch:    -r_d <= v < r_(d-1),   d points in use
-//! v reaches r_(d-1)      r_(d-1) and r_d are wiped out; what is left is found by halving
-//! v falls below where the last step left off       that is stored, and the frame mirrored
+//! v reaches r_(d-1)      r_(d-1) and r_d are wiped out; the remaining depth is found by bisection
+//! v falls below the last step's position           that is stored, and the frame mirrored
 //! v falls below -r_d     the same, and as if r_d had never been
 //! ```
 //!
-//! Halving takes one comparison for each bit of the capacity, whatever the history.
+//! Bisection takes one comparison for each bit of the capacity, whatever the history.
 //!
 //! Full memory: the smallest loop, the last two points, is forgotten for the new one. The outputs of the
-//! others stay, so nothing jumps then. The output is off only while the input passes what was forgotten on its way
-//! out, and never by more than the output changes over the smallest loop that is kept: for a ring-down that loses
+//! others stay, so that the output is continuous. It has an error only while the input passes forgotten points outwards,
+//! and never a larger one than the output's change over the smallest loop that is kept: for a ring-down that loses
 //! 6 % a half cycle, 24 points and the standard shape 11 % of the output at saturation; the largest error found is
 //! 2.5 % (`strainwave verify hysteresis`).
 
 use super::fixed::Fixed;
 use crate::real::Real;
 
-/// A position and its output in the frame of a branch.
+/// Turning point: a past extremum as position and output in the frame of a branch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Turn<R: Real> {
+pub(crate) struct TurningPoint<R: Real> {
     pub(crate) position: Position<R>,
     pub(crate) output: R::Fixed,
 }
@@ -37,8 +37,8 @@ pub(crate) type Position<R> = <<R as Real>::Fixed as Fixed<R>>::Position;
 #[repr(C)]
 pub struct StaircaseState<R: Real, const MEMORY: usize> {
     /// Each as the start of the branch that followed it, in that one's frame.
-    turns: [Turn<R>; MEMORY],
-    /// Where the last step left off, in the frame of the branch.
+    turning_points: [TurningPoint<R>; MEMORY],
+    /// Position of the last step, in the frame of the branch.
     position: Position<R>,
     /// 0 on a rising branch, !0 on a falling one.
     frame: Position<R>,
@@ -53,7 +53,7 @@ pub struct StaircaseState<R: Real, const MEMORY: usize> {
 impl<R: Real, const MEMORY: usize> Default for StaircaseState<R, MEMORY> {
     fn default() -> Self {
         Self {
-            turns: [Turn::default(); MEMORY],
+            turning_points: [TurningPoint::default(); MEMORY],
             position: R::Fixed::MIDDLE,
             frame: Position::<R>::default(),
             depth: 0,
@@ -63,15 +63,15 @@ impl<R: Real, const MEMORY: usize> Default for StaircaseState<R, MEMORY> {
     }
 }
 
-/// How an input is reached.
-enum Way {
+/// Branch on which an input is reached.
+enum Branch {
     /// On the virgin curve.
     Virgin,
     /// On the branch of the last step, which starts at the last of so many points.
     Same(usize),
     /// On one that starts at the last of so many points, those behind being wiped out.
     Resumed(usize),
-    /// On one that starts where the last step left off, behind so many points.
+    /// On one that starts at the last step's position, behind so many points.
     Turned(usize),
 }
 
@@ -86,7 +86,7 @@ impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
         self.position == !Position::<R>::default()
     }
 
-    /// How many inputs so far were not a number; each left everything else as it was.
+    /// Number of inputs so far that were not a number; each left everything else as it was.
     pub fn held(&self) -> u32 {
         self.held
     }
@@ -97,102 +97,103 @@ impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
         self.output.in_frame(self.frame)
     }
 
-    /// Goes to a position: that in the frame of its branch, and where the branch starts; the virgin curve has no
-    /// start. [`Self::arrive`] is to follow.
+    /// Goes to a position: that in the frame of its branch, and the branch's start; the virgin curve has none.
+    /// [`Self::arrive`] is to follow.
     #[inline(always)]
-    pub(crate) fn go(&mut self, position: Position<R>) -> (Position<R>, Option<Turn<R>>) {
+    pub(crate) fn go(&mut self, position: Position<R>) -> (Position<R>, Option<TurningPoint<R>>) {
         let along = position ^ self.frame;
         let (turned, one_less) = R::Fixed::below(along, self.position);
         if one_less != 0 || !R::Fixed::FORESEEN {
             self.frame = self.frame ^ turned;
         }
         let to = along ^ turned;
-        let start = match self.way(one_less, to, !to, self.position, |turn| turn.position) {
-            Way::Virgin => {
+        let start = match self.branch(one_less, to, !to, self.position, |point| point.position) {
+            Branch::Virgin => {
                 self.depth = 0;
                 None
             }
-            Way::Same(depth) => self.start(depth),
-            Way::Resumed(depth) => {
+            Branch::Same(depth) => self.start(depth),
+            Branch::Resumed(depth) => {
                 self.depth = depth as u32;
                 self.start(depth)
             }
-            Way::Turned(depth) => Some(self.push(depth)),
+            Branch::Turned(depth) => Some(self.push(depth)),
         };
         (to, start)
     }
 
-    /// Where the branch behind `depth` >= 2 points starts.
+    /// Start of the branch behind `depth` >= 2 points.
     #[inline(always)]
-    fn start(&self, depth: usize) -> Option<Turn<R>> {
-        let start = self.turns.get(depth.wrapping_sub(1));
+    fn start(&self, depth: usize) -> Option<TurningPoint<R>> {
+        let start = self.turning_points.get(depth.wrapping_sub(1));
         if start.is_none() {
             cheaper();
         }
         start.copied()
     }
 
-    /// The way to where a `key` that rises along every branch, and is `now`, becomes `to`; `mirror` is that
+    /// The branch on which a `key` that rises along every branch, and is `now`, becomes `to`; `mirror` is that
     /// in the other frame, `turned` is -1 when the frame is not that of the last step, else 0.
     #[inline(always)]
-    fn way<K: PartialOrd + Copy>(
+    fn branch<K: PartialOrd + Copy>(
         &self,
         turned: usize,
         to: K,
         mirror: K,
         now: K,
-        key: impl Fn(&Turn<R>) -> K,
-    ) -> Way {
+        key: impl Fn(&TurningPoint<R>) -> K,
+    ) -> Branch {
         let bound = (self.depth as usize).wrapping_sub(2).wrapping_sub(turned);
         let turned = turned != 0;
-        let Some(turn) = self.turns.get(bound) else {
+        let Some(point) = self.turning_points.get(bound) else {
             cheaper();
-            return if turned && to < now { Way::Turned(0) } else { Way::Virgin };
+            return if turned && to < now { Branch::Turned(0) } else { Branch::Virgin };
         };
-        let short = key(turn) < mirror;
+        let short = key(point) < mirror;
         let short = if R::Fixed::FORESEEN { short } else { seldom(short) };
         if short {
-            return if turned { Way::Turned(bound + 1) } else { Way::Same(bound + 2) };
+            return if turned { Branch::Turned(bound + 1) } else { Branch::Same(bound + 2) };
         }
-        if key(&self.turns[0]) >= mirror {
+        if key(&self.turning_points[0]) >= mirror {
             cheaper();
-            return Way::Virgin;
+            return Branch::Virgin;
         }
         // Every second point up to that one may be reached too.
         let mut reached = bound;
         let mut stride = (MEMORY / 2 + 1).next_power_of_two();
         while stride > 1 {
             let outer = reached.saturating_sub(stride);
-            reached = core::hint::select_unpredictable(key(&self.turns[outer]) >= mirror, outer, reached);
+            reached =
+                core::hint::select_unpredictable(key(&self.turning_points[outer]) >= mirror, outer, reached);
             stride /= 2;
         }
-        Way::Resumed(reached)
+        Branch::Resumed(reached)
     }
 
-    /// Where the branch starts on which a `key` that rises along every branch, and is `now`, becomes `to`, in its
+    /// Start of the branch on which a `key` that rises along every branch, and is `now`, becomes `to`, in its
     /// frame; that is another than that of the last step when it has `turned`.
     #[inline(always)]
-    pub(crate) fn start_of_way<K: PartialOrd + Copy>(
+    pub(crate) fn start_of_branch<K: PartialOrd + Copy>(
         &self,
         turned: bool,
         to: K,
         mirror: K,
         now: K,
-        key: impl Fn(&Turn<R>) -> K,
-    ) -> Option<Turn<R>> {
-        match self.way(0_usize.wrapping_sub(usize::from(turned)), to, mirror, now, key) {
-            Way::Virgin => None,
-            Way::Same(depth) | Way::Resumed(depth) => {
-                Some(*self.turns.get(depth.wrapping_sub(1)).unwrap_or(&self.turns[0]))
+        key: impl Fn(&TurningPoint<R>) -> K,
+    ) -> Option<TurningPoint<R>> {
+        match self.branch(0_usize.wrapping_sub(usize::from(turned)), to, mirror, now, key) {
+            Branch::Virgin => None,
+            Branch::Same(depth) | Branch::Resumed(depth) => {
+                Some(*self.turning_points.get(depth.wrapping_sub(1)).unwrap_or(&self.turning_points[0]))
             }
-            Way::Turned(_) => Some(Turn { position: !self.position, output: !self.output }),
+            Branch::Turned(_) => Some(TurningPoint { position: !self.position, output: !self.output }),
         }
     }
 
-    /// Where the last step left off, in the frame of its branch.
+    /// Position and output of the last step, in the frame of its branch.
     #[inline(always)]
-    pub(crate) fn now(&self) -> Turn<R> {
-        Turn { position: self.position, output: self.output }
+    pub(crate) fn now(&self) -> TurningPoint<R> {
+        TurningPoint { position: self.position, output: self.output }
     }
 
     /// That frame.
@@ -207,24 +208,24 @@ impl<R: Real, const MEMORY: usize> StaircaseState<R, MEMORY> {
         self.frame != Position::<R>::default()
     }
 
-    /// The output where [`Self::go`] went, in its frame.
+    /// Sets the output at the position of [`Self::go`], in its frame.
     #[inline(always)]
     pub(crate) fn arrive(&mut self, position: Position<R>, output: R::Fixed) {
         (self.position, self.output) = (position, output);
     }
 
-    /// Stores where the last step left off as a turning point behind `depth` others.
+    /// Stores the last step's position as a turning point behind `depth` others.
     #[inline(always)]
-    fn push(&mut self, depth: usize) -> Turn<R> {
-        let turn = Turn { position: !self.position, output: !self.output };
+    fn push(&mut self, depth: usize) -> TurningPoint<R> {
+        let point = TurningPoint { position: !self.position, output: !self.output };
         if depth == 0 {
             // The demagnetised past is its mirror.
-            self.turns[0] = turn;
+            self.turning_points[0] = point;
         }
         let place = if depth >= MEMORY { MEMORY - 2 } else { depth.max(1) };
-        self.turns[place] = turn;
+        self.turning_points[place] = point;
         self.depth = place as u32 + 1;
-        turn
+        point
     }
 
     /// Falls to the end of the range, where everything is wiped out.
@@ -251,7 +252,7 @@ fn seldom(condition: bool) -> bool {
     }
 }
 
-/// Marks a path that costs less than the one beside it, which then is the one to fall through.
+/// Marks a path that costs less than the alternative, which then is the one to fall through.
 #[cold]
 #[inline]
 pub(super) fn cheaper() {}

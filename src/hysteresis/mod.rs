@@ -7,7 +7,7 @@
 //! | `everett` | the same weights as a table of output changes |
 //! | `staircase` | the operator from its past extrema: the real-time one |
 //! | `torsion` | the torque over torsion that the operator stands for |
-//! | `table` | identified weights as a gear carries them |
+//! | `table` | identified weights as a gear stores them |
 //!
 //! The half range U of the input is cut into L cells of width h = 2U/L. Grid inputs are the L + 1
 //! cell edges -U + k*h; relay (i, j), i >= j, switches in the middle of a cell, up past

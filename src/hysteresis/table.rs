@@ -1,8 +1,8 @@
-//! Identified weights as a gear carries them: one table of [`TABLE_LEVELS`], spread over the levels of any build.
+//! Identified weights as a gear stores them: one table of [`TABLE_LEVELS`], spread over the levels of any build.
 //!
 //! The weight of a cell is even over it, that of a cell on the diagonal even along its diagonal, as the
 //! Everett table interpolates: a finer grid whose edges hold the table's is the same operator, and on
-//! any other grid the operator is the same at the edges of that grid. A sum of shares, so that no
+//! any other grid the operator is the same at the edges of that grid. A sum of fractions, so that no
 //! weight becomes negative.
 //!
 //! Units: half range (rad), weights (N m).
@@ -33,7 +33,7 @@ impl<R: Real> HysteresisTable<R> {
         for i in 0..TABLE_LEVELS {
             for j in 0..=i.min(TABLE_LEVELS - 1 - i) {
                 if let Some(place) = table.weights.get_mut(place(i, j)) {
-                    *place = share(&weight, levels, TABLE_LEVELS, (i, j));
+                    *place = resampled(&weight, levels, TABLE_LEVELS, (i, j));
                 }
             }
         }
@@ -49,7 +49,7 @@ impl<R: Real> HysteresisTable<R> {
         let lower = |i: usize, j: usize| if i + j < L { (i, j) } else { (L - 1 - j, L - 1 - i) };
         Weights::from_fn(|i, j| {
             let (i, j) = lower(i, j);
-            share(|i, j| self.at(i, j), TABLE_LEVELS, L, (i, j))
+            resampled(|i, j| self.at(i, j), TABLE_LEVELS, L, (i, j))
         })
     }
 
@@ -61,7 +61,7 @@ impl<R: Real> HysteresisTable<R> {
     }
 }
 
-/// Where mu_ij with i + j < [`TABLE_LEVELS`] stands: row i has i + 1 weights, from the middle on one less each.
+/// Index of mu_ij with i + j < [`TABLE_LEVELS`]: row i has i + 1 weights, from the middle on one less each.
 const fn place(i: usize, j: usize) -> usize {
     if 2 * i <= TABLE_LEVELS {
         i * (i + 1) / 2 + j
@@ -71,7 +71,12 @@ const fn place(i: usize, j: usize) -> usize {
 }
 
 /// Weight that cell (i, j) of a grid of `to` levels takes from the weights of a grid of `from` levels.
-fn share<R: Real>(weight: impl Fn(usize, usize) -> R, from: usize, to: usize, (i, j): (usize, usize)) -> R {
+fn resampled<R: Real>(
+    weight: impl Fn(usize, usize) -> R,
+    from: usize,
+    to: usize,
+    (i, j): (usize, usize),
+) -> R {
     let mut sum = R::ZERO;
     for from_i in covering(i, from, to) {
         let along_i = overlap::<R>((from_i, from), (i, to));
@@ -94,7 +99,7 @@ fn covering(k: usize, from: usize, to: usize) -> core::ops::Range<usize> {
     k * from / to..((k + 1) * from).div_ceil(to)
 }
 
-/// Share of a cell that lies in another, each with its number of levels; whole numbers until the end, so that
+/// Fraction of a cell that lies in another, each with its number of levels; whole numbers until the end, so that
 /// a whole cell is 1.
 fn overlap<R: Real>((cell, levels): (usize, usize), (other, other_levels): (usize, usize)) -> R {
     let start = (cell * other_levels).max(other * levels);
@@ -139,12 +144,12 @@ mod tests {
         fn agrees<const L: usize>() {
             let table_weights = uneven::<TABLE_LEVELS>();
             let weights = table(&table_weights).weights::<L>().unwrap();
-            let wanted = Staircase::<f64, TABLE_LEVELS, 64>::build(1.0, &table_weights).unwrap();
+            let expected = Staircase::<f64, TABLE_LEVELS, 64>::build(1.0, &table_weights).unwrap();
             let found = Staircase::<f64, L, 64>::build(1.0, &weights).unwrap();
             let (mut a, mut b) = (StaircaseState::default(), StaircaseState::default());
             for k in 0..20 * L {
                 let edge = 2.0 * (k * k * 7 % (L + 1)) as f64 / L as f64 - 1.0;
-                let difference = wanted.step(&mut a, edge).output - found.step(&mut b, edge).output;
+                let difference = expected.step(&mut a, edge).output - found.step(&mut b, edge).output;
                 assert!(difference.abs() < 1e-6 * weights.total(), "{L}: {edge} {difference:e}");
             }
             assert!((weights.total() - table_weights.total()).abs() < 1e-11);

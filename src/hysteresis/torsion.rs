@@ -17,7 +17,7 @@
 //!
 //! and over any path from the demagnetised state back to phi = 0 it is >= 0.
 //!
-//! Sign: tau_hyst is part of tau_t, positive when it turns the flexspline forwards, as a spring
+//! Sign: tau_hyst is part of tau_t, positive when it drives the flexspline forwards, as a spring
 //! does at phi > 0. Units: phi (rad), tau_hyst (N m), slope (N m/rad). No time in it: nothing to
 //! discretise. The default state is demagnetised: tau_hyst = 0 at phi = 0.
 //!
@@ -133,13 +133,13 @@ impl<R: Real, const L: usize, const MEMORY: usize> TorsionHysteresis<R, L, MEMOR
         self.staircase.step(state, torsion).into()
     }
 
-    /// What [`Self::step`] would return, with the state left as it is.
+    /// Result of [`Self::step`] without a change of the state.
     #[inline]
     pub fn peek(&self, state: &TorsionHysteresisState<R, MEMORY>, torsion: R) -> HysteresisTorque<R> {
         self.staircase.peek(state, torsion).into()
     }
 
-    /// The torsion for a wanted torque through `line` and the hysteresis beside it.
+    /// The inverse: torsion for a given torque through `line` and the hysteresis in parallel.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `line` unless it is stiffer everywhere than the hysteresis falls anywhere.
@@ -215,14 +215,14 @@ mod tests {
         );
         for k in -12i32..=12 {
             let x = f64::from(k) / 12.0;
-            let wanted = S * (x.abs() - x * x) * x.signum();
-            assert!((model::<f64>().peek(&state, x * U).torque - wanted).abs() < 1e-13);
+            let expected = S * (x.abs() - x * x) * x.signum();
+            assert!((model::<f64>().peek(&state, x * U).torque - expected).abs() < 1e-13);
         }
     }
 
     /// One arcmin at the default gear's K1, from the torque loop itself.
     #[test]
-    fn the_width_at_zero_torque_is_the_wanted_one() {
+    fn the_width_at_zero_torque_is_the_given_one() {
         let (k1, width) = (3.1e4, 2.908_882e-4);
         let gap = gap_for_width(k1, width, U).unwrap();
         let model: TorsionHysteresis<f64, L, MEMORY> =
@@ -352,10 +352,10 @@ mod tests {
             let found = model.step(&mut state, x * U);
             let h = 1e-7 * U * if rising { 1.0 } else { -1.0 };
             let moved = model.peek(&state, x * U + h).torque;
-            let wanted = (moved - found.torque) / h;
+            let expected = (moved - found.torque) / h;
             // Only where the probe goes on in the direction of the step.
             if (x, rising) != (0.2, true) && (x, rising) != (-0.1, false) {
-                assert!((wanted - found.slope).abs() < 1e-4 * S / U, "{x}");
+                assert!((expected - found.slope).abs() < 1e-4 * S / U, "{x}");
             }
         }
     }

@@ -14,12 +14,12 @@ pub(super) struct FullSpeed<R> {
 impl<R: Real> FullSpeed<R> {
     /// From `start` to `end`, less than 2^31 counts a period, in this number of periods; if that is none, it stands.
     pub fn between(start: Angle<R>, end: Angle<R>, periods: u32) -> Self {
-        let way = end.less(start);
+        let path = end.less(start);
         let periods = i64::from(periods);
         let divide = |of: i64| of.checked_div_euclid(periods).unwrap_or(0);
-        let whole = divide(way.counts);
-        let left = way.counts.wrapping_sub(whole.wrapping_mul(periods));
-        let rest = i64::from((way.rest * R::lit(16_777_216.0)).to_i32()) << 8;
+        let whole = divide(path.counts);
+        let left = path.counts.wrapping_sub(whole.wrapping_mul(periods));
+        let rest = i64::from((path.rest * R::lit(16_777_216.0)).to_i32()) << 8;
         Self { start, rate: (whole << 32).wrapping_add(divide((left << 32).wrapping_add(rest))) }
     }
 

@@ -102,8 +102,8 @@ impl<R: Real> Trajectory<R> {
     /// The move from rest at `start` to rest at `target`. Takes no more than 100 trials of a width.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `distance` when it is not finite, is beyond 2^14 turns, takes more than 2^24 control
-    /// periods, or takes more than half a turn to the highest speed.
+    /// [`Error::OutOfRange`] `distance` when it is not finite, is beyond 2^14 revolutions, takes more than 2^24 control
+    /// periods, or takes more than half a revolution to the highest speed.
     pub fn plan(&self, start: Angle<R>, target: Angle<R>) -> Result<Move<R>, Error> {
         const NAME: &str = "distance";
         // Any bits become an angle whose fraction is one.

@@ -8,7 +8,7 @@ const SIGNS: [i32; 7] = [1, 0, -1, 0, -1, 0, 1];
 
 /// Path and its derivatives (rad, s).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Course<R> {
+pub(super) struct ProfilePoint<R> {
     pub path: R,
     pub velocity: R,
     pub acceleration: R,
@@ -16,7 +16,7 @@ pub(super) struct Course<R> {
     pub snap: R,
 }
 
-impl<R: Real> Course<R> {
+impl<R: Real> ProfilePoint<R> {
     /// After a time t (s) of constant snap.
     #[inline(always)]
     fn after(&self, t: R) -> Self {
@@ -39,7 +39,7 @@ pub(super) struct Ramp<R> {
     /// First period of each segment.
     starts: [u32; 7],
     /// At these.
-    corners: [Course<R>; 7],
+    corners: [ProfilePoint<R>; 7],
     dt: R,
 }
 
@@ -47,20 +47,20 @@ impl<R: Real> Ramp<R> {
     /// The ramp of these widths with the snap's level (rad/s^4), and path (rad) and speed (rad/s) at its end.
     pub fn build(widths: &Widths, snap: R, dt: R) -> (Self, R, R) {
         let starts = widths.corners();
-        let mut corners = [Course::default(); 7];
-        let mut course = Course::default();
+        let mut corners = [ProfilePoint::default(); 7];
+        let mut point = ProfilePoint::default();
         let ends = starts.iter().skip(1).copied().chain([widths.ramp()]);
         for (((corner, sign), start), end) in corners.iter_mut().zip(SIGNS).zip(starts).zip(ends) {
-            course.snap = snap * R::from_i32(sign);
-            *corner = course;
-            course = course.after(time(end - start, dt));
+            point.snap = snap * R::from_i32(sign);
+            *corner = point;
+            point = point.after(time(end - start, dt));
         }
-        (Self { starts, corners, dt }, course.path, course.velocity)
+        (Self { starts, corners, dt }, point.path, point.velocity)
     }
 
     /// At the start of period `now`, by the segment that `period` lies in.
     #[inline]
-    pub fn at(&self, now: u32, period: u32) -> Course<R> {
+    pub fn at(&self, now: u32, period: u32) -> ProfilePoint<R> {
         let mut found = (0, &self.corners[0]);
         for (&start, corner) in self.starts.iter().zip(&self.corners) {
             if start <= period {

@@ -5,7 +5,7 @@ use crate::compensator::Setpoint;
 use crate::error::{Error, require};
 use crate::real::Real;
 use crate::trajectory::full_speed::FullSpeed;
-use crate::trajectory::ramp::{Course, Ramp};
+use crate::trajectory::ramp::{ProfilePoint, Ramp};
 use crate::trajectory::widths::{Widths, time};
 
 /// A planned move from rest to rest.
@@ -52,7 +52,7 @@ pub struct Move<R> {
     dt: R,
 }
 
-/// How far a move is.
+/// Distance of a move.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MoveState {
     pub(super) elapsed: u32,
@@ -120,7 +120,7 @@ impl<R: Real> Move<R> {
         self.widths.total()
     }
 
-    /// Where it ends.
+    /// Angle at its end.
     pub fn end(&self) -> Angle<R> {
         self.end
     }
@@ -131,12 +131,12 @@ impl<R: Real> Move<R> {
     }
 }
 
-fn setpoint<R: Real>(origin: Angle<R>, course: &Course<R>) -> Setpoint<R> {
-    let Course { path, velocity, acceleration, jerk, snap } = *course;
+fn setpoint<R: Real>(origin: Angle<R>, point: &ProfilePoint<R>) -> Setpoint<R> {
+    let ProfilePoint { path, velocity, acceleration, jerk, snap } = *point;
     Setpoint { position: origin.plus(path), velocity, acceleration, jerk, snap }
 }
 
 /// With time and path reversed.
-fn mirrored<R: Real>(course: &Course<R>) -> Course<R> {
-    Course { path: -course.path, acceleration: -course.acceleration, snap: -course.snap, ..*course }
+fn mirrored<R: Real>(point: &ProfilePoint<R>) -> ProfilePoint<R> {
+    ProfilePoint { path: -point.path, acceleration: -point.acceleration, snap: -point.snap, ..*point }
 }

@@ -41,7 +41,7 @@ fn any_distance() -> impl Strategy<Value = f64> {
     (-5.0..0.4, any::<bool>()).prop_map(|(power, back)| if back { -1.0 } else { 1.0 } * 10f64.powf(power))
 }
 
-/// What each step of constant snap adds, and how far the next setpoint is from it: position, then each derivative.
+/// Defects of a step of constant snap: position of the next setpoint, then each derivative, less the predicted one.
 fn defects(pair: &[Setpoint<f64>]) -> [f64; 4] {
     let (now, next) = (derivatives(&pair[0]), derivatives(&pair[1]));
     let [v, a, j, s] = now;
@@ -54,8 +54,8 @@ fn defects(pair: &[Setpoint<f64>]) -> [f64; 4] {
     ]
 }
 
-fn assert_integrals(course: &[Setpoint<f64>], of: [f64; 4]) -> Result<(), TestCaseError> {
-    for pair in course.windows(2) {
+fn assert_integrals(setpoints: &[Setpoint<f64>], of: [f64; 4]) -> Result<(), TestCaseError> {
+    for pair in setpoints.windows(2) {
         let [x, v, a, j] = defects(pair);
         prop_assert!(x.abs() <= 1e-13, "position {x:e} at {pair:?}");
         for (defect, limit) in [v, a, j].into_iter().zip(of) {
@@ -65,8 +65,8 @@ fn assert_integrals(course: &[Setpoint<f64>], of: [f64; 4]) -> Result<(), TestCa
     Ok(())
 }
 
-fn assert_bounds<R: Real>(course: &[Setpoint<R>], of: [f64; 4]) -> Result<(), TestCaseError> {
-    for setpoint in course {
+fn assert_bounds<R: Real>(setpoints: &[Setpoint<R>], of: [f64; 4]) -> Result<(), TestCaseError> {
+    for setpoint in setpoints {
         for (value, limit) in derivatives(setpoint).into_iter().zip(of) {
             prop_assert!(value.abs() <= R::lit(limit).to_f64(), "{value} of {limit}: {setpoint:?}");
         }
@@ -88,12 +88,12 @@ proptest! {
         assert_bounds(&setpoints(&plan::<f32>(of, distance)), of)?;
     }
 
-    /// Backwards from the target it is the way from the start.
+    /// Time-reversed, the move from the target equals that from the start.
     #[test]
     fn the_second_half_mirrors_the_first(of in any_limits(), distance in any_distance()) {
         let planned = plan::<f32>(of, distance);
-        let course = setpoints(&planned);
-        for (out, back) in course.iter().zip(course.iter().rev()) {
+        let points = setpoints(&planned);
+        for (out, back) in points.iter().zip(points.iter().rev()) {
             let mirrored = Setpoint { acceleration: -back.acceleration, snap: out.snap, ..*back };
             for ((out, back), limit) in derivatives(out).into_iter().zip(derivatives(&mirrored)).zip(of) {
                 prop_assert!((out - back).abs() <= SEAM * limit, "{out} {back}");
@@ -104,8 +104,8 @@ proptest! {
     }
 
     #[test]
-    fn it_starts_at_the_start_and_arrives_at_the_target(of in any_limits(), start: i64, way in -4e8..4e8f64) {
-        let (start, target) = (Angle::<f32>::from_counts(start), Angle::from_counts(start.wrapping_add(way as i64)));
+    fn it_starts_at_the_start_and_arrives_at_the_target(of in any_limits(), start: i64, distance in -4e8..4e8f64) {
+        let (start, target) = (Angle::<f32>::from_counts(start), Angle::from_counts(start.wrapping_add(distance as i64)));
         let planned = limits(of).build(DT as f32).unwrap().plan(start, target).unwrap();
         let mut state = MoveState::default();
         prop_assert_eq!(planned.step(&mut state).position, start);
@@ -117,7 +117,7 @@ proptest! {
         }
     }
 
-    /// The f32 move beside the exact one of the same widths.
+    /// The f32 move against the exact one of the same widths.
     #[test]
     fn f32_is_as_exact_as_stated(of in any_limits(), distance in any_distance()) {
         let short = plan::<f32>(of, distance);
@@ -173,14 +173,14 @@ proptest! {
         prop_assert!(stopped.periods() <= planned.periods());
         prop_assert!(stopped.periods() <= 8 * before);
         for k in 0..before {
-            let (course, wanted) = (stopped.at(k), planned.at(k));
-            prop_assert!(course.position.minus(wanted.position).abs() <= 1e-14);
-            prop_assert_eq!(derivatives(&course), derivatives(&wanted));
+            let (found, expected) = (stopped.at(k), planned.at(k));
+            prop_assert!(found.position.minus(expected.position).abs() <= 1e-14);
+            prop_assert_eq!(derivatives(&found), derivatives(&expected));
         }
-        let course = setpoints(&stopped);
-        assert_integrals(&course, of)?;
-        assert_bounds(&course, of)?;
-        let end = derivatives(course.last().unwrap());
+        let points = setpoints(&stopped);
+        assert_integrals(&points, of)?;
+        assert_bounds(&points, of)?;
+        let end = derivatives(points.last().unwrap());
         prop_assert_eq!(end, [0.0; 4]);
     }
 
@@ -243,7 +243,7 @@ fn rest_is_rest() {
     assert!(setpoints(&planned).iter().all(|setpoint| *setpoint == planned.at(0)));
 }
 
-/// At full speed for a thousand turns an f32 position still moves by the same step.
+/// At full speed for a thousand revolutions an f32 position still moves by the same step.
 #[test]
 fn a_long_way_does_not_lose_resolution() {
     let start = Angle::<f32>::from_counts(1 << 50);
@@ -279,6 +279,6 @@ fn what_no_move_can_be_planned_with_is_named() {
     // 1 rad at 0.1 mrad/s is no day's work for 2^24 periods of 0.1 ms.
     assert_eq!(to([1e-4, 2.0, 20.0, 400.0], near), distance);
     assert_eq!(to([0.5, 2.0, 20.0, 1e-12], near), distance);
-    // 10 rad/s after 5 s: 25 rad on the way there.
+    // 10 rad/s after 5 s: 25 rad until then.
     assert_eq!(to([10.0, 2.0, 20.0, 400.0], Angle::from_counts(100 << 32)), distance);
 }

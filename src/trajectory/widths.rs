@@ -49,7 +49,7 @@ impl Widths {
         Some(Self { snap: n_s, jerk: n_j, acceleration: n_a, velocity: n_v })
     }
 
-    /// What is left when nothing new begins from `elapsed` on: every stretch under way ends there.
+    /// Widths of a move that is stopped at `elapsed`: a stretch that has begun ends there, later ones are left out.
     pub fn until(&self, elapsed: u32) -> Self {
         let snap = self.snap.min(elapsed);
         let jerk = self.jerk.min(elapsed.max(snap));

@@ -13,7 +13,7 @@
 use strainwave::Angle;
 use strainwave::compensator::adapt::parameters::Factors;
 use strainwave::compensator::{
-    Command, Estimate, EstimateDeviation, Faults, Input, Mode, Output, Sensors, Setpoint, Shares,
+    Command, CompensationGains, Estimate, EstimateDeviation, Faults, Input, Mode, Output, Sensors, Setpoint,
 };
 
 const WORD: usize = 4;
@@ -113,8 +113,8 @@ pub trait Fields {
     fn input(&mut self, input: &mut Input<f32>) -> Option<()> {
         self.sensors(&mut input.sensors)?;
         self.command(&mut input.command)?;
-        self.shares(&mut input.shares.forward);
-        self.shares(&mut input.shares.backward);
+        self.gains(&mut input.gains.forward);
+        self.gains(&mut input.gains.backward);
         self.f32s([&mut input.elapsed, &mut input.setpoint_age]);
         self.u32(&mut input.status.0);
         Some(())
@@ -145,10 +145,10 @@ pub trait Fields {
     }
 
     /// Shares of one direction.
-    fn shares(&mut self, shares: &mut Shares<f32>) {
-        let Shares { feedback, inertia, friction, wind_up, .. } = shares;
+    fn gains(&mut self, gains: &mut CompensationGains<f32>) {
+        let CompensationGains { feedback, inertia, friction, wind_up, .. } = gains;
         self.f32s([feedback, inertia, friction, wind_up]);
-        let Shares { kinematic_error, output_feedback, adaptation, ripple, .. } = shares;
+        let CompensationGains { kinematic_error, output_feedback, adaptation, ripple, .. } = gains;
         self.f32s([kinematic_error, output_feedback, adaptation, ripple]);
     }
 

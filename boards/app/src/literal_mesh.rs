@@ -67,7 +67,7 @@ pub fn wind_up(joint: &JointParams<f32>) -> Result<WindUp, Error> {
         ends.wave_generator_rate = ends.drive_rate * ratio.n() as f32;
         literal = mesh.period(&ends);
         ends.drive = Angle::from_radians(next);
-        ends.wave_generator = ratio.undo(ends.drive);
+        ends.wave_generator = ratio.to_motor(ends.drive);
     }
     Ok(WindUp { literal, reduced: reduced.torque(ends.drive.minus(ends.flange), 0.0) })
 }

@@ -7,12 +7,12 @@ use cortex_m::peripheral::NVIC;
 use stm32f4xx_hal::gpio::GpioExt;
 use stm32f4xx_hal::pac::{IWDG, Peripherals, TIM2};
 use stm32f4xx_hal::rcc::{Enable, Rcc, RccExt};
-use strainwave_app::compensator::{Sensors, Setpoint, Shares};
+use strainwave_app::compensator::{CompensationGains, Sensors, Setpoint};
 use strainwave_app::jog::{Jog, LIMITS, Trajectory};
 use strainwave_app::{Input, JOINT, Output};
 
 /// What is applied once the joint holds: everything, but of the friction only what cannot drive it.
-const SHARES: Shares<f32> = Shares { friction: 0.8, ..Shares::ALL };
+const GAINS: CompensationGains<f32> = CompensationGains { friction: 0.8, ..CompensationGains::ALL };
 
 /// Periods in which the observer only watches, before the joint holds where it then is: 0.1 s.
 const WATCHING: u32 = 1000;
@@ -82,10 +82,10 @@ pub struct Board {
 }
 
 impl Board {
-    fn target(&mut self) -> (Setpoint<f32>, Shares<f32>) {
+    fn target(&mut self) -> (Setpoint<f32>, CompensationGains<f32>) {
         match &mut self.jog {
-            Some(jog) => (jog.step(serial::target()), SHARES),
-            None => (self.here, Shares::default()),
+            Some(jog) => (jog.step(serial::target()), GAINS),
+            None => (self.here, CompensationGains::default()),
         }
     }
 }
@@ -105,8 +105,8 @@ impl strainwave_app::Board for Board {
             motor_torque: self.torque,
             output_torque: None,
         };
-        let (setpoint, shares) = self.target();
-        Some(Input { sensors, command: setpoint.into(), shares: shares.into(), ..Input::default() })
+        let (setpoint, gains) = self.target();
+        Some(Input { sensors, command: setpoint.into(), gains: gains.into(), ..Input::default() })
     }
 
     fn command(&mut self, torque: f32) {

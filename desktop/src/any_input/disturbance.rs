@@ -4,7 +4,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use strainwave::Angle;
 use strainwave::compensator::reference::command::STALE;
-use strainwave::compensator::{Command, Directions, Input, JointParams, Sensors, Setpoint, Shares, Status};
+use strainwave::compensator::{
+    Command, CompensationGains, Directions, Input, JointParams, Sensors, Setpoint, Status,
+};
 
 /// One thing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +36,7 @@ pub enum Disturbance {
     /// A command of another kind.
     Kind,
     /// Any shares.
-    Shares,
+    Gains,
     /// Any bits of everything.
     Bits,
 }
@@ -54,7 +56,7 @@ impl Disturbance {
         Self::Derivative,
         Self::Position,
         Self::Kind,
-        Self::Shares,
+        Self::Gains,
         Self::Bits,
     ];
 
@@ -96,8 +98,8 @@ impl Disturbance {
                 setpoint.position = setpoint.position.plus(far);
             }
             Self::Kind => input.command = command(joint, random),
-            Self::Shares => {
-                input.shares = Directions { forward: shares(random), backward: shares(random) };
+            Self::Gains => {
+                input.gains = Directions { forward: gains(random), backward: gains(random) };
             }
             Self::Bits => *input = bits(random),
         }
@@ -162,10 +164,10 @@ fn command(joint: &JointParams<f32>, random: &mut ChaCha8Rng) -> Command<f32> {
     }
 }
 
-fn shares(random: &mut ChaCha8Rng) -> Shares<f32> {
+fn gains(random: &mut ChaCha8Rng) -> CompensationGains<f32> {
     let mut share =
         || if random.random_bool(0.8) { random.random_range(0.0..1.0) } else { float(1.0, random) };
-    Shares {
+    CompensationGains {
         feedback: share(),
         inertia: share(),
         friction: share(),
@@ -198,7 +200,7 @@ fn bits(random: &mut ChaCha8Rng) -> Input<f32> {
             output_torque: random.random_bool(0.5).then(|| float(1e3, random)),
         },
         command,
-        shares: Directions { forward: shares(random), backward: shares(random) },
+        gains: Directions { forward: gains(random), backward: gains(random) },
         elapsed: float(1e-3, random),
         setpoint_age: float(STALE as f32, random),
         status: status(random),

@@ -9,7 +9,7 @@
 
 use std::f64::consts::TAU;
 
-use strainwave::compensator::actuate::cascade::{Feedback, FeedbackParams, FeedbackState, Wanted};
+use strainwave::compensator::actuate::cascade::{CascadeInput, Feedback, FeedbackParams, FeedbackState};
 use strainwave::compensator::sense::encoder::{Encoder, EncoderParams, EncoderState, Reading};
 use strainwave::{Angle, Error};
 
@@ -90,12 +90,12 @@ impl Cascade {
 
     /// Torque for the motor (N m), within its limit.
     pub fn step(&mut self, motor: &Motor, demand: &Demand) -> f64 {
-        let wanted = Wanted {
-            ahead: demand.angle.minus(motor.angle),
+        let input = CascadeInput {
+            position_error: demand.angle.minus(motor.angle),
             velocity: demand.velocity,
             acceleration: demand.acceleration,
         };
-        let feedback = self.feedback.step(&mut self.state, motor.speed, &wanted, self.limited);
+        let feedback = self.feedback.step(&mut self.state, motor.speed, &input, self.limited);
         let wanted = feedback + demand.torque;
         let torque = wanted.clamp(-self.torque_limit, self.torque_limit);
         self.limited = torque != wanted;

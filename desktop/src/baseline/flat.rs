@@ -94,8 +94,8 @@ impl Flat {
 
     /// theta for which r*theta + e(theta) is `ideal`.
     fn ahead_of_error(&self, ideal: Angle<f64>) -> Angle<f64> {
-        (0..STEPS).fold(self.ratio.undo(ideal), |theta, _| {
-            self.ratio.undo(ideal.plus(-self.kinematic_error.at(theta).error))
+        (0..STEPS).fold(self.ratio.to_motor(ideal), |theta, _| {
+            self.ratio.to_motor(ideal.plus(-self.kinematic_error.at(theta).error))
         })
     }
 }

@@ -182,7 +182,7 @@ impl Advance {
             Self::Nothing => 0.0,
         };
         Demand {
-            angle: ratio.undo(asked.position.plus(shift)),
+            angle: ratio.to_motor(asked.position.plus(shift)),
             velocity: asked.velocity * f64::from(ratio.n()),
             acceleration: 0.0,
             torque,

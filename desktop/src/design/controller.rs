@@ -279,7 +279,7 @@ impl Controller {
         if omega == 0.0 {
             (x[FAST], x[FAST_RATE]) = (0.0, 0.0);
         }
-        let by_torque = self.disturbance.wound_up / (self.stiffness * self.ratio);
+        let by_torque = self.disturbance.wind_up_fraction / (self.stiffness * self.ratio);
         x[WIND_SPEED] = -by_torque * x[FAST_RATE];
         x[WIND_ACCELERATION] = -by_torque * x[FAST_ACCELERATION];
         x[WIND_TORQUE] = self.inertias[0] * x[WIND_ACCELERATION] - self.ratio * x[FAST];
@@ -294,7 +294,7 @@ impl Controller {
 
     fn plan(&self, x: &mut [f64], motor: f64) {
         let (dt, r, round) = (CONTROL_PERIOD, self.ratio, ROUND);
-        let compensated = x[SLOW] + self.disturbance.wound_up * x[FAST];
+        let compensated = x[SLOW] + self.disturbance.wind_up_fraction * x[FAST];
         let wound = -compensated / self.stiffness;
         let position = x[FLANGE_AHEAD] + dt * (x[FLANGE_SPEED] - r * x[MOTOR_SPEED]) + r * x[OFF] + r * motor;
         let measured = if self.has_output { position + x[INNOVATION] } else { position };

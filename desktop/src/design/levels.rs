@@ -46,7 +46,7 @@ pub const FUNCTIONS: [Function; 7] = [
         name: "disturbance path: wound-up share s",
         sets: &SensorSet::ALL,
         needs: Some(3),
-        scale: |parts, level| parts.disturbance.wound_up *= level,
+        scale: |parts, level| parts.disturbance.wind_up_fraction *= level,
     },
     Function {
         name: "output feedback: P and D of the measured angle (both encoders)",

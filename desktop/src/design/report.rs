@@ -129,7 +129,7 @@ impl Report {
             row("cascade omega_f", f.filter_corner, "rad/s", omega_f),
             row("disturbance omega_l", d.slow_corner, "rad/s", "level * 0.2 sqrt(K1/J_fs)"),
             row("disturbance omega_f", d.fast_corner, "rad/s", "level / lateness"),
-            row("disturbance s", d.wound_up, "1", "level * 0.5"),
+            row("disturbance s", d.wind_up_fraction, "1", "level * 0.5"),
             row("disturbance z_0", d.dead_zone, "N m", "static friction of both sides"),
             row("disturbance t", d.tolerance, "1", "N (torque constant + rotor)"),
         ];

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 use strainwave::Error;
-use strainwave::compensator::{Compensator, Input, Sensors, Setpoint, Shares};
+use strainwave::compensator::{CompensationGains, Compensator, Input, Sensors, Setpoint};
 
 use super::corners::{Corner, Point};
 use super::loops::torque_loop;
@@ -119,7 +119,8 @@ fn input(file: &GearFile, set: SensorSet, [motor, output, torque, gauge]: [f64; 
             output_torque: file.sensors.output_torque.then_some(gauge),
         },
         command: Setpoint::default().into(),
-        shares: Shares { adaptation: 0.0, ripple: 0.0, friction: 0.0, ..Shares::ALL }.into(),
+        gains: CompensationGains { adaptation: 0.0, ripple: 0.0, friction: 0.0, ..CompensationGains::ALL }
+            .into(),
         ..Input::default()
     }
 }

@@ -46,7 +46,7 @@ pub fn observer_params<R: Real>(file: &GearFile) -> Result<ObserverParams<R>, Er
     Ok(ObserverParams {
         moving: sets(file, Sixth::Stiffness)?,
         standing: sets(file, Sixth::Held)?,
-        stir: R::lit(STIR * encoder_noise(file.sensors.motor_encoder_bits, STILL)),
+        motion_threshold: R::lit(STIR * encoder_noise(file.sensors.motor_encoder_bits, STILL)),
         output_encoder_delay: file.sensors.output_encoder_delay,
         output_encoder_period: file.sensors.output_encoder_period,
         output_count: R::lit(resolution(file.sensors.output_bits())),
@@ -305,7 +305,7 @@ impl Filter {
                 1.0 / file.stiffness.k1
             }),
             velocity_by_torque: R::lit(time / inertia),
-            unseen: [share(blind, UNSEEN_RATE * rated * DT), share(blind, rated / 3f64.sqrt())],
+            unobserved: [share(blind, UNSEEN_RATE * rated * DT), share(blind, rated / 3f64.sqrt())],
             settling: R::lit(settling),
             inverse_settling: R::lit(1.0 / settling),
             inverse_sliding_speed: R::lit(

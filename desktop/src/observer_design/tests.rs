@@ -1,7 +1,7 @@
 //! The filter forgets, whatever of the box the gear is; a late reading is no offset; what no filter can do.
 
 use nalgebra::DMatrix;
-use strainwave::compensator::estimate::observer::{Known, Measurement, Observer, OutputReading};
+use strainwave::compensator::estimate::observer::{GearCorrection, Measurement, Observer, OutputReading};
 use strainwave::compensator::{Estimate, Faults, Limits, RealTimeGear};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
@@ -108,7 +108,7 @@ impl Twin {
         let (mut motor, mut flange) = (Motion::default(), Motion::default());
         let mut angles = vec![flange.angle];
         let mut estimates = Vec::new();
-        let (mut heard, mut age, mut torque) = (None, 0, 0.0);
+        let (mut latch, mut age, mut torque) = (None, 0, 0.0);
         for k in 0..6000 {
             let acceleration = if k < 1000 { 500.0 } else { 0.0 };
             let torques = self.gear.torques(&mut plant, &motor, &flange, Applied::default());
@@ -118,13 +118,13 @@ impl Twin {
             angles.push(flange.angle);
             torque += motor_torque;
             let reading = angles.len().checked_sub(1 + delay).filter(|_| k % period == 0);
-            (heard, age) = if reading.is_some() { (reading, 0) } else { (heard, age + 1) };
+            (latch, age) = if reading.is_some() { (reading, 0) } else { (latch, age + 1) };
             if !(k as u32 + 1).is_multiple_of(OBSERVER_PERIODS) {
                 continue;
             }
             let looks = (k as u32 + 1).is_multiple_of(SLOW_PERIODS);
             let reading =
-                if looks { heard.take().map(|at| OutputReading { angle: angles[at], age }) } else { None };
+                if looks { latch.take().map(|at| OutputReading { angle: angles[at], age }) } else { None };
             let measured = Measurement {
                 period: f64::from(OBSERVER_PERIODS) * CONTROL_PERIOD,
                 motor: motor.angle,
@@ -132,15 +132,22 @@ impl Twin {
                 motor_torque: std::mem::take(&mut torque) / f64::from(OBSERVER_PERIODS),
                 output_torque: None,
             };
-            let known = Known::default();
-            self.observer.step(&self.model, &mut state, &measured, &known, false, &mut Faults::default());
+            let gear_correction = GearCorrection::default();
+            self.observer.step(
+                &self.model,
+                &mut state,
+                &measured,
+                &gear_correction,
+                false,
+                &mut Faults::default(),
+            );
             if let Some(reading) = reading {
-                self.observer.correct_output(&mut state, &reading, &known, &mut Faults::default());
+                self.observer.correct_output(&mut state, &reading, &gear_correction, &mut Faults::default());
             }
             if (k as u32 + 1).is_multiple_of(2 * SLOW_PERIODS) {
-                self.observer.deviate(&mut state);
+                self.observer.step_standard_deviations(&mut state);
             }
-            estimates.push((self.observer.estimate(&state, &known), flange.angle.to_radians()));
+            estimates.push((self.observer.estimate(&state, &gear_correction), flange.angle.to_radians()));
         }
         estimates
     }

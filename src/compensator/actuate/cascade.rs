@@ -6,14 +6,14 @@
 //! tau       = k_v*(omega_ref - omega) + I,   I += k_v/T_i*dt*(omega_ref - omega), |I| <= tau_max
 //! ```
 //!
-//! T = 1/omega_f + dt/2 is by how much omega is late, so that a reference whose acceleration is known is not held
-//! back by the filter; who does not know it gives 0. Units: rad, rad/s, N m at the motor shaft; positive torque
-//! accelerates the motor. Backward differences and explicit Euler with the control period dt. The integral is limited
+//! T = 1/omega_f + dt/2 is the delay of omega, so that a reference whose acceleration is known does not lag by the
+//! filter; an unknown acceleration is 0. Units: rad, rad/s, N m at the motor shaft; positive torque accelerates the
+//! motor. Backward differences and explicit Euler with the control period dt. The integral is limited
 //! to the motor's peak torque and stands still while the command is limited (conditional anti-windup).
 //!
 //! K. Astrom, T. Hagglund, "PID Controllers", 1995, section 3.5 (windup).
 //!
-//! Baselines and compensated runs share this cascade, so that what differs between them is the compensation alone.
+//! Baselines and compensated runs share this cascade, so that they differ by the compensation alone.
 
 use crate::error::{Error, require};
 use crate::real::Real;
@@ -45,18 +45,18 @@ pub struct Feedback<R> {
     lateness: R,
 }
 
-/// Where the motor should be.
+/// Reference of the motor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wanted<R> {
+pub struct CascadeInput<R> {
     /// theta_ref - theta (rad).
-    pub ahead: R,
+    pub position_error: R,
     /// dtheta_ref (rad/s).
     pub velocity: R,
-    /// ddtheta_ref as far as it is known (rad/s^2).
+    /// ddtheta_ref, 0 where it is unknown (rad/s^2).
     pub acceleration: R,
 }
 
-/// What the cascade remembers.
+/// State of the cascade.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FeedbackState<R> {
     velocity: R,
@@ -88,20 +88,19 @@ impl<R: Real> FeedbackParams<R> {
 }
 
 impl<R: Real> Feedback<R> {
-    /// Takes a torque (N m) that another controller leaves behind into the integral: as much of it as goes in.
+    /// Adds a torque (N m) that another controller applied to the integral, within its limit; returns the change.
     pub fn take_over(&self, state: &mut FeedbackState<R>, torque: R) -> R {
         let before = state.integral;
         state.integral = (before + torque).limit(self.torque_limit);
         state.integral - before
     }
 
-    /// Torque for a motor whose speed over this period was `speed` (rad/s), and where it should be; `limited`: the last command
-    /// was.
+    /// Torque for a motor whose speed over this period was `speed` (rad/s); `limited`: the last command was limited.
     #[inline(always)]
-    pub fn step(&self, state: &mut FeedbackState<R>, speed: R, wanted: &Wanted<R>, limited: bool) -> R {
+    pub fn step(&self, state: &mut FeedbackState<R>, speed: R, input: &CascadeInput<R>, limited: bool) -> R {
         state.velocity += self.filter_gain * (speed - state.velocity);
-        let late = self.lateness * wanted.acceleration;
-        let velocity = self.position_gain * wanted.ahead + wanted.velocity - late;
+        let late = self.lateness * input.acceleration;
+        let velocity = self.position_gain * input.position_error + input.velocity - late;
         let lag = velocity - state.velocity;
         if !limited {
             state.integral = (state.integral + self.integral_gain * lag).limit(self.torque_limit);

@@ -1,29 +1,28 @@
-//! What happens when the model cannot be trusted: the joint falls back to its cascade, without a step.
+//! Fallback to the cascade while the model cannot be trusted, without a step of the torque.
 //!
 //! ```text
-//! fault of the model's inputs  ->  shares of all but the feedback go to 0, by the guard's ramp (7 ms)
+//! fault of the model's inputs  ->  all gains but the feedback's are ramped to 0, by the guard's ramp (7 ms)
 //! T_q = 0.1 s without one      ->  they return, by the same ramp
 //! |tau_k - tau_(k-1)| <= 2*tau_max*dt/T_r,   T_r = 10 ms
 //! ```
 //!
-//! With these shares at 0 torque and reference of the motor are those of the motor-side cascade alone. The last line,
+//! With these gains at 0 torque and reference of the motor are those of the motor-side cascade alone. The last line,
 //! the ramp of the motor's torque, holds from the first fault or a switch of the kind of command on, until the torque
-//! has been for T_r where it is wanted; else the torque is limited by tau_max alone. Faults that follow while the model
-//! is not trusted do not begin it again: a cascade that is ramped all the time limit-cycles. Units: s, N m at the
-//! motor.
+//! has reached its target for T_r; else the torque is limited by tau_max alone. Faults that follow while the model is not
+//! trusted do not restart it: a cascade that is ramped all the time limit-cycles. Units: s, N m at the motor.
 //!
-//! What leaves nothing to control with switches the drive off instead ([`crate::compensator::actuate::mode`]).
+//! Faults without which no control is possible switch the drive off instead ([`crate::compensator::actuate::mode`]).
 
 use crate::compensator::Faults;
 use crate::real::Real;
 
-/// T_q (s): how long the inputs must be sound.
+/// T_q (s): time without a fault after which the model is trusted again.
 const QUIET_TIME: f64 = 0.1;
 
-/// T_r (s): in which the motor's torque goes from one end of its range to the other.
+/// T_r (s): time of a ramp of the motor's torque from one end of its range to the other.
 pub const TORQUE_RAMP: f64 = 0.01;
 
-/// With these the model's inputs are not what the joint does.
+/// Faults that invalidate the model's inputs.
 pub const UNTRUSTED: Faults = Faults::INPUT_NOT_FINITE
     .with(Faults::OUTPUT_ENCODER_JUMP)
     .with(Faults::OUTPUT_ENCODER_FROZEN)
@@ -39,11 +38,11 @@ pub struct Fallback<R> {
     ramp: u32,
     /// Largest change of the torque in a period while it is ramped (N m).
     change: R,
-    /// No change is larger (N m).
+    /// Largest possible change (N m).
     range: R,
 }
 
-/// What is left to wait for.
+/// State of the fallback.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FallbackState<R> {
     /// Periods until the model is trusted again.
@@ -54,7 +53,7 @@ pub struct FallbackState<R> {
 }
 
 impl<R: Real> FallbackState<R> {
-    /// What is compensated may rest on the model.
+    /// The model may be used.
     pub fn trusted(&self) -> bool {
         self.untrusted == 0
     }
@@ -85,19 +84,19 @@ impl<R: Real> Fallback<R> {
         state.ramped = self.ramp;
     }
 
-    /// The torque for what is wanted (N m), within the motor's peak.
+    /// The torque for a target (N m) within the motor's peak.
     #[inline(always)]
-    pub fn step(&self, state: &mut FallbackState<R>, wanted: R, faults: Faults) -> R {
+    pub fn step(&self, state: &mut FallbackState<R>, target: R, faults: Faults) -> R {
         if state.untrusted | state.ramped == 0 && !faults.intersects(UNTRUSTED) {
-            state.torque = wanted;
-            return wanted;
+            state.torque = target;
+            return target;
         }
-        self.ramp(state, wanted, faults)
+        self.ramp(state, target, faults)
     }
 
     #[cold]
     #[inline(never)]
-    fn ramp(&self, state: &mut FallbackState<R>, wanted: R, faults: Faults) -> R {
+    fn ramp(&self, state: &mut FallbackState<R>, target: R, faults: Faults) -> R {
         let untrusted = faults.intersects(UNTRUSTED);
         let begins = untrusted && state.untrusted == 0;
         state.untrusted = if untrusted { self.quiet } else { state.untrusted.saturating_sub(1) };
@@ -105,11 +104,11 @@ impl<R: Real> Fallback<R> {
             state.ramped = self.ramp;
         }
         let bound = if state.ramped > 0 { self.change } else { self.range };
-        let change = wanted - state.torque;
+        let change = target - state.torque;
         let limited = change.limit(bound);
         if limited == change {
             state.ramped = state.ramped.saturating_sub(1);
-            state.torque = wanted;
+            state.torque = target;
         } else {
             state.torque += limited;
         }

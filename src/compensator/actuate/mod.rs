@@ -1,4 +1,4 @@
-//! From references to the torque command: the cascade, and what it falls back to.
+//! From references to the torque command: cascade, fallback, mode, protection of the gear.
 
 pub mod cascade;
 pub mod fallback;

@@ -1,4 +1,4 @@
-//! Whether the drive may be on: a state machine that falls to the safe side and stays there.
+//! Mode of the drive: a state machine that latches the safe state.
 //!
 //! ```text
 //! Ready     the drive is kept off from outside, the joint is watched      -> Active when it is on
@@ -7,17 +7,17 @@
 //! Safe      torque 0, drive off; the cause stays among the faults          -> Ready by a reset alone
 //! ```
 //!
-//! What takes the motor's angle away, or shows that torque and motion do not belong together, ends in Safe at once:
-//! [`UNSAFE`]. The drive is switched off, not braked: a ramp would need the angle that is lost, and a gear that is let
-//! go of swings back below the torque that it had. A reset ([`crate::compensator::Compensator::reset`]) starts from
-//! rest; encoders are found again, and no angle of before is used.
+//! Loss of the motor's angle, or inconsistent torque and motion, lead to Safe at once: [`UNSAFE`]. The drive is switched
+//! off, not braked: a ramp would need the lost angle, and the torque of a gear without motor torque does not exceed its
+//! last one. A reset ([`crate::compensator::Compensator::reset`]) starts from rest; the encoders are initialised again,
+//! and no earlier angle is used.
 //!
-//! A single control overrun is named; one is forgotten after 20 periods, five within 10 ms end in Safe.
+//! A single control overrun is reported; one is forgotten after 20 periods, five within 10 ms lead to Safe.
 
 use crate::compensator::{Faults, Status};
 use crate::real::seldom;
 
-/// What ends in Safe.
+/// Faults that lead to Safe.
 pub const UNSAFE: Faults = Faults::MOTOR_ENCODER_LOST
     .with(Faults::MOTOR_ENCODER_FROZEN)
     .with(Faults::GEAR_OVERLOAD)
@@ -27,7 +27,7 @@ pub const UNSAFE: Faults = Faults::MOTOR_ENCODER_LOST
     .with(Faults::PERIOD_OUT_OF_RANGE)
     .with(Faults::RESTARTED);
 
-/// What takes a function away.
+/// Faults that disable a function.
 pub const DEGRADING: Faults = Faults::OUTPUT_ENCODER_LOST
     .with(Faults::OUTPUT_ENCODER_OFF)
     .with(Faults::OUTPUT_ENCODER_FROZEN)
@@ -35,12 +35,12 @@ pub const DEGRADING: Faults = Faults::OUTPUT_ENCODER_LOST
     .with(Faults::TORQUE_SENSOR_OFF)
     .with(Faults::SETPOINT_STALE);
 
-/// Strikes of an overrun; every period without one takes one off.
-const OVERRUN: u32 = 20;
-/// Strikes that are too many: five overruns within 10 ms.
-const MOST_STRIKES: u32 = 100;
+/// Increment of the error counter by an overrun; every period without one decrements it by 1.
+const OVERRUN_INCREMENT: u32 = 20;
+/// Error count that leads to Safe: five overruns within 10 ms.
+const ERROR_COUNT_LIMIT: u32 = 100;
 
-/// What the drive may do.
+/// Mode of the drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
     /// The drive is kept off from outside.
@@ -77,7 +77,7 @@ impl Mode {
     }
 }
 
-/// The mode, and why it is that.
+/// The mode, and the cause of Safe.
 ///
 /// What takes the motor's angle away ends in [`Mode::Safe`], and nothing but a reset ends that:
 ///
@@ -97,8 +97,8 @@ impl Mode {
 pub struct ModeState {
     mode: Mode,
     cause: Faults,
-    strikes: u32,
-    /// Active, without a strike.
+    error_count: u32,
+    /// Active, with an error count of 0.
     settled: bool,
 }
 
@@ -108,7 +108,7 @@ impl ModeState {
         self.mode
     }
 
-    /// What ended in Safe; nothing before.
+    /// Faults that led to Safe; none before.
     pub fn cause(&self) -> Faults {
         self.cause
     }
@@ -121,27 +121,28 @@ impl ModeState {
 
     /// The mode with this step's faults, to which the latched cause is added.
     pub fn step(&mut self, faults: &mut Faults, status: Status) -> Mode {
-        let overrun = status.tells(Status::OVERRUN);
+        let overrun = status.contains(Status::OVERRUN);
         faults.raise_if(overrun, Faults::CONTROL_OVERRUN);
-        faults.raise_if(status.tells(Status::RESTARTED), Faults::RESTARTED);
-        self.strikes = if overrun { self.strikes + OVERRUN } else { self.strikes.saturating_sub(1) };
+        faults.raise_if(status.contains(Status::RESTARTED), Faults::RESTARTED);
+        self.error_count =
+            if overrun { self.error_count + OVERRUN_INCREMENT } else { self.error_count.saturating_sub(1) };
         self.cause = self.cause.with(faults.among(UNSAFE));
-        if self.strikes >= MOST_STRIKES {
+        if self.error_count >= ERROR_COUNT_LIMIT {
             seldom();
-            self.strikes = MOST_STRIKES;
+            self.error_count = ERROR_COUNT_LIMIT;
             self.cause = self.cause.with(Faults::CONTROL_OVERRUN);
         }
         *faults = faults.with(self.cause);
         self.mode = if self.cause != Faults::NONE {
             Mode::Safe
-        } else if status.tells(Status::DRIVE_OFF) {
+        } else if status.contains(Status::DRIVE_OFF) {
             Mode::Ready
         } else if faults.intersects(DEGRADING) {
             Mode::Degraded
         } else {
             Mode::Active
         };
-        self.settled = self.mode == Mode::Active && self.strikes == 0;
+        self.settled = self.mode == Mode::Active && self.error_count == 0;
         self.mode
     }
 }
@@ -166,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_degrades_while_it_is() {
+    fn a_missing_function_degrades_while_its_fault_lasts() {
         let mut state = ModeState::default();
         assert_eq!(step(&mut state, Faults::OUTPUT_ENCODER_LOST, Status::FINE).0, Mode::Degraded);
         assert_eq!(step(&mut state, Faults::NONE, Status::FINE).0, Mode::Active);
@@ -175,12 +176,12 @@ mod tests {
     }
 
     #[test]
-    fn an_overrun_is_named_and_many_are_not_borne() {
+    fn an_overrun_is_reported_and_five_lead_to_safe() {
         let mut state = ModeState::default();
-        for k in 0..MOST_STRIKES / OVERRUN {
+        for k in 0..ERROR_COUNT_LIMIT / OVERRUN_INCREMENT {
             let (mode, faults) = step(&mut state, Faults::NONE, Status::OVERRUN);
             assert!(faults.contains(Faults::CONTROL_OVERRUN));
-            assert_eq!(mode == Mode::Safe, k + 1 == MOST_STRIKES / OVERRUN);
+            assert_eq!(mode == Mode::Safe, k + 1 == ERROR_COUNT_LIMIT / OVERRUN_INCREMENT);
         }
         assert_eq!(step(&mut ModeState::default(), Faults::NONE, Status::RESTARTED).0, Mode::Safe);
     }

@@ -1,24 +1,24 @@
-//! The gear is protected: the motor's torque is kept to what takes the torque through the gear towards its bound
-//! without passing it.
+//! Protection of the gear: bounds of the motor's torque by which the torque through the gear approaches its own bound
+//! without overshoot.
 //!
 //! ```text
 //! Q = n*tau - n*tau_fric,   J = n^2*J_wg,   c = 1 + J/J_fs,   omega^2 = c*K/J
 //! |Q + (c-1)*T + 2*c/omega*dT/dt| <= c*L,      L = 0.85 of the peak rating
 //! ```
 //!
-//! T is the torque through the gear as the rotor shows it ([`crate::compensator::sense::rotor`]): it rests on neither
-//! the observer nor anything at the output. With an output that is held, K*(Q - T)/J is T's second derivative, so that at
+//! T is the torque through the gear by the balance of the rotor ([`crate::compensator::sense::rotor`]): it depends on
+//! neither the observer nor a sensor at the output. With an output that is held, K*(Q - T)/J is T's second derivative, so that at
 //! the bound `T'' = omega^2*(L - T) - 2*omega*T'`: T approaches L critically damped and never passes it, whatever is
-//! commanded. An output that is free takes torque away and T stays further below. K is the stiffest slope of the line,
-//! so that omega is not below that of the gear. The share of L covers 10 % of the torque constant and the time from T
-//! to the command. Units: N m at the motor's shaft.
+//! commanded. An output that is free accelerates and T stays further below. K is the stiffest slope of the line, so that
+//! omega is not below that of the gear. The margin of L covers 10 % of the torque constant and the time from T to the
+//! command. Units: N m at the motor's shaft.
 
 use crate::compensator::Limits;
 use crate::gear::GearParams;
 use crate::real::{Real, seldom};
 
-/// L, as a share of the peak rating.
-const SHARE: f64 = 0.85;
+/// L, as a fraction of the peak rating.
+const BOUND: f64 = 0.85;
 
 /// The built protection.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub struct Protection<R> {
     by_rate: R,
 }
 
-/// Middle of what the motor may give (N m).
+/// Middle of the motor's allowed torques (N m).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProtectionState<R> {
     middle: R,
@@ -44,7 +44,7 @@ impl<R: Real> Protection<R> {
         let c = R::ONE + rotor / gear.flexspline_inertia;
         let omega = (c * gear.flexspline.line.stiffness[2] / rotor).sqrt();
         Self {
-            half: c * R::lit(SHARE) * limits.output_torque / n.abs(),
+            half: c * R::lit(BOUND) * limits.output_torque / n.abs(),
             by_torque: (c - R::ONE) / n,
             by_rate: R::lit(2.0) * c / (omega * n),
         }
@@ -56,15 +56,15 @@ impl<R: Real> Protection<R> {
         state.middle = friction - self.by_torque * torque - self.by_rate * rate;
     }
 
-    /// The torque of the motor that the gear bears (N m).
+    /// The torque of the motor limited for the gear (N m).
     #[inline(always)]
     pub fn limit(&self, state: &ProtectionState<R>, torque: R) -> R {
-        let off = torque - state.middle;
-        if off.is_within(self.half) {
+        let difference = torque - state.middle;
+        if difference.is_within(self.half) {
             return torque;
         }
         seldom();
-        state.middle + off.limit(self.half)
+        state.middle + difference.limit(self.half)
     }
 }
 
@@ -81,13 +81,13 @@ mod tests {
         let rotor = 1e4 * rotor;
         let c = 1.0 + rotor / output;
         Protection {
-            half: c * SHARE * PEAK / 100.0,
+            half: c * BOUND * PEAK / 100.0,
             by_torque: (c - 1.0) / -100.0,
             by_rate: 2.0 * c / ((c * STIFFNESS / rotor).sqrt() * -100.0),
         }
     }
 
-    /// Largest torque through the gear with full torque one way and then the other, the output held or free.
+    /// Largest torque through the gear with full torque in alternating directions, the output held or free.
     fn largest(held: bool, protected: bool) -> f64 {
         let (protection, mut state) = (protection(), ProtectionState::default());
         let (mut rotor, mut output) = ([0.0f64; 2], [0.0f64; 2]);
@@ -98,8 +98,8 @@ mod tests {
                 protection.follow(&mut state, torque, (torque - last) / 4e-4, 0.0);
                 last = torque;
             }
-            let wanted = if (k / 100) % 2 == 0 { 2.4 } else { -2.4 };
-            let motor = if protected { protection.limit(&state, wanted) } else { wanted };
+            let commanded = if (k / 100) % 2 == 0 { 2.4 } else { -2.4 };
+            let motor = if protected { protection.limit(&state, commanded) } else { commanded };
             rotor[1] += dt * (motor - torque / -100.0) / INERTIA[0];
             output[1] += if held { 0.0 } else { dt * torque / INERTIA[1] };
             rotor[0] += dt * rotor[1];
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_gear_bears_passes_unchanged() {
+    fn a_torque_within_the_bounds_passes_unchanged() {
         let (protection, state) = (protection(), ProtectionState::default());
         for torque in [0.0, 0.1234567, -1.5] {
             assert_eq!(protection.limit(&state, torque), torque);

@@ -1,22 +1,23 @@
-//! Gravity, or another load that stays: the part of the external torque that the output's angle explains.
+//! Gravity, or another constant load: the part of the external torque that is a function of the output's angle.
 //!
 //! ```text
 //! g(q) = s*sin(q) + c*cos(q)                                        torque on the flexspline
 //! s <- limit(s + dt*gamma_s*sin(q)*d, g_max),   c <- limit(c + dt*gamma_c*cos(q)*d, g_max)       while the setpoint moves
 //! ```
 //!
-//! q is the setpoint, d the external torque that the observer still misses once it is told of g (series-parallel, as in
+//! q is the setpoint, d the residual external torque of an observer whose model includes g (series-parallel, as in
 //! [`super::parameters`]): the gradient law, with V = (s - s*)^2/(2*gamma_s) + (c - c*)^2/(2*gamma_c) and dV/dt = -d^2 for
-//! a d that is gravity's alone. Nothing is learnt at rest, where static friction hides a load. In motion friction that is
-//! not the model's changes its sign with the speed, gravity does not: the rates are slow beside a reversal.
+//! a d that is gravity's alone. Nothing is learnt at rest, where static friction hides a load. In motion the friction's
+//! error changes its sign with the speed, gravity does not: the rates are slow against a reversal.
 //!
-//! g is fed forward: the gear is wound up for it, the motor's torque bears it, and the factors on inertia and friction no
-//! longer learn from it. Explicit Euler. Units: rad, N m.
+//! g is fed forward: the gear is wound up for it, the motor's torque contains it, and the factors on inertia and friction
+//! no longer learn from it. Explicit Euler. Units: rad, N m.
 
 use crate::angle::Heading;
 use crate::real::Real;
 
-/// gamma_c and gamma_s (1/s): a joint moves within a part of a turn, of which the sine shows less than the cosine.
+/// gamma_c and gamma_s (1/s): a joint moves within a part of a revolution, in which the sine is less excited than the
+/// cosine.
 const RATES: [f64; 2] = [2.0, 8.0];
 /// g_max over the rated torque.
 const LARGEST: f64 = 1.0;
@@ -46,7 +47,7 @@ impl<R: Real> Gravity<R> {
         }
     }
 
-    /// Learns from an external torque that is left (N m), at an angle of this heading.
+    /// Learns from a residual external torque (N m), at an angle of this heading.
     #[inline(always)]
     pub fn step(&self, state: &mut GravityState<R>, at: &Heading<R>, external_torque: R) {
         let [cosine, sine] = self.gains;
@@ -73,16 +74,16 @@ mod tests {
         Heading { cosine: angle.cos(), sine: angle.sin() }
     }
 
-    /// What is left of a torque of the angle, after a minute of motion within half a radian.
-    fn left(torque: impl Fn(f64) -> f64) -> f64 {
+    /// Largest residual of a torque of the angle, after a minute of motion within half a radian.
+    fn residual_after(torque: impl Fn(f64) -> f64) -> f64 {
         let (law, mut state) = (Gravity::build(67.0, DT), GravityState::default());
         let mut largest = 0.0f64;
         for k in 0..60_000 {
             let angle = 0.5 * (3.0 * DT * f64::from(k)).sin();
-            let missed = torque(angle) - state.torque(&heading(angle));
-            law.step(&mut state, &heading(angle), missed);
+            let residual = torque(angle) - state.torque(&heading(angle));
+            law.step(&mut state, &heading(angle), residual);
             if k > 55_000 {
-                largest = largest.max(missed.abs());
+                largest = largest.max(residual.abs());
             }
         }
         largest
@@ -91,12 +92,12 @@ mod tests {
     #[test]
     fn gravity_in_any_posture_is_learnt() {
         for posture in [0.0, 0.7, 1.5, -2.0] {
-            assert!(left(|angle| 40.0 * (angle + posture).sin()) < 0.4, "{posture}");
+            assert!(residual_after(|angle| 40.0 * (angle + posture).sin()) < 0.4, "{posture}");
         }
     }
 
     #[test]
-    fn what_it_holds_is_bounded() {
+    fn the_torque_is_bounded() {
         let (law, mut state) = (Gravity::build(67.0, DT), GravityState::default());
         for torque in [1e30, f64::MAX, -1e30] {
             law.step(&mut state, &heading(0.7), torque);

@@ -1,24 +1,24 @@
-//! Ripple that turns with the wave generator, learnt while the joint works: a map of sines.
+//! Adaptive map of the ripple over the wave generator's angle: a sum of sines, learnt in operation.
 //!
 //! ```text
 //! ripple = sum_k a_k*cos(k*alpha) + b_k*sin(k*alpha),       alpha = theta_wg or theta_wg - theta_fs
 //! law      a_k <- limit(a_k + dt*g*m*cos(k*alpha), bound),  b_k alike with the sine
 //! ```
 //!
-//! One map is of the position, what the kinematic error that the gear file gives leaves (rad at the output; m is the
-//! measured output less its setpoint): the motor is sent so much less far. The other is of the torque at the motor's
-//! shaft (N m; m is what the observer misses there): it is fed forward. Orders per turn are relative to the case, or
-//! to the flexspline, where the output is meant to be: which gives k - k/N of both rims.
+//! One map is of the position, the residual of the gear file's kinematic error (rad at the output; m is the measured
+//! output less its setpoint): it is subtracted from the motor's reference. The other is of the torque at the motor's
+//! shaft (N m; m is the observer's residual there): it is fed forward. Orders per revolution are relative to the case, or
+//! to the flexspline at the output's setpoint: which gives k - k/N of both rims.
 //!
 //! With the true coefficients constant, x the error of the coefficients and V = x'x/(2*g), dV/dt = -(m's ripple)^2 +
-//! noise: the law is the gradient of m^2. The loop around it must answer within a quarter period, so that it only
-//! learns where k*|omega_wg| is below a corner, and only in motion: at rest a ripple cannot be told from any
+//! noise: the law is the gradient of m^2. The loop around it must respond within a quarter period, so that it only
+//! learns where k*|omega_wg| is below a corner, and only in motion: at rest a ripple cannot be separated from any
 //! constant.
 //!
-//! Discretisation: one order has its turn at a time, the others are held at what they were: each is taken for the
-//! middle of the [`RIPPLE_ORDERS`] turns that it is held, T = [`RIPPLE_ORDERS`]*dt, and learnt by explicit Euler over
-//! 2*T, position and torque by turns; stable for 2*T*g < 1. Bounded by `bound` in each coefficient. A held wave of
-//! order k is off by k*|omega_wg|*T/2 of its amplitude at most.
+//! Discretisation: one order is evaluated in each slot, the others are held: each is evaluated at the middle of the
+//! [`RIPPLE_ORDERS`] slots that it is held for, T = [`RIPPLE_ORDERS`]*dt, and learnt by explicit Euler over 2*T, position
+//! and torque alternating; stable for 2*T*g < 1. Bounded by `bound` in each coefficient. The error of a held wave of
+//! order k is at most k*|omega_wg|*T/2 of its amplitude.
 //!
 //! M. Bodson, A. Sacks, P. Khosla, "Harmonic generation in adaptive feedforward cancellation schemes", IEEE
 //! Transactions on Automatic Control 39 (1994).
@@ -27,22 +27,22 @@ use crate::angle::Angle;
 use crate::error::{Error, require};
 use crate::real::{RADIANS_PER_COUNT, Real};
 
-/// Orders that are learnt.
+/// Number of learnt orders.
 pub const RIPPLE_ORDERS: usize = 4;
 
 /// An order of the ripple.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RippleOrder {
-    /// k, periods per turn of the wave generator, 1..=1000; 0 leaves the place unused.
+    /// k, periods per revolution of the wave generator, 1..=1000; 0 leaves the place unused.
     pub order: u32,
-    /// Turns relative to the flexspline, not to the case.
+    /// Revolutions relative to the flexspline, not to the case.
     pub to_flexspline: bool,
 }
 
 /// Coefficients [a_k, b_k] of every order.
 pub type Coefficients<R> = [[R; 2]; RIPPLE_ORDERS];
 
-/// What has been learnt: the map that is kept in a file.
+/// Learnt map, as stored in a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RippleMap<R> {
     /// Of the position (rad at the output).
@@ -79,11 +79,11 @@ pub struct LearntRipple<R> {
     least_speed: R,
     /// Fastest speed at which each order learns (rad/s); 0 for a place that is not used.
     fastest: [R; RIPPLE_ORDERS],
-    /// Counts per speed that the angle moves on to the middle of the turns (2^32 a turn, s).
-    lead: R,
+    /// Phase advance per speed to the middle of the slots that a wave is held for (counts of 2^32 a revolution, s).
+    phase_advance: R,
 }
 
-/// The ripple, each order from its last turn.
+/// The ripple, each order as of its last slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RippleNow<R> {
     /// (rad at the output)
@@ -92,24 +92,24 @@ pub struct RippleNow<R> {
     pub torque: R,
     /// Position and torque of each order.
     waves: [[R; 2]; RIPPLE_ORDERS],
-    /// The last turn: its order is the remainder of [`RIPPLE_ORDERS`], and the cosine and sine of that one's angle.
-    turn: usize,
+    /// The last slot: its order is the remainder of [`RIPPLE_ORDERS`], and the cosine and sine of that one's angle.
+    slot: usize,
     basis: [R; 2],
 }
 
-/// What one turn teaches.
+/// Sample of the ripple's residual in one slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RippleSample<R> {
     /// Speed of the motor's reference (rad/s).
     pub speed: R,
     /// Measured output less setpoint (rad), where there is an output encoder.
     pub position: Option<R>,
-    /// Torque that is missed at the motor (N m).
+    /// Residual torque at the motor (N m).
     pub torque: R,
 }
 
 impl<R: Real> LearntRippleParams<R> {
-    /// Prepares the ripple for turns that come every dt (s).
+    /// Prepares the ripple for slots that come every dt (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `ripple_order`, `ripple_rate`, `ripple_bound` or `ripple_speeds`.
@@ -133,7 +133,7 @@ impl<R: Real> LearntRippleParams<R> {
                 0 => R::ZERO,
                 k => most / R::from_i32(k.cast_signed()),
             }),
-            lead: R::lit(0.5 / RADIANS_PER_COUNT) * (round - dt),
+            phase_advance: R::lit(0.5 / RADIANS_PER_COUNT) * (round - dt),
         })
     }
 }
@@ -156,10 +156,10 @@ impl<R: Real> RippleMap<R> {
 }
 
 impl<R: Real> LearntRipple<R> {
-    /// The next order's turn, at the wave generator's angle `theta` and `speed` (rad/s), the flexspline being at
+    /// Evaluates the next order at the wave generator's angle `theta` and `speed` (rad/s), the flexspline being at
     /// `output`.
     #[inline(always)]
-    pub fn turn_to(
+    pub fn evaluate_next(
         &self,
         map: &RippleMap<R>,
         now: &mut RippleNow<R>,
@@ -167,12 +167,12 @@ impl<R: Real> LearntRipple<R> {
         output: Angle<R>,
         speed: R,
     ) {
-        now.turn = (now.turn + 1) % (2 * RIPPLE_ORDERS);
-        let place = now.turn % RIPPLE_ORDERS;
+        now.slot = (now.slot + 1) % (2 * RIPPLE_ORDERS);
+        let place = now.slot % RIPPLE_ORDERS;
         let RippleOrder { order, to_flexspline } = self.orders[place];
-        let lead = (self.lead * speed).to_i32().cast_unsigned();
-        let to_case = theta.phase().wrapping_add(lead);
-        // Less r*lead: below a hundredth of what the wave is off.
+        let advance = (self.phase_advance * speed).to_i32().cast_unsigned();
+        let to_case = theta.phase().wrapping_add(advance);
+        // Without r*advance: below a hundredth of the error by holding the wave.
         let angle = if to_flexspline { to_case.wrapping_sub(output.phase()) } else { to_case };
         let (sine, cosine) = R::sin_cos_phase(order.wrapping_mul(angle));
         let wave = |[a, b]: [R; 2]| a * cosine + b * sine;
@@ -183,15 +183,15 @@ impl<R: Real> LearntRipple<R> {
         now.torque = (first[1] + second[1]) + (third[1] + fourth[1]);
     }
 
-    /// The order whose turn it was learns from it: its position and its torque by turns.
+    /// The order of the last slot learns from the sample: its position and its torque alternating.
     #[inline(always)]
     pub fn learn(&self, map: &mut RippleMap<R>, now: &RippleNow<R>, sample: &RippleSample<R>) {
-        let (speed, order) = (sample.speed.abs(), now.turn % RIPPLE_ORDERS);
+        let (speed, order) = (sample.speed.abs(), now.slot % RIPPLE_ORDERS);
         if speed < self.least_speed || speed >= self.fastest[order] {
             return;
         }
         let [cosine, sine] = now.basis;
-        if now.turn >= RIPPLE_ORDERS {
+        if now.slot >= RIPPLE_ORDERS {
             let by = self.torque_gain * sample.torque;
             add(&mut map.torque[order], [by * cosine, by * sine], self.torque_bound);
         } else if let Some(position) = sample.position {
@@ -238,8 +238,8 @@ mod tests {
             (RippleMap::default(), RippleNow::default(), RippleNow::default());
         for k in 0..(seconds / DT) as usize {
             let theta = Angle::from_radians_f64(speed * DT * k as f64);
-            ripple.turn_to(&map, &mut now, theta, ratio.apply(theta), speed);
-            ripple.turn_to(&TRUTH, &mut there, theta, ratio.apply(theta), speed);
+            ripple.evaluate_next(&map, &mut now, theta, ratio.apply(theta), speed);
+            ripple.evaluate_next(&TRUTH, &mut there, theta, ratio.apply(theta), speed);
             let sample = RippleSample {
                 speed,
                 position: Some(there.position - now.position),
@@ -250,7 +250,7 @@ mod tests {
         map
     }
 
-    /// Orders 2 of both rims beat once in ten turns, which must be seen to tell them apart.
+    /// Orders 2 of both rims beat once in ten revolutions, which must be observed to separate them.
     #[test]
     fn it_finds_the_ripple_of_both_rims() {
         let map = learnt(25.0, 60.0);

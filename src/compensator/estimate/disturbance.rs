@@ -1,4 +1,4 @@
-//! Disturbance path: what of the estimated external torque is compensated, and how the motor moves for it.
+//! Disturbance estimate and compensation: the filtered external torque, and the motor's wind-up response to it.
 //!
 //! ```text
 //! d_c = l + s*f                                                      compensated load
@@ -11,21 +11,20 @@
 //! tau_ff the motor's feed-forward torque (N m). Semi-implicit Euler: f with the observer's period, l and the time
 //! with the slow period of [`crate::compensator::schedule`]. Units: rad, N m; signs as in [`crate::gear`].
 //!
-//! It answers an estimate, so it closes a loop: through the observer, which takes for a load whatever torque the model
-//! does not know, and the motor. Each parameter limits that loop by what is not known:
+//! It responds to an estimate, so it closes a loop through the observer, which attributes every torque that the model
+//! lacks to a load, and the motor. Each parameter limits the gain of that loop by an uncertainty:
 //!
-//! - z_0: the static friction of both sides, seen at the output. A joint that stands hides as much, and one that
-//!   reverses does where its friction is of another structure than the model's; most of it acts at the motor, which
-//!   needs no wind-up for it. Within z_0 d says nothing, and an answer to it would move the joint for its own friction:
-//!   a limit cycle. So of a load z_0 is not compensated, and at rest, whatever the load is, nothing that changes by less.
-//! - t: the torque constant and the rotor's inertia are known to a tolerance, of which an accelerating motor makes a
-//!   load that is not there.
-//! - s: a gear that winds up by the share s of its load is as stiff as K/(1 - s*K/K_model): a half leaves a gain
+//! - z_0: the static friction of both sides, at the output. At standstill d is unobservable within it, and at a reversal
+//!   where the friction is of another structure than the model's; most of it acts at the motor, which needs no wind-up
+//!   for it. A response to d within z_0 would move the joint for its own friction: a limit cycle. So z_0 of a load is not
+//!   compensated, and at rest, under any load, no change of it below z_0.
+//! - t: tolerance of the torque constant and the rotor's inertia, which make an apparent load of an accelerating motor.
+//! - s: a gear that winds up by the fraction s of its load is as stiff as K/(1 - s*K/K_model): a half leaves a gain
 //!   margin of 2 to the stiffness.
-//! - omega_f: the inverse of the time by which torque, drive and observer may be late.
+//! - omega_f: the inverse of the delay of torque, drive and observer.
 //!
-//! A load comes once. What stays beyond z for more than 0.15 s, of which a tenth of the time within is taken off, is
-//! none: f returns to zero, and a joint that oscillates comes to rest on l alone.
+//! A load is taken for a step. A residual beyond z for more than 0.15 s, of which a tenth of the time within is taken
+//! off, is an oscillation: f returns to zero, and the joint comes to rest on l alone.
 
 use crate::angle::Ratio;
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
@@ -38,31 +37,31 @@ use crate::real::Real;
 pub struct DisturbanceParams<R> {
     /// omega_l, 0..=1e4 (rad/s).
     pub slow_corner: R,
-    /// omega_f, 0..=1e4; at most half of what the observer's period can follow is used (rad/s).
+    /// omega_f, 0..=1e4; limited to half of the inverse period of the observer (rad/s).
     pub fast_corner: R,
     /// z_0, half width of the dead zone, at least 0 (N m).
     pub dead_zone: R,
     /// t, at least 0 (N m at the output for each N m at the motor).
     pub tolerance: R,
-    /// s, 0..=1.
-    pub wound_up: R,
+    /// s, fraction of the fast part that the gear is wound up for, 0..=1.
+    pub wind_up_fraction: R,
 }
 
-/// Longest time beyond the dead zone of a load that comes (s), and the share of the time within that is taken off it.
+/// Longest time beyond the dead zone after a load step (s), and the fraction of the time within that is taken off it.
 const LONGEST_LOAD: f64 = 0.15;
 const RECOVERY: f64 = 0.1;
 
 /// The built disturbance path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disturbance<R> {
-    /// Share of its way that l goes in a slow period.
+    /// 1 - e^(-omega_l*dt) of the low pass l in a slow period.
     slow_gain: R,
     /// omega_f^2 and 2*omega_f.
     fast_square: R,
     fast_damping: R,
     dead_zone: R,
     tolerance: R,
-    wound_up: R,
+    wind_up_fraction: R,
     longest: R,
     wave_generator_inertia: R,
     ratio: R,
@@ -85,29 +84,29 @@ pub struct DisturbanceState<R> {
     fast: R,
     rate: R,
     acceleration: R,
-    /// What the motor moves for each N m of f (rad/(N m)), and what it bears of it.
+    /// Motor angle for each N m of f (rad/(N m)), and motor torque for each (1).
     by_torque: R,
-    borne: R,
+    torque_ratio: R,
     /// For how long d has been beyond the dead zone (s).
     beyond: R,
     /// That is longer than a load takes to come.
     oscillates: bool,
 }
 
-/// What the path depends on beside d.
+/// Inputs of the path in addition to d.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct JointNow<R> {
+pub struct DisturbanceInput<R> {
     /// Motor's feed-forward torque (N m).
     pub motor_torque: R,
     /// The setpoint rests.
     pub rests: bool,
-    /// w, as far as wind-up is compensated (rad/(N m)).
+    /// w times the gain of the wind-up compensation (rad/(N m)).
     pub compliance: R,
-    /// How much of the wind-up is compensated, 0..=1.
+    /// Gain of the wind-up compensation, 0..=1.
     pub gain: R,
 }
 
-/// What the motor does beside the feed-forward to wind the gear up for a load.
+/// Wind-up response: motion and torque of the motor, added to the feed-forward, that wind the gear up for a load.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WindUpResponse<R> {
     /// (rad/s)
@@ -131,7 +130,7 @@ impl<R: Real> DisturbanceParams<R> {
         require(within(self.fast_corner, 1e4), "fast_corner")?;
         require(within(self.dead_zone, 1e9), "dead_zone")?;
         require(within(self.tolerance, 1e9), "tolerance")?;
-        require(within(self.wound_up, 1.0), "wound_up")?;
+        require(within(self.wind_up_fraction, 1.0), "wind_up_fraction")?;
         let ratio = Ratio::one_over(gear.ratio)?;
         let [dt, slow_dt] = [OBSERVER_PERIODS, SLOW_PERIODS].map(|periods| R::from_i32(periods as i32) * dt);
         let fast_corner = self.fast_corner.min(R::lit(0.5) / dt);
@@ -141,11 +140,11 @@ impl<R: Real> DisturbanceParams<R> {
             fast_damping: R::lit(2.0) * fast_corner,
             dead_zone: self.dead_zone,
             tolerance: self.tolerance,
-            wound_up: self.wound_up,
+            wind_up_fraction: self.wind_up_fraction,
             longest: R::lit(LONGEST_LOAD),
             wave_generator_inertia: gear.wave_generator_inertia,
             ratio: ratio.value(),
-            motor_wind_up: self.wound_up * R::from_i32(ratio.n()),
+            motor_wind_up: self.wind_up_fraction * R::from_i32(ratio.n()),
             dt,
             slow_dt,
         })
@@ -165,10 +164,15 @@ impl<R: Real> Disturbance<R> {
 
     /// l over one slow period, towards d (N m).
     #[inline(always)]
-    pub fn step_slow(&self, state: &mut DisturbanceState<R>, external_torque: R, joint: &JointNow<R>) {
-        let JointNow { motor_torque, rests, compliance, gain } = *joint;
+    pub fn step_slow(
+        &self,
+        state: &mut DisturbanceState<R>,
+        external_torque: R,
+        joint: &DisturbanceInput<R>,
+    ) {
+        let DisturbanceInput { motor_torque, rests, compliance, gain } = *joint;
         state.by_torque = -compliance * self.motor_wind_up;
-        state.borne = self.ratio * gain;
+        state.torque_ratio = self.ratio * gain;
         state.dead_zone = self.dead_zone + self.tolerance * motor_torque.abs();
         let residual = external_torque - state.mean;
         state.mean += self.slow_gain * residual;
@@ -188,18 +192,18 @@ impl<R: Real> Disturbance<R> {
 
     /// d_c (N m).
     #[inline(always)]
-    pub fn followed(&self, state: &DisturbanceState<R>) -> R {
-        state.slow + self.wound_up * state.fast
+    pub fn compensated_load(&self, state: &DisturbanceState<R>) -> R {
+        state.slow + self.wind_up_fraction * state.fast
     }
 
-    /// What f takes of the motor.
+    /// Wind-up response to f.
     #[inline(always)]
     pub fn wind_up(&self, state: &DisturbanceState<R>) -> WindUpResponse<R> {
         let acceleration = state.by_torque * state.acceleration;
         WindUpResponse {
             velocity: state.by_torque * state.rate,
             acceleration,
-            torque: self.wave_generator_inertia * acceleration - state.borne * state.fast,
+            torque: self.wave_generator_inertia * acceleration - state.torque_ratio * state.fast,
         }
     }
 }
@@ -214,7 +218,7 @@ mod tests {
         fast_corner: 1000.0,
         dead_zone: 6.0,
         tolerance: 20.0,
-        wound_up: 0.5,
+        wind_up_fraction: 0.5,
     };
 
     fn gear() -> GearParams<f64> {
@@ -225,7 +229,7 @@ mod tests {
     fn after(seconds: f64, torque: impl Fn(f64) -> f64, motor_torque: f64, rests: bool) -> (f64, f64) {
         let (path, mut state) = (PARAMS.build(&gear(), DT).unwrap(), DisturbanceState::default());
         let round = f64::from(SLOW_PERIODS) * DT;
-        let joint = JointNow { motor_torque, rests, compliance: 2.5e-5, gain: 1.0 };
+        let joint = DisturbanceInput { motor_torque, rests, compliance: 2.5e-5, gain: 1.0 };
         for k in 0..(seconds / round) as usize {
             let d = torque(k as f64 * round);
             for _ in 0..SLOW_PERIODS / OBSERVER_PERIODS {
@@ -233,43 +237,43 @@ mod tests {
             }
             path.step_slow(&mut state, d, &joint);
         }
-        (path.followed(&state), state.fast)
+        (path.compensated_load(&state), state.fast)
     }
 
     #[test]
-    fn what_friction_may_hide_moves_nothing() {
+    fn nothing_within_the_dead_zone_is_compensated() {
         let (compensated, fast) = after(1.0, |_| 5.9, 0.0, false);
         assert!(compensated.abs() < 1e-9 && fast.abs() < 1e-9, "{compensated}, {fast}");
     }
 
     #[test]
-    fn a_load_is_answered_within_milliseconds_and_in_the_end_but_for_the_dead_zone() {
+    fn a_load_is_compensated_within_milliseconds_and_in_the_end_but_for_the_dead_zone() {
         let (_, fast) = after(0.005, |_| 40.0, 0.0, true);
         assert!((20.0..34.0).contains(&fast), "{fast}");
         let (compensated, _) = after(1.0, |_| 40.0, 0.0, true);
         assert!((compensated - 34.0).abs() < 0.1, "{compensated}");
     }
 
-    /// 1 N m of the motor's torque may be 20 N m off at the output.
+    /// A tolerance of 20 N m at the output for each N m at the motor.
     #[test]
     fn the_dead_zone_widens_with_the_torque_that_is_fed_forward() {
-        // The first answer is to the torque that was fed forward before.
+        // The first response is to the torque that was fed forward before.
         let of = |motor_torque| after(0.005, |_| 25.0, motor_torque, false).1;
         assert!(of(1.0) < 0.1 * of(0.0) && of(0.0) > 5.0, "{}, {}", of(1.0), of(0.0));
     }
 
     #[test]
-    fn what_keeps_swinging_is_no_load() {
-        let swinging = |time: f64| 30.0 * (300.0 * time).sin();
-        assert!(after(0.1, swinging, 0.0, true).1.abs() > 1.0);
-        assert!(after(0.4, swinging, 0.0, true).1.abs() < 1e-6);
+    fn an_oscillation_is_no_load() {
+        let oscillation = |time: f64| 30.0 * (300.0 * time).sin();
+        assert!(after(0.1, oscillation, 0.0, true).1.abs() > 1.0);
+        assert!(after(0.4, oscillation, 0.0, true).1.abs() < 1e-6);
     }
 
     #[test]
     fn a_parameter_out_of_range_is_named() {
         let build = |params: DisturbanceParams<f64>| params.build(&gear(), DT).unwrap_err();
         let named = |name| Error::OutOfRange(name);
-        assert_eq!(build(DisturbanceParams { wound_up: 1.1, ..PARAMS }), named("wound_up"));
+        assert_eq!(build(DisturbanceParams { wind_up_fraction: 1.1, ..PARAMS }), named("wind_up_fraction"));
         assert_eq!(build(DisturbanceParams { dead_zone: f64::NAN, ..PARAMS }), named("dead_zone"));
     }
 }

@@ -1,4 +1,4 @@
-//! What the outer controller commands: position, velocity or torque of the output, changed at run time.
+//! Commands of the outer controller: position, velocity or torque of the output, changed at run time.
 //!
 //! ```text
 //! position   q, dq, .. as commanded
@@ -7,30 +7,32 @@
 //! ```
 //!
 //! tau_c is the torque that the joint gives at its output flange, tau_t less the output's friction. The feed-forward,
-//! which follows the estimated motion, adds the shares of the friction on both sides, s_e is the share of the
-//! kinematic error. Units: rad, N m, s; signs as in [`crate::gear`]. Velocity is integrated once per round dt.
+//! which follows the estimated motion, adds the friction of both sides times its gain, s_e is the gain of the kinematic
+//! error. Units: rad, N m, s; signs as in [`crate::gear`]. Velocity is integrated once per round dt.
 //!
-//! A reference is always there to go on from: before the first, and after a torque command, it is where the output is.
-//! A setpoint that the joint can follow passes unchanged. With x what it is ahead of where the last reference goes on
-//! to, s <- (1 - dt/T_s)*s + x, it cannot when
+//! There is always a reference: before the first command, and after a torque command, it is the output's angle. A
+//! setpoint that the joint can follow passes unchanged. With x the setpoint less the extrapolated last reference, and
+//! s <- (1 - dt/T_s)*s + x, the joint cannot follow it when
 //!
 //! ```text
 //! |s| > tau_max/(4*k_p*k_v*|n|)   or   |dq - dq_foreseen| > tau_max/(4*k_v*|n|) + a_max*dt
 //! a_max = 0.6*min(tau_p/J_fs, tau_max*|n|/(n^2*J_wg + J_fs))
 //! ```
 //!
-//! for that is a step that would take a quarter of the motor's torque. Then the reference chases it within the joint's
-//! speed (95 %), a_max and a jerk of a_max in 5 ms, until both are together again:
+//! (dq_foreseen: the extrapolated speed), for that is a step that would take a quarter of the motor's torque. Then the
+//! reference approaches it within the joint's speed (95 %), a_max and a jerk of a_max in 5 ms, until it reaches it:
 //!
 //! ```text
 //! v = dq + limit(min(k*|e|, sqrt(a_max*|e|)))*sign(e),   ddq -> limit(ddq_c + 4*k*(v - dq), a_max),   k = 25/s
 //! ```
 //!
-//! A first setpoint that is not where the output is, is not chased: nobody has agreed on where that is. The reference
-//! stays where the output was found, and says so, until the setpoint comes there.
+//! A first setpoint away from the output is not approached: the two controllers may disagree on the zero. The reference
+//! stays at the initial angle of the output, with a fault, until the setpoint comes there.
 //!
-//! A setpoint that is older than [`STALE`] is not followed: the reference brakes to rest in the same way, a torque is
-//! none. One with a value that is not finite is replaced by the reference that goes on at its acceleration, as long. What a switch would do to the motor's torque is limited by [`crate::compensator::actuate::fallback`].
+//! A setpoint that is older than [`STALE`] is not followed: the reference brakes to rest within the same limits, a torque
+//! command becomes 0. One with a value that is not finite is replaced by the reference extrapolated at its acceleration,
+//! for the same time. The motor's torque at a switch of the kind of command is ramped by
+//! [`crate::compensator::actuate::fallback`].
 
 use crate::angle::Angle;
 use crate::compensator::actuate::cascade::FeedbackParams;
@@ -44,25 +46,25 @@ pub const STALE: f64 = 0.02;
 /// T_s (s).
 const SLIP_TIME: f64 = 0.02;
 /// k (1/s).
-const CHASE: f64 = 25.0;
+const APPROACH_RATE: f64 = 25.0;
 /// Time from no acceleration to a_max (s).
 const JERK_TIME: f64 = 0.005;
 /// Speed below which a braked reference rests (rad/s).
 const REST: f64 = 1e-4;
 
-/// What the outer controller wants of the output.
+/// Command of the outer controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command<R> {
-    /// Where it should be, with the derivatives of that.
+    /// Position of the output, with its derivatives.
     Position(Setpoint<R>),
-    /// How fast it should turn, from where it is asked to be now.
+    /// Velocity of the output, integrated from the present reference on.
     Velocity {
         /// (rad/s)
         velocity: R,
         /// (rad/s^2)
         acceleration: R,
     },
-    /// Torque that the joint should give at the output flange (N m).
+    /// Torque of the joint at the output flange (N m).
     Torque(R),
 }
 
@@ -78,7 +80,7 @@ impl<R> From<Setpoint<R>> for Command<R> {
     }
 }
 
-/// From a command to a reference of the output.
+/// The built generator of the output's reference from a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Commander<R> {
     dt: R,
@@ -86,10 +88,10 @@ pub struct Commander<R> {
     /// a_max (rad/s^2), and a_max*dt (rad/s).
     acceleration: R,
     velocity_step: R,
-    /// Most that the acceleration of a chase changes by in dt (rad/s^2).
+    /// Largest change of an approach's acceleration in dt (rad/s^2).
     acceleration_step: R,
     velocity: R,
-    /// Bounds of what passes: s (rad), and of the speed (rad/s).
+    /// Bounds of s (rad) and of the speed's difference (rad/s) within which a setpoint passes unchanged.
     near: R,
     near_velocity: R,
     /// 1 - dt/T_s.
@@ -105,10 +107,10 @@ pub struct CommanderState<R> {
     kind: Kind,
     /// s (rad).
     slip: R,
-    chases: bool,
-    /// The first setpoint is still to come near.
+    approaches: bool,
+    /// The first setpoint has not come near the output yet.
     waits: bool,
-    /// For how long no command could be read (s).
+    /// Time without a readable command (s).
     unreadable: R,
 }
 
@@ -121,18 +123,18 @@ enum Kind {
     Torque,
 }
 
-/// What is told of a command beside its values.
+/// Age and validity of a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Told<R> {
+pub struct CommandStatus<R> {
     /// Its age (s).
     pub age: R,
     /// All of its values are finite.
     pub readable: bool,
 }
 
-/// What the stages after it follow.
+/// Target of the stages after it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Followed<R> {
+pub struct Target<R> {
     /// Reference of the output.
     pub setpoint: Setpoint<R>,
     /// Torque at the output flange, in place of the feedback (N m).
@@ -193,10 +195,10 @@ impl<R: Real> Commander<R> {
         &self,
         state: &mut CommanderState<R>,
         command: &Command<R>,
-        Told { age, readable }: Told<R>,
+        CommandStatus { age, readable }: CommandStatus<R>,
         estimate: impl FnOnce() -> Estimate<R>,
         faults: &mut Faults,
-    ) -> Followed<R> {
+    ) -> Target<R> {
         state.unreadable = if readable { R::ZERO } else { (state.unreadable + self.dt).min(R::ONE) };
         // An age that is not a number is stale.
         let fresh = age <= R::lit(STALE) && state.unreadable <= R::lit(STALE);
@@ -208,13 +210,13 @@ impl<R: Real> Commander<R> {
                     state.waits = true;
                     at_rest(&estimate())
                 });
-                let wanted = if readable { setpoint } else { self.going_on(&from) };
-                (Kind::Position, self.positioned(state, from, wanted, stale, faults), None)
+                let commanded = if readable { setpoint } else { self.extrapolated(&from) };
+                (Kind::Position, self.positioned(state, from, commanded, stale, faults), None)
             }
             Command::Velocity { velocity, acceleration } => {
                 let from = state.reference.unwrap_or_else(|| at_rest(&estimate()));
-                let wanted = if stale { [R::ZERO; 2] } else { [velocity, acceleration] };
-                (Kind::Velocity, self.turned(from, wanted, faults), None)
+                let commanded = if stale { [R::ZERO; 2] } else { [velocity, acceleration] };
+                (Kind::Velocity, self.integrated(from, commanded, faults), None)
             }
             Command::Torque(torque) => {
                 let estimate = estimate();
@@ -224,12 +226,12 @@ impl<R: Real> Commander<R> {
         };
         let switched = state.reference.is_some() && state.kind != kind;
         (state.reference, state.kind) = (Some(setpoint), kind);
-        Followed { setpoint, torque, switched }
+        Target { setpoint, torque, switched }
     }
 
-    /// Where a reference is a round later.
+    /// The reference extrapolated by a round.
     #[cold]
-    fn going_on(&self, from: &Setpoint<R>) -> Setpoint<R> {
+    fn extrapolated(&self, from: &Setpoint<R>) -> Setpoint<R> {
         let change = self.dt * from.acceleration;
         let position = from.position.plus(self.dt * (from.velocity + R::lit(0.5) * change));
         let velocity = (from.velocity + change).limit(self.velocity);
@@ -241,73 +243,73 @@ impl<R: Real> Commander<R> {
         &self,
         state: &mut CommanderState<R>,
         from: Setpoint<R>,
-        wanted: Setpoint<R>,
+        commanded: Setpoint<R>,
         stale: bool,
         faults: &mut Faults,
     ) -> Setpoint<R> {
         let change = self.dt * from.acceleration;
-        let way = self.dt * (from.velocity + R::lit(0.5) * change);
-        state.slip = self.keep * state.slip + (wanted.position.minus(from.position) - way);
-        let off = wanted.velocity - from.velocity - change;
-        let near = state.slip.is_within(self.near) && off.is_within(self.near_velocity);
-        if near && !state.chases && !stale {
+        let step = self.dt * (from.velocity + R::lit(0.5) * change);
+        state.slip = self.keep * state.slip + (commanded.position.minus(from.position) - step);
+        let velocity_step = commanded.velocity - from.velocity - change;
+        let near = state.slip.is_within(self.near) && velocity_step.is_within(self.near_velocity);
+        if near && !state.approaches && !stale {
             state.waits = false;
-            return wanted;
+            return commanded;
         }
-        self.chase(state, from, wanted, stale, faults)
+        self.approach(state, from, commanded, stale, faults)
     }
 
     #[cold]
     #[inline(never)]
-    fn chase(
+    fn approach(
         &self,
         state: &mut CommanderState<R>,
         from: Setpoint<R>,
-        wanted: Setpoint<R>,
+        commanded: Setpoint<R>,
         stale: bool,
         faults: &mut Faults,
     ) -> Setpoint<R> {
-        if state.waits && !wanted.position.minus(from.position).is_within(self.near) {
+        if state.waits && !commanded.position.minus(from.position).is_within(self.near) {
             faults.raise_if(true, Faults::SETPOINT_STEP);
             state.slip = R::ZERO;
             return Setpoint { position: from.position, ..Setpoint::default() };
         }
         state.waits = false;
-        let moved = wanted.position.counts.wrapping_sub(from.position.counts).unsigned_abs();
-        faults.raise_if(!state.chases && !stale && moved > self.farthest, Faults::SETPOINT_STEP);
-        // A reference moves on its jerk until the next one.
+        let moved = commanded.position.counts.wrapping_sub(from.position.counts).unsigned_abs();
+        faults.raise_if(!state.approaches && !stale && moved > self.farthest, Faults::SETPOINT_STEP);
+        // A reference is extrapolated by its jerk until the next one.
         let jerked = self.dt * from.jerk;
         let present = (from.acceleration + jerked).limit(self.acceleration);
         let change = self.dt * (present - R::lit(0.5) * jerked);
         let position = from.position.plus(self.dt * (from.velocity + R::lit(0.5) * change));
         let velocity = (from.velocity + change).limit(self.velocity);
-        let ahead = wanted.position.minus(position);
-        let beside = wanted.velocity - velocity;
-        let together =
-            ahead.is_within(R::lit(0.125) * self.near) && beside.is_within(R::lit(0.25) * self.near_velocity);
-        state.chases = stale || !together;
+        let distance = commanded.position.minus(position);
+        let difference = commanded.velocity - velocity;
+        let together = distance.is_within(R::lit(0.125) * self.near)
+            && difference.is_within(R::lit(0.25) * self.near_velocity);
+        state.approaches = stale || !together;
         state.slip = R::ZERO;
-        if !state.chases {
-            return wanted;
+        if !state.approaches {
+            return commanded;
         }
         faults.raise_if(!stale, Faults::SETPOINT_LIMITED);
         let (target, along) = if stale {
             (R::ZERO, R::ZERO)
         } else {
-            let room = ahead.abs();
-            let speed = (R::lit(CHASE) * room).min((self.acceleration * room).sqrt_or_zero());
-            ((wanted.velocity + speed.copysign(ahead)).limit(self.velocity), wanted.acceleration)
+            let room = distance.abs();
+            let speed = (R::lit(APPROACH_RATE) * room).min((self.acceleration * room).sqrt_or_zero());
+            ((commanded.velocity + speed.copysign(distance)).limit(self.velocity), commanded.acceleration)
         };
         if stale && velocity.is_within(R::lit(REST)) {
             return Setpoint { position, ..Setpoint::default() };
         }
         let target_acceleration =
-            (along + R::lit(4.0 * CHASE) * (target - velocity)).limit(self.acceleration);
+            (along + R::lit(4.0 * APPROACH_RATE) * (target - velocity)).limit(self.acceleration);
         let change = (target_acceleration - present).limit(self.acceleration_step);
         Setpoint { position, velocity, acceleration: present, jerk: change * self.inverse_dt, snap: R::ZERO }
     }
 
-    fn turned(
+    fn integrated(
         &self,
         from: Setpoint<R>,
         [velocity, acceleration]: [R; 2],
@@ -322,7 +324,7 @@ impl<R: Real> Commander<R> {
     }
 }
 
-/// At rest where the output is.
+/// At rest at the output's angle.
 fn at_rest<R: Real>(estimate: &Estimate<R>) -> Setpoint<R> {
     Setpoint { position: estimate.output_position, ..Setpoint::default() }
 }

@@ -1,29 +1,29 @@
-//! Shares for either direction of the output.
+//! Gains of the compensation functions for either direction of the output.
 //!
 //! ```text
 //! s = s_b + w*(s_f - s_b),   w = 1/2 + limit(v/(2*v_0), 1/2),   v_0 = 1 % of the output's top speed
 //! ```
 //!
-//! v is the speed of the reference (rad/s): between -v_0 and v_0 the shares cross over, so that none of them steps where
-//! the motion reverses.
+//! s is a gain, s_f and s_b those of forward and backward motion, v the speed of the reference (rad/s): between -v_0 and
+//! v_0 they are interpolated, so that no gain steps where the motion reverses.
 
-use crate::compensator::Shares;
+use crate::compensator::CompensationGains;
 use crate::real::Real;
 
 /// v_0 over the output's top speed.
 const CROSSOVER: f64 = 0.01;
 
-/// The shares of forward and of backward motion of the output.
+/// The gains for forward and for backward motion of the output.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Directions<R> {
-    /// Where its speed is positive.
-    pub forward: Shares<R>,
-    /// Where its speed is negative.
-    pub backward: Shares<R>,
+    /// For a positive speed.
+    pub forward: CompensationGains<R>,
+    /// For a negative speed.
+    pub backward: CompensationGains<R>,
 }
 
-impl<R: Real> From<Shares<R>> for Directions<R> {
-    fn from(both: Shares<R>) -> Self {
+impl<R: Real> From<CompensationGains<R>> for Directions<R> {
+    fn from(both: CompensationGains<R>) -> Self {
         Self { forward: both, backward: both }
     }
 }
@@ -41,7 +41,7 @@ impl<R: Real> Crossover<R> {
         Self { slope: R::lit(0.5 / CROSSOVER) / top_speed }
     }
 
-    /// w at a speed (rad/s): the share of the forward direction.
+    /// w at a speed (rad/s): the weight of the forward direction.
     #[inline(always)]
     pub fn forward(&self, velocity: R) -> R {
         R::lit(0.5) + (velocity * self.slope).limit(R::lit(0.5))

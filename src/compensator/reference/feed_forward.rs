@@ -1,49 +1,48 @@
-//! Feed-forward: where the motor should be, and with what torque, for the output to follow its setpoint.
+//! Feed-forward: angle and torque of the motor for the output to follow its setpoint.
 //!
 //! ```text
 //! J = f_J*J_fs,  tau_fric = f*friction of the gear's model along the setpoint       f: learnt factors
-//! tau_t     = s_i*J*ddq + tau_fric_out - d_ff                 what the flexspline must carry
-//! phi       = c*line^-1(tau_t - tau_hyst)                      wind-up that carries it; tau_hyst: the model's of phi/c, over c
-//! theta_ref = (q + s_w*phi - s_e*e(theta_ref) - ripple) / r    put in advance
+//! tau_t     = s_i*J*ddq + tau_fric_out - d_ff                 torque through the flexspline
+//! phi       = c*line^-1(tau_t - tau_hyst)                      wind-up for it; tau_hyst: the model's of phi/c, over c
+//! theta_ref = (q + s_w*phi - s_e*e(theta_ref) - ripple) / r    motor reference
 //! tau_ff    = J_wg*ddtheta_ref + s_f*tau_fric_in + (r + s_e*de/dtheta)*(J*(ddq + dt/2*dddq) + s_f*tau_fric_out)
 //! dtheta_ref  = (dq + s_w*c/k*(J*dddq + d(tau_fric_out - tau_hyst)/dt) - s_e*de/dt) / r
 //! ddtheta_ref = (ddq + dt/2*dddq + s_w*c/k*J*ddddq - s_e*dde/dt^2) / r
 //! ```
 //!
-//! q is the setpoint of the output with its derivatives, d_ff the external torque as far as it is followed, k the
-//! line's stiffness at tau_t, c its compliance factor, and s the shares (0..=1) of inertia, friction, wind-up and
-//! kinematic error. Units: rad, N m; signs as in [`crate::gear`]. Evaluated once per round T of [`crate::compensator::schedule`], for
-//! the setpoint of that instant; the torque, which is held over each control period dt, for the middle of the first
-//! one. Until the next setpoint the motor goes on by the acceleration, the jerk and the torque's rate that are answered
-//! with. [`PLAN_TO_MODELS`] periods later kinematic error, hysteresis and the friction of either side have their turn
-//! ([`FeedForward::remember`]), for where the setpoint will be by then: on its acceleration, the torsion on its rate.
-//! The kinematic error moves on its slope and bend until the next setpoint. Rates of friction, hysteresis and slope are
-//! their differences over T.
+//! q is the setpoint of the output with its derivatives, d_ff the compensated external torque, k the line's stiffness at
+//! tau_t, c its compliance factor, and s the gains (0..=1) of inertia, friction, wind-up and kinematic error. Units: rad,
+//! N m; signs as in [`crate::gear`]. Evaluated once per round T of [`crate::compensator::schedule`], for the setpoint of
+//! that instant; the torque, which is held over each control period dt, for the middle of the first one. Until the next
+//! setpoint the motor reference is extrapolated by the returned acceleration, jerk and torque rate. [`PLAN_TO_MODELS`]
+//! periods later is the slot of kinematic error, hysteresis and the friction of either side
+//! ([`FeedForward::step_models`]), for the setpoint extrapolated to that instant by its acceleration, and the torsion by
+//! its rate. The kinematic error is extrapolated by its slope, and the slope by its rate, until the next setpoint. Rates
+//! of friction, hysteresis and slope are their differences over T.
 //!
 //! The flexible joint is flat: motor angle and torque follow from the output's trajectory without solving a
-//! differential equation: the motor's speed takes the setpoint's jerk, its acceleration the snap. Friction is the
-//! gear's own model driven along the setpoint, so its presliding before a reversal is contained, and the speed at
-//! which the wind-up that carries it comes and goes: without it the cascade lags by what the friction changes, and
-//! that is still there when a move ends.
+//! differential equation: the motor's speed contains the setpoint's jerk, its acceleration the snap. Friction is the
+//! gear's own model driven along the setpoint, so that it includes presliding at a reversal, and the rate of the
+//! wind-up for it: without that the cascade lags by the change of the friction, and the lag remains at the end of a move.
 //!
-//! At rest the setpoint covers no path and the model's friction stays what it was, up to the static level. A joint of
-//! 20 % less friction would be driven by 80 % of that: once it slides, its friction is less than its static level.
-//! What is fed forward as torque therefore fades where nothing moves: s_f stands for s_f*w,
+//! At rest the setpoint covers no path and the model's friction is held, up to the static level. A joint of 20 % less
+//! friction would be driven by 80 % of that: once it slides, its friction is less than its static level. At rest the
+//! friction torque is therefore faded out: s_f stands for s_f*w,
 //!
 //! ```text
 //! w <- w + min(4*ds/eps, 1)*(1 - w) - T/T_f*w         ds: path of the motor over T, eps: its presliding, T_f = 0.5 s
 //! ```
 //!
-//! which is there after a quarter of the presliding, passes a reversal within a few percent, and is 0 at rest: the
-//! torque only falls there, so it does not hunt. At a motor speed of eps/(4*T_f) w is a half.
+//! which reaches 1 after a quarter of the presliding, drops by a few percent at a reversal, and tends to 0 at rest: the
+//! torque decreases monotonically there, so that it does not hunt. At a motor speed of eps/(4*T_f) w is a half.
 //!
 //! Hysteresis, kinematic error and the friction's load are implicit equations; all are solved by one fixed-point step
-//! in their turn: the hysteresis torque follows the torsion of the setpoint before (contraction: its slope over K1,
+//! in their slot: the hysteresis torque follows the torsion of the setpoint before (contraction: its slope over K1,
 //! about 0.2), e and the friction's ripple follow the motor reference of [`MODELS_TO_PLAN`] periods before (contraction:
 //! N*de/dtheta, below 0.03 for the default gear), and the friction's load is the tau_t of the setpoint before
 //! (contraction: the load's factor).
 //!
-//! The external torque that the observer estimates winds the gear up as [`crate::compensator::estimate::disturbance`] follows it: d_ff.
+//! d_ff is the estimated external torque as filtered by [`crate::compensator::estimate::disturbance`].
 //!
 //! M. Fliess, J. Levine, P. Martin, P. Rouchon, "Flatness and defect of non-linear systems", International Journal of
 //! Control 61 (1995); A. De Luca, "Feedforward/feedback laws for the control of flexible robots", IEEE International
@@ -52,15 +51,15 @@
 use crate::angle::{Angle, Heading, Ratio};
 use crate::compensator::adapt::parameters::{Excitation, Factors};
 use crate::compensator::schedule::{MODELS_TO_PLAN, PLAN_TO_MODELS, SLOW_PERIODS};
-use crate::compensator::{HYSTERESIS_MEMORY, RealTimeGear, Setpoint, Shares};
+use crate::compensator::{CompensationGains, HYSTERESIS_MEMORY, RealTimeGear, Setpoint};
 use crate::error::{Error, require};
 use crate::friction::{FrictionModel, JointFrictionState, Slip, StepTime};
 use crate::gear::{GearParams, Motion};
 use crate::hysteresis::torsion::TorsionHysteresisState;
-use crate::kinematic_error::Deviation;
+use crate::kinematic_error::ErrorAndSlope;
 use crate::real::Real;
 
-/// T_f (s): how long friction is fed forward at rest.
+/// T_f (s): time constant of the friction feed-forward's decay at rest.
 const FADING_TIME: f64 = 0.5;
 
 /// The built feed-forward.
@@ -106,7 +105,7 @@ pub struct FeedForward<R> {
     to_plan: R,
     /// 4/eps.
     engagement: R,
-    /// Path behind a reversal after which nothing of it is left (rad).
+    /// Path after a reversal on which the presliding ends (rad).
     presliding_path: R,
     /// T/T_f.
     fading: R,
@@ -116,72 +115,72 @@ pub struct FeedForward<R> {
     half_step: R,
 }
 
-/// What the feed-forward remembers of the setpoint's motion.
+/// State of the feed-forward.
 #[derive(Clone, Debug, Default)]
 pub struct FeedForwardState<R: Real> {
     input_friction: JointFrictionState<R>,
     output_friction: JointFrictionState<R>,
     hysteresis: TorsionHysteresisState<R, HYSTERESIS_MEMORY>,
     hysteresis_torque: R,
-    /// tau_fric_out - tau_hyst in the hysteresis' last turn (N m), and its rate.
+    /// tau_fric_out - tau_hyst in the models' last slot (N m), and its rate.
     resistance: R,
     resistance_rate: R,
-    /// e and de/dtheta of the last turn, moved on since.
-    deviation: Deviation<R>,
-    /// de/dtheta in the last turn, and its rate (1/s).
+    /// e and de/dtheta of the last slot, extrapolated since.
+    kinematic_error: ErrorAndSlope<R>,
+    /// de/dtheta in the last slot, and its rate (1/s).
     slope: R,
-    bend: R,
+    slope_rate: R,
     heading: Heading<R>,
     /// tau_t of the last setpoint (N m).
-    carried: R,
-    /// In the models' turn: the model's torsion that carries the torque (rad), and the output's speed (rad/s).
+    transmitted: R,
+    /// At the models' slot: the model's torsion for the torque (rad), and the output's speed (rad/s).
     nominal: R,
     velocity: R,
     /// w.
     engaged: R,
-    /// s: path of the motor since it turned back (rad), with its sign.
+    /// s: path of the motor since its last reversal (rad), with its sign.
     path: R,
     /// s*dF/ds of its friction (N m).
     stiffened: R,
 }
 
-/// What has been learnt of the joint beside its model.
+/// Learnt correction of the joint's model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ModelCorrection<R: Real> {
     /// Factors on the nominal gear.
     pub factors: Factors<R>,
-    /// The external torque as far as it is followed.
+    /// Compensated external torque (N m).
     pub load: R,
-    /// How far the output is ahead of the gear's model at the reference (rad).
+    /// Learnt ripple of the output's position at the reference (rad).
     pub ripple: R,
-    /// Torque that the motor needs there beside the model's (N m).
+    /// Learnt torque of the motor there, added to the model's (N m).
     pub torque: R,
 }
 
-/// What the feed-forward asks of the motor.
+/// Demand of the feed-forward on the motor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Demand<R> {
-    /// Where the motor should be, and how fast it should turn.
+    /// Angle and speed of the motor's reference.
     pub motor: Motion<R>,
-    /// How fast its speed should change (rad/s^2).
+    /// Its acceleration (rad/s^2).
     pub acceleration: R,
-    /// How fast that changes (rad/s^3).
+    /// Its jerk (rad/s^3).
     pub jerk: R,
-    /// By how much r times the motor's angle is to be ahead of the output (rad).
-    pub ahead: R,
+    /// r times the motor's reference less the output's setpoint (rad).
+    pub link_offset: R,
     /// Torque at the motor shaft (N m).
     pub torque: R,
-    /// How fast that changes (N m/s).
+    /// Rate of the torque (N m/s).
     pub torque_rate: R,
-    /// r + s_e*de/dtheta there: what of a torque at the output the motor carries.
+    /// r + s_e*de/dtheta there: motor torque for each N m at the output.
     pub transmission: R,
-    /// By how much the gear's torsion yields to a torque, as far as it is wound up (rad/(N m)).
-    pub wound: R,
+    /// Compliance of the gear times the wind-up gain (rad/(N m)).
+    pub wind_up_compliance: R,
     /// J*ddq that the gear is wound up for (N m).
     pub accelerating: R,
-    /// How fast that changes (N m/s).
+    /// Its rate (N m/s).
     pub accelerating_rate: R,
-    /// What it rests on, from the nominal gear.
+    /// Its regressors for the adaptation, from the nominal gear.
     pub excitation: Excitation<R>,
 }
 
@@ -213,15 +212,20 @@ impl<R: Real> FeedForward<R> {
         })
     }
 
-    /// The kinematic error's turn.
+    /// Evaluates the kinematic error.
     #[inline(always)]
-    fn deviate(&self, gear: &RealTimeGear<R>, state: &mut FeedForwardState<R>, reference: Angle<R>) {
-        state.deviation = gear.kinematic_error(reference, state.heading);
-        state.bend = (state.deviation.slope - state.slope) * self.inverse_round;
-        state.slope = state.deviation.slope;
+    fn step_kinematic_error(
+        &self,
+        gear: &RealTimeGear<R>,
+        state: &mut FeedForwardState<R>,
+        reference: Angle<R>,
+    ) {
+        state.kinematic_error = gear.kinematic_error(reference, state.heading);
+        state.slope_rate = (state.kinematic_error.slope - state.slope) * self.inverse_round;
+        state.slope = state.kinematic_error.slope;
     }
 
-    /// The frictions' turn; w with that of the motor.
+    /// Advances the friction of both sides, and w with that of the motor.
     #[inline(always)]
     fn step_friction(&self, gear: &RealTimeGear<R>, state: &mut FeedForwardState<R>) {
         let (heading, output) = (state.heading, state.velocity);
@@ -231,8 +235,8 @@ impl<R: Real> FeedForward<R> {
         };
         let (on_input, on_output) = gear.frictions();
         let before = on_input.presliding(&state.input_friction);
-        on_output.step(&mut state.output_friction, &slip(output, state.carried));
-        let slip = slip(output * self.inverse_ratio, self.ratio * state.carried);
+        on_output.step(&mut state.output_friction, &slip(output, state.transmitted));
+        let slip = slip(output * self.inverse_ratio, self.ratio * state.transmitted);
         state.engaged = state.engaged - self.fading * state.engaged;
         state.engaged += (slip.displacement().abs() * self.engagement).min(R::ONE) * (R::ONE - state.engaged);
         on_input.step(&mut state.input_friction, &slip);
@@ -240,7 +244,7 @@ impl<R: Real> FeedForward<R> {
         state.stiffened = self.steps_since_reversal(state, slip.displacement()) * change;
     }
 
-    /// s/ds after another `step` ds of the motor (rad); 0 at rest and where the reversal is far behind.
+    /// s/ds after another `step` ds of the motor (rad); 0 at rest and beyond the presliding path.
     #[inline(always)]
     fn steps_since_reversal(&self, state: &mut FeedForwardState<R>, step: R) -> R {
         let path = if state.path * step < R::ZERO { step } else { state.path + step };
@@ -248,9 +252,9 @@ impl<R: Real> FeedForward<R> {
         if step == R::ZERO || state.path != path { R::ZERO } else { path / step }
     }
 
-    /// The models' turn, after the last setpoint's, with the motor sent to `reference` now.
+    /// Advances the models in their slot, with the motor's reference at `reference` now.
     #[inline(always)]
-    pub fn remember(
+    pub fn step_models(
         &self,
         gear: &RealTimeGear<R>,
         state: &mut FeedForwardState<R>,
@@ -258,7 +262,7 @@ impl<R: Real> FeedForward<R> {
         factors: &Factors<R>,
     ) {
         state.heading = reference.heading();
-        self.deviate(gear, state, reference);
+        self.step_kinematic_error(gear, state, reference);
         self.step_friction(gear, state);
         let scale = R::ONE + factors.stiffening();
         state.hysteresis_torque = scale * gear.hysteresis().step(&mut state.hysteresis, state.nominal).torque;
@@ -277,26 +281,32 @@ impl<R: Real> FeedForward<R> {
         [engaged * input.shaped(&state.input_friction), engaged * state.stiffened]
     }
 
-    /// Gives the presliding of either side its learnt shape and stiffness.
+    /// Sets the learnt shape and stiffness of the presliding of either side.
     #[inline(always)]
-    pub fn shape(&self, gear: &RealTimeGear<R>, state: &mut FeedForwardState<R>, share: R, stiffening: R) {
+    pub fn shape(
+        &self,
+        gear: &RealTimeGear<R>,
+        state: &mut FeedForwardState<R>,
+        order_two: R,
+        stiffening: R,
+    ) {
         let (input, output) = gear.frictions();
-        input.shape(&mut state.input_friction, share, stiffening);
-        output.shape(&mut state.output_friction, share, stiffening);
+        input.shape(&mut state.input_friction, order_two, stiffening);
+        output.shape(&mut state.output_friction, order_two, stiffening);
     }
 
-    /// Demand for a setpoint; `correction` is what has been learnt of the joint beside its model.
+    /// Demand for a setpoint, with the learnt `correction` of the model.
     #[inline(always)]
     pub fn step(
         &self,
         gear: &RealTimeGear<R>,
         state: &mut FeedForwardState<R>,
         setpoint: &Setpoint<R>,
-        shares: &Shares<R>,
+        gains: &CompensationGains<R>,
         correction: &ModelCorrection<R>,
     ) -> Demand<R> {
         let ModelCorrection { factors, load, ripple, torque } = *correction;
-        let inertia = self.flexspline_inertia * factors.inertia * shares.inertia;
+        let inertia = self.flexspline_inertia * factors.inertia * gains.inertia;
         let motor_velocity = setpoint.velocity * self.inverse_ratio;
         state.velocity = setpoint.velocity + self.to_models * setpoint.acceleration;
         let (input, output) = gear.frictions();
@@ -305,47 +315,50 @@ impl<R: Real> FeedForward<R> {
         let on_output = factors.output_friction * output_friction;
 
         let (accelerating, accelerating_rate) = (inertia * setpoint.acceleration, inertia * setpoint.jerk);
-        state.carried = accelerating + on_output - load;
-        let on_line = state.carried - state.hysteresis_torque;
+        state.transmitted = accelerating + on_output - load;
+        let on_line = state.transmitted - state.hysteresis_torque;
         let nominal = gear.flexspline().torsion(on_line);
         let compliance = gear.flexspline().compliance(on_line);
-        let wound_share = shares.wind_up * factors.compliance;
-        let wound = wound_share * compliance;
-        let carried_rate = accelerating_rate + state.resistance_rate;
-        state.nominal = nominal + self.to_models * compliance * carried_rate;
+        let wind_up_gain = gains.wind_up * factors.compliance;
+        let wind_up_compliance = wind_up_gain * compliance;
+        let transmitted_rate = accelerating_rate + state.resistance_rate;
+        state.nominal = nominal + self.to_models * compliance * transmitted_rate;
 
         let moved = self.to_plan * motor_velocity;
-        state.deviation.error += state.deviation.slope * moved;
-        state.deviation.slope += self.to_plan * state.bend;
-        let deviation = state.deviation;
-        let ahead = wound_share * nominal - shares.kinematic_error * deviation.error - ripple;
-        let ahead_rate = wound * carried_rate - shares.kinematic_error * deviation.slope * motor_velocity;
-        let reference = gear.ratio().undo(setpoint.position.plus(ahead));
+        state.kinematic_error.error += state.kinematic_error.slope * moved;
+        state.kinematic_error.slope += self.to_plan * state.slope_rate;
+        let kinematic_error = state.kinematic_error;
+        let link_offset = wind_up_gain * nominal - gains.kinematic_error * kinematic_error.error - ripple;
+        let link_offset_rate = wind_up_compliance * transmitted_rate
+            - gains.kinematic_error * kinematic_error.slope * motor_velocity;
+        let reference = gear.ratio().to_motor(setpoint.position.plus(link_offset));
 
         let acceleration = setpoint.acceleration + self.half_step * setpoint.jerk;
-        let bent = state.bend * motor_velocity + deviation.slope * self.inverse_ratio * setpoint.acceleration;
-        let ahead_acceleration = wound * inertia * setpoint.snap - shares.kinematic_error * bent;
-        let motor_acceleration = (acceleration + ahead_acceleration) * self.inverse_ratio;
+        let slope_term = state.slope_rate * motor_velocity
+            + kinematic_error.slope * self.inverse_ratio * setpoint.acceleration;
+        let link_offset_acceleration =
+            wind_up_compliance * inertia * setpoint.snap - gains.kinematic_error * slope_term;
+        let motor_acceleration = (acceleration + link_offset_acceleration) * self.inverse_ratio;
         let engaged = state.engaged;
-        let share = shares.friction * engaged;
-        let transmission = self.ratio + shares.kinematic_error * deviation.slope;
+        let friction_gain = gains.friction * engaged;
+        let transmission = self.ratio + gains.kinematic_error * kinematic_error.slope;
         let moving = if setpoint.velocity == R::ZERO { R::ZERO } else { engaged };
         Demand {
             motor: Motion {
                 angle: reference,
-                velocity: (setpoint.velocity + ahead_rate) * self.inverse_ratio,
+                velocity: (setpoint.velocity + link_offset_rate) * self.inverse_ratio,
             },
             acceleration: motor_acceleration,
             jerk: self.inverse_ratio * setpoint.jerk,
-            ahead,
-            torque_rate: self.wave_generator_inertia * shares.inertia * self.inverse_ratio * setpoint.jerk
+            link_offset,
+            torque_rate: self.wave_generator_inertia * gains.inertia * self.inverse_ratio * setpoint.jerk
                 + transmission * accelerating_rate,
-            torque: self.wave_generator_inertia * shares.inertia * motor_acceleration
-                + share * factors.input_friction * input_friction
-                + transmission * (inertia * acceleration + share * on_output)
+            torque: self.wave_generator_inertia * gains.inertia * motor_acceleration
+                + friction_gain * factors.input_friction * input_friction
+                + transmission * (inertia * acceleration + friction_gain * on_output)
                 + torque,
             transmission,
-            wound,
+            wind_up_compliance,
             accelerating,
             accelerating_rate,
             excitation: Excitation {

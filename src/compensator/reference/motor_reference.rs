@@ -1,36 +1,35 @@
-//! Where the motor is sent from one plan of the feed-forward to the next: on by the acceleration, jerk and torque rate
-//! that were planned.
+//! Motor reference, extrapolated from one plan of the feed-forward to the next by its acceleration, jerk and torque rate.
 //!
 //! ```text
-//! ahead <- ahead + dt*(omega + dt*a/2 + v),   omega <- omega + dt*a,   a <- a + dt*j,   tau <- tau + dt*dtau
+//! x <- x + dt*(omega + dt*a/2 + v),   omega <- omega + dt*a,   a <- a + dt*j,   tau <- tau + dt*dtau
 //! ```
 //!
 //! dt is the control period, v the speed of the wind-up response to a load
-//! ([`crate::compensator::estimate::disturbance`]). The reference is kept relative to the motor's encoder, theta_ref - theta: small, so that
-//! an f32 holds it. What the encoder has moved is taken off it as soon as it is read. Units: rad, s, N m at the motor's
-//! shaft; signs as in [`crate::gear`].
+//! ([`crate::compensator::estimate::disturbance`]). The reference is kept relative to the motor's encoder as the position
+//! error x = theta_ref - theta: small, so that an f32 resolves it. The motion of the encoder is subtracted as soon as it
+//! is read. Units: rad, s, N m at the motor's shaft; signs as in [`crate::gear`].
 
 use crate::angle::Angle;
 use crate::real::{RADIANS_PER_COUNT, Real};
 
-/// Where the motor is sent, from one plan to the next.
+/// Reference of the motor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in crate::compensator) struct Course<R> {
+pub(in crate::compensator) struct MotorReference<R> {
     /// theta_ref - theta (rad), dtheta_ref (rad/s), ddtheta_ref (rad/s^2) and its rate.
-    pub(in crate::compensator) ahead: R,
+    pub(in crate::compensator) position_error: R,
     pub(in crate::compensator) velocity: R,
     pub(in crate::compensator) acceleration: R,
     pub(in crate::compensator) jerk: R,
-    /// Share of the acceleration that the cascade knows of.
-    pub(in crate::compensator) known: R,
+    /// Gain of the acceleration that is passed to the cascade.
+    pub(in crate::compensator) acceleration_gain: R,
     /// Feed-forward (N m).
     pub(in crate::compensator) torque: R,
     pub(in crate::compensator) torque_rate: R,
     pub(in crate::compensator) transmission: R,
-    pub(in crate::compensator) wound: R,
-    /// Torque at the output flange in the place of a motion (N m).
+    pub(in crate::compensator) wind_up_compliance: R,
+    /// Commanded torque at the output flange in the place of a motion (N m).
     pub(in crate::compensator) output_torque: Option<R>,
-    /// The joint is asked to rest.
+    /// Rest is commanded.
     pub(in crate::compensator) rests: bool,
     /// The command is of another kind than the last one.
     pub(in crate::compensator) switched: bool,
@@ -40,26 +39,26 @@ pub(in crate::compensator) struct Course<R> {
     pub(in crate::compensator) closed: bool,
 }
 
-impl<R: Real> Course<R> {
-    /// Speed that the motor is asked for (rad/s). Where a torque is commanded no motion is.
+impl<R: Real> MotorReference<R> {
+    /// Commanded speed of the motor (rad/s); 0 where a torque is commanded.
     #[inline(always)]
-    pub(in crate::compensator) fn asked(&self) -> R {
+    pub(in crate::compensator) fn commanded_velocity(&self) -> R {
         if self.output_torque.is_some() { R::ZERO } else { self.velocity }
     }
 
-    /// Where a motor that is at `motor` is sent, to a count.
+    /// Reference angle for a motor at the angle `motor`, to a count.
     #[inline(always)]
     pub(in crate::compensator) fn reference(&self, motor: Angle<R>) -> Angle<R> {
-        let ahead = (self.ahead * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32();
-        Angle::from_counts(motor.counts.wrapping_add(i64::from(ahead)))
+        let counts = (self.position_error * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32();
+        Angle::from_counts(motor.counts.wrapping_add(i64::from(counts)))
     }
 
-    /// One control period dt (s) later, with the motor sent on by another `velocity` (rad/s).
+    /// Extrapolates by one control period dt (s), at an additional `velocity` (rad/s).
     #[inline(always)]
     pub(in crate::compensator) fn advance(&mut self, velocity: R, dt: R) {
         let change = dt * self.acceleration;
         let speed = self.velocity + velocity;
-        self.ahead += dt * (speed + R::lit(0.5) * change);
+        self.position_error += dt * (speed + R::lit(0.5) * change);
         self.velocity += change;
         self.acceleration += dt * self.jerk;
         self.torque += dt * self.torque_rate;

@@ -1,4 +1,4 @@
-//! Output feedback: the motor's reference is shifted so that the torsional vibration is damped and no error stays.
+//! Output feedback: shift of the motor's reference that damps the torsional vibration and removes the steady error.
 //!
 //! ```text
 //! e      = theta_fs - q,   e' = omega_fs - dq,   e'' = (tau_t - tau_fric_out + d - J_fs*ddq)/J_fs
@@ -6,27 +6,27 @@
 //! y      = two poles at omega_y on m,   m_f = one pole at omega_m on m in slow motion, on 0 at rest and in a fast one
 //! ```
 //!
-//! theta_fs, omega_fs, tau_t and tau_fric_out are the observer's, q the setpoint, J_fs as the feed-forward winds the
-//! gear up for it, d the external torque as far as it is compensated ([`crate::compensator::estimate::disturbance`]).
-//! m is the output encoder's angle less q, less what a count hides; without that encoder e. The shift (rad at the output) is added to where the motor side should
-//! be, and the cascade follows it.
+//! theta_fs, omega_fs, tau_t and tau_fric_out are the observer's, q the setpoint, J_fs*ddq as in the feed-forward's
+//! wind-up, d the compensated external torque ([`crate::compensator::estimate::disturbance`]). m is the output encoder's
+//! angle less q behind a dead zone of one count; without that encoder e. The shift (rad at the output) is added to the
+//! motor's reference, and the cascade follows it.
 //!
 //! With a motor that follows, the load on its spring obeys J_fs*e'' = K*(shift - e): the torsion mode of frequency
 //! omega = sqrt(K/J_fs) is damped by (b + D)*omega/2, and z closes a loop of crossover k through two poles and that
-//! mode. P stiffens the joint through a motor that is late, whose delay turns it into negative damping of the mode, which
-//! D outweighs; b and D do so only where the delay passes a quarter of the mode's
-//! period. The gains are shares of omega. P and D act on what is measured, so that they are right where the model is
-//! not, and only in slow motion: at rest a count of noise would be torque, and in a fast move the flexible mode of a
-//! load would be.
+//! mode. P stiffens the joint through a motor with a delay, which makes it a negative damping of the mode, which D
+//! outweighs; b and D become one only where the delay passes a quarter of the mode's period. The gains scale with
+//! omega. P and D act on the measured angle, so that they do not depend on the model, and only in slow motion: at rest
+//! they would convert a count of noise to torque, and in a fast move the flexible mode of a load.
 //!
-//! Where the setpoint rests, m with an output encoder is what exceeds one of its counts: static friction and the
-//! integral would answer every change of the last count. It is the measured angle that z integrates, not the estimated
-//! one, which is off by what friction of another structure than the model's does. z only runs where the setpoint is slow: what a fast move
-//! leaves, the wind-up of a gear that is stiffer or softer than its model, changes its sign before z could follow. z
-//! and the shift are limited. z moves on in a slot after the shift's. Discretisation: explicit Euler. Units: rad, rad/s, N m; signs as in [`crate::gear`].
+//! While the setpoint rests, m with an output encoder passes a dead zone of one count: static friction and the integral
+//! would respond to every change of the last count. z integrates the measured angle, not the estimated one, whose error
+//! is that of the friction's structure. z only runs at slow setpoints: the error after a fast move, the wind-up of a gear
+//! that is stiffer or softer than its model, changes its sign before z could follow. z and the shift are limited. z is
+//! integrated in a slot after the shift's. Discretisation: explicit Euler. Units: rad, rad/s, N m; signs as in
+//! [`crate::gear`].
 //!
 //! A. De Luca, W. Book, "Robots with flexible elements", Springer Handbook of Robotics (2016), chapter 11: damping by
-//! link-side velocity, and what a motor's lag makes of it.
+//! link-side velocity, and the effect of the motor's lag on it.
 
 use crate::error::{Error, require};
 use crate::real::Real;
@@ -50,29 +50,29 @@ pub struct OutputFeedbackParams<R> {
     pub measured_corner: R,
 }
 
-/// Largest shift of the motor's reference, at the output (rad): more than peak torque winds a gear up.
+/// Largest shift of the motor's reference, at the output (rad): more than a gear's torsion at peak torque.
 const LARGEST: f64 = 0.01;
 
-/// Fastest setpoint at which z runs, as a share of the joint's fastest speed.
+/// Fastest setpoint at which z runs, as a fraction of the joint's fastest speed.
 const SLOW: f64 = 0.05;
-/// What of a resting output its encoder does not show, in counts.
-const HIDDEN: f64 = 1.0;
+/// Half width of the dead zone of a resting output, in counts of its encoder.
+const DEAD_ZONE: f64 = 1.0;
 
 /// The built output feedback.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutputFeedback<R> {
     /// Without and with an output encoder.
     gains: [OutputFeedbackParams<R>; 2],
-    /// Share of the way that each pole of y takes in a round.
+    /// 1 - e^(-omega_y*dt) of each pole of y.
     filter_gains: [R; 2],
-    /// Share of the way that m_f takes in a round; P and D/dt of either set.
+    /// 1 - e^(-omega_m*dt) of m_f; P and D/dt of either set.
     measured_gain: R,
     by_measurement: [[R; 2]; 2],
     inverse_flexspline_inertia: R,
     /// Fastest setpoint at which z runs (rad/s).
     slow: R,
-    /// What a count of the output encoder hides (rad).
-    hidden: R,
+    /// Half width of the dead zone of a resting output (rad).
+    dead_zone: R,
     dt: R,
 }
 
@@ -85,28 +85,28 @@ pub struct OutputFeedbackState<R> {
     measured: R,
     /// dz/dt (rad/s).
     integral_rate: R,
-    /// m of the last deviation (rad), whether it was measured, and whether the setpoint rested.
+    /// m of the last slot (rad), whether it was measured, and whether the setpoint rested.
     error: R,
     measures: bool,
     rests: bool,
 }
 
-/// How far the output is off its setpoint.
+/// Error of the output against its setpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Deviation<R> {
+pub struct OutputError<R> {
     /// e (rad).
     pub position: R,
     /// e' (rad/s).
     pub velocity: R,
     /// dq (rad/s).
-    pub asked_velocity: R,
+    pub setpoint_velocity: R,
     /// J_fs*e'' (N m).
     pub torque: R,
     /// Output encoder's angle less q (rad), where it reads.
     pub measured: Option<R>,
 }
 
-/// What is added to where the motor side should be, at the output.
+/// Shift of the motor's reference, at the output.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shift<R> {
     /// (rad)
@@ -117,7 +117,7 @@ pub struct Shift<R> {
 
 impl<R: Real> OutputFeedback<R> {
     /// From the gains without and with an output encoder, J_fs (kg m^2), the output's fastest speed (rad/s), one
-    /// count of its encoder (rad) and the time dt between its turns (s).
+    /// count of its encoder (rad) and the period dt of its slot (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `damping`, `integral`, `filter_corner` or `flexspline_inertia`.
@@ -146,40 +146,38 @@ impl<R: Real> OutputFeedback<R> {
             by_measurement: [0, 1].map(|k: usize| [gains[k].proportional, gains[k].derivative / dt]),
             inverse_flexspline_inertia: R::ONE / flexspline_inertia,
             slow: R::lit(SLOW) * fastest,
-            hidden: R::lit(HIDDEN) * count,
+            dead_zone: R::lit(DEAD_ZONE) * count,
             dt,
         })
     }
 
-    /// Shift for a deviation, in the feed-forward's slot.
+    /// Shift for an error of the output, in the feed-forward's slot.
     #[inline(always)]
-    pub fn step(&self, state: &mut OutputFeedbackState<R>, deviation: &Deviation<R>) -> Shift<R> {
-        let set = usize::from(deviation.measured.is_some());
-        let speed = deviation.asked_velocity.abs();
+    pub fn step(&self, state: &mut OutputFeedbackState<R>, output: &OutputError<R>) -> Shift<R> {
+        let set = usize::from(output.measured.is_some());
+        let speed = output.setpoint_velocity.abs();
         let rests = speed == R::ZERO;
-        let error =
-            if speed < self.slow { deviation.measured.unwrap_or(deviation.position) } else { R::ZERO };
+        let error = if speed < self.slow { output.measured.unwrap_or(output.position) } else { R::ZERO };
         state.error = error;
         state.rests = rests;
-        state.measures = deviation.measured.is_some();
+        state.measures = output.measured.is_some();
         let damping = self.gains[set].damping;
         let change = self.measured_gain * (if rests { R::ZERO } else { error } - state.measured);
         state.measured += change;
         let measured = self.by_measurement[set][0] * state.measured + self.by_measurement[set][1] * change;
-        let acceleration = deviation.torque * self.inverse_flexspline_inertia;
-        let angle = damping * deviation.velocity + measured + state.integral;
+        let acceleration = output.torque * self.inverse_flexspline_inertia;
+        let angle = damping * output.velocity + measured + state.integral;
         let rate = damping * acceleration + state.integral_rate;
         Shift { angle: -angle.limit(R::lit(LARGEST)), rate: -rate }
     }
 
-    /// Moves z on by the last deviation, in a later slot; `runs` is false while the motor cannot follow, and z stands
-    /// still.
+    /// Integrates z by the last error, in a later slot; `runs` is false while the motor cannot follow, and z is held.
     #[inline(always)]
     pub fn integrate(&self, state: &mut OutputFeedbackState<R>, runs: bool) {
         let set = usize::from(state.measures);
         let (gains, filter_gain) = (&self.gains[set], self.filter_gains[set]);
-        let hidden = if state.measures && state.rests { self.hidden } else { R::ZERO };
-        state.first_pole += filter_gain * (state.error.dead_zone(hidden) - state.first_pole);
+        let dead_zone = if state.measures && state.rests { self.dead_zone } else { R::ZERO };
+        state.first_pole += filter_gain * (state.error.dead_zone(dead_zone) - state.first_pole);
         state.filtered += filter_gain * (state.first_pole - state.filtered);
         let gain = if state.rests { gains.integral_at_rest } else { gains.integral };
         state.integral_rate = gain * state.filtered;
@@ -213,24 +211,24 @@ mod tests {
     fn stepped(
         feedback: &OutputFeedback<f64>,
         state: &mut OutputFeedbackState<f64>,
-        deviation: &Deviation<f64>,
+        output: &OutputError<f64>,
         runs: bool,
     ) -> Shift<f64> {
-        let shift = feedback.step(state, deviation);
+        let shift = feedback.step(state, output);
         feedback.integrate(state, runs);
         shift
     }
 
-    /// Largest deviation after `seconds`, and the last, of a load on its spring, whose motor follows at once, that starts
-    /// 1 mrad off under a constant `load` (N m); what the observer knows of it is taken for the truth.
+    /// Largest error after `seconds`, and the last, of a load on its spring, whose motor follows at once, that starts
+    /// with an error of 1 mrad under a constant `load` (N m); the estimates are exact.
     fn decay(gains: OutputFeedbackParams<f64>, load: f64, seconds: f64) -> (f64, f64) {
         let (feedback, mut state) = (feedback(gains), OutputFeedbackState::default());
         let (mut e, mut rate, mut torque, mut largest) = (1e-3f64, 0.0, 0.0, 0.0f64);
         let periods = (seconds / DT) as usize;
         for k in 0..periods {
-            let deviation =
-                Deviation { position: e, velocity: rate, torque, measured: None, asked_velocity: 0.0 };
-            let shift = stepped(&feedback, &mut state, &deviation, true);
+            let error =
+                OutputError { position: e, velocity: rate, torque, measured: None, setpoint_velocity: 0.0 };
+            let shift = stepped(&feedback, &mut state, &error, true);
             for _ in 0..16 {
                 torque = STIFFNESS * (shift.angle - e);
                 rate += DT / 16.0 * (torque + load) / INERTIA;
@@ -257,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stays_is_gone_with_the_integral() {
+    fn the_integral_removes_the_steady_error() {
         let alone = 40.0 / STIFFNESS;
         let (_, damped) = decay(GAINS, 40.0, 2.0);
         assert!((damped - alone).abs() < 1e-3 * alone, "{damped}");
@@ -268,27 +266,27 @@ mod tests {
     #[test]
     fn the_shift_is_bounded_and_the_integral_waits() {
         let feedback = feedback(OutputFeedbackParams { integral: 30.0, integral_at_rest: 30.0, ..GAINS });
-        let far = Deviation { position: 1e3, velocity: 1e3, ..Deviation::default() };
+        let far = OutputError { position: 1e3, velocity: 1e3, ..OutputError::default() };
         let mut state = OutputFeedbackState::default();
         for _ in 0..10_000 {
             assert!(stepped(&feedback, &mut state, &far, true).angle.abs() <= LARGEST);
         }
         let before = state.integral;
-        stepped(&feedback, &mut state, &Deviation { position: -1e3, ..Deviation::default() }, false);
+        stepped(&feedback, &mut state, &OutputError { position: -1e3, ..OutputError::default() }, false);
         assert_eq!(state.integral, before);
-        let fast = Deviation { position: 1e-3, asked_velocity: 1.0, ..Deviation::default() };
+        let fast = OutputError { position: 1e-3, setpoint_velocity: 1.0, ..OutputError::default() };
         let mut state = OutputFeedbackState::default();
         stepped(&feedback, &mut state, &fast, true);
         assert_eq!(state, OutputFeedbackState::default());
     }
 
     #[test]
-    fn at_rest_the_last_count_moves_nothing() {
+    fn at_rest_an_error_below_a_count_is_not_integrated() {
         let feedback = feedback(OutputFeedbackParams { integral: 30.0, integral_at_rest: 30.0, ..GAINS });
-        let integral = |position, asked_velocity| {
+        let integral = |position, setpoint_velocity| {
             let mut state = OutputFeedbackState::default();
-            let deviation = Deviation { measured: Some(position), asked_velocity, ..Deviation::default() };
-            stepped(&feedback, &mut state, &deviation, true);
+            let error = OutputError { measured: Some(position), setpoint_velocity, ..OutputError::default() };
+            stepped(&feedback, &mut state, &error, true);
             state.integral
         };
         assert_eq!(integral(11.0e-6, 0.0), 0.0);

@@ -1,12 +1,12 @@
-//! Time from one step to the next, as the board has measured it.
+//! Clock: time from one step to the next, as measured by the board.
 //!
 //! ```text
 //! T = elapsed where dt/4 <= elapsed <= 16*dt,   T = dt where it is not measured (0)
 //! ```
 //!
-//! dt is the control period (s). A step that is late or missed is an input, no surprise: speeds are differences over T,
-//! references and observer go on by T. A time outside the range is that of a control that has stood still: it is
-//! reported, and T is the end of the range. Units: s.
+//! dt is the control period (s). Late and missed steps are inputs: speeds are differences over T, references and
+//! observer advance by T. A time outside the range means that the control has stood still: it is reported, and T is the
+//! end of the range. Units: s.
 
 use crate::compensator::Faults;
 use crate::error::{Error, require};

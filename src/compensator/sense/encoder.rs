@@ -1,8 +1,8 @@
-//! From an encoder's raw count within the turn to an unbounded angle.
+//! Encoder: from a raw count within the revolution to an unbounded angle.
 //!
-//! The difference of two raw counts, taken modulo a turn, is the shortest way between them; summed up it is the
-//! angle, exactly. A step that no motor can make is not taken: the angle is held, and the range that the next reading
-//! may lie in grows with every reading that was refused.
+//! The difference of two raw counts, taken modulo a revolution, is the shortest angle between them; its sum is the
+//! unbounded angle, exactly. A step that no motor can make is refused: the angle is held, and the range of the next
+//! reading grows with every refused one.
 
 use crate::angle::Angle;
 use crate::error::{Error, require};
@@ -11,18 +11,18 @@ use crate::real::{RADIANS_PER_COUNT, Real};
 /// Parameters of an encoder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EncoderParams<R> {
-    /// Resolution, counts in a turn = 2^bits, 10..=32.
+    /// Resolution, counts in a revolution = 2^bits, 10..=32.
     pub bits: u32,
-    /// Fastest possible speed (rad/s); below a quarter turn per step.
+    /// Fastest possible speed (rad/s); below a quarter revolution per step.
     pub speed_limit: R,
 }
 
 /// A built encoder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Encoder {
-    /// From raw counts to counts of 2^32 a turn.
+    /// From raw counts to counts of 2^32 a revolution.
     shift: u32,
-    /// Farthest possible step, in counts of 2^32 a turn.
+    /// Farthest possible step, in counts of 2^32 a revolution.
     farthest: u32,
 }
 
@@ -35,12 +35,12 @@ pub struct EncoderState {
     started: bool,
 }
 
-/// What came of a raw count.
+/// Unbounded angle and validity of a raw count.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading<R> {
     /// Unbounded angle.
     pub angle: Angle<R>,
-    /// By how much it is farther than the last one (rad).
+    /// Difference to the last one (rad).
     pub moved: R,
     /// The count was accepted; otherwise the angle is held.
     pub accepted: bool,
@@ -54,7 +54,7 @@ impl<R: Real> EncoderParams<R> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `encoder_bits` outside 10..=32, `speed_limit` unless positive and below a
-    /// quarter turn per dt.
+    /// quarter revolution per dt.
     pub fn build(&self, dt: R) -> Result<Encoder, Error> {
         require((10..=32).contains(&self.bits), "encoder_bits")?;
         let farthest = self.speed_limit * dt;
@@ -68,12 +68,12 @@ impl<R: Real> EncoderParams<R> {
 }
 
 impl EncoderState {
-    /// Where it stands.
+    /// Its angle.
     pub fn angle<R: Real>(&self) -> Angle<R> {
         Angle::from_counts(self.counts)
     }
 
-    /// The last reading was.
+    /// The last reading was accepted.
     #[inline(always)]
     pub fn is_accepted(&self) -> bool {
         self.started && self.refused == 0
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn follows_many_turns_both_ways() {
+    fn follows_many_revolutions_in_both_directions() {
         let mut state = EncoderState::default();
         for speed in [600.0, -600.0] {
             let start = encoder().step::<f64>(&mut state, 0).angle.to_radians();
@@ -136,8 +136,8 @@ mod tests {
                 .map(|k| encoder().step::<f64>(&mut state, raw(start + speed * DT * f64::from(k))))
                 .inspect(|reading| assert!(reading.accepted))
                 .last();
-            let wanted = start + speed * DT * f64::from(steps);
-            assert!((end.unwrap().angle.to_radians() - wanted).abs() < 2e-5);
+            let expected = start + speed * DT * f64::from(steps);
+            assert!((end.unwrap().angle.to_radians() - expected).abs() < 2e-5);
             while encoder().step::<f64>(&mut state, 0).angle.phase() != 0 {}
         }
     }

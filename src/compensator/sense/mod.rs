@@ -1,4 +1,4 @@
-//! From raw sensor values to what the model may rest on: finite, bounded, unwrapped.
+//! Processing of raw sensor values: finite, bounded, unwrapped.
 
 pub mod clock;
 pub mod encoder;

@@ -1,18 +1,18 @@
-//! The motor encoder: a count is accepted where the motor can have got to, and nowhere else.
+//! Motor encoder: a count is accepted within the range that the motor can reach.
 //!
 //! ```text
-//! foreseen = theta + dtheta*T            a reading is accepted within  a*T^2*m^2 + |dtheta*T|/16 + 4 counts  of it
+//! predicted = theta + dtheta*T           a reading is accepted within  a*T^2*m^2 + |dtheta*T|/16 + 4 counts  of it
 //! a = 1.5*(tau_max + 2*tau_p/|n| + tau_s)/J_wg
 //! ```
 //!
 //! dtheta is from the last readings, T the time since the last step; m counts the periods since the last reading that
-//! was accepted. a is what the largest torques of motor, gear (twice its peak rating) and friction give the rotor
-//! alone, with half as much again for what is not known of them; the sixteenth of the way is for a clock that is not
-//! measured. A reading that is refused is replaced by what was foreseen, so that single bad frames do not shake the
-//! joint. Counts are within the turn, so that what is accepted again after a few periods is the right angle.
+//! was accepted. a is the acceleration of the rotor alone by the largest torques of motor, gear (twice its peak rating)
+//! and friction, with half as much again for their uncertainty; the sixteenth of the step is for an unmeasured clock. A
+//! refused reading is replaced by the predicted one, so that single bad frames do not disturb the joint. Counts are
+//! within the revolution, so that the first accepted reading after a few refused ones gives the right angle.
 //!
-//! A refused reading counts 10, an accepted one takes 4 off: a reading in four may be bad. At 200, 2 ms of bad frames,
-//! the angle is lost and the next sound count begins a new one, which is of use after a reset only.
+//! Error counter: +10 for a refused reading, -4 for an accepted one: a reading in four may be bad. At 200, 2 ms of bad
+//! frames, the angle is lost and the next valid count begins a new one, which is used after a reset only.
 
 use crate::angle::Angle;
 use crate::compensator::Limits;
@@ -22,22 +22,22 @@ use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::{RADIANS_PER_COUNT, Real};
 
-/// What a refused reading counts, and what an accepted one takes off.
-const STRIKES: u32 = 10;
-const FORGIVEN: u32 = 4;
-/// So many are too many.
-const MOST_STRIKES: u32 = 200;
-/// Share of a that is beyond what is known.
-const UNKNOWN: f64 = 1.5;
-/// Noise of a count that is borne (counts).
+/// Increment of the error counter by a refused reading, and decrement by an accepted one.
+const ERROR_INCREMENT: u32 = 10;
+const ERROR_DECREMENT: u32 = 4;
+/// Error count at which the angle is lost.
+const ERROR_COUNT_LIMIT: u32 = 200;
+/// Safety factor of a.
+const MARGIN: f64 = 1.5;
+/// Tolerated noise of a count (counts).
 const NOISE: u32 = 4;
 
 /// The built encoder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorEncoder<R> {
-    /// From raw counts to counts of 2^32 a turn.
+    /// From raw counts to counts of 2^32 a revolution.
     shift: u32,
-    /// a*dt^2 and the noise, in counts of 2^32 a turn.
+    /// a*dt^2 and the noise, in counts of 2^32 a revolution.
     reach: u32,
     noise: u32,
     dt: R,
@@ -52,9 +52,9 @@ pub struct MotorEncoderState {
     /// Counts in a control period.
     step: i32,
     refused: u32,
-    strikes: u32,
+    error_count: u32,
     started: bool,
-    /// Started, and without a strike.
+    /// Started, with an error count of 0.
     usual: bool,
 }
 
@@ -65,14 +65,14 @@ impl MotorEncoderState {
         self.started && self.refused == 0
     }
 
-    /// Where it stands.
+    /// Its angle.
     pub fn angle<R: Real>(&self) -> Angle<R> {
         Angle::from_counts(self.counts)
     }
 }
 
 impl<R: Real> MotorEncoder<R> {
-    /// For 2^bits counts a turn of a motor with these limits, and the control period dt (s).
+    /// For 2^bits counts a revolution of a motor with these limits, and the control period dt (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `encoder_bits` outside 10..=32.
@@ -80,13 +80,13 @@ impl<R: Real> MotorEncoder<R> {
         require((10..=32).contains(&bits), "encoder_bits")?;
         let gear_torque = R::lit(2.0) * limits.output_torque / R::from_i32(gear.ratio).abs();
         let torque = limits.motor_torque + gear_torque + gear.input_friction.forward.static_level;
-        let acceleration = R::lit(UNKNOWN) * torque / gear.wave_generator_inertia;
+        let acceleration = R::lit(MARGIN) * torque / gear.wave_generator_inertia;
         let reach = (acceleration * dt * dt * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs();
         let shift = 32 - bits;
         Ok(Self { shift, reach, noise: NOISE << shift, dt, inverse_dt: R::ONE / dt })
     }
 
-    /// Takes a raw count whose frame was `valid`; the second answer: the angle is lost.
+    /// Takes a raw count whose frame was `valid`; the second value: the angle is lost.
     #[inline(always)]
     pub fn step(
         &self,
@@ -98,9 +98,9 @@ impl<R: Real> MotorEncoder<R> {
         let phase = raw << self.shift;
         let sound = valid && phase >> self.shift == raw;
         let delta = phase.wrapping_sub(state.phase).cast_signed();
-        let off = delta.wrapping_sub(state.step).unsigned_abs();
+        let residual = delta.wrapping_sub(state.step).unsigned_abs();
         let reach = self.reach + self.noise + (state.step.unsigned_abs() >> 4);
-        if !(sound && state.usual && elapsed.time == self.dt && off <= reach) {
+        if !(sound && state.usual && elapsed.time == self.dt && residual <= reach) {
             return self.unusual(state, phase, sound, elapsed);
         }
         state.step = delta;
@@ -128,35 +128,35 @@ impl<R: Real> MotorEncoder<R> {
             return (state.reading(phase, 0, true), false);
         }
         let periods = elapsed.time * self.inverse_dt;
-        let foreseen = (periods * R::from_i32(state.step)).to_i32();
+        let predicted = (periods * R::from_i32(state.step)).to_i32();
         let whole = state.refused + (periods + R::lit(0.99)).to_i32().unsigned_abs();
         let reach = self.reach.saturating_mul(whole.saturating_mul(whole));
-        let reach = reach.saturating_add(self.noise).saturating_add(foreseen.unsigned_abs() >> 4);
+        let reach = reach.saturating_add(self.noise).saturating_add(predicted.unsigned_abs() >> 4);
         let delta = phase.wrapping_sub(state.phase).cast_signed();
-        let off = delta.wrapping_sub(foreseen);
-        if sound && state.started && off.unsigned_abs() <= reach {
+        let residual = delta.wrapping_sub(predicted);
+        if sound && state.started && residual.unsigned_abs() <= reach {
             let step = if state.refused == 0 {
                 (R::from_i32(delta) / periods.max(R::lit(0.25))).to_i32()
             } else {
-                state.step.wrapping_add(off / whole.clamp(1, 1000).cast_signed())
+                state.step.wrapping_add(residual / whole.clamp(1, 1000).cast_signed())
             };
             state.step = step;
             state.refused = 0;
-            state.strikes = state.strikes.saturating_sub(FORGIVEN);
-            state.usual = state.strikes == 0;
+            state.error_count = state.error_count.saturating_sub(ERROR_DECREMENT);
+            state.usual = state.error_count == 0;
             return (state.reading(phase, delta, true), false);
         }
         state.usual = false;
         state.refused = state.refused.saturating_add(1);
-        state.strikes += STRIKES;
-        let lost = state.strikes >= MOST_STRIKES;
+        state.error_count += ERROR_INCREMENT;
+        let lost = state.error_count >= ERROR_COUNT_LIMIT;
         if lost {
             let counts = state.counts;
             *state = MotorEncoderState { counts, ..MotorEncoderState::default() };
             return (state.reading(0, 0, false), true);
         }
-        let foreseen = if state.started { foreseen } else { 0 };
-        (state.reading(state.phase.wrapping_add(foreseen.cast_unsigned()), foreseen, false), false)
+        let predicted = if state.started { predicted } else { 0 };
+        (state.reading(state.phase.wrapping_add(predicted.cast_unsigned()), predicted, false), false)
     }
 }
 
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bad_frame_is_replaced_by_what_was_foreseen() {
+    fn a_bad_frame_is_replaced_by_the_predicted_count() {
         let mut state = MotorEncoderState::default();
         let angle = |k: i32| 1e-3 * f64::from(k);
         go(&mut state, [0, count(1e-3)]);
@@ -242,7 +242,7 @@ mod tests {
 
     /// A period that is late is no jump.
     #[test]
-    fn a_late_reading_is_where_it_is_foreseen() {
+    fn a_late_reading_is_predicted_by_the_elapsed_time() {
         let (encoder, mut state) = (encoder(), MotorEncoderState::default());
         let mut angle = 0.0;
         for k in 0..50 {

@@ -1,28 +1,27 @@
-//! The motor's torque as the observer takes it: what was commanded where it is fast, what was measured where it
-//! is slow.
+//! Motor torque for the observer: complementary filter of command (fast) and measurement (slow).
 //!
 //! ```text
 //! tau = s*tau_commanded + y,    x = tau_measured - s*tau_commanded - y,    g = 1 - e^(-omega*dt)
-//! y  <- y + g*x where |x| <= w, and what x is more than that at once,      w: 5 % of the peak torque
+//! y  <- y + x - limit(x, w) + g*limit(x, w),                        w: 5 % of the peak torque
 //! ```
 //!
-//! A drive gives what it is commanded, up to an offset, a gain or a limit; what it measures carries noise.
-//! Complementary filter of the two with the corner omega = 7 rad/s: the noise of the measurement beyond it is gone,
-//! the drive's errors below it are seen. Where the share s of the feedback is 0, somebody else moves the motor and
-//! nothing is known of the command: then the measurement alone passes a low pass of 100 rad/s, between the two g
-//! changes with s. What no noise is, a drive at its limit or a brake that keeps it off, is accepted at once: w has to
-//! lie far beyond the noise, whose tails would otherwise stay in y for a seventh of a second each. Units: N m at the
-//! motor's shaft, rad/s. Exact for inputs that are held.
+//! A drive's torque is its command, up to an offset, a gain or a limit; its measurement is noisy. The filter has the
+//! corner omega = 7 rad/s: noise of the measurement above it is rejected, errors of the drive below it pass. Where the
+//! feedback gain s is 0, another controller moves the motor and the command is unknown: then the measurement alone
+//! passes a low pass of 100 rad/s; between the two g is interpolated by s. A residual above w cannot be noise (a drive at
+//! its limit, or switched off); it passes unfiltered: w has to lie far beyond the noise, whose tails would otherwise
+//! decay in y with a time constant of a seventh of a second each. Units: N m at the motor's shaft, rad/s. Exact for inputs
+//! that are held.
 
 use crate::error::{Error, require};
 use crate::real::Real;
 
-/// omega beside a command (rad/s).
+/// omega with a command (rad/s).
 const CORNER: f64 = 7.0;
 /// omega without one (rad/s).
 const ALONE: f64 = 100.0;
 
-/// w, as a share of the peak torque.
+/// w, as a fraction of the peak torque.
 const GROSS: f64 = 0.05;
 
 /// The built filter.
@@ -44,7 +43,7 @@ const GROSS: f64 = 0.05;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorTorque<R> {
-    /// g without a command, and what a command changes of it.
+    /// g without a command, and its change by a command.
     gain: [R; 2],
     /// w (N m).
     gross: R,
@@ -53,14 +52,14 @@ pub struct MotorTorque<R> {
 /// y (N m).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotorTorqueState<R> {
-    off: R,
+    drive_error: R,
 }
 
 impl<R: Real> MotorTorqueState<R> {
-    /// By how much the measured torque is off the commanded one (N m).
+    /// Torque error of the drive: measured less commanded torque, filtered (N m).
     #[inline(always)]
-    pub fn off(&self) -> R {
-        self.off
+    pub fn drive_error(&self) -> R {
+        self.drive_error
     }
 }
 
@@ -72,20 +71,19 @@ impl<R: Real> MotorTorque<R> {
     pub fn build(peak_torque: R, dt: R) -> Result<Self, Error> {
         require(dt > R::ZERO && dt <= R::ONE, "dt")?;
         require(peak_torque > R::ZERO, "motor_torque")?;
-        let [alone, beside] = [ALONE, CORNER].map(|corner| (dt * R::lit(corner)).one_minus_exp_neg());
-        Ok(Self { gain: [alone, beside - alone], gross: R::lit(GROSS) * peak_torque })
+        let [alone, commanded] = [ALONE, CORNER].map(|corner| (dt * R::lit(corner)).one_minus_exp_neg());
+        Ok(Self { gain: [alone, commanded - alone], gross: R::lit(GROSS) * peak_torque })
     }
 
-    /// Torque over the control period that ended, from what was `commanded` for it, of which the motor followed the
-    /// share `followed`, and what was `measured`.
+    /// Torque over the control period that ended, from the `commanded` torque, its feedback gain, and the `measured` one.
     #[inline(always)]
-    pub fn step(&self, state: &mut MotorTorqueState<R>, commanded: R, followed: R, measured: R) -> R {
+    pub fn step(&self, state: &mut MotorTorqueState<R>, commanded: R, feedback_gain: R, measured: R) -> R {
         let [alone, change] = self.gain;
-        let commanded = followed * commanded;
-        let off = measured - commanded - state.off;
-        let small = off.limit(self.gross);
-        state.off += off - small + (alone + followed * change) * small;
-        commanded + state.off
+        let commanded = feedback_gain * commanded;
+        let residual = measured - commanded - state.drive_error;
+        let small = residual.limit(self.gross);
+        state.drive_error += residual - small + (alone + feedback_gain * change) * small;
+        commanded + state.drive_error
     }
 }
 
@@ -107,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn slow_differences_are_taken_and_fast_ones_are_not() {
+    fn slow_differences_pass_and_fast_ones_do_not() {
         for (corner, followed) in [(CORNER, 1.0), (ALONE, 0.0)] {
             assert!(passed(0.1 * corner, followed) > 0.99);
             assert!((passed(corner, followed) - 0.5f64.sqrt()).abs() < 0.01);
@@ -116,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn a_command_that_is_followed_passes_at_once() {
+    fn a_command_without_drive_error_passes_unfiltered() {
         let (filter, mut state) =
             (MotorTorque::<f64>::build(200.0, DT).unwrap(), MotorTorqueState::default());
         for commanded in [1.0, -2.0, 0.5] {
@@ -125,16 +123,16 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_that_is_kept_off_is_seen_at_once() {
+    fn a_drive_that_is_switched_off_passes_unfiltered() {
         let (filter, mut state) = (MotorTorque::build(2.0, DT).unwrap(), MotorTorqueState::default());
         for commanded in [1.0, -2.0, 0.5, 2.0] {
             assert!(filter.step(&mut state, commanded, 1.0, 0.0).abs() <= GROSS * 2.0);
         }
     }
 
-    /// Noise of 0.85 % of the peak torque, twice that of the default joint: a tail that was accepted at once would stay.
+    /// Noise of 0.85 % of the peak torque, twice that of the default joint: an unfiltered tail would stay in y.
     #[test]
-    fn the_tails_of_noise_are_not_taken() {
+    fn the_tails_of_noise_are_filtered() {
         let noise = 0.0085 * 2.0;
         let (filter, mut state) = (MotorTorque::build(2.0, DT).unwrap(), MotorTorqueState::default());
         let mut seed = 1u64;

@@ -1,5 +1,5 @@
-//! What the rotor shows: the torque through the gear from its own balance, and whether torque and motion belong
-//! together. Once a round ([`crate::compensator::schedule`]), from the motor's encoder and torque alone.
+//! Torque balance of the rotor: torque through the gear, and consistency of torque and motion. Once a round
+//! ([`crate::compensator::schedule`]), from the motor's encoder and torque alone.
 //!
 //! ```text
 //! omega = (theta - theta_before)/T,   alpha = (omega - omega_before)/T,   tau_f = tau_c*sign(omega) + F_v*omega
@@ -10,26 +10,26 @@
 //! ```
 //!
 //! T is the time of the round, tau the mean of the motor's torque over it: alpha is the acceleration about the
-//! beginning of the round. g is 1 unless a count of the encoder is
-//! so coarse that its noise in X, J_wg*count/T^2*|n|, is more than a twentieth of the peak rating tau_p.
+//! beginning of the round. g is 1 unless a count of the encoder is so coarse that its noise in X,
+//! J_wg*count/T^2*|n|, is more than a twentieth of the peak rating tau_p.
 //!
 //! The third line is for the protection of the gear ([`crate::compensator::actuate::protection`]), which needs the rate
-//! dT too: X on its own, differentiated, is noise. K is the middle slope of the stiffness line, v the output's speed, a what
-//! load, friction and another inertia add to its acceleration (without it dT would be wrong by 1.4*b*20 N m/s), b =
+//! dT too: X alone, differentiated, is noise. K is the middle slope of the stiffness line, v the output's speed, a its
+//! acceleration by load, friction and an inertia error (without it dT would be wrong by 1.4*b*20 N m/s), b =
 //! sqrt(g)*min(omega_0, 1/(4*h)), omega_0 the natural frequency of gear and load on a free motor, h the round.
 //!
 //! | fault | raised when |
 //! | --- | --- |
 //! | gear overload | abs T_g > 1.25*tau_p at the end of a round: no command takes it there ([`crate::compensator::actuate::protection`]), so that it is a blow, or a sign or size of torque or angle that is wrong |
 //! | frozen, standing | the count is the same for two rounds or more, and tau has changed by more than 2.5*tau_s + 0.01*tau_max + 2*count*K/n^2 + 8*J_wg*count/h^2 since: static friction gives way at 2*tau_s at most, and then the last of it moves the rotor by two counts within half a round |
-//! | frozen, loaded | it stands, and the torque on it, that of the gear as the torque sensor tells it included, has changed by more than that; as the output's encoder tells it, by 0.05*tau_p/n more |
+//! | frozen, loaded | it stands, and the torque on it, that of the gear by the torque sensor included, has changed by more than that; by the output encoder, by 0.05*tau_p/n more |
 //! | frozen, moving | the count stands still at once, though 1.25*(abs tau + abs T_g/n + tau_s) + tau_p/(4*n) + 3*J_wg*count/h^2, the last for what rounding makes of two speeds, could not stop the rotor in the time |
 //! | overspeed | abs omega > the speed limit |
-//! | drive | measured torque off the commanded one by more than 0.1*tau_max + 0.5*abs tau, the larger of this round and the last, in three rounds, two where it is of the other sign: five times the noise that the filter expects, a drive at 60 % of its limit, longer than four time constants of a 1 kHz drive |
-//! | following | farther from the reference than tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p at the end of a round: what a cascade with the position gain k_p leaves at the motor's largest acceleration, and without feed-forward of the speed |
+//! | drive | torque error of the drive above 0.1*tau_max + 0.5*abs tau, the larger of this round and the last, in three rounds, two where it is of the other sign: five times the noise that the filter expects, a drive at 60 % of its limit, longer than four time constants of a 1 kHz drive |
+//! | following | position error above tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p at the end of a round: that of a cascade with the position gain k_p at the motor's largest acceleration, and without feed-forward of the speed |
 //!
-//! tau_s is the larger static friction of both directions. The torque that the output's encoder and torque sensor say
-//! is compared with T_g: off by more than 0.3*tau_p + a quarter of it for 8 ms, the sensor is not accepted any more.
+//! tau_s is the larger static friction of both directions. The torques by the output's encoder and by its torque sensor
+//! are compared with T_g: with a difference of more than 0.3*tau_p + a quarter of it for 8 ms, the sensor is disabled.
 //! Units: rad, s, N m at the motor, of the gear at its output.
 
 use crate::angle::Angle;
@@ -40,7 +40,7 @@ use crate::flexspline::stiffness_line::StiffnessLine;
 use crate::gear::GearParams;
 use crate::real::{Real, seldom};
 
-/// Share of a command that a drive at its own limit may leave out.
+/// Fraction of a command that a drive at its own limit may lack.
 const LIMITED: f64 = 0.5;
 /// Overload, in peak ratings.
 const OVERLOAD: f64 = 1.25;
@@ -51,7 +51,7 @@ const NOT_FOLLOWING: f64 = 2.4e-3;
 /// The same of a sensor at the output that disagrees.
 const DISAGREEING: f64 = 8e-3;
 
-/// The built view of the rotor.
+/// The built balance of the rotor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rotor<R> {
     round: R,
@@ -68,11 +68,11 @@ pub struct Rotor<R> {
     /// g.
     gain: R,
     overload: R,
-    /// tau that a standing rotor holds (N m).
+    /// Largest change of tau on a standing rotor (N m).
     grip: R,
-    /// The same with the gear's torque as the encoders and the torque sensor tell it (N m at the output).
+    /// The same with the gear's torque by the encoders and by the torque sensor (N m at the output).
     held: [R; 2],
-    /// What is added to the torques that stop a rotor (N m).
+    /// Margin added to the torques that stop a rotor (N m).
     surplus: R,
     speed_limit: R,
     drive: R,
@@ -86,7 +86,7 @@ pub struct Rotor<R> {
     disagreeing: u32,
 }
 
-/// What was seen in the last rounds.
+/// State of the rotor's balance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RotorState<R> {
     /// Sum of the motor's torques (N m) of the control periods since the last round, and the time since (s).
@@ -97,7 +97,7 @@ pub struct RotorState<R> {
     /// tau of the last round (N m).
     applied: R,
     /// T_g.
-    seen: R,
+    gear_torque: R,
     /// T, dT, v and h*a.
     torque: R,
     rate: R,
@@ -108,28 +108,28 @@ pub struct RotorState<R> {
     least: R,
     most: R,
     overloaded: u32,
-    off_drive: u32,
+    drive_rounds: u32,
     /// Command of the last round (N m).
     commanded: R,
-    off_course: u32,
-    off_output: u32,
-    off_gauge: u32,
-    /// What friction held when the rotor came to stand, by the encoders and by the torque sensor (N m at the output).
+    following_rounds: u32,
+    output_rounds: u32,
+    gauge_rounds: u32,
+    /// Torque held by friction when the rotor came to stand, by the encoders and by the torque sensor (N m at the output).
     held: [R; 2],
     rounds: u32,
 }
 
-/// What is compared with the rotor.
+/// Inputs of the rotor's balance.
 #[derive(Clone, Copy, Debug)]
-pub struct Beside<R> {
+pub struct RotorInput<R> {
     /// Angle of the motor.
     pub motor: Angle<R>,
-    /// Torque that was commanded, and by how much the measured one is off it (N m).
+    /// Commanded torque (N m).
     pub commanded: R,
-    /// As told.
-    pub off: R,
-    /// Where the motor should be, ahead of where it is (rad), and how fast (rad/s); where it is controlled.
-    pub course: Option<[R; 2]>,
+    /// Torque error of the drive (N m).
+    pub drive_error: R,
+    /// Position error (rad) and reference speed (rad/s) of the motor, where it is controlled.
+    pub reference: Option<[R; 2]>,
     /// The drive is on.
     pub driven: bool,
 }
@@ -205,7 +205,7 @@ impl<R: Real> Rotor<R> {
 
     /// Once a round.
     #[inline(always)]
-    pub fn step(&self, state: &mut RotorState<R>, beside: &Beside<R>, faults: &mut Faults) {
+    pub fn step(&self, state: &mut RotorState<R>, input: &RotorInput<R>, faults: &mut Faults) {
         let (torques, time) = (state.torques, state.time);
         (state.torques, state.time) = (R::ZERO, R::ZERO);
         let inverse = if time == self.round {
@@ -215,17 +215,17 @@ impl<R: Real> Rotor<R> {
             R::ONE / time.max(R::lit(0.25) * self.round)
         };
         let torque = R::lit(1.0 / SLOW_PERIODS as f64) * torques;
-        let way = beside.motor.since(state.motor);
-        state.motor = beside.motor;
-        let speed = way * inverse;
+        let moved = input.motor.since(state.motor);
+        state.motor = input.motor;
+        let speed = moved * inverse;
         let before = state.speed;
         let inertial = self.inertia * (speed - before) * inverse;
         state.speed = speed;
-        let kinetic = if way == R::ZERO { R::ZERO } else { self.coulomb.copysign(way) };
+        let kinetic = if moved == R::ZERO { R::ZERO } else { self.coulomb.copysign(moved) };
         state.friction = kinetic + self.viscous * speed;
         let mean = R::lit(0.5) * (torque + state.applied);
         state.applied = torque;
-        let seen = self.n * (mean - inertial - state.friction);
+        let balance = self.n * (mean - inertial - state.friction);
         if state.rounds < 2 {
             // Two speeds make an acceleration.
             seldom();
@@ -233,22 +233,23 @@ impl<R: Real> Rotor<R> {
             (state.least, state.most) = (torque, torque);
             return;
         }
-        let stopping = R::lit(1.25) * (torque.abs() + (state.seen * self.inverse_n).abs()) + self.surplus;
-        state.seen += self.gain * (seen - state.seen);
+        let stopping =
+            R::lit(1.25) * (torque.abs() + (state.gear_torque * self.inverse_n).abs()) + self.surplus;
+        state.gear_torque += self.gain * (balance - state.gear_torque);
         state.rate = self.stiffness * (speed * self.inverse_n - state.output_speed);
         state.torque += self.round * state.rate;
-        let off = seen - state.torque;
+        let residual = balance - state.torque;
         let [by_torque, by_speed, by_change] = self.gains;
-        state.torque += by_torque * off;
-        state.output_change -= by_change * off;
-        state.output_speed += self.load_gain * state.torque + state.output_change - by_speed * off;
-        if !beside.driven {
+        state.torque += by_torque * residual;
+        state.output_change -= by_change * residual;
+        state.output_speed += self.load_gain * state.torque + state.output_change - by_speed * residual;
+        if !input.driven {
             seldom();
             state.still = 0;
             faults.raise_if(!speed.is_within(self.speed_limit), Faults::OVERSPEED);
             return;
         }
-        if way == R::ZERO {
+        if moved == R::ZERO {
             let stopped = state.still == 0 && !inertial.is_within(stopping);
             state.still = state.still.saturating_add(1);
             (state.least, state.most) = (state.least.min(torque), state.most.max(torque));
@@ -258,40 +259,45 @@ impl<R: Real> Rotor<R> {
             state.still = 0;
             (state.least, state.most) = (torque, torque);
         }
-        let Beside { commanded, off, course, .. } = *beside;
-        // A late drive still gives what was commanded a round ago.
+        let RotorInput { commanded, drive_error, reference, .. } = *input;
+        // A late drive still applies the command of a round ago.
         let largest = commanded.abs().max(state.commanded.abs());
         state.commanded = commanded;
         let drive = self.drive + R::lit(LIMITED) * largest;
         // Torque of the other sign: such a round counts twice.
-        let opposite = !off.is_within(self.drive + largest);
-        state.off_drive += u32::from(opposite);
-        let mut lasts = |off: bool, rounds: &mut u32, most: u32, fault: Faults| {
-            *rounds = if off { *rounds + 1 } else { 0 };
+        let opposite = !drive_error.is_within(self.drive + largest);
+        state.drive_rounds += u32::from(opposite);
+        let mut lasts = |holds: bool, rounds: &mut u32, most: u32, fault: Faults| {
+            *rounds = if holds { *rounds + 1 } else { 0 };
             if *rounds >= most {
                 seldom();
                 *rounds = most;
                 faults.raise_if(true, fault);
             }
         };
-        let overload = !state.seen.is_within(self.overload);
+        let overload = !state.gear_torque.is_within(self.overload);
         lasts(overload, &mut state.overloaded, self.overloaded, Faults::GEAR_OVERLOAD);
-        lasts(!off.is_within(drive), &mut state.off_drive, self.not_following, Faults::DRIVE_NOT_FOLLOWING);
-        let [ahead, velocity] = course.unwrap_or_default();
-        let lost = !ahead.is_within(self.following + self.lag * velocity.abs());
-        lasts(lost, &mut state.off_course, self.overloaded, Faults::FOLLOWING_ERROR);
+        lasts(
+            !drive_error.is_within(drive),
+            &mut state.drive_rounds,
+            self.not_following,
+            Faults::DRIVE_NOT_FOLLOWING,
+        );
+        let [position_error, velocity] = reference.unwrap_or_default();
+        let lost = !position_error.is_within(self.following + self.lag * velocity.abs());
+        lasts(lost, &mut state.following_rounds, self.overloaded, Faults::FOLLOWING_ERROR);
         faults.raise_if(!speed.is_within(self.speed_limit), Faults::OVERSPEED);
     }
 
-    /// The torsion that the encoders say (rad), compared with the rotor's torque; once a round. The encoder that is wrong:
-    /// the motor's, where it has not moved in that time, else the output's.
+    /// Compares the torsion by the encoders (rad) with the rotor's torque, once a round. The faulty encoder is the motor's,
+    /// where it has not moved in that time, else the output's.
     #[inline(always)]
     pub fn torsion_disagrees(&self, state: &mut RotorState<R>, torsion: R) -> Faults {
         let torque = self.line.torque(torsion);
         let mut faults = Faults::NONE;
         faults.raise_if(self.slips(state, torque, 0), Faults::MOTOR_ENCODER_FROZEN);
-        let off = self.disagrees(state.seen, torque);
-        if !lasting(off, &mut state.off_output, self.disagreeing) {
+        let disagrees = self.disagrees(state.gear_torque, torque);
+        if !lasting(disagrees, &mut state.output_rounds, self.disagreeing) {
             return faults;
         }
         seldom();
@@ -304,14 +310,14 @@ impl<R: Real> Rotor<R> {
     pub fn gauge_disagrees(&self, state: &mut RotorState<R>, torque: R) -> Faults {
         let mut faults = Faults::NONE;
         faults.raise_if(self.slips(state, torque, 1), Faults::MOTOR_ENCODER_FROZEN);
-        let off = self.disagrees(state.seen, torque);
-        let lasts = lasting(off, &mut state.off_gauge, self.disagreeing);
+        let disagrees = self.disagrees(state.gear_torque, torque);
+        let lasts = lasting(disagrees, &mut state.gauge_rounds, self.disagreeing);
         faults.raise_if(lasts, Faults::TORQUE_SENSOR_OFF);
         faults
     }
 
     /// Whether the torque on a rotor that does not move has changed by more than static friction holds since it stood
-    /// still, with the gear's `torque` (N m) told by the sensor of this `place`.
+    /// still, with the gear's `torque` (N m) by the sensor of this `place`.
     #[inline(always)]
     fn slips(&self, state: &mut RotorState<R>, torque: R, place: usize) -> bool {
         let held = torque - self.n * state.applied;
@@ -322,14 +328,14 @@ impl<R: Real> Rotor<R> {
     }
 
     #[inline(always)]
-    fn disagrees(&self, seen: R, told: R) -> bool {
-        !(told - seen).is_within(R::lit(0.3) * self.peak + R::lit(0.25) * told.abs())
+    fn disagrees(&self, gear_torque: R, measured: R) -> bool {
+        !(measured - gear_torque).is_within(R::lit(0.3) * self.peak + R::lit(0.25) * measured.abs())
     }
 }
 
 /// Counts rounds up, and down where it does not hold.
 #[inline(always)]
-fn lasting(off: bool, rounds: &mut u32, most: u32) -> bool {
-    *rounds = if off { (*rounds + 1).min(most) } else { rounds.saturating_sub(1) };
+fn lasting(holds: bool, rounds: &mut u32, most: u32) -> bool {
+    *rounds = if holds { (*rounds + 1).min(most) } else { rounds.saturating_sub(1) };
     *rounds >= most
 }

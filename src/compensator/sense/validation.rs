@@ -1,32 +1,32 @@
-//! What stands between the outside and the control step: its inputs are finite and bounded.
+//! Validation of the control step's inputs: finite and bounded.
 //!
 //! A value that is not finite is replaced by its last finite one; the setpoint's fraction of a count by 0. The
-//! setpoint's derivatives are limited to what the joint can do, and reported:
+//! setpoint's derivatives are limited to the joint's capability, and reported:
 //!
 //! ```text
 //! |dq| <= 0.95*motor_speed/|n|,   |ddq| <= 2*motor_torque*|n|/(J_fs + n^2*J_wg),   |dddq| <= that/dt,
 //! |ddddq| <= that/dt,   n = 1/r
 //! ```
 //!
-//! Measured torques are limited to twice the peak torque of motor and gear: a torque sensor that says more is off its
-//! range; a commanded torque ends at the gear's peak torque. The shares, those of the direction of motion, are
-//! limited to 0..=1 and follow their command at 1 per 20 ms, in a turn of their own
+//! Measured torques are limited to twice the peak torque of motor and gear, the range of a torque sensor; a commanded
+//! torque to the gear's peak torque. The gains of the compensation functions, those of the direction of motion, are
+//! limited to 0..=1 and ramped to their command at 1 per 20 ms, in a slot of their own
 //! ([`crate::compensator::schedule::SlowSlot`]), so that switching one makes no step in the output: at most 6 % of it at a
-//! time. Where the model cannot be trusted they have their turn in every round, and are 0 within 7 ms. The setpoint's
-//! position may be any angle; one that is too far to be followed is chased smoothly
+//! time. Where the model cannot be trusted they are ramped in every round, and are 0 within 7 ms. The setpoint's position
+//! may be any angle; one that is too far to be followed is approached smoothly
 //! ([`crate::compensator::reference::command`]). Units: rad, N m, s; signs as in [`crate::gear`].
 
 use crate::angle::Angle;
 use crate::compensator::faults::Faults;
 use crate::compensator::reference::directions::Crossover;
 use crate::compensator::schedule::{SLOW_PERIODS, SLOW_SLOTS};
-use crate::compensator::{Command, Directions, Limits, Sensors, Setpoint, Shares};
+use crate::compensator::{Command, CompensationGains, Directions, Limits, Sensors, Setpoint};
 use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::{Real, seldom};
 
-/// Time in which a share goes from 0 to 1 (s).
-const SHARE_RAMP: f64 = 0.02;
+/// Time in which a gain is ramped from 0 to 1 (s).
+const GAIN_RAMP_TIME: f64 = 0.02;
 
 /// The built guard.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,12 +38,12 @@ pub struct InputGuard<R> {
     motor_torque: R,
     output_torque: R,
     peak_output_torque: R,
-    /// Most that a share moves in its turn.
-    share_step: R,
+    /// Largest change of a gain in its slot.
+    gain_step: R,
     crossover: Crossover<R>,
 }
 
-/// What passed last.
+/// Last valid inputs, and the gains.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InputGuardState<R> {
     velocity: R,
@@ -53,23 +53,23 @@ pub struct InputGuardState<R> {
     motor_torque: R,
     output_torque: R,
     command_torque: R,
-    shares: Shares<R>,
+    gains: CompensationGains<R>,
 }
 
 impl<R: Real> InputGuardState<R> {
-    /// What is switched on now, in the direction of the motion.
+    /// Gains of the compensation functions now, in the direction of the motion.
     #[inline(always)]
-    pub fn shares(&self) -> &Shares<R> {
-        &self.shares
+    pub fn gains(&self) -> &CompensationGains<R> {
+        &self.gains
     }
 }
 
-/// What the shares depend on beside their command.
+/// Commanded motion and validity of the model, on which the gains depend in addition to their command.
 #[derive(Clone, Copy, Debug)]
-pub struct Course<R> {
+pub struct CommandedMotion<R> {
     /// Speed of the reference of the output (rad/s).
     pub velocity: R,
-    /// What is compensated may rest on the model.
+    /// The model may be used.
     pub trusted: bool,
 }
 
@@ -92,7 +92,7 @@ impl<R: Real> InputGuard<R> {
             motor_torque: R::lit(2.0) * limits.motor_torque,
             output_torque: R::lit(2.0) * limits.output_torque,
             peak_output_torque: limits.output_torque,
-            share_step: (R::from_i32((SLOW_SLOTS * SLOW_PERIODS) as i32) * dt * R::lit(1.0 / SHARE_RAMP))
+            gain_step: (R::from_i32((SLOW_SLOTS * SLOW_PERIODS) as i32) * dt * R::lit(1.0 / GAIN_RAMP_TIME))
                 .min(R::ONE),
             crossover: Crossover::build(limits.output_speed(gear.ratio)),
         })
@@ -103,7 +103,7 @@ impl<R: Real> InputGuard<R> {
         self.acceleration
     }
 
-    /// The outer controller's wish as the control step may use it.
+    /// The outer controller's command, validated.
     #[inline(always)]
     pub fn command(
         &self,
@@ -124,7 +124,7 @@ impl<R: Real> InputGuard<R> {
         }
     }
 
-    /// The joint's sensors as the control step may use them.
+    /// The joint's sensors, validated.
     #[inline(always)]
     pub fn sensors(
         &self,
@@ -156,53 +156,51 @@ impl<R: Real> InputGuard<R> {
         }
     }
 
-    /// The usual case: no share is on its way.
+    /// The usual case: every gain equals its command.
     #[inline(always)]
-    pub fn shares_have_arrived(
-        &self,
-        state: &InputGuardState<R>,
-        new: &Directions<R>,
-        trusted: bool,
-    ) -> bool {
-        trusted & is_same(&state.shares, &new.forward) & is_same(&state.shares, &new.backward)
+    pub fn gains_have_settled(&self, state: &InputGuardState<R>, new: &Directions<R>, trusted: bool) -> bool {
+        trusted & is_same(&state.gains, &new.forward) & is_same(&state.gains, &new.backward)
     }
 
-    /// Nothing that rests on the model has a share.
+    /// All gains of model-based functions are 0.
     #[cold]
     pub fn model_is_off(&self, state: &InputGuardState<R>) -> bool {
-        is_same(&state.shares, &Shares { feedback: state.shares.feedback, ..Shares::default() })
+        is_same(
+            &state.gains,
+            &CompensationGains { feedback: state.gains.feedback, ..CompensationGains::default() },
+        )
     }
 
-    /// Moves the shares towards what is commanded.
+    /// Ramps the gains towards their command.
     #[inline(always)]
-    pub fn lead(
+    pub fn ramp_gains(
         &self,
         state: &mut InputGuardState<R>,
         new: &Directions<R>,
-        course: Course<R>,
+        motion: CommandedMotion<R>,
         faults: &mut Faults,
     ) {
         let Directions { forward, backward } = new;
-        let w = self.crossover.forward(course.velocity);
-        let model = if course.trusted { R::ONE } else { R::ZERO };
-        let mut follow = |forward: R, backward: R, share: &mut R, allowed| {
-            follow(backward + w * (forward - backward), share, allowed, self.share_step, faults);
+        let w = self.crossover.forward(motion.velocity);
+        let model = if motion.trusted { R::ONE } else { R::ZERO };
+        let mut ramp_gain = |forward: R, backward: R, gain: &mut R, allowed| {
+            ramp(backward + w * (forward - backward), gain, allowed, self.gain_step, faults);
         };
-        let now = &mut state.shares;
-        follow(forward.feedback, backward.feedback, &mut now.feedback, R::ONE);
-        follow(forward.inertia, backward.inertia, &mut now.inertia, model);
-        follow(forward.friction, backward.friction, &mut now.friction, model);
-        follow(forward.wind_up, backward.wind_up, &mut now.wind_up, model);
-        follow(forward.kinematic_error, backward.kinematic_error, &mut now.kinematic_error, model);
-        follow(forward.output_feedback, backward.output_feedback, &mut now.output_feedback, model);
-        follow(forward.adaptation, backward.adaptation, &mut now.adaptation, model);
-        follow(forward.ripple, backward.ripple, &mut now.ripple, model);
+        let now = &mut state.gains;
+        ramp_gain(forward.feedback, backward.feedback, &mut now.feedback, R::ONE);
+        ramp_gain(forward.inertia, backward.inertia, &mut now.inertia, model);
+        ramp_gain(forward.friction, backward.friction, &mut now.friction, model);
+        ramp_gain(forward.wind_up, backward.wind_up, &mut now.wind_up, model);
+        ramp_gain(forward.kinematic_error, backward.kinematic_error, &mut now.kinematic_error, model);
+        ramp_gain(forward.output_feedback, backward.output_feedback, &mut now.output_feedback, model);
+        ramp_gain(forward.adaptation, backward.adaptation, &mut now.adaptation, model);
+        ramp_gain(forward.ripple, backward.ripple, &mut now.ripple, model);
     }
 }
 
-/// Every share is the same. All are compared: one branch costs more than that.
+/// Every gain is the same. All are compared: one branch costs more than that.
 #[inline(always)]
-fn is_same<R: Real>(one: &Shares<R>, other: &Shares<R>) -> bool {
+fn is_same<R: Real>(one: &CompensationGains<R>, other: &CompensationGains<R>) -> bool {
     one.feedback.is_same(other.feedback)
         & one.inertia.is_same(other.inertia)
         & one.friction.is_same(other.friction)
@@ -227,25 +225,25 @@ fn pass<R: Real>(new: R, last: &mut R, bound: R, limited: Faults, faults: &mut F
     new
 }
 
-/// Moves a share towards `wanted`, limited to 0..=1, of which so much is `allowed`, by at most `step`.
+/// Ramps a gain towards `commanded`, limited to 0..=1, times `allowed`, by at most `step`.
 #[inline(always)]
-fn follow<R: Real>(wanted: R, share: &mut R, allowed: R, step: R, faults: &mut Faults) {
-    let mut target = wanted;
-    if !wanted.is_share() {
+fn ramp<R: Real>(commanded: R, gain: &mut R, allowed: R, step: R, faults: &mut Faults) {
+    let mut target = commanded;
+    if !commanded.is_fraction() {
         seldom();
-        faults.raise_if(!wanted.is_finite(), Faults::INPUT_NOT_FINITE);
-        target = wanted.finite_or(*share).max(R::ZERO).min(R::ONE);
+        faults.raise_if(!commanded.is_finite(), Faults::INPUT_NOT_FINITE);
+        target = commanded.finite_or(*gain).max(R::ZERO).min(R::ONE);
     }
-    *share += (allowed * target - *share).max(-step).min(step);
+    *gain += (allowed * target - *gain).max(-step).min(step);
 }
 
-/// Path that the motor may be asked to move while its encoder stands still (rad).
+/// Commanded path of the motor at which an encoder that stands still is frozen (rad).
 const MOTOR_PATH: f64 = 0.5;
 
-/// The same while the output's encoder does: more than winds up the gear from one peak torque to the other.
+/// The same for the output's encoder: more than the gear's torsion from one peak torque to the other.
 const OUTPUT_PATH: f64 = 2.0;
 
-/// Notices an encoder that stands still while the motor is asked to move.
+/// Detector of an encoder that stands still while a motion of the motor is commanded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrozenEncoder<R> {
     dt: R,

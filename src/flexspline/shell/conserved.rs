@@ -26,8 +26,8 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
         })
     }
 
-    /// What the semi-implicit scheme keeps of a linear mesh, exactly: the energy less dt/2 times the power of
-    /// the links, dV/dt. The energy itself swings about it, by omega*dt of itself.
+    /// Invariant of the semi-implicit scheme for a linear mesh, exact: the energy less dt/2 times the power of
+    /// the links, dV/dt. The energy itself oscillates about it, by omega*dt of itself.
     pub fn scheme_energy(&self, state: &ShellState<R, N, M>) -> R {
         let mut force = [[Ring::ZERO; 3]; M];
         self.pull(state, &mut force);

@@ -8,7 +8,7 @@
 //!
 //! so that k*(L - L0) along the link is `-k*g` times the vector from node to node: no square root, no
 //! division, and no difference of two nearly equal lengths. Strains are small, hence the series; it is
-//! cut after u^5 in f64 and after u^4 in f32. What is left out, as a share of g, is 0.45*u^5 and 0.49*u^4:
+//! cut after u^5 in f64 and after u^4 in f32. The truncation error relative to g is 0.45*u^5 and 0.49*u^4:
 //!
 //! | strain | 0.1 % | 0.5 % | 1 % | 10 % |
 //! | --- | --- | --- | --- | --- |
@@ -60,8 +60,8 @@ impl<R: Real> Bend<R> {
     /// Slope of a bend link's tension over its strain, over that of a linear one, to first order in the strain.
     pub(in crate::flexspline) fn slope(&self, strain: R) -> R {
         let inside = strain.abs() < self.saturation;
-        let (bound, share) = if inside { (strain, R::lit(3.0)) } else { (self.saturation, R::ONE) };
-        R::ONE + share * self.hardening * bound * bound
+        let (bound, factor) = if inside { (strain, R::lit(3.0)) } else { (self.saturation, R::ONE) };
+        R::ONE + factor * self.hardening * bound * bound
     }
 
     /// Energy of a link of constant 1 N/m and rest length 1 m, at u (J).
@@ -74,7 +74,7 @@ impl<R: Real> Bend<R> {
     }
 }
 
-/// How many terms of the series a scalar's precision is worth.
+/// Number of terms of the series, by the scalar's precision.
 const fn terms<R: Real>() -> usize {
     if R::MANTISSA_DIGITS > 24 { SERIES.len() } else { SERIES.len() - 1 }
 }
@@ -125,7 +125,7 @@ mod tests {
             [(1e-3, 2e-14, 8e-12), (5e-3, 5e-11, 5e-9), (1e-2, 1.5e-9, 8e-8), (0.1, 2e-4, 1e-3)]
         {
             let u = square_of(strain);
-            // Exact by another way: -strain/(1 + strain).
+            // Exact by another formula: -strain/(1 + strain).
             let exact = -strain / (1.0 + strain);
             let error = |g: f64, bound: f64| {
                 let found = (g / exact - 1.0).abs();

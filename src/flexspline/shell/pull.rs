@@ -1,7 +1,7 @@
 //! Forces of all links on all nodes: the inner loop of the mesh.
 //!
-//! Row by row: the links of one direction from all nodes of one slice, in one loop that every compiler turns into
-//! vector code. The forces on far ends have arrays of their own, one for each turn of the ring, so that no sum waits for
+//! Row by row: the links of one direction from all nodes of one slice, in one loop that every compiler converts to
+//! vector code. The forces on far ends have arrays of their own, one for each rotation of the ring, so that no sum waits for
 //! one that was just written at another place, and are turned back once, at the end.
 
 use super::link_law::shortening;
@@ -9,9 +9,9 @@ use super::ring::Ring;
 use super::{Direction, Shell, ShellState, Slice, sum};
 use crate::real::Real;
 
-/// What the links of a shell do in one step, gathered row by row.
+/// Forces of the links of a shell in one step, gathered row by row.
 struct Sums<'a, R, const N: usize, const M: usize> {
-    /// Forces on near nodes, and on far ones that stand straight ahead.
+    /// Forces on near nodes, and on far ones in the same column.
     near: &'a mut [Slice<R, N>; M],
     /// Forces against far nodes one and two nodes on.
     far: &'a mut [[Slice<R, N>; M]; 2],

@@ -9,7 +9,7 @@
 
 use crate::real::Real;
 
-/// How far a link reaches around, in nodes.
+/// Reach of a link around, in nodes.
 const REACH: usize = 2;
 
 /// Bytes of a cache line, and of the widest vector.

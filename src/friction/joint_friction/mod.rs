@@ -25,7 +25,7 @@
 //! x_i)/eps_i, with the input u = g*sign(v) instead of sign(v). Their transfer function is positive real, so
 //! that the integral of F*u dq is not negative for any u whatever; and u dq = g0*sign(v) ds = g0*dx.
 //!
-//! Two simpler ways to let the level vary do not have this. The product g*z with a normalised z and
+//! Two simpler forms of a varying level do not have this. The product g*z with a normalised z and
 //! dx_i/ds = (f_i*g*sign(v) - x_i)/eps_i both have a stiffness that follows g: loaded fast and unloaded
 //! slowly, or the other way round, they return more than they stored, to second order in the stroke, while
 //! the loss is of third order. Steady sliding is the same in all three: g*sign(v) + Fv*v. With this one,
@@ -142,7 +142,7 @@ impl<R: Real> Side<R> {
         if self.plain {
             return contact;
         }
-        contact * self.ripple.share(slip.wave_generator) + self.load.level(slip.load)
+        contact * self.ripple.relative_level(slip.wave_generator) + self.load.level(slip.load)
     }
 }
 
@@ -152,11 +152,11 @@ impl<R: Real> JointFriction<R> {
     /// same. A model of order 1 has no other shape. Dissipative for f > 0: the levels f/(1 - eta) and (f + eta - 1)/(1 - eta)
     /// are those of an order 2, or add up.
     #[inline(always)]
-    pub fn shape(&self, state: &mut JointFrictionState<R>, share: R, stiffening: R) {
+    pub fn shape(&self, state: &mut JointFrictionState<R>, order_two: R, stiffening: R) {
         state.stretch = R::ONE + stiffening + R::lit(0.5) * stiffening * stiffening;
-        let other = R::ONE - share;
+        let other = R::ONE - order_two;
         if self.inverse_eta != R::ZERO {
-            state.weights = [share, R::ONE - other * self.inverse_eta];
+            state.weights = [order_two, R::ONE - other * self.inverse_eta];
         }
     }
 

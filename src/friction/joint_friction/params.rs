@@ -9,7 +9,7 @@ use crate::friction::lubricated_contact::LubricatedContactParams;
 use crate::friction::ripple::RippleParams;
 use crate::real::Real;
 
-/// Orders of the ripple, 1..=2 a turn of the wave generator.
+/// Orders of the ripple, 1..=2 a revolution of the wave generator.
 pub const RIPPLE_ORDERS: usize = 2;
 
 /// Levels below this count as this (N m): a level divides.
@@ -38,14 +38,14 @@ pub struct JointFrictionParams<R> {
     pub presliding: R,
     /// eta; 0.01..=0.99, unused with order 1.
     pub presliding_ratio: R,
-    /// What the torque through the contact adds to the level.
+    /// Part of the level by the torque through the contact.
     pub load: LoadFactors<R>,
     /// Share of the level over the wave generator's angle.
     pub ripple: RippleParams<R, RIPPLE_ORDERS>,
 }
 
 impl<R: Real> JointFrictionParams<R> {
-    /// The same both ways, without load or ripple.
+    /// The same in both directions, without load or ripple.
     pub fn symmetric(
         order: Order,
         contact: LubricatedContactParams<R>,

@@ -1,4 +1,4 @@
-//! Why the level enters as it does: three ways to let it vary, of which one cannot give work.
+//! Passivity of the varying level: three forms of it, of which one cannot generate work.
 
 use super::*;
 use crate::friction::FrictionParams;
@@ -10,18 +10,18 @@ type Form = fn(&mut f64, f64, f64) -> f64;
 
 const FORMS: [Form; 3] = [
     // The product: z, and F = g*z.
-    |z, level, way| {
-        *z += (way.abs() / 0.02).one_minus_exp_neg() * (way.signum() - *z);
+    |z, level, step| {
+        *z += (step.abs() / 0.02).one_minus_exp_neg() * (step.signum() - *z);
         level * *z
     },
     // The level as the target.
-    |force, level, way| {
-        *force += (way.abs() / 0.02).one_minus_exp_neg() * (level * way.signum() - *force);
+    |force, level, step| {
+        *force += (step.abs() / 0.02).one_minus_exp_neg() * (level * step.signum() - *force);
         *force
     },
     // The level as the target, and the distance shorter with it.
-    |force, level, way| {
-        *force += (way.abs() * 0.05 / (0.02 * level)).one_minus_exp_neg() * (level * way.signum() - *force);
+    |force, level, step| {
+        *force += (step.abs() * 0.05 / (0.02 * level)).one_minus_exp_neg() * (level * step.signum() - *force);
         *force
     },
 ];
@@ -33,12 +33,12 @@ fn gain(form: Form, levels: [f64; 2]) -> f64 {
     let (length, mut state, mut given) = (0.1 * 0.02, 0.0, 0.0);
     form(&mut state, levels[1], 0.5 * length);
     for k in 0..400 {
-        let way = length / (2 * CUTS) as f64 * if k % 2 == 0 { -1.0 } else { 1.0 };
+        let step = length / (2 * CUTS) as f64 * if k % 2 == 0 { -1.0 } else { 1.0 };
         for level in levels {
-            let mut before = form(&mut state.clone(), level, 0.0 * way);
+            let mut before = form(&mut state.clone(), level, 0.0 * step);
             for _ in 0..CUTS {
-                let after = form(&mut state, level, way);
-                given -= if k < 200 { 0.0 } else { 0.5 * (before + after) * way };
+                let after = form(&mut state, level, step);
+                given -= if k < 200 { 0.0 } else { 0.5 * (before + after) * step };
                 before = after;
             }
         }
@@ -46,7 +46,7 @@ fn gain(form: Form, levels: [f64; 2]) -> f64 {
     given / (200.0 * length * 0.035)
 }
 
-/// What the header says of the three forms, at Fs/Fc = 10/7.
+/// Work of the three forms, at Fs/Fc = 10/7.
 #[test]
 fn only_the_form_of_constant_stiffness_never_gives_work() {
     let (slow, fast) = (0.05, 0.035);
@@ -66,7 +66,7 @@ fn order_1_is_the_form_of_constant_stiffness() {
     for k in 0..20_000 {
         let slip = Slip::new(10.0 * (f64::from(k) * 0.003).sin() + 0.1, 1e-4);
         let level = 0.035 + 0.015 * (-slip.velocity.abs() / 2.0).exp();
-        let wanted = FORMS[2](&mut force, level, slip.displacement());
-        assert!((model.step(&mut state, &slip).force - wanted).abs() < 1e-9);
+        let expected = FORMS[2](&mut force, level, slip.displacement());
+        assert!((model.step(&mut state, &slip).force - expected).abs() < 1e-9);
     }
 }

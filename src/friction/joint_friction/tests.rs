@@ -47,12 +47,12 @@ fn force_after(params: &JointFrictionParams<f64>, slips: &[Slip<f64>]) -> f64 {
 fn steady_sliding_lies_on_the_level_of_speed_direction_load_and_angle() {
     for order in [Order::One, Order::Two] {
         let params = everything::<f64>(order);
-        for (velocity, load, turn) in
+        for (velocity, load, revolution) in
             [(-20.0f64, 0.0, 0.0), (-0.3, 0.4, 0.1), (0.3, 0.4, 0.7), (5.0, -0.2, 0.4)]
         {
-            let heading = Heading::of_phase((turn * 4_294_967_296.0) as u32);
+            let heading = Heading::of_phase((revolution * 4_294_967_296.0) as u32);
             let slip = Slip { wave_generator: heading, ..Slip::new(velocity, 0.1).under(0.0, load) };
-            let angle = turn * std::f64::consts::TAU;
+            let angle = revolution * std::f64::consts::TAU;
             let (contact, harmonics) = match velocity < 0.0 {
                 true => (&params.backward, &params.ripple.backward),
                 false => (&params.forward, &params.ripple.forward),
@@ -68,9 +68,12 @@ fn steady_sliding_lies_on_the_level_of_speed_direction_load_and_angle() {
                 * (-velocity.abs() / contact.stribeck_velocity).exp();
             let factor = if velocity * load >= 0.0 { 0.08 } else { 0.15 };
             let level = (contact.coulomb + stribeck) * ripple + factor * f64::abs(load);
-            let wanted = level * velocity.signum() + contact.viscous * velocity;
+            let expected = level * velocity.signum() + contact.viscous * velocity;
             let force = force_after(&params, &[slip; 200]);
-            assert!((force - wanted).abs() < 1e-8 * wanted.abs(), "{velocity} {load}: {force} {wanted}");
+            assert!(
+                (force - expected).abs() < 1e-8 * expected.abs(),
+                "{velocity} {load}: {force} {expected}"
+            );
         }
     }
 }
@@ -89,7 +92,7 @@ fn the_level_stretches_presliding() {
     }
 }
 
-/// Pieces of motion (velocity, duration, load, turn of the wave generator) that end where they began.
+/// Pieces of motion (velocity, duration, load, revolution of the wave generator) that end where they began.
 fn closed_motion() -> impl Strategy<Value = Vec<(f64, f64, f64, u32)>> {
     let piece = (-30.0..30.0f64, 1e-5..0.02f64, -1.0..1.0f64, any::<u32>());
     prop::collection::vec(piece, 1..30).prop_map(|mut pieces| {
@@ -184,10 +187,10 @@ fn a_parameter_out_of_range_is_named() {
     assert_eq!(name(|p| p.ripple.backward.mean = 0.1), Error::OutOfRange("backward"));
 }
 
-/// Torques along a motion there and back, of a model whose presliding has this share of order 2 and stiffening.
-fn there_and_back(params: &JointFrictionParams<f64>, share: f64, stiffening: f64) -> Vec<f64> {
+/// Torques along a motion there and back, of a model whose presliding has this fraction of order 2 and stiffening.
+fn there_and_back(params: &JointFrictionParams<f64>, order_two: f64, stiffening: f64) -> Vec<f64> {
     let (model, mut state) = (params.build().unwrap(), JointFrictionState::default());
-    model.shape(&mut state, share, stiffening);
+    model.shape(&mut state, order_two, stiffening);
     let velocity = |k: u32| 30.0 * (f64::from(k) * 2e-3).sin();
     (0..10_000).map(|k| model.step(&mut state, &Slip::new(velocity(k), STEP)).force).collect()
 }
@@ -216,13 +219,13 @@ proptest! {
     /// No closed motion from rest gains work, whatever the shape.
     #[test]
     fn a_shaped_presliding_is_dissipative(
-        share in 0.01..1.9f64,
+        order_two in 0.01..1.9f64,
         stiffening in -0.9..0.9f64,
         velocities in prop::collection::vec(-30.0..30.0f64, 200),
     ) {
         let (model, mut state) =
             (wave_generator::<f64>(Order::Two).build().unwrap(), JointFrictionState::default());
-        model.shape(&mut state, share, stiffening);
+        model.shape(&mut state, order_two, stiffening);
         let mut work = 0.0;
         for velocity in velocities {
             // In short steps: the mean of the torques at both ends is the mean along it.

@@ -24,7 +24,7 @@ use super::everett::Everett;
 use super::fixed::Fixed;
 use super::inverse::Inverse;
 pub use super::memory::StaircaseState;
-use super::memory::{Position, Turn, cheaper};
+use super::memory::{Position, TurningPoint, cheaper};
 use super::weights::Weights;
 use crate::error::{Error, require};
 use crate::real::Real;
@@ -101,7 +101,7 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
         })
     }
 
-    /// The input for a wanted output.
+    /// The inverse: input for a given output.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `table` when the output falls along a rising input, as it may with weights below zero.
@@ -142,7 +142,7 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
         &self,
         state: &mut StaircaseState<R, MEMORY>,
         to: Position<R>,
-        start: Option<Turn<R>>,
+        start: Option<TurningPoint<R>>,
     ) -> R::Fixed {
         let (output, slope) = match start {
             Some(start) => {
@@ -161,11 +161,11 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
         slope
     }
 
-    /// What [`Self::step`] would return, with the state left as it is.
+    /// Result of [`Self::step`] without a change of the state.
     #[inline]
     pub fn peek(&self, state: &StaircaseState<R, MEMORY>, input: R) -> Response<R> {
-        let mut ahead = *state;
-        self.step(&mut ahead, input)
+        let mut next = *state;
+        self.step(&mut next, input)
     }
 
     /// y after the last step.
@@ -193,17 +193,17 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
         self.within(edge, R::ZERO)
     }
 
-    /// That at a share of a cell.
+    /// That at a fraction of a cell.
     #[inline(always)]
-    pub(crate) fn within(&self, cell: usize, share: R) -> R {
-        self.cells(cell, share) * self.cell_width
+    pub(crate) fn within(&self, cell: usize, fraction: R) -> R {
+        self.cells(cell, fraction) * self.cell_width
     }
 
     /// That in cells.
     #[inline(always)]
-    pub(crate) fn cells(&self, cell: usize, share: R) -> R {
+    pub(crate) fn cells(&self, cell: usize, fraction: R) -> R {
         let half_cell = if L.is_multiple_of(2) { R::ZERO } else { R::lit(0.5) };
-        R::from_i32(cell as i32 - (L / 2) as i32) + (share - half_cell)
+        R::from_i32(cell as i32 - (L / 2) as i32) + (fraction - half_cell)
     }
 
     /// An output.

@@ -1,4 +1,4 @@
-//! The staircase beside the relays, and the laws of the operator.
+//! The staircase against the relays, and the laws of the operator.
 
 use super::*;
 use crate::hysteresis::relays::{Relays, RelaysState};
@@ -84,8 +84,8 @@ fn weights_that_cancel_have_room_for_their_outputs() {
     let mut random = Random(88_172_645_463_325_252);
     for _ in 0..100_000 {
         let input = random.below(1 << 20) as f64 / f64::from(1 << 19) - 1.0;
-        let (wanted, found) = (exact.step(&mut a, input).output, single.step(&mut b, input as f32).output);
-        assert!((f64::from(found) - wanted).abs() < 1e-2, "{input}: {found} {wanted}");
+        let (expected, found) = (exact.step(&mut a, input).output, single.step(&mut b, input as f32).output);
+        assert!((f64::from(found) - expected).abs() < 1e-2, "{input}: {found} {expected}");
     }
 }
 
@@ -176,7 +176,7 @@ proptest! {
         let response = model.step(&mut state, to * U);
         let h = direction * 1e-7 * U;
         let difference = (model.peek(&state, to * U + h).output - response.output) / h;
-        // Except where the way on crosses an edge of the grid or wipes out.
+        // Except where the step crosses an edge of the grid or wipes out.
         let edges = (to * 12.0).floor() != ((to + direction * 1e-7) * 12.0).floor();
         let wipes = inputs.iter().any(|u| (u.abs() - to.abs()).abs() < 1e-6);
         prop_assume!(!edges && !wipes && to.abs() < 0.999_999);
@@ -233,7 +233,7 @@ proptest! {
         } else {
             1e-9
         };
-        // On its way in the output is exact, whatever was forgotten.
+        // Inside the smallest kept loop the output is exact, whatever was forgotten.
         for u in &spiral {
             let difference = full.step(&mut a, u * U).output - short.step(&mut b, u * U).output;
             prop_assert!(difference.abs() < 1e-12 * S);

@@ -1,7 +1,7 @@
-//! Adaptation: what the joint's inertia, friction and stiffness really are, learnt while it works.
+//! Adaptation of inertia, friction, stiffness and presliding in operation, by the gradient method.
 //!
 //! ```text
-//! torque that the model misses at the output (the observer's external torque d, model: the nominal gear)
+//! residual torque of the model at the output (the observer's external torque d, model: the nominal gear)
 //!     d = phi' (theta* - theta) + d_0 + noise,   phi = F(s)*w*[-J_fs*ddq, -tau_fric_out, -n*tau_fric_in],   theta = factor - 1
 //! error      epsilon = zone(d - d_0)
 //! law        theta <- limit(theta + dt*Gamma*phi*epsilon, bounds),        Gamma = diag(rate_i/level_i^2)
@@ -14,47 +14,46 @@
 //! flexing    psi   = F(s)*limit(c_0*(f_J*J_fs)^2*ddddq, level_f) where |dq| < v_f, else F(s)*0
 //! ```
 //!
-//! The model reference is the observer's own gear, run beside the joint (series-parallel) and told of what has been
-//! learnt ([`super::learning`]): what it still misses, d, is the model error, in N m at the output. q is the
-//! setpoint, tau_fric the feed-forward's friction along it, F(s) two low passes that are as slow as the observer's d;
-//! d_0 (N m) is a load or gravity that is there anyway. With an output encoder the torsion is measured, and so is
-//! what the flexspline carries: the motor's side is balanced against it by itself, and misses m of it (N m at the
-//! output), s being what the observer holds the torque to be off the torsion's. -tau_fric_in is learnt from that, the
-//! other two from what the flange misses, d - m. m_0 is slow as d_0: the encoders' zero. nu = theta_o - theta_fs
-//! (rad), what the observer misses of an output encoder, gives the compliance factor c: the torque follows from the
-//! motor's, so in fast motion nu is what the torsion phi is short of the estimated one, nu = (c - c*)*phi/c, while
-//! offsets are taken away by the observer's slow gain. The observer is told of c. Without that encoder c shows where
-//! the torque's rate changes: the load's way is then what the motor made, less the torsion, and the observer misses
-//! the torque by which the torsion accelerates the load, d = J*c_0*(c* - c)*ddtau_t with tau_t of J*ddq. c_0 is the
-//! nominal compliance. That needs motions whose jerk changes within a few periods of the torsion's mode; slow ones
-//! teach nothing. psi is limited: the step is stable however quick the motion. Above v_f, the speed at which the
-//! kinematic error excites that mode, it is learnt from the beginning and the end of a move alone. w is the share of
-//! friction that is fed forward: 0 at rest, so that friction is learnt in motion alone.
+//! The model reference is the observer's gear, run parallel to the joint (series-parallel) with the learnt corrections
+//! ([`super::learning`]): its residual d is the model error, in N m at the output. q is the setpoint, tau_fric the
+//! feed-forward's friction along it, F(s) two low passes that are as slow as the observer's d; d_0 (N m) is a constant
+//! load or gravity. With an output encoder the torsion is measured, and with it the torque through the flexspline: the
+//! balance of the motor's side has the residual m (N m at the output), s being the observer's residual of the torque
+//! against the torsion. -tau_fric_in is learnt from that, the other two from the flange's residual d - m. m_0 is slow as
+//! d_0: the encoders' zero. nu = theta_o - theta_fs (rad), the innovation of an output encoder, gives the compliance
+//! factor c: the torque follows from the motor's, so in fast motion nu is the error of the estimated torsion phi, nu =
+//! (c - c*)*phi/c, while offsets are removed by the observer's slow gain. The observer's model is corrected by c. Without
+//! that encoder c is observable where the torque's rate changes: the load's displacement is then the motor's, less the
+//! torsion, and the observer's residual is the torque by which the torsion accelerates the load, d = J*c_0*(c* -
+//! c)*ddtau_t with tau_t of J*ddq. c_0 is the nominal compliance. That needs motions whose jerk changes within a few
+//! periods of the torsion's mode; slow ones do not excite it. psi is limited: the step is stable for any motion. Above
+//! v_f, the speed at which the kinematic error excites that mode, it is learnt at the beginning and the end of a move
+//! alone. w is the gain of the friction feed-forward: 0 at rest, so that friction is learnt in motion alone.
 //!
-//! Friction of another structure than the model's differs after a reversal: f is the share of order 2 in its presliding,
-//! the rest is of order 1 over the same distance ([`crate::friction::JointFriction::shape`]), and u by how much it is
-//! stiffer. Both are learnt at the wave generator, s being its path since it turned back, and hold for either side. F_2
-//! and F_1 slide alike, so that the levels are learnt apart from them.
+//! Friction of another structure than the model's differs after a reversal: f is the fraction of order 2 in its
+//! presliding, the rest is of order 1 over the same distance ([`crate::friction::JointFriction::shape`]), and u its
+//! stiffening. Both are learnt at the wave generator, s being its path since the reversal, and hold for either side. F_2
+//! and F_1 are the same in sliding, so that the levels are learnt independently of them.
 //!
 //! # Lyapunov
 //!
 //! With the true theta* constant and inside its bounds, and e = theta - theta*, take V = e' Gamma^-1 e/2. Without the
 //! dead zone dV/dt = e' phi epsilon = -(phi' e)^2 + (phi' e)*noise, so V falls wherever |phi' e| exceeds the noise.
-//! The dead zone, wider than the noise, takes away just the rest: where |epsilon| > zone, phi' e has the sign of
+//! The dead zone, wider than the noise, removes just the rest: where |epsilon| > zone, phi' e has the sign of
 //! -epsilon and dV/dt <= 0; elsewhere theta stands still. c alike, with V = (c - c*)^2/(2*gamma_c): dV/dt = -(c -
 //! c*)*phi*nu <= 0; without an output encoder it is one more component of theta, with psi in phi. Limiting theta to a
 //! box that holds theta* (projection) only shortens e, and with a diagonal Gamma each component by itself. Euler's
 //! step keeps this while dt*phi' Gamma phi < 2 ([`AdaptationParams::build`] checks it at the joint's peak torque).
 //! theta converges along the directions that the motion excites and stands still along the others: with the motor
-//! encoder alone the two frictions are told apart only by their different Stribeck speeds and presliding. With an
-//! output encoder V of the motor's side falls by itself, and the flange's with what the motor's leaves: either
+//! encoder alone the two frictions are separated only by their different Stribeck speeds and presliding. With an
+//! output encoder V of the motor's side falls independently, and the flange's with the motor's residual: either
 //! friction converges where it is excited. f is one more component of theta. u is not: its phi is the slope of the friction
 //! by it where u is, so that V falls while u is so near that the slope keeps its sign; beyond that its bounds alone hold.
-//! Friction that is neither, LuGre or with static friction, has no theta*: f and u then lead to the least mean square of
-//! epsilon along the motion, and V need not fall.
+//! Friction that is neither, LuGre or with static friction, has no theta*: f and u then converge to the least mean square
+//! of epsilon along the motion, and V need not fall.
 //!
-//! What the factors could never explain is a load: where |d - d_0| exceeds twice `|phi|'*bounds` nothing is learnt.
-//! It stands still when it is switched off, when the torque command was limited, and on a fault.
+//! A residual beyond the factors' bounds is a load: where |d - d_0| exceeds twice `|phi|'*bounds` nothing is learnt.
+//! The factors are held when it is switched off, when the torque command was limited, and on a fault.
 //!
 //! K. Narendra, A. Annaswamy, "Stable Adaptive Systems", 1989, chapters 3 (series-parallel models) and 8 (dead zone,
 //! projection); P. Ioannou, J. Sun, "Robust Adaptive Control", 1996, section 4.4.
@@ -73,7 +72,7 @@ pub struct Factors<R> {
     pub output_friction: R,
     /// c, on the compliance of the flexspline.
     pub compliance: R,
-    /// f, the share of order 2 in the presliding of both frictions.
+    /// f, the fraction of order 2 in the presliding of both frictions.
     pub presliding: R,
     /// 1 + u: the presliding of both is 1 + u + u^2/2 times as stiff.
     pub presliding_stiffness: R,
@@ -136,7 +135,7 @@ pub struct Adaptation<R> {
     stiffness: R,
 }
 
-/// What has been learnt, and the filters' states.
+/// Learnt factors, and the filters' states.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AdaptationState<R: Real> {
     factors: Factors<R>,
@@ -151,7 +150,7 @@ pub struct AdaptationState<R: Real> {
     input_bias: R,
 }
 
-/// What the model says of this turn, from the nominal gear.
+/// Regressors of one slot, from the nominal gear.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Excitation<R> {
     /// dq (rad/s).
@@ -172,7 +171,7 @@ pub struct Excitation<R> {
     pub stiffness: R,
 }
 
-/// What the observer says of this turn.
+/// Residuals of the observer in one slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Observed<R> {
     /// d (N m).
@@ -181,7 +180,7 @@ pub struct Observed<R> {
     pub torsion: R,
     /// nu, where the sensors show it (rad).
     pub output_innovation: Option<R>,
-    /// s, what of the transmitted torque is not the model's of that torsion (N m).
+    /// s, residual of the transmitted torque against the model's of that torsion (N m).
     pub stiffness_torque: R,
 }
 
@@ -221,18 +220,18 @@ impl<R: Real> Factors<R> {
         Self { inertia, input_friction, output_friction, compliance, presliding, presliding_stiffness }
     }
 
-    /// 1 + share*(factor - 1) of each.
+    /// 1 + gain*(factor - 1) of each.
     #[inline(always)]
     #[must_use]
-    pub fn scaled(&self, share: R) -> Self {
-        Self::from_all(self.all().map(|factor| R::ONE + share * (factor - R::ONE)))
+    pub fn scaled(&self, gain: R) -> Self {
+        Self::from_all(self.all().map(|factor| R::ONE + gain * (factor - R::ONE)))
     }
 
-    /// 1/c - 1, by how much the flexspline is stiffer: to second order, within 0.2 % where |c - 1| <= 0.125.
+    /// 1/c - 1, the stiffening of the flexspline: to second order, within 0.2 % where |c - 1| <= 0.125.
     #[inline(always)]
     pub fn stiffening(&self) -> R {
-        let off = R::ONE - self.compliance;
-        off + off * off
+        let difference = R::ONE - self.compliance;
+        difference + difference * difference
     }
 
     /// Each limited to 1 +- its bound; one that is not finite is 1.
@@ -247,7 +246,7 @@ impl<R: Real> Factors<R> {
 
 impl<R: Real> AdaptationParams<R> {
     /// Prepares the adaptation of a joint with the ratio 1/n, flexspline inertia J_fs (kg m^2) and peak torque at the
-    /// output (N m), for turns that come every dt (s).
+    /// output (N m), for slots that come every dt (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `adaptation_bounds`, `adaptation_levels`, `adaptation_rates` (also when so fast that a
@@ -289,7 +288,7 @@ impl<R: Real> AdaptationParams<R> {
 }
 
 impl<R: Real> AdaptationState<R> {
-    /// What has been learnt.
+    /// Learnt factors.
     #[inline(always)]
     pub fn factors(&self) -> &Factors<R> {
         &self.factors
@@ -302,7 +301,7 @@ impl<R: Real> Adaptation<R> {
         AdaptationState { factors: stored.within(&self.bounds), ..AdaptationState::default() }
     }
 
-    /// One turn; learns while `learns`. Answers with epsilon (N m), 0 where nothing is to be learnt.
+    /// One slot; learns while `learns`. Returns epsilon (N m), 0 where nothing is learnt.
     #[inline(never)] // The timing budget counts blocks by their symbols.
     pub fn step(
         &self,
@@ -317,7 +316,7 @@ impl<R: Real> Adaptation<R> {
         let presliding = state.presliding.step(-self.n * excitation.presliding, self.filter);
         let stiffness = state.stiffness.step(-self.n * excitation.stiffness, self.filter);
         let flexing = state.flexing.step(self.flexing(excitation, &state.factors), self.filter);
-        let left = observed.external_torque - state.bias;
+        let residual = observed.external_torque - state.bias;
         let (gains, bounds) = (&self.gains, &self.bounds);
         let reach = inertia.abs() * bounds.inertia
             + input.abs() * bounds.input_friction
@@ -327,11 +326,11 @@ impl<R: Real> Adaptation<R> {
         if !learns {
             return R::ZERO;
         }
-        state.bias += self.bias * left;
-        if left.abs() >= R::lit(2.0) * reach {
+        state.bias += self.bias * residual;
+        if residual.abs() >= R::lit(2.0) * reach {
             return R::ZERO;
         }
-        let [error, of_input] = self.errors(state, observed, left);
+        let [error, of_input] = self.errors(state, observed, residual);
         learn(&mut state.factors.inertia, gains.inertia * inertia * error, bounds.inertia);
         learn(
             &mut state.factors.input_friction,
@@ -354,23 +353,23 @@ impl<R: Real> Adaptation<R> {
             None => self.flexing_gain * flexing * error,
         };
         learn(&mut state.factors.compliance, softer, bounds.compliance);
-        self.zone(left)
+        self.zone(residual)
     }
 
-    /// What flange and motor miss, for a d - d_0 of `left` (N m): epsilon_out and epsilon_in, or twice epsilon.
+    /// Errors of flange and motor, for a d - d_0 of `residual` (N m): epsilon_out and epsilon_in, or twice epsilon.
     #[inline(always)]
-    fn errors(&self, state: &mut AdaptationState<R>, observed: &Observed<R>, left: R) -> [R; 2] {
+    fn errors(&self, state: &mut AdaptationState<R>, observed: &Observed<R>, residual: R) -> [R; 2] {
         let Some(innovation) = observed.output_innovation else {
-            return [self.zone(left); 2];
+            return [self.zone(residual); 2];
         };
         let of_input = -(observed.stiffness_torque + self.stiffness * innovation) - state.input_bias;
         state.input_bias += self.bias * of_input;
-        [self.zone(left - of_input), self.zone(of_input)]
+        [self.zone(residual - of_input), self.zone(of_input)]
     }
 
     #[inline(always)]
-    fn zone(&self, missed: R) -> R {
-        missed - missed.limit(self.dead_zone)
+    fn zone(&self, residual: R) -> R {
+        residual - residual.limit(self.dead_zone)
     }
 
     /// psi before its filter.

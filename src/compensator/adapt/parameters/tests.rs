@@ -1,4 +1,4 @@
-//! It finds what the joint is, stays in its bounds, and stands still where nothing is to be learnt.
+//! Convergence to the joint's factors, projection, and no drift without excitation.
 
 use std::vec::Vec;
 
@@ -61,8 +61,8 @@ impl Joint {
         Self { truth, observed: [Delayed::default(); 6], sees_output, time: 0.0 }
     }
 
-    /// What moves, and what an observer that was told `told` still misses.
-    fn period(&mut self, told: &Factors<f64>) -> (Excitation<f64>, Observed<f64>) {
+    /// Regressors, and residuals of an observer whose model has the `applied` factors.
+    fn period(&mut self, applied: &Factors<f64>) -> (Excitation<f64>, Observed<f64>) {
         self.time += DT;
         let (slow, fast) = (2.0 * self.time, 11.0 * self.time);
         let velocity = slow.cos() + 0.6 * fast.cos();
@@ -76,27 +76,27 @@ impl Joint {
             presliding: 0.03 * (5.0 * self.time).sin(),
             stiffness: 0.03 * (7.0 * self.time).sin(),
         };
-        let off = |truth: f64, told: f64| truth - told;
+        let error = |truth: f64, applied: f64| truth - applied;
         let (filter, compliance) = (adaptation().filter, adaptation().flexibility);
         let load = INERTIA * self.truth.inertia;
         let parts = [
-            -INERTIA * excitation.acceleration * off(self.truth.inertia, told.inertia),
-            -N * excitation.input_friction * off(self.truth.input_friction, told.input_friction),
-            -excitation.output_friction * off(self.truth.output_friction, told.output_friction),
-            load * load * compliance * excitation.snap * off(self.truth.compliance, told.compliance),
-            -N * excitation.presliding * off(self.truth.presliding, told.presliding),
-            -N * excitation.stiffness * off(self.truth.presliding_stiffness, told.presliding_stiffness),
+            -INERTIA * excitation.acceleration * error(self.truth.inertia, applied.inertia),
+            -N * excitation.input_friction * error(self.truth.input_friction, applied.input_friction),
+            -excitation.output_friction * error(self.truth.output_friction, applied.output_friction),
+            load * load * compliance * excitation.snap * error(self.truth.compliance, applied.compliance),
+            -N * excitation.presliding * error(self.truth.presliding, applied.presliding),
+            -N * excitation.stiffness * error(self.truth.presliding_stiffness, applied.presliding_stiffness),
         ];
         let mut parts = self.observed.iter_mut().zip(parts).map(|(low, part)| low.step(part, filter));
-        let missed: [f64; 6] = std::array::from_fn(|_| parts.next().unwrap());
+        let residual: [f64; 6] = std::array::from_fn(|_| parts.next().unwrap());
         let torsion = 1e-3 * slow.sin();
-        let innovation = (told.compliance - self.truth.compliance) * torsion;
-        // The encoders' zero is off by a torque of 0.3 N m.
+        let innovation = (applied.compliance - self.truth.compliance) * torsion;
+        // Error of the encoders' zero, as a torque: 0.3 N m.
         let observed = Observed {
-            external_torque: 5.0 + missed.iter().sum::<f64>(),
+            external_torque: 5.0 + residual.iter().sum::<f64>(),
             torsion,
             output_innovation: self.sees_output.then_some(innovation),
-            stiffness_torque: 0.3 - missed[1] - missed[4] - missed[5] - innovation / compliance,
+            stiffness_torque: 0.3 - residual[1] - residual[4] - residual[5] - innovation / compliance,
         };
         (excitation, observed)
     }
@@ -157,8 +157,8 @@ fn it_finds_the_joint_and_the_error_only_falls() {
     }
 }
 
-/// One that slides at one speed there and back: both frictions are Coulomb's, and only their sum is to be seen at
-/// the output.
+/// A joint that slides at one speed in both directions: both frictions are Coulomb's, and only their sum is observable
+/// at the output.
 #[test]
 fn an_output_encoder_tells_the_two_frictions_apart() {
     let truth = Factors { input_friction: 1.1, output_friction: 0.8, ..Factors::default() };
@@ -167,15 +167,15 @@ fn an_output_encoder_tells_the_two_frictions_apart() {
             AdaptationParams { dead_zone: 0.0, ..patient() }.build(N, INERTIA, 157.0, DT).unwrap();
         let (mut state, n) = (AdaptationState::<f64>::default(), N.abs());
         for k in 0..200_000 {
-            let (forward, told): (f64, _) = (if k / 5000 % 2 == 0 { 1.0 } else { -1.0 }, *state.factors());
+            let (forward, applied): (f64, _) = (if k / 5000 % 2 == 0 { 1.0 } else { -1.0 }, *state.factors());
             let excitation = Excitation {
                 velocity: forward,
                 input_friction: -0.035 * forward,
                 output_friction: forward,
                 ..Excitation::default()
             };
-            let of_input = -n * 0.035 * forward * (truth.input_friction - told.input_friction);
-            let of_output = -forward * (truth.output_friction - told.output_friction);
+            let of_input = -n * 0.035 * forward * (truth.input_friction - applied.input_friction);
+            let of_output = -forward * (truth.output_friction - applied.output_friction);
             let observed = Observed {
                 external_torque: of_input + of_output,
                 output_innovation: sees_output.then_some(0.0),
@@ -217,7 +217,7 @@ fn a_stiffening_is_the_inverse_of_the_compliance() {
 }
 
 #[test]
-fn it_stands_still_when_told_to_at_rest_and_under_a_load_that_is_no_factor() {
+fn it_holds_when_switched_off_at_rest_and_under_a_load_beyond_its_bounds() {
     let (state, _) = after(1.0, &patient(), TRUTH, Joint::new(TRUTH, true), false);
     assert_eq!(state.factors, Factors::default());
     let mut state = AdaptationState::default();
@@ -233,7 +233,7 @@ fn it_stands_still_when_told_to_at_rest_and_under_a_load_that_is_no_factor() {
 }
 
 #[test]
-fn what_is_within_the_dead_zone_teaches_nothing() {
+fn a_residual_within_the_dead_zone_is_not_learnt() {
     let mut state = AdaptationState::default();
     let noise = Observed { external_torque: 0.06, ..Observed::default() };
     let moving = Excitation {
@@ -259,7 +259,7 @@ fn it_starts_from_what_is_stored_within_its_bounds() {
         ..Factors::default()
     };
     let state = adaptation().starting_from(&stored);
-    let wanted = Factors {
+    let expected = Factors {
         inertia: 1.4,
         input_friction: 1.0,
         output_friction: 0.9,
@@ -267,7 +267,7 @@ fn it_starts_from_what_is_stored_within_its_bounds() {
         presliding: 1.0 - 0.9,
         ..Factors::default()
     };
-    assert_eq!(*state.factors(), wanted);
+    assert_eq!(*state.factors(), expected);
 }
 
 #[test]

@@ -1,10 +1,10 @@
-//! How far off the estimates may be: a standard deviation for each, at the price of a few multiplications.
+//! Standard deviations of the estimates.
 //!
 //! ```text
 //! s_in   = b_in  + u_F*|tau_fric_in|            s_out = b_out*(1 - |omega_fs|/v_s, at least a tenth) + u_F*|tau_fric_out|
-//! e     += g*(l_d.innovation - e)                what the innovations keep asking of d, low-passed
-//! h      = max(T*|e|, (1 - 1/T)*h)               what d still misses then; T: slowest mode of the observer (periods)
-//! w      = w + rated*T_o while the motor stands, up to rated/sqrt(3); 0 where it moves, or where the output is seen
+//! e     += g*(l_d.innovation - e)                persistent correction of d by the innovations, low-passed
+//! h      = max(T*|e|, (1 - 1/T)*h)               residual of d; T: slowest mode of the observer (periods)
+//! w      = w + rated*T_o while the motor stands, up to rated/sqrt(3); 0 where it moves, or where the output is measured
 //! s_t    = b_t + n*s_in + u_K*|tau_t|*k + h + w
 //! s_d    = b_d + s_t - b_t + s_out + u_J*J_fs*|ddtheta_fs|
 //! s_phi  = b_phi + c*s_t + u_K*|phi|*a           output angle alike
@@ -12,17 +12,17 @@
 //! ```
 //!
 //! b is the steady-state covariance of the Kalman filter, computed off line for each set of sensors. u_F, u_K, u_J
-//! are the declared uncertainties of friction, stiffness and inertia: a uniform span over sqrt(3). n, k, a, c say by
-//! which way they enter with this set of sensors: with the motor's encoder alone the torque follows from the motor's,
-//! less its friction (n = 1/|r|), and the torsion from the torque; with the output's the torsion is measured, and
-//! where the motor stands the torque follows from it (k = 1). Torque in N m, angle in rad.
+//! are the declared uncertainties of friction, stiffness and inertia: a uniform span over sqrt(3). n, k, a, c are their
+//! sensitivities with this set of sensors: with the motor's encoder alone the torque follows from the motor's, less its
+//! friction (n = 1/|r|), and the torsion from the torque; with the output's the torsion is measured, and where the motor
+//! stands the torque follows from it (k = 1). Torque in N m, angle in rad.
 //!
-//! Evaluated once in about [`PERIODS`] periods T_o of the observer, with the sum of what the innovations asked in
-//! them, and held in between; while a share is on its way it is once in half as many again.
+//! Evaluated once in about [`PERIODS`] periods T_o of the observer, with the sum of the corrections of d in them, and
+//! held in between; while a gain is ramped, once in half as many again.
 //!
-//! It is a declared uncertainty, not a covariance that is carried along: terms are added as if they all erred the
-//! same way, so that the true error lies inside three of them at least as often as a normal distribution would have
-//! it. What a motor that stands still does not show (a brake may hold any load) is admitted as w.
+//! It is a declared uncertainty, not a propagated covariance: terms are added as if fully correlated, so that the true
+//! error lies inside three of them at least as often as a normal distribution would have it. A load that a standing
+//! motor cannot observe (a brake may hold any) is covered by w.
 
 use crate::compensator::EstimateDeviation;
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
@@ -31,13 +31,13 @@ use crate::real::Real;
 /// Periods of the observer from one evaluation to the next.
 pub const PERIODS: u32 = 2 * SLOW_PERIODS / OBSERVER_PERIODS;
 
-/// The same as a number.
+/// [`PERIODS`] as a number.
 const STEP: f64 = PERIODS as f64;
 
-/// Periods of the low pass of what the innovations ask, 3.2 ms.
+/// Periods of the low pass of the correction of d, 3.2 ms.
 const FILTER: f64 = 16.0;
 
-/// How uncertain the model is, as standard deviations relative to the parameter.
+/// Uncertainty of the model: standard deviations relative to the parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Uncertainty<R> {
     /// u_F, of the friction of either side.
@@ -48,7 +48,7 @@ pub struct Uncertainty<R> {
     pub inertia: R,
 }
 
-/// What the deviations of one set of sensors are made of.
+/// Coefficients of the standard deviations for one set of sensors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread<R> {
     /// b.
@@ -64,31 +64,31 @@ pub struct Spread<R> {
     /// c' (rad/(N m s)).
     pub velocity_by_torque: R,
     /// Rate of w (N m per period of the observer), and its largest value (N m).
-    pub unseen: [R; 2],
+    pub unobserved: [R; 2],
     /// T (periods of the observer).
     pub settling: R,
     /// 1/T.
     pub inverse_settling: R,
-    /// 1/v_s, of the speed at which the output slides (s/rad).
+    /// 1/v_s, v_s the Stribeck speed of the output (s/rad).
     pub inverse_sliding_speed: R,
 }
 
-/// What is remembered of the innovations.
+/// State of the standard deviations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpreadState<R> {
     /// e (N m per period of the observer).
-    asked: R,
+    correction_mean: R,
     /// h (N m).
-    missed: R,
+    residual: R,
     /// w (N m).
-    unseen: R,
+    unobserved: R,
 }
 
-/// What the deviations scale with, from the observer's last period.
+/// Magnitudes that the standard deviations scale with, from the observer's last period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Magnitudes<R> {
     /// l_d.innovation, all of the [`PERIODS`] (N m).
-    pub asked: R,
+    pub load_correction: R,
     /// The motor moved lately.
     pub moved: bool,
     /// tau_fric_in (N m).
@@ -108,7 +108,7 @@ pub struct Magnitudes<R> {
 }
 
 impl<R: Real> Spread<R> {
-    /// Every number is.
+    /// Every coefficient is finite.
     pub fn is_finite(&self) -> bool {
         let EstimateDeviation {
             output_position,
@@ -128,7 +128,7 @@ impl<R: Real> Spread<R> {
                 self.angle_by_stiffness,
                 self.angle_by_torque,
             ],
-            [self.velocity_by_torque, self.unseen[0], self.unseen[1], self.inverse_settling],
+            [self.velocity_by_torque, self.unobserved[0], self.unobserved[1], self.inverse_settling],
         ]
         .iter()
         .flatten()
@@ -136,7 +136,7 @@ impl<R: Real> Spread<R> {
         .all(|number| number.is_finite())
     }
 
-    /// Deviations after [`PERIODS`] more periods; `uncertainty` is the model's.
+    /// Standard deviations after [`PERIODS`] more periods; `uncertainty` is the model's.
     #[inline(always)]
     pub fn step(
         &self,
@@ -145,21 +145,21 @@ impl<R: Real> Spread<R> {
         now: &Magnitudes<R>,
     ) -> EstimateDeviation<R> {
         let Uncertainty { friction, stiffness, inertia } = *uncertainty;
-        let missed = self.missed(state, now.asked);
-        let unseen = self.unseen(state, now.moved);
+        let residual = self.residual(state, now.load_correction);
+        let unobserved = self.unobserved(state, now.moved);
         let input_friction = self.base.input_friction + friction * now.input_friction.abs();
         let resting = (R::ONE - now.output_speed.abs() * self.inverse_sliding_speed).max(R::lit(0.1));
         let output_friction = self.base.output_friction * resting + friction * now.output_friction.abs();
         let torque = self.torque_by_friction * input_friction
             + self.torque_by_stiffness * stiffness * now.transmitted.abs()
-            + missed
-            + unseen;
+            + residual
+            + unobserved;
         let flexible = stiffness * self.angle_by_stiffness;
         let angle = self.angle_by_torque * torque + flexible * now.torsion.abs();
         EstimateDeviation {
             output_position: self.base.output_position + angle,
             output_velocity: self.base.output_velocity
-                + self.velocity_by_torque * missed
+                + self.velocity_by_torque * residual
                 + flexible * now.torsion_rate.abs(),
             torsion: self.base.torsion + angle,
             transmitted_torque: self.base.transmitted_torque + torque,
@@ -172,20 +172,21 @@ impl<R: Real> Spread<R> {
         }
     }
 
-    /// h: what the innovations show that d misses.
+    /// h: residual of d that the innovations show.
     #[inline(always)]
-    fn missed(&self, state: &mut SpreadState<R>, asked: R) -> R {
-        state.asked += R::lit(1.0 / FILTER) * (asked - R::lit(STEP) * state.asked);
-        let fallen = state.missed - R::lit(STEP) * state.missed * self.inverse_settling;
-        state.missed = (self.settling * state.asked.abs()).max(fallen);
-        state.missed
+    fn residual(&self, state: &mut SpreadState<R>, load_correction: R) -> R {
+        state.correction_mean +=
+            R::lit(1.0 / FILTER) * (load_correction - R::lit(STEP) * state.correction_mean);
+        let fallen = state.residual - R::lit(STEP) * state.residual * self.inverse_settling;
+        state.residual = (self.settling * state.correction_mean.abs()).max(fallen);
+        state.residual
     }
 
-    /// w: what the sensors do not see.
+    /// w: load that the sensors do not observe.
     #[inline(always)]
-    fn unseen(&self, state: &mut SpreadState<R>, moved: bool) -> R {
-        let [rate, most] = self.unseen;
-        state.unseen = if moved { R::ZERO } else { (state.unseen + R::lit(STEP) * rate).min(most) };
-        state.unseen
+    fn unobserved(&self, state: &mut SpreadState<R>, moved: bool) -> R {
+        let [rate, most] = self.unobserved;
+        state.unobserved = if moved { R::ZERO } else { (state.unobserved + R::lit(STEP) * rate).min(most) };
+        state.unobserved
     }
 }

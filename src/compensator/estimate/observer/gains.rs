@@ -1,7 +1,7 @@
-//! The gains that the observer corrects by, computed off line: one set for each combination of sensors.
+//! Gains of the observer, computed off line: one set for each combination of sensors.
 //!
-//! They are given for the flange's angle theta_fs. What the observer keeps is theta_fs - r*theta_wg, so it is built
-//! with l_theta_fs - r*l_theta_wg in their place.
+//! They are given for the flange's angle theta_fs. The observer's state is theta_fs - r*theta_wg, so it is built with
+//! l_theta_fs - r*l_theta_wg in their place.
 
 use crate::compensator::estimate::observer::deviation::Spread;
 use crate::compensator::estimate::observer::past::STEPS;
@@ -22,9 +22,9 @@ pub struct Gains<R> {
     pub torque: Correction<R>,
     /// F^D l_o, per rad of the output encoder.
     pub output: Correction<R>,
-    /// c_1..=c_D, of the past.
+    /// c_1..=c_D, of the past angles.
     pub past: [R; STEPS],
-    /// What the estimates' deviations are made of.
+    /// Coefficients of the estimates' standard deviations.
     pub spread: Spread<R>,
 }
 
@@ -32,7 +32,7 @@ pub struct Gains<R> {
 pub type GainSets<R> = [Gains<R>; 4];
 
 impl<R: Real> Gains<R> {
-    /// With what corrects the flange's angle as what corrects by how much it is ahead of r*theta_wg.
+    /// The gains for the state theta_fs - r*theta_wg in the place of theta_fs.
     pub(super) fn relative(mut self, ratio: R) -> Self {
         for by in [&mut self.motor, &mut self.torque, &mut self.output] {
             by[2] -= ratio * by[0];
@@ -41,7 +41,7 @@ impl<R: Real> Gains<R> {
     }
 }
 
-/// The set of what is there.
+/// The set for the sensors that are there.
 #[inline(always)]
 pub(super) fn set<R>(sets: &GainSets<R>, output: bool, gauge: bool) -> &Gains<R> {
     match (output, gauge) {

@@ -1,61 +1,60 @@
-//! Observer: the gear's own model, corrected by what the joint's sensors say.
+//! Observer: the gear's model, corrected by the innovations of the joint's sensors.
 //!
 //! ```text
 //! state   theta_wg, omega_wg, theta_fs, omega_fs, d (external torque on the flexspline),
-//!         s (what tau_t is off the model's), b (what the motor's torque is off it)
+//!         s (residual of tau_t against the model), b (residual of the motor's torque)
 //! predict omega_wg += T*(tau_mean + b - tau_res - (r + de/dtheta_wg)*s)/J_wg,    theta_wg += T*omega_wg
 //!         omega_fs += T*(tau_t + s - tau_fric_out + d)/J_fs,                          theta_fs += T*omega_fs
 //! correct state += l_m*(theta_m - theta_wg),  then l_t*(tau_s - tau_t - s),  then l_o*(theta_o - theta_fs)
 //! ```
 //!
-//! Its period T is [`crate::compensator::schedule::OBSERVER_PERIODS`] control periods. tau_mean is the motor's torque averaged over the last two of its
-//! periods; tau_res = tau_wg - J_wg*domega_wg, tau_t and the frictions are those of [`by_turns`], the two-port in its
-//! real-time build, at the motion before the prediction: the observer carries hysteresis, presliding and kinematic
-//! error along. Angles are compared after the prediction, where they are at the time of the reading; the gauge with a
+//! Its period T is [`crate::compensator::schedule::OBSERVER_PERIODS`] control periods. tau_mean is the motor's torque
+//! averaged over the last two of its periods; tau_res = tau_wg - J_wg*domega_wg, tau_t and the frictions are those of [`multi_rate`], the two-port in its
+//! real-time build, at the motion before the prediction: the observer's model includes hysteresis, presliding and
+//! kinematic error. Angles are compared after the prediction, where they are at the time of the reading; the gauge with a
 //! torque that is one period older. theta_m, theta_o are the encoders, tau_s a strain gauge; each of the last two may
-//! be absent, at any step, and theta_o, which is looked at once a round, may come a constant number of control
-//! periods late ([`past`]). What is kept is theta_wg - theta_m and theta_fs - r*theta_wg: both are small, so that an
-//! f32 holds them, and neither drifts from a sum of roundings, for the motor's own angle is never summed up. The
+//! be absent, at any step, and theta_o, which is used once a round, may be delayed by a constant number of control
+//! periods ([`past`]). The states are theta_wg - theta_m (motor residual) and theta_fs - r*theta_wg (link offset): both
+//! are small, so that an f32 resolves them, and neither drifts by rounding, for the motor's angle is never summed up. The
 //! gains l are those of the steady-state Kalman filter of the linearised model, one set for each combination of
 //! sensors, computed off line. Units: rad, rad/s, N m.
 //!
-//! The gear is what is known of it ([`Known`]): model, factors and ripple as [`crate::compensator::adapt::learning`] has
-//! learnt them. A gear that is stiffer or softer than is known by 10 % makes a torsion that is measured disagree with
-//! the motor's torque by 10 %. Which of them is the better one depends on the motor. Where it moves, its friction is known to a few
-//! N m at the output and the rest is blamed on the stiffness: s. Where it stands, static friction or a brake may hold
-//! whatever there is, so its torque says nothing and what is left over is blamed on b, while s keeps what it learnt.
-//! When that is, [`STANDSTILL`] says; the gains of a motor that stands are small, for nothing changes there. With the
-//! motor encoder alone neither is observable beside d, and both stay zero. s is limited to 3 deviations of the
-//! stiffness.
+//! The gear's model is corrected by the factors and the ripple ([`GearCorrection`]) that
+//! [`crate::compensator::adapt::learning`] has learnt. A stiffness error of 10 % makes the measured torsion disagree with
+//! the motor's torque by 10 %. Which of the two is trusted depends on the motor. Where it moves, its friction is known to
+//! a few N m at the output and the residual is attributed to the stiffness: s. Where it stands, static friction or a
+//! brake may hold any torque, so that the residual is attributed to b and s is held. Standstill is detected after
+//! [`STANDSTILL`] periods; the gains of a motor that stands are small. With the motor encoder alone neither is observable
+//! beside d, and both stay zero. s is limited to 3 standard deviations of the stiffness.
 //!
-//! A resting output may be anywhere within the count that its encoder shows: while the motor stands, an innovation
-//! theta_o - theta_fs within +-q is none, and q is taken from a larger one.
+//! A resting output may be anywhere within the count of its encoder: while the motor stands, the innovation theta_o -
+//! theta_fs passes a dead zone of half width q.
 //!
 //! Discretisation: semi-implicit Euler, one step per period. It is the leapfrog method, whose speeds belong to the
-//! middle of the periods: a torque that acts over one period is shared by the two speeds beside its beginning and its
-//! end. Taken for the whole of one of them it would come half a period early, which an observer that knows its motor
-//! well takes for a load: 29 N m where the torque swings by 100 N m at 130 Hz, both at the output.
+//! middle of the periods: a torque that acts over one period is split between the two speeds beside its beginning and
+//! its end. Applied to one of them alone it would come half a period early, which an observer with an accurate motor
+//! model attributes to a load: 29 N m where the torque oscillates by 100 N m at 130 Hz, both at the output.
 //!
 //! Bounds: speeds are limited to twice what the joint can do, the external torque to the gear's peak torque; a
 //! torsion beyond that of four times the peak torque starts the observer again at the motor's angle. Both are
-//! reported as faults, as is a torsion past the range of the gear's law ([`crate::flexspline::reduced::RANGE`]),
-//! which goes on at its largest torque. The reported transmitted torque ends at those four times.
+//! reported as faults, as is a torsion past the range of the gear's law ([`crate::flexspline::reduced::RANGE`]), whose
+//! torque saturates there. The reported transmitted torque is limited to four times the peak torque.
 //!
 //! H. Taghirad, P. Belanger, "Modeling and parameter identification of harmonic drive systems", Journal of Dynamic
 //! Systems, Measurement, and Control 120 (1998) for the two masses; R. Kalman, "A new approach to linear filtering
 //! and prediction problems", Journal of Basic Engineering 82 (1960).
 
-pub mod by_turns;
 pub mod deviation;
 mod gains;
+pub mod multi_rate;
 mod params;
 pub mod past;
 mod range;
 mod standstill;
 mod state;
 
-pub use by_turns::Known;
 pub use gains::{Correction, GainSets, Gains, STATES};
+pub use multi_rate::GearCorrection;
 pub use params::{LONGEST_PERIOD, ObserverParams};
 pub use standstill::STANDSTILL;
 pub use state::ObserverState;
@@ -64,9 +63,9 @@ use crate::angle::{Angle, Ratio};
 use crate::compensator::faults::Faults;
 use crate::compensator::{Estimate, RealTimeGear};
 use crate::real::{RADIANS_PER_COUNT, Real, seldom};
-use by_turns::{Ends, Torques, Turns};
 use deviation::{Magnitudes, Uncertainty};
 use gains::set;
+use multi_rate::{Ends, MultiRate, Torques};
 use past::Past;
 use range::Range;
 
@@ -118,13 +117,13 @@ use range::Range;
 pub struct Observer<R> {
     moving: GainSets<R>,
     standing: GainSets<R>,
-    /// Way of the motor that is a motion: counts of 2^32 a turn, and the same as an angle (rad).
-    stir: u32,
-    unforeseen: R,
-    /// Delay of a reading in control periods, and in own ones.
+    /// Motion threshold of the motor: counts of 2^32 a revolution, and as an angle (rad).
+    motion_threshold: u32,
+    motion_threshold_angle: R,
+    /// Delay of a reading in control periods, and in periods of the observer.
     late: usize,
     delay: usize,
-    /// Readings may be of the past.
+    /// Readings may be delayed.
     looks_back: bool,
     ratio: Ratio,
     period: u32,
@@ -133,10 +132,10 @@ pub struct Observer<R> {
     limits: Range<R>,
     inverse_wave_generator_inertia: R,
     inverse_flexspline_inertia: R,
-    turns: Turns<R>,
+    multi_rate: MultiRate<R>,
 }
 
-/// What the sensors say in this step, already checked.
+/// Sensor readings of one step of the observer, already checked.
 #[derive(Clone, Copy, Debug)]
 pub struct Measurement<R> {
     /// Unbounded angle of the motor.
@@ -154,15 +153,15 @@ pub struct Measurement<R> {
 /// A reading of the output encoder, already checked.
 #[derive(Clone, Copy, Debug)]
 pub struct OutputReading<R> {
-    /// Angle of the output where it was when the reading was taken.
+    /// Angle of the output at the instant of the reading.
     pub angle: Angle<R>,
     /// Control periods from when the reading came to the observer's last step; 0 for one that does not look back.
     pub age: u32,
 }
 
 impl<R: Real> Observer<R> {
-    /// Where the output was, up to whole turns, when a reading was taken that came `age` control periods before the
-    /// last step; `None` where that was before the start.
+    /// Angle of the output, up to whole revolutions, at the instant of a reading that came `age` control periods before
+    /// the last step; `None` where that was before the start.
     pub fn output_at_reading(
         &self,
         gear: &RealTimeGear<R>,
@@ -181,27 +180,27 @@ impl<R: Real> Observer<R> {
         (state.since_output <= self.period).then_some(state.output_innovation)
     }
 
-    /// The same where the motor moves.
+    /// The same while the motor moves.
     #[inline(always)]
     pub fn moving_output_innovation(&self, state: &ObserverState<R>) -> Option<R> {
-        let told = state.since_output <= self.period && state.magnitudes.moved;
-        told.then_some(state.output_innovation)
+        let valid = state.since_output <= self.period && state.magnitudes.moved;
+        valid.then_some(state.output_innovation)
     }
 
-    /// Readings may be of the past: they are late, or do not come in every control period.
+    /// Readings may be delayed: they are late, or do not come in every control period.
     #[inline(always)]
     pub fn looks_back(&self) -> bool {
         self.looks_back
     }
 
-    /// Predicts over one period, and corrects by the measurement. `rests`: the joint is asked to rest.
+    /// Predicts over one period, and corrects by the measurement. `rests`: rest is commanded.
     #[inline(always)]
     pub fn step(
         &self,
         gear: &RealTimeGear<R>,
         state: &mut ObserverState<R>,
         measured: &Measurement<R>,
-        known: &Known<R>,
+        gear_correction: &GearCorrection<R>,
         rests: bool,
         faults: &mut Faults,
     ) {
@@ -209,30 +208,30 @@ impl<R: Real> Observer<R> {
             seldom();
             return self.first(gear, state, measured);
         }
-        let (motor, off) = (state.motor, state.off);
+        let (motor, residual) = (state.motor, state.motor_residual);
         let ends = Ends {
-            wave_generator: || beside(motor, off),
+            wave_generator: || offset_by(motor, residual),
             wave_generator_speed: state.wave_generator_speed,
-            ahead: state.ahead,
+            link_offset: state.link_offset,
             flange_speed: state.flange_speed,
         };
-        let torques = state.gear.torques(&self.turns, gear, &ends, known);
+        let torques = state.gear.torques(&self.multi_rate, gear, &ends, gear_correction);
         faults.raise_if(torques.saturated, Faults::TORSION_BEYOND_RANGE);
         if !torques.torsion.is_within(self.limits.torsion) {
             seldom();
             faults.raise_if(true, Faults::OBSERVER_RESET);
             return self.first(gear, state, measured);
         }
-        let acceleration = self.predict(state, &torques, measured, known);
-        let foreseen = state.off.is_within(self.unforeseen);
-        let moved = state.standstill.step(measured.motor.phase(), foreseen, rests, self.stir);
+        let acceleration = self.predict(state, &torques, measured, gear_correction);
+        let predicted = state.motor_residual.is_within(self.motion_threshold_angle);
+        let moved = state.standstill.step(measured.motor.phase(), predicted, rests, self.motion_threshold);
         let sets = if moved { &self.moving } else { &self.standing };
         let gauge = measured.output_torque.is_some();
         let gains = set(sets, measured.reads_output, gauge);
-        let asked = self.correct(gains, state, measured, &torques, moved);
+        let load_correction = self.correct(gains, state, measured, &torques, moved);
         self.limits.keep(state, &torques, moved, faults);
         state.magnitudes = Magnitudes {
-            asked: state.magnitudes.asked + asked,
+            load_correction: state.magnitudes.load_correction + load_correction,
             moved,
             input_friction: torques.input_friction,
             output_friction: torques.output_friction,
@@ -243,7 +242,7 @@ impl<R: Real> Observer<R> {
             acceleration,
         };
         state.since_output = state.since_output.saturating_add(1);
-        state.seen = [state.since_output <= self.period, gauge];
+        state.readings = [state.since_output <= self.period, gauge];
     }
 
     /// Corrects by a reading of the output encoder, after the step that it belongs to.
@@ -252,30 +251,32 @@ impl<R: Real> Observer<R> {
         &self,
         state: &mut ObserverState<R>,
         reading: &OutputReading<R>,
-        known: &Known<R>,
+        gear_correction: &GearCorrection<R>,
         faults: &mut Faults,
     ) {
-        let Some(innovation) = self.output_innovates(state, reading, known).filter(|_| state.started) else {
+        let Some(innovation) =
+            self.output_innovates(state, reading, gear_correction).filter(|_| state.started)
+        else {
             return;
         };
         (state.output_innovation, state.since_output) = (innovation, 0);
         let (before, moved) = (state.external_torque, state.magnitudes.moved);
         let sets = if moved { &self.moving } else { &self.standing };
-        let gains = set(sets, true, state.seen[1]);
+        let gains = set(sets, true, state.readings[1]);
         let innovation = if moved { innovation } else { innovation - innovation.limit(self.output_count) };
         state.correct(&gains.output, innovation, moved);
         if self.looks_back {
             state.past.correct(self.delay, &gains.past, innovation);
         }
         self.limits.keep_motion(state, faults);
-        state.magnitudes.asked += state.external_torque - before;
+        state.magnitudes.load_correction += state.external_torque - before;
     }
 
     /// The estimate.
-    pub fn estimate(&self, state: &ObserverState<R>, known: &Known<R>) -> Estimate<R> {
+    pub fn estimate(&self, state: &ObserverState<R>, gear_correction: &GearCorrection<R>) -> Estimate<R> {
         let Magnitudes { torsion, input_friction, output_friction, .. } = state.magnitudes;
         Estimate {
-            output_position: self.output_position(state).plus(known.position),
+            output_position: self.output_position(state).plus(gear_correction.position),
             output_velocity: state.flange_speed,
             torsion,
             transmitted_torque: self.transmitted(state),
@@ -289,16 +290,22 @@ impl<R: Real> Observer<R> {
     /// theta_fs, of the model.
     #[inline(always)]
     fn output_position(&self, state: &ObserverState<R>) -> Angle<R> {
-        self.ratio.apply(state.motor).plus(self.turns.ratio() * state.off + state.ahead)
+        self.ratio.apply(state.motor).plus(self.multi_rate.ratio() * state.motor_residual + state.link_offset)
     }
 
-    /// By how much the output is ahead, ripple included, of r times a motor angle that is `ahead` of the measured one
-    /// (rad), a time dt (s) after the last step.
+    /// Output angle, ripple included, less r times a motor angle that is `motor_offset` (rad) from the measured one, a
+    /// time dt (s) after the last step (rad).
     #[inline(always)]
-    pub fn output_beside(&self, state: &ObserverState<R>, known: &Known<R>, ahead: R, dt: R) -> R {
-        let ratio = self.turns.ratio();
-        let now = state.ahead + dt * (state.flange_speed - ratio * state.wave_generator_speed);
-        now + ratio * (state.off - ahead) + known.position
+    pub fn output_offset(
+        &self,
+        state: &ObserverState<R>,
+        gear_correction: &GearCorrection<R>,
+        motor_offset: R,
+        dt: R,
+    ) -> R {
+        let ratio = self.multi_rate.ratio();
+        let now = state.link_offset + dt * (state.flange_speed - ratio * state.wave_generator_speed);
+        now + ratio * (state.motor_residual - motor_offset) + gear_correction.position
     }
 
     /// tau_t + s (N m).
@@ -307,30 +314,30 @@ impl<R: Real> Observer<R> {
         state.magnitudes.transmitted.limit(self.limits.transmitted)
     }
 
-    /// The estimates' deviations after [`deviation::PERIODS`] more periods.
+    /// Standard deviations of the estimates after [`deviation::PERIODS`] more periods.
     #[inline(always)]
-    pub fn deviate(&self, state: &mut ObserverState<R>) {
+    pub fn step_standard_deviations(&self, state: &mut ObserverState<R>) {
         let sets = if state.magnitudes.moved { &self.moving } else { &self.standing };
-        let [output, gauge] = state.seen;
+        let [output, gauge] = state.readings;
         let spread = &set(sets, output, gauge).spread;
         state.deviation = spread.step(&mut state.spread, &self.uncertainty, &state.magnitudes);
-        state.magnitudes.asked = R::ZERO;
+        state.magnitudes.load_correction = R::ZERO;
     }
 
-    /// Gives the presliding of either side the learnt shape ([`crate::friction::JointFriction::shape`]).
+    /// Sets the learnt shape of the presliding of either side ([`crate::friction::JointFriction::shape`]).
     #[inline(always)]
-    pub fn shape(&self, gear: &RealTimeGear<R>, state: &mut ObserverState<R>, share: R, stiffening: R) {
-        state.gear.shape(gear, share, stiffening);
+    pub fn shape(&self, gear: &RealTimeGear<R>, state: &mut ObserverState<R>, order_two: R, stiffening: R) {
+        state.gear.shape(gear, order_two, stiffening);
     }
 
-    /// The first step, or the first again: the joint rests, and nothing is known of its torques.
+    /// The first step, also after a reset: the joint rests, with its torques unknown.
     #[cold]
     #[inline(never)]
     fn first(&self, gear: &RealTimeGear<R>, state: &mut ObserverState<R>, measured: &Measurement<R>) {
         state.motor = measured.motor;
-        state.off = R::ZERO;
+        state.motor_residual = R::ZERO;
         state.wave_generator_speed = R::ZERO;
-        state.ahead = state.gear.start_at(gear, measured.motor);
+        state.link_offset = state.gear.start_at(gear, measured.motor);
         state.flange_speed = R::ZERO;
         state.motor_torque = measured.motor_torque;
         state.external_torque = R::ZERO;
@@ -344,34 +351,34 @@ impl<R: Real> Observer<R> {
         state.magnitudes = Magnitudes::default();
     }
 
-    /// Moves both ends by one period; answers with the flange's acceleration (rad/s^2).
+    /// Predicts the motion of both ends over one period; returns the flange's acceleration (rad/s^2).
     #[inline(always)]
     fn predict(
         &self,
         state: &mut ObserverState<R>,
         torques: &Torques<R>,
         measured: &Measurement<R>,
-        known: &Known<R>,
+        gear_correction: &GearCorrection<R>,
     ) -> R {
         let resisting = torques.input_friction
-            + known.motor_torque
+            + gear_correction.motor_torque
             + torques.slope * (torques.transmitted + state.stiffness_torque);
         let mean = R::lit(0.5) * (measured.motor_torque + state.motor_torque);
         state.motor_torque = measured.motor_torque;
         let motor = (mean + state.held_torque - resisting) * self.inverse_wave_generator_inertia;
-        let load = state.external_torque + known.load + state.stiffness_torque;
+        let load = state.external_torque + gear_correction.load + state.stiffness_torque;
         let flange = (torques.transmitted - torques.output_friction + load) * self.inverse_flexspline_inertia;
         let dt = measured.period;
         state.wave_generator_speed += dt * motor;
         state.flange_speed += dt * flange;
-        let way = dt * state.wave_generator_speed;
-        state.off += way - measured.motor.since(state.motor);
-        state.ahead += dt * state.flange_speed - self.turns.ratio() * way;
+        let step = dt * state.wave_generator_speed;
+        state.motor_residual += step - measured.motor.since(state.motor);
+        state.link_offset += dt * state.flange_speed - self.multi_rate.ratio() * step;
         state.motor = measured.motor;
         flange
     }
 
-    /// Corrects by the motor's encoder and the gauge, one after the other; answers with the change of d (N m).
+    /// Corrects by the motor's encoder and the gauge, one after the other; returns the change of d (N m).
     #[inline(always)]
     fn correct(
         &self,
@@ -382,7 +389,7 @@ impl<R: Real> Observer<R> {
         moved: bool,
     ) -> R {
         let before = state.external_torque;
-        state.correct(&gains.motor, -state.off, moved);
+        state.correct(&gains.motor, -state.motor_residual, moved);
         if let Some(torque) = measured.output_torque {
             state.correct(&gains.torque, torque - torques.transmitted - state.stiffness_torque, moved);
         }
@@ -398,23 +405,28 @@ impl<R: Real> Observer<R> {
         &self,
         state: &ObserverState<R>,
         reading: &OutputReading<R>,
-        known: &Known<R>,
+        gear_correction: &GearCorrection<R>,
     ) -> Option<R> {
         let OutputReading { angle, age } = *reading;
         if !self.looks_back {
-            let beside = angle.minus(self.ratio.apply(state.motor));
-            return Some(beside - self.turns.ratio() * state.off - state.ahead - known.position);
+            let measured = angle.minus(self.ratio.apply(state.motor));
+            return Some(
+                measured
+                    - self.multi_rate.ratio() * state.motor_residual
+                    - state.link_offset
+                    - gear_correction.position,
+            );
         }
         seldom();
         let then = state.past.before(self.late + age as usize)?;
         let counts = angle.phase().wrapping_sub(then).cast_signed();
-        Some(R::from_i32(counts) * R::lit(RADIANS_PER_COUNT) - known.position)
+        Some(R::from_i32(counts) * R::lit(RADIANS_PER_COUNT) - gear_correction.position)
     }
 }
 
-/// The angle that is so far (rad) beside another one, to a count.
+/// An angle plus an offset (rad), to a count.
 #[inline(always)]
-pub(super) fn beside<R: Real>(angle: Angle<R>, off: R) -> Angle<R> {
-    let counts = (off * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32();
+pub(super) fn offset_by<R: Real>(angle: Angle<R>, offset: R) -> Angle<R> {
+    let counts = (offset * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32();
     Angle::from_counts(angle.counts.wrapping_add(i64::from(counts)))
 }

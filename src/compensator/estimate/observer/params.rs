@@ -5,9 +5,9 @@
 use crate::angle::Ratio;
 use crate::compensator::Limits;
 use crate::compensator::estimate::observer::Observer;
-use crate::compensator::estimate::observer::by_turns::Turns;
 use crate::compensator::estimate::observer::deviation::Uncertainty;
 use crate::compensator::estimate::observer::gains::GainSets;
+use crate::compensator::estimate::observer::multi_rate::MultiRate;
 use crate::compensator::estimate::observer::past::LONGEST_DELAY;
 use crate::compensator::estimate::observer::range::Range;
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
@@ -21,19 +21,19 @@ pub const LONGEST_PERIOD: u32 = 100;
 /// Parameters of the observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObserverParams<R> {
-    /// Where the motor moves.
+    /// Gains while the motor moves.
     pub moving: GainSets<R>,
-    /// Where it stands.
+    /// Gains while it stands.
     pub standing: GainSets<R>,
-    /// Way of the motor that is a motion (rad).
-    pub stir: R,
+    /// Motion threshold: displacement above which the motor moves (rad).
+    pub motion_threshold: R,
     /// Delay of the output encoder's reading (control periods).
     pub output_encoder_delay: u32,
     /// Control periods from one reading of the output encoder to the next.
     pub output_encoder_period: u32,
     /// q (rad): one count of the output encoder.
     pub output_count: R,
-    /// How uncertain the model is.
+    /// Uncertainty of the model.
     pub uncertainty: Uncertainty<R>,
 }
 
@@ -41,7 +41,7 @@ impl<R: Real> ObserverParams<R> {
     /// Prepares the observer of a gear for the control period dt (s).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `gains` unless all are finite, `stir` or `output_count` unless in 0..=1,
+    /// [`Error::OutOfRange`] `gains` unless all are finite, `motion_threshold` or `output_count` unless in 0..=1,
     /// `output_encoder_delay` beyond [`LONGEST_DELAY`], `output_encoder_period` unless in 1..=[`LONGEST_PERIOD`], or
     /// as [`Limits::check`] and the gear's parts.
     pub fn build(&self, gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Result<Observer<R>, Error> {
@@ -49,7 +49,7 @@ impl<R: Real> ObserverParams<R> {
         let mut gains = sets().flat_map(|g| g.motor.iter().chain(&g.output).chain(&g.torque).chain(&g.past));
         require(gains.all(|gain| gain.is_finite()), "gains")?;
         require(sets().all(|gains| gains.spread.is_finite()), "deviation")?;
-        require(self.stir >= R::ZERO && self.stir <= R::ONE, "stir")?;
+        require(self.motion_threshold >= R::ZERO && self.motion_threshold <= R::ONE, "motion_threshold")?;
         require(self.output_count >= R::ZERO && self.output_count <= R::ONE, "output_count")?;
         let delay = self.output_encoder_delay as usize;
         require(delay <= LONGEST_DELAY, "output_encoder_delay")?;
@@ -62,8 +62,10 @@ impl<R: Real> ObserverParams<R> {
         Ok(Observer {
             moving: self.moving.map(|gains| gains.relative(ratio.value())),
             standing: self.standing.map(|gains| gains.relative(ratio.value())),
-            unforeseen: self.stir,
-            stir: (self.stir * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs(),
+            motion_threshold_angle: self.motion_threshold,
+            motion_threshold: (self.motion_threshold * R::lit(1.0 / RADIANS_PER_COUNT))
+                .to_i32()
+                .unsigned_abs(),
             late: delay,
             looks_back: delay > 0 || self.output_encoder_period > 1,
             ratio,
@@ -74,7 +76,7 @@ impl<R: Real> ObserverParams<R> {
             limits: Range::build(gear, limits, self.uncertainty.stiffness)?,
             inverse_wave_generator_inertia: R::ONE / wave_generator_inertia,
             inverse_flexspline_inertia: R::ONE / gear.flexspline_inertia,
-            turns: Turns::build(ratio.value(), dt),
+            multi_rate: MultiRate::build(ratio.value(), dt),
         })
     }
 }

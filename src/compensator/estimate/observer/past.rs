@@ -1,14 +1,14 @@
-//! Where the output was estimated over the observer's last periods: what a late reading is compared with.
+//! Past estimates of the output's angle, which a delayed reading is compared with.
 //!
 //! ```text
 //! innovation = theta_o(k) - past(k - D)            D: delay of the reading
 //! past(k - D + j) += c_j*innovation                j = 1..=D;   c_j = C F^j l_o,  state += F^D l_o*innovation
 //! ```
 //!
-//! F = (1 - l_m C_m)*A is what the observer does to its own error between two readings. A correction that the
-//! reading's instant asks for has turned into F^j of itself j periods later, in the state as in the past, so the
-//! error obeys the very equation that it obeys without delay: as stable, and no slower but for the delay itself.
-//! Angles are phases of 2^32 counts a turn; a correction is rounded to one, 1.5e-9 rad.
+//! F = (1 - l_m C_m)*A is the transition of the observer's error between two readings. A correction at the reading's
+//! instant has become F^j of itself j periods later, in the state as in the past, so that the error obeys the same
+//! equation as without delay: as stable, and no slower but for the delay itself. Angles are phases of 2^32 counts a
+//! revolution; a correction is rounded to one, 1.5e-9 rad.
 //!
 //! D is counted in periods of the observer, the delay rounded up; the innovation in control periods: between two
 //! angles of the past is their mean.
@@ -25,8 +25,8 @@ pub const LONGEST_DELAY: usize = 16;
 /// The same in periods of the observer.
 pub const STEPS: usize = LONGEST_DELAY / OBSERVER_PERIODS as usize;
 
-/// How many angles the latest reading that is looked at, a round old, may lie behind.
-const KNOWN: usize = (LONGEST_DELAY + SLOW_PERIODS as usize) / OBSERVER_PERIODS as usize + 1;
+/// Angles that are stored: as many as the oldest reading that is used, a round old, may lie behind.
+const STORED: usize = (LONGEST_DELAY + SLOW_PERIODS as usize) / OBSERVER_PERIODS as usize + 1;
 
 /// A power of two above it: an index is masked.
 const PLACES: usize = 16;
@@ -36,13 +36,13 @@ const PLACES: usize = 16;
 pub struct Past {
     phases: [u32; PLACES],
     newest: usize,
-    /// How many of them are known, up to [`KNOWN`].
-    known: usize,
+    /// Number of stored angles, up to [`STORED`].
+    stored: usize,
 }
 
 impl Default for Past {
     fn default() -> Self {
-        Self { phases: [0; PLACES], newest: 0, known: 0 }
+        Self { phases: [0; PLACES], newest: 0, stored: 0 }
     }
 }
 
@@ -52,17 +52,17 @@ impl Past {
     pub fn push(&mut self, phase: u32) {
         self.newest = (self.newest + 1) % PLACES;
         self.phases[self.newest] = phase;
-        self.known = (self.known + 1).min(KNOWN);
+        self.stored = (self.stored + 1).min(STORED);
     }
 
     /// The angle so many control periods before the newest, between two of them their mean; `None` where it is not
-    /// known.
+    /// stored.
     #[inline(always)]
     pub fn before(&self, periods: usize) -> Option<u32> {
         let steps = periods / OBSERVER_PERIODS as usize;
         let between = !periods.is_multiple_of(OBSERVER_PERIODS as usize);
         let phase = |steps: usize| self.phases[self.newest.wrapping_sub(steps) % PLACES];
-        (steps + usize::from(between) < self.known).then(|| {
+        (steps + usize::from(between) < self.stored).then(|| {
             let later = phase(steps);
             let step = if between { later.wrapping_sub(phase(steps + 1)).cast_signed() } else { 0 };
             later.wrapping_sub((step >> 1).cast_unsigned())
@@ -86,15 +86,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_pushed_is_found_and_nothing_before_it() {
+    fn stored_angles_are_found_and_none_before_the_first() {
         let mut past = Past::default();
         assert_eq!(past.before(0), None);
         for phase in 1..100 {
             // Two control periods between two of them: in between is their mean.
             past.push(2 * phase);
             for back in 0..=LONGEST_DELAY as u32 + SLOW_PERIODS {
-                let wanted = (2 * phase >= back + 2).then(|| 2 * phase - back);
-                assert_eq!(past.before(back as usize), wanted, "{back} before {phase}");
+                let expected = (2 * phase >= back + 2).then(|| 2 * phase - back);
+                assert_eq!(past.before(back as usize), expected, "{back} before {phase}");
             }
         }
         assert_eq!(past.before(LONGEST_DELAY + SLOW_PERIODS as usize + 1), None);

@@ -1,4 +1,4 @@
-//! The range that the observer's states are kept in: its estimates are bounded whatever the sensors say.
+//! Range of the observer's states: its estimates are bounded for any readings.
 //!
 //! ```text
 //! |omega_wg| <= 2*motor_speed,   |omega_fs| <= 2*motor_speed/|n|,   |d| <= tau_p,   |b| <= tau_p/|n|,   n = 1/r
@@ -10,25 +10,25 @@
 //! Units: rad, rad/s, N m.
 
 use crate::compensator::Limits;
-use crate::compensator::estimate::observer::by_turns::Torques;
+use crate::compensator::estimate::observer::multi_rate::Torques;
 use crate::compensator::estimate::observer::state::ObserverState;
 use crate::compensator::faults::Faults;
 use crate::error::Error;
 use crate::gear::GearParams;
 use crate::real::{Real, seldom};
 
-/// Part of the rated torque that s may have beside its share of the torque: hysteresis, the encoders' zero.
+/// Part of the rated torque that s may have in addition to its fraction of tau_t: hysteresis, the encoders' zero.
 const LEAST_STIFFNESS_TORQUE: f64 = 0.03;
 
-/// What the observer's states are kept in: twice the joint's speeds, its peak torque, and the torsion
-/// of four times the peak torque, where the teeth have long ratcheted.
+/// Bounds of the observer's states: twice the joint's speeds, its peak torque, and the torsion of four times the peak
+/// torque, far beyond ratcheting of the teeth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Range<R> {
     motor_speed: R,
     output_speed: R,
     external_torque: R,
     held_torque: R,
-    /// Of s: share of the transmitted torque, and what is added to it.
+    /// Bound of s: fraction of the transmitted torque, and the torque that is added to it (N m).
     stiffness_torque: [R; 2],
     pub(super) torsion: R,
     pub(super) transmitted: R,
@@ -51,7 +51,7 @@ impl<R: Real> Range<R> {
         })
     }
 
-    /// Limits every state to its bound; where that is a speed or the load it is reported.
+    /// Limits every state to its bound; a limited speed or load is reported.
     #[inline(always)]
     pub(super) fn keep(
         &self,
@@ -62,8 +62,9 @@ impl<R: Real> Range<R> {
     ) {
         self.keep_motion(state, faults);
         if moved {
-            let [share, least] = self.stiffness_torque;
-            state.stiffness_torque = state.stiffness_torque.limit(share * torques.transmitted.abs() + least);
+            let [fraction, least] = self.stiffness_torque;
+            state.stiffness_torque =
+                state.stiffness_torque.limit(fraction * torques.transmitted.abs() + least);
             state.held_torque = R::ZERO;
         } else {
             state.held_torque = state.held_torque.limit(self.held_torque);

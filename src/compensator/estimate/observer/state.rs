@@ -1,26 +1,26 @@
-//! What the observer estimates and keeps, and how an innovation corrects it.
+//! State of the observer, and its correction by an innovation.
 
 use crate::angle::Angle;
 use crate::compensator::EstimateDeviation;
 use crate::compensator::estimate::observer::Observer;
-use crate::compensator::estimate::observer::by_turns::GearByTurns;
 use crate::compensator::estimate::observer::deviation::{Magnitudes, SpreadState};
 use crate::compensator::estimate::observer::gains::Correction;
+use crate::compensator::estimate::observer::multi_rate::MultiRateGear;
 use crate::compensator::estimate::observer::past::Past;
 use crate::compensator::estimate::observer::standstill::Standstill;
 use crate::real::Real;
 
-/// What the observer estimates. Both angles are relative, so that they are small and need no more than an f32.
+/// State of the observer. Both angles are relative, so that they are small and need no more than an f32.
 #[derive(Clone, Debug)]
 pub struct ObserverState<R: Real> {
-    pub(super) gear: GearByTurns<R>,
+    pub(super) gear: MultiRateGear<R>,
     /// theta_m of the last period.
     pub(super) motor: Angle<R>,
     /// theta_wg - theta_m (rad) and omega_wg (rad/s).
-    pub(super) off: R,
+    pub(super) motor_residual: R,
     pub(super) wave_generator_speed: R,
     /// theta_fs - r*theta_wg (rad) and omega_fs (rad/s).
-    pub(super) ahead: R,
+    pub(super) link_offset: R,
     pub(super) flange_speed: R,
     /// tau of the last period (N m).
     pub(super) motor_torque: R,
@@ -37,9 +37,9 @@ pub struct ObserverState<R: Real> {
     pub(super) past: Past,
     pub(super) spread: SpreadState<R>,
     pub(super) deviation: EstimateDeviation<R>,
-    /// What the deviations are to be made of, and by which sensors.
+    /// Magnitudes of the next standard deviations, and whether output encoder and gauge were read.
     pub(super) magnitudes: Magnitudes<R>,
-    pub(super) seen: [bool; 2],
+    pub(super) readings: [bool; 2],
     pub(super) started: bool,
 }
 
@@ -47,11 +47,11 @@ impl<R: Real> Observer<R> {
     /// The state at rest at the zero angle.
     pub fn rest(&self) -> ObserverState<R> {
         ObserverState {
-            gear: GearByTurns::default(),
+            gear: MultiRateGear::default(),
             motor: Angle::default(),
-            off: R::ZERO,
+            motor_residual: R::ZERO,
             wave_generator_speed: R::ZERO,
-            ahead: R::ZERO,
+            link_offset: R::ZERO,
             flange_speed: R::ZERO,
             motor_torque: R::ZERO,
             external_torque: R::ZERO,
@@ -64,7 +64,7 @@ impl<R: Real> Observer<R> {
             spread: SpreadState::default(),
             deviation: EstimateDeviation::default(),
             magnitudes: Magnitudes::default(),
-            seen: [false; 2],
+            readings: [false; 2],
             started: false,
         }
     }
@@ -110,9 +110,9 @@ impl<R: Real> ObserverState<R> {
     /// Corrects by one sensor's innovation.
     #[inline(always)]
     pub(super) fn correct(&mut self, by: &Correction<R>, innovation: R, moved: bool) {
-        self.off += by[0] * innovation;
+        self.motor_residual += by[0] * innovation;
         self.wave_generator_speed += by[1] * innovation;
-        self.ahead += by[2] * innovation;
+        self.link_offset += by[2] * innovation;
         self.flange_speed += by[3] * innovation;
         self.external_torque += by[4] * innovation;
         let last = if moved { &mut self.stiffness_torque } else { &mut self.held_torque };
