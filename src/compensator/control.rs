@@ -289,10 +289,8 @@ impl<R: Real> Compensator<R> {
             position,
             velocity: velocity - setpoint.velocity,
             setpoint_velocity: setpoint.velocity,
-            torque: self.observer.transmitted(&state.observer)
-                - state.observer.output_friction()
-                - (demand.accelerating - self.behind * demand.accelerating_rate)
-                + load,
+            acceleration: state.observer.output_acceleration()
+                - (setpoint.acceleration - self.behind * setpoint.jerk),
             measured,
         };
         let shift = self.output_feedback.step(&mut state.output_feedback, &error);
