@@ -3,7 +3,7 @@
 //! The output moves by 0.2 rad, back and forth again, once with the motor-side cascade alone and once with the
 //! compensator. The plant has 20 % more friction than the controller's model of it.
 
-use strainwave::compensator::{Directions, Input, RealTimeGear, Sensors, Shares};
+use strainwave::compensator::{CompensationGains, Directions, Input, RealTimeGear, Sensors};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, Motion};
 use strainwave::trajectory::TrajectoryParams;
@@ -16,7 +16,7 @@ use joint::JOINT;
 const STEPS: u16 = 5; // of the plant in a control period
 
 /// Output error in every control period (rad).
-fn run(shares: Directions<f32>) -> Result<Vec<f32>, Error> {
+fn run(gains: Directions<f32>) -> Result<Vec<f32>, Error> {
     let (compensator, mut params, step) = (JOINT.build()?, JOINT.gear, JOINT.dt / f32::from(STEPS));
     params.input_friction.scale(1.2);
     params.output_friction.scale(1.2);
@@ -33,7 +33,7 @@ fn run(shares: Directions<f32>) -> Result<Vec<f32>, Error> {
             errors.push(output.angle.minus(setpoint.position));
             let motor_encoder = motor.angle.phase() >> (32 - JOINT.motor_encoder_bits);
             let sensors = Sensors { motor_encoder, motor_torque: torque, ..Sensors::default() };
-            let input = Input { sensors, command: setpoint.into(), shares, ..Input::default() };
+            let input = Input { sensors, command: setpoint.into(), gains, ..Input::default() };
             torque = compensator.control(&mut state, &input).motor_torque;
             for _ in 0..STEPS {
                 let inside =
@@ -47,8 +47,8 @@ fn run(shares: Directions<f32>) -> Result<Vec<f32>, Error> {
 }
 
 fn main() -> Result<(), Error> {
-    let cascade = run(Shares { feedback: 1.0, ..Shares::default() }.into())?;
-    let compensated = run(Shares::ALL.into())?;
+    let cascade = run(CompensationGains { feedback: 1.0, ..CompensationGains::default() }.into())?;
+    let compensated = run(CompensationGains::ALL.into())?;
     println!("time [s]   error of the output [urad]: cascade alone   compensated");
     for (k, (alone, with)) in cascade.iter().zip(&compensated).enumerate().step_by(500) {
         println!("{:8.2} {:42.1} {:13.1}", k as f32 * JOINT.dt, alone * 1e6, with * 1e6);

@@ -3,7 +3,7 @@
 //! The motor's angle contains the wind-up, the hysteresis and the kinematic error in advance; the torque contains the
 //! inertia, the friction of both sides and what comes back through the gear. No feedback, no plant.
 
-use strainwave::compensator::Shares;
+use strainwave::compensator::CompensationGains;
 use strainwave::compensator::reference::feed_forward::{FeedForward, FeedForwardState, ModelCorrection};
 use strainwave::compensator::schedule::{PLAN_TO_MODELS, SLOW_PERIODS};
 use strainwave::compensator::{RealTimeFlexspline, RealTimeGear};
@@ -29,20 +29,20 @@ fn main() -> Result<(), Error> {
     );
     for period in (0..=way.periods() + SLOW_PERIODS).step_by(SLOW_PERIODS as usize) {
         let setpoint = way.at(period);
-        let demand = feed_forward.step(&gear, &mut state, &setpoint, &Shares::ALL, &nominal);
+        let demand = feed_forward.step(&gear, &mut state, &setpoint, &CompensationGains::ALL, &nominal);
         if (period / SLOW_PERIODS).is_multiple_of(20) {
             println!(
                 "{:8.3} {:13.4} {:14.3} {:45.1} {:19.3}",
                 period as f32 * JOINT.dt,
                 setpoint.position.minus(Angle::default()),
                 setpoint.velocity,
-                demand.ahead * 1e6,
+                demand.link_offset * 1e6,
                 demand.torque
             );
         }
         // Six control periods later the models of friction, hysteresis and kinematic error have their slot.
         let turned = demand.motor.velocity * PLAN_TO_MODELS as f32 * JOINT.dt;
-        feed_forward.remember(&gear, &mut state, demand.motor.angle.plus(turned), &nominal.factors);
+        feed_forward.step_models(&gear, &mut state, demand.motor.angle.plus(turned), &nominal.factors);
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use std::error::Error;
 use std::fmt::Write;
 
 use strainwave::Angle;
-use strainwave::compensator::{Directions, Input, RealTimeGear, Sensors, Setpoint, Shares};
+use strainwave::compensator::{CompensationGains, Directions, Input, RealTimeGear, Sensors, Setpoint};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, Motion};
 use strainwave::trajectory::TrajectoryParams;
@@ -112,8 +112,8 @@ fn simulated() -> Result<String, Box<dyn Error>> {
         }
         let motor_encoder = motor.angle.phase() >> (32 - JOINT.motor_encoder_bits);
         let sensors = Sensors { motor_encoder, motor_torque: torque, ..Sensors::default() };
-        let shares = Directions::from(Shares::ALL);
-        let input = Input { sensors, command: setpoint.into(), shares, ..Input::default() };
+        let gains = Directions::from(CompensationGains::ALL);
+        let input = Input { sensors, command: setpoint.into(), gains, ..Input::default() };
         torque = compensator.control(&mut state, &input).motor_torque;
         let load = if time < 1.3 { 0.0 } else { 20.0 };
         for _ in 0..5 {

@@ -158,7 +158,7 @@ fn rounded<R: Real>(counts: i64) -> R {
 /// let motor = Angle::<f32>::from_counts(100 << 32);
 /// assert_eq!(gear.apply(motor).counts, -(1 << 32));
 /// let output = Angle::<f32>::from_radians(0.3);
-/// assert!(gear.apply(gear.undo(output)).minus(output).abs() < 1e-12); // rad
+/// assert!(gear.apply(gear.to_motor(output)).minus(output).abs() < 1e-12); // rad
 /// # Ok::<(), strainwave::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -22,7 +22,7 @@
 //! ```
 //! # mod joint { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/joint/hd25_100.rs")); }
 //! # use joint::JOINT;
-//! use strainwave::compensator::{Input, RealTimeFlexspline, RealTimeGear, Sensors, Shares};
+//! use strainwave::compensator::{CompensationGains, Input, RealTimeFlexspline, RealTimeGear, Sensors};
 //! use strainwave::gear::{Applied, Motion};
 //! use strainwave::trajectory::TrajectoryParams;
 //! use strainwave::Angle;
@@ -47,7 +47,7 @@
 //!         output_torque: None, // of a strain gauge
 //!     };
 //!     let command = way.at(period).into();
-//!     let input = Input { sensors, command, shares: Shares::ALL.into(), ..Input::default() };
+//!     let input = Input { sensors, command, gains: CompensationGains::ALL.into(), ..Input::default() };
 //!     torque = compensator.control(&mut state, &input).motor_torque; // finite and bounded for any input bits
 //!
 //!     let inside = gear.torques(&mut memory, &motor, &output, Applied { motor: torque, load });

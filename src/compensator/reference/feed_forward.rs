@@ -72,7 +72,7 @@ const FADING_TIME: f64 = 0.5;
 /// # use joint::JOINT;
 /// use strainwave::Angle;
 /// use strainwave::compensator::reference::feed_forward::{FeedForward, FeedForwardState, ModelCorrection};
-/// use strainwave::compensator::{RealTimeFlexspline, RealTimeGear, Setpoint, Shares};
+/// use strainwave::compensator::{CompensationGains, RealTimeFlexspline, RealTimeGear, Setpoint};
 ///
 /// let params = JOINT.gear;
 /// let flexspline = RealTimeFlexspline::build(&params.flexspline, params.rated_torque)?;
@@ -80,11 +80,11 @@ const FADING_TIME: f64 = 0.5;
 /// let feed_forward = FeedForward::build(&params, JOINT.dt)?;
 /// let demand = |setpoint, load| {
 ///     let correction = ModelCorrection { load, ..ModelCorrection::default() };
-///     feed_forward.step(&gear, &mut FeedForwardState::default(), &setpoint, &Shares::ALL, &correction)
+///     feed_forward.step(&gear, &mut FeedForwardState::default(), &setpoint, &CompensationGains::ALL, &correction)
 /// };
 /// let loaded = demand(Setpoint::default(), -20.0);
-/// assert!((loaded.ahead - flexspline.torsion(20.0)).abs() < 1e-9); // rad at the output
-/// assert!((loaded.motor.angle.minus(Angle::default()) + 100.0 * loaded.ahead).abs() < 1e-6);
+/// assert!((loaded.link_offset - flexspline.torsion(20.0)).abs() < 1e-9); // rad at the output
+/// assert!((loaded.motor.angle.minus(Angle::default()) + 100.0 * loaded.link_offset).abs() < 1e-6);
 ///
 /// let accelerating = demand(Setpoint { acceleration: 10.0, ..Setpoint::default() }, 0.0);
 /// let expected = -params.flexspline_inertia * 10.0 / 100.0 - params.wave_generator_inertia * 100.0 * 10.0;

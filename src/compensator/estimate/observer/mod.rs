@@ -77,7 +77,7 @@ use range::Range;
 /// ```
 /// # mod joint { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/joint/hd25_100.rs")); }
 /// # use joint::JOINT;
-/// use strainwave::compensator::estimate::observer::{Known, Measurement};
+/// use strainwave::compensator::estimate::observer::{GearCorrection, Measurement};
 /// use strainwave::compensator::schedule::OBSERVER_PERIODS;
 /// use strainwave::compensator::{Faults, RealTimeFlexspline, RealTimeGear};
 /// use strainwave::gear::Motion;
@@ -102,11 +102,11 @@ use range::Range;
 ///             motor_torque: torque / OBSERVER_PERIODS as f32,
 ///             output_torque: None,
 ///         };
-///         observer.step(&gear, &mut state, &measured, &Known::default(), false, &mut faults);
+///         observer.step(&gear, &mut state, &measured, &GearCorrection::default(), false, &mut faults);
 ///         torque = 0.0;
 ///     }
 /// }
-/// let estimate = observer.estimate(&state, &Known::default());
+/// let estimate = observer.estimate(&state, &GearCorrection::default());
 /// assert!((estimate.external_torque - load).abs() < 1.0, "{}", estimate.external_torque);
 /// assert!((estimate.torsion - torsion).abs() < 3e-5, "{} {torsion}", estimate.torsion);
 /// assert!((estimate.output_position.minus(output.angle)).abs() < 3e-5); // rad, after 6 turns of the motor
