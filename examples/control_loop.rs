@@ -9,10 +9,10 @@ use strainwave::gear::{Applied, Motion};
 use strainwave::trajectory::TrajectoryParams;
 use strainwave::{Angle, Error};
 
-#[path = "joint/hd25_100.rs"]
-mod joint; // generated from gears/hd25-100.toml
+mod joint {
+    include!("joint/hd25_100.rs"); // generated from gears/hd25-100.toml
+}
 use joint::JOINT;
-
 const STEPS: u16 = 5; // of the plant in a control period
 
 /// Output error in every control period (rad).

@@ -10,8 +10,9 @@ use strainwave::compensator::{RealTimeFlexspline, RealTimeGear};
 use strainwave::trajectory::TrajectoryParams;
 use strainwave::{Angle, Error};
 
-#[path = "joint/hd25_100.rs"]
-mod joint;
+mod joint {
+    include!("joint/hd25_100.rs"); // generated from gears/hd25-100.toml
+}
 use joint::JOINT;
 
 fn main() -> Result<(), Error> {

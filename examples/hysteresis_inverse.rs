@@ -5,8 +5,9 @@ use strainwave::Error;
 use strainwave::compensator::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY};
 use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState};
 
-#[path = "joint/hd25_100.rs"]
-mod joint;
+mod joint {
+    include!("joint/hd25_100.rs"); // generated from gears/hd25-100.toml
+}
 use joint::JOINT;
 
 fn main() -> Result<(), Error> {

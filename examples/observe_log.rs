@@ -12,8 +12,9 @@ use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, Motion};
 use strainwave::trajectory::TrajectoryParams;
 
-#[path = "joint/hd25_100.rs"]
-mod joint;
+mod joint {
+    include!("joint/hd25_100.rs"); // generated from gears/hd25-100.toml
+}
 use joint::JOINT;
 
 /// A row of a log: time (s), motor angle (rad), motor torque (N m), output angle (rad).

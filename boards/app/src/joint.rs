@@ -1,7 +1,7 @@
 // Generated from the gear file `hd25-100`; do not edit.
+use strainwave::compensator::adapt::parameters::{AdaptationParams, Factors};
 use strainwave::compensator::actuate::cascade::FeedbackParams;
 use strainwave::compensator::adapt::learning::{LearningParams, Learnt};
-use strainwave::compensator::adapt::parameters::{AdaptationParams, Factors};
 use strainwave::compensator::adapt::ripple::{LearntRippleParams, RippleMap, RippleOrder};
 use strainwave::compensator::estimate::disturbance::DisturbanceParams;
 use strainwave::compensator::estimate::observer::deviation::{Spread, Uncertainty};
