@@ -15,13 +15,13 @@ fn main() -> Result<(), Error> {
     let hysteresis: TorsionHysteresis<f32, HYSTERESIS_LEVELS, HYSTERESIS_MEMORY> = JOINT.gear.hysteresis()?;
     let inverse = hysteresis.inverse(&line)?;
     let mut state = TorsionHysteresisState::default();
-    println!("wanted torque [N m]   torsion [urad]   of the line alone   torque that it gives [N m]");
+    println!("target torque [N m]   torsion [urad]   of the line alone   torque that it gives [N m]");
     let mut worst = 0.0f32;
-    for wanted in [20.0, 0.0, 67.0, 0.0, -67.0, 0.0, 30.0, -10.0, 30.0, 0.0] {
-        let torsion = inverse.torsion(&state, wanted);
+    for target in [20.0, 0.0, 67.0, 0.0, -67.0, 0.0, 30.0, -10.0, 30.0, 0.0] {
+        let torsion = inverse.torsion(&state, target);
         let given = line.torque(torsion) + hysteresis.step(&mut state, torsion).torque;
-        worst = worst.max((given - wanted).abs());
-        println!("{wanted:19.1} {:16.1} {:19.1} {given:28.6}", torsion * 1e6, line.torsion(wanted) * 1e6);
+        worst = worst.max((given - target).abs());
+        println!("{target:19.1} {:16.1} {:19.1} {given:28.6}", torsion * 1e6, line.torsion(target) * 1e6);
     }
     println!("largest difference: {worst:.1e} N m");
     println!(

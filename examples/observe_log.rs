@@ -52,9 +52,9 @@ fn observe(log: &[Row]) -> Result<(), Box<dyn Error>> {
     for pair in log.windows(2) {
         let steps = ((pair[1][0] - pair[0][0]) / f64::from(JOINT.dt)).round();
         for step in 0..steps as u32 {
-            let share = f64::from(step) / steps;
+            let fraction = f64::from(step) / steps;
             let [time, motor, torque, output] =
-                std::array::from_fn(|k| pair[0][k] + share * (pair[1][k] - pair[0][k]));
+                std::array::from_fn(|k| pair[0][k] + fraction * (pair[1][k] - pair[0][k]));
             let motor = Angle::<f32>::from_radians_f64(motor);
             let rigid = ratio.apply(motor);
             let input = Input {
