@@ -43,7 +43,7 @@ use crate::real::{RADIANS_PER_COUNT, Real, seldom};
 pub struct Angle<R> {
     /// Whole counts, 2^32 to a revolution.
     pub counts: i64,
-    /// Fraction of a count that is still to be carried.
+    /// Fraction of a count that is carried to the next sum.
     pub rest: R,
 }
 

@@ -20,7 +20,7 @@ use crate::files;
 use crate::page::PageArguments;
 use crate::progress::Progress;
 
-/// Where |L| is measured (Hz).
+/// Frequencies at which |L| is measured (Hz).
 const FREQUENCIES: [u32; 8] = [5, 10, 20, 40, 60, 80, 120, 200];
 
 /// Unstable corners that are named.
@@ -29,7 +29,7 @@ const UNSTABLE: usize = 5;
 /// Print the gains that follow from a gear file, and the margins of each loop over the box that its joint may lie in
 ///
 /// Linear analysis at the motor's torque command and at the disturbance path, with the motor's encoder alone and with
-/// both. Each margin stands beside its bound and the corner of the box where it is worst; below them the closed loop's
+/// both. Each margin stands with its bound and the corner of the box where it is worst; below them the closed loop's
 /// poles and the corners that are not stable. The exit code is 1 when a margin is missed.
 #[derive(Args)]
 pub struct Arguments {
@@ -45,7 +45,7 @@ pub struct Arguments {
     /// Functions on top of the cascade: as they are, none, or as much of each as has margins
     #[arg(long, value_enum, default_value = "file")]
     functions: Functions,
-    /// Also measure |L| in the loop of the real code and print it beside the linear one
+    /// Also measure |L| in the loop of the real code and print it next to the linear one
     #[arg(long)]
     sweep: bool,
     /// Also write the joint's parameters as Rust source, for firmware: those that the gear file gives, whatever --cascade and
@@ -58,7 +58,7 @@ pub struct Arguments {
     figures: FiguresArguments,
 }
 
-/// Where the cascade's gains come from.
+/// Source of the cascade's gains.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Source {
     /// The gear file

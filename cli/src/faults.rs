@@ -13,10 +13,10 @@ use crate::progress::Progress;
 /// Inject faults into runs of S1 to S5, and tell what is noticed and what happens
 ///
 /// Each fault is drawn from its number: what breaks, when, with which sensors, on which plant. Prints every unsafe one, a
-/// line for each kind of fault, and the figures beside their bounds. With --count 1 it prints that fault's outcome.
+/// line for each kind of fault, and the figures with their bounds. With --count 1 it prints that fault's outcome.
 #[derive(Args)]
 pub struct Arguments {
-    /// How many
+    /// Number of faults
     #[arg(long, value_name = "COUNT", default_value_t = COUNT, value_parser = value_parser!(u64).range(1..=1_000_000))]
     count: u64,
     /// Number of the first

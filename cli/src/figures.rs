@@ -13,7 +13,7 @@ use strainwave_desktop::{BadInput, Figure, file};
 pub struct FiguresArguments {
     /// Also write the figures to this file, as {"figures": [{"name", "value", "unit", "bound", "holds"}, ...]}
     ///
-    /// A bound is the largest allowed value; beside "at_least": true it is the smallest. The worst of many draws of the
+    /// A bound is the largest allowed value; with "at_least": true it is the smallest. The worst of many samples of the
     /// plant has its "seed".
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
@@ -154,7 +154,7 @@ mod tests {
             Figure::bounded("c.d", 1.0, "s", 2.0),
             Figure::at_least("e", 1.0, "1", 2.0),
         ];
-        let wanted = "\
+        let expected = "\
  name         value  unit  bound   holds
  a.long.name  0.5000 rad   0.2500  NO
  b                12 1          -  -
@@ -162,7 +162,7 @@ mod tests {
  e                 1 1       >= 2  NO";
         assert_eq!(
             table(&figures).split_whitespace().collect::<Vec<_>>(),
-            wanted.split_whitespace().collect::<Vec<_>>()
+            expected.split_whitespace().collect::<Vec<_>>()
         );
     }
 }

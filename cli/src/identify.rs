@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Gear file to write, complete or not at all
     #[arg(long, value_name = "OUT.toml")]
     output: PathBuf,
-    /// Share of each log, from its start, that trains; 0.2 to 1
+    /// Fraction of each log, from its start, that trains; 0.2 to 1
     #[arg(long, value_name = "SHARE", default_value_t = 0.5, allow_hyphen_values = true)]
     training: f64,
     /// The joint moves: learn friction, kinematic error and stiffness instead, from one log
@@ -98,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     if let Some(path) = &arguments.plot {
         plot(&logs, &found).write(path)?;
     }
-    say(format_args!("{}", told(&found)));
+    say(format_args!("{}", describe(&found)));
     let jitters = jitters.iter().flat_map(Jitter::figures);
     Ok(Figures::new(jitters.chain(figures(&found)).collect(), &arguments.figures))
 }
@@ -138,7 +138,7 @@ fn moving_figures(found: &LearntGear) -> Vec<Figure> {
     let wander = found.gear.compensation.external_torque_wander.unwrap_or(f64::NAN);
     let mut figures = vec![
         Figure::reported("identify.training.time", found.learnt, "s"),
-        Figure::reported("identify.training.turns", found.turns, "1"),
+        Figure::reported("identify.training.turns", found.revolutions, "1"),
         Figure::reported("identify.training.rms", found.training_rms, "rad"),
         Figure::reported("identify.friction_factor", found.friction_factor, "1"),
         Figure::reported("identify.stiffness_factor", found.stiffness_factor, "1"),
@@ -193,7 +193,7 @@ fn read(path: &Path, gear: &GearFile, options: &GearOptions) -> Result<(GearLog,
     Ok((found, jitter))
 }
 
-fn told(found: &IdentifiedGear) -> String {
+fn describe(found: &IdentifiedGear) -> String {
     format!(
         "weights on {} levels, smoothness {:e}; the logs moved {:.0} % of the cells, in the others the weights tend to \
          the base gear's",

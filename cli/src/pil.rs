@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use strainwave_desktop::bench::{Conditions, SensorSet};
+use strainwave_desktop::box_sample::BoxSample;
 use strainwave_desktop::closed_loop::Run;
-use strainwave_desktop::draw::Draw;
 use strainwave_desktop::gear_file::DEFAULT;
 use strainwave_desktop::identify::learn_gear;
 use strainwave_desktop::log::MeasuredLog;
@@ -38,8 +38,8 @@ pub struct Arguments {
     /// Which board's firmware; one that the emulator has
     #[arg(long, value_name = "BOARD", default_value = "mps2-an386")]
     board: String,
-    /// Which scenario; or all of them, with the whole table of what is claimed: each row the worst of 20 draws of the
-    /// plant on the desktop, then every scenario on that draw with the firmware, with either set of sensors
+    /// Which scenario; or all of them, with the whole table of what is claimed: each row the worst of 20 samples of the
+    /// plant on the desktop, then every scenario on that sample with the firmware, with either set of sensors
     #[arg(long, value_name = "S1..S6|all", default_value = "S2", ignore_case = true,
           value_parser = scenario_parser(), conflicts_with = "replay")]
     scenario: Scenarios,
@@ -55,8 +55,8 @@ pub struct Arguments {
     /// The log's motor torque counts against its motor angle
     #[arg(long, requires = "replay")]
     reversed_torque: bool,
-    /// Which plant: a draw of what the controller does not know; 0 is the plant that it knows [default: 1; for all
-    /// scenarios the draw that is worst in each]
+    /// Which plant: a sample of the uncertainties; 0 is the nominal plant [default: 1; for all
+    /// scenarios the sample that is worst in each]
     #[arg(long, conflicts_with = "replay")]
     seed: Option<u64>,
     /// Which encoders the compensator reads, after 10 s of work from which it may learn, as in the table of `verify
@@ -157,7 +157,7 @@ fn default_gear() -> (GearFile, String) {
     (GearFile::default_gear(), DEFAULT.into())
 }
 
-/// What is learnt in one run on a gear of which the compensator was told all that the file says.
+/// Learnt values can be kept from one run of a compensator with the complete gear file only.
 fn require_keepable(arguments: &Arguments) -> Result<(), BadInput> {
     let refuse = |why: &str| Err(BadInput::message(format_args!("--keep {why}")));
     match (&arguments.keep, arguments.scenario.0.as_slice(), arguments.sensors) {
@@ -180,7 +180,7 @@ fn replayable(path: &Path, reversed_torque: bool) -> Result<MeasuredLog, BadInpu
     Ok(if reversed_torque { log.with_reversed_torque() } else { log })
 }
 
-/// Teaches the gear from the share of the log that is asked for; the time up to which (s).
+/// Learns the gear from the chosen fraction of the log; the time up to which (s).
 fn learn(
     arguments: &Arguments,
     gear: &mut GearFile,
@@ -201,7 +201,7 @@ fn learn(
     Ok(Some(found.learnt))
 }
 
-/// Everything that is run: one scenario; or the whole table, and every scenario on the draw that is worst there.
+/// Everything that is run: one scenario; or the whole table, and every scenario on the sample that is worst there.
 fn scenarios(
     arguments: &Arguments,
     elf: &Path,
@@ -213,8 +213,8 @@ fn scenarios(
     if all && arguments.seed.is_none() {
         figures = table(gear)?;
     }
-    let asked = arguments.sensors.map(|sensors| vec![sensors]);
-    let sensor_sets = asked.or_else(|| all.then(|| SensorSet::ALL.to_vec())).unwrap_or_default();
+    let chosen = arguments.sensors.map(|sensors| vec![sensors]);
+    let sensor_sets = chosen.or_else(|| all.then(|| SensorSet::ALL.to_vec())).unwrap_or_default();
     let mut trials: Vec<Trial> = Vec::new();
     for scenario in &arguments.scenario.0 {
         let rest = Trial::from_rest(gear, *scenario, arguments.seed.unwrap_or(1));
@@ -237,10 +237,10 @@ fn scenarios(
     Ok(figures)
 }
 
-/// The compensator beside the baselines on the desktop, every row the worst of many draws.
+/// The compensator against the baselines on the desktop, every row the worst of many plant samples.
 fn table(gear: &GearFile) -> Result<Vec<Figure>, BadInput> {
     let mut progress = Progress::new(1000, "compensator and baselines");
-    let measured = compensator::against_baselines(gear, compensator::DRAWS, 0, |share| {
+    let measured = compensator::against_baselines(gear, compensator::SAMPLES, 0, |share| {
         progress.set((share * 1e3) as u64)
     })
     .map_err(BadInput::message)?;
@@ -255,7 +255,7 @@ fn run_trial(
 ) -> Result<ScenarioRun, BadInput> {
     let (scenario, seed) = (trial.scenario, trial.conditions.seed);
     let mut progress = Progress::new(1000, scenario.title());
-    let learning = trial.learns_ripple().then(|| pil::build(&arguments.board, &trial.told(gear)));
+    let learning = trial.learns_ripple().then(|| pil::build(&arguments.board, &trial.controller_gear(gear)));
     let learning = learning.transpose().map_err(BadInput::message)?;
     let elf = learning.as_ref().map_or(elf, |firmware| &firmware.elf);
     let run =
@@ -267,11 +267,11 @@ fn run_trial(
     if let Some(path) = &arguments.picture {
         pil_plots::comparison(&run).write(path)?;
     }
-    let draw = Draw::from_seed(seed);
+    let sample = BoxSample::from_seed(seed);
     say(format_args!("{}: {}; plot {}", trial.name(), scenario.title(), path.display()));
     say(format_args!(
         "    plant of seed {seed}: friction x {:.3} (input) x {:.3} (output), stiffness x {:.3}, load inertia x {:.3}",
-        draw.friction[0], draw.friction[1], draw.stiffness, draw.inertia
+        sample.friction[0], sample.friction[1], sample.stiffness, sample.inertia
     ));
     Ok(run)
 }

@@ -1,4 +1,4 @@
-//! What a control engineer wants to see of a run.
+//! Plots of a run.
 
 use std::f64::consts::TAU;
 
@@ -76,7 +76,7 @@ pub fn comparison(run: &ScenarioRun) -> Page {
     }))
 }
 
-/// What an estimate is off by, with the band of three deviations that it states.
+/// Error of an estimate, with the band of three of its declared standard deviations.
 fn estimate_error(estimated: &Estimated, rows: &[Row], time: &[f64]) -> Panel {
     let scaled = |scale: f64| rows.iter().skip(1).map(move |row| scale * estimated.deviation(row)).collect();
     let [upper, lower]: [Vec<f64>; 2] = [3.0, -3.0].map(scaled);
@@ -107,7 +107,7 @@ fn factors(rows: &[Row], time: &[f64]) -> Panel {
     })
 }
 
-/// The estimated external torque beside the load.
+/// Estimated external torque and load.
 fn external_torque(rows: &[Row], time: &[f64]) -> Panel {
     let estimated = column(rows, |row| row.answer.estimate.external_torque.into());
     Panel::new("time", "s", "external torque", "N m")

@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// How far a piece of work is.
+/// Progress of a piece of work.
 pub struct Progress {
     bar: ProgressBar,
     started: Instant,

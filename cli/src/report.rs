@@ -12,7 +12,7 @@ use crate::progress::Progress;
 /// Write one self-contained HTML page: the paper's figures and ours, drawn from a gear
 ///
 /// The flexspline's chapter has eq. (1) and its curve, the assembled mesh, torque over torsion of both builds against
-/// the catalogue's line, strain at a gauge over a turn, the mesh sizes, and the figures of `verify flexspline` beside
+/// the catalogue's line, strain at a gauge over a revolution, the mesh sizes, and the figures of `verify flexspline` beside
 /// their bounds. The friction's has every model with the numbers of the gear's input side: steady friction over speed,
 /// force over displacement in presliding, and stick-slip. The page needs no other file and no network; it prints, and follows a dark screen.
 #[derive(Args)]

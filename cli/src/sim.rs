@@ -62,7 +62,7 @@ enum Models {
     Realtime,
 }
 
-/// Shortest micro-step that may be asked for (s).
+/// Shortest allowed micro-step (s).
 const SHORTEST_STEP: f64 = 1e-9;
 
 /// Reads, runs and writes.

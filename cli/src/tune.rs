@@ -25,7 +25,7 @@ const LEAST_BUDGET: u64 = 30;
 /// B0 is the motor-side cascade, B1 has a rigid joint's feed-forward too, B2 the stored kinematic error and the wind-up
 /// in advance, B3 the output's error fed back. The objective is the geometric mean over S1..S5 of residual vibration,
 /// output error, ripple, peak and steady deviation on plants that the controller does not know, doubled by every run
-/// that shakes, saturates or diverges. No figure may be paid for by another: what one loses beside the untuned baseline
+/// that shakes, saturates or diverges. No figure may be paid for by another: what one loses against the untuned baseline
 /// counts in full.
 #[derive(Args)]
 pub struct Arguments {
@@ -39,7 +39,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FIRST..LAST", default_value = "901..906", value_parser = seeds)]
     seeds: RangeInclusive<u64>,
     /// Instead of plants of the file's joint: so many joints with this gear, of other loads and encoders, box and noise
-    /// drawn; the gains are carried over to each load by rule
+    /// drawn; the gains are transferred to each load by rule
     #[arg(long, value_name = "COUNT", conflicts_with = "seeds", value_parser = clap::value_parser!(u64).range(1..=400))]
     joints: Option<u64>,
     /// Evaluations of the objective for each baseline
@@ -107,12 +107,12 @@ fn tune(arguments: &Arguments, file: &GearFile, kind: Kind) -> Result<Tuned, Bad
         tuning::tune(file, kind, &training, arguments.budget, |share| progress.set((share * 1e3) as u64))
             .map_err(BadInput::message)?;
     drop(progress);
-    say(format_args!("{}: {}", kind.name(), told(kind, &found.after.0)));
+    say(format_args!("{}: {}", kind.name(), describe(kind, &found.after.0)));
     Ok(found)
 }
 
 /// The gains in one line.
-fn told(kind: Kind, gains: &BaselineGains) -> String {
+fn describe(kind: Kind, gains: &BaselineGains) -> String {
     let gain = |gain: &strainwave_desktop::baseline::Gain| format!("{} {:.4}", gain.key, (gain.get)(gains));
     kind.gains().map(gain).collect::<Vec<_>>().join(", ")
 }

@@ -12,7 +12,7 @@ use strainwave_desktop::verify::robustness::Robustness;
 use strainwave_desktop::verify::{self, Measured};
 use strainwave_desktop::verify::{catalogue, compensator, friction, hysteresis, replay, robustness};
 use strainwave_desktop::{BadInput, Figure, GearFile, bounds};
-use strainwave_emulator::again;
+use strainwave_emulator::rerun;
 use strainwave_emulator::verify::{self as emulated, Parts};
 
 use crate::figures::{Figures, FiguresArguments, columns, say, table as figures_table};
@@ -22,16 +22,16 @@ use crate::progress::Progress;
 
 /// The part that is measured in the emulator alone.
 const FIRMWARE: &str = "firmware";
-/// The part that is measured only when it is asked for by name: it takes longer than all others.
+/// The part that is measured only when it is named: it takes longer than all others.
 const ROBUSTNESS: &str = "robustness";
 /// The part that runs joints all over the catalogue, by itself too.
 const CATALOGUE: &str = "catalogue";
 /// The part that injects faults, by itself too.
 const FAULTS: &str = "faults";
 
-/// Measure every accuracy and cost figure that the project claims, beside its bound
+/// Measure every accuracy and cost figure that the project claims, with its bound
 ///
-/// Where a bound stands at what is reached instead of at what was asked, a line above the table says so.
+/// For a bound that is the reached value instead of the target, a line above the table names the missed target.
 ///
 /// The parts `firmware` and `flexspline` boot the image in the emulator and run S1-S6, both together once; that takes
 /// some minutes; `hysteresis` boots an image of its own. All but `firmware` also measure this machine by the clock:
@@ -41,12 +41,12 @@ pub struct Arguments {
     /// Only this part; every part when left out
     #[arg(value_name = "PART", value_parser = part_parser())]
     part: Option<String>,
-    /// Draws of the plant on which the compensator is compared with the baselines; the bounds are for 20
-    #[arg(long, value_name = "COUNT", default_value_t = compensator::DRAWS, value_parser = value_parser!(u64).range(1..=100_000))]
-    draws: u64,
-    /// Draws with doubled sensor noise on which it must be stable and no worse than the cascade; the bounds are for 1000
-    #[arg(long = "box", value_name = "COUNT", default_value_t = compensator::BOX_DRAWS, value_parser = value_parser!(u64).range(0..=100_000))]
-    box_draws: u64,
+    /// Plant samples on which the compensator is compared with the baselines; the bounds are for 20
+    #[arg(long, alias = "draws", value_name = "COUNT", default_value_t = compensator::SAMPLES, value_parser = value_parser!(u64).range(1..=100_000))]
+    samples: u64,
+    /// Plant samples with doubled sensor noise on which it must be stable and no worse than the cascade; the bounds are for 1000
+    #[arg(long = "box", value_name = "COUNT", default_value_t = compensator::BOX_SAMPLES, value_parser = value_parser!(u64).range(0..=100_000))]
+    box_samples: u64,
     /// Of `robustness`, only this unknown, such as drive.delay; may be given several times
     #[arg(long = "row", value_name = "NAME", value_parser = row_parser())]
     rows: Vec<String>,
@@ -95,7 +95,7 @@ fn part_parser() -> impl TypedValueParser<Value = String> {
         .map(String::from)
 }
 
-/// Measures the parts asked for, and renews the page of figures.
+/// Measures the requested parts, and renews the page of figures.
 pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     let (json, page) = (arguments.figures.json.as_deref(), arguments.page.markdown.as_deref());
     files::require_distinct(&[
@@ -121,9 +121,9 @@ fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
         let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
         return crate::faults::inject(&gear, 0, faults::COUNT, &arguments.figures);
     }
-    let wanted = |name: &str| arguments.part.as_ref().is_none_or(|part| part == name);
+    let expected = |name: &str| arguments.part.as_ref().is_none_or(|part| part == name);
     let mut measured = Measured::default();
-    let parts: Vec<_> = verify::Part::ALL.into_iter().filter(|part| wanted(part.name())).collect();
+    let parts: Vec<_> = verify::Part::ALL.into_iter().filter(|part| expected(part.name())).collect();
     let mut progress = Progress::new(parts.len() as u64, "measuring");
     for (done, part) in parts.iter().enumerate() {
         progress.set(done as u64);
@@ -146,10 +146,10 @@ fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
         measured.add(replay::measure()?);
         measured.add(against_baselines(arguments)?);
     }
-    if let Some(parts) = emulated_parts(wanted(FIRMWARE), flexspline) {
+    if let Some(parts) = emulated_parts(expected(FIRMWARE), flexspline) {
         measured.add(measure_emulated(parts)?);
     }
-    let missed = measured.figures.iter().filter_map(bounds::misses_what_was_asked);
+    let missed = measured.figures.iter().filter_map(bounds::misses_target);
     for note in measured.notes.iter().cloned().chain(missed) {
         say(format_args!("{note}"));
     }
@@ -158,14 +158,15 @@ fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
 
 fn against_baselines(arguments: &Arguments) -> Result<Measured, BadInput> {
     let mut progress = Progress::new(1000, "compensator and baselines");
-    let (gear, [draws, box_draws]) = (GearFile::default_gear(), [arguments.draws, arguments.box_draws]);
-    compensator::against_baselines(&gear, draws, box_draws, |share| progress.set((share * 1e3) as u64))
+    let (gear, [samples, box_samples]) =
+        (GearFile::default_gear(), [arguments.samples, arguments.box_samples]);
+    compensator::against_baselines(&gear, samples, box_samples, |share| progress.set((share * 1e3) as u64))
         .map_err(BadInput::message)
 }
 
 /// On plants that the controllers do not know; its table is one line a row.
 fn against_unknowns(arguments: &Arguments) -> Result<Figures, BadInput> {
-    let asked = robustness::Asked {
+    let request = robustness::Request {
         rows: match arguments.rows.as_slice() {
             [] => Which::every().collect(),
             names => names.iter().filter_map(|name| Which::named(name)).collect(),
@@ -177,7 +178,7 @@ fn against_unknowns(arguments: &Arguments) -> Result<Figures, BadInput> {
     };
     let mut progress = Progress::new(1000, "judged plants");
     let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
-    let measured = robustness::measure(&gear, &asked, |share| {
+    let measured = robustness::measure(&gear, &request, |share| {
         progress.set((share * 1e3) as u64);
     });
     drop(progress);
@@ -187,8 +188,8 @@ fn against_unknowns(arguments: &Arguments) -> Result<Figures, BadInput> {
     for note in &measured.notes {
         say(format_args!("{note}"));
     }
-    let again = if arguments.again > 0 { again(arguments, &gear, &found)? } else { Vec::new() };
-    Ok(Figures::silent([measured.figures, again].concat(), &arguments.figures))
+    let rerun = if arguments.again > 0 { again(arguments, &gear, &found)? } else { Vec::new() };
+    Ok(Figures::silent([measured.figures, rerun].concat(), &arguments.figures))
 }
 
 /// The worst plants again, on the reference mesh with the firmware; a line each claim and plant.
@@ -196,7 +197,7 @@ fn again(arguments: &Arguments, gear: &GearFile, found: &Robustness) -> Result<V
     let worst = found.worst_runs(arguments.again as usize);
     let mut progress = Progress::new(1000, "reference mesh and firmware");
     let share = |share: f64| progress.set((share * 1e3) as u64);
-    let figures = again::measure(emulated::BOARD, gear, &worst, share).map_err(BadInput::message)?;
+    let figures = rerun::measure(emulated::BOARD, gear, &worst, share).map_err(BadInput::message)?;
     drop(progress);
     say(format_args!("\n{}", figures_table(&figures)));
     Ok(figures)
@@ -216,8 +217,8 @@ fn across_the_catalogue(arguments: &Arguments) -> Result<Figures, BadInput> {
         )));
     }
     let mut progress = Progress::new(1000, "joints of the catalogue");
-    let asked = catalogue::Asked { set, first, count };
-    let measured = catalogue::measure(&asked, |share| progress.set((share * 1e3) as u64));
+    let request = catalogue::Request { set, first, count };
+    let measured = catalogue::measure(&request, |share| progress.set((share * 1e3) as u64));
     drop(progress);
     let found = measured.map_err(BadInput::message)?;
     say(format_args!("{}", columns(&found.table())));

@@ -39,7 +39,7 @@ macro_rules! any_friction {
             $($name($model),)*
         }
 
-        /// What any friction model remembers.
+        /// State of any friction model.
         #[derive(Clone, Debug, Default)]
         #[expect(missing_docs, reason = "each variant is the model of its name")]
         pub enum AnyFrictionState<R: Real> {

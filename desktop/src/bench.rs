@@ -2,11 +2,11 @@
 //! the loop every 0.1 ms.
 //!
 //! Each control period: the sensors are read, the controller answers, its torque acts on the plant for one
-//! period. The motor's torque is what its drive makes of the command, and what is measured of it carries noise. An encoder
+//! period. The motor's torque is the drive's response to the command, and its measurement is noisy. An encoder
 //! gives the count whose middle is nearest to the angle ([`crate::plant::encoder`]). Torques in N m, angles in rad.
 //!
-//! Where the clock jitters ([`crate::plant::clock`]) the plant stays on its micro-steps: it goes to the last one before
-//! the instant, the encoders are read a part of a micro-step ahead at constant speed, and the new torque acts from there.
+//! With a jittering clock ([`crate::plant::clock`]) the plant stays on its micro-steps: it goes to the last one before
+//! the instant, the encoders are read a part of a micro-step in advance at constant speed, and the new torque acts from there.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -16,10 +16,10 @@ use strainwave::compensator::{CompensationGains, Input, Output, Sensors, Status}
 use strainwave::flexspline::Flexspline;
 use strainwave::gear::Motion;
 
-use crate::ability::Ability;
+use crate::box_sample::BoxSample;
+use crate::capability::Capability;
 use crate::closed_loop::Controller;
 use crate::divergence::RunError;
-use crate::draw::Draw;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, firmware_gear_params};
 use crate::plant::clock::{Clock, ClockParams};
@@ -41,7 +41,7 @@ impl SensorSet {
     /// Both of them.
     pub const ALL: [Self; 2] = [Self::Motor, Self::Both];
 
-    /// What a gear file's joint has.
+    /// Sensors of a gear file's joint.
     pub fn of(file: &GearFile) -> Self {
         if file.sensors.output_encoder_bits.is_some() { Self::Both } else { Self::Motor }
     }
@@ -57,12 +57,12 @@ impl SensorSet {
     }
 }
 
-/// What a joint is put on the bench with.
+/// Test conditions of a joint on the bench.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditions {
-    /// The plant (see [`Draw::from_seed`]) and its noise.
+    /// The plant (see [`BoxSample::from_seed`]) and its noise.
     pub seed: u64,
-    /// What the controller reads.
+    /// Sensors of the controller.
     pub sensors: SensorSet,
     /// Factor on the noise of the sensors: 2 doubles the deviation of the torques and takes the encoders' last bit.
     pub noise: f64,
@@ -81,17 +81,17 @@ impl Conditions {
     /// # Errors
     /// As [`firmware_gear_params`].
     pub fn plant(&self, file: &GearFile) -> Result<strainwave::gear::GearParams<f64>, Error> {
-        Ok(Draw::from_seed(self.seed).apply(&firmware_gear_params(file)?))
+        Ok(BoxSample::from_seed(self.seed).apply(&firmware_gear_params(file)?))
     }
 }
 
-/// What a joint is asked to do.
+/// Task of a joint.
 pub trait Task {
     /// Length (s).
     fn duration(&self) -> f64;
 
-    /// What is asked at `time` (s) of a joint of this ability.
-    fn at(&self, time: f64, ability: &Ability) -> Demand;
+    /// Demand at `time` (s) on a joint of this capability.
+    fn at(&self, time: f64, capability: &Capability) -> Demand;
 
     /// The wave generator is held by a brake.
     fn blocked(&self) -> bool {
@@ -110,7 +110,7 @@ struct SensorModel {
     encoder_random: ChaCha8Rng,
 }
 
-/// What the random numbers of a bench are for; each has a stream of its own, and other noise on the same plant others.
+/// Purposes of a bench's random numbers; each has a stream of its own, and other noise on the same plant others.
 #[derive(Clone, Copy)]
 enum Purpose {
     Torque,
@@ -147,11 +147,11 @@ impl SensorModel {
         }
     }
 
-    /// As they read `ahead` (s) of the plant's last micro-step.
-    fn read<F: Flexspline<f64>>(&mut self, plant: &Plant<F>, ahead: f64) -> Sensors<f32> {
+    /// As they read `advance` (s) after the plant's last micro-step.
+    fn read<F: Flexspline<f64>>(&mut self, plant: &Plant<F>, advance: f64) -> Sensors<f32> {
         let (random, encoder_random) = (&mut self.random, &mut self.encoder_random);
         let angle = |motion: Motion<f64>| {
-            if ahead > 0.0 { motion.angle.plus(motion.velocity * ahead) } else { motion.angle }
+            if advance > 0.0 { motion.angle.plus(motion.velocity * advance) } else { motion.angle }
         };
         Sensors {
             motor_encoder: self.motor_encoder.read(angle(plant.motor()), encoder_random),
@@ -167,7 +167,7 @@ impl SensorModel {
     }
 }
 
-/// All corrections on, friction by the gear file's share.
+/// All corrections on, friction by the gear file's gain.
 fn all_gains(file: &GearFile) -> CompensationGains<f32> {
     CompensationGains { friction: file.compensation.friction_share as f32, ..CompensationGains::ALL }
 }
@@ -181,7 +181,7 @@ pub struct Bench<F: Flexspline<f64> = PlantMesh> {
     /// Micro-steps by which the plant is off the clock's whole periods.
     off: i64,
     gains: CompensationGains<f32>,
-    ability: Ability,
+    capability: Capability,
     last: Output<f32>,
 }
 
@@ -246,7 +246,7 @@ impl<F: Flexspline<f64>> Bench<F> {
             clock: Clock::new(clock, random(conditions.seed, conditions.realisation, Purpose::Clock)),
             off: 0,
             gains: all_gains(file),
-            ability: Ability::of(file),
+            capability: Capability::of(file),
             last: Output::default(),
         }
     }
@@ -256,8 +256,8 @@ impl<F: Flexspline<f64>> Bench<F> {
         &self.plant
     }
 
-    /// Goes through a task from where the joint is; `visit` sees the plant at the start of each period with what is
-    /// asked and the controller's answer to it, the one before where it missed its step.
+    /// Goes through a task from where the joint is; `visit` sees the plant at the start of each period with the
+    /// demand and the controller's output, the last one where it missed its step.
     ///
     /// # Errors
     /// The controller's, or a plant that diverges.
@@ -275,11 +275,11 @@ impl<F: Flexspline<f64>> Bench<F> {
             let time = k as f64 * CONTROL_PERIOD;
             let tick = self.clock.tick();
             // By so much the step is after the plant's last micro-step.
-            let ahead = tick.off - self.off as f64 * dt;
+            let advance = tick.off - self.off as f64 * dt;
             if let Some(elapsed) = tick.elapsed {
-                let demand = task.at(time + tick.off, &self.ability);
+                let demand = task.at(time + tick.off, &self.capability);
                 let input = Input {
-                    sensors: self.sensors.read(&self.plant, ahead),
+                    sensors: self.sensors.read(&self.plant, advance),
                     command: demand.setpoint().into(),
                     gains: self.gains.into(),
                     elapsed: elapsed as f32,
@@ -288,10 +288,10 @@ impl<F: Flexspline<f64>> Bench<F> {
                 };
                 self.last = controller.step(&input)?;
             }
-            let demand = task.at(time + self.off as f64 * dt, &self.ability);
+            let demand = task.at(time + self.off as f64 * dt, &self.capability);
             visit(k, demand, &self.plant, self.last);
             if tick.elapsed.is_some() && !task.blocked() {
-                self.plant.command(f64::from(self.last.motor_torque), ahead / dt);
+                self.plant.command(f64::from(self.last.motor_torque), advance / dt);
             }
             self.advance(demand.load, task.blocked()).map_err(RunError::from)?;
         }
@@ -335,10 +335,10 @@ mod tests {
     #[test]
     fn the_controller_reads_the_encoders_of_its_set() {
         let file = GearFile::default_gear();
-        for (sensors, wanted) in [(SensorSet::Motor, None), (SensorSet::Both, Some(0))] {
+        for (sensors, expected) in [(SensorSet::Motor, None), (SensorSet::Both, Some(0))] {
             let conditions = Conditions { sensors, ..Conditions::of(&file, 1) };
             let mut bench = Bench::condensed(&file, &conditions).unwrap();
-            assert_eq!(bench.sensors.read(&bench.plant, 0.0).output_encoder, wanted);
+            assert_eq!(bench.sensors.read(&bench.plant, 0.0).output_encoder, expected);
         }
     }
 
@@ -393,7 +393,7 @@ mod tests {
         }
     }
 
-    /// The controller is told the true time, and the plant has gone just as far whatever the clock does.
+    /// The controller gets the true time, and the plant has gone just as far whatever the clock does.
     #[test]
     fn a_clock_that_is_off_keeps_the_time() {
         let file = GearFile::default_gear();

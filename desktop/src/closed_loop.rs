@@ -55,7 +55,7 @@ impl HostCompensator {
         Ok(Self { model, state })
     }
 
-    /// What has been learnt so far.
+    /// Learnt factors and ripple so far.
     pub fn learnt(&self) -> Learnt<f32> {
         self.model.learnt(&self.state)
     }
@@ -89,7 +89,7 @@ impl Controller for Baseline {
 pub struct Row {
     /// (s)
     pub time: f64,
-    /// What was asked.
+    /// Demand of the scenario.
     pub demand: Demand,
     /// True output angle (rad).
     pub output: f64,
@@ -103,7 +103,7 @@ pub struct Row {
     pub output_velocity: f64,
     /// True friction of the wave generator and of the flexspline (N m).
     pub friction: [f64; 2],
-    /// What the controller answered.
+    /// Output of the controller.
     pub answer: Output<f32>,
 }
 
@@ -124,7 +124,7 @@ impl Row {
     }
 }
 
-/// What came of one run.
+/// Result of one run.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// A row each control period.
@@ -135,13 +135,13 @@ pub struct Run {
     pub max: f64,
     /// Output error at the end of the run (rad).
     pub last: f64,
-    /// What the controller's estimates miss; of no meaning for one that estimates nothing.
+    /// Errors of the controller's estimates; without a meaning for a controller without estimates.
     pub estimate: EstimateErrors,
-    /// Power balance of the plant: what is missing, as a share of the energy moved.
+    /// Power balance of the plant: what is missing, as a fraction of the energy moved.
     pub imbalance: f64,
 }
 
-/// What the estimates of a controller miss over the judged part of a run, rms.
+/// Rms errors of a controller's estimates over the judged part of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimateErrors {
     /// Of the output angle (rad).
@@ -150,8 +150,8 @@ pub struct EstimateErrors {
     pub external_torque: f64,
 }
 
-/// Runs a scenario from rest on the reference plant of `seed` (see [`crate::draw::Draw::from_seed`]); `progress` is
-/// called with the share done.
+/// Runs a scenario from rest on the reference plant of `seed` (see [`crate::box_sample::BoxSample::from_seed`]); `progress` is
+/// called with the fraction done.
 ///
 /// # Errors
 /// The controller's, a gear that cannot be built, or a plant that diverges.
@@ -169,7 +169,7 @@ where
     go_on(&mut bench, scenario, controller, progress)
 }
 
-/// Runs a scenario from where a joint and its controller are; `progress` is called with the share done.
+/// Runs a scenario from where a joint and its controller are; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// As [`Bench::go`].

@@ -1,7 +1,7 @@
-//! What the compensator's adaptation, output feedback and learnt ripple are built from, for the joint of a gear file.
+//! Parameters of the compensator's adaptation, output feedback and learnt ripple, for the joint of a gear file.
 //!
 //! Output feedback ([`strainwave::compensator::reference::output_feedback`]): with the torsion mode's frequency omega =
-//! sqrt(K1/J_fs), `b = 2*zeta/omega` adds the damping ratio zeta, D alike; k, omega_y and omega_m are shares of omega. The shares were
+//! sqrt(K1/J_fs), `b = 2*zeta/omega` adds the damping ratio zeta, D alike; k, omega_y and omega_m are fractions of omega. The fractions were
 //! chosen by simulation of the default gear; no linear analysis of their margins stands behind them. Units: rad, s, N m.
 
 use std::f64::consts::TAU;
@@ -23,33 +23,33 @@ const ADDED_DAMPING: f64 = 0.125;
 const MEASURED_DAMPING: [f64; 2] = [0.0, 0.2];
 /// P without and with an output encoder.
 const PROPORTIONAL: [f64; 2] = [0.0, 0.15];
-/// k without and with an output encoder, in slow motion and at rest, as shares of the torsion mode's frequency.
+/// k without and with an output encoder, in slow motion and at rest, as fractions of the torsion mode's frequency.
 const INTEGRAL: [f64; 2] = [0.0, 0.2];
 const INTEGRAL_AT_REST: [f64; 2] = [0.0, 1.0 / 16.0];
 /// omega_y and omega_m alike.
 const FILTER_CORNER: f64 = 4.0;
 const MEASURED_CORNER: f64 = 8.0;
 
-/// Corner of the disturbance path's slow part, as a share of the torsion mode's frequency.
+/// Corner of the disturbance path's slow part, as a fraction of the torsion mode's frequency.
 const SLOW_CORNER: f64 = 0.2;
-/// Share of a sudden load that the gear is wound up for.
+/// Fraction of a sudden load that the gear is wound up for.
 const FAST_SHARE: f64 = 0.5;
 
 /// Room that a factor has beyond the file's tolerances.
 const ROOM: f64 = 1.25;
-/// How fast inertia is learnt where its torque is the rated one (1/s).
+/// Rate of the inertia's factor where its torque is the rated one (1/s).
 const INERTIA_RATE: f64 = 30.0;
 /// Between two steps of the adaptation: two rounds (s).
 const ADAPTATION_PERIOD: f64 = 2.0 * SLOW_PERIODS as f64 * CONTROL_PERIOD;
-/// Share of the rate at which a step of the adaptation at the peak torque is no longer stable.
+/// Fraction of the rate at which a step of the adaptation at the peak torque is no longer stable.
 const STABLE_SHARE: f64 = 0.75;
-/// How fast friction is learnt at its Coulomb level, on the motor's and on the output's side (1/s).
+/// Rate of the friction's factor at its Coulomb level, on the motor's and on the output's side (1/s).
 const FRICTION_RATES: [f64; 2] = [1.2, 0.3];
 /// The same of the presliding's shape and of its stiffness, where both weigh as much as the Coulomb levels.
 const PRESLIDING_RATES: [f64; 2] = [8.0, 40.0];
 /// Largest deviation of both from their nominal values: from nearly order 1 on, stiffness by 0.5 to 2.3.
 const PRESLIDING_BOUND: f64 = 0.9;
-/// How fast compliance is learnt at the rated torque's torsion (1/s).
+/// Rate of the compliance's factor at the rated torque's torsion (1/s).
 const COMPLIANCE_RATE: f64 = 80.0;
 /// The same without an output encoder, at a flexing torque of so many rated torques, which is also the largest that
 /// counts.
@@ -60,7 +60,7 @@ const DEAD_ZONE: f64 = 0.001;
 /// Corners of F(s) and of the slow part (rad/s).
 const CORNERS: [f64; 2] = [200.0, 2.0];
 
-/// How fast ripple is learnt, of position and of torque (1/s).
+/// Rates of the ripple of position and of torque (1/s).
 const RIPPLE_RATES: [f64; 2] = [5.0, 1.0];
 /// Largest ripple of position (rad), and of torque in Coulomb levels of the motor's side.
 const RIPPLE_BOUNDS: [f64; 2] = [3e-4, 0.3];
@@ -74,12 +74,12 @@ fn lateness(drive: &Drive) -> f64 {
     f64::from(2 * OBSERVER_PERIODS + drive.delay + lag.ceil() as u32) * CONTROL_PERIOD
 }
 
-/// The disturbance path, from what of the joint is not known.
+/// The disturbance path, from the uncertainty of the joint.
 ///
 /// - A joint may hide the static friction of both sides, seen at the output: dead zone.
 /// - The motor's torque is known to its constant's and the rotor's inertia to its tolerance: the dead zone is wider by
 ///   both of the torque that is fed forward.
-/// - A gear that is wound up by the share s of a load has the stiffness K/(1 - s*K/K_model), infinite at s = K_model/K:
+/// - A gear that is wound up by the fraction s of a load has the stiffness K/(1 - s*K/K_model), infinite at s = K_model/K:
 ///   a half leaves a gain margin of 2.
 pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
     let n = f64::from(file.gear.signed_ratio().n()).abs();
@@ -114,7 +114,7 @@ fn mode(file: &GearFile) -> f64 {
     (file.inertia.flexspline / file.stiffness.k2).sqrt()
 }
 
-/// What is learnt of the joint.
+/// Parameters of the learning.
 pub fn learning_params<R: Real>(file: &GearFile) -> LearningParams<R> {
     LearningParams { adaptation: adaptation_params(file), ripple: learnt_ripple_params(file) }
 }
@@ -157,7 +157,7 @@ fn adaptation_params<R: Real>(file: &GearFile) -> AdaptationParams<R> {
         bias_corner: R::lit(CORNERS[1]),
         flexing_rate: R::lit(FLEXING_RATE),
         flexing_level: R::lit(FLEXING_LEVEL * rated),
-        // Of the kinematic error most is twice a turn.
+        // Of the kinematic error most is twice a revolution.
         flexing_speed: R::lit(0.5 / (n * mode(file))),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-/// Where the data are looked for when `STRAINWAVE_DATA` does not say: beside the project's folder.
+/// Folder of the data when `STRAINWAVE_DATA` is not set: beside the project's folder.
 const BESIDE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data");
 
 /// The file of that relative path, when the data are there.

@@ -1,6 +1,6 @@
 //! `Debug`'s pretty text, one value a line, as people write it: a block that fits on a line is one.
 //!
-//! What is equal all along an array is written once, with the count: `[0.0; 16]`. The text stays an expression.
+//! Dense text of an expression: an array of equal elements is written as `[0.0; 16]`.
 
 /// Longest line (characters).
 const WIDTH: usize = 110;
@@ -69,7 +69,7 @@ mod tests {
     fn what_does_not_fit_stays_a_value_a_line() {
         let pretty = format!("{:#?}", [(0..40).collect::<Vec<_>>(), vec![7]]);
         let lines: Vec<_> = pretty.lines().collect();
-        let wanted = [&lines[..43], &["    [7],", "]"]].concat().join("\n");
-        assert_eq!(dense(&pretty), wanted);
+        let expected = [&lines[..43], &["    [7],", "]"]].concat().join("\n");
+        assert_eq!(dense(&pretty), expected);
     }
 }

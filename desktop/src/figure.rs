@@ -1,4 +1,4 @@
-//! A measured figure beside the bound it is asked to keep.
+//! A measured figure with its bound.
 
 use serde::Serialize;
 
@@ -7,7 +7,7 @@ use serde::Serialize;
 pub struct Figure {
     /// Dotted, stable name.
     pub name: String,
-    /// What was measured, in `unit`.
+    /// Measured value, in `unit`.
     pub value: f64,
     /// SI unit or "1".
     pub unit: String,
@@ -18,7 +18,7 @@ pub struct Figure {
     pub at_least: bool,
     /// The value is within its bound, or has none.
     pub holds: bool,
-    /// Of the worst of many draws of the plant, the seed. In JSON only where there is one.
+    /// Of the worst of many samples of the plant, the seed. In JSON only where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
     /// Name of its row in the table of bounds, where it has one. Not in JSON.
@@ -62,13 +62,13 @@ impl Figure {
         Self { bound: None, at_least: false, holds: true, ..self }
     }
 
-    /// The same, of the draw of this seed.
+    /// The same, of the sample of this seed.
     #[must_use]
-    pub fn of_draw(self, seed: u64) -> Self {
+    pub fn of_seed(self, seed: u64) -> Self {
         Self { seed: Some(seed), ..self }
     }
 
-    /// What the cells of a row for people are.
+    /// Headings of the cells of a printed row.
     pub const HEADER: [&str; 5] = ["name", "value", "unit", "bound", "holds"];
 
     /// The row for people; `-` for a bound that there is not.
@@ -115,8 +115,8 @@ mod tests {
             (-0.0123456, "-0.01235"),
             (1.2e-10, "1.200e-10"),
         ];
-        for (value, wanted) in cases {
-            assert_eq!(number(value), wanted);
+        for (value, expected) in cases {
+            assert_eq!(number(value), expected);
         }
         assert_eq!(
             (number(123.456), number(99_999.9), number(f64::NAN)),

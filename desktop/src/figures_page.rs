@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 use std::fmt::Write;
 
-use crate::bounds::{ASKED, BOUNDS, Bound, FLOORS};
+use crate::bounds::{BOUNDS, Bound, FLOORS, TARGETS};
 use crate::figure::{Figure, number};
 
 /// The line before what is generated.
@@ -109,7 +109,7 @@ fn kept_value(line: &str) -> Option<(&str, f64)> {
 
 /// What the row is to reach.
 fn target(row: &Bound) -> f64 {
-    ASKED.iter().find(|(name, _)| *name == row.name).map_or(row.value, |(_, target)| *target)
+    TARGETS.iter().find(|(name, _)| *name == row.name).map_or(row.value, |(_, target)| *target)
 }
 
 fn verdict(row: &Bound, value: Option<f64>) -> &'static str {
@@ -210,7 +210,7 @@ mod tests {
     /// A target that lies below the bound is what the figure is judged by.
     #[test]
     fn a_missed_target_is_named_within_the_bound_too() {
-        let (name, target) = ASKED[0];
+        let (name, target) = TARGETS[0];
         let bound = bounds::find(name).unwrap().value;
         let of = |value| cells(&renewed(&empty(), &[bounds::figure(name, value)]).unwrap(), name)[5].clone();
         assert_eq!(of(target), "met");

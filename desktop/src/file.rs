@@ -165,7 +165,7 @@ fn open_special(target: &Path) -> io::Result<File> {
     OpenOptions::new().write(true).open(target)
 }
 
-/// Where a link leads; a path that does not exist yet is itself.
+/// Target of a link; a path that does not exist yet is itself.
 fn resolve(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
 }

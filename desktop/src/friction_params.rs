@@ -128,7 +128,7 @@ fn state_space<R: Real>(rows: &[StateRow]) -> AnyFrictionParams<R> {
     }
 }
 
-/// What is not P rows of P numbers is none.
+/// Matrices of P rows of P numbers; none for any other shape.
 fn matrices<R: Real, const P: usize>(rows: &[StateRow]) -> StateSpaceParams<R, P> {
     let row = |i: usize| rows.get(i).filter(|row| row.a.len() == P);
     StateSpaceParams {

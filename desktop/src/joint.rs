@@ -25,7 +25,7 @@ pub fn gear_params<R: Real>(file: &GearFile) -> GearParams<R, AnyFrictionParams<
     with_friction(file, [&file.friction.input, &file.friction.output].map(friction_params))
 }
 
-/// The same with the friction block that the firmware has, and with it the compensator and the plant beside it.
+/// The same with the friction block that the firmware has, and with it the compensator and its plant.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] `friction.input.model` or `friction.output.model` when the file names another.

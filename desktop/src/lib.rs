@@ -1,11 +1,12 @@
 //! The full-precision reference build, the plant, baselines, scenarios and files.
 
-pub mod ability;
 pub mod any_friction;
 pub mod any_input;
 pub mod baseline;
 pub mod bench;
 pub mod bounds;
+pub mod box_sample;
+pub mod capability;
 pub mod catalogue;
 pub mod closed_loop;
 pub mod compensation;
@@ -13,7 +14,6 @@ pub mod data;
 mod dense;
 pub mod design;
 pub mod divergence;
-pub mod draw;
 pub mod figure;
 pub mod figures_page;
 pub mod file;

@@ -7,7 +7,7 @@ use strainwave::flexspline::shell::{NODES_ALONG, NODES_AROUND};
 
 /// Work on a mesh of any size.
 pub trait OnMesh {
-    /// What comes of it.
+    /// Result of the call.
     type Output;
 
     /// The work on a mesh of N nodes around x M along the axis.

@@ -1,4 +1,4 @@
-//! What every output of a control step keeps to, whatever its input: finite numbers within what the joint can do.
+//! Bounds of every output of a control step for any input: finite numbers within the joint's limits.
 
 use strainwave::compensator::{JointParams, Output};
 

@@ -11,7 +11,7 @@
 //! theta(u) = theta_0 - v*((T - u)/2 + T/(2 pi)*sin(pi u/T)),        u from 0 to T
 //! ```
 //!
-//! with the torque of the first row. Angles (rad) count as the controller counts them: in whole turns from where the
+//! with the torque of the first row. Angles (rad) count as the controller counts them: in whole revolutions from where the
 //! lead-in starts. Torques (N m), signs as in [`strainwave::gear`].
 //!
 //! Both angles of a log count from arbitrary zeros, so a prediction has an offset. [`Judgement`] takes it from the rows
@@ -124,7 +124,7 @@ struct Start {
     speed: f64,
     /// (N m)
     torque: f64,
-    /// What the controller, which starts within half a turn of 0, counts less than the log (rad).
+    /// Offset of the controller's angle, which starts within half a revolution of 0, against the log's (rad).
     whole_turns: f64,
 }
 
@@ -162,24 +162,24 @@ impl Start {
 /// shows nothing while it does: shares of a moving joint's log are shares of its motion.
 pub fn time_of_path(log: &MeasuredLog, share: f64) -> f64 {
     let steps = || log.motor_position.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let wanted = share * steps().sum::<f64>();
+    let expected = share * steps().sum::<f64>();
     let mut gone = 0.0;
     let reached = steps().position(|step| {
         gone += step;
-        gone >= wanted
+        gone >= expected
     });
     let stamps = log.time.stamps();
     stamps[reached.map_or(stamps.len() - 1, |before| before + 1)] - stamps[0]
 }
 
-/// How well the output encoder was predicted in the rows that were not learnt from.
+/// Prediction error of the output encoder in the rows that were not learnt from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Judgement {
-    /// What is left, the mean over the rows learnt from removed, rms (rad).
+    /// Residual, the mean over the rows learnt from removed, rms (rad).
     pub rms: f64,
     /// The same of a rigid gear.
     pub rigid_rms: f64,
-    /// What is left, its own mean removed: its shape alone, rms (rad).
+    /// Residual, its own mean removed: its shape alone, rms (rad).
     pub spread: f64,
     /// The same of a rigid gear.
     pub rigid_spread: f64,

@@ -10,7 +10,7 @@ use strainwave::friction::Harmonics;
 /// Mean and orders 1 to `K` of the bins, in their unit.
 ///
 /// # Panics
-/// When the map has 2*K bins or less: then the orders cannot be told apart.
+/// When the map has 2*K bins or less: then the orders cannot be separated.
 pub fn fit<const K: usize>(bins: &[f64]) -> Harmonics<f64, K> {
     assert!(bins.len() > 2 * K, "{} bins are too few for {K} orders", bins.len());
     let count = bins.len() as f64;

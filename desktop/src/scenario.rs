@@ -1,12 +1,12 @@
-//! The scenarios S1-S6: what is asked of the joint and what acts on it.
+//! The scenarios S1-S6: demand on the joint and load.
 
 use std::f64::consts::PI;
 
 use strainwave::Angle;
 use strainwave::compensator::Setpoint;
 
-use crate::ability::Ability;
 use crate::bench::Task;
+use crate::capability::Capability;
 
 /// One of the six scenarios.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -26,7 +26,7 @@ pub enum Scenario {
     S6,
 }
 
-/// What one instant of a scenario asks.
+/// Demand of a scenario at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Demand {
     /// Output angle (rad).
@@ -69,7 +69,7 @@ pub struct Stretch {
 pub const LOAD_STEP_AT: f64 = 0.3;
 /// The steps of S1: the first (s), from one to the next (s), and how long each moves (s).
 const STEPS: (f64, f64, f64) = (0.4, 0.1, 0.02);
-/// How long the move of S3 takes (s).
+/// Duration of the move of S3 (s).
 pub(crate) const FAST_MOVE: f64 = 0.25;
 /// Its distance on the default gear (rad).
 pub(crate) const FAST_MOVE_DISTANCE: f64 = 0.5;
@@ -119,7 +119,7 @@ impl Scenario {
         }
     }
 
-    /// Where the joint should rest after a move.
+    /// Stretches of rest after a move.
     pub fn rests(self) -> Vec<Stretch> {
         let (first, every, moving) = STEPS;
         match self {
@@ -137,19 +137,19 @@ impl Scenario {
         self == Self::S6
     }
 
-    /// What is asked at `time` (s) of a joint of this ability.
-    pub fn at(self, time: f64, ability: &Ability) -> Demand {
+    /// Demand at `time` (s) on a joint of this capability.
+    pub fn at(self, time: f64, capability: &Capability) -> Demand {
         match self {
-            Self::S1 => steps(time, ability),
+            Self::S1 => steps(time, capability),
             Self::S2 => sine(time),
-            Self::S3 => ability.scaled(rest_to_rest(time, FAST_MOVE_DISTANCE, FAST_MOVE)),
+            Self::S3 => capability.scaled(rest_to_rest(time, FAST_MOVE_DISTANCE, FAST_MOVE)),
             Self::S4 => crawl(time),
             Self::S5 => {
-                let load = if time < LOAD_STEP_AT { 0.0 } else { ability.load(40.0) };
+                let load = if time < LOAD_STEP_AT { 0.0 } else { capability.load(40.0) };
                 Demand { load, ..Demand::default() }
             }
             Self::S6 => {
-                let load = torque_loop(time, self.duration(), ability.rated_torque);
+                let load = torque_loop(time, self.duration(), capability.rated_torque);
                 Demand { load, ..Demand::default() }
             }
         }
@@ -161,8 +161,8 @@ impl Task for Scenario {
         Self::duration(*self)
     }
 
-    fn at(&self, time: f64, ability: &Ability) -> Demand {
-        Self::at(*self, time, ability)
+    fn at(&self, time: f64, capability: &Capability) -> Demand {
+        Self::at(*self, time, capability)
     }
 
     fn blocked(&self) -> bool {
@@ -170,13 +170,13 @@ impl Task for Scenario {
     }
 }
 
-/// How long a joint takes to stop (s).
+/// Time in which a joint stops (s).
 const STOP: f64 = 0.2;
 
 /// The end of a run: from where it has come the joint stops smoothly, and rests under the load that it has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rest {
-    /// What was asked last.
+    /// Last demand.
     pub from: Demand,
 }
 
@@ -192,7 +192,7 @@ impl Task for Rest {
         Self::DURATION
     }
 
-    fn at(&self, time: f64, _ability: &Ability) -> Demand {
+    fn at(&self, time: f64, _ability: &Capability) -> Demand {
         let Demand { position, velocity: speed, load, .. } = self.from;
         let x = (time / STOP).min(1.0);
         let (w, w1, w2, w3, _) = smooth(x);
@@ -208,14 +208,14 @@ impl Task for Rest {
 }
 
 /// -50 N m on the default gear from the start, then 0.2 mrad more every 0.1 s from 0.4 s on, each a 20 ms move.
-fn steps(time: f64, ability: &Ability) -> Demand {
+fn steps(time: f64, capability: &Capability) -> Demand {
     const HEIGHT: f64 = 2e-4;
     let (first, every, moving) = STEPS;
     let elapsed = (time - first).max(0.0);
     let done = (elapsed / every).floor();
     let mut demand = rest_to_rest(elapsed - every * done, HEIGHT, moving);
     demand.position += HEIGHT * done;
-    demand.load = ability.load(-50.0) * smooth(time / 0.1).0;
+    demand.load = capability.load(-50.0) * smooth(time / 0.1).0;
     demand
 }
 
@@ -309,22 +309,22 @@ mod tests {
     /// It goes on where it came from, is one motion, and rests.
     #[test]
     fn a_joint_comes_to_rest_smoothly() {
-        let from = Scenario::S4.at(1.5, &Ability::default());
+        let from = Scenario::S4.at(1.5, &Capability::default());
         let rest = Rest { from };
-        let start = rest.at(0.0, &Ability::default());
+        let start = rest.at(0.0, &Capability::default());
         assert_eq!((start.position, start.velocity), (from.position, from.velocity));
         for k in 1..600 {
-            let at = |offset: f64| rest.at(f64::from(k) * 1e-3 + offset, &Ability::default());
+            let at = |offset: f64| rest.at(f64::from(k) * 1e-3 + offset, &Capability::default());
             assert!(((at(1e-6).position - at(-1e-6).position) / 2e-6 - at(0.0).velocity).abs() < 1e-6);
         }
-        assert_eq!(rest.at(Rest::JUDGED_FROM, &Ability::default()).velocity, 0.0);
+        assert_eq!(rest.at(Rest::JUDGED_FROM, &Capability::default()).velocity, 0.0);
     }
 
     /// Largest magnitude of a quantity over a scenario.
     fn largest(scenario: Scenario, of: fn(&Demand) -> f64) -> f64 {
         (0..=5000)
             .map(|k| scenario.duration() * f64::from(k) / 5000.0)
-            .map(|time| of(&scenario.at(time, &Ability::default())).abs())
+            .map(|time| of(&scenario.at(time, &Capability::default())).abs())
             .fold(0.0, f64::max)
     }
 
@@ -344,7 +344,8 @@ mod tests {
                 let scale = largest(scenario, derivative);
                 for k in 1..1000 {
                     let t = scenario.duration() * (f64::from(k) + 0.37) / 1001.0;
-                    let [before, now, after] = [t - h, t, t + h].map(|t| scenario.at(t, &Ability::default()));
+                    let [before, now, after] =
+                        [t - h, t, t + h].map(|t| scenario.at(t, &Capability::default()));
                     let slope = (of(&after) - of(&before)) / (2.0 * h);
                     let error = (slope - derivative(&now)).abs();
                     assert!(error <= 1e-4 * scale, "{scenario:?} at {t}: {error} of {scale}");
@@ -353,7 +354,7 @@ mod tests {
         }
     }
 
-    /// The default joint can do what is asked: speed, torque through the gear and at the motor.
+    /// The default joint is capable of the demand: speed, torque through the gear and at the motor.
     #[test]
     fn the_default_joint_can_follow() {
         let file = GearFile::default_gear();
@@ -377,15 +378,15 @@ mod tests {
         }
     }
 
-    /// What each scenario is for: its title's numbers, and something to judge.
+    /// Each scenario has its title's numbers, and a judged part.
     #[test]
     fn scenarios_ask_what_their_titles_say() {
         assert!((largest(Scenario::S1, |d| d.load) - 50.0).abs() < 1e-9);
         assert!((largest(Scenario::S2, |d| d.position) - 0.05).abs() < 1e-6);
-        assert!((Scenario::S3.at(0.25, &Ability::default()).position - 0.5).abs() < 1e-12);
-        assert!((Scenario::S4.at(1.0, &Ability::default()).velocity - 0.1).abs() < 1e-12);
-        assert_eq!([0.29, 0.31].map(|time| Scenario::S5.at(time, &Ability::default()).load), [0.0, 40.0]);
-        let loads = (0..=4000).map(|k| Scenario::S6.at(f64::from(k) * 1e-3, &Ability::default()).load);
+        assert!((Scenario::S3.at(0.25, &Capability::default()).position - 0.5).abs() < 1e-12);
+        assert!((Scenario::S4.at(1.0, &Capability::default()).velocity - 0.1).abs() < 1e-12);
+        assert_eq!([0.29, 0.31].map(|time| Scenario::S5.at(time, &Capability::default()).load), [0.0, 40.0]);
+        let loads = (0..=4000).map(|k| Scenario::S6.at(f64::from(k) * 1e-3, &Capability::default()).load);
         let (least, greatest) = loads.fold((0.0f64, 0.0f64), |(a, b), x| (a.min(x), b.max(x)));
         assert!((least + 67.0).abs() < 1e-3 && (greatest - 67.0).abs() < 1e-3);
         for scenario in Scenario::ALL {

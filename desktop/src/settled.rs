@@ -6,7 +6,7 @@ use strainwave::{Angle, Error};
 
 use crate::vectorised::Vectorised;
 
-/// Share of the stable step that it settles by.
+/// Fraction of the stable step that it settles by.
 const STEP_SHARE: f64 = 0.9;
 
 /// A mesh that settles from one torsion to the next.

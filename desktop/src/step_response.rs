@@ -1,8 +1,8 @@
 //! The paper's Fig. 9: the gear as a two-port, its wave generator led by repeated steps under a constant load.
 //!
 //! ```text
-//! windup  = mean over the steps of |phi| at the end of each, beside line^-1(tau_load)
-//! ringing = 3 / time of the first three periods of phi about its end, beside sqrt(K(tau_load)/J_fs)/(2*pi)
+//! windup  = mean over the steps of |phi| at the end of each, against line^-1(tau_load)
+//! ringing = 3 / time of the first three periods of phi about its end, against sqrt(K(tau_load)/J_fs)/(2*pi)
 //! ```
 //!
 //! The wave generator is prescribed, so what rings is the load J_fs on the gear at the slope K of the catalogue's line:
@@ -32,7 +32,7 @@ const SHARE_OF_RATED: f64 = 0.75;
 const LOADING: f64 = 0.1;
 /// From one step to the next (s).
 const EVERY: f64 = 0.4;
-/// How many there are.
+/// Number of steps.
 const STEPS: usize = 4;
 /// Steps at the output (rad) as small as those of S1, and ones wider than the presliding.
 pub const SMALL: f64 = 2e-4;
@@ -45,7 +45,7 @@ const PERIODS: usize = 3;
 pub struct StepResponse {
     /// Angle of the wave generator (rad), a sample each 0.1 ms.
     pub wave_generator: Vec<f64>,
-    /// What the gear did.
+    /// Response of the gear.
     pub rows: Vec<OpenLoopRow>,
     /// Load on the output (N m).
     pub load: f64,
@@ -67,13 +67,13 @@ impl StepResponse {
         Ok(Self { wave_generator, rows, load, line_torsion, eigenfrequency })
     }
 
-    /// Relative error of the steady wind-up beside the catalogue line's torsion.
+    /// Relative error of the steady wind-up against the catalogue line's torsion.
     pub fn wind_up_error(&self) -> f64 {
         let ends = (1..=STEPS).map(|step| self.rows[at(step + 1) - 1].torsion.abs());
         ends.sum::<f64>() / STEPS as f64 / self.line_torsion - 1.0
     }
 
-    /// Relative error of the ringing's frequency beside the eigenvalue: the worst of all steps, NaN where one does not
+    /// Relative error of the ringing's frequency against the eigenvalue: the worst of all steps, NaN where one does not
     /// ring for three periods.
     pub fn ringing_error(&self) -> f64 {
         let errors = (1..=STEPS).map(|step| self.frequency(step) / self.eigenfrequency - 1.0);
@@ -95,7 +95,7 @@ impl StepResponse {
     }
 }
 
-/// Wind-up and ringing of the reference build beside their bounds.
+/// Wind-up and ringing of the reference build with their bounds.
 ///
 /// # Errors
 /// As [`StepResponse::of`].

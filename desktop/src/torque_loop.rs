@@ -1,4 +1,4 @@
-//! What a torque loop with blocked wave generator shows of a gear: lost motion and stiffness (Fig. 5).
+//! Torque loop of a gear with blocked wave generator: lost motion and stiffness (Fig. 5).
 //!
 //! ```text
 //! width = phi(tau = 0, falling) - phi(tau = 0, rising)
@@ -47,7 +47,7 @@ impl TorqueLoop {
         (self.upper.torque - self.lower.torque) / (self.upper.torsion - self.lower.torsion)
     }
 
-    /// What a stiffness line has between the torques of the tips (N m/rad).
+    /// Chord stiffness of a stiffness line between the torques of the tips (N m/rad).
     pub fn chord_stiffness_of(&self, line: &StiffnessLine<f64>) -> f64 {
         let torsion = line.torsion(self.upper.torque) - line.torsion(self.lower.torque);
         (self.upper.torque - self.lower.torque) / torsion

@@ -1,10 +1,10 @@
-//! What a joint does for 10 s before it is judged: an ordinary working motion, from which a controller may learn.
+//! Working motion of 10 s before a joint is judged, from which a controller may learn.
 //!
 //! Moves of several sizes and speeds there and back, slow reversals and crawls, both ways alike, without load; no part
 //! of it repeats a scenario. It starts and ends at rest at the zero angle, where every scenario starts.
 
-use crate::ability::Ability;
 use crate::bench::Task;
+use crate::capability::Capability;
 use crate::scenario::{Demand, rest_to_rest};
 
 /// Length (s).
@@ -12,7 +12,7 @@ const DURATION: f64 = 10.0;
 /// Rest between two moves (s).
 const REST: f64 = 0.1;
 
-/// Where each move ends (rad) and how long it takes (s).
+/// End (rad) and duration (s) of each move.
 const MOVES: [(f64, f64); 17] = [
     (0.50, 0.30),
     (0.00, 0.35),
@@ -42,16 +42,16 @@ impl Task for WorkingMotion {
         DURATION
     }
 
-    fn at(&self, time: f64, ability: &Ability) -> Demand {
+    fn at(&self, time: f64, capability: &Capability) -> Demand {
         let (mut from, mut elapsed) = (0.0, time);
         for (to, duration) in MOVES {
             if elapsed < duration + REST {
                 let demand = rest_to_rest(elapsed, to - from, duration);
-                return ability.scaled(Demand { position: from + demand.position, ..demand });
+                return capability.scaled(Demand { position: from + demand.position, ..demand });
             }
             (from, elapsed) = (to, elapsed - duration - REST);
         }
-        ability.scaled(Demand { position: from, ..Demand::default() })
+        capability.scaled(Demand { position: from, ..Demand::default() })
     }
 }
 
@@ -59,21 +59,21 @@ impl Task for WorkingMotion {
 mod tests {
     use super::*;
     use crate::bench::{Bench, Conditions, SensorSet};
+    use crate::box_sample::BoxSample;
     use crate::closed_loop::HostCompensator;
-    use crate::draw::Draw;
     use crate::gear_file::GearFile;
     use crate::joint::joint_params;
 
     #[test]
     fn it_comes_back_in_time_and_stays_within_the_joint() {
-        let asked = |k: u32| WorkingMotion.at(f64::from(k) * 1e-3, &Ability::default());
-        let (start, end) = (asked(0), asked(9_900));
+        let demand = |k: u32| WorkingMotion.at(f64::from(k) * 1e-3, &Capability::default());
+        let (start, end) = (demand(0), demand(9_900));
         assert_eq!((start.position, end.position), (0.0, 0.0));
         assert_eq!((end.velocity, end.acceleration, end.load), (0.0, 0.0, 0.0));
         let file = GearFile::default_gear();
         let speed = file.motor.rotor_speed_limit / f64::from(file.gear.ratio);
         let acceleration = file.gear.peak_torque / file.inertia.flexspline;
-        for demand in (0..10_000).map(asked) {
+        for demand in (0..10_000).map(demand) {
             assert!(demand.velocity.abs() < speed && demand.acceleration.abs() < acceleration, "{demand:?}");
         }
     }
@@ -82,7 +82,7 @@ mod tests {
     #[test]
     fn it_is_one_motion() {
         for k in 1..100_000 {
-            let at = |offset: f64| WorkingMotion.at(f64::from(k) * 1e-4 + offset, &Ability::default());
+            let at = |offset: f64| WorkingMotion.at(f64::from(k) * 1e-4 + offset, &Capability::default());
             let slope = (at(1e-6).position - at(-1e-6).position) / 2e-6;
             assert!((slope - at(0.0).velocity).abs() < 1e-5, "{k}");
         }
@@ -99,9 +99,11 @@ mod tests {
             let mut bench = Bench::condensed(&file, &conditions).unwrap();
             let mut controller = HostCompensator::build(&joint_params(&file).unwrap()).unwrap();
             bench.go(&WorkingMotion, &mut controller, |_, _, _, _| ()).unwrap();
-            let (draw, factors) = (Draw::from_seed(seed), controller.learnt().factors);
-            let (inertia, compliance) =
-                (f64::from(factors.inertia) / draw.inertia, f64::from(factors.compliance) * draw.stiffness);
+            let (sample, factors) = (BoxSample::from_seed(seed), controller.learnt().factors);
+            let (inertia, compliance) = (
+                f64::from(factors.inertia) / sample.inertia,
+                f64::from(factors.compliance) * sample.stiffness,
+            );
             assert!((inertia - 1.0).abs() < 0.045, "{seed}, {period}: {inertia}");
             assert!((compliance - 1.0).abs() < 0.04, "{seed}, {period}: {compliance}");
         }

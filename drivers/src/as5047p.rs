@@ -1,4 +1,4 @@
-//! ams AS5047P: absolute magnetic encoder, 14 bits a turn, on SPI.
+//! ams AS5047P: absolute magnetic encoder, 14 bits a revolution, on SPI.
 //!
 //! ```text
 //! command  P R a13 .. a0     P even parity of the other 15 bits, R = 1 reads, address a
@@ -27,7 +27,7 @@ pub const MODE: Mode = MODE_1;
 /// The fastest clock that the encoder follows (Hz).
 pub const FASTEST: u32 = 10_000_000;
 
-/// Resolution: `2^BITS` counts a turn.
+/// Resolution: `2^BITS` counts a revolution.
 pub const BITS: u32 = 14;
 
 /// Between two frames, and from select to the first clock edge [ns] (t_CSn and t_L, at least 350).
@@ -122,7 +122,7 @@ impl<S: SpiDevice, D: DelayNs> As5047p<S, D> {
         self.read(ANGLE)
     }
 
-    /// How the encoder and its magnet are.
+    /// Diagnostics of the encoder and its magnet.
     ///
     /// # Errors
     /// [`Error`].

@@ -56,7 +56,7 @@ impl From<strainwave::Error> for Error {
     }
 }
 
-/// What the search has found.
+/// Result of the search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnyInput {
     /// Control steps that were taken.
@@ -80,14 +80,14 @@ pub struct Step {
     pub cycles: u64,
     /// The sequence that it is in.
     pub seed: u64,
-    /// How many variations of the sequence led to it.
+    /// Number of variations of the sequence that led to it.
     pub variations: u32,
     /// Its number in the sequence, from 0.
     pub number: usize,
     pub(crate) inputs: Vec<Input<f32>>,
 }
 
-/// Searches with the image at `elf`, which was built for the joint of `file`; `progress` is called with the share done.
+/// Searches with the image at `elf`, which was built for the joint of `file`; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// When the image cannot be run or counted.
@@ -146,7 +146,7 @@ impl Search {
         Ok(())
     }
 
-    /// Runs inputs from a restart, beside the host.
+    /// Runs inputs from a restart, on target and host.
     fn run(&mut self, inputs: &[Input<f32>], arguments: &[String]) -> Result<(), Error> {
         let mut target = Target::new(Machine::boot(self.image.path(), arguments)?, &self.joint)?;
         for input in inputs {
@@ -162,7 +162,7 @@ impl Search {
         Ok(())
     }
 
-    /// What was found, the most costly step followed once more.
+    /// Result, the most costly step followed once more.
     fn found(mut self) -> Result<AnyInput, Error> {
         let slots = self.most.each_ref().map(|step| step.cycles);
         let worst = self.most.iter().max_by_key(|step| step.cycles).cloned().unwrap_or_default();

@@ -38,12 +38,12 @@ pub struct Block {
     pub instructions: Option<u64>,
     /// Most cycles of a call, by the model of [`crate::counting::cycle_table`].
     pub cycles: Option<u64>,
-    /// The bounds are asked for, not measured: they are never overwritten.
+    /// The bounds are requirements, not measurements: they are never overwritten.
     #[serde(default)]
     pub fixed: bool,
 }
 
-/// What the image may take.
+/// Bounds of the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImageBounds {
@@ -55,14 +55,15 @@ pub struct ImageBounds {
     pub stack: Option<u64>,
 }
 
-/// What the control step may cost whatever its input is; never overwritten.
+/// Bounds of the control step on any input; never overwritten.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AnyInputBounds {
     /// Most cycles of a call, by the model of [`crate::counting::cycle_table`].
     pub cycles: u64,
-    /// What is asked for, where that is not reached: the table says so.
-    pub asked: Option<u64>,
+    /// Target, where it is missed: the table reports it.
+    #[serde(alias = "asked")]
+    pub target: Option<u64>,
 }
 
 /// A board's budget.
@@ -76,11 +77,11 @@ pub struct Budget {
     file: PathBuf,
     /// The compiler that the bounds were measured with.
     pub compiler: String,
-    /// What a bound leaves above the measured value, as a part of it, 0 to 1.
+    /// Margin of a bound above the measured value, relative to it, 0 to 1.
     pub headroom: f64,
     /// Whether the board can be run in the emulator; otherwise only its image is judged.
     pub emulated: bool,
-    /// What the image may take.
+    /// Bounds of the image.
     #[serde(default)]
     pub image: ImageBounds,
     /// The control step.
@@ -88,13 +89,13 @@ pub struct Budget {
     /// Its parts, by name.
     #[serde(default)]
     pub blocks: BTreeMap<String, Block>,
-    /// What one of them is the reduction of.
+    /// The literal mesh, whose reduction one of them is.
     pub literal_mesh: Option<LiteralMesh>,
-    /// What no scenario brings about.
+    /// Workload beyond the scenarios.
     pub worst_case: Option<WorstCase>,
     /// The control step on any input.
     pub any_input: Option<AnyInputBounds>,
-    /// Where calls through pointers can go.
+    /// Targets of calls through pointers.
     #[serde(default)]
     pub indirect_call: Vec<IndirectCall>,
 }
@@ -340,7 +341,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn what_is_asked_is_never_overwritten() {
+    fn a_fixed_bound_is_never_overwritten() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("budget.toml");
         std::fs::write(&file, FILE.replace("cycles = 10 # by the model", "fixed = true\ncycles = 10"))

@@ -13,9 +13,9 @@ pub enum Error {
     /// There is no such board.
     #[error("board {board}: unknown, the boards are {}", boards.join(", "))]
     UnknownBoard {
-        /// What was asked for.
+        /// Requested board.
         board: String,
-        /// What there is.
+        /// Existing boards.
         boards: Vec<String>,
     },
     /// The joint's file cannot be read.
@@ -23,7 +23,7 @@ pub enum Error {
     Joint {
         /// The file.
         path: String,
-        /// What reading it said.
+        /// Error of reading it.
         error: io::Error,
     },
     /// There is no compiler.

@@ -12,7 +12,7 @@ use signal_hook::iterator::Signals;
 
 use crate::{process, scratch};
 
-/// What a shell adds to the number of the signal that ended a program.
+/// Offset by a shell on the number of the signal that ended a program.
 const SHELL_OFFSET: i32 = 128;
 
 static ENDING: AtomicBool = AtomicBool::new(false);
@@ -22,9 +22,9 @@ pub fn end_in_order() {
     static HANDLER: Once = Once::new();
     HANDLER.call_once(|| {
         let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-        let wanted = [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| !ignored(&status, *signal));
+        let expected = [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| !ignored(&status, *signal));
         // Without a handler the kernel still ends the emulators.
-        let Ok(mut signals) = Signals::new(wanted) else { return };
+        let Ok(mut signals) = Signals::new(expected) else { return };
         std::thread::spawn(move || signals.forever().next().map(end));
     });
 }

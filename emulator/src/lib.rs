@@ -1,6 +1,5 @@
 //! Cross-build, set-up, QEMU, lockstep, counting and proofs on the firmware image.
 
-pub mod again;
 pub mod any_input;
 pub mod artifact;
 pub mod budget;
@@ -10,6 +9,7 @@ pub mod interrupt;
 pub mod machine;
 pub mod pil;
 mod process;
+pub mod rerun;
 mod scratch;
 pub mod setup;
 pub mod target;

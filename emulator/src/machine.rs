@@ -23,10 +23,10 @@ use strainwave_app::frame::{INPUT_BYTES, OUTPUT_BYTES};
 /// STM32F405 has 16 800 cycles in one.
 pub const SHIFT: u8 = 3;
 
-/// How long a control period may take on the host before it counts as hung.
+/// Longest time of a control period on the host before it counts as hung.
 pub const PATIENCE: Duration = Duration::from_secs(10);
 
-/// How often a waiting host looks whether QEMU is still there.
+/// Interval at which a waiting host checks that QEMU still runs.
 const GLANCE: Duration = Duration::from_millis(50);
 
 /// Why the lockstep ended.
@@ -41,17 +41,17 @@ pub enum Error {
     /// The emulator ended.
     #[error("the emulator ended with {status}: {said}")]
     Ended {
-        /// How.
+        /// Its exit status.
         status: ExitStatus,
-        /// What it and the firmware said last.
+        /// Last output of it and the firmware.
         said: String,
     },
     /// The firmware hangs.
     #[error("the firmware did not answer within {} s: {said}", patience.as_secs_f32())]
     Hung {
-        /// How long it had.
+        /// Time that it had.
         patience: Duration,
-        /// What it said last.
+        /// Its last output.
         said: String,
     },
     /// The telemetry is unreadable.
@@ -60,17 +60,17 @@ pub enum Error {
     /// The firmware left without its final report.
     #[error("the firmware ended without its final report: {said}")]
     NoReport {
-        /// What it said last.
+        /// Its last output.
         said: String,
     },
 }
 
-/// How an emulated board is run.
+/// Options of an emulated board.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Emulated time per instruction, `2^shift` ns.
     pub shift: u8,
-    /// How long a control period may take on the host.
+    /// Longest time of a control period on the host.
     pub patience: Duration,
     /// More arguments for QEMU, such as a plugin.
     pub arguments: Vec<String>,
@@ -82,7 +82,7 @@ impl Default for Options {
     }
 }
 
-/// What a firmware reports when its run ends.
+/// Report of a firmware when its run ends.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ending {
     /// Every line of telemetry.

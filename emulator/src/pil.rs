@@ -13,13 +13,13 @@ use strainwave_desktop::divergence::RunError;
 use strainwave_desktop::gear_file::{KinematicError, Learnt};
 use strainwave_desktop::joint::{joint_params, source};
 use strainwave_desktop::judge::faults::Raised;
-use strainwave_desktop::judge::{Judge, Mark};
+use strainwave_desktop::judge::{Judge, Metric};
 use strainwave_desktop::log::MeasuredLog;
 use strainwave_desktop::replay::{self, Judgement, ReplayRow};
 use strainwave_desktop::scenario::Scenario;
 use strainwave_desktop::torque_loop::{Sample, TorqueLoop};
 use strainwave_desktop::verify::compensator::CLAIMS;
-use strainwave_desktop::verify::robustness::{Judged, marks};
+use strainwave_desktop::verify::robustness::{Judged, metrics};
 use strainwave_desktop::working_motion::WorkingMotion;
 use strainwave_desktop::{Figure, GearFile, bounds};
 
@@ -38,9 +38,9 @@ pub enum Error {
     /// The board is real only.
     #[error("board {board}: the emulator has no such machine, the boards that it has are {}", emulated.join(", "))]
     NotEmulated {
-        /// What was asked for.
+        /// Requested board.
         board: String,
-        /// What there is.
+        /// Emulated boards.
         emulated: Vec<String>,
     },
     /// No board of that name, or no image.
@@ -63,7 +63,7 @@ pub enum Error {
     Counting(#[from] counting::Error),
 }
 
-/// What is run on the target.
+/// Trial on the target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trial {
     /// Which scenario.
@@ -80,18 +80,18 @@ impl Trial {
         Self { scenario, conditions: Conditions::of(file, seed), worked: false }
     }
 
-    /// The compensator is not told the gear's kinematic error: it has to learn it while it works.
+    /// The compensator has no stored kinematic error of the gear: it has to learn it in operation.
     pub fn learns_ripple(&self) -> bool {
         self.worked && self.scenario == Scenario::S4 && self.conditions.sensors == SensorSet::Both
     }
 
-    /// What the compensator is told of the gear.
-    pub fn told(&self, file: &GearFile) -> GearFile {
-        let mut told = file.clone();
+    /// Gear file of the compensator.
+    pub fn controller_gear(&self, file: &GearFile) -> GearFile {
+        let mut known = file.clone();
         if self.learns_ripple() {
-            told.kinematic_error = KinematicError::default();
+            known.kinematic_error = KinematicError::default();
         }
-        told
+        known
     }
 
     /// As its figures are named: `s2` from rest, `motor.s2` where the compensator has worked before.
@@ -101,7 +101,7 @@ impl Trial {
     }
 }
 
-/// What came of one trial.
+/// Result of one trial.
 pub struct ScenarioRun {
     /// Which.
     pub trial: Trial,
@@ -115,7 +115,7 @@ pub struct ScenarioRun {
     pub control_step: Counts,
 }
 
-/// What came of the firmware alone.
+/// Result of the firmware alone.
 pub struct TargetRun {
     /// Its run of the scenario.
     pub run: Run,
@@ -125,12 +125,12 @@ pub struct TargetRun {
     pub agreement: Agreement,
     /// Its report.
     pub ending: Ending,
-    /// What it has learnt.
+    /// Its learnt factors and ripple.
     pub learnt: Learnt,
 }
 
 impl ScenarioRun {
-    /// The output error beside the baselines'.
+    /// The output error against the baselines'.
     pub fn beside_baselines(&self) -> Figure {
         beside_baselines(&self.trial, &self.target.run, self.b0_and_b1())
     }
@@ -139,7 +139,7 @@ impl ScenarioRun {
         [0, 1].map(|place| &self.baselines[place].1)
     }
 
-    /// Faults by name, time at the torque limit, and how many marks are worse than each baseline's: of a joint without a
+    /// Faults by name, time at the torque limit, and how many metrics are worse than each baseline's: of a joint without a
     /// fault, none. That the torque was limited is judged by the time at the limit, and only reported among the faults.
     ///
     /// # Errors
@@ -157,20 +157,20 @@ impl ScenarioRun {
         };
         figures.extend(faults().map(time));
         figures.push(bounds::figure_as(name("limited"), "pil.limited", ours.limited));
-        let compared = if marks(scenario).is_empty() { &[] } else { &self.baselines[..] };
+        let compared = if metrics(scenario).is_empty() { &[] } else { &self.baselines[..] };
         for (baseline, run) in compared {
             let theirs = course(run)?;
-            let worse = ours.worse_marks(&theirs) as f64;
+            let worse = ours.worse_metrics(&theirs) as f64;
             figures.push(bounds::figure_as(name(&format!("{baseline}.worse")), "pil.worse_marks", worse));
-            let ratio = |(mark, (ours, theirs)): (&Mark, (&f64, &f64))| {
-                Figure::reported(name(&format!("{}.to_{baseline}", mark.name())), ours / theirs, "1")
+            let ratio = |(metric, (ours, theirs)): (&Metric, (&f64, &f64))| {
+                Figure::reported(name(&format!("{}.to_{baseline}", metric.name())), ours / theirs, "1")
             };
-            figures.extend(marks(scenario).iter().zip(ours.marks.iter().zip(&theirs.marks)).map(ratio));
+            figures.extend(metrics(scenario).iter().zip(ours.metrics.iter().zip(&theirs.metrics)).map(ratio));
         }
         Ok(figures)
     }
 
-    /// What is claimed of the compensator in this scenario, of this plant; bounded where it has worked before.
+    /// Claims of the compensator in this scenario, on this plant; bounded where it has worked before.
     ///
     /// # Errors
     /// A plant whose stiffness line is none.
@@ -180,16 +180,16 @@ impl ScenarioRun {
         let [ours, b0, b1] =
             [&self.target.run, b0, b1].map(|run| Judge::new(scenario, &self.plant, &run.trace));
         let mut figures = Vec::new();
-        for claim in CLAIMS.iter().filter(|claim| claim.mark.is_of(scenario)) {
-            let [ours, b0, b1] = [&ours, &b0, &b1].map(|judge| judge.mark(claim.mark));
+        for claim in CLAIMS.iter().filter(|claim| claim.metric.is_of(scenario)) {
+            let [ours, b0, b1] = [&ours, &b0, &b1].map(|judge| judge.metric(claim.metric));
             let value = claim.relative(ours?, [b0?, b1?], file.gear.rated_torque);
-            let figure = claim.of_target(conditions.sensors, value).of_draw(conditions.seed);
+            let figure = claim.of_target(conditions.sensors, value).of_seed(conditions.seed);
             figures.push(if worked { figure } else { figure.without_bound() });
         }
         Ok(figures)
     }
 
-    /// Width and stiffness of the loop of S6, each beside what the plant's parameters ask; of others none.
+    /// Width and stiffness of the loop of S6, each with the value by the plant's parameters; none in other scenarios.
     ///
     /// # Errors
     /// A plant whose stiffness line is none.
@@ -199,12 +199,12 @@ impl ScenarioRun {
         let (Scenario::S6, Some(found)) = (self.trial.scenario, TorqueLoop::of(&samples)) else {
             return Ok(Vec::new());
         };
-        let asked = found.chord_stiffness_of(&self.plant.flexspline.line.build()?);
+        let target = found.chord_stiffness_of(&self.plant.flexspline.line.build()?);
         Ok(vec![
             Figure::reported("pil.s6.loop.width", found.width, "rad"),
             Figure::reported("pil.s6.loop.width_asked", self.plant.hysteresis_width, "rad"),
             Figure::reported("pil.s6.chord_stiffness", found.chord_stiffness(), "N m/rad"),
-            Figure::reported("pil.s6.chord_stiffness_asked", asked, "N m/rad"),
+            Figure::reported("pil.s6.chord_stiffness_asked", target, "N m/rad"),
         ])
     }
 }
@@ -258,7 +258,7 @@ pub fn build_program(board: &str, program: &str, file: &GearFile) -> Result<Firm
 }
 
 /// Runs a trial with the firmware and, from rest, every baseline that its sensors allow side by side, and counts what the control step costs
-/// on the target. The firmware was built for what [`Trial::told`] has of the gear.
+/// on the target. The firmware was built for what [`Trial::controller_gear`] has of the gear.
 ///
 /// # Errors
 /// When the machine or the count fails, or a parameter is out of range.
@@ -290,12 +290,12 @@ pub fn run(
     })
 }
 
-/// What a thread came back with; its panic goes on here.
+/// Result of a thread; its panic is resumed here.
 fn joined<T>(thread: ScopedJoinHandle<'_, Result<T, RunError>>) -> Result<T, target::Error> {
     Ok(thread.join().unwrap_or_else(|panic| resume_unwind(panic))?)
 }
 
-/// Runs a trial with the firmware alone, which was built for what [`Trial::told`] has of the gear.
+/// Runs a trial with the firmware alone, which was built for what [`Trial::controller_gear`] has of the gear.
 ///
 /// # Errors
 /// When the machine fails, or a parameter is out of range.
@@ -306,7 +306,8 @@ pub fn compensated(
     trial: &Trial,
     mut progress: impl FnMut(f64),
 ) -> Result<TargetRun, target::Error> {
-    let mut target = Target::new(Machine::boot(elf, qemu_arguments)?, &joint_params(&trial.told(file))?)?;
+    let mut target =
+        Target::new(Machine::boot(elf, qemu_arguments)?, &joint_params(&trial.controller_gear(file))?)?;
     let mut bench = Bench::build(file, &trial.conditions)?;
     let work = if trial.worked { WorkingMotion.duration() } else { 0.0 };
     let whole = work + trial.scenario.duration();
@@ -325,7 +326,7 @@ pub fn compensated(
     Ok(TargetRun { run, faults, agreement, ending: target.finish()?, learnt })
 }
 
-/// What came of a replay.
+/// Result of a replay.
 pub struct Replay {
     /// One row a control period.
     pub rows: Vec<ReplayRow>,

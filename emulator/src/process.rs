@@ -52,7 +52,7 @@ impl Process {
         locked(&self.child).id()
     }
 
-    /// How the child ended, if it has.
+    /// Exit status of the child, if it has ended.
     pub fn ended(&self) -> Option<ExitStatus> {
         locked(&self.child).try_wait().ok().flatten()
     }
@@ -68,7 +68,7 @@ impl Process {
         }
     }
 
-    /// What the child said on its console.
+    /// Console output of the child.
     pub fn said(&self) -> String {
         let bytes = std::fs::read(self.directory().join("emulator.log")).unwrap_or_default();
         String::from_utf8_lossy(&bytes).trim().to_owned()

@@ -1,6 +1,6 @@
 //! Makes a bare machine ready: a compiler for the boards' target, and QEMU.
 //!
-//! What is there is used; what is missing is fetched, and announced before it is, without changing the
+//! Installed programs are used; missing ones are fetched, and announced before, without changing the
 //! system: `rustup target add`, or Debian packages that are unpacked in the user's cache folder.
 //!
 //! ```text

@@ -9,14 +9,14 @@ use strainwave_desktop::{Figure, bounds};
 
 use crate::machine::{self, Ending, Machine};
 
-/// A booted firmware beside the host's build of the same joint.
+/// A booted firmware and the host's build of the same joint.
 pub struct Target {
     machine: Machine,
     host: HostCompensator,
     agreement: Agreement,
 }
 
-/// How often target and host answered alike.
+/// Number of steps in which target and host agreed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Agreement {
     /// Steps taken.
@@ -47,7 +47,7 @@ pub enum Error {
 }
 
 impl Target {
-    /// Puts the host's build of `joint` beside a machine that was booted with the same joint.
+    /// Pairs the host's build of `joint` with a machine that was booted with the same joint.
     ///
     /// # Errors
     /// As [`JointParams::build`].
@@ -55,12 +55,12 @@ impl Target {
         Ok(Self { machine, host: HostCompensator::build(joint)?, agreement: Agreement::default() })
     }
 
-    /// How often both answered alike so far.
+    /// Number of steps in which both agreed so far.
     pub fn agreement(&self) -> Agreement {
         self.agreement
     }
 
-    /// What the compensator has learnt, by the host's build: it answers as the target does.
+    /// Learnt factors and ripple of the host's build, which equal the target's.
     pub fn learnt(&self) -> Learnt<f32> {
         self.host.learnt()
     }

@@ -11,7 +11,7 @@ pub enum Error {
     Image {
         /// The image.
         path: String,
-        /// What reading it said.
+        /// Error of reading it.
         error: std::io::Error,
     },
     /// The image has no strings for its telemetry, or of another version.
@@ -19,7 +19,7 @@ pub enum Error {
     NoTable {
         /// The image.
         path: String,
-        /// What is wrong with its table.
+        /// Fault of its table.
         reason: String,
     },
 }

@@ -1,4 +1,4 @@
-//! The figures that are measured on the firmware image, each beside its bound.
+//! The figures that are measured on the firmware image, each with its bound.
 
 use std::io;
 use std::path::Path;
@@ -177,7 +177,7 @@ fn scenarios(
     Ok(runs)
 }
 
-/// What the runs show of the control step; S2 beside its baselines.
+/// Figures of the control step in the runs; S2 against its baselines.
 fn control_step(runs: &[(Scenario, TargetRun)]) -> Result<Vec<Figure>, Error> {
     let mut figures = Vec::new();
     for (scenario, TargetRun { run, agreement, .. }) in runs {

@@ -139,8 +139,8 @@ fn a_literal_mesh_unlike_its_reduction_is_not_counted() {
     let elf = firmware::build_program(BOARD, &mesh.program, Some(&file)).expect("the program builds").elf;
     let mut measured = budget::inspect(&budget, &image(BOARD).expect("builds")).expect("can be judged");
     let error = mesh.measure(&elf, &mut measured).expect_err("is no such gear").to_string();
-    let wanted = "the emulator ended with exit status: 1: last telemetry: literal mesh 62.";
-    assert!(error.starts_with(wanted), "{error}");
+    let expected = "the emulator ended with exit status: 1: last telemetry: literal mesh 62.";
+    assert!(error.starts_with(expected), "{error}");
     assert!(measured.counts.is_empty());
 }
 

@@ -1,6 +1,6 @@
 //! Time of one step of the mesh, per link: what `host-tests/rivals/flexspline.py` compares with others.
 //!
-//! The whole step as the desktop's plant takes it, [`Vectorised`], on the default gear, moving: its drive turns at
+//! The whole step as the desktop's plant takes it, [`Vectorised`], on the default gear, moving: its drive moves at
 //! 10 rad/s on the output side and the ellipse a hundred times as fast, so that no node rests.
 
 use std::hint::black_box;
@@ -15,7 +15,7 @@ use strainwave_desktop::vectorised::Vectorised;
 
 /// Rate of the drive (rad/s).
 const DRIVE_RATE: f64 = 10.0;
-/// Share of the largest stable step that is taken.
+/// Fraction of the largest stable step that is taken.
 const STEP: f64 = 0.7;
 
 fn step<R: Real, const N: usize, const M: usize>(criterion: &mut Criterion, precision: &str) {
@@ -30,10 +30,10 @@ fn step<R: Real, const N: usize, const M: usize>(criterion: &mut Criterion, prec
     group.throughput(Throughput::Elements(Shell::<R, N, M>::links() as u64));
     group.bench_function(BenchmarkId::new(precision, format_args!("{N}x{M}")), |bencher| {
         bencher.iter(|| {
-            let turn = |angle: Angle<R>, rate: R| angle.plus(rate * dt);
-            ends.drive = turn(ends.drive, ends.drive_rate);
-            ends.flange = turn(ends.flange, ends.flange_rate);
-            ends.wave_generator = turn(ends.wave_generator, ends.wave_generator_rate);
+            let advanced = |angle: Angle<R>, rate: R| angle.plus(rate * dt);
+            ends.drive = advanced(ends.drive, ends.drive_rate);
+            ends.flange = advanced(ends.flange, ends.flange_rate);
+            ends.wave_generator = advanced(ends.wave_generator, ends.wave_generator_rate);
             black_box(mesh.step(&mut state, &ends))
         });
     });

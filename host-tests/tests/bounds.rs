@@ -22,13 +22,13 @@ fn rows_are_unique_and_complete() {
 }
 
 #[test]
-fn what_was_asked_and_is_not_reached_is_said() {
-    for (name, asked) in bounds::ASKED {
+fn a_missed_target_is_reported() {
+    for (name, target) in bounds::TARGETS {
         let bound = bounds::find(name).unwrap_or_else(|| panic!("{name} is no bound"));
-        assert!(bound.value > *asked && bound.why.contains("is asked"), "{name}");
-        assert_eq!(bounds::misses_what_was_asked(&bound.figure(*asked)), None);
-        let line = bounds::misses_what_was_asked(&bound.figure(bound.value)).unwrap();
-        assert!(line.contains(name) && line.contains(&format!("{asked} was asked")), "{line}");
+        assert!(bound.value > *target && bound.why.contains("; target "), "{name}");
+        assert_eq!(bounds::misses_target(&bound.figure(*target)), None);
+        let line = bounds::misses_target(&bound.figure(bound.value)).unwrap();
+        assert!(line.contains(name) && line.contains(&format!("target {target}, missed")), "{line}");
     }
 }
 

@@ -14,7 +14,7 @@ fn path(model: Model) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../gears/catalogue/{}.toml", model.name()))
 }
 
-/// What the file in the tree was tuned to; nothing when there is none yet.
+/// Tuned baselines of the file in the tree; none when there is no file yet.
 fn tuned(model: Model) -> Option<Baselines> {
     GearFile::read(&path(model)).ok().and_then(|file| file.baselines)
 }

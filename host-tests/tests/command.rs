@@ -89,12 +89,12 @@ impl Joint {
         (0..periods).map(|k| self.step(command(k), |_| ())).collect()
     }
 
-    /// What the torque may change by in a period while it is ramped, with what rounding adds.
+    /// Largest change of the torque in a period while it is ramped, rounding included.
     fn largest_change(&self) -> f32 {
         (2.0 * self.params.limits.motor_torque * CONTROL_PERIOD / TORQUE_RAMP * (1.0 + 1e-5)) as f32
     }
 
-    /// Where the output is (rad).
+    /// Angle of the output (rad).
     fn position(&self) -> f64 {
         self.flange.angle.to_radians()
     }
@@ -110,11 +110,11 @@ fn crawl(speed: f64, k: usize) -> Setpoint<f32> {
     Setpoint { position, velocity: speed as f32, ..Setpoint::default() }
 }
 
-fn turn(velocity: f32) -> Command<f32> {
+fn velocity(velocity: f32) -> Command<f32> {
     Command::Velocity { velocity, acceleration: 0.0 }
 }
 
-/// Where the torque is not limited: what protects the gear may step.
+/// Largest step of the torque where it is not limited: the protection of the gear may step.
 fn largest_step(outputs: &[Output<f32>], before: f32) -> f32 {
     let limited = |output: &Output<f32>| output.faults.contains(Faults::TORQUE_LIMITED);
     let outputs = outputs.iter().map(|output| (output.motor_torque, limited(output)));
@@ -128,7 +128,7 @@ fn a_velocity_goes_on_from_the_reference_that_is_there() {
     let mut joint = Joint::new();
     joint.run(SECOND / 2, |k| crawl(0.1, k).into());
     let from = joint.position();
-    let outputs = joint.run(SECOND, |_| turn(0.25));
+    let outputs = joint.run(SECOND, |_| velocity(0.25));
     assert!(outputs.iter().all(|output| !output.faults.contains(Faults::SETPOINT_STEP)));
     assert!((joint.position() - from - 0.25).abs() < 1e-3, "{}", joint.position() - from);
     // It takes the speed no faster than the joint can.
@@ -163,8 +163,15 @@ fn switching_the_kind_of_command_makes_no_step_in_the_torque() {
     joint.run(SECOND / 2, |k| crawl(0.3, k).into());
     let at = joint.position();
     let limit = joint.largest_change();
-    let commands =
-        [turn(0.3), Command::Torque(30.0), turn(-0.3), Command::Torque(-40.0), hold(at), turn(0.5), hold(at)];
+    let commands = [
+        velocity(0.3),
+        Command::Torque(30.0),
+        velocity(-0.3),
+        Command::Torque(-40.0),
+        hold(at),
+        velocity(0.5),
+        hold(at),
+    ];
     for command in commands {
         let before = joint.torque;
         let outputs = joint.run(SECOND / 20, |_| command);
@@ -173,13 +180,13 @@ fn switching_the_kind_of_command_makes_no_step_in_the_torque() {
     }
 }
 
-/// What held a load by torque goes on in the cascade's integral.
+/// The torque that held a load continues in the cascade's integral.
 #[test]
 fn the_feedback_takes_the_torque_over() {
     let mut joint = Joint::new();
     joint.run(SECOND / 10, |_| Command::Torque(3.0));
     let (before, at) = (joint.torque, joint.position());
-    let after = joint.step(turn(0.0), |_| ());
+    let after = joint.step(velocity(0.0), |_| ());
     assert!(before.abs() > 0.02, "{before}");
     assert!((after.motor_torque - before).abs() < 0.01 * before.abs(), "{before} {after:?} at {at}");
 }
@@ -210,7 +217,7 @@ fn shares_of_either_direction_cross_over_without_a_step() {
     assert!(step <= 0.13 * fed[3999].abs().max(0.05), "{step}");
 }
 
-/// What can go wrong with an input, its fault's name, and what stays until a reset.
+/// Fault of an input: its name, the change of the input, and the faults that stay until a reset.
 type Wrong = (&'static str, fn(&mut Input<f32>, usize), Faults);
 
 const WRONG: [Wrong; 4] = [

@@ -139,11 +139,11 @@ fn nan_and_infinity_are_held_and_named() {
             ];
             *values.into_iter().nth(place).unwrap() = bad;
             input.command = setpoint.into();
-            // Setpoint and shares are read by turns.
+            // Setpoint and gains are read in different slots.
             let named = (0..4 * SLOW_PERIODS).any(|_| {
                 let output = compensator.step(&mut state, &input);
-                let wanted = compensator.step(&mut untouched, &resting(0));
-                assert_eq!(Output { faults: wanted.faults, ..output }, wanted, "held, place {place}");
+                let expected = compensator.step(&mut untouched, &resting(0));
+                assert_eq!(Output { faults: expected.faults, ..output }, expected, "held, place {place}");
                 output.faults.contains(Faults::INPUT_NOT_FINITE)
             });
             assert!(named, "{place}");

@@ -16,7 +16,7 @@ fn joint() -> JointParams<f64> {
     joint_params(&GearFile::default_gear()).unwrap()
 }
 
-/// The observer beside a gear that is the very model it runs, wound up by a load of which it knows nothing.
+/// The observer with a gear equal to its model, wound up by an unknown load.
 struct Twins {
     joint: JointParams<f64>,
     gear: RealTimeGear<f64>,
@@ -111,7 +111,7 @@ fn a_bad_first_reading_does_not_become_the_zero_of_the_output_encoder() {
         let settled = (0..20_000).map(|_| compensator.step(&mut state, &input)).last().unwrap();
         // The setpoint has never been where the output is.
         assert!([Faults::NONE, Faults::SETPOINT_STEP].contains(&settled.faults), "{settled:?}");
-        // Of a resting output one count of 2^19 a turn is taken for nothing.
+        // Of a resting output one count of 2^19 a revolution is taken for nothing.
         assert!(settled.estimate.torsion.abs() < (1.1 * TAU / 2f64.powi(19)) as f32, "{settled:?}");
     }
 }

@@ -6,7 +6,7 @@ use strainwave::compensator::{CompensationGains, Input, Output, Setpoint};
 use strainwave_app::telemetry::CAPACITY;
 use strainwave_app::{Board, Control, JOINT, Log, Telemetry, control_step};
 
-/// What happened on the board, in order.
+/// Events on the board, in order.
 #[derive(Clone, Debug, PartialEq)]
 enum Event {
     Commanded(f32),
@@ -70,9 +70,9 @@ fn a_period_is_fetch_step_store_then_the_watchdog() {
         board.inputs.borrow_mut().push(Some(input(encoder)));
         control.tick();
         let torque = control_step(&compensator, &mut state, &input(encoder)).motor_torque;
-        let wanted = compensator.output(&state);
+        let expected = compensator.output(&state);
         let events = std::mem::take(&mut *board.events.borrow_mut());
-        assert_eq!(events, [Event::Commanded(torque), Event::Reported(wanted), Event::Fed]);
+        assert_eq!(events, [Event::Commanded(torque), Event::Reported(expected), Event::Fed]);
     }
 }
 

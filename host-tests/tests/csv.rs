@@ -36,7 +36,7 @@ fn a_byte_order_mark_spaces_and_quotes_are_tolerated() {
 
 #[test]
 fn every_mistake_names_its_row_and_column() {
-    for (from, to, wanted) in [
+    for (from, to, expected) in [
         (GOOD, "", "empty file"),
         (GOOD, " \n\n", "empty file"),
         (GOOD, "\u{feff}", "empty file"),
@@ -71,8 +71,8 @@ fn every_mistake_names_its_row_and_column() {
         ("0.002", "5000", "row 4, column t_s: time 5000 is more than 3600 s from the start"),
     ] {
         assert!(GOOD.contains(from));
-        let line = open_loop(&GOOD.replacen(from, to, 1)).expect_err(wanted);
-        assert!(line.starts_with(&format!("in.csv: {wanted}")), "{line}\nin.csv: {wanted}");
+        let line = open_loop(&GOOD.replacen(from, to, 1)).expect_err(expected);
+        assert!(line.starts_with(&format!("in.csv: {expected}")), "{line}\nin.csv: {expected}");
         assert!(!line.contains('\n'));
     }
 }

@@ -1,4 +1,4 @@
-//! The linear loops of `strainwave design` beside those that the real code closes.
+//! The linear loops of `strainwave design` against those that the real code closes.
 use strainwave_desktop::GearFile;
 use strainwave_desktop::bench::SensorSet;
 use strainwave_desktop::design::sweep::sweep;

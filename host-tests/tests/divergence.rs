@@ -13,7 +13,7 @@ use strainwave_desktop::plant::Plant;
 use strainwave_desktop::scenario::Scenario;
 use strainwave_desktop::two_port::{self, Build};
 
-/// How a run of 10 ms ends whose wave generator jumps to `angle` (rad), with the load (N m), from 5 ms on.
+/// End of a run of 10 ms whose wave generator jumps to `angle` (rad), with the load (N m), from 5 ms on.
 fn run(build: Build, angle: f64, load: f64) -> Result<usize, Diverged> {
     let rows = (0..100).map(|k| {
         let jumped = if k < 50 { 0.0 } else { 1.0 };

@@ -1,4 +1,4 @@
-//! Why the control step has elementary functions of its own: micromath's beside them, over the same ranges.
+//! Why the control step has elementary functions of its own: compared with micromath's over the same ranges.
 //!
 //! Sine and cosine stand in the kinematic error, whose amplitudes are up to 1e-3 rad: an error of 1e-3 is
 //! all of the 1 urad that torsion has to be resolved to. 1 - e^-x stands in the Stribeck level and in
@@ -27,7 +27,7 @@ fn worst(of: impl Fn(f32) -> f32, exact: impl Fn(f64) -> f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Largest absolute error of a sine over a turn.
+/// Largest absolute error of a sine over a revolution.
 fn worst_sine(sine: impl Fn(u32) -> f32) -> f64 {
     (0..1 << 20)
         .map(|k: u32| k.wrapping_mul(4099))

@@ -1,4 +1,4 @@
-//! What the friction feed-forward must do: help along a motion and through its reversals, and leave a joint at
+//! Requirements of the friction feed-forward: help along a motion and through its reversals, and leave a joint at
 //! rest alone.
 
 use std::f64::consts::TAU;
@@ -13,14 +13,14 @@ use strainwave::compensator::{CompensationGains, JointParams, RealTimeGear, Setp
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
 use strainwave_desktop::GearFile;
-use strainwave_desktop::ability::Ability;
-use strainwave_desktop::draw::FRICTION;
+use strainwave_desktop::box_sample::FRICTION;
+use strainwave_desktop::capability::Capability;
 use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
 use strainwave_desktop::scenario::Scenario;
 
 const FRICTION_SHARE: f64 = 0.8;
 
-/// A round (s): the feed-forward has its turn once in it.
+/// A round (s): with one slot of the feed-forward.
 const DT: f64 = SLOW_PERIODS as f64 * CONTROL_PERIOD;
 
 /// Rounds in half a second.
@@ -62,7 +62,7 @@ impl Joint {
         }
     }
 
-    /// One round: the demand, and the models' turn half a round later.
+    /// One round: the demand, and the models' slot later in the round.
     fn demand(&mut self, setpoint: &Setpoint<f64>, gains: &CompensationGains<f64>) -> Demand<f64> {
         let correction = ModelCorrection::default();
         let demand = self.feed_forward.step(&self.gear, &mut self.state, setpoint, gains, &correction);
@@ -154,7 +154,7 @@ fn through_a_reversal_it_follows_presliding() {
     let mut joint = Joint::new();
     let reference = gear(&joint.params.gear);
     let n = f64::from(joint.params.gear.ratio);
-    let (mut state, mut missed, mut jumped) = (reference.rest(), 0.0f64, 0.0f64);
+    let (mut state, mut residual, mut jumped) = (reference.rest(), 0.0f64, 0.0f64);
     // 0.05 rad at 0.2 Hz, from the second reversal on.
     for k in 0..20 * HALF {
         let phase = TAU * 0.2 * k as f64 * DT;
@@ -167,16 +167,16 @@ fn through_a_reversal_it_follows_presliding() {
         if k > 10 * HALF {
             let level = [&joint.params.gear.input_friction, &joint.params.gear.output_friction]
                 .map(|side| side.forward.coulomb);
-            missed = missed.max((fed - friction).abs());
+            residual = residual.max((fed - friction).abs());
             jumped = jumped.max(((level[0] + level[1] / n.abs()) * (n * velocity).signum() - friction).abs());
         }
     }
-    assert!(missed < 0.05 * jumped, "{missed} {jumped}");
+    assert!(residual < 0.05 * jumped, "{residual} {jumped}");
 }
 
 /// The setpoint of S3 after so many rounds.
 fn fast_move(round: usize) -> Setpoint<f64> {
-    let demand = Scenario::S3.at(round as f64 * DT, &Ability::default());
+    let demand = Scenario::S3.at(round as f64 * DT, &Capability::default());
     Setpoint {
         position: Angle::from_radians_f64(demand.position),
         velocity: demand.velocity,
@@ -206,34 +206,34 @@ fn a_gear_that_moves_as_demanded_carries_the_load() {
             continue;
         }
         let needed = inertia * setpoint.acceleration + torques.output_friction;
-        let missed = torques.transmitted - needed;
-        assert!(missed.abs() < 0.3, "{k}: {missed} of {needed} N m");
+        let residual = torques.transmitted - needed;
+        assert!(residual.abs() < 0.3, "{k}: {residual} of {needed} N m");
         let short = rotor * demanded.acceleration + torques.wave_generator - demanded.torque;
-        println!("{k} {missed} {short}");
+        println!("{k} {residual} {short}");
         assert!(short.abs() < 2e-3, "{k}: {short} of {} N m", demanded.torque);
     }
 }
 
 /// The angle (rad, at the output) by which the sum of the demanded speeds is off the reference, at its largest, over
 /// a fast move.
-fn speed_missed(gains: &CompensationGains<f64>) -> f64 {
+fn speed_residual(gains: &CompensationGains<f64>) -> f64 {
     let mut joint = Joint::new();
     let ratio = f64::from(joint.params.gear.ratio);
-    let (mut summed, mut first, mut missed) = (0.0, None, 0.0f64);
+    let (mut summed, mut first, mut residual) = (0.0, None, 0.0f64);
     for k in 0..HALF / 2 {
         let setpoint = fast_move(k);
         let demanded = joint.demand(&setpoint, gains);
         let reference = demanded.motor.angle.to_radians() - 0.5 * DT * demanded.motor.velocity;
-        missed = missed.max((summed + *first.get_or_insert(reference) - reference).abs());
+        residual = residual.max((summed + *first.get_or_insert(reference) - reference).abs());
         summed += DT * demanded.motor.velocity;
     }
-    (missed / ratio).abs()
+    (residual / ratio).abs()
 }
 
-/// What the cascade is told of the motor's speed is how fast its reference moves, friction's wind-up included, which
+/// The speed that is passed to the cascade is that of the motor's reference, friction's wind-up included, which
 /// is 400 urad here: a speed without it would drag the motor along behind its reference.
 #[test]
 fn the_speed_is_that_of_the_reference() {
-    let missed = speed_missed(&CompensationGains { kinematic_error: 0.0, ..CompensationGains::ALL });
-    assert!(missed < 10e-6, "{missed}");
+    let residual = speed_residual(&CompensationGains { kinematic_error: 0.0, ..CompensationGains::ALL });
+    assert!(residual < 10e-6, "{residual}");
 }

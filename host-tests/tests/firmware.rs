@@ -41,8 +41,8 @@ impl Sequence {
     }
 }
 
-/// Within a turn of an encoder of 19 bits.
-const TURN: u32 = (1 << 19) - 1;
+/// Within a revolution of an encoder of 19 bits.
+const LARGEST_COUNT: u32 = (1 << 19) - 1;
 
 const GAINS: CompensationGains<f32> = CompensationGains { friction: 0.8, ..CompensationGains::ALL };
 
@@ -63,13 +63,14 @@ fn command(sequence: &mut Sequence, period: u32) -> JointCommand<f32> {
     }
 }
 
-/// What a joint reports that turns at 100 rad/s in front of the gear, with sensors that come and go.
+/// Readings of a joint that moves at 100 rad/s in front of the gear, with sensors that come and go.
 fn plausible(sequence: &mut Sequence, period: u32) -> Input<f32> {
     Input {
         sensors: Sensors {
             // 0.01 rad are 834 counts; the last two bits are noise.
-            motor_encoder: (834 * period + (sequence.word() >> 30)) & TURN,
-            output_encoder: (!period.is_multiple_of(3)).then(|| (834 * period / 100).wrapping_neg() & TURN),
+            motor_encoder: (834 * period + (sequence.word() >> 30)) & LARGEST_COUNT,
+            output_encoder: (!period.is_multiple_of(3))
+                .then(|| (834 * period / 100).wrapping_neg() & LARGEST_COUNT),
             motor_torque: 0.6 * sequence.unit(),
             output_torque: period.is_multiple_of(5).then(|| 60.0 * sequence.unit()),
         },
@@ -124,10 +125,10 @@ fn another_joint_is_another_image() {
     for period in 0..300 {
         let input = if period < 200 { plausible(&mut sequence, period) } else { out_of_reach() };
         control_step(&compensator, &mut state, &input);
-        let wanted = compensator.output(&state);
+        let expected = compensator.output(&state);
         let answer = machine.exchange(&encode_input(&input)).expect("answers");
-        assert_eq!(answer, encode_output(&wanted), "period {period}");
-        differs |= strong.step(&mut beside, &input) != wanted;
+        assert_eq!(answer, encode_output(&expected), "period {period}");
+        differs |= strong.step(&mut beside, &input) != expected;
     }
     assert!(differs);
 }
@@ -143,10 +144,10 @@ fn the_image_answers_as_the_host_does_bit_for_bit() {
     for period in 0..1200 {
         let input = if period < 1000 { plausible(&mut sequence, period) } else { arbitrary(&mut sequence) };
         control_step(&compensator, &mut state, &input);
-        let wanted = compensator.output(&state);
+        let expected = compensator.output(&state);
         let answer = machine.exchange(&encode_input(&input)).expect("answers");
-        assert_eq!(answer, encode_output(&wanted), "period {period}: {input:?} -> {wanted:?}");
-        moved |= wanted.motor_torque != 0.0;
+        assert_eq!(answer, encode_output(&expected), "period {period}: {input:?} -> {expected:?}");
+        moved |= expected.motor_torque != 0.0;
     }
     assert!(moved);
     let ending = machine.finish().expect("ends as it should");

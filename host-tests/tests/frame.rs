@@ -1,4 +1,4 @@
-//! The frames of the emulator link carry every bit of every field, both ways.
+//! The frames of the emulator link transmit every bit of every field, both ways.
 
 use proptest::array;
 use proptest::prelude::*;
@@ -197,12 +197,12 @@ proptest! {
     #[test]
     fn an_output_frame_survives_the_output(bytes in prop::collection::vec(any::<u8>(), OUTPUT_BYTES)) {
         let frame: [u8; OUTPUT_BYTES] = bytes.try_into().expect("the strategy's length");
-        let mut wanted = frame;
+        let mut expected = frame;
         let word = u32::from_le_bytes(frame[OUTPUT_BYTES - 4..].try_into().expect("four bytes"));
         // Mode and whether the estimate is of this step.
         let named = Faults::from_bits(word).bits() | word & 0b111 << 29;
-        wanted[OUTPUT_BYTES - 4..].copy_from_slice(&named.to_le_bytes());
-        prop_assert_eq!(encode_output(&decode_output(&frame)), wanted);
+        expected[OUTPUT_BYTES - 4..].copy_from_slice(&named.to_le_bytes());
+        prop_assert_eq!(encode_output(&decode_output(&frame)), expected);
     }
 
     #[test]

@@ -1,9 +1,9 @@
-//! How sharp the stored solutions of friction are, and what is asked of them; the table of bounds is tighter.
+//! Accuracy of the stored solutions of friction, and their targets; the table of bounds is tighter.
 
 use strainwave_desktop::verify::friction::lugre::StickSlip;
 use strainwave_desktop::verify::friction::order_p;
 
-/// Asked of general A, B, C, as a share of the level.
+/// Asked of general A, B, C, as a fraction of the level.
 const ASKED_OF_ORDER_P: f64 = 1e-9;
 /// Asked of LuGre's stick-slip.
 const ASKED_OF_LUGRE: f64 = 5e-3;

@@ -79,11 +79,11 @@ fn where_a_run_begins_does_not_move_its_gauges() {
 #[test]
 fn every_mesh_size_runs_and_gives_the_same_gear() {
     let motion = |t: f64| (10.0 * t, -30.0 * (t / 0.04));
-    let wanted = run(Build::REFERENCE, &[], motion);
+    let expected = run(Build::REFERENCE, &[], motion);
     for mesh in MeshSize::ALL {
         let rows = run(reference(*mesh), &["0,0,1,1"], motion);
-        for (row, wanted) in rows.iter().zip(&wanted) {
-            assert!((row.torsion - wanted.torsion).abs() < 1e-6, "{mesh}: {row:?} against {wanted:?}");
+        for (row, expected) in rows.iter().zip(&expected) {
+            assert!((row.torsion - expected.torsion).abs() < 1e-6, "{mesh}: {row:?} against {expected:?}");
         }
     }
 }
@@ -92,11 +92,11 @@ fn every_mesh_size_runs_and_gives_the_same_gear() {
 fn a_shorter_step_changes_little() {
     let motion = |t: f64| (10.0 * t, -30.0 * (t / 0.04));
     let mesh = MeshSize::By8x3;
-    let wanted = run(reference(mesh), &[], motion);
+    let expected = run(reference(mesh), &[], motion);
     let rows = run(Build::Reference { mesh, longest_step: Some(1e-6) }, &[], motion);
-    assert_ne!(rows, wanted);
-    for (row, wanted) in rows.iter().zip(&wanted) {
-        assert!((row.torsion - wanted.torsion).abs() < 1e-7, "{row:?} against {wanted:?}");
+    assert_ne!(rows, expected);
+    for (row, expected) in rows.iter().zip(&expected) {
+        assert!((row.torsion - expected.torsion).abs() < 1e-7, "{row:?} against {expected:?}");
     }
 }
 

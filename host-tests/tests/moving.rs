@@ -12,7 +12,7 @@ use strainwave_desktop::log::{MeasuredLog, Time};
 use strainwave_desktop::verify::replay;
 
 const INTERVAL: f64 = 0.004;
-const TURNS: f64 = 9.0;
+const REVOLUTIONS: f64 = 9.0;
 const DURATION: f64 = 6.0;
 /// Level of the friction over the base gear's.
 const LEVEL: f64 = 1.6;
@@ -30,11 +30,11 @@ fn base() -> GearFile {
     gear
 }
 
-/// Angle, speed and acceleration of a motor that stands, turns `turns` there and back, and stands.
-fn motion(t: f64, turns: f64) -> [f64; 3] {
+/// Angle, speed and acceleration of a motor that stands, moves by `revolutions` there and back, and stands.
+fn motion(t: f64, revolutions: f64) -> [f64; 3] {
     let rate = TAU / (DURATION - 1.0);
     let u = rate * (t - 0.5).clamp(0.0, DURATION - 1.0);
-    let amplitude = turns * TAU / 2.0;
+    let amplitude = revolutions * TAU / 2.0;
     let moves = f64::from(u8::from(u > 0.0 && u < TAU));
     [amplitude * (1.0 - u.cos()), amplitude * rate * u.sin(), moves * amplitude * rate * rate * u.cos()]
 }
@@ -51,7 +51,7 @@ fn motor_torque(gear: &GearFile, speed: f64, acceleration: f64) -> f64 {
 }
 
 /// A joint that its load's inertia alone winds up.
-fn log(turns: f64) -> MeasuredLog {
+fn log(revolutions: f64) -> MeasuredLog {
     let gear = base();
     let r: f64 = gear.gear.signed_ratio().value();
     let mut random = ChaCha8Rng::seed_from_u64(7);
@@ -67,7 +67,7 @@ fn log(turns: f64) -> MeasuredLog {
         model_torque: None,
     };
     for k in 0..stamps {
-        let [motor, speed, acceleration] = motion(k as f64 * INTERVAL, turns);
+        let [motor, speed, acceleration] = motion(k as f64 * INTERVAL, revolutions);
         let torsion = gear.inertia.flexspline * r * acceleration / gear.stiffness.k1;
         let error: f64 = ERROR.iter().map(|harmonic| harmonic.at(motor * (1.0 - r))).sum();
         log.motor_position.push(motor + 2e-5 * sample());
@@ -91,8 +91,8 @@ fn apart(a: &Harmonic, b: &Harmonic) -> f64 {
 
 #[test]
 fn kinematic_error_and_friction_come_back_from_a_third_of_the_motion() {
-    let found = learn(&log(TURNS), 1.0 / 3.0).unwrap();
-    assert!((found.turns - 2.0 / 3.0 * TURNS).abs() < 0.1, "{}", found.turns);
+    let found = learn(&log(REVOLUTIONS), 1.0 / 3.0).unwrap();
+    assert!((found.revolutions - 2.0 / 3.0 * REVOLUTIONS).abs() < 0.1, "{}", found.revolutions);
     for truth in &ERROR {
         let orders = &found.gear.kinematic_error.flexspline;
         let learnt = orders.iter().find(|harmonic| harmonic.order == truth.order).unwrap();
@@ -109,21 +109,23 @@ fn kinematic_error_and_friction_come_back_from_a_third_of_the_motion() {
 
 #[test]
 fn all_of_the_log_may_train_and_then_nothing_is_judged() {
-    let found = learn(&log(TURNS), 1.0).unwrap();
+    let found = learn(&log(REVOLUTIONS), 1.0).unwrap();
     assert!(found.judgement.is_none() && found.training_rms < 2e-5, "{:e}", found.training_rms);
 }
 
 #[test]
 fn what_the_log_does_not_show_is_refused_by_name() {
     match learn(&log(0.3), 1.0 / 3.0) {
-        Err(Error::TooFewTurns { order: 2, turns, least }) => assert!(turns < least && least == 0.25),
-        other => panic!("{:?}", other.map(|found| found.turns)),
+        Err(Error::TooFewRevolutions { order: 2, revolutions, least }) => {
+            assert!(revolutions < least && least == 0.25)
+        }
+        other => panic!("{:?}", other.map(|found| found.revolutions)),
     }
     let line = learn(&log(0.3), 1.0 / 3.0).unwrap_err().to_string();
     assert!(line.contains("order 2 of the kinematic error needs at least 0.25"), "{line}");
-    let reversed = log(TURNS).with_reversed_torque();
+    let reversed = log(REVOLUTIONS).with_reversed_torque();
     assert!(matches!(learn(&reversed, 0.5), Err(Error::ReversedTorque { .. })));
-    assert!(learn(&log(TURNS), 0.1).is_err());
+    assert!(learn(&log(REVOLUTIONS), 0.1).is_err());
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! What the observer must not take for a load: the timing of its motor's torque, the last count of a resting output, and
-//! a stiffness that it is told of.
+//! Causes that the observer must not attribute to a load: the timing of its motor's torque, the last count of a resting
+//! output, and a stiffness that it is corrected by.
 
 use std::f64::consts::TAU;
 
@@ -114,7 +114,7 @@ fn a_resting_outputs_last_count_moves_nothing() {
     assert!((off / count - 9.0).abs() < 0.2, "{} counts", off / count);
 }
 
-/// Where the gear's ends are in a period of the observer, as both models take them: the wave generator turns, the
+/// Ends of the gear in a period of the observer, for both models: the wave generator moves, the
 /// flange twists by a wave of `torsion` (rad).
 fn ends(model: &RealTimeGear<f64>, speed: f64, torsion: f64, k: u32) -> (Motion<f64>, Motion<f64>) {
     let time = f64::from(k) * PERIOD;
@@ -171,20 +171,21 @@ fn a_gear_by_turns_is_the_gear() {
     }
 }
 
-/// A gear file whose stiffness is larger by a share is the nominal gear told of that share: hysteresis and wind-up.
+/// A gear file whose stiffness is larger by a fraction is the nominal gear corrected by it: hysteresis and wind-up.
 #[test]
 fn a_gear_told_to_be_stiffer_is_the_stiffer_gear() {
     for stiffening in [-0.1, 0.1] {
         let joint = joint();
         let mut stiffer = joint.gear;
         stiffer.flexspline.line.stiffness = stiffer.flexspline.line.stiffness.map(|k| (1.0 + stiffening) * k);
-        let [told, true_one] = [&joint.gear, &stiffer].map(|params| gear(params, PERIOD));
-        let multi_rate = MultiRate::build(told.ratio().value(), PERIOD);
+        let [nominal, true_one] = [&joint.gear, &stiffer].map(|params| gear(params, PERIOD));
+        let multi_rate = MultiRate::build(nominal.ratio().value(), PERIOD);
         let known = GearCorrection { stiffening, ..GearCorrection::default() };
-        let (mut of_told, mut of_true) = (MultiRateGear::default(), true_one.rest());
+        let (mut of_corrected, mut of_true) = (MultiRateGear::default(), true_one.rest());
         for k in 0..10_000 {
-            let (motor, flange) = ends(&told, 0.0, 1.2e-3, k);
-            let ours = of_told.torques(&multi_rate, &told, &observer_ends(&told, motor, flange), &known);
+            let (motor, flange) = ends(&nominal, 0.0, 1.2e-3, k);
+            let ours =
+                of_corrected.torques(&multi_rate, &nominal, &observer_ends(&nominal, motor, flange), &known);
             let theirs = true_one.torques(&mut of_true, &motor, &flange, Applied::default());
             let off = (ours.transmitted - theirs.transmitted).abs() / joint.gear.rated_torque;
             assert!(off < 3e-3, "{off}: {ours:?} {theirs:?}");

@@ -2,19 +2,19 @@
 
 use strainwave_desktop::verify::flexspline::oracle::Problem;
 
-/// Largest distance that is asked (m); the table of bounds holds a tighter one.
-const ASKED: f64 = 1e-12;
+/// Target of the largest distance (m); the table of bounds holds a tighter one.
+const TARGET: f64 = 1e-12;
 
 #[test]
 fn the_free_shell_moves_as_mujocos_at_every_stored_step() {
     let distances = Problem::stored().distances();
     assert_eq!(distances.keys().copied().collect::<Vec<_>>(), [10, 100, 1000]);
     for (step, distance) in distances {
-        assert!(distance <= ASKED, "{distance:e} m after {step} steps");
+        assert!(distance <= TARGET, "{distance:e} m after {step} steps");
     }
 }
 
-/// How sharp the oracle is.
+/// Sensitivity of the oracle.
 #[test]
 fn either_link_constant_off_by_1e_8_of_itself_shows() {
     let mut stiffer = Problem::stored();
@@ -22,6 +22,6 @@ fn either_link_constant_off_by_1e_8_of_itself_shows() {
     let mut stickier = Problem::stored();
     stickier.shell.link_damping_n_s_per_m *= 1.0 + 1e-8;
     for problem in [stiffer, stickier] {
-        assert!(problem.distances()[&1000] > ASKED);
+        assert!(problem.distances()[&1000] > TARGET);
     }
 }

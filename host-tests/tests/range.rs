@@ -7,7 +7,7 @@ use strainwave::gear::{GearParams, Motion};
 use strainwave_desktop::GearFile;
 use strainwave_desktop::joint::{CONTROL_PERIOD, firmware_gear_params};
 
-/// Half a turn in a control period: the most that two readings of an encoder can differ by (rad/s).
+/// Half a revolution in a control period: the most that two readings of an encoder can differ by (rad/s).
 const FASTEST: f32 = std::f32::consts::PI / CONTROL_PERIOD as f32;
 
 fn gear() -> (GearParams<f32>, RealTimeGear<f32>) {
@@ -51,7 +51,7 @@ proptest! {
             prop_assert!(torques.wave_generator.is_finite());
             prop_assert!(flange.velocity.abs() <= fastest, "{:?}", flange);
         }
-        // A quarter turn is 1.6e-2 rad at the output, from anywhere in the range to beyond it.
+        // A quarter revolution is 1.6e-2 rad at the output, from anywhere in the range to beyond it.
         prop_assert!(saturated || counts.iter().all(|count| count.abs() < 1 << 17));
         // Held, it comes to rest within its range.
         let held = Motion { velocity: 0.0, ..motor };

@@ -93,7 +93,7 @@ fn an_input_that_starts_at_speed_starts_a_gear_that_runs() {
     }
 }
 
-/// Whole turns change nothing but the output's place; part of a turn changes the kinematic error's
+/// Whole revolutions change nothing but the output's place; part of a revolution changes the kinematic error's
 /// phase, as moving there first does.
 #[test]
 fn where_the_wave_generator_starts_is_only_a_phase() {
@@ -177,7 +177,7 @@ fn scaled(factors: &[f64]) -> Option<GearFile> {
 proptest! {
     #![proptest_config(ProptestConfig { max_global_rejects: 100_000, ..ProptestConfig::with_cases(100) })]
 
-    /// What the gear file's checks let through is a gear: it is built, and its output is finite.
+    /// A gear file that passes the checks is a gear: it is built, and its output is finite.
     #[test]
     fn every_accepted_gear_runs(powers in prop::collection::vec(prop_oneof![Just(0.0), -1.0..1.0f64], 60)) {
         let factors: Vec<f64> = powers.iter().map(|power| 10f64.powf(*power)).collect();

@@ -105,7 +105,7 @@ fn inner<R: Real, const M: usize>() -> [R; M] {
     core::array::from_fn(|j| if j == 0 || j == M - 1 { R::ZERO } else { R::ONE })
 }
 
-/// Inertia of the rim, which carries half the mass of an inner slice (kg m^2).
+/// Inertia of the rim, which has half the mass of an inner slice (kg m^2).
 fn rim_inertia<R: Real>(shell: &ShellParams<R>, n: usize, m: usize) -> R {
     let radius = shell.cup.radius;
     R::lit(0.5) * R::from_i32(n as i32) * shell.node_mass(n, m) * radius * radius

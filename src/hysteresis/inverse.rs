@@ -115,7 +115,7 @@ impl<R: Real, const L: usize, const MEMORY: usize> TorsionInverse<'_, R, L, MEMO
             }
             torsion = end.min(upper);
         }
-        // Above the end of the range the line carries it alone.
+        // Above the end of the range the line alone gives the torque.
         self.line.torsion(torque)
     }
 }
@@ -232,7 +232,7 @@ mod tests {
         Staircase::build(R::lit(U), &weights).unwrap()
     }
 
-    /// Largest distance of an output that was asked for from the one that the input gives, and of an input
+    /// Largest distance of a target output from the one that the input gives, and of an input
     /// from the one that its output gives, as shares of their spans.
     fn round_trip<R: Real, const L: usize>(uneven: bool, history: &[f64], ends: &[f64]) -> [f64; 2] {
         let model = staircase::<R, L>(uneven);

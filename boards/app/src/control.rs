@@ -8,7 +8,7 @@ use strainwave::compensator::{Commanded, Input, Output, Status};
 /// Control periods in a second (Hz).
 pub const RATE: u32 = 10_000;
 
-/// What the control needs from a board, once a period.
+/// Interface of the control to a board, used once a period.
 pub trait Board {
     /// Of how many steps one is reported: as many as the board's telemetry can carry.
     const REPORT_EVERY: u32;
@@ -17,7 +17,7 @@ pub trait Board {
     fn input(&mut self) -> Option<Input<f32>>;
     /// Puts a step's torque command to the motor (N m).
     fn command(&mut self, torque: f32);
-    /// What else there is to be known of the step: it costs as much as it takes to ask for it.
+    /// Reports all outputs of the step, computed on request only.
     fn report(&mut self, output: impl FnOnce() -> Output<f32>);
     /// Takes the torque off the motor: there is no input to control it with.
     fn release(&mut self);
@@ -29,8 +29,8 @@ pub trait Board {
     fn restarted(&self) -> bool {
         false
     }
-    /// Somebody who has looked after the cause asks to leave Safe; once for each time.
-    fn reset_asked(&mut self) -> bool {
+    /// A request to leave Safe, once for each time.
+    fn reset_requested(&mut self) -> bool {
         false
     }
 }
@@ -43,7 +43,7 @@ pub struct Control<B> {
     sender: Sender,
     periods: u32,
     overruns: u32,
-    /// What the next step is told.
+    /// Status of the next step.
     status: Status,
     /// Periods without an input since the last step.
     missed: u32,
@@ -64,7 +64,7 @@ impl<B: Board> Control<B> {
     /// One period: called from the board's control interrupt, never blocks on telemetry.
     #[inline]
     pub fn tick(&mut self) {
-        if self.board.reset_asked() {
+        if self.board.reset_requested() {
             self.compensator.reset(&mut self.state);
         }
         match self.board.input() {

@@ -28,9 +28,9 @@ pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + COMMAND + 2 * 8 * WORD 
 /// Length of an output frame (bytes): torques and reference, estimate, its deviation, factors, faults.
 pub const OUTPUT_BYTES: usize = (2 * WORD + ANGLE) + (ANGLE + 6 * WORD) + 7 * WORD + 6 * WORD + WORD;
 
-/// Where the faults' word says the mode, two bits.
+/// Position of the mode in the faults' word, two bits.
 const MODE_BIT: u32 = 29;
-/// Where the faults' word says whether the estimate is of this step.
+/// Position of the bit in the faults' word that the estimate is of this step.
 const OBSERVED_BIT: u32 = 31;
 
 /// The bytes of an input.
@@ -64,7 +64,7 @@ pub fn decode_output(frame: &[u8; OUTPUT_BYTES]) -> Output<f32> {
 
 /// Goes through the fields of a frame in their order, and may change what it comes to.
 pub trait Fields {
-    /// What every field consists of.
+    /// Bytes of a field.
     fn bytes<const K: usize>(&mut self, bytes: &mut [u8; K]);
 
     /// A word.

@@ -29,7 +29,7 @@ pub use strainwave::compensator::{self, Input, Output};
 
 /// The compensator as firmware runs it.
 pub type Compensator = strainwave::compensator::Compensator<f32>;
-/// What it remembers from step to step.
+/// State of the compensator.
 pub type State = strainwave::compensator::State<f32>;
 pub use slot::Slot;
 pub use telemetry::{Log, Record, Telemetry};

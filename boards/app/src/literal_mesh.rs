@@ -17,7 +17,7 @@ use strainwave::{Angle, Error, Ratio};
 /// The coarsest mesh that is calibrated: 8 nodes around, 3 along the axis.
 type CoarseMesh = Mesh<f32, 8, 3>;
 
-/// Largest micro-step as a share of the mesh's stable step.
+/// Largest micro-step as a fraction of the mesh's stable step.
 pub const STEP_SHARE: f32 = 0.95;
 
 /// Control periods of the whole run.
@@ -30,7 +30,7 @@ const RISE: u32 = 30;
 /// Torque at the end, in torques of the second knee.
 const WIND_UP: f32 = 1.25;
 
-/// How far the mesh may be from its reduction in the end, as a share of the torque.
+/// Largest difference of the mesh to its reduction in the end, relative to the torque.
 pub const AGREEMENT: f32 = 1e-3;
 
 /// Torques on the held output at the end of the wind-up (N m).
@@ -72,7 +72,7 @@ pub fn wind_up(joint: &JointParams<f32>) -> Result<WindUp, Error> {
     Ok(WindUp { literal, reduced: reduced.torque(ends.drive.minus(ends.flange), 0.0) })
 }
 
-/// Share of the torsion after so many periods.
+/// Fraction of the torsion after so many periods.
 fn share(periods: u32) -> f32 {
     let u = (periods as f32 / RISE as f32).min(1.0);
     u * u * (3.0 - 2.0 * u)

@@ -1,4 +1,4 @@
-//! Where the control waits for its interrupt.
+//! Slot in which the control waits for its interrupt.
 
 use crate::control::{Board, Control};
 use core::cell::RefCell;

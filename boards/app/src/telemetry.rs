@@ -1,4 +1,4 @@
-//! What the control reports of itself: from the interrupt through a queue to the idle loop.
+//! Telemetry of the control: from the interrupt through a queue to the idle loop.
 //!
 //! The interrupt never waits: a record that finds the queue full is counted and dropped. The idle
 //! loop is the only reader and the only one that logs.
@@ -19,7 +19,7 @@ pub struct Record {
     pub period: u32,
     /// Periods that lasted into the next one.
     pub overruns: u32,
-    /// Motor encoder, raw count within the turn.
+    /// Motor encoder, raw count within the revolution.
     pub motor_encoder: u32,
     /// Torque command to the motor (N m).
     pub motor_torque: f32,
@@ -27,7 +27,7 @@ pub struct Record {
     pub torsion: f32,
     /// External torque on the flexspline (N m).
     pub external_torque: f32,
-    /// What is wrong, by bit.
+    /// Faults, by bit.
     pub faults: u32,
 }
 

@@ -2,18 +2,18 @@
 //!
 //! The torsion runs down towards zero until the memory is full and beyond, each time turning a little earlier. From
 //! every depth it then turns, goes on, or wipes out any number of what it remembers, all of it at once included;
-//! and so does the inverse in looking for the output there, which must be the one that was asked for. Random
+//! and so does the inverse in looking for the output there, which must be the target. Random
 //! inputs follow. Inputs in half ranges, outputs in those at saturation.
 
 use strainwave::Error;
 use strainwave::compensator::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY};
 use strainwave::hysteresis::{Staircase, StaircaseState, TorsionHysteresis, TorsionHysteresisState, Weights};
 
-/// How far an output may be from the one that was asked of the inverse.
+/// Largest difference of an output to the inverse's target.
 pub const AGREEMENT: f32 = 1e-5;
 
 /// Turning points of a run-down: more than are remembered.
-const TURNS: usize = HYSTERESIS_MEMORY + 4;
+const TURNING_POINTS: usize = HYSTERESIS_MEMORY + 4;
 
 /// Random inputs.
 const INPUTS: u32 = 2000;
@@ -27,11 +27,11 @@ struct Driven {
     torsion: Torsion,
     state: StaircaseState<f32, HYSTERESIS_MEMORY>,
     torsion_state: TorsionHysteresisState<f32, HYSTERESIS_MEMORY>,
-    /// Largest distance of an output from the one that was asked for.
+    /// Largest distance of an output from its target.
     worst: f32,
 }
 
-/// Runs through the histories: the largest distance of an output from the one that was asked for.
+/// Runs through the histories: the largest distance of an output from its target.
 ///
 /// # Errors
 /// None with the models as they are.
@@ -51,14 +51,14 @@ pub fn drive() -> Result<f32, Error> {
 
 impl Driven {
     fn run_down(&mut self) -> Result<(), Error> {
-        for turn in 0..TURNS {
-            for reach in 0..=2 * turn + 2 {
+        for k in 0..TURNING_POINTS {
+            for reach in 0..=2 * k + 2 {
                 // Between two turning points on either side, beyond the first at last.
-                let to = 1.0 - (reach as f32 - 0.5) / (TURNS + 1) as f32;
+                let to = 1.0 - (reach as f32 - 0.5) / (TURNING_POINTS + 1) as f32;
                 self.look_ahead(to)?;
                 self.look_ahead(-to)?;
             }
-            self.step(turning_point(turn));
+            self.step(turning_point(k));
         }
         for input in [f32::NAN, 2.0, -2.0, f32::NAN, 0.0] {
             self.look_ahead(input)?;
@@ -88,18 +88,18 @@ impl Driven {
 
     /// A step to `input` and back in time, and the inverse's way to the output there.
     fn look_ahead(&mut self, input: f32) -> Result<(), Error> {
-        let mut ahead = self.torsion_state;
-        self.torsion.step(&mut ahead, input);
-        let wanted = self.model.peek(&self.state, input).output;
-        let found = self.model.inverse()?.input(&self.state, wanted);
-        let distance = (self.model.peek(&self.state, found).output - wanted).abs();
+        let mut next = self.torsion_state;
+        self.torsion.step(&mut next, input);
+        let expected = self.model.peek(&self.state, input).output;
+        let found = self.model.inverse()?.input(&self.state, expected);
+        let distance = (self.model.peek(&self.state, found).output - expected).abs();
         self.worst = self.worst.max(distance);
         Ok(())
     }
 }
 
-/// From the end of the range inwards, on either side by turns.
-fn turning_point(turn: usize) -> f32 {
-    let amplitude = 1.0 - turn as f32 / (TURNS + 1) as f32;
-    if turn.is_multiple_of(2) { amplitude } else { -amplitude }
+/// From the end of the range inwards, on alternating sides.
+fn turning_point(k: usize) -> f32 {
+    let amplitude = 1.0 - k as f32 / (TURNING_POINTS + 1) as f32;
+    if k.is_multiple_of(2) { amplitude } else { -amplitude }
 }

@@ -1,4 +1,4 @@
-//! What every program of this board that is counted, and never flashed, has around it.
+//! Frame of the programs of this board that are counted, and never flashed.
 //!
 //! An image of its own, so that nothing of it is in the control's. It may panic, and then says so.
 
@@ -21,7 +21,7 @@ pub fn run(program: impl FnOnce() -> Result<bool, Error>) -> ! {
     fault::fail()
 }
 
-/// Where the application's panic handler goes; nothing else defines it.
+/// Target of the application's panic handler; nothing else defines it.
 #[unsafe(no_mangle)]
 extern "C" fn strainwave_a_panic_is_reachable() -> ! {
     fault::fail_because(c"the counted program panicked\n")

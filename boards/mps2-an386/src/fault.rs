@@ -1,4 +1,4 @@
-//! How the image ends.
+//! End of the image.
 
 use core::ffi::CStr;
 use cortex_m_rt::{ExceptionFrame, exception};

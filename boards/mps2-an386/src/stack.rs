@@ -1,4 +1,4 @@
-//! How much of the stack was ever used: cortex-m-rt paints it before `main`, use scrapes the paint off.
+//! High-water mark of the stack: cortex-m-rt paints it before `main`, use overwrites the paint.
 
 use cortex_m_rt::STACK_PAINT_VALUE;
 

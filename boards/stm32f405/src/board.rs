@@ -11,13 +11,13 @@ use strainwave_app::compensator::{CompensationGains, Sensors, Setpoint};
 use strainwave_app::jog::{Jog, LIMITS, Trajectory};
 use strainwave_app::{Input, JOINT, Output};
 
-/// What is applied once the joint holds: everything, but of the friction only what cannot drive it.
+/// Gains once the joint holds: all 1, but the friction's below that which could drive it.
 const GAINS: CompensationGains<f32> = CompensationGains { friction: 0.8, ..CompensationGains::ALL };
 
 /// Periods in which the observer only watches, before the joint holds where it then is: 0.1 s.
 const WATCHING: u32 = 1000;
 
-/// What `main` starts once the control is in place.
+/// Hardware that `main` starts once the control is in place.
 pub struct Hardware {
     pub interrupts: NVIC,
     pub timer: TIM2,
@@ -75,7 +75,7 @@ pub struct Board {
     /// The last torque command (N m).
     torque: f32,
     watched: u32,
-    /// Where the output is, at rest.
+    /// Angle of the output, at rest.
     here: Setpoint<f32>,
     /// Absent while the observer only watches.
     jog: Option<Jog>,

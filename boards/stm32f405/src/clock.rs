@@ -11,7 +11,7 @@ use stm32f4xx_hal::rcc::Rcc;
 pub const FULL: u32 = 168_000_000;
 /// Core clock without the crystal, and what the HAL assumes (Hz).
 pub const INTERNAL: u32 = 16_000_000;
-/// What the timers of APB1 and all of APB2 get of the core clock at [`FULL`].
+/// Divisor of the core clock for the timers of APB1 and all of APB2 at [`FULL`].
 pub const PERIPHERAL_DIVISOR: u32 = 2;
 
 /// 8 MHz / 4 = 2 MHz into the PLL, which ST recommends against jitter; * 168 = 336 MHz; / 2 = 168 MHz.

@@ -44,7 +44,7 @@ impl MotorEncoder {
         let clock = clock.into_alternate().speed(Speed::High);
         // A line that nobody drives reads as an error, not as an angle of zero.
         let miso = miso.into_alternate().internal_pull_up(true);
-        // The HAL assumes 16 MHz: this gives the divider that is wanted.
+        // The HAL assumes 16 MHz: this gives the right divider.
         let frequency = Hertz::from_raw(INTERNAL / DIVIDER);
         let bus = Spi::new(spi, (Some(clock), Some(miso), Some(mosi)), MODE, frequency, rcc);
         let device = ExclusiveDevice::new(bus, select, CycleDelay).ok()?;
@@ -66,7 +66,7 @@ impl MotorEncoder {
         None
     }
 
-    /// The raw count within the turn in the joint's resolution; `None` once the encoder is lost.
+    /// The raw count within the revolution in the joint's resolution; `None` once the encoder is lost.
     pub fn count(&mut self) -> Option<u32> {
         if lost() {
             return None;

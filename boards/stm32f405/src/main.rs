@@ -52,12 +52,12 @@ fn run(control: Control<Board>, mut hardware: Hardware, mut log: Log) -> ! {
     serial::listen(&mut hardware.interrupts);
     watchdog::start(&hardware.watchdog);
     timer::start(&hardware.timer, &mut hardware.interrupts);
-    let mut told = false;
+    let mut warned = false;
     loop {
         log.drain();
-        if encoder::lost() && !told {
+        if encoder::lost() && !warned {
             defmt::error!("motor encoder lost: the drive is released until the next reset");
-            told = true;
+            warned = true;
         }
         cortex_m::asm::wfi();
     }

@@ -14,17 +14,17 @@ use crate::clock::{FULL, PERIPHERAL_DIVISOR};
 /// Symbols a second [Bd]. The divider misses it by 0.16 % at 84 MHz.
 const RATE: u32 = 921_600;
 
-/// What a key moves the target by [mrad at the output].
+/// Step of the target by a key [mrad at the output].
 const STEP: i32 = 10;
 const FARTHEST_STEPS: i32 = (FARTHEST * 1e3) as i32;
 
 /// Priority of the keys: below the control, whose 0 is the highest.
 const PRIORITY: u8 = 0x80;
 
-/// Where the operator wants the output, from where it started [mrad].
+/// Target of the operator, relative to the start [mrad].
 static TARGET: AtomicI32 = AtomicI32::new(0);
 
-/// Where the operator wants the output, from where it started (rad).
+/// Target of the operator, relative to the start (rad).
 pub fn target() -> f32 {
     TARGET.load(Ordering::Relaxed) as f32 * 1e-3
 }

@@ -7,7 +7,7 @@ const SIM: &str = "sim --gear g.toml --input in.csv --output out.csv --json out.
 #[test]
 fn bad_gear_files_are_refused_by_key() {
     let bench = Bench::new();
-    for (from, to, wanted) in [
+    for (from, to, expected) in [
         (
             "ratio = 100",
             "ratio = 0",
@@ -137,7 +137,7 @@ fn bad_gear_files_are_refused_by_key() {
         assert!(GEAR.contains(from));
         bench.write("g.toml", GEAR.replacen(from, to, 1));
         let line = bench.refused(SIM);
-        assert!(line.starts_with(&format!("error: {wanted}")), "{line}\n{wanted}");
+        assert!(line.starts_with(&format!("error: {expected}")), "{line}\n{expected}");
     }
     bench.write("g.toml", b"\xff\xfe");
     assert_eq!(bench.refused(SIM), "error: g.toml: line 1: not TOML: not UTF-8 text");
@@ -146,7 +146,7 @@ fn bad_gear_files_are_refused_by_key() {
 #[test]
 fn bad_inputs_are_refused_by_row_and_column() {
     let bench = Bench::new();
-    for (from, to, wanted) in [
+    for (from, to, expected) in [
         (INPUT, "", "in.csv: empty file"),
         (INPUT, "t_s,theta_wg_rad,tau_load_nm\n", "in.csv: no rows after the header"),
         ("0.1,-50", ",-50", "in.csv: row 3, column theta_wg_rad: no value (a gap)"),
@@ -176,7 +176,7 @@ fn bad_inputs_are_refused_by_row_and_column() {
         assert!(INPUT.contains(from));
         bench.write("in.csv", INPUT.replacen(from, to, 1));
         let line = bench.refused(SIM);
-        assert!(line.starts_with(&format!("error: {wanted}")), "{line}\n{wanted}");
+        assert!(line.starts_with(&format!("error: {expected}")), "{line}\n{expected}");
     }
 }
 
@@ -185,7 +185,7 @@ fn files_that_cannot_be_read_or_written_are_named() {
     let bench = Bench::new();
     std::fs::create_dir(bench.path("folder")).unwrap();
     bench.write("log.csv", LOG);
-    for (words, wanted) in [
+    for (words, expected) in [
         (SIM.replace("g.toml", "none.toml"), "none.toml: cannot be read: No such file"),
         (SIM.replace("g.toml", "folder"), "folder: cannot be read: it is a folder"),
         (SIM.replace("in.csv", "none.csv"), "none.csv: cannot be read: No such file"),
@@ -222,7 +222,7 @@ fn files_that_cannot_be_read_or_written_are_named() {
         ("verify --json none/out.json".into(), "none/out.json: cannot be written: there is no folder none"),
     ] {
         let line = bench.refused(&words);
-        assert!(line.starts_with(&format!("error: {wanted}")), "{line}\n{wanted}");
+        assert!(line.starts_with(&format!("error: {expected}")), "{line}\n{expected}");
     }
 }
 
@@ -233,7 +233,7 @@ fn meshes_steps_and_gauges_that_there_are_not_are_refused_by_value() {
     let mesh = |value: &str| format!("invalid value '{value}' for '--mesh <NxM>'");
     let gauge = |value: &str| format!("invalid value '{value}' for '--gauge <I,J,AROUND,ALONG>'");
     let stable = "is out of range; allowed: from 1e-9 s to below";
-    for (words, wanted) in [
+    for (words, expected) in [
         ("--mesh 3x4", format!("{}: n = 3 is out of range; allowed: 4 nodes around or more", mesh("3x4"))),
         ("--mesh -8x4", format!("{}: n = -8 is out of range; allowed: 4 nodes", mesh("-8x4"))),
         ("--mesh 8x1", format!("{}: m = 1 is out of range; allowed: 2 nodes along the axis", mesh("8x1"))),
@@ -268,7 +268,7 @@ fn meshes_steps_and_gauges_that_there_are_not_are_refused_by_value() {
         ("--gauge 0,0,1,1 --gauge 0,0,1,1", "--gauge 0,0,1,1: stands there twice".into()),
     ] {
         let line = bench.refused(&format!("{SIM} {words}"));
-        assert!(line.starts_with(&format!("error: {wanted}")), "{line}\n{wanted}");
+        assert!(line.starts_with(&format!("error: {expected}")), "{line}\n{expected}");
     }
 }
 
@@ -300,7 +300,7 @@ fn a_run_that_diverges_names_time_and_node_and_writes_nothing() {
 fn logs_that_cannot_be_replayed_are_refused_before_anything_is_built() {
     let bench = Bench::new();
     let replay = "pil --gear g.toml --replay log.csv --json out.json";
-    for (from, to, wanted) in [
+    for (from, to, expected) in [
         (
             ",theta_out_rad",
             ",tau_out_nm",
@@ -316,7 +316,7 @@ fn logs_that_cannot_be_replayed_are_refused_before_anything_is_built() {
         assert!(LOG.contains(from));
         bench.write("log.csv", LOG.replacen(from, to, 1));
         let line = bench.refused(replay);
-        assert!(line.starts_with(&format!("error: {wanted}")), "{line}\n{wanted}");
+        assert!(line.starts_with(&format!("error: {expected}")), "{line}\n{expected}");
     }
     bench.write("log.csv", LOG);
     bench.write("g.toml", GEAR.replacen("ratio = 100", "ratio = 0", 1));
@@ -328,7 +328,7 @@ fn logs_that_cannot_be_replayed_are_refused_before_anything_is_built() {
 fn boards_that_are_not_there_or_cannot_be_run_are_refused_by_name() {
     let bench = Bench::new();
     let unknown = "unknown, the boards are mps2-an386, stm32f405";
-    for (words, wanted) in [
+    for (words, expected) in [
         ("pil --board nucleo", format!("board nucleo: {unknown}")),
         ("pil --board ../boards/app", format!("board ../boards/app: {unknown}")),
         ("budget --board nucleo", format!("board nucleo: {unknown}")),
@@ -337,7 +337,7 @@ fn boards_that_are_not_there_or_cannot_be_run_are_refused_by_name() {
             "board stm32f405: the emulator has no such machine, the boards that it has are mps2-an386".into(),
         ),
     ] {
-        assert_eq!(bench.refused(words), format!("error: {wanted}"));
+        assert_eq!(bench.refused(words), format!("error: {expected}"));
     }
 }
 
@@ -363,8 +363,8 @@ fn a_missing_emulator_with_no_way_to_fetch_it_is_one_line() {
     for words in ["pil", "pil --scenario all --json out.json"] {
         let mut command = bench.command(words);
         let line = bench.refuses(words, command.env("PATH", &nothing).env("STRAINWAVE_CACHE", &nothing));
-        let wanted = "error: no qemu-system-arm 7.2 or newer on PATH: there is no apt-get to fetch it with; install it: ";
-        assert!(line.starts_with(wanted), "{line}");
+        let expected = "error: no qemu-system-arm 7.2 or newer on PATH: there is no apt-get to fetch it with; install it: ";
+        assert!(line.starts_with(expected), "{line}");
         for manager in ["dnf install", "pacman -S", "brew install", "zypper install"] {
             assert!(line.contains(manager), "{line}");
         }
@@ -387,7 +387,7 @@ fn one_file_in_two_places_is_refused() {
 #[test]
 fn mistakes_on_the_command_line_are_one_line_too() {
     let bench = Bench::new();
-    for (words, wanted) in [
+    for (words, expected) in [
         ("", "error: no subcommand was given"),
         ("simulate", "error: unrecognized subcommand 'simulate'"),
         ("sim --gear g.toml", "error: the following required arguments were not provided: --input <IN.csv>"),
@@ -414,7 +414,7 @@ fn mistakes_on_the_command_line_are_one_line_too() {
         (&format!("{SIM} --build fast"), "error: invalid value 'fast' for '--build <BUILD>'"),
     ] {
         let line = bench.refused(words);
-        assert!(line.starts_with(wanted), "{line}\n{wanted}");
+        assert!(line.starts_with(expected), "{line}\n{expected}");
     }
 }
 

@@ -20,7 +20,7 @@ pub struct Bench {
     folder: TempDir,
 }
 
-/// What a run answered.
+/// Answer of a run.
 pub struct Answer {
     /// Exit code; none when a signal ended it.
     pub code: Option<i32>,

@@ -1,4 +1,4 @@
-//! `design`: margins beside their bounds, the exit code that follows from them.
+//! `design`: margins with their bounds, the exit code that follows from them.
 
 use crate::bench::Bench;
 

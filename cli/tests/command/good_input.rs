@@ -26,8 +26,8 @@ fn both_builds_write_a_row_every_tenth_of_a_millisecond() {
         assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""));
         let rows = rows(&bench, HEADER);
         let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
-        let wanted: Vec<f64> = (0..=20).map(|k| f64::from(k) / 10_000.0).collect();
-        assert_eq!(times, wanted);
+        let expected: Vec<f64> = (0..=20).map(|k| f64::from(k) / 10_000.0).collect();
+        assert_eq!(times, expected);
         // The load pulls the output backwards, which winds the flexspline up.
         assert!(rows[20][1] < 0.0 && rows[20][4] > 0.0, "{:?}", rows[20]);
     }
@@ -198,7 +198,7 @@ fn figures_are_printed_and_written() {
 #[test]
 fn verify_measures_the_part_asked_for() {
     // The one part that neither boots an image nor looks at the clock.
-    let answer = Bench::new().run("verify compensator --draws 1 --box 1");
+    let answer = Bench::new().run("verify compensator --samples 1 --box 1");
     assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""));
     let figures: Vec<_> = answer.output.lines().skip(1).collect();
     assert!(!figures.is_empty());
@@ -233,8 +233,8 @@ fn the_help_of_sim_says_what_there_is() {
     let meshes = format!("One of {}.", MeshSize::names());
     let step = format!("(s); {STEP_SHARE} of the mesh's stable step when left out");
     let default = format!("{} when left out", MeshSize::DEFAULT);
-    for wanted in [meshes, step, default, "strain_I_J_AROUND_ALONG".into(), "diverges".into()] {
-        assert!(help.contains(&wanted), "{wanted}\n{help}");
+    for expected in [meshes, step, default, "strain_I_J_AROUND_ALONG".into(), "diverges".into()] {
+        assert!(help.contains(&expected), "{expected}\n{help}");
     }
 }
 

@@ -75,7 +75,7 @@ fn logs_that_show_no_hysteresis_are_refused_by_name() {
     let log = log();
     let lines: Vec<&str> = log.lines().collect();
     let rise = |count: usize| lines[..=count].join("\n");
-    for (text, wanted) in [
+    for (text, expected) in [
         (rise(20), "log.csv: 20 samples are too few; allowed: at least 100"),
         (rise(0), "log.csv: no rows after the header"),
         (log.replace(",tau_out_nm", ""), "log.csv: row 2, column 5: "),
@@ -99,7 +99,7 @@ fn logs_that_show_no_hysteresis_are_refused_by_name() {
     ] {
         bench.write("log.csv", text);
         let line = bench.refused(IDENTIFY);
-        assert!(line.starts_with(&format!("error: {wanted}")), "{line}\n{wanted}");
+        assert!(line.starts_with(&format!("error: {expected}")), "{line}\n{expected}");
     }
     let mut steady = String::from("t_s,theta_motor_rad,tau_motor_nm,theta_out_rad,tau_out_nm\n");
     (0..200).for_each(|k| _ = writeln!(steady, "{},0,0,{},{k}", f64::from(k) * 0.01, f64::from(-k) * 1e-5));
@@ -112,13 +112,13 @@ fn logs_that_show_no_hysteresis_are_refused_by_name() {
 fn options_out_of_range_are_refused_by_name() {
     let bench = Bench::new();
     bench.write("log.csv", log());
-    for (option, wanted) in [
+    for (option, expected) in [
         ("--training 0", "--training 0 is out of range; allowed: a number from 0.2 to 1"),
         ("--training nan", "--training NaN is out of range; allowed: a number from 0.2 to 1"),
         ("--levels 7", "--levels 7 is out of range; allowed: 6, 8, 12 or 24"),
         ("--smoothing -1", "--smoothing -1 is out of range; allowed: a number from 1e-12 to 1e6"),
     ] {
-        assert_eq!(bench.refused(&format!("{IDENTIFY} {option}")), format!("error: {wanted}"));
+        assert_eq!(bench.refused(&format!("{IDENTIFY} {option}")), format!("error: {expected}"));
     }
     let line = bench.refused(&IDENTIFY.replace("new.toml", "log.csv"));
     assert!(line.ends_with("are the same file"), "{line}");

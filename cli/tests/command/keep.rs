@@ -1,4 +1,4 @@
-//! What a compensator has learnt goes into the gear file, and the next run starts from it.
+//! Learnt factors and ripple go into the gear file, and the next run starts from them.
 
 use strainwave::compensator::adapt::learning;
 use strainwave_desktop::GearFile;
@@ -9,7 +9,7 @@ use strainwave_emulator::setup::{self, ThisHost};
 
 use crate::bench::{Bench, GEAR};
 
-/// What a kept gear file holds.
+/// Content of a kept gear file.
 fn kept(bench: &Bench, name: &str) -> (GearFile, Learnt) {
     let gear = GearFile::read(&bench.path(name)).unwrap();
     let learnt = gear.learnt.clone().expect("a section [learnt]");

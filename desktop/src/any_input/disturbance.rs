@@ -1,4 +1,4 @@
-//! What goes wrong with the input of one control period. Sizes are of the joint: no field is only ever absurd.
+//! Disturbances of the input of one control period, scaled to the joint, so that no field is always out of range.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -35,7 +35,7 @@ pub enum Disturbance {
     Position,
     /// A command of another kind.
     Kind,
-    /// Any shares.
+    /// Any gains.
     Gains,
     /// Any bits of everything.
     Bits,
@@ -61,7 +61,7 @@ impl Disturbance {
     ];
 
     /// Any of them.
-    pub fn draw(random: &mut ChaCha8Rng) -> Self {
+    pub fn sample(random: &mut ChaCha8Rng) -> Self {
         Self::ALL[random.random_range(0..Self::ALL.len())]
     }
 

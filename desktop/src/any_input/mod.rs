@@ -13,8 +13,8 @@ use rand_chacha::ChaCha8Rng;
 use strainwave::Error;
 use strainwave::compensator::{Input, JointParams, Output};
 
-use crate::ability::Ability;
 use crate::bench::{Bench, Conditions, SensorSet, Task};
+use crate::capability::Capability;
 use crate::closed_loop::{Controller, HostCompensator};
 use crate::divergence::RunError;
 use crate::gear_file::GearFile;
@@ -49,7 +49,7 @@ pub fn sequence(file: &GearFile, seed: u64) -> Result<Vec<Input<f32>>, Error> {
         };
         return Ok((0..length).map(bits).collect());
     }
-    Disturbed::draw(&joint, random)?.drive(file, seed, length)
+    Disturbed::sample(&joint, random)?.drive(file, seed, length)
 }
 
 /// A sequence up to period `at` with something else in the periods before it.
@@ -61,7 +61,7 @@ pub fn variation(inputs: &[Input<f32>], at: usize, joint: &JointParams<f32>, see
     let mut varied = inputs[..=at].to_vec();
     for _ in 0..random.random_range(1..=CHANGES) {
         let place = at - random.random_range(0..WINDOW.min(at + 1));
-        Disturbance::draw(&mut random).apply(&mut varied[place], joint, &mut random);
+        Disturbance::sample(&mut random).apply(&mut varied[place], joint, &mut random);
     }
     varied
 }
@@ -77,13 +77,13 @@ struct Disturbed {
     joint: JointParams<f32>,
     random: ChaCha8Rng,
     rate: f64,
-    /// What `elapsed` is off the control period by, in every period.
+    /// Error of `elapsed` against the control period, in every period.
     off_time: f32,
     read: Vec<Input<f32>>,
 }
 
 impl Disturbed {
-    fn draw(joint: &JointParams<f32>, mut random: ChaCha8Rng) -> Result<Self, Error> {
+    fn sample(joint: &JointParams<f32>, mut random: ChaCha8Rng) -> Result<Self, Error> {
         let rate = between(&mut random, RATES);
         let off_time = if random.random_bool(0.3) { random.random_range(0.9..1.1) } else { 1.0 };
         Ok(Self {
@@ -117,7 +117,7 @@ impl Controller for Disturbed {
     fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, RunError> {
         let mut input = Input { elapsed: self.off_time * input.elapsed, ..*input };
         while self.random.random_bool(self.rate) {
-            Disturbance::draw(&mut self.random).apply(&mut input, &self.joint, &mut self.random);
+            Disturbance::sample(&mut self.random).apply(&mut input, &self.joint, &mut self.random);
         }
         self.read.push(input);
         Ok(self.host.step(&input))
@@ -135,8 +135,8 @@ impl Task for Beginning {
         self.length as f64 * CONTROL_PERIOD
     }
 
-    fn at(&self, time: f64, ability: &Ability) -> Demand {
-        self.scenario.at(time, ability)
+    fn at(&self, time: f64, capability: &Capability) -> Demand {
+        self.scenario.at(time, capability)
     }
 }
 

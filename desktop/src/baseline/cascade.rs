@@ -28,7 +28,7 @@ pub(super) struct Cascade {
     limited: bool,
 }
 
-/// Where the motor is, and how fast it was since the reading before.
+/// Angle of the motor, and its speed since the reading before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Motor {
     pub angle: Angle<f64>,
@@ -36,10 +36,10 @@ pub(super) struct Motor {
     pub speed: f64,
 }
 
-/// What is asked of the motor.
+/// Reference of the motor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Demand {
-    /// Where it should be.
+    /// Reference angle.
     pub angle: Angle<f64>,
     /// (rad/s)
     pub velocity: f64,
@@ -96,9 +96,9 @@ impl Cascade {
             acceleration: demand.acceleration,
         };
         let feedback = self.feedback.step(&mut self.state, motor.speed, &input, self.limited);
-        let wanted = feedback + demand.torque;
-        let torque = wanted.clamp(-self.torque_limit, self.torque_limit);
-        self.limited = torque != wanted;
+        let expected = feedback + demand.torque;
+        let torque = expected.clamp(-self.torque_limit, self.torque_limit);
+        self.limited = torque != expected;
         torque
     }
 }

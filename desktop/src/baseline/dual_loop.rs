@@ -20,16 +20,16 @@ use strainwave::compensator::sense::encoder::{Encoder, EncoderParams, EncoderSta
 use strainwave::gear::GearParams;
 use strainwave::{Angle, Error};
 
-use super::Asked;
+use super::Commanded;
 use super::gains::BaselineGains;
 use crate::gear_file::GearFile;
 use crate::joint::CONTROL_PERIOD;
 
-/// What of a resting output its encoder does not show, in counts.
+/// Half width of the dead zone of a resting output, in counts of its encoder.
 const HIDDEN: f64 = 0.4;
-/// What of a resting output's reading may be rounding and noise, in counts.
+/// Rounding and noise of a resting output's reading, in counts.
 const NOISE: f64 = 1.5;
-/// Fastest setpoint at which z runs, as a share of the joint's fastest speed.
+/// Fastest setpoint at which z runs, as a fraction of the joint's fastest speed.
 const SLOW: f64 = 0.05;
 /// b in torsions at peak torque.
 const ROOM: f64 = 2.0;
@@ -51,7 +51,7 @@ pub(super) struct DualLoop {
     bound: f64,
     /// (rad/s)
     slow: f64,
-    /// Setpoints on their way to the reading that they belong to, the newest last; one more than the delay.
+    /// Setpoints delayed to the reading that they belong to, the newest last; one more than the delay.
     past: VecDeque<Angle<f64>>,
     delay: usize,
     /// e, e_f, m_f and z (rad).
@@ -87,19 +87,19 @@ impl DualLoop {
         })
     }
 
-    /// What to add to the output's setpoint (rad). `raw`: the output's encoder, in a period in which it reads;
+    /// Shift of the output's setpoint (rad). `raw`: the output's encoder, in a period in which it reads;
     /// `limited`: the last torque was at its limit.
-    pub fn step(&mut self, asked: &Asked, raw: Option<u32>, limited: bool) -> f64 {
-        let then = self.delayed(asked.position);
+    pub fn step(&mut self, commanded: &Commanded, raw: Option<u32>, limited: bool) -> f64 {
+        let then = self.delayed(commanded.position);
         if let Some(raw) = raw {
             let output = self.encoder.step::<f64>(&mut self.encoder_state, raw);
             self.error = then.minus(output.angle);
         }
-        let count = if asked.rests() { self.count } else { 0.0 };
+        let count = if commanded.rests() { self.count } else { 0.0 };
         let before = self.felt;
         self.filtered += self.low_pass * (self.error - self.filtered);
         self.felt += self.low_pass * (beyond(self.error, NOISE * count) - self.felt);
-        if !limited && asked.velocity.abs() <= self.slow {
+        if !limited && commanded.velocity.abs() <= self.slow {
             self.summed += self.integral * beyond(self.filtered, HIDDEN * count);
             self.summed = self.summed.clamp(-self.bound, self.bound);
         }
@@ -117,7 +117,7 @@ impl DualLoop {
     }
 }
 
-/// What of a value exceeds `small` either way.
+/// Dead zone of half width `small`.
 fn beyond(value: f64, small: f64) -> f64 {
     value - value.clamp(-small, small)
 }
@@ -142,39 +142,40 @@ mod tests {
     fn the_integral_is_bounded() {
         let mut held = built(&GearFile::default_gear());
         let shifts: Vec<_> =
-            (0..200_000).map(|_| held.step(&Asked::default(), Some(raw(-1e-2)), false)).collect();
+            (0..200_000).map(|_| held.step(&Commanded::default(), Some(raw(-1e-2)), false)).collect();
         assert!(shifts.iter().all(|shift| shift.abs() <= held.bound));
         assert_eq!((shifts[199_999], held.summed), (held.bound, held.bound));
         for _ in 0..2000 {
-            held.step(&Asked::default(), Some(raw(1e-2)), false);
+            held.step(&Commanded::default(), Some(raw(1e-2)), false);
         }
         assert!(
-            held.summed < held.bound && held.step(&Asked::default(), Some(raw(1e-2)), false) < held.bound
+            held.summed < held.bound && held.step(&Commanded::default(), Some(raw(1e-2)), false) < held.bound
         );
     }
 
     #[test]
     fn the_integral_stands_still_at_the_torques_limit_and_in_a_fast_move() {
         let mut held = built(&GearFile::default_gear());
-        let fast = Asked { velocity: 1.0, ..Asked::default() };
+        let fast = Commanded { velocity: 1.0, ..Commanded::default() };
         for _ in 0..1000 {
-            held.step(&Asked::default(), Some(raw(-1e-3)), true);
+            held.step(&Commanded::default(), Some(raw(-1e-3)), true);
             held.step(&fast, Some(raw(-1e-3)), false);
         }
         assert_eq!(held.summed, 0.0);
-        held.step(&Asked::default(), Some(raw(-1e-3)), false);
+        held.step(&Commanded::default(), Some(raw(-1e-3)), false);
         assert!(held.summed > 0.0);
     }
 
-    /// What a count hides at rest is not summed up; a setpoint that moves has no dead zone.
+    /// An error below a count is not integrated at rest; a moving setpoint has no dead zone.
     #[test]
     fn a_fraction_of_a_count_moves_nothing_at_rest() {
         let mut held = built(&GearFile::default_gear());
         let count = TAU / f64::from(1 << 19);
         let off = |held: &mut DualLoop, share: f64, velocity| {
-            let asked = Asked { position: Angle::from_radians(share * count), velocity, ..Asked::default() };
+            let commanded =
+                Commanded { position: Angle::from_radians(share * count), velocity, ..Commanded::default() };
             for _ in 0..2000 {
-                held.step(&asked, Some(0), false);
+                held.step(&commanded, Some(0), false);
             }
             held.summed
         };
@@ -192,8 +193,8 @@ mod tests {
         for k in 0..1000 {
             let at = |k: i32| 1e-3 * f64::from(k.max(0));
             let position = Angle::from_radians(at(k));
-            let asked = Asked { position, velocity: 10.0, ..Asked::default() };
-            let shift = late.step(&asked, (k >= 5).then(|| raw(at(k - 5))), false);
+            let commanded = Commanded { position, velocity: 10.0, ..Commanded::default() };
+            let shift = late.step(&commanded, (k >= 5).then(|| raw(at(k - 5))), false);
             assert!(shift.abs() < 2e-4, "{k}: {shift}");
         }
     }

@@ -1,7 +1,7 @@
 //! Flat feed-forward: the stored kinematic error and the gear's wind-up, put in advance.
 //!
 //! ```text
-//! tau_t      = J_fs*ddq + fric(q)                                  what the flexspline must carry
+//! tau_t      = J_fs*ddq + fric(q)                                  torque through the flexspline
 //! phi        = line^-1(tau_t),   c = dphi/dtau_t                   wind-up by the catalogue's line
 //! dphi       = c*(J_fs*dddq + dfric/dt),   ddphi = c*J_fs*ddddq    its rates
 //! theta      = (q + phi - e(theta))/r                              e, e': stored kinematic error and its slope
@@ -11,7 +11,7 @@
 //! ```
 //!
 //! q is the setpoint of the output with its derivatives. fric is the gear's own friction model driven along the
-//! setpoint, so that a wind-up which friction holds at rest stays; what is fed forward as torque is the share s_f of
+//! setpoint, so that a wind-up which friction holds at rest stays; what is fed forward as torque is the fraction s_f of
 //! Coulomb and viscous friction ([`super::rigid_body`]), nothing at rest. theta is found by fixed-point steps
 //! (contraction N*e', 0.03 for the default gear). Rates of friction and of e' are differences over the control period.
 //! Hysteresis is left out: the line is what a catalogue gives. Units: rad, N m; signs as in [`strainwave::gear`].
@@ -22,7 +22,7 @@ use strainwave::gear::{GearParams, KINEMATIC_TERMS};
 use strainwave::kinematic_error::KinematicError;
 use strainwave::{Angle, Error, Ratio};
 
-use super::Asked;
+use super::Commanded;
 use super::cascade::Demand;
 use super::rigid_body::RigidBody;
 use crate::joint::CONTROL_PERIOD;
@@ -42,7 +42,7 @@ pub(super) struct Flat {
     flexspline_inertia: f64,
     friction_state: JointFrictionState<f64>,
     /// tau_t of the last setpoint (N m).
-    carried: f64,
+    transmitted: f64,
     /// Friction (N m) and e' of the last setpoint.
     last: Option<(f64, f64)>,
 }
@@ -58,30 +58,32 @@ impl Flat {
             wave_generator_inertia: gear.wave_generator_inertia,
             flexspline_inertia: gear.flexspline_inertia,
             friction_state: JointFrictionState::default(),
-            carried: 0.0,
+            transmitted: 0.0,
             last: None,
         })
     }
 
-    /// Where the motor should be and with what torque; `shift` (rad) is added to the output's setpoint.
-    pub fn step(&mut self, asked: &Asked, shift: f64) -> Demand {
+    /// Reference and torque of the motor; `shift` (rad) is added to the output's setpoint.
+    pub fn step(&mut self, commanded: &Commanded, shift: f64) -> Demand {
         let (r, j): (f64, f64) = (self.ratio.value(), self.flexspline_inertia);
-        let slip = Slip::new(asked.velocity, CONTROL_PERIOD).under(0.0, self.carried);
+        let slip = Slip::new(commanded.velocity, CONTROL_PERIOD).under(0.0, self.transmitted);
         let friction = self.output_friction.step(&mut self.friction_state, &slip).force;
-        let accelerating = j * asked.acceleration;
-        self.carried = accelerating + friction;
-        let (wound, compliance) = (self.line.torsion(self.carried), self.line.compliance(self.carried));
+        let accelerating = j * commanded.acceleration;
+        self.transmitted = accelerating + friction;
+        let (wind_up, compliance) =
+            (self.line.torsion(self.transmitted), self.line.compliance(self.transmitted));
 
-        let ideal = asked.position.plus(shift + wound);
+        let ideal = commanded.position.plus(shift + wind_up);
         let angle = self.ahead_of_error(ideal);
         let slope = self.kinematic_error.at(angle).slope;
         let (before, slope_before) = self.last.replace((friction, slope)).unwrap_or((friction, slope));
-        let winding = compliance * (j * asked.jerk + (friction - before) / CONTROL_PERIOD);
+        let winding = compliance * (j * commanded.jerk + (friction - before) / CONTROL_PERIOD);
         let transmission = r + slope;
-        let velocity = (asked.velocity + winding) / transmission;
+        let velocity = (commanded.velocity + winding) / transmission;
         let bending = (slope - slope_before) / CONTROL_PERIOD * velocity;
-        let acceleration = (asked.acceleration + compliance * j * asked.snap - bending) / transmission;
-        let [on_input, on_output] = self.body.friction(asked.velocity);
+        let acceleration =
+            (commanded.acceleration + compliance * j * commanded.snap - bending) / transmission;
+        let [on_input, on_output] = self.body.friction(commanded.velocity);
         Demand {
             angle,
             velocity,
@@ -128,9 +130,10 @@ mod tests {
             // Through the three pieces of the line; an acceleration at no speed leaves the friction alone.
             for torque in [-60.0, -7.0, 0.0, 7.0, 30.0, 100.0] {
                 let acceleration = torque / file.inertia.flexspline;
-                let asked = Asked { position: Angle::from_radians(0.2), acceleration, ..Asked::default() };
-                let demand = flat(&file).step(&asked, 0.0);
-                let wound = (0.2
+                let commanded =
+                    Commanded { position: Angle::from_radians(0.2), acceleration, ..Commanded::default() };
+                let demand = flat(&file).step(&commanded, 0.0);
+                let wind_up = (0.2
                     + firmware_gear_params::<f64>(&file)
                         .unwrap()
                         .flexspline
@@ -139,13 +142,13 @@ mod tests {
                         .unwrap()
                         .torsion(torque))
                     / r;
-                assert!((demand.angle.to_radians() - wound).abs() < 1e-7, "{torque}: {demand:?}");
+                assert!((demand.angle.to_radians() - wind_up).abs() < 1e-7, "{torque}: {demand:?}");
                 assert_eq!(demand.velocity, 0.0);
             }
         }
     }
 
-    /// What the plant's kinematic error adds is what was put in advance: r*theta + e(theta) = q.
+    /// The reference cancels the plant's kinematic error: r*theta + e(theta) = q.
     #[test]
     fn the_kinematic_error_cancels() {
         for file in arrangements() {
@@ -153,7 +156,7 @@ mod tests {
             let error = firmware_gear_params::<f64>(&file).unwrap().kinematic_error.build(ratio).unwrap();
             for k in 0..1000 {
                 let q = Angle::from_radians(1e-3 * f64::from(k));
-                let theta = flat.step(&Asked { position: q, ..Asked::default() }, 0.0).angle;
+                let theta = flat.step(&Commanded { position: q, ..Commanded::default() }, 0.0).angle;
                 let left = ratio.apply(theta).plus(error.at(theta).error).minus(q);
                 assert!(left.abs() < 1e-9, "{k}: {left}");
             }
@@ -167,9 +170,9 @@ mod tests {
         let demands: Vec<_> = (0..2500)
             .map(|k| {
                 crate::scenario::Scenario::S3
-                    .at(f64::from(k) * CONTROL_PERIOD, &crate::ability::Ability::default())
+                    .at(f64::from(k) * CONTROL_PERIOD, &crate::capability::Capability::default())
             })
-            .map(|demand| flat.step(&Asked::of(&demand.setpoint()), 0.0))
+            .map(|demand| flat.step(&Commanded::of(&demand.setpoint()), 0.0))
             .collect();
         let fastest = demands.iter().map(|demand| demand.velocity.abs()).fold(0.0, f64::max);
         let strongest = demands.iter().map(|demand| demand.acceleration.abs()).fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! What a baseline is tuned by, and where it stands when nobody has tuned it.
+//! Gains of a baseline, and their untuned values.
 //!
 //! | gain | unit | of | unless the gear file's `[baselines]` says otherwise |
 //! | --- | --- | --- | --- |
@@ -53,7 +53,7 @@ pub struct BaselineGains {
     pub integral_time: f64,
     /// Corner of the speed's low pass in multiples of f_v.
     pub speed_filter_factor: f64,
-    /// Share of the friction that is fed forward.
+    /// Fraction of the friction that is fed forward.
     pub friction_share: f64,
     /// P of the output's error.
     pub output_proportional: f64,
@@ -66,7 +66,7 @@ pub struct BaselineGains {
 }
 
 impl BaselineGains {
-    /// What the gear file says of this baseline, else the rule of the table above.
+    /// Gains of this baseline in the gear file, else by the rule of the table above.
     pub fn of(file: &GearFile, kind: Kind) -> Self {
         let stored = file.baselines.as_ref().and_then(|stored| stored.of(kind));
         stored.map_or_else(|| Self::untuned(file, kind), |stored| stored.over(&Self::untuned(file, kind)))

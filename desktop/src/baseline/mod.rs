@@ -39,7 +39,7 @@ pub struct Baseline {
     output: Option<DualLoop>,
 }
 
-/// What is known in advance.
+/// Feed-forward of a baseline.
 #[derive(Clone)]
 enum Advance {
     Nothing,
@@ -49,7 +49,7 @@ enum Advance {
 
 /// The output's setpoint, in f64.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Asked {
+struct Commanded {
     position: Angle<f64>,
     /// (rad/s)
     velocity: f64,
@@ -61,7 +61,7 @@ struct Asked {
     snap: f64,
 }
 
-impl Asked {
+impl Commanded {
     fn of(setpoint: &Setpoint<f32>) -> Self {
         let Angle { counts, rest } = setpoint.position;
         Self {
@@ -155,35 +155,35 @@ impl Baseline {
     pub fn step(&mut self, input: &Input<f32>) -> f64 {
         let motor = self.cascade.read(input.sensors.motor_encoder, input.elapsed);
         let Command::Position(setpoint) = input.command else { return 0.0 };
-        let asked = Asked::of(&setpoint);
+        let commanded = Commanded::of(&setpoint);
         let limited = self.cascade.limited();
         let shift = match &mut self.output {
-            Some(output) => output.step(&asked, input.sensors.output_encoder, limited),
+            Some(output) => output.step(&commanded, input.sensors.output_encoder, limited),
             None => 0.0,
         };
-        let demand = self.advance.step(self.ratio, &asked, shift);
+        let demand = self.advance.step(self.ratio, &commanded, shift);
         self.cascade.step(&motor, &demand)
     }
 }
 
 impl Kind {
-    /// What it needs to read.
+    /// Sensors that it needs.
     pub fn sensors(self) -> SensorSet {
         if self == Self::B3 { SensorSet::Both } else { SensorSet::Motor }
     }
 }
 
 impl Advance {
-    /// What is asked of the motor for a setpoint that is shifted by `shift` (rad).
-    fn step(&mut self, ratio: Ratio, asked: &Asked, shift: f64) -> Demand {
+    /// Reference of the motor for a setpoint that is shifted by `shift` (rad).
+    fn step(&mut self, ratio: Ratio, commanded: &Commanded, shift: f64) -> Demand {
         let torque = match self {
-            Self::Flat(flat) => return flat.step(asked, shift),
-            Self::RigidBody(body) => body.torque(asked),
+            Self::Flat(flat) => return flat.step(commanded, shift),
+            Self::RigidBody(body) => body.torque(commanded),
             Self::Nothing => 0.0,
         };
         Demand {
-            angle: ratio.to_motor(asked.position.plus(shift)),
-            velocity: asked.velocity * f64::from(ratio.n()),
+            angle: ratio.to_motor(commanded.position.plus(shift)),
+            velocity: commanded.velocity * f64::from(ratio.n()),
             acceleration: 0.0,
             torque,
         }

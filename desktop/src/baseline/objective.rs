@@ -1,4 +1,4 @@
-//! What a baseline is tuned for: one objective for all, on training plants.
+//! Objective that the baselines are tuned by: one for all, on training plants.
 //!
 //! ```text
 //! ln J = mean over plants and scenarios of (1/n)*sum_k ln sqrt(x_k^2 + f^2)  +  bad*ln 2  +  lost
@@ -17,9 +17,9 @@
 //! Claims name one figure each, so no figure may be paid for by another: lost is the sum, over the figures that are on
 //! average over the plants larger than the untuned baseline's, of the mean of ln(x/x_untuned).
 //!
-//! They are the marks of [`crate::judge`]. f = 1 urad: less than that gains next to nothing. Every bad run doubles J: one
+//! They are the metrics of [`crate::judge`]. f = 1 urad: less than that gains next to nothing. Every bad run doubles J: one
 //! under which the plant diverges (its figures then count as [`LOST`]) or which keeps oscillating at rest or stays at its
-//! torque limit where the untuned B0 on the same plant does not ([`Course::shakes`], [`Course::is_limited`]).
+//! torque limit where the untuned B0 on the same plant does not ([`RunResult::oscillates`], [`RunResult::is_limited`]).
 //!
 //! Half of the training plants, the even seeds, have every unknown at once ([`crate::plant::unknowns`]); the others are the
 //! box alone. On joints of the catalogue ([`crate::catalogue::joints`]), whose loads and encoders differ, the gains are
@@ -34,45 +34,45 @@ use super::{Baseline, BaselineGains, Kind};
 use crate::bench::{Bench, Conditions, SensorSet};
 use crate::divergence::RunError;
 use crate::gear_file::GearFile;
-use crate::judge::Mark;
+use crate::judge::Metric;
 use crate::plant::CondensedMesh;
 use crate::plant::sample::PlantSample;
 use crate::plant::unknowns::Which;
 use crate::scenario::{Demand, Rest, Scenario};
-use crate::verify::robustness::{Course, Courses, JUDGED, Judged, told_apart};
+use crate::verify::robustness::{JUDGED, Judged, RunResult, RunResults, separable_orders};
 use crate::working_motion::WorkingMotion;
 
-/// A figure: the scenario, the mark and its name.
-pub type FigureOf = (Scenario, Mark, &'static str);
+/// A figure: the scenario, the metric and its name.
+pub type FigureOf = (Scenario, Metric, &'static str);
 
-/// What counts.
+/// Figures of the objective.
 pub const FIGURES: [FigureOf; 8] = [
-    (Scenario::S1, Mark::StepVibration, "s1.vibration"),
-    (Scenario::S2, Mark::Error, "s2.error"),
-    (Scenario::S3, Mark::MoveVibration, "s3.vibration"),
-    (Scenario::S3, Mark::Error, "s3.error"),
-    (Scenario::S4, Mark::Ripple, "s4.ripple"),
-    (Scenario::S4, Mark::Error, "s4.error"),
-    (Scenario::S5, Mark::Peak, "s5.peak"),
-    (Scenario::S5, Mark::Steady, "s5.steady"),
+    (Scenario::S1, Metric::StepVibration, "s1.vibration"),
+    (Scenario::S2, Metric::Error, "s2.error"),
+    (Scenario::S3, Metric::MoveVibration, "s3.vibration"),
+    (Scenario::S3, Metric::Error, "s3.error"),
+    (Scenario::S4, Metric::Ripple, "s4.ripple"),
+    (Scenario::S4, Metric::Error, "s4.error"),
+    (Scenario::S5, Metric::Peak, "s5.peak"),
+    (Scenario::S5, Metric::Steady, "s5.steady"),
 ];
 
 /// f (rad).
 const FLOOR: f64 = 1e-6;
-/// What a figure counts as where the plant diverged (rad).
+/// Value of a figure where the plant diverged (rad).
 pub const LOST: f64 = 1.0;
 
 /// ln sqrt(x^2 + f^2) of a figure of a run; none where the plant diverged.
-fn logarithm((scenario, mark, _): &FigureOf, course: Option<&Course>) -> f64 {
-    let value = course.map_or(LOST, |course| course.mark(*scenario, *mark));
+fn logarithm((scenario, metric, _): &FigureOf, result: Option<&RunResult>) -> f64 {
+    let value = result.map_or(LOST, |result| result.metric(*scenario, *metric));
     if value.is_finite() { value.hypot(FLOOR).ln() } else { LOST.ln() }
 }
 
 /// Mean over the plants of the logarithm of each figure.
-fn logarithms(runs: &[Courses]) -> [f64; FIGURES.len()] {
+fn logarithms(runs: &[RunResults]) -> [f64; FIGURES.len()] {
     FIGURES.map(|figure| {
         let place = JUDGED.iter().position(|scenario| *scenario == figure.0);
-        let of = |run: &Courses| logarithm(&figure, place.and_then(|place| run[place].as_ref()));
+        let of = |run: &RunResults| logarithm(&figure, place.and_then(|place| run[place].as_ref()));
         runs.iter().map(of).sum::<f64>() / runs.len() as f64
     })
 }
@@ -92,17 +92,17 @@ fn lost(logarithms: &[f64; FIGURES.len()], untuned: &[f64; FIGURES.len()]) -> f6
     logarithms.iter().zip(untuned).map(|(ours, untuned)| (ours - untuned).max(0.0)).sum()
 }
 
-/// A run is bad beside that of the untuned B0; one that the B0 loses cannot be judged.
-fn is_bad(course: Option<&Course>, b0: Option<&Course>) -> bool {
-    match (course, b0) {
-        (Some(course), Some(b0)) => course.shakes(b0).is_some() || course.is_limited(b0),
-        (course, _) => course.is_none(),
+/// A run is bad against that of the untuned B0; one that the B0 loses cannot be judged.
+fn is_bad(result: Option<&RunResult>, b0: Option<&RunResult>) -> bool {
+    match (result, b0) {
+        (Some(result), Some(b0)) => result.oscillates(b0).is_some() || result.is_limited(b0),
+        (result, _) => result.is_none(),
     }
 }
 
 /// A joint on the bench that has worked.
 struct Stand {
-    /// What its controller knows, and what it is.
+    /// Nominal gear of its controller, and the plant's true parameters.
     known: GearFile,
     plant: GearParams<f64>,
     bench: Bench<CondensedMesh>,
@@ -116,17 +116,17 @@ impl Stand {
         let mut bench = Bench::condensed_of(&sample, &conditions)?;
         let mut b0 = untuned(&sample.known, Kind::B0)?;
         bench.go(&WorkingMotion, &mut b0, |_, _, _, _| ())?;
-        Ok(Self { plant: told_apart(&sample.params), known: sample.known, bench })
+        Ok(Self { plant: separable_orders(&sample.params), known: sample.known, bench })
     }
 
     /// A baseline in one scenario; none where the plant diverges.
-    fn run(&self, baseline: &Baseline, scenario: Scenario) -> Result<Option<Course>, RunError> {
+    fn run(&self, baseline: &Baseline, scenario: Scenario) -> Result<Option<RunResult>, RunError> {
         let (mut bench, mut baseline) = (self.bench.clone(), baseline.clone());
         let judged = Judged::of(&self.known, &self.plant);
         let rest = Rest { from: Demand::default() };
         let settled = bench.go(&rest, &mut baseline, |_, _, _, _| ());
-        match settled.and_then(|()| judged.course(bench, baseline, scenario)) {
-            Ok(course) => Ok(Some(course)),
+        match settled.and_then(|()| judged.result(bench, baseline, scenario)) {
+            Ok(result) => Ok(Some(result)),
             Err(RunError::Diverged(_)) => Ok(None),
             Err(error) => Err(error),
         }
@@ -156,19 +156,19 @@ pub struct Objective {
     file: GearFile,
     stands: Vec<Stand>,
     /// The untuned B0 on each stand in each scenario.
-    b0: Vec<Courses>,
+    b0: Vec<RunResults>,
     /// The logarithms of the untuned baseline.
     untuned: [f64; FIGURES.len()],
 }
 
-/// What some gains are worth.
+/// Score of some gains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
     /// Geometric mean of the figures (rad).
     pub mean: f64,
     /// Bad runs.
     pub bad: usize,
-    /// What it lost of the untuned baseline's figures.
+    /// Loss relative to the untuned baseline's figures.
     pub lost: f64,
 }
 
@@ -193,12 +193,12 @@ impl Objective {
         let stands = stands.collect::<Result<_, _>>()?;
         let file = file.clone();
         let mut objective = Self { kind, file, stands, b0: Vec::new(), untuned: [0.0; FIGURES.len()] };
-        objective.b0 = objective.courses(&|file| Ok(untuned(file, Kind::B0)?))?;
-        objective.untuned = logarithms(&objective.courses(&|file| Ok(untuned(file, kind)?))?);
+        objective.b0 = objective.results(&|file| Ok(untuned(file, Kind::B0)?))?;
+        objective.untuned = logarithms(&objective.results(&|file| Ok(untuned(file, kind)?))?);
         Ok(objective)
     }
 
-    /// What these gains are worth.
+    /// Score of these gains.
     ///
     /// # Errors
     /// Gains that no baseline can be built with.
@@ -207,25 +207,25 @@ impl Objective {
             let gains = gains.carried_over(self.kind, &self.file, known);
             Ok(Baseline::with_gains(known, self.kind, &gains)?)
         };
-        let courses = self.courses(&build)?;
-        let pairs = courses.iter().flatten().zip(self.b0.iter().flatten());
+        let results = self.results(&build)?;
+        let pairs = results.iter().flatten().zip(self.b0.iter().flatten());
         let bad = pairs.filter(|(run, b0)| is_bad(run.as_ref(), b0.as_ref())).count();
-        let found = logarithms(&courses);
+        let found = logarithms(&results);
         Ok(Score { mean: mean(&found).exp(), bad, lost: lost(&found, &self.untuned) })
     }
 
     /// Stand by stand, on two threads.
-    fn courses(
+    fn results(
         &self,
         build: &(dyn Fn(&GearFile) -> Result<Baseline, RunError> + Sync),
-    ) -> Result<Vec<Courses>, RunError> {
-        let on = |stand: &Stand| -> Result<Courses, RunError> {
+    ) -> Result<Vec<RunResults>, RunError> {
+        let on = |stand: &Stand| -> Result<RunResults, RunError> {
             let baseline = build(&stand.known)?;
-            let mut courses = Courses::default();
-            for (course, scenario) in courses.iter_mut().zip(JUDGED) {
-                *course = stand.run(&baseline, scenario)?;
+            let mut results = RunResults::default();
+            for (result, scenario) in results.iter_mut().zip(JUDGED) {
+                *result = stand.run(&baseline, scenario)?;
             }
-            Ok(courses)
+            Ok(results)
         };
         let (first, second) = self.stands.split_at(self.stands.len() / 2);
         thread::scope(|scope| {
@@ -242,17 +242,17 @@ mod tests {
     use super::*;
 
     /// A run of S2 with this error.
-    fn course(error: f64) -> Course {
-        Course { marks: vec![error], ..Course::default() }
+    fn result(error: f64) -> RunResult {
+        RunResult { metrics: vec![error], ..RunResult::default() }
     }
 
     #[test]
     fn a_figure_has_a_floor() {
-        let of = |course: Option<&Course>| logarithm(&FIGURES[1], course).exp();
-        assert!((of(Some(&course(1e-3))) / 1e-3 - 1.0).abs() < 1e-6);
-        assert!((of(Some(&course(0.0))) / 1e-6 - 1.0).abs() < 1e-6);
+        let of = |result: Option<&RunResult>| logarithm(&FIGURES[1], result).exp();
+        assert!((of(Some(&result(1e-3))) / 1e-3 - 1.0).abs() < 1e-6);
+        assert!((of(Some(&result(0.0))) / 1e-6 - 1.0).abs() < 1e-6);
         // What is no number is as bad as a plant that is lost.
-        assert!((of(Some(&course(f64::NAN))) - LOST).abs() < 1e-9 && (of(None) - LOST).abs() < 1e-9);
+        assert!((of(Some(&result(f64::NAN))) - LOST).abs() < 1e-9 && (of(None) - LOST).abs() < 1e-9);
     }
 
     /// Every scenario counts alike, and half of S5 is the peak.
@@ -272,8 +272,8 @@ mod tests {
 
     #[test]
     fn what_shakes_or_diverges_is_bad_and_doubles() {
-        let (good, shaking) = (course(1e-4), Course { torsion_at_rest: 1e-4, ..course(1e-4) });
-        let bad = |ours: Option<&Course>| is_bad(ours, Some(&good));
+        let (good, shaking) = (result(1e-4), RunResult { torsion_at_rest: 1e-4, ..result(1e-4) });
+        let bad = |ours: Option<&RunResult>| is_bad(ours, Some(&good));
         assert_eq!([bad(Some(&good)), bad(Some(&shaking)), bad(None)], [false, true, true]);
         assert_eq!(Score { mean: 1.0, bad: 2, lost: 0.0 }.logarithm(), 4f64.ln());
     }

@@ -1,16 +1,16 @@
-//! What practitioners feed forward: the torque of a rigid joint.
+//! Feed-forward of practitioners: the torque of a rigid joint.
 //!
 //! ```text
 //! tau_ff = (J_wg/r + r*J_fs)*ddq + s_f*(fric_in(dq/r) + r*fric_out(dq)),    fric(v) = Fc*sign(v) + Fv*v
 //! ```
 //!
-//! q is the setpoint of the output, s_f the share of the friction. Units: rad, N m at the motor's shaft.
+//! q is the setpoint of the output, s_f the gain of the friction. Units: rad, N m at the motor's shaft.
 
 use strainwave::friction::JointFrictionParams;
 use strainwave::gear::GearParams;
 use strainwave::{Ratio, Real};
 
-use super::Asked;
+use super::Commanded;
 
 /// Inertia, Coulomb and viscous friction of a joint without compliance.
 #[derive(Clone)]
@@ -36,10 +36,10 @@ impl RigidBody {
     }
 
     /// Torque at the motor (N m).
-    pub fn torque(&self, asked: &Asked) -> f64 {
+    pub fn torque(&self, commanded: &Commanded) -> f64 {
         let (r, n): (f64, f64) = (self.ratio.value(), self.ratio.n().into());
-        let [input, output] = self.friction(asked.velocity);
-        (self.wave_generator_inertia * n + r * self.flexspline_inertia) * asked.acceleration
+        let [input, output] = self.friction(commanded.velocity);
+        (self.wave_generator_inertia * n + r * self.flexspline_inertia) * commanded.acceleration
             + input
             + r * output
     }
@@ -84,16 +84,16 @@ mod tests {
                     + input.viscous * motor_velocity.powi(2)
                     + output.coulomb * f64::abs(velocity)
                     + output.viscous * f64::powi(velocity, 2);
-                let asked = Asked { velocity, acceleration, ..Asked::default() };
-                let supplied = body.torque(&asked) * motor_velocity;
-                let wanted = kinetic * velocity + friction;
-                assert!((supplied - wanted).abs() < 1e-12, "{supplied} W, wanted {wanted} W");
+                let commanded = Commanded { velocity, acceleration, ..Commanded::default() };
+                let supplied = body.torque(&commanded) * motor_velocity;
+                let expected = kinetic * velocity + friction;
+                assert!((supplied - expected).abs() < 1e-12, "{supplied} W, expected {expected} W");
             }
         }
     }
 
     #[test]
     fn nothing_is_fed_forward_at_rest() {
-        assert_eq!(of(&GearFile::default_gear()).torque(&Asked::default()), 0.0);
+        assert_eq!(of(&GearFile::default_gear()).torque(&Commanded::default()), 0.0);
     }
 }

@@ -31,18 +31,18 @@ const SPREAD: f64 = 0.12;
 /// Of the search's random numbers.
 const SEED: u64 = 1;
 
-/// What came of the search.
+/// Result of the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuned {
     /// Which baseline.
     pub kind: Kind,
-    /// Where the search began, and what that is worth.
+    /// Initial gains of the search, and their score.
     pub before: (BaselineGains, Score),
     /// The best found.
     pub after: (BaselineGains, Score),
 }
 
-/// What gains are chosen on.
+/// Training plants.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Training {
     /// Plants of the gear file's joint, by seed.
@@ -60,7 +60,7 @@ impl Training {
     }
 }
 
-/// Searches the gains of a baseline from those that the gear file has for it; `progress` is called with the share done.
+/// Searches the gains of a baseline from those that the gear file has for it; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// A gear that no plant or baseline can be built for.
@@ -84,7 +84,7 @@ pub fn tune(
     Ok(Tuned { kind, before, after: if better { (found, score) } else { before } })
 }
 
-/// The best gains for a cost, which is told the share of the budget that is behind it.
+/// The best gains for a cost, which is called with the fraction of the budget that is used.
 fn search(
     kind: Kind,
     start: &BaselineGains,
@@ -94,7 +94,8 @@ fn search(
     let gains: Vec<_> = kind.gains().collect();
     let count = gains.len();
     let from = gains.iter().map(|gain| to_coordinate(gain, (gain.get)(start))).collect();
-    let problem = Problem { gains, start: *start, budget, asked: Cell::new(0), cost: RefCell::new(cost) };
+    let problem =
+        Problem { gains, start: *start, budget, evaluations: Cell::new(0), cost: RefCell::new(cost) };
     let bounds = BoxBounds::new(Some(vec![0.0; count]), Some(vec![1.0; count]));
     let boxed = Constrained::new(&problem, ConstraintSet::new().with_bounds(bounds));
     let solver = BoundedCmaEs::<Vec<f64>, DenseMatrix>::new(SEED, SPREAD);
@@ -125,7 +126,7 @@ struct Problem<C> {
     gains: Vec<&'static Gain>,
     start: BaselineGains,
     budget: u64,
-    asked: Cell<u64>,
+    evaluations: Cell<u64>,
     cost: RefCell<C>,
 }
 
@@ -153,8 +154,8 @@ impl<C: FnMut(&BaselineGains, f64) -> f64> CostFunction for &Problem<C> {
     type Error = Infallible;
 
     fn cost(&self, places: &Vec<f64>) -> Result<f64, Infallible> {
-        self.asked.set(self.asked.get() + 1);
-        let share = (self.asked.get() as f64 / self.budget as f64).min(1.0);
+        self.evaluations.set(self.evaluations.get() + 1);
+        let share = (self.evaluations.get() as f64 / self.budget as f64).min(1.0);
         Ok((self.cost.borrow_mut())(&self.at(places), share))
     }
 }
@@ -180,10 +181,10 @@ mod tests {
     #[test]
     fn the_search_finds_the_least() {
         let start = BaselineGains::untuned(&GearFile::default_gear(), Kind::B1);
-        let wanted = BaselineGains { position_bandwidth: 30.0, friction_share: 0.0, ..start };
+        let expected = BaselineGains { position_bandwidth: 30.0, friction_share: 0.0, ..start };
         let cost = |gains: &BaselineGains, _| {
             let off = |gain: &Gain| {
-                to_coordinate(gain, (gain.get)(gains)) - to_coordinate(gain, (gain.get)(&wanted))
+                to_coordinate(gain, (gain.get)(gains)) - to_coordinate(gain, (gain.get)(&expected))
             };
             Kind::B1.gains().map(|gain| off(gain).powi(2)).sum()
         };
@@ -197,12 +198,12 @@ mod tests {
     fn the_budget_is_kept() {
         let start = BaselineGains::untuned(&GearFile::default_gear(), Kind::B3);
         for budget in [30, 100] {
-            let mut asked = 0;
+            let mut evaluations = 0;
             search(Kind::B3, &start, budget, |gains, _| {
-                asked += 1;
+                evaluations += 1;
                 gains.position_bandwidth
             });
-            assert!(asked <= budget && asked + 12 > budget, "{asked} of {budget}");
+            assert!(evaluations <= budget && evaluations + 12 > budget, "{evaluations} of {budget}");
         }
     }
 

@@ -1,4 +1,4 @@
-//! What `design` prints of each loop, over the box that a joint may lie in.
+//! Bounds of `design`: stability margins of each loop, over the box of joint parameters.
 
 use super::Bound;
 
@@ -15,13 +15,13 @@ const fn row(name: &'static str, value: f64, unit: &'static str, why: &'static s
     Bound { name, value, unit, why }
 }
 
-const GAIN_WHY: &str = "gain margin of the loop at the motor's torque over the box; as asked";
-const PHASE_WHY: &str = "phase margin of the same; as asked";
-const DELAY_WHY: &str = "delay margin of the same beyond the declared delay; as asked";
-const SIZE_WHY: &str =
-    "largest |T|*|Delta| of the disturbance path, which closes its loop by what is not known; as asked";
+const GAIN_WHY: &str = "gain margin of the loop at the motor's torque over the box: stable at twice the gain";
+const PHASE_WHY: &str = "phase margin of the same: a damped closed loop";
+const DELAY_WHY: &str =
+    "delay margin of the same beyond the declared delay: stable with a drive two periods later";
+const SIZE_WHY: &str = "largest |T|*|Delta| of the disturbance path, whose loop closes through the uncertainty: small-gain theorem";
 
-/// What a figure must at least be.
+/// Smallest allowed values.
 pub(super) const FLOORS: [Bound; 6] = [
     row("design.motor.torque.gain", GAIN, "dB", GAIN_WHY),
     row("design.motor.torque.phase", PHASE, "deg", PHASE_WHY),

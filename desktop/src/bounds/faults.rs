@@ -1,4 +1,4 @@
-//! What `strainwave faults` and `verify faults` measure.
+//! Bounds of `strainwave faults` and `verify faults`.
 
 use super::Bound;
 
@@ -7,48 +7,49 @@ pub(super) const ROWS: &[Bound] = &[
         name: "faults.overspeed",
         value: 0.0,
         unit: "run",
-        why: "injected faults after which the output is beyond its speed limit; as asked",
+        why: "injected faults after which the output is beyond its speed limit: no fault becomes a hazardous speed",
     },
     Bound {
         name: "faults.motion",
         value: 0.0,
         unit: "run",
-        why: "injected faults after which the output moves by more than 20 mrad that nobody commanded; as asked",
+        why: "injected faults after which the output moves by more than 20 mrad without a command: no fault becomes a hazardous motion",
     },
     Bound {
         name: "faults.full_torque",
         value: 0.0,
         unit: "run",
-        why: "injected faults after which the motor gives its full torque for more than 5 ms; as asked",
+        why: "injected faults after which the motor gives its full torque for more than 5 ms: no fault drives the joint with full force",
     },
     Bound {
         name: "faults.gear",
         value: 0.0,
         unit: "run",
-        why: "injected faults after which the gear carries more than its peak rating; as asked",
+        why: "injected faults after which the torque through the gear exceeds its peak rating: no fault damages the gear",
     },
     Bound {
         name: "faults.named.frozen",
         value: 0.005,
         unit: "s",
-        why: "until a frozen or stuck motor encoder is named, from torque beyond friction on; as asked",
+        why: "time to the detection of a frozen or stuck motor encoder, from torque beyond friction on: before the joint \
+              has moved far",
     },
     Bound {
         name: "faults.named.jump",
         value: 0.005,
         unit: "s",
-        why: "until a jump of the motor encoder is named; as asked",
+        why: "time to the detection of a jump of the motor encoder: before the joint has moved far",
     },
     Bound {
         name: "faults.named.loss",
         value: 0.005,
         unit: "s",
-        why: "until the loss of the motor encoder is named; as asked",
+        why: "time to the detection of a lost motor encoder: before the joint has moved far",
     },
     Bound {
         name: "faults.false_alarms",
         value: 0.0,
         unit: "run",
-        why: "healthy runs with a fault named; as asked",
+        why: "runs without a fault in which one is reported: a healthy joint is never stopped",
     },
 ];

@@ -1,4 +1,4 @@
-//! What `verify hysteresis` measures: two realisations of one operator, its laws, inverse, cost and identification.
+//! Bounds of `verify hysteresis`: two realisations of one operator, its laws, inverse, cost and identification.
 
 use super::Bound;
 
@@ -31,7 +31,7 @@ pub(super) const ROWS: &[Bound] = &[
         name: "hysteresis.wiping_out",
         value: 0.0,
         unit: "1",
-        why: "what is wiped out leaves no trace in the memory, and outputs are integers",
+        why: "a wiped-out extremum leaves no trace in the memory, and outputs are integers",
     },
     Bound {
         name: "hysteresis.congruency",
@@ -55,73 +55,73 @@ pub(super) const ROWS: &[Bound] = &[
         name: "hysteresis.continuity.f64",
         value: 5e-6,
         unit: "1",
-        why: "the steepest slope is twice the output's span over the input's; 1e-5 is asked",
+        why: "the steepest slope is twice the output's span over the input's; target 1e-5",
     },
     Bound {
         name: "hysteresis.continuity.f32",
         value: 5e-6,
         unit: "1",
-        why: "the same and the input's resolution; 1e-5 is asked",
+        why: "the same and the input's resolution; target 1e-5",
     },
     Bound {
         name: "hysteresis.forward_after_inverse.f64",
         value: 2e-15,
         unit: "1",
-        why: "one equation solved in its cell: rounding; 1e-9 of span is asked",
+        why: "one equation solved in its cell: rounding; target 1e-9 of span",
     },
     Bound {
         name: "hysteresis.inverse_after_forward.f64",
         value: 5e-15,
         unit: "1",
-        why: "rounding of the output, over the least slope behind a turn; 1e-9 of span is asked",
+        why: "rounding of the output, over the least slope after a turning point; target 1e-9 of span",
     },
     Bound {
         name: "hysteresis.forward_after_inverse.f32",
         value: 5e-6,
         unit: "1",
-        why: "the fraction of a cell has 15 bits where a branch starts; 1e-5 of span is asked",
+        why: "the fraction of a cell has 15 bits where a branch starts; target 1e-5 of span",
     },
     Bound {
         name: "hysteresis.inverse_after_forward.f32",
         value: 5e-6,
         unit: "1",
-        why: "the same, over the least slope behind a turn; 1e-5 of span is asked",
+        why: "the same, over the least slope after a turning point; target 1e-5 of span",
     },
     Bound {
         name: "hysteresis.torque_after_torsion.f64",
         value: 1e-15,
         unit: "1",
-        why: "line and hysteresis solved together, of twice rated torque; 1e-9 is asked of the inverse",
+        why: "line and hysteresis solved together, of twice rated torque; target 1e-9 for the inverse",
     },
     Bound {
         name: "hysteresis.torque_after_torsion.f32",
         value: 1e-6,
         unit: "1",
-        why: "the same in f32; 1e-5 is asked of the inverse",
+        why: "the same in f32; target 1e-5 for the inverse",
     },
     Bound {
         name: "hysteresis.loop_area",
         value: 3e-13,
         unit: "1",
-        why: "area of a closed loop against the energy of the relays crossed, relative; 1e-9 is asked",
+        why: "area of a closed loop against the energy of the relays crossed, relative; target 1e-9",
     },
     Bound {
         name: "hysteresis.full_memory.error",
         value: 5e-2,
         unit: "1",
-        why: "what the smallest loops of a ring-down that were forgotten leave behind, of the output at saturation",
+        why: "error by the forgotten smallest loops of a ring-down, of the output at saturation",
     },
     Bound {
         name: "hysteresis.full_memory.error_bound",
         value: 0.15,
         unit: "1",
-        why: "output change over the smallest loop that is kept: no way out of that ring-down can err more",
+        why: "output change over the smallest loop that is kept: no input after that ring-down can err more",
     },
     Bound {
         name: "hysteresis.default_gear.width",
         value: 5e-3,
         unit: "1",
-        why: "relative error of the catalogue's 1 arcmin; the grid of 24 levels rounds the branches off; 2e-2 is asked",
+        why: "relative error of the catalogue's 1 arcmin; the grid of 24 levels rounds the branches off; target 2e-2",
     },
     Bound {
         name: "hysteresis.default_gear.energy",
@@ -133,38 +133,40 @@ pub(super) const ROWS: &[Bound] = &[
         name: "hysteresis.cycles.forward",
         value: 150.0,
         unit: "cycle",
-        why: "the worst-case path through a step on a Cortex-M4F, modelled at the pessimistic end: no history costs more; as asked",
+        why: "the worst-case path through a step on a Cortex-M4F, modelled at the pessimistic end: no history costs more; 1 % \
+              of a control period",
     },
     Bound {
         name: "hysteresis.cycles.inverse",
         value: 250.0,
         unit: "cycle",
-        why: "the same of the inverse; as asked",
+        why: "the same of the inverse; 1.5 % of a control period",
     },
     Bound {
         name: "hysteresis.table.bytes",
         value: 2048.0,
         unit: "byte",
-        why: "576 entries of two bytes and nine constants; as asked",
+        why: "576 entries of two bytes and nine constants; 2 KiB of flash",
     },
     Bound {
         name: "hysteresis.state.bytes",
         value: 256.0,
         unit: "byte",
-        why: "28 turning points of eight bytes, where the last step left off, a count; as asked",
+        why: "28 turning points of eight bytes, the last step's position and output, a count; a quarter KiB of RAM",
     },
     Bound {
         name: "hysteresis.identification.synthetic",
         value: 2e-2,
         unit: "1",
-        why: "share of the span by which unseen minor loops of ten random tables of 16 levels are missed, identified \
-              from reversal curves with 1 % noise; as asked",
+        why: "error, relative to the span, of unseen minor loops of ten random tables of 16 levels, identified from \
+              reversal curves with 1 % noise: twice the noise",
     },
     Bound {
         name: "hysteresis.identification.size_17",
         value: 2.5e-5,
         unit: "rad",
         why: "torsion of a measured gear over the second half of its log, rms, offset included; offset, one factor on \
-              the catalogue's line, weights and smoothness are from the first half alone; as asked",
+              the catalogue's line, weights and smoothness are from the first half alone: two counts of \
+              a 19-bit encoder",
     },
 ];

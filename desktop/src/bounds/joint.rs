@@ -1,4 +1,4 @@
-//! The gear as a whole, its plant, and the firmware beside the host.
+//! Bounds of the whole gear, its plant, and the firmware against the host.
 
 use super::Bound;
 
@@ -7,20 +7,21 @@ pub(super) const ROWS: &[Bound] = &[
         name: "angle.torsion.million_turns",
         value: 2e-10,
         unit: "rad",
-        why: "f32 torsion up to 1.5 mrad after 10^6 wave-generator turns: a 24-bit difference, 1 unit of which \
+        why: "f32 torsion up to 1.5 mrad after 10^6 wave-generator revolutions: a 24-bit difference, 1 unit of which \
               is 1.2e-10 rad; the observer needs 1e-6",
     },
     Bound {
         name: "plant.power_balance",
         value: 1e-6,
         unit: "1",
-        why: "what the reference plant's micro-steps leave unaccounted of the energy moved; 1e-4 is asked",
+        why: "energy that the reference plant's micro-steps leave unaccounted, of the energy moved; target 1e-4",
     },
     Bound {
         name: "plant.condensed.output",
         value: 5e-6,
         unit: "rad",
-        why: "what 4 micro-steps a period and a mesh without inertia leave of the reference plant's output in a closed loop: a twelfth of a 19-bit encoder's count",
+        why: "error of 4 micro-steps a period and a mesh without inertia against the reference plant's output in a \
+              closed loop: below half of a 19-bit encoder's count",
     },
     Bound {
         name: "plant.condensed.torsion",
@@ -32,13 +33,13 @@ pub(super) const ROWS: &[Bound] = &[
         name: "gear.steps.wind_up",
         value: 2e-2,
         unit: "1",
-        why: "steady torsion after steps under -50 N m against the catalogue's line, relative: what friction holds; as asked",
+        why: "steady torsion after steps under -50 N m against the catalogue's line, relative: held by friction",
     },
     Bound {
         name: "gear.steps.ringing",
         value: 2e-2,
         unit: "1",
-        why: "frequency after steps under -50 N m against the eigenvalue at that torque, relative; as asked",
+        why: "frequency after steps under -50 N m against the eigenvalue at that torque, relative: stiffness and inertia of the ringing joint",
     },
     Bound {
         name: "gear.real_time.output_position.max",
@@ -74,19 +75,21 @@ pub(super) const ROWS: &[Bound] = &[
         name: "pil.faults",
         value: 0.0,
         unit: "1",
-        why: "different faults but a limited torque that a joint raises that has none, while it works and in a scenario; as asked",
+        why: "different faults, a limited torque excepted, that a healthy joint raises at work and in a scenario: no false \
+              alarms",
     },
     Bound {
         name: "pil.limited",
         value: 0.01,
         unit: "s",
-        why: "time at the torque limit in a scenario's judged part: no move or load asks for it; as asked",
+        why: "time at the torque limit in a scenario's judged part: no move or load requires it",
     },
     Bound {
         name: "pil.worse_marks",
         value: 0.0,
         unit: "1",
-        why: "marks of a scenario that are worse than a baseline's on the same plant by more than 5 % and 12 urad; as asked",
+        why: "metrics of a scenario that are worse than a baseline's on the same plant by more than 5 % and 12 urad: \
+              compensation never degrades a run",
     },
     Bound {
         name: "pil.steps_unlike_host",

@@ -1,8 +1,7 @@
-//! The one table of bounds: what each claimed figure may be at most, and why.
+//! Table of bounds: the largest allowed value of each claimed figure, and its reason.
 //!
-//! Tests and `strainwave verify` read the same rows, a file for what each part measures; nearly all are ceilings,
-//! [`FLOORS`] are what a figure must not be below. A row that nothing measures, and a bound that has become [`LOOSE`]
-//! times too loose, fail a test.
+//! Tests and `strainwave verify` read the same rows, a file for each part; nearly all are upper bounds, [`FLOORS`] are
+//! lower ones. A row that nothing measures, and a bound that has become [`LOOSE`] times too loose, fail a test.
 
 mod catalogue;
 mod compensator;
@@ -25,14 +24,14 @@ pub struct Bound {
     pub value: f64,
     /// SI unit, what is counted, or "1".
     pub unit: &'static str,
-    /// What the value follows from.
+    /// Reason of the value.
     pub why: &'static str,
 }
 
-/// A bound this many times its figure says nothing any more.
+/// Ratio of a bound to its figure above which it is too loose.
 pub const LOOSE: f64 = 10.0;
 
-/// Every bound, by what it is of.
+/// Every bound, by part.
 pub const BOUNDS: [&[Bound]; 9] = [
     joint::ROWS,
     catalogue::ROWS,
@@ -47,8 +46,8 @@ pub const BOUNDS: [&[Bound]; 9] = [
 
 pub use design::{DELAY as DESIGN_DELAY, GAIN as DESIGN_GAIN, PHASE as DESIGN_PHASE, SIZE as DESIGN_SIZE};
 
-/// What was asked of a figure whose bound stands at what is reached, by name.
-pub const ASKED: &[(&str, f64)] = &[
+/// Targets of the figures whose bound is the reached value instead, by name.
+pub const TARGETS: &[(&str, f64)] = &[
     ("friction.target.cycles", 150.0),
     ("compensator.motor.s1.vibration_to_b0", 0.1),
     ("compensator.both.s1.vibration_to_b0", 0.05),
@@ -61,14 +60,14 @@ pub const ASKED: &[(&str, f64)] = &[
     ("compensator.motor.s5.steady_to_b0", 0.2),
 ];
 
-/// The line that says so of a figure which misses what was asked.
-pub fn misses_what_was_asked(figure: &Figure) -> Option<String> {
-    let (name, asked) = ASKED.iter().find(|(name, _)| *name == figure.name)?;
-    let missed = figure.value.is_nan() || figure.value > *asked;
-    missed.then(|| format!("{name} is {:.4}: {asked} was asked and is not reached", figure.value))
+/// Line for a figure that misses its target.
+pub fn misses_target(figure: &Figure) -> Option<String> {
+    let (name, target) = TARGETS.iter().find(|(name, _)| *name == figure.name)?;
+    let missed = figure.value.is_nan() || figure.value > *target;
+    missed.then(|| format!("{name} is {:.4}: target {target}, missed", figure.value))
 }
 
-/// What a figure must at least be, by name.
+/// Smallest allowed values, by name.
 pub const FLOORS: &[Bound] = &[
     design::FLOORS[0],
     design::FLOORS[1],
@@ -81,29 +80,29 @@ pub const FLOORS: &[Bound] = &[
         value: 4.0,
         unit: "1",
         why: "measured joints of six whose output is predicted from the motor side with at most half of a rigid gear's \
-              error, after the first third of their motion; as asked",
+              error, after the first third of their motion: the model explains most of a real gear's error",
     },
     Bound {
         name: "flexspline.target.literal_over_reduced",
         value: 2000.0,
         unit: "1",
-        why: "instructions of the literal 8 x 3 mesh in 0.1 ms over those of its reduction; 300 are asked",
+        why: "instructions of the literal 8 x 3 mesh in 0.1 ms over those of its reduction; target 300",
     },
     Bound {
         name: "hysteresis.50.relays_over_staircase",
         value: 100.0,
         unit: "1",
-        why: "time of the relays over that of the staircase, 50 levels, in one run; as asked",
+        why: "time of the relays over that of the staircase, 50 levels, in one run: real time on the target",
     },
 ];
 
 impl Bound {
-    /// The figure `value` beside this bound.
+    /// The figure `value` with this bound.
     pub fn figure(&self, value: f64) -> Figure {
         Figure { row: Some(self.name), ..Figure::bounded(self.name, value, self.unit, self.value) }
     }
 
-    /// The figure `value` beside this floor.
+    /// The figure `value` with this lower bound.
     fn figure_at_least(&self, value: f64) -> Figure {
         Figure { row: Some(self.name), ..Figure::at_least(self.name, value, self.unit, self.value) }
     }
@@ -119,7 +118,7 @@ pub fn find(name: &str) -> Option<&'static Bound> {
     BOUNDS.into_iter().flatten().find(|bound| bound.name == name)
 }
 
-/// The measured `value` under a name of its own, beside the bound of the row `row`.
+/// The measured `value` under a name of its own, with the bound of the row `row`.
 ///
 /// # Panics
 /// As [`figure`].
@@ -127,7 +126,7 @@ pub fn figure_as(name: impl Into<String>, row: &str, value: f64) -> Figure {
     Figure { name: name.into(), ..figure(row, value) }
 }
 
-/// The measured `value` beside the bound of that name.
+/// The measured `value` with the bound of that name.
 ///
 /// # Panics
 /// When the table has no such row, which is a mistake in the program: a measured claim has a bound.

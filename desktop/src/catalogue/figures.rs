@@ -7,9 +7,9 @@
 //! | --- | --- |
 //! | stiffness, ratios 30 and 50 | Harmonic Drive CSF/CSG catalogue p. 50, Tables 41 and 42; K3 of 14-50: RSF-14B manual p. 12 |
 //! | stiffness, ratio 100 | HFUS 14, 25; Schaeffler RT1-H-CS 17, 20 (K1, K3); HFUC-2UH 32: HFUS-2A manual p. 24 |
-//! | rated torque | CSG 14 to 32 at 2000 turns a minute |
+//! | rated torque | CSG 14 to 32 at 2000 revolutions a minute |
 //! | inertia of the wave generator | CSG-2A/HFUC-2A 14 to 32 |
-//! | starting and running torque, efficiency | Schaeffler RT1-H-CS 14 to 25, ratio 100, 20 degrees C, running at 2000 turns a minute (TPI 275) |
+//! | starting and running torque, efficiency | Schaeffler RT1-H-CS 14 to 25, ratio 100, 20 degrees C, running at 2000 revolutions a minute (TPI 275) |
 //! | positional accuracy | CSF/CSG catalogue p. 49, Table 40 |
 //! | hysteresis loss | CSF/CSG catalogues, from memory: a starting point, no threshold |
 
@@ -60,7 +60,7 @@ const FRICTION_SIZES: [u32; 4] = [14, 17, 20, 25];
 /// Starting torque, running torque at [`RUNNING_SPEED`], both at the motor (N m), and efficiency at rated torque.
 const FRICTION: [[f64; 3]; FRICTION_SIZES.len()] =
     [[0.021, 0.035, 0.67], [0.029, 0.051, 0.77], [0.037, 0.105, 0.77], [0.069, 0.195, 0.77]];
-/// 2000 turns a minute (rad/s).
+/// 2000 revolutions a minute (rad/s).
 pub const RUNNING_SPEED: f64 = 209.44;
 
 /// A figure of a size: where it was read, and how many times as large the gear is.
@@ -70,7 +70,7 @@ pub struct Read {
     row: usize,
     /// Size that it was read of.
     pub size: u32,
-    /// Size that is wanted over that size.
+    /// Requested size over that size.
     pub scale: f64,
 }
 
@@ -83,12 +83,12 @@ impl Read {
         Self { row, size: *of, scale: f64::from(size) / f64::from(*of) }
     }
 
-    /// Where stiffness, rated torque and inertia of a size come from.
+    /// Source of a size's stiffness, rated torque and inertia.
     pub fn of(size: u32) -> Self {
         Self::nearest(size, &SIZES)
     }
 
-    /// Where its friction comes from.
+    /// Source of its friction.
     pub fn friction(size: u32) -> Self {
         Self::nearest(size, &FRICTION_SIZES)
     }
@@ -165,13 +165,13 @@ pub struct AtMotor {
 pub fn friction(size: u32) -> AtMotor {
     let read = Read::friction(size);
     let [starting, running, efficiency] = FRICTION[read.row];
-    let asked = rated_torque(read.size, 100) / 100.0;
-    let load = (1.0 / efficiency - 1.0) - running / asked;
+    let motor_torque = rated_torque(read.size, 100) / 100.0;
+    let load = (1.0 / efficiency - 1.0) - running / motor_torque;
     let torque = read.scale.powi(3);
     AtMotor { starting: starting * torque, running: running * torque, load }
 }
 
-/// Largest less smallest position error over a turn (rad).
+/// Largest less smallest position error over a revolution (rad).
 pub fn positional_accuracy(size: u32, ratio: i32) -> f64 {
     match (size, ratio) {
         (..=14, ..40) => 5.8e-4,
@@ -222,13 +222,13 @@ mod tests {
         assert!((friction(50).starting / friction(25).starting - 8.0).abs() < 1e-12);
     }
 
-    /// Losses at rated torque and 2000 turns a minute are those of the efficiency.
+    /// Losses at rated torque and 2000 revolutions a minute are those of the efficiency.
     #[test]
     fn the_losses_add_up_to_the_efficiency() {
         for (size, efficiency) in [(14, 0.67), (20, 0.77), (25, 0.77)] {
-            let (asked, of) = (rated_torque(size, 100) / 100.0, friction(size));
-            let motor = asked * (1.0 + of.load) + of.running;
-            assert!((asked / motor - efficiency).abs() < 1e-12 && of.load > 0.0, "{size}");
+            let (motor_torque, of) = (rated_torque(size, 100) / 100.0, friction(size));
+            let motor = motor_torque * (1.0 + of.load) + of.running;
+            assert!((motor_torque / motor - efficiency).abs() < 1e-12 && of.load > 0.0, "{size}");
         }
     }
 }

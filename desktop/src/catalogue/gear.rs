@@ -4,15 +4,15 @@
 //! | --- | --- |
 //! | stiffness, knees, rated torque, inertia of the wave generator, friction | [`super::figures`] |
 //! | peak torque | 157/67 of the rated torque, as the default gear's |
-//! | kinematic error | twice and four times a turn, 0.34 and 0.07 of the positional accuracy, as the default gear's |
+//! | kinematic error | twice and four times a revolution, 0.34 and 0.07 of the positional accuracy, as the default gear's |
 //! | cup | radius, length, wall and ellipse of the default gear's size 25, linear with size |
 //! | J_wg | the wave generator's, and a rotor of 0.45 of it, as the default gear's |
 //! | J_fs | 2*N^2*J_wg, as the default gear's |
 //! | friction at the wave generator | static: starting torque; Coulomb: 0.72 of it; viscous: the rest of the running torque; load: the rest of the loss at rated torque |
 //! | friction at the flexspline | Coulomb 0.5 % of the rated torque, static 1.3 times, viscous 4 s/rad times that |
-//! | motor | 1.5 times peak torque/N; 5600 turns a minute of size 25, with size^-0.62 (4800 of size 32) |
+//! | motor | 1.5 times peak torque/N; 5600 revolutions a minute of size 25, with size^-0.62 (4800 of size 32) |
 //! | noise of the torques | 1 % of the rated torque, at the motor over N |
-//! | baselines | as tuned; else the default gear's, carried over ([`super::load`]) |
+//! | baselines | as tuned; else the default gear's, transferred ([`super::load`]) |
 //! | cascade | that of baseline B0 |
 //!
 //! The default gear's velocity loop crosses over at 180 Hz above the torsion mode, where the rotor alone is left: what
@@ -53,7 +53,7 @@ impl Model {
         format!("hd{:02}-{:03}", self.size, self.ratio)
     }
 
-    /// The gear file; without tuned baselines it has those of the default gear, carried over.
+    /// The gear file; without tuned baselines it has those of the default gear, transferred.
     pub fn gear(self, baselines: Option<Baselines>) -> GearFile {
         let n = f64::from(self.ratio);
         let rated = rounded(figures::rated_torque(self.size, self.ratio));
@@ -161,7 +161,7 @@ impl Model {
             slopes,
             from(friction, "Friction at the wave generator, of ratio 100"),
             "# Hysteresis, cup, output friction, motor and noise follow from size and rated torque; not a claim about one unit.".to_owned(),
-            "# [feedback] is baseline B0's; [baselines] as tuned, else the default gear's, carried over.".to_owned(),
+            "# [feedback] is baseline B0's; [baselines] as tuned, else the default gear's, transferred.".to_owned(),
         ]
         .join("\n")
             + "\n"

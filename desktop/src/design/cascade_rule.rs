@@ -63,7 +63,7 @@ impl Required {
     }
 }
 
-/// What the rule gives.
+/// Gains by the rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CascadeGains {
     /// omega_c (rad/s).

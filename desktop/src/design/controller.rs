@@ -28,7 +28,7 @@ use crate::joint::CONTROL_PERIOD;
 
 /// States.
 pub const STATES: usize = 35;
-/// What it reads: theta_m, theta_o, tau_measured, tau_t, d_in.
+/// Inputs of the controller: theta_m, theta_o, tau_measured, tau_t, d_in.
 pub const INPUTS: usize = 5;
 /// Slots of a round.
 pub const SLOTS: usize = SLOW_PERIODS as usize;
@@ -62,7 +62,7 @@ const LAST_TORQUE: usize = 16;
 const LOAD: usize = 17;
 const SIXTH: usize = 18;
 const INNOVATION: usize = 19;
-const BENT: [usize; 2] = [20, 21];
+const DEFLECTION: [usize; 2] = [20, 21];
 const FRICTION: [usize; 2] = [22, 23];
 const FLANGE_ACCELERATION: usize = 24;
 const SLOW: usize = 25;
@@ -138,7 +138,7 @@ impl Controller {
         let has_gauge = file.sensors.output_torque;
         let observer = if stands { parts.observer.standing } else { parts.observer.moving };
         let used = usize::from(has_output) + 2 * usize::from(has_gauge);
-        let asked =
+        let moves =
             |gains: &Gains<f64>| [gains.motor, gains.torque, gains.output].iter().any(|l| l[5] != 0.0);
         Self {
             ratio: file.gear.signed_ratio().value(),
@@ -149,7 +149,7 @@ impl Controller {
                 * (file.stiffness.k1 * file.inertia.flexspline).sqrt(),
             viscous: sides.map(|side| side.viscous.unwrap_or_default()),
             bristle: sides.map(|side| if stands { bristle_stiffness(side) } else { 0.0 }),
-            sixth_moves: asked(&observer[used]),
+            sixth_moves: moves(&observer[used]),
             observer,
             stands,
             has_output,
@@ -167,7 +167,7 @@ impl Controller {
         let (n, omega, torque) = (1.0 / self.ratio.abs(), self.reference_frequency, self.stiffness);
         let mut units = [1.0; STATES];
         let mut set = |places: &[usize], unit: f64| places.iter().for_each(|place| units[*place] = unit);
-        set(&[MOTOR, AHEAD, SEEN_MOTOR, OFF, BENT[0]], n);
+        set(&[MOTOR, AHEAD, SEEN_MOTOR, OFF, DEFLECTION[0]], n);
         set(&[COURSE, WIND_SPEED, SPEED, MOTOR_SPEED], n * omega);
         set(&[WIND_ACCELERATION], n * omega * omega);
         set(&[TORQUE, TORQUE_OFF, WIND_TORQUE, INTEGRAL, LAST_TORQUE, FRICTION[0]], torque / n);
@@ -224,9 +224,9 @@ impl Controller {
         // Kinematic error and hysteresis in the first and third, friction in the others.
         if slot % 4 == 2 {
             for (side, speed) in [x[MOTOR_SPEED], x[FLANGE_SPEED]].into_iter().enumerate() {
-                let bent = x[BENT[side]] + 2.0 * dt * speed;
-                x[BENT[side]] = if self.bristle[side] > 0.0 { bent } else { 0.0 };
-                x[FRICTION[side]] = self.viscous[side] * speed + self.bristle[side] * x[BENT[side]];
+                let deflection = x[DEFLECTION[side]] + 2.0 * dt * speed;
+                x[DEFLECTION[side]] = if self.bristle[side] > 0.0 { deflection } else { 0.0 };
+                x[FRICTION[side]] = self.viscous[side] * speed + self.bristle[side] * x[DEFLECTION[side]];
             }
         }
         let (stiffness_torque, held) = if self.stands { (0.0, x[SIXTH]) } else { (x[SIXTH], 0.0) };
@@ -234,8 +234,8 @@ impl Controller {
         x[LAST_TORQUE] = torque;
         let resisting = x[FRICTION[0]] + r * (transmitted + stiffness_torque);
         x[MOTOR_SPEED] += dt * (mean + held - resisting) / self.inertias[0];
-        let carried = transmitted - x[FRICTION[1]] + x[LOAD] + stiffness_torque;
-        x[FLANGE_ACCELERATION] = carried / self.inertias[1];
+        let net = transmitted - x[FRICTION[1]] + x[LOAD] + stiffness_torque;
+        x[FLANGE_ACCELERATION] = net / self.inertias[1];
         x[FLANGE_SPEED] += dt * x[FLANGE_ACCELERATION];
         let way = dt * x[MOTOR_SPEED];
         x[OFF] += way - (motor - x[SEEN_MOTOR]);
@@ -321,8 +321,8 @@ impl Controller {
         let filter = share(dt * filter_corner);
         x[SPEED] += filter * (speed - x[SPEED]);
         let late = dt * (1.0 / filter - 0.5) * x[WIND_ACCELERATION];
-        let wanted = position_gain * x[AHEAD] + x[COURSE] + x[WIND_SPEED] - late;
-        let lag = wanted - x[SPEED];
+        let expected = position_gain * x[AHEAD] + x[COURSE] + x[WIND_SPEED] - late;
+        let lag = expected - x[SPEED];
         x[INTEGRAL] += velocity_gain * dt / integral_time * lag;
         velocity_gain * lag + x[INTEGRAL] + x[WIND_TORQUE]
     }

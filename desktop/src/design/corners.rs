@@ -7,10 +7,10 @@ use crate::gear_file::GearFile;
 pub const LINK_DAMPING: f64 = 0.005;
 /// Presliding distance over the file's, where friction does not slide.
 const PRESLIDING: [f64; 2] = [0.3, 3.0];
-/// Share of the load behind a mode, and its frequency (Hz).
+/// Fraction of the load behind a mode, and its frequency (Hz).
 const LINKS: [Option<(f64, f64)>; 4] = [None, Some((0.5, 20.0)), Some((0.3, 60.0)), Some((0.5, 60.0))];
 
-/// Where on the gear's line the joint is: model and gear there.
+/// Operating point on the gear's line, of model and gear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Point {
     /// Below the first knee.

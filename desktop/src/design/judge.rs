@@ -16,7 +16,7 @@ use crate::joint::CONTROL_PERIOD;
 pub struct Worst {
     /// The least margin, or the largest |L|.
     pub value: f64,
-    /// Where.
+    /// Variant and corner of the worst case.
     pub at: Option<(Variant, Corner)>,
 }
 
@@ -84,7 +84,7 @@ fn answers(file: &GearFile, parts: &Parts, loops: &[Loop], omegas: &[f64]) -> Ve
     answers
 }
 
-/// Margins of some loops over every `each`-th corner of the box; `progress` is told the share that is done.
+/// Margins of some loops over every `each`-th corner of the box; `progress` is called with the fraction done.
 pub fn judge(
     file: &GearFile,
     parts: &Parts,
@@ -130,9 +130,9 @@ fn all_corners(file: &GearFile, each: usize) -> impl Iterator<Item = (Mode, Corn
 pub struct Unstable {
     /// Which.
     pub variant: Variant,
-    /// Where.
+    /// Corner.
     pub corner: Corner,
-    /// How fast it grows (1/s); not known where its poles are not found.
+    /// Growth rate (1/s); unknown where its poles are not found.
     pub growth: Option<f64>,
 }
 

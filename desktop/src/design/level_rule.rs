@@ -20,7 +20,8 @@ pub const LEVELS: [f64; 3] = [1.0, 0.5, 0.25];
 /// Of the corners every so many have their poles looked at.
 const LOOKED_AT: usize = 7;
 
-/// What a function may cost of a margin that the cascade alone misses, as a share of it: rounding between sets of sensors.
+/// Largest loss, by a function, of a margin that the cascade alone misses, relative to it: rounding between sets of
+/// sensors.
 const ROUNDING: f64 = 1e-3;
 
 /// The margins that the functions must leave: the bounds, or those of the cascade alone where they are less.
@@ -74,7 +75,7 @@ fn first_missed(file: &GearFile, parts: &Parts, function: &Function, floors: &Re
     })
 }
 
-/// What the rule gives.
+/// Levels by the rule.
 pub struct Allowed {
     /// The levels.
     pub levels: Levels,
@@ -82,7 +83,7 @@ pub struct Allowed {
     pub misses: [Option<Miss>; FUNCTIONS.len()],
 }
 
-/// The levels of a joint with these parts; `progress` is told the share that is done.
+/// The levels of a joint with these parts; `progress` is called with the fraction done.
 pub fn levels(file: &GearFile, parts: &Parts, mut progress: impl FnMut(f64)) -> Allowed {
     let floors = floors(file, parts);
     let mut found = Allowed { levels: Levels::NONE, misses: Default::default() };

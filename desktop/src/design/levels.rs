@@ -1,10 +1,10 @@
-//! How much of each function the compensator has: a factor on what the rules of [`crate::compensation`] give.
+//! Levels of the compensator's functions: factors on the gains by the rules of [`crate::compensation`].
 
 use crate::bench::SensorSet;
 
 use super::parts::Parts;
 
-/// A function that closes a loop beside the cascade, and what its level scales.
+/// A function that closes a loop in addition to the cascade, and the gain that its level scales.
 #[derive(Clone, Copy, Debug)]
 pub struct Function {
     /// For people.
@@ -43,7 +43,7 @@ pub const FUNCTIONS: [Function; 7] = [
         scale: |parts, level| parts.disturbance.fast_corner *= level,
     },
     Function {
-        name: "disturbance path: wound-up share s",
+        name: "disturbance path: wind-up fraction s",
         sets: &SensorSet::ALL,
         needs: Some(3),
         scale: |parts, level| parts.disturbance.wind_up_fraction *= level,

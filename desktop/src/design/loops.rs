@@ -7,7 +7,7 @@
 //!
 //! P is the joint ([`super::plant`]), C the controller's fundamental ([`super::response`]). Where the plant is the model the
 //! observer sees nothing of what the motor does, and the second L is 0; what is left of it is T*Delta, T what the path makes
-//! of a load and Delta what of it comes back by what is not known. |T| < 1/|Delta| is |L| < 1.
+//! of a load and Delta the part of it that returns by the uncertainty. |T| < 1/|Delta| is |L| < 1.
 //!
 //! K. Zhou, J. Doyle, K. Glover, "Robust and optimal control" (1996), chapter 9 (small gain).
 
@@ -22,7 +22,7 @@ use crate::bench::SensorSet;
 use crate::gear_file::GearFile;
 use crate::joint::CONTROL_PERIOD;
 
-/// Where a loop is broken.
+/// Point at which a loop is broken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Break {
     /// At the motor's torque command.
@@ -36,7 +36,7 @@ pub enum Break {
 pub struct Loop {
     /// Sensors.
     pub set: SensorSet,
-    /// Where it is broken.
+    /// Point at which it is broken.
     pub broken: Break,
     /// The disturbance path passes everything, or nothing.
     pub passes: bool,

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Crossings are interpolated between two frequencies: log|L| and its phase linear. Whether the closed loop is stable is not
-//! asked here: its poles say so ([`super::poles`]). Units: dB, rad, s.
+//! tested here, but by its poles ([`super::poles`]). Units: dB, rad, s.
 //!
 //! K. Astrom, R. Murray, "Feedback Systems" (2008), section 9.3.
 

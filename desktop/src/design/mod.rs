@@ -6,7 +6,7 @@
 //! sensors, with the observer's gains of a motor that moves and of one that stands, the disturbance path passing everything
 //! or (within its dead zone) nothing; [`judge`] finds the worst. Margins say how far a stable loop is from an unstable one;
 //! that it is stable the poles say ([`poles`]). Gains with margins follow by rule: the cascade's ([`cascade_rule`]), and how
-//! much of every other function there may be on top of it ([`level_rule`]). They are offered beside the gains that
+//! much of every other function there may be on top of it ([`level_rule`]). They are offered as an alternative to the gains that
 //! [`crate::joint::joint_params`] gives the firmware. [`sweep`] measures the same L in the loop of the real code.
 
 pub mod cascade;

@@ -1,4 +1,4 @@
-//! What the linear controllers of a joint are made of.
+//! Parts of the linear controllers of a joint.
 
 use strainwave::Error;
 use strainwave::compensator::actuate::cascade::FeedbackParams;

@@ -90,7 +90,7 @@ impl Plant {
         [angle, follows * angle, torque, spring * (r - follows) * angle]
     }
 
-    /// States: both angles and speeds, link, drive, and the commands on their way.
+    /// States: both angles and speeds, link, drive, and the delayed commands.
     pub fn states(&self) -> usize {
         7 + self.delay
     }
@@ -149,7 +149,7 @@ impl Plant {
         }
     }
 
-    /// What the sensors read of the states.
+    /// Readings of the sensors for a state.
     pub fn read(&self, x: &[f64]) -> [f64; OUTPUTS] {
         let transmitted = self.transmitted().iter().zip(x).map(|(gain, x)| gain * x).sum();
         [x[0], x[2], x[6], transmitted]

@@ -64,7 +64,7 @@ pub fn is_stable(eigenvalues: &[Complex<f64>]) -> bool {
     eigenvalues.iter().all(|mu| mu.norm() < 1.0 + ROUNDING)
 }
 
-/// How fast the fastest growing mode grows (1/s); below 0 where all decay.
+/// Growth rate of the fastest growing mode (1/s); below 0 where all decay.
 pub fn growth(eigenvalues: &[Complex<f64>]) -> f64 {
     let largest = eigenvalues.iter().map(|mu| mu.norm()).fold(0.0, f64::max);
     largest.ln() / (SLOTS as f64 * CONTROL_PERIOD)

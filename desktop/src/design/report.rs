@@ -1,4 +1,4 @@
-//! What `design` says of a joint.
+//! Report of `design` on a joint.
 
 use std::f64::consts::TAU;
 
@@ -49,7 +49,7 @@ pub struct Poles {
     pub modes: Vec<(f64, f64)>,
 }
 
-/// What was found of a joint.
+/// Report on a joint.
 pub struct Report {
     parts: Parts,
     by_rule: bool,
@@ -57,19 +57,19 @@ pub struct Report {
     pub cascade: Judged,
     /// Each loop and set.
     pub judged: Vec<Judged>,
-    /// Where the closed loop is not stable.
+    /// Unstable variants and corners of the closed loop.
     pub unstable: Vec<Unstable>,
     /// Of the nominal joint's closed loop.
     pub poles: Vec<Poles>,
 }
 
-/// Where a margin is worst, for people.
+/// Variant and corner of a margin's worst case, as text.
 pub fn place(at: &Option<(Variant, Corner)>) -> String {
     at.map_or_else(|| "-".into(), |(variant, corner)| format!("{:?} {}", variant.mode, corner.name()))
 }
 
 impl Report {
-    /// Of a joint with these parts at these levels, the cascade's by its rule or the file's; `progress` is told the share that is done.
+    /// Of a joint with these parts at these levels, the cascade's by its rule or the file's; `progress` is called with the fraction done.
     ///
     /// # Errors
     /// As [`Parts::of`].
@@ -102,7 +102,7 @@ impl Report {
         self.judged.iter().filter(move |j| j.of.set == set && j.of.broken == broken)
     }
 
-    /// Figures beside their bounds.
+    /// Figures with their bounds.
     pub fn figures(&self) -> Vec<Figure> {
         let mut figures = Vec::new();
         for set in SensorSet::ALL {
@@ -155,7 +155,7 @@ impl Report {
         }
     }
 
-    /// What misses its bound, by name.
+    /// Names of the figures that miss their bound.
     pub fn missed(&self) -> Vec<String> {
         let figures = self.figures();
         figures.into_iter().filter(|figure| !figure.holds).map(|figure| figure.name).collect()

@@ -58,7 +58,7 @@ fn raw(angle: f64) -> u32 {
     ((angle / TAU * counts).round().rem_euclid(counts)) as u32
 }
 
-/// Measured beside linear at whole frequencies (Hz).
+/// Measured and linear at whole frequencies (Hz).
 ///
 /// # Errors
 /// A gear that cannot be built.

@@ -23,11 +23,11 @@ impl Mode {
 /// A controller at one operating point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Variant {
-    /// What it reads.
+    /// Its sensors.
     pub set: SensorSet,
     /// Its gains.
     pub mode: Mode,
-    /// Where on the gear's line.
+    /// Operating point on the gear's line.
     pub point: Point,
     /// The disturbance path passes everything, or nothing: the ends of its dead zone's describing function.
     pub passes: bool,

@@ -53,7 +53,7 @@ stored! {
     integral_time "integral_time_s",
     /// Corner of the speed's low pass in multiples of the velocity bandwidth.
     speed_filter_factor "speed_filter_factor",
-    /// Share of the friction that is fed forward.
+    /// Fraction of the friction that is fed forward.
     friction_share "friction_share",
     /// P of the output's error.
     output_proportional "output_proportional",

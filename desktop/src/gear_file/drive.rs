@@ -1,11 +1,11 @@
 //! `[drive]` and `[tolerances]`: the box that the joint of a gear file lies in.
 //!
-//! What is left out has the default below: the ranges of the plants that a controller does not know
-//! ([`crate::plant::unknowns`], [`crate::draw`]).
+//! Omitted keys have the defaults below: the parameter ranges of the judged plants
+//! ([`crate::plant::unknowns`], [`crate::box_sample`]).
 
 use serde::{Deserialize, Serialize};
 
-use crate::draw;
+use crate::box_sample;
 
 /// `[drive]`: what makes a torque of the command.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,9 +49,9 @@ impl Default for Tolerances {
     fn default() -> Self {
         Self {
             rotor_inertia: 0.1,
-            load_inertia: draw::INERTIA,
-            stiffness: draw::STIFFNESS,
-            friction: draw::FRICTION,
+            load_inertia: box_sample::INERTIA,
+            stiffness: box_sample::STIFFNESS,
+            friction: box_sample::FRICTION,
         }
     }
 }

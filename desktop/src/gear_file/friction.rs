@@ -28,7 +28,7 @@
 //! - Armstrong's F_Sinf is Fs - Fc.
 //!
 //! `load_driving` and `load_driven` are the level that each N m through the contact adds while the motor drives the load,
-//! and while the load drives the motor. `ripple_cosines` and `ripple_sines` are shares of the level, of orders 1 and 2 a turn
+//! and while the load drives the motor. `ripple_cosines` and `ripple_sines` are fractions of the level, of orders 1 and 2 a revolution
 //! of the wave generator. `[friction.*.backward]` has `coulomb_nm`, `static_nm`, `stribeck_rad_per_s`,
 //! `viscous_nm_s_per_rad`, `ripple_cosines` and `ripple_sines` of motion backwards.
 //!
@@ -184,7 +184,7 @@ pub struct Friction {
     /// Shares b_1, b_2 of the level.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ripple_sines: Option<Vec<f64>>,
-    /// What differs backwards.
+    /// Parameters of backward motion where they differ.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub backward: Option<Backward>,
     /// Rows of eq. (8).

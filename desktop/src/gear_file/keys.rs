@@ -13,7 +13,7 @@ use strainwave::hysteresis::table::TABLE_LEVELS;
 
 use super::friction::{FrictionModel, MOST_STATES};
 
-/// What a key may hold.
+/// Allowed values of a key.
 #[derive(Clone, Copy, Debug)]
 pub enum Allowed {
     /// 1 to 80 characters without control characters.
@@ -42,7 +42,7 @@ pub const MOST_ORDERS: usize = 8;
 pub struct Key {
     /// Dotted path, such as `friction.input.coulomb_nm`.
     pub path: &'static str,
-    /// What it may hold.
+    /// Its allowed values.
     pub allowed: Allowed,
     /// The file need not have it.
     pub optional: bool,
@@ -235,7 +235,7 @@ const BASELINES: &[Key] = baselines! {
         "output_low_pass_hz" within(5.0, 2000.0, "Hz");
 };
 
-/// How one number must stand to another in the same file.
+/// Relation between two numbers of the same file.
 #[derive(Clone, Copy, Debug)]
 pub struct Relation {
     /// The key that is refused.
@@ -256,7 +256,7 @@ const fn more_than(path: &'static str, times: f64, than: &'static str) -> Relati
     Relation { path, or_equal: false, times, than }
 }
 
-/// What the ranges of single keys cannot say: the torsion curve hardens, breakaway is the higher
+/// Relations beyond the ranges of single keys: the torsion curve hardens, breakaway is the higher
 /// friction level, the cup is thin and the inner loop is the faster one.
 pub const RELATIONS: &[Relation] = &[
     at_least("gear.peak_torque_nm", "gear.rated_torque_nm"),

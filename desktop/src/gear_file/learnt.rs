@@ -27,7 +27,7 @@ pub struct Learnt {
     /// On the compliance of the flexspline.
     #[serde(default = "nominal")]
     pub compliance: f64,
-    /// Share of order 2 in the presliding of both frictions.
+    /// Fraction of order 2 in the presliding of both frictions.
     #[serde(default = "nominal")]
     pub presliding: f64,
     /// 1 and how much stiffer the presliding is.
@@ -53,7 +53,7 @@ fn nominal() -> f64 {
 }
 
 impl Learnt {
-    /// What a compensator has learnt.
+    /// The keys of a compensator's learnt factors and ripple.
     pub fn of(learnt: &learning::Learnt<f32>) -> Self {
         let Factors {
             inertia,
@@ -103,7 +103,7 @@ impl Learnt {
     /// comments too, stays as it is.
     ///
     /// # Errors
-    /// What was learnt is out of the file's range, `text` is no gear file, or the file cannot be written.
+    /// When a learnt value is out of the file's range, `text` is no gear file, or the file cannot be written.
     pub fn keep_in(&self, text: &str, path: &Path) -> Result<(), BadInput> {
         super::keep(path, text, |document| self.put_into(document))
     }

@@ -50,7 +50,7 @@ pub const LARA8_MOVING: [(&str, &str); 4] = [
 /// Longest gear file (bytes).
 const LONGEST_FILE: u64 = 1 << 20;
 
-/// What the gear file says.
+/// A gear file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GearFile {
@@ -71,24 +71,24 @@ pub struct GearFile {
     pub damping: Damping,
     /// Friction of both sides.
     pub friction: BothFrictions,
-    /// What the motor can do.
+    /// Limits of the motor.
     pub motor: Motor,
-    /// What makes a torque of the command.
+    /// Drive: from torque command to torque.
     #[serde(default)]
     pub drive: Drive,
-    /// How well the parameters are known.
+    /// Tolerances of the parameters.
     #[serde(default)]
     pub tolerances: Tolerances,
-    /// What the joint measures.
+    /// Sensors of the joint.
     pub sensors: Sensors,
     /// Tuning of the cascaded feedback.
     pub feedback: Feedback,
-    /// How much is compensated.
+    /// Compensation functions.
     pub compensation: Compensation,
-    /// What a compensator has learnt of the joint; nothing when it is left out.
+    /// Learnt factors and ripple of the joint; none when it is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub learnt: Option<Learnt>,
-    /// What the baselines were tuned to; their rule stands for what is left out.
+    /// Tuned gains of the baselines; an omitted one follows from its rule.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub baselines: Option<Baselines>,
 }
@@ -202,7 +202,7 @@ impl KinematicError {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Harmonic {
-    /// k, periods a turn.
+    /// k, periods a revolution.
     pub order: u32,
     /// A_k at the output (rad).
     #[serde(rename = "amplitude_rad")]
@@ -287,15 +287,15 @@ pub struct Motor {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sensors {
-    /// Bits a turn of the motor encoder.
+    /// Bits a revolution of the motor encoder.
     pub motor_encoder_bits: u32,
-    /// Noise of the motor's encoder beside its resolution, as the observer is designed for (rad); it has one when it is left out.
+    /// Noise of the motor's encoder in addition to its resolution, as the observer is designed for (rad); it has one when it is left out.
     #[serde(rename = "motor_encoder_noise_rad", default, skip_serializing_if = "Option::is_none")]
     pub motor_encoder_noise: Option<f64>,
     /// The same of the output's encoder (rad).
     #[serde(rename = "output_encoder_noise_rad", default, skip_serializing_if = "Option::is_none")]
     pub output_encoder_noise: Option<f64>,
-    /// Bits a turn of the output encoder, when there is one.
+    /// Bits a revolution of the output encoder, when there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output_encoder_bits: Option<u32>,
     /// By how many control periods the output encoder's reading is late.
@@ -323,14 +323,14 @@ pub struct Sensors {
 }
 
 impl Sensors {
-    /// Bits a turn of the output encoder; where there is none, of one like the motor's.
+    /// Bits a revolution of the output encoder; where there is none, of one like the motor's.
     pub fn output_bits(&self) -> u32 {
         self.output_encoder_bits.unwrap_or(self.motor_encoder_bits)
     }
 }
 
 impl Sensors {
-    /// What the output encoder reads too much at the output angle x (rad).
+    /// Error of the output encoder's reading at the output angle x (rad).
     pub fn output_encoder_error_at(&self, x: f64) -> f64 {
         self.output_encoder_error.iter().map(|harmonic| harmonic.at(x)).sum()
     }
@@ -363,7 +363,7 @@ pub struct Feedback {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Compensation {
-    /// Share of the friction that is fed forward: all of it can drive the joint by itself.
+    /// Fraction of the friction that is fed forward: all of it can drive the joint by itself.
     pub friction_share: f64,
     /// By how much the external torque wanders in a second [N m/s^0.5]; the observer's design has one when it is left out. It is how much of
     /// the motor torque that friction and inertia do not explain the observer takes for external torque.

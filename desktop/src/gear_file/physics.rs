@@ -1,6 +1,6 @@
-//! What makes a gear of the file's numbers: conditions on several keys at once.
+//! Physical conditions on a gear file: those on several keys at once.
 //!
-//! The cup carries the torque in series with the tooth contact, so the whole is softer than the cup,
+//! The cup transmits the torque in series with the tooth contact, so the whole is softer than the cup,
 //! K3 < G*J/l. The hysteresis loop closes at rated torque, so it is narrower than the torsion there. Identified
 //! weights are symmetric, and no branch of theirs falls faster than the line rises: the torque grows with the
 //! torsion. Nowhere does a branch fall faster than the major loop's rising one at the same torsion.

@@ -16,7 +16,7 @@ pub(super) const BLOCKS: usize = 5;
 /// Decades of lambda, the output's span and the total of the standard shape being 1.
 const DECADES: std::ops::RangeInclusive<i32> = -10..=0;
 
-/// How lambda is found.
+/// Choice of lambda.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Smoothing {
     /// By cross-validation.
@@ -30,7 +30,7 @@ pub enum Smoothing {
 pub(super) struct Problem {
     /// Q, of lambda 1.
     pub penalty: DMatrix<f64>,
-    /// What the penalty pulls to.
+    /// Prior of the penalty.
     pub prior: DVector<f64>,
     pub bounded: usize,
 }
@@ -60,27 +60,27 @@ impl Problem {
         for smoothing in decades {
             // Too little smoothness can leave a problem that is none.
             match self.validate(blocks, smoothing) {
-                Ok(missed) => tried.push((smoothing, missed)),
+                Ok(residual) => tried.push((smoothing, residual)),
                 Err(error) => failed = Some(error),
             }
         }
         let least =
             tried.iter().min_by(|a, b| mean(&a.1).total_cmp(&mean(&b.1))).map(|(_, least)| least.clone());
         let least = least.unwrap_or_default();
-        let smoothest = tried.iter().rev().find(|(_, missed)| !is_worse(missed, &least));
-        let (smoothing, missed) =
+        let smoothest = tried.iter().rev().find(|(_, residual)| !is_worse(residual, &least));
+        let (smoothing, residual) =
             smoothest.ok_or_else(|| failed.unwrap_or(Error::Solver("no finite residual".into())))?;
-        Ok((*smoothing, mean(missed)))
+        Ok((*smoothing, mean(residual)))
     }
 
     /// Mean square of each piece, left out.
     fn validate(&self, blocks: &[Factor], smoothing: f64) -> Result<Vec<f64>, Error> {
-        let missed = |(left_out, block): (usize, &Factor)| {
+        let residual = |(left_out, block): (usize, &Factor)| {
             let others = blocks.iter().enumerate().filter(|(k, _)| *k != left_out).map(|(_, block)| block);
             let x = self.solve(&Factor::joined(others), smoothing)?;
             Ok(block.squares(&x) / block.rows() as f64)
         };
-        blocks.iter().enumerate().map(missed).collect()
+        blocks.iter().enumerate().map(residual).collect()
     }
 }
 
@@ -88,9 +88,9 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// `missed` exceeds `least` by more than the standard error of the difference.
-fn is_worse(missed: &[f64], least: &[f64]) -> bool {
-    let differences: Vec<_> = missed.iter().zip(least).map(|(missed, least)| missed - least).collect();
+/// `residual` exceeds `least` by more than the standard error of the difference.
+fn is_worse(residual: &[f64], least: &[f64]) -> bool {
+    let differences: Vec<_> = residual.iter().zip(least).map(|(residual, least)| residual - least).collect();
     let (count, mean) = (differences.len() as f64, mean(&differences));
     let spread = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (count - 1.0);
     mean > (spread / count).sqrt()

@@ -9,7 +9,7 @@ use super::Error;
 use super::regressors::{pairs, regressors};
 use crate::plant::MEMORY;
 
-/// Share of the weight that must have switched.
+/// Fraction of the weight that must have switched.
 const MOVED: f64 = 0.1;
 
 /// The cells that an input has moved, with their mirror images.
@@ -51,7 +51,7 @@ impl Excitation {
         cells.for_each(|(moved, other)| *moved |= other);
     }
 
-    /// Share of the cells that moved.
+    /// Fraction of the cells that moved.
     pub fn share(&self) -> f64 {
         let cells = self.moved.iter().flatten();
         cells.clone().filter(|moved| **moved).count() as f64 / cells.count() as f64

@@ -47,7 +47,7 @@ impl GearLog {
         Some(found)
     }
 
-    /// Samples that train, of the share asked for.
+    /// Samples that train, of the chosen fraction.
     ///
     /// # Errors
     /// [`Error`] when they are too few, their torque never reverses, or the joint was not held.

@@ -54,10 +54,10 @@ const HALVINGS: i32 = 8;
 /// The steps end when the cost falls by less than this share.
 const SETTLED: f64 = 1e-6;
 
-/// How to identify.
+/// Options of the identification.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GearOptions {
-    /// Share of each log, from its start, that trains; the rest is predicted. 0.2..=1.
+    /// Fraction of each log, from its start, that trains; the rest is predicted. 0.2..=1.
     pub training: f64,
     /// One of [`LEVELS`]; chosen by cross-validation when there is none.
     pub levels: Option<usize>,
@@ -71,7 +71,7 @@ impl Default for GearOptions {
     }
 }
 
-/// What was identified, and how well.
+/// Identified gear, with its prediction errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IdentifiedGear {
     /// The base gear with the identified stiffness and hysteresis.
@@ -86,11 +86,11 @@ pub struct IdentifiedGear {
     pub smoothing: f64,
     /// Rms over the pieces that the cross-validation left out (rad).
     pub validation_rms: f64,
-    /// Rms of what the trained torsions are missed by (rad).
+    /// Rms residual of the trained torsions (rad).
     pub training_rms: f64,
     /// The same of the torsions held out; `None` without any.
     pub held_out_rms: Option<f64>,
-    /// What the base gear misses them by, its offset fitted to the trained part.
+    /// Rms error of the base gear on them, its offset fitted to the trained part.
     pub base_held_out_rms: Option<f64>,
     /// Cells that the trained part moved.
     pub excitation: Excitation,
@@ -98,7 +98,7 @@ pub struct IdentifiedGear {
     pub predicted: Vec<Vec<f64>>,
 }
 
-/// Identifies a gear's hysteresis, beside a factor on its stiffness line; `progress` is called with the share done.
+/// Identifies a gear's hysteresis, and a factor on its stiffness line; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// [`Error`] when a log is too short, not finite or never reverses, or an option is out of range.
@@ -109,7 +109,7 @@ pub fn identify_gear(
     mut progress: impl FnMut(f64),
 ) -> Result<IdentifiedGear, Error> {
     let grids: Vec<_> =
-        LEVELS.into_iter().filter(|grid| options.levels.is_none_or(|asked| asked == *grid)).collect();
+        LEVELS.into_iter().filter(|grid| options.levels.is_none_or(|chosen| chosen == *grid)).collect();
     let mut best: Option<IdentifiedGear> = None;
     for (done, levels) in grids.iter().enumerate() {
         progress(done as f64 / grids.len() as f64);
@@ -153,7 +153,7 @@ struct Parameters {
 }
 
 impl Parameters {
-    /// A share of the way to `target`; weights stay within their bounds.
+    /// A fraction of the way to `target`; weights stay within their bounds.
     fn towards(&self, target: &Self, share: f64) -> Self {
         let blend = |a: f64, b: f64| a + share * (b - a);
         let blends = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| blend(*a, *b)).collect();
@@ -231,7 +231,7 @@ impl<'a, const L: usize> Task<'a, L> {
         Ok(now.clone())
     }
 
-    /// What is minimised, with the torsions themselves.
+    /// Cost to be minimised, beside the torsions' error.
     fn cost(&self, parameters: &Parameters, smoothing: f64) -> Result<f64, Error> {
         let densities = parameters.weights.iter().zip(&self.unit).map(|(mu, unit)| mu / unit);
         let free = self.logs.len() + 1;
@@ -239,8 +239,8 @@ impl<'a, const L: usize> Task<'a, L> {
         let off = x - &self.problem.prior;
         let penalty = off.dot(&(&self.problem.penalty * &off));
         let predicted = self.predicted(parameters, &self.torsions(parameters)?);
-        let missed = self.missed(&predicted, |count, _| 0..count).unwrap_or(f64::NAN);
-        Ok((missed / self.span).powi(2) + smoothing * penalty)
+        let residual = self.residual(&predicted, |count, _| 0..count).unwrap_or(f64::NAN);
+        Ok((residual / self.span).powi(2) + smoothing * penalty)
     }
 
     fn law(&self, parameters: &Parameters) -> Result<Law<L>, Error> {
@@ -313,9 +313,9 @@ impl<'a, const L: usize> Task<'a, L> {
             levels: L,
             smoothing,
             validation_rms: validation.sqrt() * self.span,
-            training_rms: self.missed(&predicted, |count, _| 0..count).unwrap_or(f64::NAN),
-            held_out_rms: self.missed(&predicted, |count, all| count..all),
-            base_held_out_rms: self.missed(&self.base_predictions()?, |count, all| count..all),
+            training_rms: self.residual(&predicted, |count, _| 0..count).unwrap_or(f64::NAN),
+            held_out_rms: self.residual(&predicted, |count, all| count..all),
+            base_held_out_rms: self.residual(&self.base_predictions()?, |count, all| count..all),
             excitation: self.excitation(&torsions)?,
             offsets: found.offsets,
             predicted,
@@ -328,15 +328,19 @@ impl<'a, const L: usize> Task<'a, L> {
         logs.map(|(points, offset)| points.iter().map(|point| point.torsion + offset).collect()).collect()
     }
 
-    /// Rms of what some samples of each log, of its trained and all, are missed by.
-    fn missed(&self, predicted: &[Vec<f64>], samples: impl Fn(usize, usize) -> Range<usize>) -> Option<f64> {
+    /// Rms residual of some samples of each log, of its trained and all.
+    fn residual(
+        &self,
+        predicted: &[Vec<f64>],
+        samples: impl Fn(usize, usize) -> Range<usize>,
+    ) -> Option<f64> {
         let logs = self.logs.iter().zip(predicted).zip(&self.training);
-        let missed: Vec<_> = logs
+        let residual: Vec<_> = logs
             .flat_map(|((log, predicted), count)| {
                 samples(*count, predicted.len()).map(|k| log.torsion[k] - predicted[k])
             })
             .collect();
-        rms(&missed)
+        rms(&residual)
     }
 
     /// Torsions of the base gear, with the offset that the trained part of each log has from it.

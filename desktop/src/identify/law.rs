@@ -1,4 +1,4 @@
-//! The gear's quasi-static law, and its inverse: the torsion that carries a torque.
+//! The gear's quasi-static law, and its inverse: the torsion for a torque.
 //!
 //! ```text
 //! tau = line(phi/s) + tau_hyst[phi]
@@ -18,7 +18,7 @@ use crate::torque_loop::{Sample, TorqueLoop};
 /// Halvings of the bracket: to the last bit of a torsion in it.
 const HALVINGS: usize = 60;
 
-/// Samples of a course for each 1 of its way.
+/// Samples of a path for each 1 of its length.
 const SAMPLES: f64 = 500.0;
 
 /// The law.
@@ -81,18 +81,18 @@ impl<const L: usize> Law<L> {
     }
 
     fn step(&self, state: &mut TorsionHysteresisState<f64, MEMORY>, torque: f64) -> OnLaw {
-        let carried = |torsion: f64| {
+        let torque_at = |torsion: f64| {
             self.line.torque(torsion / self.factor) + self.hysteresis.peek(state, torsion).torque
         };
         let mut high = self.factor * self.line.torsion(torque.abs() + 1.0);
         // The hysteresis torque is bounded, the line's is not.
-        while carried(high) < torque || carried(-high) > torque {
+        while torque_at(high) < torque || torque_at(-high) > torque {
             high *= 2.0;
         }
         let mut low = -high;
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
-            (low, high) = if carried(middle) < torque { (middle, high) } else { (low, middle) };
+            (low, high) = if torque_at(middle) < torque { (middle, high) } else { (low, middle) };
         }
         let torsion = 0.5 * (low + high);
         let hysteresis = self.hysteresis.step(state, torsion);

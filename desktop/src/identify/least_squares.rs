@@ -44,7 +44,7 @@ impl Factor {
         Self { triangle: DMatrix::from_rows(&blocks).qr().r(), rows }
     }
 
-    /// How many rows were reduced.
+    /// Number of reduced rows.
     pub fn rows(&self) -> usize {
         self.rows
     }
@@ -173,6 +173,6 @@ mod tests {
             rows[(r, 3)] = (0..3).map(|k| rows[(r, k)] * truth[k]).sum();
         }
         let x = Factor::of(rows).solve(&DMatrix::zeros(3, 3), &DVector::zeros(3), 1).unwrap();
-        x.iter().zip(truth).for_each(|(found, wanted)| assert!((found - wanted).abs() < 1e-5, "{x:?}"));
+        x.iter().zip(truth).for_each(|(found, expected)| assert!((found - expected).abs() < 1e-5, "{x:?}"));
     }
 }

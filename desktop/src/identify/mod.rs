@@ -49,9 +49,9 @@ pub enum Error {
     /// Too few samples.
     #[error("{samples} samples are too few; allowed: at least {least}")]
     TooShort {
-        /// How many there are.
+        /// Number of samples.
         samples: usize,
-        /// How many are needed.
+        /// Least number of samples.
         least: usize,
     },
     /// Input and output are not of one log.
@@ -71,7 +71,7 @@ pub enum Error {
     /// Without a reversal there is no hysteresis to be seen.
     #[error("the {input} never reverses by {share} of its span {span:.4e}; hysteresis shows where it does")]
     NeverReverses {
-        /// What the operator's input is.
+        /// Input of the operator.
         input: &'static str,
         /// Least share.
         share: f64,
@@ -88,15 +88,15 @@ pub enum Error {
     },
     /// An order that is not seen cannot be learnt.
     #[error(
-        "the motor turns by {turns:.3} turns in the part that trains; order {order} of the kinematic error needs at least \
+        "the motor turns by {revolutions:.3} revolutions in the part that trains; order {order} of the kinematic error needs at least \
          {least}"
     )]
-    TooFewTurns {
+    TooFewRevolutions {
         /// Of the kinematic error.
         order: u32,
-        /// Span of the motor's angle (turns).
-        turns: f64,
-        /// Least span (turns).
+        /// Span of the motor's angle (revolutions).
+        revolutions: f64,
+        /// Least span (revolutions).
         least: f64,
     },
     /// Friction would drive.

@@ -1,4 +1,4 @@
-//! What every weight contributes to the output along an input: the operator itself, with one weight at a time.
+//! Regressors of the weights: the output of the operator along an input, with one weight at a time.
 //!
 //! ```text
 //! y(t) = sum over p of mu_p * x_p(t)        x_p = the operator with mu_p = 1 and all others 0

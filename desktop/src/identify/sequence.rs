@@ -17,7 +17,7 @@ use crate::plant::MEMORY;
 
 /// Fewest samples that train.
 pub(super) const LEAST_SAMPLES: usize = 50;
-/// Share of the input's span that it must turn back by to have reversed.
+/// Fraction of the input's span that it must turn back by to have reversed.
 pub(super) const REVERSAL: f64 = 0.01;
 
 /// A recorded input and output.
@@ -29,12 +29,12 @@ pub struct Sequence<'a> {
     pub output: &'a [f64],
 }
 
-/// How to identify.
+/// Options of the identification.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// U: the grid covers inputs of +-U.
     pub half_range: f64,
-    /// Share of the samples, from the first on, that train; the rest is predicted. 0.2..=1.
+    /// Fraction of the samples, from the first on, that train; the rest is predicted. 0.2..=1.
     pub training: f64,
     /// The smoothness.
     pub smoothing: Smoothing,
@@ -51,16 +51,16 @@ impl Options {
     }
 }
 
-/// What was identified, and how well.
+/// Identified weights, with their prediction errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identified<const L: usize> {
     /// mu, in the unit of the output.
     pub weights: Weights<f64, L>,
-    /// What the output is beside the operator's.
+    /// Offset of the output against the operator's.
     pub offset: f64,
     /// lambda.
     pub smoothing: f64,
-    /// Rms of what the trained samples are missed by.
+    /// Rms residual of the trained samples.
     pub training_rms: f64,
     /// The same of the samples held out; `None` without any.
     pub held_out_rms: Option<f64>,
@@ -101,13 +101,13 @@ pub fn identify<const L: usize>(sequence: Sequence, options: &Options) -> Result
         .row_iter()
         .map(|row| offset + row.iter().zip(&values).map(|(x, mu)| x * mu).sum::<f64>())
         .collect();
-    let missed: Vec<_> = output.iter().zip(&predicted).map(|(y, predicted)| y - predicted).collect();
+    let residual: Vec<_> = output.iter().zip(&predicted).map(|(y, predicted)| y - predicted).collect();
     Ok(Identified {
         weights: weights_of(&values, options.signed)?,
         offset,
         smoothing,
-        training_rms: rms(&missed[..training]).unwrap_or(f64::NAN),
-        held_out_rms: rms(&missed[training..]),
+        training_rms: rms(&residual[..training]).unwrap_or(f64::NAN),
+        held_out_rms: rms(&residual[training..]),
         excitation: Excitation::of::<L>(options.half_range, &input[..training])?,
         predicted,
     })

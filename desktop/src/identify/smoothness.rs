@@ -1,4 +1,4 @@
-//! What is preferred where the log does not decide: a weight density without steps.
+//! Smoothness penalty: prefers a weight density without steps where the log does not determine it.
 //!
 //! ```text
 //! |D mu|^2 = sum over neighbouring cells of (rho - rho')^2      rho = mu/(2*S/L^2), on the diagonal mu/(S/L^2)
@@ -9,7 +9,7 @@
 //! cells that the log does not reach, what it says of the others is continued, and a log that says nothing
 //! of the shape gives the standard shape of the gap that fits it.
 //!
-//! Where there is a prior, of a gear its catalogue's loss, the difference from it is to be smooth, and small:
+//! With a prior, of a gear its catalogue's loss, the difference from it is to be smooth, and small:
 //!
 //! ```text
 //! |D (mu - mu0)|^2 + sum over cells of (rho - rho0)^2 * area/l^2
@@ -31,7 +31,7 @@ const REACH: f64 = 0.25;
 pub(super) fn penalty_to_prior<const L: usize>() -> DMatrix<f64> {
     let mut penalty = penalty::<L>();
     for (index, (i, j)) in pairs::<L>().enumerate() {
-        // Areas are as shares of the total weight are: halves on the diagonal; a pair has two cells but on its axis.
+        // Areas are as fractions of the total weight are: halves on the diagonal; a pair has two cells but on its axis.
         let cells = if i + j + 1 == L { 1.0 } else { 2.0 };
         penalty[(index, index)] += 0.5 * cells * unit_density::<L>((i, j)) / (REACH * REACH);
     }

@@ -1,15 +1,15 @@
-//! Estimates beside what is true, and how often they are off by more than three of their stated deviations.
+//! Errors of the estimates, and how often they exceed three of their declared standard deviations.
 //!
-//! They are judged in the periods in which the observer had its turn. Motion is estimated at the time of the reading;
-//! torsion, torques and friction are those of its turn before, and so is the load that acted.
+//! They are judged in the slots of the observer. Motion is estimated at the time of the reading;
+//! torsion, torques and friction are those of its slot before, and so is the load that acted.
 
 use strainwave::compensator::Estimate;
 use strainwave::compensator::schedule::OBSERVER_PERIODS;
 
 use crate::closed_loop::Row;
 
-/// Control periods from one turn of the observer to the next.
-const TURN: usize = OBSERVER_PERIODS as usize;
+/// Control periods from one slot of the observer to the next.
+const SLOT: usize = OBSERVER_PERIODS as usize;
 
 /// Deviations within which an estimate is to be.
 const WITHIN: f64 = 3.0;
@@ -24,11 +24,11 @@ pub struct Estimated {
     estimate: fn(&Estimate<f32>) -> f64,
     deviation: fn(&Estimate<f32>) -> f32,
     truth: fn(&Row) -> f64,
-    /// It is that of the turn before.
+    /// It is that of the slot before.
     before: bool,
 }
 
-/// How many there are.
+/// Number of estimates.
 pub const ESTIMATES: usize = 7;
 
 /// All of them.
@@ -92,7 +92,7 @@ pub const ALL: [Estimated; ESTIMATES] = [
 ];
 
 impl Estimated {
-    /// Estimate less truth, in the unit, of the rows of two turns that follow each other.
+    /// Estimate less truth, in the unit, of the rows of two slots that follow each other.
     pub fn error(&self, [before, now]: [&Row; 2]) -> f64 {
         (self.estimate)(&now.answer.estimate) - (self.truth)(if self.before { before } else { now })
     }
@@ -108,7 +108,7 @@ impl Estimated {
     }
 }
 
-/// How often each estimate was outside, in how many turns.
+/// Number of slots in which each estimate was outside, of the number of slots.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outside {
     times: [usize; ESTIMATES],
@@ -118,17 +118,17 @@ pub struct Outside {
 impl Outside {
     /// Counts rows of control periods that follow each other.
     pub fn count(&mut self, rows: &[Row]) {
-        let seen = rows.windows(TURN + 1).filter(|rows| rows[TURN].answer.observed);
-        for rows in seen.clone() {
+        let evaluated = rows.windows(SLOT + 1).filter(|rows| rows[SLOT].answer.observed);
+        for rows in evaluated.clone() {
             for (times, estimated) in self.times.iter_mut().zip(&ALL) {
-                *times += usize::from(estimated.is_outside(&rows[0], &rows[TURN]));
+                *times += usize::from(estimated.is_outside(&rows[0], &rows[SLOT]));
             }
         }
-        self.periods += seen.count();
+        self.periods += evaluated.count();
     }
 
-    /// Share of the turns in which that estimate was outside which was so most often; NaN of none.
-    pub fn worst_share(&self) -> f64 {
+    /// Largest fraction of the slots in which an estimate was outside; NaN without slots.
+    pub fn worst_fraction(&self) -> f64 {
         let most = self.times.iter().copied().max().unwrap_or_default();
         most as f64 / self.periods as f64
     }
@@ -140,7 +140,7 @@ mod tests {
 
     use super::*;
 
-    /// A row whose estimates are off by `off` deviations of one.
+    /// A row whose estimates have an error of `off` deviations of one.
     fn row(off: f64) -> Row {
         let mut row =
             Row { output: 0.3, output_velocity: 2.0, torsion: 1e-3, transmitted: 20.0, ..Row::default() };
@@ -174,32 +174,32 @@ mod tests {
         row
     }
 
-    fn worst_share(rows: &[Row]) -> f64 {
+    fn worst_fraction(rows: &[Row]) -> f64 {
         let mut outside = Outside::default();
         outside.count(rows);
-        outside.worst_share()
+        outside.worst_fraction()
     }
 
     #[test]
     fn three_deviations_are_inside_and_more_are_not() {
-        assert_eq!(worst_share(&[row(0.0), row(0.0), row(2.9), row(-2.9)]), 0.0);
+        assert_eq!(worst_fraction(&[row(0.0), row(0.0), row(2.9), row(-2.9)]), 0.0);
         let rows = [row(0.0), row(0.0), row(3.1), row(-3.1), row(0.0), row(0.0)];
-        assert_eq!(worst_share(&rows), 0.5);
-        assert!(worst_share(&[]).is_nan() && worst_share(&[row(0.0), row(0.0), row(f64::NAN)]) == 1.0);
+        assert_eq!(worst_fraction(&rows), 0.5);
+        assert!(worst_fraction(&[]).is_nan() && worst_fraction(&[row(0.0), row(0.0), row(f64::NAN)]) == 1.0);
     }
 
     #[test]
     fn what_was_not_observed_in_a_period_is_not_judged_in_it() {
         let mut held = row(9.0);
         held.answer.observed = false;
-        assert_eq!(worst_share(&[row(0.0), held, row(0.0), held, row(3.1)]), 0.5);
+        assert_eq!(worst_fraction(&[row(0.0), held, row(0.0), held, row(3.1)]), 0.5);
     }
 
-    /// One estimate that is off is not hidden by six that are not.
+    /// One estimate with a large error is not hidden by six without.
     #[test]
     fn the_worst_estimate_counts() {
         let mut off = row(0.0);
         off.answer.estimate.external_torque += 10.0;
-        assert_eq!(worst_share(&[row(0.0), row(0.0), off, row(0.0)]), 0.5);
+        assert_eq!(worst_fraction(&[row(0.0), row(0.0), off, row(0.0)]), 0.5);
     }
 }

@@ -1,20 +1,20 @@
-//! How a run of a scenario is judged: one set of marks, the same for every controller.
+//! Metrics of a run of a scenario: one set, the same for every controller.
 //!
-//! A mark is a number of one run, the smaller the better; a claim is the ratio of the compensator's mark to a
+//! A metric is a number of one run, the smaller the better; a claim is the ratio of the compensator's metric to a
 //! baseline's on the same plant with the same noise. Rows come every control period; t0 is where a scenario's judged
-//! part begins ([`Scenario::judged_from`]). The output error is output - asked position.
+//! part begins ([`Scenario::judged_from`]). The output error is output - demanded position.
 //!
-//! | mark | of | definition |
+//! | metric | of | definition |
 //! | --- | --- | --- |
-//! | [`Mark::StepVibration`] | S1 | rms of the torsion's vibration between the end of each 20 ms step and the next step (rad) |
-//! | [`Mark::Error`] | S2 | rms of the output error from t0 on (rad) |
-//! | [`Mark::MoveVibration`] | S3 | rms of the torsion's vibration after the end of the move (rad) |
-//! | [`Mark::Settling`] | S3 | from the end of the move until the output error stays within +-20 urad (s): at least one control period; if it never does, to the end of the run |
-//! | [`Mark::Ripple`] | S4 | rms of the output error's part at the orders of the plant's kinematic error (rad) |
-//! | [`Mark::Peak`] | S5 | largest magnitude of the output error after the load step (rad) |
-//! | [`Mark::Steady`] | S5 | magnitude of the mean output error over the last 0.2 s (rad) |
-//! | [`Mark::ExternalTorque`] | all but S6 | rms of the estimated external torque less the true one from t0 on (N m); in S6 a brake holds what the joint cannot know |
-//! | [`Mark::Outside`] | all but S6 | share of the periods from t0 on in which an estimate is off by more than three of its stated deviations, of the estimate that is so most often |
+//! | [`Metric::StepVibration`] | S1 | rms of the torsion's vibration between the end of each 20 ms step and the next step (rad) |
+//! | [`Metric::Error`] | S2 | rms of the output error from t0 on (rad) |
+//! | [`Metric::MoveVibration`] | S3 | rms of the torsion's vibration after the end of the move (rad) |
+//! | [`Metric::Settling`] | S3 | from the end of the move until the output error stays within +-20 urad (s): at least one control period; if it never does, to the end of the run |
+//! | [`Metric::Ripple`] | S4 | rms of the output error's part at the orders of the plant's kinematic error (rad) |
+//! | [`Metric::Peak`] | S5 | largest magnitude of the output error after the load step (rad) |
+//! | [`Metric::Steady`] | S5 | magnitude of the mean output error over the last 0.2 s (rad) |
+//! | [`Metric::ExternalTorque`] | all but S6 | rms of the estimated external torque less the true one from t0 on (N m); in S6 a brake holds what the joint cannot know |
+//! | [`Metric::Outside`] | all but S6 | fraction of the periods from t0 on in which an estimate's error exceeds three of its declared standard deviations, of the estimate that is so most often |
 //!
 //! Vibration (`vibration.rs`): the torsion less its running mean over one natural period of the load on the gear at
 //! the torque at hand. The mean has no part of the natural frequency and its multiples, and all of what is slow.
@@ -43,9 +43,9 @@ pub const SETTLED: f64 = 20e-6;
 /// Over this time at its end a run is steady (s).
 const STEADY: f64 = 0.2;
 
-/// What a run is judged by.
+/// Metric of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Mark {
+pub enum Metric {
     /// Vibration after the steps.
     StepVibration,
     /// Output error.
@@ -58,7 +58,7 @@ pub enum Mark {
     Ripple,
     /// Largest deviation under a load step.
     Peak,
-    /// What remains of it.
+    /// Steady deviation under it.
     Steady,
     /// Error of the estimated external torque.
     ExternalTorque,
@@ -66,7 +66,7 @@ pub enum Mark {
     Outside,
 }
 
-impl Mark {
+impl Metric {
     /// All of them.
     pub const ALL: [Self; 9] = [
         Self::StepVibration,
@@ -120,23 +120,23 @@ impl<'a> Judge<'a> {
         Self { scenario, plant, rows }
     }
 
-    /// One mark; NaN where the run has nothing of it.
+    /// One metric; NaN where the run has nothing of it.
     ///
     /// # Errors
     /// A plant whose stiffness line is none.
-    pub fn mark(&self, mark: Mark) -> Result<f64, Error> {
-        Ok(match mark {
-            Mark::StepVibration | Mark::MoveVibration => self.residual_vibration()?,
-            Mark::Error => rms(self.judged().iter().map(error)),
-            Mark::Settling => self.settling(),
-            Mark::Ripple => ripple(self.judged(), &ripple::orders(self.plant)),
-            Mark::Peak => self.after_load().iter().map(error).map(f64::abs).fold(0.0, f64::max),
-            Mark::Steady => mean(self.last(STEADY).iter().map(error)).abs(),
-            Mark::ExternalTorque => rms(self.judged().iter().map(external_torque_error)),
-            Mark::Outside => {
+    pub fn metric(&self, metric: Metric) -> Result<f64, Error> {
+        Ok(match metric {
+            Metric::StepVibration | Metric::MoveVibration => self.residual_vibration()?,
+            Metric::Error => rms(self.judged().iter().map(error)),
+            Metric::Settling => self.settling(),
+            Metric::Ripple => ripple(self.judged(), &ripple::orders(self.plant)),
+            Metric::Peak => self.after_load().iter().map(error).map(f64::abs).fold(0.0, f64::max),
+            Metric::Steady => mean(self.last(STEADY).iter().map(error)).abs(),
+            Metric::ExternalTorque => rms(self.judged().iter().map(external_torque_error)),
+            Metric::Outside => {
                 let mut outside = estimates::Outside::default();
                 outside.count(self.judged());
-                outside.worst_share()
+                outside.worst_fraction()
             }
         })
     }
@@ -212,31 +212,31 @@ fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ability::Ability;
+    use crate::capability::Capability;
     use crate::gear_file::GearFile;
     use crate::joint::firmware_gear_params;
 
-    /// A run of a scenario whose output is off by `off` and whose torsion is `torsion`, both of the time.
+    /// A run of a scenario whose output has the error `off` and whose torsion is `torsion`, both of the time.
     fn rows(scenario: Scenario, off: impl Fn(f64) -> f64, torsion: impl Fn(f64) -> f64) -> Vec<Row> {
         let periods = (scenario.duration() / CONTROL_PERIOD).round() as usize;
         let times = (0..periods).map(|k| k as f64 * CONTROL_PERIOD);
         let row = |time| {
-            let demand = scenario.at(time, &Ability::default());
+            let demand = scenario.at(time, &Capability::default());
             let (output, motor) = (demand.position + off(time), -100.0 * demand.position);
             Row { time, demand, output, motor, torsion: torsion(time), ..Row::default() }
         };
         times.map(row).collect()
     }
 
-    fn mark(scenario: Scenario, rows: &[Row], mark: Mark) -> f64 {
+    fn metric(scenario: Scenario, rows: &[Row], metric: Metric) -> f64 {
         let plant = firmware_gear_params(&GearFile::default_gear()).unwrap();
-        Judge::new(scenario, &plant, rows).mark(mark).unwrap()
+        Judge::new(scenario, &plant, rows).metric(metric).unwrap()
     }
 
     #[test]
     fn an_output_settles_when_it_stays() {
         let settling =
-            |off: fn(f64) -> f64| mark(Scenario::S3, &rows(Scenario::S3, off, |_| 0.0), Mark::Settling);
+            |off: fn(f64) -> f64| metric(Scenario::S3, &rows(Scenario::S3, off, |_| 0.0), Metric::Settling);
         assert_eq!(settling(|_| 19e-6), CONTROL_PERIOD);
         assert!((settling(|_| -21e-6) - 0.5).abs() < 1e-9);
         // Back within at 0.35 s, but once more beyond at 0.4 s.
@@ -248,20 +248,20 @@ mod tests {
     fn a_load_step_is_judged_by_its_peak_and_its_end() {
         let off = |t: f64| if t < 0.3 { 5e-3 } else { 1e-3 * (-(t - 0.3) / 0.05).exp() - 2e-5 };
         let rows = rows(Scenario::S5, off, |_| 0.0);
-        assert!((mark(Scenario::S5, &rows, Mark::Peak) - 9.8e-4).abs() < 1e-9);
-        assert!((mark(Scenario::S5, &rows, Mark::Steady) - 2e-5).abs() < 1e-7);
+        assert!((metric(Scenario::S5, &rows, Metric::Peak) - 9.8e-4).abs() < 1e-9);
+        assert!((metric(Scenario::S5, &rows, Metric::Steady) - 2e-5).abs() < 1e-7);
     }
 
-    /// What the torsion does slowly, and during the move, is no vibration.
+    /// Slow torsion, and that during the move, is no vibration.
     #[test]
     fn vibration_is_what_rings_at_rest() {
         let plant = firmware_gear_params(&GearFile::default_gear()).unwrap();
-        for (scenario, of) in [(Scenario::S1, Mark::StepVibration), (Scenario::S3, Mark::MoveVibration)] {
+        for (scenario, of) in [(Scenario::S1, Metric::StepVibration), (Scenario::S3, Metric::MoveVibration)] {
             let period = Judge::new(scenario, &plant, &rows(scenario, |_| 0.0, |_| 0.0)).natural_period();
             let omega = TAU / period.unwrap();
             let moving = |t: f64| scenario.rests().iter().all(|rest| t < rest.from - 1e-9 || t > rest.to);
             let torsion = |t: f64| if moving(t) { 1.0 } else { 1e-3 + 1e-4 * t + 1e-5 * (omega * t).sin() };
-            let found = mark(scenario, &rows(scenario, |_| 0.0, torsion), of);
+            let found = metric(scenario, &rows(scenario, |_| 0.0, torsion), of);
             assert!((found / (1e-5 / 2f64.sqrt()) - 1.0).abs() < 0.1, "{scenario:?}: {found}");
         }
     }
@@ -270,10 +270,10 @@ mod tests {
     fn ripple_is_what_has_the_orders_of_the_kinematic_error() {
         let ripple = |order: f64| {
             let off = |t: f64| {
-                let motor = -100.0 * Scenario::S4.at(t, &Ability::default()).position;
+                let motor = -100.0 * Scenario::S4.at(t, &Capability::default()).position;
                 1e-3 + 1e-4 * t + 3e-5 * (order * motor + 0.3).sin()
             };
-            mark(Scenario::S4, &rows(Scenario::S4, off, |_| 0.0), Mark::Ripple)
+            metric(Scenario::S4, &rows(Scenario::S4, off, |_| 0.0), Metric::Ripple)
         };
         for order in [2.0, 4.0] {
             assert!((ripple(order) / (3e-5 / 2f64.sqrt()) - 1.0).abs() < 1e-6);

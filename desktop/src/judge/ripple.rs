@@ -1,11 +1,11 @@
-//! The part of an output error that turns with the wave generator.
+//! The part of an output error that is periodic in the wave generator's angle.
 //!
 //! ```text
 //! error(t) = a + b*t + sum_k (c_k*cos(o_k*theta) + s_k*sin(o_k*theta)) + rest,    ripple = sqrt(sum_k (c_k^2 + s_k^2)/2)
 //! ```
 //!
 //! theta is the true angle of the motor (rad), o_k the orders; the coefficients are those of least squares, so that
-//! a stretch need not hold whole turns.
+//! a stretch need not contain whole revolutions.
 
 use nalgebra::{DMatrix, DVector};
 use strainwave::gear::GearParams;

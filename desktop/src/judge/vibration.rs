@@ -69,8 +69,8 @@ mod tests {
         let left = without_slow_part(&values, period);
         assert_eq!(left.len(), 2000 - 300);
         for (k, value) in left.iter().enumerate() {
-            let wanted = (TAU * (k as f64 + 150.0) * 1e-4 / period).sin();
-            assert!((value - wanted).abs() < 1e-9, "{k}: {value} {wanted}");
+            let expected = (TAU * (k as f64 + 150.0) * 1e-4 / period).sin();
+            assert!((value - expected).abs() < 1e-9, "{k}: {value} {expected}");
         }
         assert!(without_slow_part(&values[..300], period).is_empty());
     }

@@ -1,6 +1,6 @@
 //! CSV files: UTF-8, a header row, SI units, the time column `t_s`; columns in any order.
 //!
-//! What is refused, and how rows are counted, stands in `columns.rs` and `time.rs`; every refusal is one
+//! The conditions of a refusal, and the count of rows, are in `columns.rs` and `time.rs`; every refusal is one
 //! line that names the file, the row and the column. Numbers are bounded in magnitude too, far beyond
 //! any joint, so that a damaged digit is refused where it stands.
 
@@ -15,7 +15,7 @@ pub use time::{GAP_LEAST, GAP_RATIO, Instant, Jitter, LONGEST, STEP, Time};
 
 /// Longest file (bytes).
 const LONGEST_FILE: u64 = 1 << 30;
-/// Largest angle (rad): 10^8 turns.
+/// Largest angle (rad): 10^8 revolutions.
 const ANGLE_LIMIT: f64 = 6.3e8;
 /// Largest speed (rad/s).
 const SPEED_LIMIT: f64 = 1e5;

@@ -16,7 +16,7 @@ const VELOCITY: Column = Column { name: "omega_wg_rad_s", limit: SPEED_LIMIT };
 const LOAD: Column = Column { name: "tau_load_nm", limit: TORQUE_LIMIT };
 const SCHEMA: Schema = Schema { one_of: &[&[TIME], &[POSITION, VELOCITY], &[LOAD]], optional: &[] };
 
-/// What drives the wave generator.
+/// Drive of the wave generator.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Drive {
     /// Its angle (rad).
@@ -25,7 +25,7 @@ pub enum Drive {
     Velocity(Vec<f64>),
 }
 
-/// What drives the wave generator at one instant.
+/// Drive of the wave generator at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DriveSample {
     /// Its angle (rad).
@@ -49,7 +49,7 @@ impl Drive {
 pub struct OpenLoop {
     /// Time stamps.
     pub time: Time,
-    /// What drives the wave generator.
+    /// Drive of the wave generator.
     pub drive: Drive,
     /// External torque on the flexspline (N m).
     pub load_torque: Vec<f64>,
@@ -91,7 +91,7 @@ pub struct OpenLoopRow {
     pub output_position: f64,
     /// Flexspline speed (rad/s).
     pub output_velocity: f64,
-    /// What the motor must supply (N m).
+    /// Torque at the wave generator, to be supplied by the motor (N m).
     pub input_torque: f64,
     /// Torsion of the flexspline (rad).
     pub torsion: f64,

@@ -21,18 +21,18 @@ use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use crate::gear_file::{Friction, GearFile};
 use crate::joint::CONTROL_PERIOD;
 
-/// How many control periods a period of the observer has, and how long it is (s).
+/// Control periods of a period of the observer, and its duration (s).
 const PERIODS: f64 = OBSERVER_PERIODS as f64;
 pub(super) const DT: f64 = PERIODS * CONTROL_PERIOD;
 
-/// What the filter takes the world to be like.
+/// Process and measurement noise of the filter's model.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unknown {
-    /// Way of the external torque in a second, as a share of the rated torque.
+    /// Random walk of the external torque in a second, as a fraction of the rated torque.
     pub wander: f64,
-    /// Share of the Coulomb friction that is renewed every control period.
+    /// Fraction of the Coulomb friction that is renewed every control period.
     pub friction: f64,
-    /// Noise of the motor's encoder besides its resolution, in counts of 2^19 a turn: of each reading that the observer
+    /// Noise of the motor's encoder besides its resolution, in counts of 2^19 a revolution: of each reading that the observer
     /// looks at.
     pub jitter: f64,
     /// Of the output's: in slow motion the error of a count is no noise but a wave that follows the angle, so that
@@ -45,7 +45,7 @@ pub(super) struct Unknown {
 pub(super) const DESIGN: Unknown =
     Unknown { wander: 0.15, friction: 0.05, jitter: 3.0 * FRAC_1_SQRT_2, output_jitter: 30.0 };
 
-/// What of wander and renewed friction there is where the motor stands.
+/// Factors on random walk and renewed friction while the motor stands.
 const STANDING: [f64; 2] = [0.1, 0.2];
 
 impl Unknown {
@@ -64,12 +64,12 @@ impl Unknown {
     }
 }
 
-/// Least noise of a torque, as a share of the rated one: a torque that is exactly known has no filter.
+/// Least noise of a torque, as a fraction of the rated one: a torque that is exactly known has no filter.
 const LEAST_NOISE: f64 = 1e-3;
 /// Torsion that makes the unit of each state (rad).
 const UNIT: f64 = 1e-5;
 
-/// What the sixth state is.
+/// Meaning of the sixth state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sixth {
     /// There is none: it would not be observable.

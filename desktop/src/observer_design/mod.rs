@@ -26,18 +26,18 @@ use linearised::{DT, Linearised, Sensor, Sixth, Unknown, encoder_noise, resoluti
 
 /// Eigenvalue from which on a mode counts as one that the motor's encoder does not show: slower than a second.
 const UNSEEN: f64 = 1.0 - 1e-4;
-/// Noise of a motor encoder that stands, besides its resolution, in counts of 2^19 a turn.
+/// Noise of a motor encoder that stands, besides its resolution, in counts of 2^19 a revolution.
 const STILL: f64 = 0.5;
 /// Way of the motor that is a motion, in deviations of its encoder's noise.
-const STIR: f64 = 8.0;
+const THRESHOLD: f64 = 8.0;
 /// Speed at which a load that is not seen may grow, in rated torques a second.
-const UNSEEN_RATE: f64 = 1.0;
-/// Deviation of friction at rest, where it may be anything up to break-away, as a share of its static level: at the
+const UNOBSERVED_RATE: f64 = 1.0;
+/// Deviation of friction at rest, where it may be anything up to break-away, as a fraction of its static level: at the
 /// motor, whose path an encoder follows; at a motor that a brake may hold; at the output, whose presliding is shorter
 /// than what is known of its path.
 const PATH: [f64; 3] = [0.03, 0.4, 0.75];
 
-/// What the observer of a gear is built from.
+/// Parameters of a gear's observer.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] with the set of sensors by which the gear is not observable.
@@ -46,7 +46,7 @@ pub fn observer_params<R: Real>(file: &GearFile) -> Result<ObserverParams<R>, Er
     Ok(ObserverParams {
         moving: sets(file, Sixth::Stiffness)?,
         standing: sets(file, Sixth::Held)?,
-        motion_threshold: R::lit(STIR * encoder_noise(file.sensors.motor_encoder_bits, STILL)),
+        motion_threshold: R::lit(THRESHOLD * encoder_noise(file.sensors.motor_encoder_bits, STILL)),
         output_encoder_delay: file.sensors.output_encoder_delay,
         output_encoder_period: file.sensors.output_encoder_period,
         output_count: R::lit(resolution(file.sensors.output_bits())),
@@ -105,7 +105,7 @@ struct Filter {
     gains: [DVector<f64>; 3],
     /// F.
     between: DMatrix<f64>,
-    /// What a period between readings adds to the covariance.
+    /// Covariance of the process noise in a period between readings.
     between_noise: DMatrix<f64>,
     /// Covariance after a reading.
     after: DMatrix<f64>,
@@ -140,7 +140,7 @@ impl Filter {
     fn design(file: &GearFile, sixth: Sixth, set: usize) -> Option<Self> {
         let stands = sixth == Sixth::Held;
         let (has_output, has_torque) = (set & 1 != 0, set & 2 != 0);
-        // What the sixth state would be told apart by.
+        // Quantity that makes the sixth state observable.
         let sixth = match (has_output, has_torque, sixth) {
             (false, false, _) | (false, true, Sixth::Stiffness) => Sixth::None,
             _ => sixth,
@@ -269,7 +269,7 @@ impl Filter {
         })
     }
 
-    /// What the deviations are made of; the covariance is that at its largest, just before a late reading comes.
+    /// Coefficients of the standard deviations; the covariance is the largest one, just before a late reading.
     fn spread<R: Real>(&self, file: &GearFile) -> Spread<R> {
         let p = (1..self.period + self.delay).fold(self.after.clone(), |p, _| self.later(&p));
         let state = |k: usize| p[(k, k)].sqrt() * self.model.units[k];
@@ -305,7 +305,7 @@ impl Filter {
                 1.0 / file.stiffness.k1
             }),
             velocity_by_torque: R::lit(time / inertia),
-            unobserved: [share(blind, UNSEEN_RATE * rated * DT), share(blind, rated / 3f64.sqrt())],
+            unobserved: [share(blind, UNOBSERVED_RATE * rated * DT), share(blind, rated / 3f64.sqrt())],
             settling: R::lit(settling),
             inverse_settling: R::lit(1.0 / settling),
             inverse_sliding_speed: R::lit(

@@ -20,7 +20,7 @@ use nalgebra::{Complex, DMatrix};
 const POLISH: usize = 50;
 /// Largest residual, relative to the covariance's diagonal.
 const RESIDUAL: f64 = 1e-6;
-/// How far inside the unit circle an eigenvalue must be.
+/// Least distance of an eigenvalue from the unit circle, inside it.
 const MARGIN: f64 = 1e-9;
 
 /// Covariance before a reading; `None` when there is none: not observable, or not finite.
@@ -49,7 +49,7 @@ fn step(
     Some((&next + next.transpose()) * 0.5)
 }
 
-/// What the recursion still changes: entries span 20 decades, so each is compared on the scale of its own two states.
+/// Residual change of the recursion: entries span 20 decades, so each is compared on the scale of its own two states.
 pub(super) fn residual(
     a: &DMatrix<f64>,
     information: &DMatrix<f64>,

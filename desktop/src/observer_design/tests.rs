@@ -7,7 +7,7 @@ use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
 
 use super::*;
-use crate::draw::Draw;
+use crate::box_sample::BoxSample;
 use crate::joint::{CONTROL_PERIOD, firmware_gear_params, joint_params};
 
 fn late(delay: u32, period: u32) -> GearFile {
@@ -78,7 +78,7 @@ fn a_gear_whose_output_nothing_shows_is_refused_by_name() {
     assert_eq!(observer_params::<f32>(&file).err(), Some(Error::OutOfRange(NAMES[0])));
 }
 
-/// The joint as the observer models it, off by a draw, its motor moved along a given acceleration.
+/// The joint as the observer models it, with parameters from the box, its motor moved along a given acceleration.
 struct Twin {
     gear: RealTimeGear<f64>,
     params: GearParams<f64>,
@@ -94,14 +94,14 @@ impl Twin {
                 .unwrap()
         };
         let nominal = firmware_gear_params(file).unwrap();
-        let params = Draw::from_seed(seed).apply(&nominal);
+        let params = BoxSample::from_seed(seed).apply(&nominal);
         let joint = joint_params::<f64>(file).unwrap();
         let limits: Limits<f64> = joint.limits;
         let observer = joint.observer.build(&joint.gear, &limits, CONTROL_PERIOD).unwrap();
         Self { gear: build(&params), params, observer, model: build(&nominal) }
     }
 
-    /// Estimates beside the true output angle (rad) of every period of the observer: 0.1 s of acceleration, then 50
+    /// Estimates and the true output angle (rad) of every period of the observer: 0.1 s of acceleration, then 50
     /// rad/s at the motor, with readings of the output that are `delay` periods late, one every `period`.
     fn run(&self, delay: usize, period: usize) -> Vec<(Estimate<f64>, f64)> {
         let (mut plant, mut state) = (self.gear.rest(), self.observer.rest());
@@ -181,7 +181,7 @@ fn late_readings_at_every_period_are_no_offset_either() {
     }
 }
 
-/// The filter's gains are those of its design without delay, carried on.
+/// The filter's gains are those of its design without delay, continued.
 #[test]
 fn past_and_state_are_corrected_alike() {
     for delay in [1, 5, 16] {
@@ -199,10 +199,10 @@ fn past_and_state_are_corrected_alike() {
 #[test]
 fn no_linear_filter_follows_a_load_step_as_asked() {
     let file = GearFile::default_gear();
-    for (with_output, asked) in [(false, 0.03), (true, 0.02)] {
+    for (with_output, target) in [(false, 0.03), (true, 0.02)] {
         let least = least_load_error(&file, 40.0, 0.8, with_output).unwrap() / file.gear.rated_torque;
         println!("{with_output}: {least}");
-        assert!(least > asked && least < 1.6 * asked, "{with_output}: {least}");
+        assert!(least > target && least < 1.6 * target, "{with_output}: {least}");
     }
 }
 

@@ -12,12 +12,12 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::joint::CONTROL_PERIOD;
 
-/// How the clock is off.
+/// Errors of the clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ClockParams {
     /// J (s), less than half the control period.
     pub jitter: f64,
-    /// Share of the steps that are missed.
+    /// Fraction of the steps that are missed.
     pub missed: f64,
 }
 
@@ -30,7 +30,7 @@ pub struct Clock {
     off: f64,
     /// Since the last step that was run, without j_k (s).
     waited: f64,
-    /// A step was run before, then by so much off (s).
+    /// Time error of the last step, if there was one (s).
     last: Option<f64>,
 }
 
@@ -60,7 +60,7 @@ impl Clock {
         Tick { off, elapsed: Some(elapsed) }
     }
 
-    /// Goes to the next instant; by how much that is off (s).
+    /// Goes to the next instant; returns its time error (s).
     pub fn advance(&mut self) -> f64 {
         self.waited += CONTROL_PERIOD;
         let jitter = self.params.jitter;

@@ -4,15 +4,15 @@
 //! tau_motor = tau_shaft*(1 + b*sin(m*theta + q)) + a*sin(k*theta + p)
 //! ```
 //!
-//! theta is the rotor's angle relative to the case, k and m are orders a turn. Cogging has no mean over a turn, so that it
+//! theta is the rotor's angle relative to the case, k and m are orders a revolution. Cogging has no mean over a revolution, so that it
 //! gives no work over one. Units: a (N m), b without. Memoryless.
 
 use strainwave::{Angle, Real};
 
-/// One sine over a turn.
+/// One sine over a revolution.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wave {
-    /// Periods a turn.
+    /// Periods a revolution.
     pub order: u32,
     /// Amplitude; 0 for none.
     pub amplitude: f64,
@@ -40,7 +40,7 @@ impl Wave {
 pub struct Cogging {
     /// Cogging (N m).
     pub cogging: Wave,
-    /// Ripple, as a share of the torque.
+    /// Ripple, as a fraction of the torque.
     pub ripple: Wave,
 }
 
@@ -77,8 +77,8 @@ mod tests {
             let torque = MOTOR.torque(1.0, at(k));
             assert_eq!(torque, MOTOR.torque(1.0, at(k + 1024)));
             let angle = at(k).to_radians();
-            let wanted = 1.0 + 0.02 * (6.0 * angle - 1.0).sin() + 0.01 * (12.0 * angle + 0.4).sin();
-            assert!((torque - wanted).abs() < 1e-12);
+            let expected = 1.0 + 0.02 * (6.0 * angle - 1.0).sin() + 0.01 * (12.0 * angle + 0.4).sin();
+            assert!((torque - expected).abs() < 1e-12);
             mean += MOTOR.torque(0.0, at(k)) / 1024.0;
         }
         assert!(mean.abs() < 1e-12, "{mean}");

@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 
 use crate::joint::CONTROL_PERIOD;
 
-/// What a drive makes of a command.
+/// Drive: from torque command to torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveParams {
     /// T_d (control periods).
@@ -52,7 +52,7 @@ pub(super) struct Drive {
     /// e^(-omega_c*dt), and the mean of that decay over a micro-step.
     kept: f64,
     kept_mean: f64,
-    /// Commands on their way: in how many micro-steps, how much (N m).
+    /// Delayed commands: in how many micro-steps, how much (N m).
     coming: VecDeque<(f64, f64)>,
     /// u (N m).
     command: f64,
@@ -89,10 +89,10 @@ impl Drive {
 
     /// Mean torque on the shaft over the next micro-step (N m).
     pub(super) fn step(&mut self) -> f64 {
-        let wanted = self.mean_command();
-        let ahead = self.torque - wanted;
-        self.torque = wanted + self.kept * ahead;
-        self.params.torque_constant * (wanted + self.kept_mean * ahead) + self.params.offset
+        let target = self.mean_command();
+        let difference = self.torque - target;
+        self.torque = target + self.kept * difference;
+        self.params.torque_constant * (target + self.kept_mean * difference) + self.params.offset
     }
 
     /// Mean of u over the next micro-step (N m).
@@ -135,8 +135,8 @@ mod tests {
         let mut drive = Drive::new(&DriveParams { delay: 0.6, ..DriveParams::IDEAL }, DT);
         drive.command(1.0, 0.0);
         let torques = [(); 4].map(|()| drive.step());
-        let wanted = [0.0, 0.0, 0.6, 1.0];
-        assert!(torques.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12), "{torques:?}");
+        let target = [0.0, 0.0, 0.6, 1.0];
+        assert!(torques.iter().zip(target).all(|(a, b)| (a - b).abs() < 1e-12), "{torques:?}");
         let mut drive = Drive::new(&DriveParams::IDEAL, DT);
         drive.command(1.0, 0.25);
         assert_eq!([drive.step(), drive.step()], [0.75, 1.0]);

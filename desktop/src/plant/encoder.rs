@@ -5,7 +5,7 @@
 //! ```
 //!
 //! A joint's encoders are set to zero where it stands at zero.
-//! Orders 1 and 2 a turn are eccentricity and tilt of the scale, a high order is the interpolation within a signal period.
+//! Orders 1 and 2 a revolution are eccentricity and tilt of the scale, a high order is the interpolation within a signal period.
 //! Noise is uniform within +- so many counts. A count is the one whose middle is nearest to the angle. Units: rad.
 
 use std::collections::VecDeque;
@@ -17,10 +17,10 @@ use strainwave::Angle;
 
 use super::cogging::Wave;
 
-/// Sines that an encoder's scale is off by.
+/// Sines of an encoder's scale error.
 pub const WAVES: usize = 3;
 
-/// What an encoder reads too much.
+/// Errors of an encoder.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EncoderErrors {
     /// Over its own angle (rad).
@@ -41,12 +41,12 @@ impl EncoderErrors {
     }
 }
 
-/// Raw count of an encoder of 2^bits counts a turn.
+/// Raw count of an encoder of 2^bits counts a revolution.
 pub fn encoder_count(angle: Angle<f64>, bits: u32) -> u32 {
     angle.phase() >> (32 - bits)
 }
 
-/// An encoder of 2^bits counts a turn whose last counts may be lost in noise.
+/// An encoder of 2^bits counts a revolution whose last counts may be lost in noise.
 #[derive(Clone, Copy, Debug)]
 pub struct EncoderModel {
     bits: u32,
@@ -84,7 +84,7 @@ pub struct LateEncoder {
     delay: usize,
     /// Every how many.
     every: usize,
-    /// Counts on their way, the newest last.
+    /// Delayed counts, the newest last.
     coming: VecDeque<u32>,
     periods: usize,
 }
@@ -115,14 +115,14 @@ mod tests {
         ChaCha8Rng::seed_from_u64(1)
     }
 
-    fn turn(share: f64) -> Angle<f64> {
+    fn revolutions(share: f64) -> Angle<f64> {
         Angle::from_radians_f64(share * TAU / 16.0)
     }
 
     #[test]
     fn an_encoder_gives_the_nearest_count() {
         let counts = |noise, share: f64| {
-            EncoderModel::new(4, noise, EncoderErrors::default()).read(turn(share), &mut random())
+            EncoderModel::new(4, noise, EncoderErrors::default()).read(revolutions(share), &mut random())
         };
         assert_eq!([-0.49, 0.0, 0.49, 0.51, 3.4, 15.6].map(|share| counts(1.0, share)), [0, 0, 0, 1, 3, 0]);
         assert_eq!([-0.9, 0.9, 1.1, 2.9, 15.1].map(|share| counts(2.0, share)), [0, 0, 2, 2, 0]);
@@ -131,9 +131,9 @@ mod tests {
     #[test]
     fn a_late_and_slow_encoder_gives_old_counts_now_and_then() {
         let mut late = LateEncoder::new(EncoderModel::new(4, 1.0, EncoderErrors::default()), 2, 3);
-        let read = (0..10).map(|k| late.read(turn(f64::from(k)), &mut random()));
-        let wanted = [None, None, None, Some(1), None, None, Some(4), None, None, Some(7)];
-        assert_eq!(read.collect::<Vec<_>>(), wanted);
+        let read = (0..10).map(|k| late.read(revolutions(f64::from(k)), &mut random()));
+        let expected = [None, None, None, Some(1), None, None, Some(4), None, None, Some(7)];
+        assert_eq!(read.collect::<Vec<_>>(), expected);
     }
 
     #[test]
@@ -148,9 +148,9 @@ mod tests {
             let x = angle.to_radians();
             let shown = f64::from(count) * TAU / f64::from(1 << 24);
             let error = |x: f64| 1e-3 * (x + 0.3).sin() + 2e-4 * (2.0 * x - 0.8).sin();
-            let wanted = x + error(x) - error(0.0);
-            let off = (shown - wanted) - TAU * ((shown - wanted) / TAU).round();
-            assert!(off.abs() < TAU / f64::from(1 << 24), "{k}: {shown} {wanted}");
+            let expected = x + error(x) - error(0.0);
+            let off = (shown - expected) - TAU * ((shown - expected) / TAU).round();
+            assert!(off.abs() < TAU / f64::from(1 << 24), "{k}: {shown} {expected}");
             assert_eq!(count, encoder.read(Angle::from_counts(angle.counts + (3 << 32)), &mut random()));
         }
     }
@@ -162,6 +162,6 @@ mod tests {
         let angle = Angle::from_counts(100 << 24);
         let counts: Vec<_> = (0..400).map(|_| encoder.read(angle, &mut random)).collect();
         assert!(counts.iter().all(|count| (99..=101).contains(count)));
-        assert!((99..=101).all(|wanted| counts.contains(&wanted)));
+        assert!((99..=101).all(|expected| counts.contains(&expected)));
     }
 }

@@ -28,7 +28,7 @@ use strainwave::friction::{
     LoadFactors, LubricatedContact, Order, RIPPLE_ORDERS, Ripple, Slip,
 };
 
-/// What friction is made of.
+/// Structure of friction: the model of its contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Structure {
     /// The gear's block, as its parameters say.
@@ -43,7 +43,7 @@ pub enum Structure {
     Static,
 }
 
-/// How friction changes over time.
+/// Drift of friction over time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift {
     /// Age at the start (s).
@@ -129,7 +129,7 @@ enum Core {
     Static(Stiction),
 }
 
-/// What a contact remembers.
+/// State of a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlantFrictionState {
     joint: JointFrictionState<f64>,

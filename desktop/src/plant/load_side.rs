@@ -1,4 +1,4 @@
-//! What the output flange carries: all of the load rigidly, or a part of it behind a spring, and gravity.
+//! Load side: all of the load rigidly on the output flange, or a part of it behind a spring, and gravity.
 //!
 //! ```text
 //! tau_flange          = k*gap(delta) + d*ddelta/dt                 delta = theta_link - theta_fs
@@ -20,7 +20,7 @@ use std::f64::consts::TAU;
 
 use strainwave::gear::Motion;
 
-/// How long the brake takes to let go (s).
+/// Release time of the brake (s).
 const RELEASE: f64 = 0.1;
 
 /// A part of the load behind a spring.
@@ -39,7 +39,7 @@ pub struct LinkParams {
 /// The load side of a plant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LoadParams {
-    /// What is not rigid.
+    /// Flexible part of the load.
     pub link: Option<LinkParams>,
     /// G (N m).
     pub gravity: f64,
@@ -182,7 +182,7 @@ mod tests {
         assert_eq!([torque(1.01e-4, -9.0), torque(-1.01e-4, 9.0)], [0.0; 2]);
     }
 
-    /// It pulls to where the link hangs, at G when that is a quarter of a turn away, once the brake is open.
+    /// It pulls to where the link hangs, at G when that is a quarter of a revolution away, once the brake is open.
     #[test]
     fn gravity_pulls_down() {
         let params = LoadParams { gravity: 40.0, hanging: 0.3, ..LoadParams::default() };

@@ -8,7 +8,7 @@
 //! micro-steps of semi-implicit Euler, as many as keep the mesh below its stable step. The power
 //! that enters both ports is accounted for micro-step by micro-step.
 //!
-//! Where thousands of runs are asked for, the mesh is condensed ([`Plant::condensed`]): the same links reduced to one
+//! For thousands of runs the mesh is condensed ([`Plant::condensed`]): the same links reduced to one
 //! law in f64, exact in harmonic 0 ([`strainwave::flexspline::reduced`]), and all else as it is. What is left to
 //! resolve are the torsion mode and the presliding of friction, below 1000 rad/s, so a control period takes
 //! [`CONDENSED_STEPS`] micro-steps.
@@ -47,7 +47,7 @@ pub const NODES: (usize, usize) = (36, 4);
 pub const LEVELS: usize = 64;
 /// Turning points that it remembers.
 pub const MEMORY: usize = 128;
-/// Largest micro-step as a share of the mesh's stable step.
+/// Largest micro-step as a fraction of the mesh's stable step.
 pub const STEP_SHARE: f64 = 0.95;
 
 /// Micro-steps of a control period with the mesh condensed.
@@ -91,7 +91,7 @@ pub fn micro_steps(longest: f64) -> f64 {
     (CONTROL_PERIOD / longest * (1.0 - 1e-12)).ceil()
 }
 
-/// Where the energy went since the start (J).
+/// Energy balance since the start (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
     /// In through the motor shaft.
@@ -117,7 +117,7 @@ pub type CondensedMesh = Reduced<f64, { MESH.0 }, { MESH.1 }>;
 type PlantGear<F> = Gear<f64, F, PlantFriction, LEVELS, MEMORY>;
 type PlantState<F> = GearState<f64, <F as Flexspline<f64>>::State, PlantFrictionState, MEMORY>;
 
-/// What is in front of the gear and behind it.
+/// Drive, motor and load: the sides in front of the gear and behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sides {
     /// The drive.
@@ -344,12 +344,12 @@ impl<F: Flexspline<f64>> Plant<F> {
         0.5 * kinetic + self.gear.flexspline_energy(&self.state, &self.wave_generator, &self.flange)
     }
 
-    /// Where the energy went since the start.
+    /// Energy balance since the start.
     pub fn energy(&self) -> Energy {
         self.energy
     }
 
-    /// Power balance since the start: what is missing, as a share of the energy moved.
+    /// Power balance since the start: what is missing, as a fraction of the energy moved.
     pub fn imbalance(&self) -> f64 {
         let energy = &self.energy;
         let came = energy.from_motor + energy.from_load;

@@ -1,4 +1,4 @@
-//! One plant that its controller does not know: parameters, structure, sides, sensors and clock.
+//! Plant sample: parameters, structure, sides, sensors and clock that differ from its controller's gear file.
 //!
 //! Drawn by [`super::unknowns`]; seeds 1 to 999 are for choosing gains, claims are judged from 10 000 on.
 
@@ -8,9 +8,9 @@ use strainwave::gear::GearParams;
 use super::clock::ClockParams;
 use super::encoder::EncoderErrors;
 use super::friction::{Drift, PlantFrictionParams, Structure};
-use super::unknowns::{Dice, Which};
+use super::unknowns::{SampleStream, Which};
 use super::{PlantParams, Sides, with_friction};
-use crate::draw::Draw;
+use crate::box_sample::BoxSample;
 use crate::gear_file::GearFile;
 use crate::joint::firmware_gear_params;
 
@@ -19,13 +19,13 @@ use crate::joint::firmware_gear_params;
 pub struct PlantSample {
     /// From which it is drawn.
     pub seed: u64,
-    /// What its controller knows: the gear file, with the bits of this joint's encoders.
+    /// Gear file of its controller, with the bits of this joint's encoders.
     pub known: GearFile,
     /// The gear's true parameters.
     pub params: GearParams<f64>,
     /// The structure of its friction, on both sides.
     pub structure: Structure,
-    /// How that drifts.
+    /// Drift of that friction.
     pub drift: Option<Drift>,
     /// Drive, motor and load.
     pub sides: Sides,
@@ -36,7 +36,7 @@ pub struct PlantSample {
 }
 
 impl PlantSample {
-    /// The plant that a gear file describes, off by the old box of `seed` (see [`Draw::from_seed`]).
+    /// The plant that a gear file describes, with factors from the box of `seed` (see [`BoxSample::from_seed`]).
     ///
     /// # Errors
     /// As [`firmware_gear_params`].
@@ -44,7 +44,7 @@ impl PlantSample {
         Ok(Self {
             seed,
             known: file.clone(),
-            params: Draw::from_seed(seed).apply(&firmware_gear_params(file)?),
+            params: BoxSample::from_seed(seed).apply(&firmware_gear_params(file)?),
             structure: Structure::default(),
             drift: None,
             sides: Sides::IDEAL,
@@ -53,14 +53,14 @@ impl PlantSample {
         })
     }
 
-    /// The same, off by what a row or all of them draw too.
+    /// The same, with the uncertainties of a row, or of all.
     ///
     /// # Errors
     /// As [`PlantSample::boxed`].
     pub fn of(file: &GearFile, which: Which, seed: u64) -> Result<Self, Error> {
         let mut sample = Self::boxed(file, seed)?;
         for row in which.rows(seed) {
-            (row.draw)(&mut sample, &mut Dice::new(seed, row.name));
+            (row.sample)(&mut sample, &mut SampleStream::new(seed, row.name));
         }
         Ok(sample)
     }

@@ -1,6 +1,6 @@
-//! What a controller does not know, row by row: the one table from which judged plants are drawn.
+//! Uncertainties of the plant, row by row: the table from which judged plants are drawn.
 //!
-//! Every row stands on the old box (friction +-20 %, stiffness +-10 %, load inertia +-30 %; [`crate::draw`]) and changes one
+//! Every row stands on the old box (friction +-20 %, stiffness +-10 %, load inertia +-30 %; [`crate::box_sample`]) and changes one
 //! thing more. A row draws from a stream of its own, which follows from the seed and the row's name: a row that is added or
 //! moved changes no other. All at once is every row, with one of the structures that friction may have.
 //!
@@ -16,7 +16,7 @@ use strainwave::hysteresis::table::TABLE_LEVELS;
 use strainwave::hysteresis::torsion::gap_for_width;
 use strainwave::kinematic_error::Term;
 
-use crate::ability::Ability;
+use crate::capability::Capability;
 
 use super::cogging::Wave;
 use super::friction::{Drift, Structure};
@@ -24,9 +24,9 @@ use super::load_side::LinkParams;
 use super::sample::PlantSample;
 
 /// Random numbers of one row.
-pub struct Dice(ChaCha8Rng);
+pub struct SampleStream(ChaCha8Rng);
 
-impl Dice {
+impl SampleStream {
     /// Of a row's name, for a seed.
     pub fn new(seed: u64, name: &str) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -69,39 +69,43 @@ impl Dice {
 pub struct Row {
     /// Dotted and stable.
     pub name: &'static str,
-    /// What it changes, and by how much.
+    /// Changed parameter, and its range.
     pub what: &'static str,
     /// Of the rows of one group a plant has one.
     pub group: Option<&'static str>,
     /// Changes a plant.
-    pub draw: fn(&mut PlantSample, &mut Dice),
+    pub sample: fn(&mut PlantSample, &mut SampleStream),
 }
 
-const fn row(name: &'static str, what: &'static str, draw: fn(&mut PlantSample, &mut Dice)) -> Row {
-    Row { name, what, group: None, draw }
+const fn row(name: &'static str, what: &'static str, sample: fn(&mut PlantSample, &mut SampleStream)) -> Row {
+    Row { name, what, group: None, sample }
 }
 
-const fn structure(name: &'static str, what: &'static str, draw: fn(&mut PlantSample, &mut Dice)) -> Row {
-    Row { group: Some("structure"), ..row(name, what, draw) }
+const fn structure(
+    name: &'static str,
+    what: &'static str,
+    sample: fn(&mut PlantSample, &mut SampleStream),
+) -> Row {
+    Row { group: Some("structure"), ..row(name, what, sample) }
 }
 
 /// Every unknown.
 pub const ROWS: &[Row] = &[
     row("box", "the old box alone: friction +-20 %, stiffness +-10 %, load inertia +-30 %", |_, _| ()),
-    row("inertia.rotor", "rotor inertia +-10 %", |plant, dice| {
-        plant.params.wave_generator_inertia *= dice.about_one(0.1);
+    row("inertia.rotor", "rotor inertia +-10 %", |plant, random| {
+        plant.params.wave_generator_inertia *= random.about_one(0.1);
     }),
-    row("drive.constant", "torque constant +-10 %", |plant, dice| {
-        plant.sides.drive.torque_constant = dice.about_one(0.1);
+    row("drive.constant", "torque constant +-10 %", |plant, random| {
+        plant.sides.drive.torque_constant = random.about_one(0.1);
     }),
-    row("drive.offset", "torque offset +-1 % of rated", |plant, dice| {
-        plant.sides.drive.offset = dice.within(-0.01, 0.01) * rated_at_motor(plant);
+    row("drive.offset", "torque offset +-1 % of rated", |plant, random| {
+        plant.sides.drive.offset = random.within(-0.01, 0.01) * rated_at_motor(plant);
     }),
-    row("drive.delay", "0 to 2 control periods late", |plant, dice| {
-        plant.sides.drive.delay = dice.within(0.0, 2.0);
+    row("drive.delay", "0 to 2 control periods late", |plant, random| {
+        plant.sides.drive.delay = random.within(0.0, 2.0);
     }),
-    row("drive.bandwidth", "current loop of first order, 0.5 to 2 kHz", |plant, dice| {
-        plant.sides.drive.bandwidth = dice.factor(500.0, 2000.0);
+    row("drive.bandwidth", "current loop of first order, 0.5 to 2 kHz", |plant, random| {
+        plant.sides.drive.bandwidth = random.factor(500.0, 2000.0);
     }),
     row("drive.limit", "torque limit at 60 % of the nominal one", |plant, _| {
         plant.sides.drive.limit = 0.6 * plant.known.motor.peak_torque;
@@ -112,16 +116,16 @@ pub const ROWS: &[Row] = &[
     structure(
         "friction.bliman_sorine_2",
         "friction Bliman-Sorine of order 2, eta 0.15 to 0.6",
-        |plant, dice| {
-            let eta = dice.within(0.15, 0.6);
+        |plant, random| {
+            let eta = random.within(0.15, 0.6);
             for side in [&mut plant.params.input_friction, &mut plant.params.output_friction] {
                 (side.order, side.presliding_ratio) = (Order::Two, eta);
             }
         },
     ),
-    structure("friction.lugre", "friction LuGre, micro-damping 0.1 to 0.5", |plant, dice| {
+    structure("friction.lugre", "friction LuGre, micro-damping 0.1 to 0.5", |plant, random| {
         order_one(plant);
-        plant.structure = Structure::LuGre { damping: dice.within(0.1, 0.5) };
+        plant.structure = Structure::LuGre { damping: random.within(0.1, 0.5) };
     }),
     structure("friction.dahl", "friction Dahl: no Stribeck effect", |plant, _| {
         order_one(plant);
@@ -133,62 +137,66 @@ pub const ROWS: &[Row] = &[
     structure("friction.stribeck", "friction Stribeck with static, without presliding", |plant, _| {
         plant.structure = Structure::Static;
     }),
-    row("friction.presliding", "presliding distance x 0.3 to 3", |plant, dice| {
+    row("friction.presliding", "presliding distance x 0.3 to 3", |plant, random| {
         for side in [&mut plant.params.input_friction, &mut plant.params.output_friction] {
-            side.presliding *= dice.factor(0.3, 3.0);
+            side.presliding *= random.factor(0.3, 3.0);
         }
     }),
     row(
         "friction.load",
         "friction grows by 0 to 0.1 of the load, driving and driven apart",
-        |plant, dice| {
+        |plant, random| {
             for side in [&mut plant.params.input_friction, &mut plant.params.output_friction] {
-                side.load = LoadFactors { driving: dice.within(0.0, 0.1), driven: dice.within(0.0, 0.1) };
+                side.load = LoadFactors { driving: random.within(0.0, 0.1), driven: random.within(0.0, 0.1) };
             }
         },
     ),
-    row("friction.ripple", "friction ripples by 0 to 20 % over the wave generator's turn", |plant, dice| {
-        for side in [&mut plant.params.input_friction, &mut plant.params.output_friction] {
-            side.ripple.forward = rippled(dice);
-            side.ripple.backward = rippled(dice);
-        }
-    }),
+    row(
+        "friction.ripple",
+        "friction ripples by 0 to 20 % over the wave generator's revolution",
+        |plant, random| {
+            for side in [&mut plant.params.input_friction, &mut plant.params.output_friction] {
+                side.ripple.forward = rippled(random);
+                side.ripple.backward = rippled(random);
+            }
+        },
+    ),
     row(
         "friction.drift",
         "viscous x 2, Coulomb x 0.7 within 60 s, begun up to 45 s before",
-        |plant, dice| {
+        |plant, random| {
             plant.drift =
-                Some(Drift { age: dice.within(0.0, 45.0), duration: 60.0, coulomb: 0.7, viscous: 2.0 });
+                Some(Drift { age: random.within(0.0, 45.0), duration: 60.0, coulomb: 0.7, viscous: 2.0 });
         },
     ),
-    row("hysteresis.width", "width of the loop x 0.5 to 2", |plant, dice| {
-        let factor = dice.factor(0.5, 2.0);
+    row("hysteresis.width", "width of the loop x 0.5 to 2", |plant, random| {
+        let factor = random.factor(0.5, 2.0);
         plant.params.hysteresis_width *= factor;
         if let Some(table) = &mut plant.params.hysteresis_table {
             table.weights = table.weights.map(|weight| factor * weight);
         }
     }),
-    row("hysteresis.shape", "weights of the loop fall or rise with the relays' width", |plant, dice| {
-        let fall = dice.within(-1.5, 2.0);
+    row("hysteresis.shape", "weights of the loop fall or rise with the relays' width", |plant, random| {
+        let fall = random.within(-1.5, 2.0);
         plant.params.hysteresis_table = shaped(plant, fall).or(plant.params.hysteresis_table);
     }),
     row(
         "kinematic.stored",
-        "the stored kinematic error's phases off by 0.3 rad, amplitudes by 30 %",
-        |plant, dice| {
+        "errors of the stored kinematic error: phases 0.3 rad, amplitudes 30 %",
+        |plant, random| {
             let error = &mut plant.params.kinematic_error;
             for term in
                 error.case.iter_mut().chain(&mut error.flexspline).filter(|term| term.amplitude != 0.0)
             {
-                term.amplitude *= dice.about_one(0.3);
-                term.phase = wrapped(term.phase + dice.within(-0.3, 0.3));
+                term.amplitude *= random.about_one(0.3);
+                term.phase = wrapped(term.phase + random.within(-0.3, 0.3));
             }
         },
     ),
     row(
         "kinematic.orders",
         "kinematic error of orders 1, 3, 4, 6 and the flexspline's 1, 2 besides, each to 30 %",
-        |plant, dice| {
+        |plant, random| {
             let stored = plant
                 .known
                 .kinematic_error
@@ -197,43 +205,43 @@ pub const ROWS: &[Row] = &[
                 .chain(&plant.known.kinematic_error.flexspline);
             let most = 0.3 * stored.map(|harmonic| harmonic.amplitude.abs()).fold(0.0, f64::max);
             for order in [1, 3, 4, 6] {
-                add(&mut plant.params.kinematic_error.case, dice.wave(order, most));
+                add(&mut plant.params.kinematic_error.case, random.wave(order, most));
             }
             for order in [1, 2] {
-                add(&mut plant.params.kinematic_error.flexspline, dice.wave(order, most));
+                add(&mut plant.params.kinematic_error.flexspline, random.wave(order, most));
             }
         },
     ),
-    row("motor.cogging", "cogging to 2 % of rated, any order to 36", |plant, dice| {
-        let order = dice.whole(1, 36);
-        plant.sides.motor.cogging = dice.wave(order, 0.02 * rated_at_motor(plant));
+    row("motor.cogging", "cogging to 2 % of rated, any order to 36", |plant, random| {
+        let order = random.whole(1, 36);
+        plant.sides.motor.cogging = random.wave(order, 0.02 * rated_at_motor(plant));
     }),
-    row("motor.ripple", "ripple of the torque constant to 2 %, any order to 36", |plant, dice| {
-        let order = dice.whole(1, 36);
-        plant.sides.motor.ripple = dice.wave(order, 0.02);
+    row("motor.ripple", "ripple of the torque constant to 2 %, any order to 36", |plant, random| {
+        let order = random.whole(1, 36);
+        plant.sides.motor.ripple = random.wave(order, 0.02);
     }),
     row(
         "encoder.eccentricity",
-        "once and twice a turn: motor to 2 and 1 mrad, output to 100 and 30 urad",
-        |plant, dice| {
+        "once and twice a revolution: motor to 2 and 1 mrad, output to 100 and 30 urad",
+        |plant, random| {
             for (errors, most) in plant.encoders.iter_mut().zip([[2e-3, 1e-3], [1e-4, 3e-5]]) {
-                errors.waves[0] = dice.wave(1, most[0]);
-                errors.waves[1] = dice.wave(2, most[1]);
+                errors.waves[0] = random.wave(1, most[0]);
+                errors.waves[1] = random.wave(2, most[1]);
             }
         },
     ),
     row(
         "encoder.interpolation",
-        "to 0.3 % of the signal period, 1024 a turn at the motor, 2048 at the output",
-        |plant, dice| {
+        "to 0.3 % of the signal period, 1024 a revolution at the motor, 2048 at the output",
+        |plant, random| {
             for (errors, periods) in plant.encoders.iter_mut().zip([1024, 2048]) {
-                errors.waves[2] = dice.wave(periods, 0.003 * TAU / f64::from(periods));
+                errors.waves[2] = random.wave(periods, 0.003 * TAU / f64::from(periods));
             }
         },
     ),
-    row("encoder.bits", "motor 14 to 23 bits, output 16 to 19, as the controller knows", |plant, dice| {
-        plant.known.sensors.motor_encoder_bits = dice.whole(14, 23);
-        plant.known.sensors.output_encoder_bits = Some(dice.whole(16, 19));
+    row("encoder.bits", "motor 14 to 23 bits, output 16 to 19, as the controller knows", |plant, random| {
+        plant.known.sensors.motor_encoder_bits = random.whole(14, 23);
+        plant.known.sensors.output_encoder_bits = Some(random.whole(16, 19));
     }),
     row("encoder.noise", "noise of a count", |plant, _| {
         plant.encoders.iter_mut().for_each(|errors| errors.noise = 1.0);
@@ -241,22 +249,22 @@ pub const ROWS: &[Row] = &[
     row(
         "load.flexible",
         "30 to 50 % of the load behind a mode of 20 to 60 Hz, damping ratio 0.005 to 0.02",
-        |plant, dice| {
+        |plant, random| {
             plant.sides.load.link = Some(LinkParams {
-                share: dice.within(0.3, 0.5),
-                frequency: dice.within(20.0, 60.0),
-                damping: dice.within(0.005, 0.02),
+                share: random.within(0.3, 0.5),
+                frequency: random.within(20.0, 60.0),
+                damping: random.within(0.005, 0.02),
                 backlash: plant.sides.load.link.map_or(0.0, |link| link.backlash),
             });
         },
     ),
-    row("load.gravity", "gravity to 0.6 of rated torque, 40 N m of the default gear", |plant, dice| {
+    row("load.gravity", "gravity to 0.6 of rated torque, 40 N m of the default gear", |plant, random| {
         (plant.sides.load.gravity, plant.sides.load.hanging) =
-            (dice.within(0.0, 40.0 * rated_share(plant)), dice.phase());
+            (random.within(0.0, 40.0 * rated_share(plant)), random.phase());
     }),
-    row("load.backlash", "backlash to 1 arcmin between flange and link", |plant, dice| {
-        let backlash = dice.within(0.0, 1.0) / 60.0 * PI / 180.0;
-        let rigid = LinkParams { share: dice.within(0.3, 0.5), frequency: 150.0, damping: 0.05, backlash };
+    row("load.backlash", "backlash to 1 arcmin between flange and link", |plant, random| {
+        let backlash = random.within(0.0, 1.0) / 60.0 * PI / 180.0;
+        let rigid = LinkParams { share: random.within(0.3, 0.5), frequency: 150.0, damping: 0.05, backlash };
         let link = plant.sides.load.link.unwrap_or(rigid);
         plant.sides.load.link = Some(LinkParams { backlash, ..link });
     }),
@@ -306,7 +314,7 @@ impl Which {
         }
     }
 
-    /// What differs, for people.
+    /// Description of the uncertainty.
     pub fn what(self) -> &'static str {
         match self {
             Self::Row(row) => row.what,
@@ -314,18 +322,19 @@ impl Which {
         }
     }
 
-    /// The rows that the plant of a seed is off by.
+    /// The uncertainties of the plant of a seed.
     pub fn rows(self, seed: u64) -> Vec<&'static Row> {
         let Self::All = self else { return ROWS.iter().filter(|row| row.name == self.name()).collect() };
         let grouped: Vec<_> = ROWS.iter().filter(|row| row.group.is_some()).collect();
-        let chosen = grouped[Dice::new(seed, Self::ALL_NAME).whole(0, grouped.len() as u32 - 1) as usize];
+        let chosen =
+            grouped[SampleStream::new(seed, Self::ALL_NAME).whole(0, grouped.len() as u32 - 1) as usize];
         ROWS.iter().filter(|row| row.group.is_none() || row.name == chosen.name).collect()
     }
 }
 
 /// Rated torque, in that of the default gear.
 fn rated_share(plant: &PlantSample) -> f64 {
-    Ability { rated_torque: plant.params.rated_torque, ..Ability::default() }.load(1.0)
+    Capability { rated_torque: plant.params.rated_torque, ..Capability::default() }.load(1.0)
 }
 
 /// Rated torque at the motor (N m).
@@ -339,11 +348,11 @@ fn order_one(plant: &mut PlantSample) {
 }
 
 /// Up to 20 % over all orders together.
-fn rippled(dice: &mut Dice) -> Harmonics<f64, RIPPLE_ORDERS> {
+fn rippled(random: &mut SampleStream) -> Harmonics<f64, RIPPLE_ORDERS> {
     let (mut cosines, mut sines) = ([0.0; RIPPLE_ORDERS], [0.0; RIPPLE_ORDERS]);
-    let mut left = dice.within(0.0, 0.2);
+    let mut left = random.within(0.0, 0.2);
     for (cosine, sine) in cosines.iter_mut().zip(&mut sines) {
-        let (amplitude, phase) = (dice.within(0.0, left), dice.phase());
+        let (amplitude, phase) = (random.within(0.0, left), random.phase());
         left -= amplitude;
         (*sine, *cosine) = (amplitude * phase.sin(), amplitude * phase.cos());
     }
@@ -391,7 +400,7 @@ mod tests {
     use strainwave::hysteresis::torsion::TorsionHysteresis;
 
     use super::*;
-    use crate::draw::Draw;
+    use crate::box_sample::BoxSample;
     use crate::gear_file::GearFile;
     use crate::joint::firmware_gear_params;
     use crate::plant::{MEMORY, Plant, Sides, plant_params};
@@ -417,7 +426,7 @@ mod tests {
         let params = firmware_gear_params(&GearFile::default_gear()).unwrap();
         for seed in [0, 1, 10_007] {
             let sample = sample("box", seed);
-            assert_eq!(sample.params, Draw::from_seed(seed).apply(&params));
+            assert_eq!(sample.params, BoxSample::from_seed(seed).apply(&params));
             assert_eq!(sample.sides, Sides::IDEAL);
             assert_eq!(sample.plant_params(), plant_params(&sample.params));
         }
@@ -496,8 +505,8 @@ mod tests {
         assert_eq!((terms[1].order, terms[1].amplitude), (3, 1e-5));
         for x in [0.0, 0.4, 2.0] {
             let at = |term: &Term<f64>| term.amplitude * (f64::from(term.order) * x + term.phase).sin();
-            let wanted = 2e-5 * (4.0 * x + 0.3).sin() + 1e-5 * (4.0 * x - 2.0).sin();
-            assert!((at(&terms[0]) - wanted).abs() < 1e-18);
+            let expected = 2e-5 * (4.0 * x + 0.3).sin() + 1e-5 * (4.0 * x - 2.0).sin();
+            assert!((at(&terms[0]) - expected).abs() < 1e-18);
         }
     }
 }

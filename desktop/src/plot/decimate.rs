@@ -84,8 +84,8 @@ mod tests {
 
     #[test]
     fn both_branches_of_a_loop_stay() {
-        let turn = |k: i32| f64::from(k) * std::f64::consts::TAU / 1e5;
-        let kept = thin((0..100_000).map(|k| (turn(k).cos(), turn(k).sin())), 0.01);
+        let angle = |k: i32| f64::from(k) * std::f64::consts::TAU / 1e5;
+        let kept = thin((0..100_000).map(|k| (angle(k).cos(), angle(k).sin())), 0.01);
         let at_middle: Vec<f64> = kept.iter().filter(|p| p.0.abs() < 0.01).map(|p| p.1).collect();
         assert!(at_middle.iter().any(|y| *y > 0.99) && at_middle.iter().any(|y| *y < -0.99));
         assert!(kept.len() < 2_000);

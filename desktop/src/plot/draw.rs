@@ -37,15 +37,15 @@ type Area<DB> = DrawingArea<DB, Shift>;
 type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// How a panel is drawn on its page.
+/// Frame of a panel on its page.
 struct Frame {
     x: (f64, f64),
     y: (f64, f64),
     /// One of several side by side.
     small: bool,
-    /// What a pixel is along the x axis.
+    /// Width of a pixel along the x axis.
     pixel: f64,
-    /// What is written along the axes, where it is.
+    /// Labels along the axes.
     describes: (bool, bool),
 }
 

@@ -48,7 +48,7 @@ pub struct Series {
     style: Style,
 }
 
-/// How a curve is drawn.
+/// Style of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Style {
     Line,

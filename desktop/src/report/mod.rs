@@ -20,7 +20,7 @@ pub use pictures::Picture;
 
 const STYLE: &str = include_str!("style.css");
 
-/// How a chapter is made of a gear file; called with the share of it that is done.
+/// Function that makes a chapter of a gear file; it reports the fraction done.
 type Make = fn(&GearFile, &mut dyn FnMut(f64)) -> Result<Chapter, BadInput>;
 
 /// The chapters, in the order of the page.
@@ -32,7 +32,7 @@ struct Chapter {
     id: &'static str,
     title: &'static str,
     body: Markup,
-    /// What was measured for it.
+    /// Figures measured for it.
     measured: Measured,
 }
 
@@ -40,13 +40,13 @@ struct Chapter {
 pub struct Report {
     /// The page.
     pub html: String,
-    /// What was measured for all chapters.
+    /// Figures measured for all chapters.
     pub measured: Measured,
     /// Its pictures.
     pub pictures: Vec<Picture>,
 }
 
-/// Measures, draws and writes every chapter; `progress` is called with the share done.
+/// Measures, draws and writes every chapter; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// A gear that no model can be built from, or data that are there and cannot be used.
@@ -116,7 +116,7 @@ fn table<const K: usize>(header: [&str; K], rows: &[[String; K]]) -> Markup {
     }
 }
 
-/// Figures beside their bounds, one that misses marked, and what was skipped.
+/// Figures with their bounds, one that misses marked, and what was skipped.
 fn figure_table(measured: &Measured) -> Markup {
     html! {
         div.wide {

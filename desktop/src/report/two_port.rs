@@ -34,7 +34,7 @@ pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<
 fn drawn(gear: &GearFile, reference: &StepResponse, real_time: &StepResponse) -> Page {
     let r: f64 = gear.gear.signed_ratio().value();
     let time: Vec<_> = reference.rows.iter().map(|row| row.time).collect();
-    let asked: Vec<_> = reference.wave_generator.iter().map(|angle| 1e3 * r * angle).collect();
+    let input: Vec<_> = reference.wave_generator.iter().map(|angle| 1e3 * r * angle).collect();
     let of = |run: &StepResponse, figure: fn(&crate::log::OpenLoopRow) -> f64| -> Vec<f64> {
         run.rows.iter().map(figure).collect()
     };
@@ -49,7 +49,7 @@ fn drawn(gear: &GearFile, reference: &StepResponse, real_time: &StepResponse) ->
     let windup = Panel::new("time", "s", "torsion", "mrad").titled("b) wave generator less flexspline");
     let velocity = Panel::new("time", "s", "velocity", "rad/s").titled("c) flexspline");
     Page::new("")
-        .with(both(angle.with(Series::line("wave generator", &time, &asked)), |row| {
+        .with(both(angle.with(Series::line("wave generator", &time, &input)), |row| {
             1e3 * row.output_position
         }))
         .with(both(windup, |row| 1e3 * row.torsion))

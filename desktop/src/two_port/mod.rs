@@ -15,7 +15,7 @@
 //! Discretisation: a row every 0.1 ms from the first stamp of the input. The real-time build takes one
 //! step for it, the reference build as many micro-steps as its mesh needs. Between the input's
 //! stamps the load is linear; for the wave generator see `trajectory.rs`. A row holds the values at
-//! its instant. After each, the mesh is asked for its most strained link: a run that diverges ends there.
+//! its instant. After each, the mesh's most strained link is checked: a run that diverges ends there.
 //!
 //! The models start at the zero angle. A wave generator that is run in from theta_0 is therefore
 //! counted from there: theta_fs gets r*theta_0 added back, and a term of order k of the kinematic error has
@@ -44,7 +44,7 @@ pub use gauge::Gauge;
 use gauge::{Gauged, Turned};
 use trajectory::Trajectory;
 
-/// How long the gear is led before the start (s): several times what the mesh's transient takes.
+/// Time of the run-in before the start (s): several times the mesh's transient.
 pub const RUN_IN: f64 = 20.0 * STEP;
 
 /// Which build of the models.
@@ -177,7 +177,7 @@ fn advance_ripple<R: Real, const K: usize>(harmonics: &mut Harmonics<R, K>, angl
     }
 }
 
-/// Within half a turn either way (rad).
+/// Within half a revolution either way (rad).
 fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
@@ -197,13 +197,13 @@ fn rows<'a, R: Real, F: Gauged<R> + 'a, P: FrictionParams<R>, const L: usize, co
     Ok(Box::new(instants.map(move |instant| simulation.row(instant))))
 }
 
-/// What drives a gear, over the time since the first stamp.
+/// Inputs of a gear, over the time since the first stamp.
 struct Inputs<'a> {
     trajectory: Trajectory,
     log: &'a OpenLoop,
-    /// Where the run-in starts, and the wave generator is counted from (rad).
+    /// Start of the run-in, and zero of the wave generator (rad).
     start: f64,
-    /// Where its major axis stands on the flexspline then (rad).
+    /// Angle of its major axis on the flexspline then (rad).
     ellipse: f64,
     gauges: &'a [Gauge],
     wave_generator_inertia: f64,
@@ -221,7 +221,7 @@ impl Inputs<'_> {
     }
 }
 
-/// A gear on its way through its inputs.
+/// A run of a gear through its inputs.
 struct Simulation<'a, R: Real, F: Gauged<R>, C: FrictionModel<R>, const L: usize, const MEMORY: usize> {
     gear: Gear<R, Turned<R, F>, C, L, MEMORY>,
     state: GearState<R, F::State, C::State, MEMORY>,

@@ -9,7 +9,7 @@
 
 use crate::log::Drive;
 
-/// Where the wave generator is and how it moves.
+/// Angle of the wave generator with its derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sample {
     /// Angle from the first row's (rad).

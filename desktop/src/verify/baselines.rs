@@ -1,8 +1,7 @@
-//! What each baseline reaches, with the gains that the gear file has for it, on plants of the box and after the working
-//! motion.
+//! Metrics of each baseline, with its gains in the gear file, on plants of the box and after the working motion.
 //!
 //! For each baseline the median of every figure of [`crate::baseline::objective`] over the plants, the worst ratio to B0's,
-//! and how much it shakes: the worst oscillation of torsion and torque at rest ([`Course`]).
+//! and how much it shakes: the worst oscillation of torsion and torque at rest ([`RunResult`]).
 
 use strainwave::Error;
 
@@ -14,32 +13,32 @@ use crate::gear_file::GearFile;
 use crate::plant::sample::PlantSample;
 use crate::verify::Measured;
 use crate::verify::compensator::each;
-use crate::verify::robustness::{Course, Courses, JUDGED, Judged};
+use crate::verify::robustness::{JUDGED, Judged, RunResult, RunResults};
 
-/// Runs each baseline on the plants of seeds 1 to `plants`; `progress` is called with the share done.
+/// Runs each baseline on the plants of seeds 1 to `plants`; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// A gear that no plant or baseline can be built for.
 pub fn measure(file: &GearFile, plants: u64, mut progress: impl FnMut(f64)) -> Result<Measured, Error> {
     let all: Vec<_> = Kind::ALL.iter().flat_map(|kind| (1..=plants).map(move |seed| (*kind, seed))).collect();
-    let run = |(kind, seed): &(Kind, u64)| -> Result<Courses, Error> {
+    let run = |(kind, seed): &(Kind, u64)| -> Result<RunResults, Error> {
         let sample = PlantSample::boxed(file, *seed)?;
         let conditions = Conditions { sensors: kind.sensors(), ..Conditions::of(file, *seed) };
         let bench = Bench::condensed_of(&sample, &conditions)?;
-        Judged::of(file, &sample.params).courses(bench, Baseline::build(file, *kind)?, &JUDGED)
+        Judged::of(file, &sample.params).results(bench, Baseline::build(file, *kind)?, &JUDGED)
     };
-    let courses = each(&all, run, &mut progress).into_iter().collect::<Result<Vec<_>, _>>()?;
-    let b0 = &courses[..plants as usize];
-    let by_kind = Kind::ALL.into_iter().zip(courses.chunks(plants as usize));
+    let results = each(&all, run, &mut progress).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let b0 = &results[..plants as usize];
+    let by_kind = Kind::ALL.into_iter().zip(results.chunks(plants as usize));
     Ok(by_kind.flat_map(|(kind, runs)| figures(kind, runs, b0)).collect::<Vec<_>>().into())
 }
 
 /// The figures of one baseline, plant by plant.
-fn figures(kind: Kind, runs: &[Courses], b0: &[Courses]) -> Vec<Figure> {
+fn figures(kind: Kind, runs: &[RunResults], b0: &[RunResults]) -> Vec<Figure> {
     let name = |what: &str| format!("baselines.{}.{what}", kind.name());
     let mut figures = Vec::new();
-    for (scenario, mark, what) in FIGURES {
-        let of = |run: &Courses| of(run, scenario.name(), |course| course.mark(scenario, mark));
+    for (scenario, metric, what) in FIGURES {
+        let of = |run: &RunResults| of(run, scenario.name(), |result| result.metric(scenario, metric));
         let values: Vec<_> = runs.iter().map(of).collect();
         figures.push(Figure::reported(name(what), median(&values), "rad"));
         if kind != Kind::B0 {
@@ -48,21 +47,22 @@ fn figures(kind: Kind, runs: &[Courses], b0: &[Courses]) -> Vec<Figure> {
         }
     }
     for (what, unit, at_rest) in AT_REST {
-        let most =
-            |run: &Courses| run.iter().map(|run| run.as_ref().map_or(f64::NAN, at_rest)).fold(0.0, f64::max);
+        let most = |run: &RunResults| {
+            run.iter().map(|run| run.as_ref().map_or(f64::NAN, at_rest)).fold(0.0, f64::max)
+        };
         figures.push(worst(name(what), unit, runs.iter().map(most)));
     }
     figures
 }
 
-type OfCourse = (&'static str, &'static str, fn(&Course) -> f64);
+type OfResult = (&'static str, &'static str, fn(&RunResult) -> f64);
 
 /// Oscillation at rest; of the torque in rated torques.
-const AT_REST: [OfCourse; 2] =
+const AT_REST: [OfResult; 2] =
     [("rest.torsion", "rad", |run| run.torsion_at_rest), ("rest.torque", "1", |run| run.torque_at_rest)];
 
 /// Of a run's scenario; NaN where the plant diverged.
-fn of(run: &Courses, scenario: &str, of: impl Fn(&Course) -> f64) -> f64 {
+fn of(run: &RunResults, scenario: &str, of: impl Fn(&RunResult) -> f64) -> f64 {
     let place = JUDGED.iter().position(|judged| judged.name() == scenario);
     place.and_then(|place| run[place].as_ref()).map_or(f64::NAN, of)
 }
@@ -71,7 +71,7 @@ fn of(run: &Courses, scenario: &str, of: impl Fn(&Course) -> f64) -> f64 {
 fn worst(name: String, unit: &str, values: impl Iterator<Item = f64>) -> Figure {
     let worst = values.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
     let (plant, value) = worst.unwrap_or((0, f64::NAN));
-    Figure::reported(name, value, unit).of_draw(plant as u64 + 1)
+    Figure::reported(name, value, unit).of_seed(plant as u64 + 1)
 }
 
 fn median(values: &[f64]) -> f64 {
@@ -100,9 +100,9 @@ mod tests {
 
     #[test]
     fn a_figure_is_of_its_scenario() {
-        let mut run = Courses::default();
-        run[1] = Some(Course { marks: vec![5.0], ..Course::default() });
-        let error = |scenario: Scenario| of(&run, scenario.name(), |course| course.marks[0]);
+        let mut run = RunResults::default();
+        run[1] = Some(RunResult { metrics: vec![5.0], ..RunResult::default() });
+        let error = |scenario: Scenario| of(&run, scenario.name(), |result| result.metrics[0]);
         assert!(error(Scenario::S2) == 5.0 && error(Scenario::S1).is_nan());
     }
 }

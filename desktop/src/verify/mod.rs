@@ -1,4 +1,4 @@
-//! Measures the figures that the project claims, each beside its row in [`crate::bounds`].
+//! Measures the figures that the project claims, each with its row in [`crate::bounds`].
 //!
 //! These parts need no emulator; what is measured on the firmware image stands with the emulator.
 
@@ -17,12 +17,12 @@ use std::time::Instant;
 use crate::figure::Figure;
 use crate::file::BadInput;
 
-/// What was measured.
+/// Measured figures and notes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
     /// The figures.
     pub figures: Vec<Figure>,
-    /// What was skipped or not judged, and why, a line each.
+    /// Skipped or unjudged figures with the reason, a line each.
     pub notes: Vec<String>,
 }
 
@@ -71,7 +71,7 @@ pub enum Part {
     Friction,
     /// The staircase against the relays, its laws and its inverse, the default gear's loop, identification.
     Hysteresis,
-    /// What the compensator rests on: unbounded angles in f32.
+    /// Basis of the compensator: unbounded angles in f32.
     Compensator,
 }
 

@@ -16,7 +16,7 @@ use crate::log::MeasuredLog;
 use crate::replay::Judgement;
 use crate::verify::Measured;
 
-/// Share of the motor's path that is learnt from.
+/// Fraction of the motor's path that is learnt from.
 const LEARNT: f64 = 1.0 / 3.0;
 /// Logs, their joints, and whether the motor torque counts against the angle: the encoders of joints 1, 2 and 6 count against
 /// the joint's angle, in whose direction the controller states torques.

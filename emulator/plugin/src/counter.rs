@@ -32,7 +32,7 @@ impl Spread {
     }
 }
 
-/// What was counted for one tracked function.
+/// Counts of one tracked function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counts {
     /// Calls that have returned.
@@ -43,7 +43,7 @@ pub struct Counts {
     pub cycles: Spread,
 }
 
-/// What is kept of the first tracked function beside its counts.
+/// Records of the first tracked function in addition to its counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Kept {
     /// The cycles of every call.

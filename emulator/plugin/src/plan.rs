@@ -1,4 +1,4 @@
-//! What to count: the instructions of the image with their cost, and the symbols to report.
+//! Plan of the counting: the instructions of the image with their cost, and the symbols to report.
 //!
 //! One line each, fields separated by one space, addresses in hexadecimal:
 //!
@@ -15,7 +15,7 @@
 
 use std::collections::HashMap;
 
-/// How control leaves an instruction.
+/// Control flow out of an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flow {
     /// On to the next address.
@@ -31,13 +31,13 @@ pub enum Flow {
 /// One instruction of the image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Instruction {
-    /// Where it stands.
+    /// Its address.
     pub address: u32,
     /// The address behind it.
     pub next: u32,
     /// Its cost; for a conditional branch the cost when not taken.
     pub cycles: Option<u32>,
-    /// How control leaves it.
+    /// Control flow out of it.
     pub flow: Flow,
     /// Whether control may also go on to `next`.
     pub conditional: bool,
@@ -58,7 +58,7 @@ pub struct Tracked {
     pub size: u32,
 }
 
-/// Everything that the plugin is told.
+/// Input of the plugin.
 #[derive(Debug, Default)]
 pub struct Plan {
     /// Cycles that a taken conditional branch adds.

@@ -10,7 +10,7 @@ use super::{Error, Image};
 pub struct Node {
     /// Its path.
     pub name: String,
-    /// What its code does.
+    /// Summary of its code.
     pub summary: Summary,
 }
 
@@ -49,7 +49,7 @@ impl CallGraph {
         &self.nodes
     }
 
-    /// What `function` calls.
+    /// Callees of `function`.
     pub fn callees(&self, function: usize) -> impl Iterator<Item = usize> {
         self.nodes[function].summary.calls.iter().map(|call| call.callee)
     }

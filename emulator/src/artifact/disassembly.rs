@@ -8,7 +8,7 @@ use super::Error;
 /// One decoded instruction.
 #[derive(Clone, Debug)]
 pub struct Instruction {
-    /// Where it stands.
+    /// Its address.
     pub address: u32,
     /// Its size in bytes, 2 or 4.
     pub size: u32,
@@ -24,7 +24,7 @@ pub struct Instruction {
     pub operands: Vec<ArmOperand>,
 }
 
-/// How control leaves an instruction.
+/// Control flow out of an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flow {
     /// On to the next address.
@@ -80,7 +80,7 @@ impl Instruction {
         self.operands.iter().filter_map(register_of)
     }
 
-    /// How control leaves it.
+    /// Control flow out of it.
     pub fn flow(&self) -> Flow {
         let target =
             |index| self.immediate(index).map_or(Flow::Indirect, |a| Flow::Branch(a.cast_unsigned()));

@@ -11,7 +11,7 @@ pub enum Error {
     Read {
         /// The image.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// The file is not what it should be.
@@ -19,15 +19,15 @@ pub enum Error {
     NotAnImage {
         /// The image.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Its fault.
         what: String,
     },
     /// Bytes marked as code are not an instruction.
     #[error("no instruction at {address:#x}:{}", bytes.iter().map(|b| format!(" {b:02x}")).collect::<String>())]
     NotDecoded {
-        /// Where.
+        /// Its address.
         address: u32,
-        /// What stands there.
+        /// Bytes at that address.
         bytes: Vec<u8>,
     },
     /// The disassembler failed.
@@ -66,7 +66,7 @@ pub enum Error {
     /// No function has this name.
     #[error("no function {pattern} in the image (inlined, renamed or not linked), nearest: {nearest}")]
     NoFunction {
-        /// What was looked for.
+        /// Searched pattern.
         pattern: String,
         /// The function whose last segment agrees, if any.
         nearest: String,
@@ -76,7 +76,7 @@ pub enum Error {
     Vector {
         /// Its number; 1 is the reset vector.
         number: usize,
-        /// Where it points.
+        /// Address that it points to.
         address: u32,
     },
 }

@@ -39,11 +39,11 @@ impl Function {
 pub struct Section {
     /// Its name.
     pub name: String,
-    /// Where it is at run time.
+    /// Address at run time.
     pub address: u32,
     /// Its size in bytes.
     pub size: u32,
-    /// Where its content is kept; `None` when it has none.
+    /// Load address of its content; `None` when it has none.
     pub load: Option<u32>,
     data: Vec<u8>,
     code: bool,
@@ -192,7 +192,7 @@ impl Image {
         Ok(found)
     }
 
-    /// Where `tbb [pc, r]` and `tbh [pc, r, lsl #1]` can go, whose table of half distances, `size` bytes each, stands
+    /// Targets of `tbb [pc, r]` and `tbh [pc, r, lsl #1]`, whose table of half distances, `size` bytes each, is
     /// behind the instruction; `None` where there is no such table.
     pub fn table_targets(&self, instruction: &Instruction, size: u32) -> Option<Vec<u32>> {
         let base = instruction.next();
@@ -206,8 +206,8 @@ impl Image {
     }
 
     fn nearest(&self, pattern: &str) -> String {
-        let wanted: Vec<&str> = pattern.rsplit("::").collect();
-        let alike = |path: &&String| path.rsplit("::").zip(&wanted).take_while(|(a, b)| a == *b).count();
+        let expected: Vec<&str> = pattern.rsplit("::").collect();
+        let alike = |path: &&String| path.rsplit("::").zip(&expected).take_while(|(a, b)| a == *b).count();
         let paths = self.functions.iter().flat_map(|f| &f.paths);
         paths.max_by_key(alike).filter(|path| alike(path) > 0).map_or_else(|| "none".to_owned(), Clone::clone)
     }
@@ -299,7 +299,7 @@ fn sections(file: &ElfFile32<Endianness>) -> object::Result<Vec<Section>> {
     Ok(sections)
 }
 
-/// Where the start-up code copies a section from: the physical address of its segment.
+/// Address that the start-up code copies a section from: the physical address of its segment.
 fn load_address(file: &ElfFile32<Endianness>, address: u32) -> u32 {
     let endian = file.endian();
     let holds = |p: &&object::elf::ProgramHeader32<Endianness>| {

@@ -1,4 +1,4 @@
-//! What is true of the firmware image itself: its size, its stack, and what cannot be in it.
+//! Properties of the firmware image: its size, its stack, and proofs of absent symbols.
 //!
 //! Everything here is read from the linked ELF file, so it holds for the image that is flashed and needs
 //! no run. [`image`] reads the file and [`disassembly`] its code; [`flow`] follows every function's stack

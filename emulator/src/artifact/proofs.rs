@@ -1,4 +1,4 @@
-//! What cannot be in the image: panics, an allocator, and double precision in the control step.
+//! Proofs of absence in the image: panics, an allocator, and double precision in the control step.
 //!
 //! The linker has dropped every function that nothing refers to, so a symbol that is not there cannot be
 //! called. (A panic handler small enough to be inlined would leave no symbol. The boards' handlers call a
@@ -54,12 +54,12 @@ pub fn doubles(graph: &CallGraph, roots: &[usize]) -> Vec<Violation> {
 }
 
 fn symbols_that(
-    wanted: fn(&str) -> bool,
+    expected: fn(&str) -> bool,
     symbols: &[String],
     graph: &CallGraph,
     roots: &[usize],
 ) -> Vec<Violation> {
-    let mut found: Vec<&String> = symbols.iter().filter(|s| wanted(s)).collect();
+    let mut found: Vec<&String> = symbols.iter().filter(|s| expected(s)).collect();
     found.sort();
     found.dedup();
     let path = |name: &str| {

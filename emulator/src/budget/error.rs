@@ -13,7 +13,7 @@ pub enum Error {
     File {
         /// The budget file.
         file: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// The budget file says something else than a budget.
@@ -21,7 +21,7 @@ pub enum Error {
     Content {
         /// The budget file.
         file: PathBuf,
-        /// What is wrong with it.
+        /// Its fault.
         what: String,
     },
     /// The image cannot be judged.

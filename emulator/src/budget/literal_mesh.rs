@@ -1,4 +1,4 @@
-//! The mesh of eq. (6), stepped literally on the target, beside the block that is its reduction.
+//! The mesh of eq. (6), stepped literally on the target, and the block that is its reduction.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -23,7 +23,7 @@ pub struct LiteralMesh {
 }
 
 impl LiteralMesh {
-    /// What is wrong with it, if anything, beside these blocks.
+    /// Its inconsistency with these blocks, if any.
     pub(super) fn fault(&self, blocks: &BTreeMap<String, Block>) -> Option<String> {
         let missing = !blocks.contains_key(&self.reduced);
         missing

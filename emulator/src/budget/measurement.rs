@@ -12,10 +12,10 @@ use crate::artifact::{CallGraph, Image, Sizes, StackBound, Violation, proofs};
 use crate::counting::{Counting, Counts, Outcome, merge};
 use crate::machine::{Machine, Options};
 
-/// How long a program may take on the host, counted: the literal mesh settles first, 10^8 instructions.
+/// Longest time of a program on the host, counted: the literal mesh settles first, 10^8 instructions.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// What an image costs.
+/// Costs of an image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
     /// The compiler that built it.
@@ -30,17 +30,17 @@ pub struct Measurement {
     pub allocators: Vec<Violation>,
     /// Double precision in what its control step reaches.
     pub doubles: Vec<Violation>,
-    /// What the control step, its parts and the literal mesh cost, in the budget's order; empty when nothing was run.
+    /// Counts of the control step, its parts and the literal mesh, in the budget's order; empty when nothing was run.
     pub counts: Vec<(String, Counts)>,
     /// Most cycles of any path through the code of the control step and its parts, by name, where the code shows a bound.
     pub any_path: BTreeMap<String, u64>,
-    /// What the control step costs on any input, where it was searched for.
+    /// Worst case of the control step on any input, where it was searched for.
     pub any_input: Option<AnyInput>,
     /// The deepest stack that a run has seen, in bytes.
     pub stack_mark: Option<u32>,
 }
 
-/// What a workload comes back with: the deepest stack that the firmware reports, if it does, in bytes.
+/// Result of a workload: the deepest stack that the firmware reports, if it does, in bytes.
 pub type Workload = Result<Option<u32>, Failure>;
 
 /// Why a workload failed.
@@ -159,7 +159,7 @@ fn by_block(
 }
 
 impl Measurement {
-    /// Every figure beside its bound in `budget`.
+    /// Every figure with its bound in `budget`.
     pub fn figures(&self, budget: &Budget) -> Vec<Figure> {
         let mut figures = Vec::new();
         for (name, counts) in &self.counts {
@@ -196,19 +196,19 @@ impl Measurement {
         vec![
             budget
                 .figure(&name("cycles"), found.worst.cycles as f64, "cycle", bound)
-                .of_draw(found.worst.seed),
+                .of_seed(found.worst.seed),
             Figure::reported(full("steps"), found.steps as f64, "1"),
             bounds::figure_as(full("steps_unlike_host"), "pil.steps_unlike_host", found.unlike_host as f64),
             Figure::bounded(full("steps_unbounded"), unbounded as f64, "1", 0.0),
         ]
     }
 
-    /// What the control step, one of its parts or the literal mesh costs.
+    /// Counts of the control step, one of its parts or the literal mesh.
     pub fn counts_of(&self, block: &str) -> Option<&Counts> {
         self.counts.iter().find(|(name, _)| name == block).map(|(_, counts)| counts)
     }
 
-    /// How many times the instructions of its reduction the literal mesh takes, rounded down.
+    /// Ratio of the literal mesh's instructions to its reduction's, rounded down.
     pub fn literal_over_reduced(&self, budget: &Budget) -> Option<u64> {
         let most = |block| Some(self.counts_of(block)?.instructions.max);
         Some(most(LITERAL_MESH)? / most(&budget.literal_mesh.as_ref()?.reduced)?)
@@ -234,7 +234,7 @@ impl Measurement {
         figures
     }
 
-    /// How much of what must not be in the image is there: none.
+    /// Numbers of forbidden symbols in the image: none.
     pub fn proof_figures(&self, budget: &Budget) -> Vec<Figure> {
         let none = |(name, found): (&str, &[Violation])| {
             Figure::bounded(format!("budget.{}.{name}", budget.board), found.len() as f64, "1", 0.0)
@@ -246,7 +246,7 @@ impl Measurement {
         budget.rows().find(|(n, _)| *n == name).map(|(_, block)| block)
     }
 
-    /// What must not be in the image, by name.
+    /// Forbidden symbols in the image, by name.
     pub fn proofs(&self) -> [(&'static str, &[Violation]); 3] {
         [("panics", &self.panics), ("allocators", &self.allocators), ("doubles", &self.doubles)]
     }

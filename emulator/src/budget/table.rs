@@ -105,9 +105,9 @@ fn any_input(found: &AnyInput, budget: &Budget, figures: &[Figure]) -> String {
     for (function, cycles) in &found.functions {
         let _ = writeln!(text, "{cycles:>8} in {function}");
     }
-    let asked = budget.any_input.and_then(|bounds| bounds.asked);
-    if let Some(asked) = asked.filter(|asked| cycles > asked) {
-        let _ = writeln!(text, "any_input.cycles is {cycles}: {asked} was asked and is not reached");
+    let target = budget.any_input.and_then(|bounds| bounds.target);
+    if let Some(target) = target.filter(|target| cycles > target) {
+        let _ = writeln!(text, "any_input.cycles is {cycles}: target {target}, missed");
     }
     for (name, steps) in &found.unbounded {
         let _ = writeln!(text, "unbounded: {name} in {steps} steps");

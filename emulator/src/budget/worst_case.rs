@@ -15,7 +15,7 @@ use crate::counting::worst_path::worst_case_path;
 pub struct WorstCase {
     /// The board's program; it ends by itself, well only when what it drives is right.
     pub program: String,
-    /// What it drives, by name.
+    /// Blocks that it drives, by name.
     pub blocks: BTreeMap<String, Block>,
 }
 

@@ -25,7 +25,7 @@ use crate::artifact::disassembly::{Flow, Instruction, PC, SP};
 /// Cycles to refill the pipeline after a taken branch; the manual's P, 1 to 3.
 pub const REFILL: u32 = 3;
 
-/// How a row gives the cost of its instructions.
+/// Cost rule of a row's instructions.
 #[derive(Clone, Copy, Debug)]
 enum Cost {
     /// That many cycles.

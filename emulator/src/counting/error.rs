@@ -15,7 +15,7 @@ pub enum Error {
     /// The emulator does not say its version.
     #[error("emulator version: \"{said}\", allowed: ... version MAJOR.MINOR ...")]
     Version {
-        /// What it said.
+        /// Its output.
         said: String,
     },
     /// The plugin does not compile.
@@ -35,7 +35,7 @@ pub enum Error {
     NoCost {
         /// The function.
         function: String,
-        /// Where.
+        /// Its address.
         address: u32,
         /// The instruction, written out.
         text: String,
@@ -43,7 +43,7 @@ pub enum Error {
     /// Code outside of the image was executed in a tracked function.
     #[error("instruction at {address:#x} was executed but is not in the image, allowed: code of the image")]
     NotInImage {
-        /// Where.
+        /// Its address.
         address: u32,
     },
     /// Calls and returns do not match.

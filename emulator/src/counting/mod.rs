@@ -47,7 +47,7 @@ impl Counting {
         Ok(Self { plugin, folder })
     }
 
-    /// What QEMU is to be started with, besides everything else.
+    /// Additional arguments of QEMU.
     pub fn arguments(&self) -> [String; 2] {
         let escaped = |path: &Path| path.display().to_string().replace(',', ",,");
         let file = |name| escaped(&self.folder.path().join(name));

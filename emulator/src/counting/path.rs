@@ -1,4 +1,4 @@
-//! What the instructions of one call cost, function by function.
+//! Cost of the instructions of one call, function by function.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! What the plugin is told: every instruction with its cost, the tracked functions, the handlers.
+//! Input of the plugin: every instruction with its cost, the tracked functions, the handlers.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,4 @@
-//! What the plugin counted.
+//! Counts of the plugin.
 
 use std::str::FromStr;
 
@@ -13,7 +13,7 @@ pub struct Spread {
     pub mean: f64,
 }
 
-/// What was counted for one tracked function, its callees included.
+/// Counts of one tracked function, its callees included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Counts {
     /// Calls.
@@ -24,7 +24,7 @@ pub struct Counts {
     pub cycles: Spread,
 }
 
-/// What one run counted.
+/// Counts of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// One for each tracked function, in the plan's order; `None` when it was never called.
@@ -35,7 +35,7 @@ pub struct Outcome {
     pub calls: Vec<u64>,
     /// Addresses of the instructions of one of its calls, where they were asked for.
     pub path: Vec<u32>,
-    /// What makes the counts wrong, in the plugin's words.
+    /// Anomaly that invalidates the counts, in the plugin's words.
     pub anomaly: Option<String>,
 }
 

@@ -15,7 +15,7 @@ pub fn worst_case_path(image: &Image, function: usize) -> Option<u64> {
     Walk { image, rest: HashMap::new() }.from(image.functions()[function].address)
 }
 
-/// What is known of the rest of a path.
+/// State of the search for the rest of a path.
 enum Rest {
     /// Being followed: to come by again is a loop.
     Open,

@@ -49,7 +49,7 @@ pub struct Apt<'a> {
     folder: PathBuf,
 }
 
-/// What apt would fetch.
+/// Packages that apt would fetch.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Plan {
     /// Name and version of each package, dependencies included.
@@ -92,15 +92,15 @@ impl<'a> Apt<'a> {
     /// Brings the package lists up to date.
     ///
     /// # Errors
-    /// What apt said.
+    /// The output of apt.
     pub fn update(&self) -> Result<(), String> {
         self.run(&["update"], None)
     }
 
-    /// What `packages` need.
+    /// Plan for `packages` and their dependencies.
     ///
     /// # Errors
-    /// What apt said.
+    /// The output of apt.
     pub fn plan(&self, packages: &[&str]) -> Result<Plan, String> {
         // Once for the message: the output of a failed command is not passed on.
         self.run(&[&["install", "--simulate"], packages].concat(), None)?;
@@ -116,7 +116,7 @@ impl<'a> Apt<'a> {
     /// Downloads and checks `packages` and what they need.
     ///
     /// # Errors
-    /// What apt said.
+    /// The output of apt.
     pub fn download(&self, packages: &[&str], plan: &Plan) -> Result<(), String> {
         let folder = self.path("archives");
         let total = plan.bytes + size(&folder);
@@ -131,11 +131,11 @@ impl<'a> Apt<'a> {
         let starts =
             plan.packages.iter().map(|(name, version)| format!("{name}_{}_", version.replace(':', "%3a")));
         let starts: Vec<String> = starts.collect();
-        let wanted = |path: &PathBuf| {
+        let expected = |path: &PathBuf| {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             name.ends_with(".deb") && starts.iter().any(|start| name.starts_with(start))
         };
-        let mut archives: Vec<PathBuf> = self.files().into_iter().filter(wanted).collect();
+        let mut archives: Vec<PathBuf> = self.files().into_iter().filter(expected).collect();
         archives.extend_from_slice(&plan.local);
         archives.sort();
         if archives.len() < plan.packages.len() {
@@ -238,8 +238,8 @@ mod tests {
     #[test]
     fn what_apt_prints_is_understood() {
         let line = "Inst qemu-system-arm (1:7.2+dfsg-7+deb12u18+b3 Debian:12.12/oldstable [amd64]) []";
-        let wanted = ("qemu-system-arm".to_owned(), "1:7.2+dfsg-7+deb12u18+b3".to_owned());
-        assert_eq!(simulated_package(line), Some(wanted));
+        let expected = ("qemu-system-arm".to_owned(), "1:7.2+dfsg-7+deb12u18+b3".to_owned());
+        assert_eq!(simulated_package(line), Some(expected));
         assert_eq!(simulated_package("Conf libfdt1 (1.6.1-4+b1 Debian:12 [amd64])"), None);
         let line = "'http://deb.debian.org/debian/pool/libfdt1_1.6.1-4+b1_amd64.deb' libfdt1_1.6.1.deb 20552 MD5Sum:1";
         assert_eq!(address_size(line), Some(20552));

@@ -8,7 +8,7 @@ use super::host::Host;
 /// The variable that names the cache folder.
 pub const VARIABLE: &str = "STRAINWAVE_CACHE";
 
-/// Where the packages of this machine's system are unpacked: `CACHE/packages/debian-12-x86_64`, so that
+/// Folder of this machine's unpacked packages: `CACHE/packages/debian-12-x86_64`, so that
 /// machines which share a home folder do not share programs.
 ///
 /// # Errors

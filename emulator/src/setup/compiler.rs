@@ -14,13 +14,13 @@ use super::package_set::PackageSet;
 use super::unpack::quoted;
 use super::version::{first_line, version_in};
 
-/// What the boards are compiled for.
+/// Target triple of the boards.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// Oldest compiler that knows the language of this code: `rust-version` of the workspace.
 pub const OLDEST_COMPILER: (u32, u32) = (1, 89);
 
-/// How long rustup may take: 13 MB at a little over 1 Mbit/s. A server that accepts and then says nothing
+/// Longest time of rustup: 13 MB at a little over 1 Mbit/s. A server that accepts and then sends nothing
 /// would hold it for ever.
 const RUSTUP_PATIENCE: Duration = Duration::from_secs(90);
 
@@ -54,7 +54,7 @@ pub struct Compiler {
     pub cargo: PathBuf,
     /// The rustc that it is to use.
     pub rustc: PathBuf,
-    /// What that rustc says of its version, one line.
+    /// Version line of that rustc.
     pub version: String,
     /// The core library has to be built from its sources.
     pub build_core: bool,
@@ -71,7 +71,7 @@ impl Compiler {
         command
     }
 
-    /// What makes any cargo command in `boards/` use this compiler, as lines for a POSIX shell.
+    /// Environment by which any cargo command in `boards/` uses this compiler, as lines for a POSIX shell.
     pub fn shell_lines(&self) -> String {
         let mut lines = String::new();
         if let Some(folder) = self.cargo.parent().filter(|folder| folder.is_absolute()) {

@@ -25,9 +25,9 @@ const PACKAGES: PackageSet = PackageSet {
 /// A QEMU that can run the boards' images.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Emulator {
-    /// What is run: a name on PATH, or a file in the cache folder.
+    /// Program: a name on PATH, or a file in the cache folder.
     pub program: PathBuf,
-    /// What it says of its version, one line.
+    /// Its version line.
     pub version: String,
 }
 

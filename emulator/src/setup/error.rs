@@ -2,7 +2,7 @@
 
 use super::{EMULATOR, OLDEST_COMPILER, OLDEST_EMULATOR, TARGET};
 
-/// What could not be made ready.
+/// Failure of the set-up.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Error {
     /// No compiler for the boards, and none could be fetched.
@@ -37,13 +37,13 @@ pub enum Unfetched {
     Cache {
         /// The folder.
         folder: String,
-        /// What writing it said.
+        /// Error of writing it.
         reason: String,
     },
     /// apt failed.
     #[error("apt-get cannot fetch {packages}: {reason}")]
     Apt {
-        /// What was asked for.
+        /// Requested packages.
         packages: String,
         /// Its last lines.
         reason: String,
@@ -61,10 +61,10 @@ pub enum Unfetched {
         "{packages} of the package lists needs a newer C library than this machine's: upgrade the system"
     )]
     CLibrary {
-        /// What was asked for.
+        /// Requested packages.
         packages: String,
     },
-    /// What was fetched does not run.
+    /// A fetched program does not run.
     #[error("{program} was fetched but does not run")]
     DoesNotRun {
         /// The program.
@@ -72,10 +72,10 @@ pub enum Unfetched {
     },
 }
 
-/// How other systems install the emulator.
+/// Installation of the emulator on other systems.
 pub const INSTALL_EMULATOR: &str = "install it: `dnf install qemu-system-arm`, `pacman -S qemu-system-arm`, \
      `brew install qemu` or `zypper install qemu-arm`";
 
-/// How other systems install a compiler that has the target.
+/// Installation of a compiler with the target on other systems.
 pub const INSTALL_COMPILER: &str = "install rustup (`dnf install rustup`, `pacman -S rustup`, `brew install rustup` or \
      `zypper install rustup`), then `rustup target add thumbv7em-none-eabihf`";

@@ -1,4 +1,4 @@
-//! What the set-up asks of a machine.
+//! Interface of the set-up to a machine.
 
 use std::ffi::OsString;
 use std::fs::File;
@@ -10,10 +10,10 @@ use std::time::{Duration, Instant};
 use super::download::Download;
 use crate::process::tied_to_us;
 
-/// How often a running command is looked at, at least; a short one more often.
+/// Longest interval between checks of a running command; a short one is checked more often.
 const GLANCE: Duration = Duration::from_millis(100);
 
-/// How much of a failed command's output is passed on.
+/// Lines of a failed command's output that are passed on.
 const LAST_LINES: usize = 5;
 
 /// The machine that is being made ready. Its files below the cache folder are read and written directly.
@@ -35,13 +35,13 @@ pub trait Host {
 /// A command that may take long.
 #[derive(Clone, Debug, Default)]
 pub struct Job<'a> {
-    /// What is run.
+    /// Program to run.
     pub program: &'a str,
     /// Its arguments.
     pub arguments: &'a [&'a str],
-    /// How long it may take; without limit when `None`.
+    /// Longest time; without limit when `None`.
     pub patience: Option<Duration>,
-    /// What it downloads, to be shown while it runs.
+    /// Download to be shown while it runs.
     pub download: Option<Download>,
 }
 

@@ -23,9 +23,9 @@ pub struct PackageSet {
     pub oldest: (u32, u32),
     /// The program that tells whether the set is there.
     pub program: &'static str,
-    /// What it is for.
+    /// Its purpose.
     pub purpose: &'static str,
-    /// How systems without apt install it.
+    /// Installation on systems without apt.
     pub elsewhere: &'static str,
 }
 
@@ -64,7 +64,7 @@ impl PackageSet {
         Unfetched::DoesNotRun { program: self.program.into() }
     }
 
-    /// Where the set is, once it is there.
+    /// Folder of the set, once it is there.
     fn home(&self, host: &dyn Host) -> Result<PathBuf, Unfetched> {
         Ok(cache::folder(host)?.join(self.name))
     }

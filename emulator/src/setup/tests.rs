@@ -19,11 +19,11 @@ struct Played {
     _folder: Option<TempDir>,
     /// Package -> version and the programs in it.
     offered: HashMap<&'static str, (&'static str, &'static [&'static str])>,
-    /// What every package needs.
+    /// Dependency of every package.
     needs: Option<&'static str>,
     /// Why every download fails.
     refusal: Option<&'static str>,
-    /// What happens when rustup adds the target.
+    /// Result when rustup adds the target.
     rustup_adds: Option<&'static str>,
     log: RefCell<Vec<String>>,
 }
@@ -127,7 +127,7 @@ impl Played {
         self.log().iter().filter_map(|line| line.strip_prefix("run ")).map(str::to_owned).collect()
     }
 
-    /// What apt-get is asked for, the options that place its state left out.
+    /// Arguments of apt-get without the options that place its state.
     fn apt(&self, arguments: &[&str]) -> Result<String, String> {
         let request = request(arguments);
         let (packages, switches): (Vec<&str>, Vec<&str>) =
@@ -293,13 +293,13 @@ fn debians_packages_are_the_last_resort_and_change_nothing_of_the_system() {
     assert_eq!(found.linker, Some("/rustup/lib/rustlib/x86_64-unknown-linux-gnu/bin/rust-lld".into()));
     let packages = "rustc-web cargo-web rust-web-src rust-web-clippy";
     let commands = host.commands();
-    let wanted = [
+    let expected = [
         "rustup target add thumbv7em-none-eabihf".to_owned(),
         "apt-get update".to_owned(),
         format!("apt-get install --simulate {packages}"),
         format!("apt-get install --download-only {packages}"),
     ];
-    assert_eq!(commands[..4], wanted);
+    assert_eq!(commands[..4], expected);
     assert!(commands[4..].iter().all(|command| command.starts_with("dpkg-deb --extract ")), "{commands:?}");
 }
 

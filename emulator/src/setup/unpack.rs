@@ -8,16 +8,16 @@ use std::path::{Path, PathBuf};
 
 use super::host::{Host, Job};
 
-/// What no program of ours reads: half of the unpacked files.
+/// Folders that no program of ours reads: half of the unpacked files.
 const UNREAD: [&str; 4] = ["usr/share/doc", "usr/share/man", "usr/share/info", "usr/share/locale"];
 
-/// What of the compiler's sources is not the standard library.
+/// Folders of the compiler's sources beside the standard library.
 const UNREAD_SOURCES: [&str; 3] = ["compiler", "src", "debian"];
 
 /// Unpacks archives into `folder`, whose programs will be run from `home`.
 ///
 /// # Errors
-/// What went wrong, in one line.
+/// The failure, in one line.
 pub fn unpack(host: &dyn Host, archives: &[PathBuf], folder: &Path, home: &Path) -> Result<(), String> {
     for archive in archives {
         let (from, to) = (archive.display().to_string(), folder.display().to_string());

@@ -32,11 +32,11 @@ fn a_friction_model_needs_its_keys_and_no_others() {
         for missing in &names {
             let others: Vec<_> = names.iter().copied().filter(|name| name != missing).collect();
             let line = parse(&with_friction(*model, &others).to_string()).unwrap_err();
-            let wanted = format!(
+            let expected = format!(
                 "g.toml: missing key friction.input.{missing}, which friction.input.model = \"{}\" needs; allowed: a ",
                 model.name()
             );
-            assert!(line.starts_with(&wanted), "{line}\n{wanted}");
+            assert!(line.starts_with(&expected), "{line}\n{expected}");
         }
     }
 }
@@ -81,7 +81,7 @@ fn friction_that_no_model_can_be_built_from_is_refused_by_key() {
     };
     let shape =
         "state_space is out of range; allowed: 1 to 4 states, each a_per_rad with as many numbers, A stable";
-    for (model, keys, tables, wanted) in [
+    for (model, keys, tables, expected) in [
         (
             "dahl",
             "coulomb_nm = 0",
@@ -163,7 +163,7 @@ fn friction_that_no_model_can_be_built_from_is_refused_by_key() {
         let (_, tail) = tail.split_once("[friction.output]").unwrap();
         let line =
             parse(&format!("{head}[friction.input]\n{side}\n{tables}[friction.output]{tail}")).unwrap_err();
-        assert!(line.starts_with(&format!("g.toml: friction.input.{wanted}")), "{line}\n{wanted}");
+        assert!(line.starts_with(&format!("g.toml: friction.input.{expected}")), "{line}\n{expected}");
     }
 }
 

@@ -26,7 +26,7 @@ pub fn full() -> Table {
     gear.to_toml().parse().unwrap()
 }
 
-/// What the baselines may be tuned to.
+/// Tuned baselines.
 fn baselines(gear: &GearFile) -> Baselines {
     let mut tuned = Baselines::default();
     for kind in Kind::ALL {
@@ -35,7 +35,7 @@ fn baselines(gear: &GearFile) -> Baselines {
     tuned
 }
 
-/// What a compensator may have learnt.
+/// Learnt factors and ripple.
 fn learnt() -> Learnt {
     Learnt {
         inertia: 1.1,
@@ -51,7 +51,7 @@ fn learnt() -> Learnt {
     }
 }
 
-/// What every friction model needs and may have.
+/// Keys of every friction model.
 fn every_friction(side: &Friction) -> Friction {
     Friction {
         dead_band: Some(1e-3),

@@ -162,8 +162,8 @@ fn relations_between_keys_hold() {
             let mut table = full();
             set(&mut table, than, other);
             set(&mut table, path, value);
-            let wanted = format!("g.toml: {path} = {value} is out of range; allowed: {relation} = {other}");
-            parse(&table.to_string()).is_err_and(|line| line == wanted)
+            let expected = format!("g.toml: {path} = {value} is out of range; allowed: {relation} = {other}");
+            parse(&table.to_string()).is_err_and(|line| line == expected)
         };
         assert!(refused(limit * 0.99), "{path} below {than}");
         assert_eq!(refused(limit), !relation.or_equal, "{path} at the limit of {than}");

@@ -1,4 +1,4 @@
-//! How mistakes are told.
+//! Messages for mistakes in a gear file.
 
 use strainwave_desktop::gear_file::DEFAULT;
 
@@ -48,9 +48,9 @@ fn an_unknown_key_is_shown_its_nearest_neighbour() {
         ),
         ("name =", "\"a.b\\n\" = 1\nname =", "gear.\"a.b\\n\" = 1", ""),
     ] {
-        let wanted = format!("g.toml: unknown key {unknown}; the nearest known key is {nearest}");
+        let expected = format!("g.toml: unknown key {unknown}; the nearest known key is {nearest}");
         let line = refusal(from, to);
-        assert!(line.starts_with(&wanted), "{line}\n{wanted}");
+        assert!(line.starts_with(&expected), "{line}\n{expected}");
     }
 }
 
@@ -69,7 +69,7 @@ fn lists_of_orders_are_optional_and_short() {
     assert!(parse(&format!("{head}{}{tail}", entry.repeat(8))).is_ok());
     let line = parse(&format!("{head}{}{tail}", entry.repeat(9))).unwrap_err();
     assert_eq!(line, "g.toml: kinematic_error.flexspline has 9 entries; allowed: at most 8");
-    for (text, wanted) in [
+    for (text, expected) in [
         ("kinematic_error = 1", "kinematic_error = 1 is a whole number; allowed: a table"),
         (
             "kinematic_error.flexspline = 1",
@@ -81,6 +81,6 @@ fn lists_of_orders_are_optional_and_short() {
         ),
     ] {
         let line = parse(&format!("{text}\n{head}{tail}")).unwrap_err();
-        assert!(line.starts_with(&format!("g.toml: {wanted}")), "{line}");
+        assert!(line.starts_with(&format!("g.toml: {expected}")), "{line}");
     }
 }

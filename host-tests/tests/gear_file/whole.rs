@@ -1,4 +1,4 @@
-//! What only the whole gear can tell.
+//! Checks that need the whole gear.
 
 use toml::Value;
 
@@ -7,7 +7,7 @@ use crate::refusal;
 
 #[test]
 fn what_only_the_whole_gear_can_tell_is_refused_by_key() {
-    for (from, to, wanted) in [
+    for (from, to, expected) in [
         (
             "k3_nm_per_rad = 5.7e4",
             "k3_nm_per_rad = 1e6",
@@ -25,7 +25,7 @@ fn what_only_the_whole_gear_can_tell_is_refused_by_key() {
         ),
     ] {
         let line = refusal(from, to);
-        assert!(line.starts_with(&format!("g.toml: {wanted}")), "{line}");
+        assert!(line.starts_with(&format!("g.toml: {expected}")), "{line}");
     }
 }
 
@@ -38,16 +38,16 @@ fn weights_refusal(rows: &[&[f64]]) -> String {
 #[test]
 fn weights_are_a_triangle_that_a_gear_can_have() {
     let allowed = "allowed: rows of 1, 2, 3, ... numbers from 0 to 10000 N m, 2 to 24 rows";
-    for (rows, wanted) in [
+    for (rows, expected) in [
         (&[&[1.0][..]][..], "has 1 rows"),
         (&[&[1.0], &[1.0]], "[1] is not a list of 2 numbers"),
         (&[&[1.0], &[1.0, 1.0, 1.0]], "[1] is not a list of 2 numbers"),
         (&[&[1.0], &[-1.0, 1.0]], "[1][0] = -1.0 is out of range"),
         (&[&[1.0], &[f64::NAN, 1.0]], "[1][0] = nan is out of range"),
     ] {
-        let space = if wanted.starts_with('[') { "" } else { " " };
-        let wanted = format!("g.toml: hysteresis.weights_nm{space}{wanted}; {allowed}");
-        assert_eq!(weights_refusal(rows), wanted);
+        let space = if expected.starts_with('[') { "" } else { " " };
+        let expected = format!("g.toml: hysteresis.weights_nm{space}{expected}; {allowed}");
+        assert_eq!(weights_refusal(rows), expected);
     }
     let line = weights_refusal(&[&[1.0], &[1.0, 0.5]]);
     let mirror = "g.toml: hysteresis.weights_nm[0][0] = 1 is out of range; allowed: its mirror image \

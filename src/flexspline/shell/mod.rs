@@ -7,7 +7,7 @@
 //! Cartesian coordinates in m, z along the axis. Stretch, shear and bend links as in [`DIRECTIONS`]; those that
 //! would leave the axis ends do not exist. k and mu are the same for all; bend links may harden
 //! ([`link_law`]). Each link is visited once and its force given to both its nodes, so momentum and
-//! angular momentum are kept to rounding. A node carries mass/(n*(m - 1)), one of the end slices half of it.
+//! angular momentum are kept to rounding. A node has mass/(n*(m - 1)), one of the end slices half of it.
 //!
 //! Discretisation: semi-implicit (symplectic) Euler, velocities first. Stable while dt < 2/omega_max;
 //! [`Shell::stable_step`] finds omega_max from the mesh.
@@ -161,7 +161,7 @@ impl<R: Real> ShellParams<R> {
         require(self.link_damping.is_finite() && self.link_damping >= R::ZERO, "link_damping")
     }
 
-    /// Mass of an inner node of an n x m shell; the end slices carry half of it (kg).
+    /// Mass of an inner node of an n x m shell; the end slices have half of it (kg).
     pub fn node_mass(&self, n: usize, m: usize) -> R {
         self.cup.mass() / R::from_i32((n * (m - 1)) as i32)
     }

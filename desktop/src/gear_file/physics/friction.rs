@@ -1,4 +1,4 @@
-//! Whether the friction model that a side names can be built, told by the keys of the file.
+//! Whether the friction model that a side names can be built, from the keys of the file.
 
 use strainwave::Error;
 use strainwave::friction::{FrictionParams, RIPPLE_ORDERS};

@@ -9,7 +9,7 @@
 //! weight along the path, free up to the gear's peak torque. F and V are put into the gear; M is not: the load that it
 //! weighs is the base gear's affair. Noise: [`UNKNOWN`] of the Coulomb level, alike over [`ALIKE`].
 //!
-//! Motion with the torque's sign the other way round is told apart by friction alone, which never drives.
+//! Motion with the torque's sign the other way round is separated by friction alone, which never drives.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -22,7 +22,7 @@ use crate::replay::ReplayRow;
 
 /// Speed from which on the contact slides (rad/s).
 const SLIDING: f64 = 0.3;
-/// Share of the Coulomb level that friction varies by beside the curve.
+/// Fraction of the Coulomb level that friction varies by around the curve.
 const UNKNOWN: f64 = 0.2;
 /// Time over which this is alike (s).
 const ALIKE: f64 = 0.1;

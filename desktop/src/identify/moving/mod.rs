@@ -1,4 +1,4 @@
-//! What a moving joint's log shows of its gear, beside both encoders: friction, kinematic error, stiffness.
+//! Identification from a moving joint's log with both encoders: friction, kinematic error, stiffness.
 //!
 //! ```text
 //! theta_out - r*theta_motor = c + e(theta_motor) - s*phi + E(r*theta_motor) + n
@@ -8,7 +8,7 @@
 //! | --- | --- |
 //! | c | offset of the encoders (rad) |
 //! | e | kinematic error, orders [`ORDERS`] of the motor's angle relative to the flexspline, and relative to the case |
-//! | E | error of the output encoder's scale, as eccentricity makes it, orders 1 and 2 a turn of the output |
+//! | E | error of the output encoder's scale, as eccentricity makes it, orders 1 and 2 a revolution of the output |
 //! | phi | torsion that the observer finds with the base gear's stiffness, from the motor side (rad) |
 //! | s | the base gear's stiffness over the gear's |
 //! | n | what is in no column: noise that is alike over a short path and a short time |
@@ -18,9 +18,9 @@
 //! squares is kept. The wander says how much of the motor torque that friction does not explain winds the gear up: where
 //! friction is not known to a fraction of the rated torque, hardly any.
 //!
-//! The first share of the motor's path trains, the rest is predicted; a path holds few turns, so every unknown has a
+//! The first part of the motor's path trains, the rest is predicted; a path holds few revolutions, so every unknown has a
 //! prior of catalogue size and an order that the path does not show is not learnt. The two kinds of orders beat
-//! once in a turn of the output: over less than half a beat they are one, and counted relative to the flexspline.
+//! once in a revolution of the output: over less than half a beat they are one, and counted relative to the flexspline.
 //!
 //! C. Rasmussen, C. Williams, "Gaussian Processes for Machine Learning", MIT Press (2006), section 2.7, for the
 //! columns with priors under correlated noise.
@@ -45,31 +45,31 @@ pub const WANDERS: [f64; 2] = [0.45, 1e-7];
 /// Every how many control periods a row is used: 4 ms.
 const EVERY: usize = 40;
 
-/// What was learnt, and how well it predicts.
+/// Learnt gear, with its prediction errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LearntGear {
     /// The base gear with what was learnt.
     pub gear: GearFile,
     /// Time up to which the log trained (s).
     pub learnt: f64,
-    /// Span of the motor's angle until then (turns).
-    pub turns: f64,
+    /// Span of the motor's angle until then (revolutions).
+    pub revolutions: f64,
     /// K1, K2, K3 over the base gear's.
     pub stiffness_factor: f64,
     /// Levels of the input friction over the base gear's.
     pub friction_factor: f64,
-    /// Rms of what the trained rows are missed by (rad).
+    /// Rms residual of the trained rows (rad).
     pub training_rms: f64,
-    /// How well the rest is predicted by the observer in the firmware's precision; `None` without a rest.
+    /// Prediction error on the remainder by the observer in the firmware's precision; `None` without one.
     pub judgement: Option<Judgement>,
     /// The log through the observer of the learnt gear.
     pub rows: Vec<ReplayRow>,
 }
 
-/// Learns from the first `training` of the motor's path, 0.2..=1; `progress` is called with the share done.
+/// Learns from the first `training` of the motor's path, 0.2..=1; `progress` is called with the fraction done.
 ///
 /// # Errors
-/// [`Error`] when the log lacks the output's angle, turns too little, or its torque counts against its motion; a gear
+/// [`Error`] when the log lacks the output's angle, the motor moves too little, or its torque counts against its motion; a gear
 /// that no compensator can be built from.
 pub fn learn_gear(
     base: &GearFile,
@@ -85,7 +85,7 @@ pub fn learn_gear(
     gear.kinematic_error = KinematicError::default();
     gear.sensors.output_encoder_error = Vec::new();
     let rows = observe(&gear, log, learnt)?;
-    let turns = residual::require_turns(&rows)?;
+    let revolutions = residual::require_revolutions(&rows)?;
     let friction_factor = friction::learn(&mut gear, &rows)?;
     let mut best: Option<(Residual, GearFile)> = None;
     let observers = observers(&gear);
@@ -102,7 +102,7 @@ pub fn learn_gear(
     let rest = rows.last().is_some_and(|last| last.time > learnt);
     Ok(LearntGear {
         learnt,
-        turns,
+        revolutions,
         stiffness_factor: 1.0 / found.compliance_factor,
         friction_factor,
         training_rms: found.rms,

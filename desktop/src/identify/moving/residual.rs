@@ -1,4 +1,4 @@
-//! The output encoder beside the motor's: offset, kinematic error, scale error and stiffness by regularised least squares.
+//! Output encoder against the motor's: offset, kinematic error, scale error and stiffness by regularised least squares.
 //!
 //! ```text
 //! min  sum of (what is left of a row - rho*what is left of the row before)^2/(sigma^2 (1 - rho^2) + q^2) + priors
@@ -6,8 +6,8 @@
 //! ```
 //!
 //! path (rad) and time (s) are those from row to row: what no column explains is alike along a short piece of either, with
-//! the standard deviation sigma = [`LEFT`], beside the encoders' own noise q = [`READING`]. Without it the rows of a
-//! fraction of a turn would be taken for thousands of witnesses.
+//! the standard deviation sigma = [`LEFT`], in addition to the encoders' own noise q = [`READING`]. Without it the rows of a
+//! fraction of a revolution would be taken for thousands of witnesses.
 //!
 //! Priors (standard deviations): an order k of e has [`ORDER_2`]*(2/k)^2, order 1 a quarter of it; order k of E has
 //! [`ECCENTRICITY`]/k^2; s = 1 +- [`COMPLIANCE`]. s > 0 ends where the gear would be stiffer than its own cup.
@@ -24,11 +24,11 @@ use crate::gear_file::{GearFile, Harmonic};
 use crate::joint::CONTROL_PERIOD;
 use crate::replay::ReplayRow;
 
-/// Orders of the kinematic error, a turn of the motor.
+/// Orders of the kinematic error, a revolution of the motor.
 pub const ORDERS: [u32; 6] = [1, 2, 4, 6, 8, 10];
 /// The order of the wave generator's two lobes: every harmonic drive has it.
 const LOBES: u32 = 2;
-/// Orders of the output encoder's scale, a turn of the output.
+/// Orders of the output encoder's scale, a revolution of the output.
 const SCALE_ORDERS: [u32; 2] = [1, 2];
 /// Periods of an order that a path must show.
 const PERIODS: f64 = 0.5;
@@ -36,7 +36,7 @@ const PERIODS: f64 = 0.5;
 const BEATS: f64 = 0.5;
 /// Of a sine and of a cosine of order 2 (rad): the catalogue's positioning accuracy is 2.9e-4 rad from peak to peak.
 const ORDER_2: f64 = 8e-5;
-/// Of a sine and of a cosine of order 1 a turn of the output (rad): 80 seconds of arc, a ring of 100 mm radius that is
+/// Of a sine and of a cosine of order 1 a revolution of the output (rad): 80 seconds of arc, a ring of 100 mm radius that is
 /// mounted 40 um off centre.
 const ECCENTRICITY: f64 = 4e-4;
 /// Of s.
@@ -82,29 +82,33 @@ impl Kind {
     }
 }
 
-/// What was found.
+/// Result of the fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Residual {
     /// Sum of squares, with those of the priors.
     pub squares: f64,
     /// s
     pub compliance_factor: f64,
-    /// What the rows are missed by, rms (rad).
+    /// Rms residual of the rows (rad).
     pub rms: f64,
     terms: Vec<(Kind, Harmonic)>,
 }
 
-/// Turns that the motor's angle spans.
+/// Revolutions that the motor's angle spans.
 ///
 /// # Errors
-/// [`Error::TooFewTurns`] when the order of the two lobes would not show.
-pub(super) fn require_turns(rows: &[ReplayRow]) -> Result<f64, Error> {
-    let turns = turns(rows);
+/// [`Error::TooFewRevolutions`] when the order of the two lobes would not show.
+pub(super) fn require_revolutions(rows: &[ReplayRow]) -> Result<f64, Error> {
+    let revolutions = revolutions(rows);
     let least = PERIODS / f64::from(LOBES);
-    if turns < least { Err(Error::TooFewTurns { order: LOBES, turns, least }) } else { Ok(turns) }
+    if revolutions < least {
+        Err(Error::TooFewRevolutions { order: LOBES, revolutions, least })
+    } else {
+        Ok(revolutions)
+    }
 }
 
-fn turns(rows: &[ReplayRow]) -> f64 {
+fn revolutions(rows: &[ReplayRow]) -> f64 {
     span(&rows.iter().map(|row| row.motor).collect::<Vec<_>>()) / TAU
 }
 
@@ -112,7 +116,7 @@ impl Residual {
     /// The least squares of rows that the observer of `gear` was fed with; its kinematic error is none.
     pub(super) fn solve(gear: &GearFile, rows: &[ReplayRow]) -> Result<Self, Error> {
         let rows: Vec<_> = rows.iter().step_by(EVERY).copied().collect();
-        let problem = Problem { columns: columns(gear, turns(&rows)), least: least_compliance(gear) };
+        let problem = Problem { columns: columns(gear, revolutions(&rows)), least: least_compliance(gear) };
         let (unknowns, equations) = (problem.unknowns(), problem.equations(&rows));
         let factor = Factor::of(whitened(&equations, &rows));
         let mut prior = DVector::zeros(unknowns);
@@ -138,10 +142,10 @@ impl Residual {
     }
 }
 
-/// The orders that a path of so many turns shows.
-fn columns(gear: &GearFile, turns: f64) -> Vec<(Kind, u32)> {
-    let shown = ORDERS.into_iter().filter(move |order| turns * f64::from(*order) >= PERIODS);
-    let apart = turns >= BEATS * f64::from(gear.gear.signed_ratio().n().abs());
+/// The orders that a path of so many revolutions shows.
+fn columns(gear: &GearFile, revolutions: f64) -> Vec<(Kind, u32)> {
+    let shown = ORDERS.into_iter().filter(move |order| revolutions * f64::from(*order) >= PERIODS);
+    let apart = revolutions >= BEATS * f64::from(gear.gear.signed_ratio().n().abs());
     let scale = SCALE_ORDERS.into_iter().map(|order| (Kind::Scale, order));
     let flexspline = shown.clone().map(|order| (Kind::Flexspline, order));
     scale.chain(flexspline).chain(shown.filter(|_| apart).map(|order| (Kind::Case, order))).collect()

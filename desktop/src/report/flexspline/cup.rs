@@ -12,11 +12,11 @@ use super::{M, N};
 use crate::plant::STEP_SHARE;
 use crate::report::figure;
 
-/// How many times its size the displacement is drawn.
+/// Magnification of the drawn displacement.
 const EXAGGERATION: f64 = 20.0;
 /// Height of the eye over the plane of the rim, and how far the cup is turned (rad).
 const ELEVATION: f64 = 0.5;
-const TURN: f64 = 0.35;
+const VIEW: f64 = 0.35;
 /// Width of the picture, in radii of the cup and in pixels.
 const RADII: f64 = 3.0;
 const WIDTH: f64 = 560.0;
@@ -61,7 +61,7 @@ fn mesh_links<const N: usize, const M: usize>(_: &ShellState<f64, N, M>) -> usiz
 
 /// A point in radii as seen from above the rim, z downwards: right, down, towards the eye.
 fn project([x, y, z]: [f64; 3]) -> [f64; 3] {
-    let (sine, cosine) = TURN.sin_cos();
+    let (sine, cosine) = VIEW.sin_cos();
     let (right, near) = (x * cosine - y * sine, x * sine + y * cosine);
     let (sine, cosine) = ELEVATION.sin_cos();
     [right, near * sine + z * cosine, near * cosine - z * sine]
@@ -106,7 +106,7 @@ fn cup(point: &impl Fn(usize, usize) -> [f64; 3], length: f64) -> Markup {
     }
 }
 
-/// How deep the middle of a slice is drawn.
+/// Depth of a slice's middle in the drawing.
 fn middle_of(point: &impl Fn(usize, usize) -> [f64; 3], j: usize) -> f64 {
     (0..N).map(|i| point(i, j)[1]).sum::<f64>() / N as f64
 }

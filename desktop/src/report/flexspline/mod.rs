@@ -25,14 +25,14 @@ pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<
     let measured = Part::Flexspline.measure()?;
     let body = html! {
         (introduction(gear)) (drawn)
-        h3 { "Figures beside their bounds" }
+        h3 { "Figures with their bounds" }
         p { "Measured now, on the default gear: part of " code { "strainwave verify flexspline" } "." }
         (figure_table(&measured))
     };
     Ok(Chapter { id: "flexspline", title: "Flexspline", body, measured })
 }
 
-/// What is drawn from the gear.
+/// Sections drawn from the gear.
 fn sections(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<Markup, Error> {
     let params = gear_params::<f64>(gear);
     let cup = cup::section(&params.flexspline)?;

@@ -96,11 +96,11 @@ mod tests {
         gear_params(&GearFile::default_gear()).flexspline
     }
 
-    /// What the reduction neglects is estimated from these.
+    /// Basis of the estimate of the reduction's error.
     #[test]
     fn the_lowest_modes_are_those_that_the_reduction_is_documented_with() {
         let within =
-            |value: f64, wanted: f64| assert!((value / wanted - 1.0).abs() < 0.01, "{value} {wanted}");
+            |value: f64, expected: f64| assert!((value / expected - 1.0).abs() < 0.01, "{value} {expected}");
         within(Frequencies::of::<8, 3>(&params()).ellipse, 8.6e4);
         within(Frequencies::of::<36, 4>(&params()).ellipse, 7.4e4);
     }

@@ -19,7 +19,7 @@ const MARKED: usize = 4;
 const SPAN: f64 = 1.1;
 /// Steps in which the mesh settles from one point to the next.
 const SETTLING: usize = 8_000;
-/// Where the wave generator stands, between two nodes (rad).
+/// Angle of the wave generator, between two nodes (rad).
 const WAVE_GENERATOR: f64 = 0.3;
 
 pub(super) fn section(gear: &GearFile, mut progress: impl FnMut(f64)) -> Result<Markup, Error> {

@@ -29,7 +29,7 @@ pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<
     let measured = Part::Friction.measure()?;
     let body = html! {
         (introduction(gear, &numbers, &models)) (level) (presliding) (stick_slip)
-        h3 { "Figures beside their bounds" }
+        h3 { "Figures with their bounds" }
         p { "Measured now, on the default gear: " code { "strainwave verify friction" } "." }
         (figure_table(&measured))
     };

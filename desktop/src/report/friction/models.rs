@@ -1,6 +1,6 @@
 //! The models that are drawn, and the numbers that they are built from.
 //!
-//! What the gear's file does not have is taken from what it has, so that every model can be drawn beside the others.
+//! Parameters that the gear's file lacks are derived from those that it has, so that all models can be compared.
 
 use strainwave::friction::{FrictionModel as _, FrictionParams, Slip};
 
@@ -72,7 +72,7 @@ impl Numbers {
         )
     }
 
-    /// What is taken where a file has nothing.
+    /// Derived parameters where a file has none, as text.
     pub fn taken(&self) -> String {
         format!(
             "What the file does not have is taken here as: dead band {DEAD_BAND} vs, frictional memory eps/vs, dwell {DWELL} s, \
@@ -83,11 +83,11 @@ impl Numbers {
 
 /// Order 2 with a pair of complex modes, which first passes its kinetic level `coulomb` (N m) by a third of it.
 fn swinging(coulomb: f64, presliding: f64) -> Vec<StateRow> {
-    // C (p - A)^-1 B is (p + 1)/((p + 1)^2 + turn^2) in 1/eps, times c.
-    let (rate, turn) = (1.0 / presliding, 1.2);
+    // C (p - A)^-1 B is (p + 1)/((p + 1)^2 + damped^2) in 1/eps, times c.
+    let (rate, damped) = (1.0 / presliding, 1.2);
     vec![
-        StateRow { a: vec![-rate, turn * rate], b: rate, c: coulomb * (1.0 + turn * turn) },
-        StateRow { a: vec![-turn * rate, -rate], b: 0.0, c: 0.0 },
+        StateRow { a: vec![-rate, damped * rate], b: rate, c: coulomb * (1.0 + damped * damped) },
+        StateRow { a: vec![-damped * rate, -rate], b: 0.0, c: 0.0 },
     ]
 }
 

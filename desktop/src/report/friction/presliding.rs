@@ -7,8 +7,8 @@ use super::{COLUMNS, panel};
 use crate::plot::{Page, Panel};
 use crate::report::{figure, plot};
 
-/// Where the motion turns, there and back (eps).
-const TURNS: [f64; 4] = [0.3, 0.7, 1.5, 3.0];
+/// Reversal points of the motion (eps).
+const REVERSALS: [f64; 4] = [0.3, 0.7, 1.5, 3.0];
 /// Steps in eps.
 const STEPS: f64 = 200.0;
 /// Speed over vs: slow, but above Karnopp's dead band.
@@ -16,8 +16,8 @@ const SPEED: f64 = 5e-3;
 
 pub(super) fn section(numbers: &Numbers, models: &Models) -> Markup {
     let axes = || Panel::new("displacement", "mrad", "friction", "mN m");
-    let largest = 1e3 * TURNS[TURNS.len() - 1] * numbers.presliding;
-    // Either way, joined beyond the last turn.
+    let largest = 1e3 * REVERSALS[REVERSALS.len() - 1] * numbers.presliding;
+    // Either way, joined beyond the last reversal.
     let levels = [numbers.coulomb, numbers.static_level]
         .map(|level| vec![(-largest, -level), (largest, -level), (largest, level), (-largest, level)]);
     let page = models.drawn.iter().fold(Page::small_multiples("", COLUMNS), |page, model| {
@@ -27,7 +27,7 @@ pub(super) fn section(numbers: &Numbers, models: &Models) -> Markup {
     html! {
         h3 { "Presliding: reversals that grow" }
         p {
-            "Slowly to and fro by " (TURNS.map(|turn| turn.to_string()).join(", ")) " eps. A model without memory jumps at "
+            "Slowly to and fro by " (REVERSALS.map(|reversal| reversal.to_string()).join(", ")) " eps. A model without memory jumps at "
             "each reversal; one with presliding draws loops, whose area is what it loses. What static friction holds at a "
             "standstill is not seen: this motion never stands."
         }
@@ -44,7 +44,7 @@ fn run(numbers: &Numbers, model: &Model) -> (Vec<f64>, Vec<f64>) {
     let mut contact = model.rest();
     let (mut ways, mut forces) = (vec![0.0], vec![0.0]);
     let mut at = 0i32;
-    for end in TURNS.into_iter().flat_map(|turn| [turn, -turn]).chain([0.0]) {
+    for end in REVERSALS.into_iter().flat_map(|reversal| [reversal, -reversal]).chain([0.0]) {
         let end = (end * STEPS).round() as i32;
         while at != end {
             let direction = (end - at).signum();
@@ -61,14 +61,14 @@ mod tests {
     use super::*;
     use crate::gear_file::GearFile;
 
-    /// The motion ends where it began; in between it went to every turn.
+    /// The motion ends where it began; in between it reached every reversal.
     #[test]
     fn the_loops_lose_work_within_the_levels() {
         let numbers = Numbers::of(&GearFile::default_gear().friction.input);
         for model in Models::build(&numbers).drawn {
             let (ways, forces) = run(&numbers, &model);
-            let turn = ways.iter().copied().fold(0.0, f64::max);
-            assert!((turn - 3e3 * numbers.presliding).abs() < 1e-9 && ways[ways.len() - 1] == 0.0);
+            let largest = ways.iter().copied().fold(0.0, f64::max);
+            assert!((largest - 3e3 * numbers.presliding).abs() < 1e-9 && ways[ways.len() - 1] == 0.0);
             let work: f64 =
                 ways.windows(2).zip(&forces[1..]).map(|(way, force)| force * (way[1] - way[0])).sum();
             let (name, level) = (model.name, numbers.static_level);

@@ -8,9 +8,9 @@ use crate::figure::number;
 use crate::plot::{Page, Panel};
 use crate::report::{figure, plot};
 
-/// How far the spring's end is pulled (eps).
+/// Displacement of the spring's end (eps).
 const WAY: f64 = 400.0;
-/// How far until the spring alone reaches Fs (eps).
+/// Displacement at which the spring alone reaches Fs (eps).
 const STRETCH: f64 = 100.0;
 /// Speed of the pull over vs.
 const PULL: f64 = 0.1;
@@ -20,7 +20,7 @@ const IMPEDANCE: f64 = 0.05;
 const STEPS: u32 = 1_000_000;
 const DRAWN: u32 = 250;
 
-/// What is pulled.
+/// The pulled mass.
 struct Rig {
     /// k (N m/rad).
     spring: f64,

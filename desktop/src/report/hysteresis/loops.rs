@@ -18,7 +18,7 @@ pub(super) fn section<P: FrictionParams<f64>>(params: &GearParams<f64, P>) -> Re
     let torques: Vec<_> = course(&CORNERS).map(|share| share * params.rated_torque).collect();
     let on = law.torsions(&torques);
     let line = params.flexspline.line.build()?;
-    // The loop itself is narrow beside the torsion: below it stands alone.
+    // The loop itself is narrow against the torsion: below it stands alone.
     let torsions: Vec<_> = on.iter().map(|on| on.torsion * 1e3).collect();
     let hysteresis: Vec<_> = on.iter().map(|on| on.hysteresis).collect();
     let catalogue: Vec<_> = torsions.iter().map(|torsion| line.torque(torsion * 1e-3)).collect();

@@ -27,7 +27,7 @@ pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<
             }
         }
         (drawn)
-        h3 { "Figures beside their bounds" }
+        h3 { "Figures with their bounds" }
         p { "Measured now: part of " code { "strainwave verify hysteresis" } "." }
         (figure_table(&measured))
     };

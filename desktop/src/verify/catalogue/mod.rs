@@ -8,14 +8,14 @@
 //! | figure | definition |
 //! | --- | --- |
 //! | `refused` | joints that no compensator can be built for; their runs count as diverged |
-//! | `shakes` | runs that diverge or keep oscillating at rest beside B0 ([`Course::shakes`]) |
-//! | `worse` | runs of which a mark is worse than the smallest of the baselines', by more than 5 % and more than 12 urad |
+//! | `shakes` | runs that diverge or keep oscillating at rest against B0 ([`RunResult::oscillates`]) |
+//! | `worse` | runs of which a metric is worse than the smallest of the baselines', by more than 5 % and more than 12 urad |
 //! | `error.median`, `error.p95` | rms output error of a run over the smallest of the baselines', of all runs |
-//! | `limited` | runs that stay at the torque limit ([`Course::is_limited`]); only reported |
+//! | `limited` | runs that stay at the torque limit ([`RunResult::is_limited`]); only reported |
 //! | `stopped` | runs at whose end the drive is off by a fault; only reported |
 //!
-//! A mark that neither has counts for nothing: where the load swings so slowly that a rest between two steps is shorter than
-//! a period, there is no vibration to be told.
+//! A metric that neither has counts for nothing: where the load swings so slowly that a rest between two steps is shorter than
+//! a period, there is no vibration to be measured.
 
 mod summary;
 
@@ -27,17 +27,17 @@ use crate::catalogue::{Joint, Set};
 use crate::closed_loop::HostCompensator;
 use crate::joint::joint_params;
 use crate::verify::compensator::each;
-use crate::verify::robustness::{Course, Courses, JUDGED, Judged};
+use crate::verify::robustness::{JUDGED, Judged, RunResult, RunResults};
 pub use summary::Report;
 
-/// What is asked.
+/// Requested joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Asked {
+pub struct Request {
     /// Of which joints.
     pub set: Set,
     /// Seed of the first.
     pub first: u64,
-    /// How many; those that the set has from there on at most.
+    /// Number of joints; at most those that the set has from there on.
     pub count: u64,
 }
 
@@ -47,20 +47,21 @@ pub struct Outcome {
     /// The joint.
     pub joint: Joint,
     /// Its baselines, B0 first.
-    pub baselines: Vec<Courses>,
+    pub baselines: Vec<RunResults>,
     /// The compensator; nothing of one that was refused.
-    pub compensated: Courses,
+    pub compensated: RunResults,
     /// Why no compensator can be built for the joint.
     pub refused: Option<Error>,
 }
 
-/// Runs every joint that is asked for; `progress` is called with the share done.
+/// Runs every requested joint; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// A joint that no plant or baseline can be built for.
-pub fn measure(asked: &Asked, mut progress: impl FnMut(f64)) -> Result<Report, Error> {
-    let seeds = asked.first..asked.first + asked.count;
-    let joints: Vec<_> = asked.set.joints().into_iter().filter(|joint| seeds.contains(&joint.seed)).collect();
+pub fn measure(request: &Request, mut progress: impl FnMut(f64)) -> Result<Report, Error> {
+    let seeds = request.first..request.first + request.count;
+    let joints: Vec<_> =
+        request.set.joints().into_iter().filter(|joint| seeds.contains(&joint.seed)).collect();
     let outcomes = each(&joints, Outcome::of, &mut progress);
     Ok(Report { outcomes: outcomes.into_iter().collect::<Result<_, _>>()? })
 }
@@ -77,13 +78,13 @@ impl Outcome {
         let baselines = Kind::ALL
             .into_iter()
             .filter(|kind| sensors == SensorSet::Both || kind.sensors() == SensorSet::Motor)
-            .map(|kind| judged.courses(bench(kind.sensors())?, Baseline::build(known, kind)?, &JUDGED))
+            .map(|kind| judged.results(bench(kind.sensors())?, Baseline::build(known, kind)?, &JUDGED))
             .collect::<Result<_, _>>()?;
         let built = joint_params(known).and_then(|joint| HostCompensator::build(&joint));
         let refused = built.as_ref().err().copied();
         let compensated = match built {
-            Ok(compensator) => judged.courses(bench(sensors)?, compensator, &JUDGED)?,
-            Err(_) => Courses::default(),
+            Ok(compensator) => judged.results(bench(sensors)?, compensator, &JUDGED)?,
+            Err(_) => RunResults::default(),
         };
         Ok(Self { joint: joint.clone(), baselines, compensated, refused })
     }
@@ -96,59 +97,59 @@ impl Outcome {
     fn run(&self, place: usize) -> Run<'_> {
         Run {
             ours: self.compensated[place].as_ref(),
-            b0: self.baselines.first().and_then(|courses| courses[place].as_ref()),
+            b0: self.baselines.first().and_then(|results| results[place].as_ref()),
             best: self.best(place),
         }
     }
 
-    /// A run whose every mark is the smallest of the baselines'; none where all diverged.
-    fn best(&self, place: usize) -> Option<Course> {
-        let runs = self.baselines.iter().filter_map(|courses| courses[place].as_ref());
-        runs.cloned().reduce(|best, other| Course {
-            marks: best.marks.iter().zip(&other.marks).map(|(a, b)| a.min(*b)).collect(),
+    /// A run whose every metric is the smallest of the baselines'; none where all diverged.
+    fn best(&self, place: usize) -> Option<RunResult> {
+        let runs = self.baselines.iter().filter_map(|results| results[place].as_ref());
+        runs.cloned().reduce(|best, other| RunResult {
+            metrics: best.metrics.iter().zip(&other.metrics).map(|(a, b)| a.min(*b)).collect(),
             ..best
         })
     }
 }
 
-/// The compensator in one scenario, beside the baselines; none of what diverged.
+/// The compensator in one scenario, against the baselines; none of what diverged.
 struct Run<'a> {
-    ours: Option<&'a Course>,
-    b0: Option<&'a Course>,
-    best: Option<Course>,
+    ours: Option<&'a RunResult>,
+    b0: Option<&'a RunResult>,
+    best: Option<RunResult>,
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn course(marks: &[f64]) -> Option<Course> {
-        Some(Course { marks: marks.to_vec(), ..Course::default() })
+    fn result(metrics: &[f64]) -> Option<RunResult> {
+        Some(RunResult { metrics: metrics.to_vec(), ..RunResult::default() })
     }
 
-    fn outcome(baselines: [Option<Course>; 2], ours: Option<Course>) -> Outcome {
+    fn outcome(baselines: [Option<RunResult>; 2], ours: Option<RunResult>) -> Outcome {
         let joint = Set::Judged.joints().swap_remove(0);
-        let of = |course| [course, None, None, None, None];
+        let of = |result| [result, None, None, None, None];
         Outcome { joint, baselines: baselines.map(of).to_vec(), compensated: of(ours), refused: None }
     }
 
     #[test]
     fn the_best_has_every_mark_at_its_smallest() {
-        let best = |baselines| outcome(baselines, None).best(0).map(|best| best.marks);
-        assert_eq!(best([course(&[1.0, 4.0]), course(&[2.0, 3.0])]), Some(vec![1.0, 3.0]));
-        assert_eq!(best([None, course(&[2.0, 3.0])]), Some(vec![2.0, 3.0]));
+        let best = |baselines| outcome(baselines, None).best(0).map(|best| best.metrics);
+        assert_eq!(best([result(&[1.0, 4.0]), result(&[2.0, 3.0])]), Some(vec![1.0, 3.0]));
+        assert_eq!(best([None, result(&[2.0, 3.0])]), Some(vec![2.0, 3.0]));
         assert_eq!(best([None, None]), None);
     }
 
     /// Any joint, built and run; the figures are there for each of its runs.
     #[test]
     fn a_joint_runs() {
-        let asked = Asked { set: Set::Training, first: 3, count: 1 };
-        let report = measure(&asked, |_| ()).unwrap();
+        let request = Request { set: Set::Training, first: 3, count: 1 };
+        let report = measure(&request, |_| ()).unwrap();
         assert_eq!(report.outcomes.len(), 1);
         let outcome = &report.outcomes[0];
         assert_eq!(outcome.joint.seed, 3);
-        assert!(outcome.baselines.iter().all(|courses| courses.iter().all(Option::is_some)));
+        assert!(outcome.baselines.iter().all(|results| results.iter().all(Option::is_some)));
         assert_eq!(outcome.baselines.len(), if outcome.sensors() == SensorSet::Both { 4 } else { 3 });
     }
 }

@@ -1,4 +1,4 @@
-//! What the runs of the joints come to.
+//! Summary of the joints' runs.
 
 use strainwave::compensator::Mode;
 
@@ -6,10 +6,10 @@ use super::{Outcome, Run};
 use crate::bench::SensorSet;
 use crate::bounds;
 use crate::figure::{Figure, number};
-use crate::judge::Mark;
+use crate::judge::Metric;
 use crate::scenario::Scenario;
 use crate::verify::Measured;
-use crate::verify::robustness::{JUDGED, Shake};
+use crate::verify::robustness::{JUDGED, Oscillation};
 
 /// Everything that ran.
 #[derive(Clone, Debug)]
@@ -18,7 +18,7 @@ pub struct Report {
     pub outcomes: Vec<Outcome>,
 }
 
-/// What is counted of some runs, and what their output error is over that of the best baseline.
+/// Counts of some runs, and ratios of their output error to the best baseline's.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Tally {
     runs: usize,
@@ -32,10 +32,10 @@ struct Tally {
 
 impl Run<'_> {
     /// In which way it oscillates at rest; one that diverged does, also where B0 does.
-    fn shake(&self) -> Option<Shake> {
+    fn shake(&self) -> Option<Oscillation> {
         match (self.ours, self.b0) {
-            (Some(ours), Some(b0)) => ours.shakes(b0),
-            (None, _) => Some(Shake::Diverged),
+            (Some(ours), Some(b0)) => ours.oscillates(b0),
+            (None, _) => Some(Oscillation::Diverged),
             (Some(_), None) => None,
         }
     }
@@ -58,7 +58,7 @@ impl Run<'_> {
 
     /// Output error over that of the best baseline.
     fn ratio(&self, scenario: Scenario) -> f64 {
-        let error = |course: &crate::verify::robustness::Course| course.mark(scenario, Mark::Error);
+        let error = |result: &crate::verify::robustness::RunResult| result.metric(scenario, Metric::Error);
         match (self.ours, &self.best) {
             (Some(ours), Some(best)) => error(ours) / error(best),
             (None, _) => f64::INFINITY,
@@ -110,7 +110,7 @@ impl Report {
         })
     }
 
-    /// The figures beside their bounds.
+    /// The figures with their bounds.
     pub fn figures(&self) -> Vec<Figure> {
         let all = Tally::of(self.runs(None, None));
         let refused = self.outcomes.iter().filter(|outcome| outcome.refused.is_some()).count();
@@ -171,7 +171,7 @@ impl Outcome {
         JUDGED.into_iter().enumerate().map(|(place, scenario)| (scenario, self.run(place)))
     }
 
-    /// The joint, and of each scenario the marks beside the best baseline's (urad), what is wrong and which faults were named.
+    /// The joint, and of each scenario the metrics against the best baseline's (urad), what is wrong and which faults were named.
     fn line(&self) -> String {
         if let Some(error) = self.refused {
             return format!("{}: refused, {error}", self.joint.describe());
@@ -184,10 +184,10 @@ impl Outcome {
 impl Run<'_> {
     fn line(&self, scenario: Scenario) -> String {
         let Some(ours) = self.ours else { return format!("{} diverged", scenario.name()) };
-        let best = self.best.iter().flat_map(|best| &best.marks);
+        let best = self.best.iter().flat_map(|best| &best.metrics);
         let both = |(ours, best): (&f64, &f64)| format!("{:.1}/{:.1}", 1e6 * ours, 1e6 * best);
         let mut words = vec![scenario.name().to_owned()];
-        words.extend(ours.marks.iter().zip(best).map(both));
+        words.extend(ours.metrics.iter().zip(best).map(both));
         words.extend(self.shake().map(|shake| format!("shakes/{}", shake.name())));
         words.extend(self.is_worse().then(|| "worse".to_owned()));
         words.extend(self.is_limited().then(|| "limited".to_owned()));
@@ -203,28 +203,28 @@ impl Run<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verify::robustness::Course;
+    use crate::verify::robustness::RunResult;
 
-    fn course(marks: &[f64]) -> Course {
-        Course { marks: marks.to_vec(), ..Course::default() }
+    fn result(metrics: &[f64]) -> RunResult {
+        RunResult { metrics: metrics.to_vec(), ..RunResult::default() }
     }
 
-    fn run<'a>(ours: Option<&'a Course>, best: &'a Course) -> Run<'a> {
+    fn run<'a>(ours: Option<&'a RunResult>, best: &'a RunResult) -> Run<'a> {
         Run { ours, b0: Some(best), best: Some(best.clone()) }
     }
 
     #[test]
     fn a_run_is_judged_by_the_best_of_the_baselines() {
-        let (good, bad, best) = (course(&[1e-3]), course(&[2e-3]), course(&[1e-3]));
+        let (good, bad, best) = (result(&[1e-3]), result(&[2e-3]), result(&[1e-3]));
         assert!(!run(Some(&good), &best).is_worse() && run(Some(&bad), &best).is_worse());
-        assert!(run(None, &best).is_worse() && run(None, &best).shake() == Some(Shake::Diverged));
+        assert!(run(None, &best).is_worse() && run(None, &best).shake() == Some(Oscillation::Diverged));
         assert!((run(Some(&bad), &best).ratio(Scenario::S2) - 2.0).abs() < 1e-12);
     }
 
-    /// A mark that neither has counts for nothing; one that ours alone lacks counts.
+    /// A metric that neither has counts for nothing; one that ours alone lacks counts.
     #[test]
     fn what_cannot_be_told_counts_for_nothing() {
-        let (none, some) = (course(&[1e-3, f64::NAN]), course(&[1e-3, 1e-3]));
+        let (none, some) = (result(&[1e-3, f64::NAN]), result(&[1e-3, 1e-3]));
         assert!(!run(Some(&none), &none).is_worse());
         assert!(run(Some(&none), &some).is_worse());
     }

@@ -1,4 +1,4 @@
-//! What f32 leaves of the torsion after a million turns.
+//! Error of the f32 torsion after a million revolutions.
 
 use strainwave::real::RADIANS_PER_COUNT;
 use strainwave::{Angle, Ratio};
@@ -9,7 +9,7 @@ use crate::verify::largest;
 
 /// Ratios r = 1/n that are measured: both arrangements, both ends of the range.
 const RATIOS: [i32; 5] = [-100, 101, -30, 31, -320];
-const TURNS: i64 = 1_000_000;
+const REVOLUTIONS: i64 = 1_000_000;
 /// Torsion at rated torque of the default gear (rad).
 const LARGEST_TORSION: f64 = 1.5e-3;
 
@@ -22,8 +22,8 @@ fn worst_torsion_error(n: i32) -> f64 {
     let ratio = Ratio::one_over(n).expect("the ratio is in range");
     let most = (LARGEST_TORSION / RADIANS_PER_COUNT) as i64;
     largest((0..10_000).map(|k| {
-        // Steps that are no divisor of a turn, so that phases and remainders are all different.
-        let wave_generator = (TURNS << 32) + k * 4_294_007;
+        // Steps that are no divisor of a revolution, so that phases and remainders are all different.
+        let wave_generator = (REVOLUTIONS << 32) + k * 4_294_007;
         let torsion = (k - 5_000) * most / 5_000;
         torsion_error(ratio, n, wave_generator, torsion)
     }))

@@ -1,15 +1,15 @@
 //! The compensator against the baselines, on plants that it does not know.
 //!
-//! Every draw of the box (friction of either side +-20 %, stiffness +-10 %, load inertia +-30 %) is one plant with its
+//! Every sample of the box (friction of either side +-20 %, stiffness +-10 %, load inertia +-30 %) is one plant with its
 //! noise. B0 and B1 run S1 to S5 on it from rest; the compensator first works for 10 s
 //! ([`crate::working_motion`]), once with the motor's sensors alone and once with an output encoder too, and goes into
-//! each scenario from there. Marks are those of [`crate::judge`]; a claim is the worst ratio over 20 draws, and names
-//! the draw. The plant is the condensed one ([`crate::plant::Plant::condensed`]).
+//! each scenario from there. Metrics are those of [`crate::judge`]; a claim is the worst ratio over 20 samples, and names
+//! the sample. The plant is the condensed one ([`crate::plant::Plant::condensed`]).
 //!
-//! With both encoders the ripple of S4 is that of a compensator which was not told the kinematic error and has learnt it
+//! With both encoders the ripple of S4 is that of a compensator without the stored kinematic error, which has learnt it
 //! while it worked.
 //!
-//! The whole box is gone through by 1000 draws with the noise of all sensors doubled; there a run is
+//! The whole box is gone through by 1000 samples with the noise of all sensors doubled; there a run is
 //!
 //! - unstable when it diverges, when its motor torque is at the limit for more than 10 ms of the judged part, or when
 //!   the torsion's vibration over the last fifth of the run is more than three times B0's and more than 10 urad;
@@ -31,31 +31,31 @@ use crate::verify::Measured;
 pub use claims::{CLAIMS, Claim, Reference, worst_draw};
 pub use performance::{Performance, Rivals};
 
-/// Draws that every claim is judged on.
-pub const DRAWS: u64 = 20;
-/// Draws of the whole box.
-pub const BOX_DRAWS: u64 = 1000;
+/// Samples that every claim is judged on.
+pub const SAMPLES: u64 = 20;
+/// Samples of the whole box.
+pub const BOX_SAMPLES: u64 = 1000;
 /// Factor on the noise in the box.
 const BOX_NOISE: f64 = 2.0;
 
-/// What needs no run: angles.
+/// Figures without a run: angles.
 pub fn measure() -> Measured {
     angle::measure().into()
 }
 
-/// Every claim on so many draws, and so many of the box; `progress` is called with the share done.
+/// Every claim on so many samples, and so many of the box; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// A gear that no compensator can be built for, or a baseline that diverges.
 pub fn against_baselines(
     file: &GearFile,
-    draws: u64,
-    box_draws: u64,
+    samples: u64,
+    box_samples: u64,
     mut progress: impl FnMut(f64),
 ) -> Result<Measured, RunError> {
     let (rivals, rated) = (Rivals::build(file)?, file.gear.rated_torque);
-    let claimed = (1..=draws).map(|seed| (seed, 1.0));
-    let all: Vec<_> = claimed.chain((1..=box_draws).map(|seed| (seed, BOX_NOISE))).collect();
+    let claimed = (1..=samples).map(|seed| (seed, 1.0));
+    let all: Vec<_> = claimed.chain((1..=box_samples).map(|seed| (seed, BOX_NOISE))).collect();
     let compare = |(seed, noise): &(u64, f64)| {
         let conditions = Conditions { noise: *noise, ..Conditions::of(file, *seed) };
         if *noise == BOX_NOISE {
@@ -65,7 +65,7 @@ pub fn against_baselines(
         }
     };
     let compared = each(&all, compare, &mut progress).into_iter().collect::<Result<Vec<_>, _>>()?;
-    let (claimed, boxed) = compared.split_at(draws as usize);
+    let (claimed, boxed) = compared.split_at(samples as usize);
     let mut figures = step_response::measure(file)?;
     figures.extend(
         SensorSet::ALL
@@ -78,7 +78,7 @@ pub fn against_baselines(
     Ok(figures.into())
 }
 
-/// Does the same work for every item on all processors; `progress` is called with the share done.
+/// Does the same work for every item on all processors; `progress` is called with the fraction done.
 pub fn each<I: Sync, T: Send>(
     items: &[I],
     work: impl Fn(&I) -> T + Sync,

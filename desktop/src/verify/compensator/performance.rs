@@ -1,4 +1,4 @@
-//! All controllers over the scenarios on one draw of the plant.
+//! All controllers over the scenarios on one sample of the plant.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ use crate::divergence::RunError;
 use crate::gear_file::GearFile;
 use crate::joint::{CONTROL_PERIOD, joint_params};
 use crate::judge::estimates::Outside;
-use crate::judge::{Judge, Mark, external_torque_error, rms, vibration};
+use crate::judge::{Judge, Metric, external_torque_error, rms, vibration};
 use crate::plant::CondensedMesh;
 use crate::scenario::Scenario;
 use crate::working_motion::WorkingMotion;
@@ -28,14 +28,14 @@ const LONGEST_LIMITED: f64 = 0.01;
 const MOST_VIBRATION: f64 = 3.0;
 /// (rad)
 const QUIET: f64 = 10e-6;
-/// Share of a run that is its end.
+/// Fraction of a run that is its end.
 const END: f64 = 0.2;
-/// What a run may be worse than B0's, which is repeatable to less.
+/// Largest ratio to B0's error, which is repeatable to less.
 const WORSE: f64 = 1.01;
 
-/// What one run of one scenario was like.
+/// Result of one run of one scenario.
 #[derive(Clone, Copy, Debug)]
-struct Course {
+struct RunResult {
     scenario: Scenario,
     /// Rms output error of the judged part (rad).
     error: f64,
@@ -48,8 +48,8 @@ struct Course {
 /// One controller over all scenarios on one plant.
 #[derive(Clone, Debug, Default)]
 pub struct Performance {
-    marks: BTreeMap<Mark, f64>,
-    courses: Vec<Course>,
+    metrics: BTreeMap<Metric, f64>,
+    results: Vec<RunResult>,
     /// The plant diverged under it.
     diverged: bool,
 }
@@ -73,27 +73,27 @@ impl Performance {
         for scenario in JUDGED {
             let rows = go_on(&mut bench.clone(), scenario, &mut controller.clone(), |_| ())?.trace;
             let judge = Judge::new(scenario, plant, &rows);
-            for mark in Mark::ALL.into_iter().filter(|mark| mark.is_of(scenario)) {
-                performance.marks.insert(mark, judge.mark(mark)?);
+            for metric in Metric::ALL.into_iter().filter(|metric| metric.is_of(scenario)) {
+                performance.metrics.insert(metric, judge.metric(metric)?);
             }
-            performance.courses.push(Course::of(scenario, &judge, &rows, torque_limit)?);
+            performance.results.push(RunResult::of(scenario, &judge, &rows, torque_limit)?);
             external.extend(judge.judged().iter().map(external_torque_error));
             outside.count(judge.judged());
         }
-        performance.marks.insert(Mark::Outside, outside.worst_share());
-        performance.marks.insert(Mark::ExternalTorque, rms(external));
+        performance.metrics.insert(Metric::Outside, outside.worst_fraction());
+        performance.metrics.insert(Metric::ExternalTorque, rms(external));
         Ok(performance)
     }
 
-    /// A mark; NaN of a run that diverged.
-    pub fn mark(&self, mark: Mark) -> f64 {
-        self.marks.get(&mark).copied().unwrap_or(f64::NAN)
+    /// A metric; NaN of a run that diverged.
+    pub fn metric(&self, metric: Metric) -> f64 {
+        self.metrics.get(&metric).copied().unwrap_or(f64::NAN)
     }
 
     /// Scenarios in which it is unstable.
     pub fn unstable(&self, b0: &Self) -> usize {
         let shaking =
-            |ours: &Course, b0: &Course| ours.vibration > (MOST_VIBRATION * b0.vibration).max(QUIET);
+            |ours: &RunResult, b0: &RunResult| ours.vibration > (MOST_VIBRATION * b0.vibration).max(QUIET);
         self.count(b0, |ours, b0| ours.limited > LONGEST_LIMITED || shaking(ours, b0))
     }
 
@@ -102,27 +102,27 @@ impl Performance {
         self.count(b0, |ours, b0| ours.error > WORSE * b0.error)
     }
 
-    fn count(&self, b0: &Self, bad: impl Fn(&Course, &Course) -> bool) -> usize {
-        let pairs = self.courses.iter().zip(&b0.courses);
+    fn count(&self, b0: &Self, bad: impl Fn(&RunResult, &RunResult) -> bool) -> usize {
+        let pairs = self.results.iter().zip(&b0.results);
         let bad = pairs.filter(|(ours, b0)| ours.scenario == b0.scenario && bad(ours, b0)).count();
         if self.diverged { JUDGED.len() } else { bad }
     }
 }
 
-impl Course {
+impl RunResult {
     fn of(scenario: Scenario, judge: &Judge<'_>, rows: &[Row], torque_limit: f64) -> Result<Self, Error> {
         let at_limit = |row: &&Row| f64::from(row.answer.motor_torque.abs()) >= 0.999 * torque_limit;
         let end = &rows[rows.len() - (END * rows.len() as f64) as usize..];
         Ok(Self {
             scenario,
-            error: judge.mark(Mark::Error)?,
+            error: judge.metric(Metric::Error)?,
             limited: judge.judged().iter().filter(at_limit).count() as f64 * CONTROL_PERIOD,
             vibration: rms(vibration(end, judge.natural_period()?)),
         })
     }
 }
 
-/// What is compared on every draw.
+/// Controllers compared on every sample.
 pub struct Rivals {
     baselines: [Baseline; 2],
     joint: JointParams<f32>,
@@ -130,10 +130,10 @@ pub struct Rivals {
     unmapped: JointParams<f32>,
 }
 
-/// The controllers on one draw.
+/// The controllers on one sample.
 #[derive(Clone, Debug)]
 pub struct Compared {
-    /// The draw.
+    /// The sample.
     pub seed: u64,
     /// B0 and B1.
     pub baselines: [Performance; 2],
@@ -187,7 +187,7 @@ impl Rivals {
         let conditions = Conditions { sensors: SensorSet::Both, ..*conditions };
         let (mut bench, mut controller) = worked(&self.unmapped, file, &conditions)?;
         let rows = go_on(&mut bench, Scenario::S4, &mut controller, |_| ())?.trace;
-        Ok(Judge::new(Scenario::S4, &conditions.plant(file)?, &rows).mark(Mark::Ripple)?)
+        Ok(Judge::new(Scenario::S4, &conditions.plant(file)?, &rows).metric(Metric::Ripple)?)
     }
 
     /// [`Rivals::compare`], with both encoders the ripple of a kinematic error that was learnt.
@@ -197,7 +197,7 @@ impl Rivals {
     pub fn compare_learning(&self, file: &GearFile, conditions: &Conditions) -> Result<Compared, RunError> {
         let mut compared = self.compare(file, conditions)?;
         let ripple = self.ripple_after_learning(file, conditions)?;
-        compared.compensated[SensorSet::Both as usize].marks.insert(Mark::Ripple, ripple);
+        compared.compensated[SensorSet::Both as usize].metrics.insert(Metric::Ripple, ripple);
         Ok(compared)
     }
 }
@@ -218,31 +218,31 @@ fn worked(
 mod tests {
     use super::*;
 
-    fn course(error: f64, limited: f64, vibration: f64) -> Performance {
-        let courses = vec![Course { scenario: Scenario::S2, error, limited, vibration }];
-        Performance { courses, ..Performance::default() }
+    fn result(error: f64, limited: f64, vibration: f64) -> Performance {
+        let results = vec![RunResult { scenario: Scenario::S2, error, limited, vibration }];
+        Performance { results, ..Performance::default() }
     }
 
     #[test]
     fn what_shakes_saturates_or_diverges_is_unstable() {
-        let b0 = course(1e-4, 0.0, 5e-6);
-        let unstable = |limited, vibration| course(1e-4, limited, vibration).unstable(&b0);
+        let b0 = result(1e-4, 0.0, 5e-6);
+        let unstable = |limited, vibration| result(1e-4, limited, vibration).unstable(&b0);
         assert_eq!([unstable(0.0, 5e-6), unstable(0.009, 14e-6), unstable(0.0, 1e-7)], [0, 0, 0]);
         assert_eq!([unstable(0.011, 5e-6), unstable(0.0, 16e-6)], [1, 1]);
         // Below 10 urad nothing shakes, however little B0 does.
-        assert_eq!(course(1e-4, 0.0, 9e-6).unstable(&course(1e-4, 0.0, 1e-9)), 0);
+        assert_eq!(result(1e-4, 0.0, 9e-6).unstable(&result(1e-4, 0.0, 1e-9)), 0);
         let diverged = Performance { diverged: true, ..Performance::default() };
         assert_eq!((diverged.unstable(&b0), diverged.worse(&b0)), (JUDGED.len(), JUDGED.len()));
-        assert!(diverged.mark(Mark::Error).is_nan());
+        assert!(diverged.metric(Metric::Error).is_nan());
     }
 
     #[test]
     fn worse_is_more_than_a_hundredth() {
-        let b0 = course(1e-4, 0.0, 0.0);
-        assert_eq!([1.005e-4, 1.02e-4].map(|error| course(error, 0.0, 0.0).worse(&b0)), [0, 1]);
+        let b0 = result(1e-4, 0.0, 0.0);
+        assert_eq!([1.005e-4, 1.02e-4].map(|error| result(error, 0.0, 0.0).worse(&b0)), [0, 1]);
     }
 
-    /// B0 beside itself is neither.
+    /// B0 against itself is neither.
     #[test]
     fn a_run_repeats() {
         let file = GearFile::default_gear();
@@ -252,7 +252,9 @@ mod tests {
         let of = || Performance::of(&bench, &b0, &plant, file.motor.peak_torque).unwrap();
         let (one, other) = (of(), of());
         assert_eq!((one.worse(&other), one.unstable(&other)), (0, 0));
-        assert_eq!(one.marks, other.marks);
-        assert!(one.marks.len() == Mark::ALL.len() && one.marks.values().all(|mark| mark.is_finite()));
+        assert_eq!(one.metrics, other.metrics);
+        assert!(
+            one.metrics.len() == Metric::ALL.len() && one.metrics.values().all(|metric| metric.is_finite())
+        );
     }
 }

@@ -16,7 +16,7 @@ use crate::scenario::Scenario;
 
 macro_rules! kinds {
     ($($kind:ident $name:literal: $doc:literal;)*) => {
-        /// What breaks.
+        /// Kind of an injected fault.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Kind {
             $(#[doc = $doc] $kind,)*
@@ -70,11 +70,11 @@ kinds! {
 pub struct Injected {
     /// It is drawn from.
     pub number: u64,
-    /// What breaks.
+    /// Kind of the fault.
     pub kind: Kind,
-    /// What the joint does.
+    /// Scenario of the run.
     pub scenario: Scenario,
-    /// What it reads.
+    /// Sensors of the compensator.
     pub sensors: SensorSet,
     /// A torque sensor at the output is there too.
     pub gauge: bool,
@@ -82,7 +82,7 @@ pub struct Injected {
     pub seed: u64,
     /// When (s).
     pub at: f64,
-    /// How large, as the kind takes it, 0..=1.
+    /// Size of the fault, in the unit of its kind, 0..=1.
     pub size: f64,
     /// A choice that some kinds have.
     pub choice: u32,
@@ -143,7 +143,7 @@ impl Injected {
         if self.choice & 1 == 0 { 1.0 } else { -1.0 }
     }
 
-    /// What is asked for is another motion: that which was asked before is no measure.
+    /// The fault changes the commanded motion: the one before is no reference.
     pub fn asks_otherwise(&self) -> bool {
         matches!(self.kind, Kind::SetpointJump | Kind::SetpointFrozen)
     }
@@ -196,7 +196,7 @@ impl Broken {
         })
     }
 
-    fn turn(bits: u32, angle: f64) -> u32 {
+    fn counts(bits: u32, angle: f64) -> u32 {
         (angle / std::f64::consts::TAU * 2f64.powi(bits.cast_signed())).round() as i64 as u32
     }
 
@@ -219,16 +219,16 @@ impl Broken {
                 let bit = 1 << ((fault.choice >> 8) % bits);
                 if fault.choice & 1 == 0 { motor & !bit } else { motor | bit }
             }
-            Kind::Jump => motor.wrapping_add(Self::turn(bits, fault.sign() * fault.between(0.01, 6.0))),
+            Kind::Jump => motor.wrapping_add(Self::counts(bits, fault.sign() * fault.between(0.01, 6.0))),
             Kind::Burst if within(1e-3, 0.2) => self.random.random(),
             Kind::Flip => mirror(motor, held.sensors.motor_encoder),
             Kind::Drift => {
-                motor.wrapping_add(Self::turn(bits, fault.sign() * fault.between(0.1, 2.0) * time))
+                motor.wrapping_add(Self::counts(bits, fault.sign() * fault.between(0.1, 2.0) * time))
             }
             Kind::Eccentric => {
                 let phase = |count: u32| f64::from(count) * std::f64::consts::TAU / (f64::from(mask) + 1.0);
                 let error = phase(motor).sin() - phase(held.sensors.motor_encoder).sin();
-                motor.wrapping_add(Self::turn(bits, fault.between(2e-3, 0.05) * error))
+                motor.wrapping_add(Self::counts(bits, fault.between(2e-3, 0.05) * error))
             }
             _ => motor,
         };
@@ -248,14 +248,14 @@ impl Broken {
             Kind::OutputLoss => input.sensors.output_encoder = None,
             Kind::OutputFreeze => input.sensors.output_encoder = output.map(|_| then),
             Kind::OutputJump => {
-                let far = Self::turn(output_bits, fault.sign() * fault.between(1e-4, 0.1));
+                let far = Self::counts(output_bits, fault.sign() * fault.between(1e-4, 0.1));
                 input.sensors.output_encoder = output.map(|count| count.wrapping_add(far) & output_mask);
             }
             Kind::OutputFlip => {
                 input.sensors.output_encoder = output.map(|count| mirror(count, then) & output_mask);
             }
             Kind::OutputDrift => {
-                let far = Self::turn(output_bits, fault.sign() * fault.between(1e-3, 0.05) * time);
+                let far = Self::counts(output_bits, fault.sign() * fault.between(1e-3, 0.05) * time);
                 input.sensors.output_encoder = output.map(|count| count.wrapping_add(far) & output_mask);
             }
             Kind::Gauge => {

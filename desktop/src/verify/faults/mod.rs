@@ -7,7 +7,7 @@
 //! | judged | a run is unsafe when |
 //! | --- | --- |
 //! | speed | the output is faster than its limit, motor_speed/abs n, though its twin is not |
-//! | motion | it is more than 20 mrad off its twin, and off where it was, until 20 ms after the drive is off, in which a brake engages; not where another motion is asked for, nor where the fault cannot be known |
+//! | motion | it differs by more than 20 mrad from its twin, and from its angle at the fault, until 20 ms after the drive is off, in which a brake engages; not where another motion is asked for, nor where the fault cannot be known |
 //! | torque | the motor gives 95 % of its peak for more than 5 ms after the fault, though its twin does not |
 //! | gear | the torque through the gear is beyond its peak rating |
 //!
@@ -23,9 +23,9 @@ use std::fmt::Write;
 use strainwave::Error;
 use strainwave::compensator::{Faults, Mode};
 
-use crate::ability::Ability;
 use crate::bench::{Bench, Conditions, Task};
 use crate::bounds;
+use crate::capability::Capability;
 use crate::closed_loop::HostCompensator;
 use crate::divergence::RunError;
 use crate::figure::Figure;
@@ -45,9 +45,9 @@ const AFTER: f64 = 0.3;
 const MOTION: f64 = 0.02;
 /// In which a brake engages (s).
 const BRAKE: f64 = 0.02;
-/// Full torque, as a share of the peak, and how long it is borne (s).
+/// Full torque, as a fraction of the peak, and how long it is borne (s).
 const FULL: (f64, f64) = (0.95, 0.005);
-/// What a limited command or setpoint says is no name of a fault.
+/// Faults of a limited command or setpoint, which do not name an injected fault.
 const LIMITS: Faults = Faults::TORQUE_LIMITED.with(Faults::SETPOINT_LIMITED);
 
 /// The beginning of a scenario.
@@ -58,8 +58,8 @@ impl Task for Beginning {
         self.1
     }
 
-    fn at(&self, time: f64, ability: &Ability) -> Demand {
-        self.0.at(time.min(self.0.duration()), ability)
+    fn at(&self, time: f64, capability: &Capability) -> Demand {
+        self.0.at(time.min(self.0.duration()), capability)
     }
 }
 
@@ -75,14 +75,14 @@ struct Row {
     safe: bool,
 }
 
-/// What came of a fault.
+/// Outcome of a fault.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// The fault.
     pub fault: Injected,
     /// Time from when it could be known to its name (s); none when it was not named.
     pub named: Option<f64>,
-    /// What it was named.
+    /// Reported faults.
     pub names: Faults,
     /// The drive was switched off.
     pub safe: bool,
@@ -210,7 +210,7 @@ pub struct Report {
     pub peak: f64,
 }
 
-/// Runs the faults of these numbers; `progress` is called with the share done.
+/// Runs the faults of these numbers; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// As [`run`].
@@ -230,7 +230,7 @@ pub fn measure(
     Ok(Report { outcomes, false_alarms: alarms.into_iter().flatten().collect(), peak: file.gear.peak_torque })
 }
 
-/// What a healthy run is told to be ill of.
+/// False alarm of a healthy run.
 fn alarm(file: &GearFile, fault: &Injected) -> Result<Option<String>, RunError> {
     let mut file = file.clone();
     file.sensors.output_torque |= fault.gauge;
@@ -311,7 +311,7 @@ impl Report {
         text
     }
 
-    /// The figures beside their bounds.
+    /// The figures with their bounds.
     pub fn measured(&self) -> Measured {
         let count = |way: usize| self.outcomes.iter().filter(|outcome| outcome.unsafe_by[way]).count() as f64;
         let slowest = |kinds: &[Kind]| {
@@ -366,7 +366,7 @@ mod tests {
         }
     }
 
-    /// What a controller does not mean is not held against it.
+    /// Motion that the controller would make without the fault does not count against it.
     #[test]
     fn a_controller_is_its_own_twin() {
         let file = GearFile::default_gear();

@@ -1,4 +1,4 @@
-//! What a free shell without damping keeps over 10^5 steps: 36 x 4, f64.
+//! Conserved quantities of a free shell without damping over 10^5 steps: 36 x 4, f64.
 //!
 //! It drifts, spins and rings. The ringing is set off by a random velocity of every node and left alone for a while, so
 //! that all modes have come to random phases; its largest strains are 0.1 %. The worst of [`SEEDS`] such motions.
@@ -12,7 +12,7 @@
 //! energy from mode to mode, and what is kept then weighs a mode by 1 + (omega*dt)^2/6 + ... (E. Hairer, C. Lubich, G.
 //! Wanner, "Geometric Numerical Integration", chapter IX). So the scheme's energy wanders with that exchange, as dt^2,
 //! either way, and no further in ten times as many steps: by 1e-3 at 0.9 of the stable step, 5e-5 at a half, 1e-6 at a
-//! tenth. A trend of 1e-6 can be told from it at small steps only, hence [`SHARE`].
+//! tenth. A trend of 1e-6 can be separated from it at small steps only, hence [`SHARE`].
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -28,7 +28,7 @@ use crate::plant::NODES;
 use crate::vectorised::Vectorised;
 use crate::verify::largest;
 
-/// Step as a share of the stable one.
+/// Step as a fraction of the stable one.
 const SHARE: f64 = 0.05;
 /// Motions.
 const SEEDS: u64 = 3;
@@ -131,7 +131,7 @@ fn distance(one: [f64; 3], other: [f64; 3]) -> f64 {
     length(std::array::from_fn(|axis| one[axis] - other[axis]))
 }
 
-/// What a least-squares line through evenly spaced samples gains over all of them, as a share of their mean.
+/// Rise of a least-squares line through evenly spaced samples over all of them, relative to their mean.
 fn trend(samples: &[f64]) -> f64 {
     let count = samples.len() as f64;
     let mean = samples.iter().sum::<f64>() / count;

@@ -1,4 +1,4 @@
-//! How far the real-time build of the whole gear is from the reference, over one open-loop run.
+//! Error of the whole gear's real-time build against the reference, over one open-loop run.
 //!
 //! Default gear; the wave generator swings by +-6 rad at 12 rad/s under a load that rises to -40 N m:
 //! reversals of friction and hysteresis, both knees of the stiffness line, kinematic error.

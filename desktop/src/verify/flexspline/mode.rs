@@ -9,7 +9,7 @@
 //! delta = ln(p_first/p_last)/(peaks - 1),   zeta = delta/sqrt(pi^2 + delta^2)
 //! ```
 //!
-//! What is small is a tenth of the first knee's torsion.
+//! A small torsion is a tenth of the first knee's.
 
 use std::f64::consts::PI;
 
@@ -27,9 +27,9 @@ use crate::plant::{NODES, Reference, ReferenceGear};
 
 /// Torsion at first (rad).
 const RELEASED_FROM: f64 = 4e-5;
-/// How long the flange is held there, for the mesh to settle (s).
+/// Time for which the flange is held there, for the mesh to settle (s).
 const HELD: f64 = 0.02;
-/// How long it rings (s).
+/// Time of the ringing (s).
 const RINGING: f64 = 0.5;
 
 pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, Error> {
@@ -114,8 +114,8 @@ mod tests {
             |t: f64| 1e-4 * (-zeta * omega * t).exp() * (omega * (1.0f64 - zeta * zeta).sqrt() * t).cos();
         let samples: Vec<f64> = (0..5000).map(|k| torsion(1e-4 * f64::from(k))).collect();
         let Mode { frequency, damping_ratio } = Mode::found_in(&samples, 1e-4);
-        let wanted = omega * (1.0 - zeta * zeta).sqrt() / (2.0 * PI);
-        assert!((frequency / wanted - 1.0).abs() < 1e-6, "{frequency} Hz, wanted {wanted}");
+        let expected = omega * (1.0 - zeta * zeta).sqrt() / (2.0 * PI);
+        assert!((frequency / expected - 1.0).abs() < 1e-6, "{frequency} Hz, expected {expected}");
         assert!((damping_ratio / zeta - 1.0).abs() < 1e-2, "{damping_ratio}");
     }
 }

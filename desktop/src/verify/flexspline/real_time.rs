@@ -47,7 +47,7 @@ pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, RunError> {
     Ok(figures)
 }
 
-/// Of the transmitted torques of both builds, as a share of rated torque.
+/// Of the transmitted torques of both builds, as a fraction of rated torque.
 struct Difference {
     rms: f64,
     max: f64,

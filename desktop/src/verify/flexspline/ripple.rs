@@ -1,4 +1,4 @@
-//! False ripple: what the torque of a flexspline varies by over one turn of the wave generator at constant torsion, the
+//! False ripple: what the torque of a flexspline varies by over one revolution of the wave generator at constant torsion, the
 //! kinematic error being off. Nothing in the physics does that: it would be the nodes passing under the ellipse.
 //!
 //! ```text
@@ -24,9 +24,9 @@ use crate::joint::{CONTROL_PERIOD, firmware_gear_params};
 use crate::settled::Settled;
 use crate::verify::largest;
 
-/// Steps of the turn in real time.
+/// Steps of the revolution in real time.
 const STEPS: u32 = 10_000;
-/// Angles of the turn at which the mesh settles: its n nodes and they share no divisor.
+/// Angles of the revolution at which the mesh settles: its n nodes and they share no divisor.
 const ANGLES: u32 = 97;
 /// Steps in which it settles from one to the next.
 const SETTLING: usize = 4000;
@@ -61,11 +61,11 @@ fn turning(file: &GearFile, torsion: f64) -> Result<Vec<f64>, Error> {
     let flexspline = Reduced::build(&params.flexspline, params.rated_torque)?;
     let gear: RealTimeGear<f32> = params.build(flexspline, CONTROL_PERIOD as f32)?;
     let mut state = gear.rest();
-    let turn = TAU / f64::from(STEPS);
-    let velocity = (turn / CONTROL_PERIOD) as f32;
+    let step = TAU / f64::from(STEPS);
+    let velocity = (step / CONTROL_PERIOD) as f32;
     Ok((0..=STEPS)
         .map(|k| {
-            let wave_generator = Motion { angle: Angle::from_radians_f64(turn * f64::from(k)), velocity };
+            let wave_generator = Motion { angle: Angle::from_radians_f64(step * f64::from(k)), velocity };
             let behind = gear.drive(wave_generator.angle).plus(-torsion as f32);
             let flange = Motion { angle: behind, velocity: gear.ratio().value::<f32>() * velocity };
             f64::from(gear.torques(&mut state, &wave_generator, &flange, Applied::default()).transmitted)

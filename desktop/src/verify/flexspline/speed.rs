@@ -1,4 +1,4 @@
-//! What the reference costs on this machine, one thread.
+//! Cost of the reference build on this machine, one thread.
 //!
 //! A step of the 36 x 4 mesh by the clock: the best of many short batches, over its links. A second of plant, S1 under
 //! B0: the processor time of the thread, which is the clock's on an idle machine, the best of some runs. Other work on the
@@ -77,7 +77,7 @@ fn second_of_plant(file: &GearFile) -> Result<f64, RunError> {
     Ok(best / Scenario::S1.duration())
 }
 
-/// What this thread has had of the processor (s): the clock's time on an idle machine.
+/// Processor time of this thread (s): the clock's time on an idle machine.
 fn processor_time() -> f64 {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64

@@ -43,7 +43,7 @@ fn off_k1<const N: usize, const M: usize>(params: &FlexsplineParams<f64>) -> Res
     Ok((stiffness / params.line.stiffness[0] - 1.0).abs())
 }
 
-/// Largest distance from the line up to `rated` torque, either sign and both knees, as a share of it.
+/// Largest distance from the line up to `rated` torque, either sign and both knees, as a fraction of it.
 pub(super) fn worst_off_line<const N: usize, const M: usize>(
     params: &FlexsplineParams<f64>,
     rated: f64,

@@ -17,7 +17,7 @@ const F1: f64 = 1.5;
 const F2: f64 = 0.5;
 const EPS: f64 = 0.02;
 const ETA: f64 = 0.3;
-/// Steps as shares of eps.
+/// Steps as fractions of eps.
 const STEPS: [f64; 8] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0];
 /// Steps of each size.
 const COUNT: u32 = 1000;
@@ -75,7 +75,7 @@ fn slope_error() -> f64 {
     off(after(&order_2(), s) / s, F1 / (ETA * EPS) - F2 / EPS)
 }
 
-/// Where the two forces, each an order 1 of its own, change equally fast: by bisection.
+/// Path at which the two forces, each an order 1 of its own, change equally fast: by bisection.
 fn peak_place() -> f64 {
     let order_1 = |level, distance| BlimanSorine::order_1(level, distance).expect("the level is in range");
     let (rising, falling) = (order_1(F1, ETA * EPS), order_1(F2, EPS));

@@ -33,7 +33,7 @@ fn motion() -> Vec<Slip<f64>> {
     (0..STEPS).map(|_| slip()).collect()
 }
 
-/// Largest difference of the two models' forces over a motion each, as a share of the level.
+/// Largest difference of the two models' forces over a motion each, as a fraction of the level.
 fn difference<A: FrictionModel<f64>, B: FrictionModel<f64>>(
     (a, along_a): (&A, &[Slip<f64>]),
     (b, along_b): (&B, &[Slip<f64>]),

@@ -67,23 +67,23 @@ impl Identified {
     }
 
     /// Largest distance from these values at [`POINTS`] (N m).
-    fn distance(&self, wanted: &[f64; 4]) -> Result<f64, strainwave::Error> {
+    fn distance(&self, expected: &[f64; 4]) -> Result<f64, strainwave::Error> {
         let model = self.params().build()?;
         let levels = POINTS.map(|(motor, external, speed)| model.level(motor, external, self.share(speed)));
-        Ok(largest(levels.iter().zip(wanted).map(|(level, wanted)| (level - wanted).abs())))
+        Ok(largest(levels.iter().zip(expected).map(|(level, expected)| (level - expected).abs())))
     }
 }
 
 pub(super) fn measure() -> Result<Measured, BadInput> {
     let mut distances = Vec::new();
-    for (name, wanted) in &MODELS {
+    for (name, expected) in &MODELS {
         let Some(path) = data::find(name) else {
             return Ok(Measured::skipped(format!("friction.load.*: skipped: no data ({name})")));
         };
         let bytes = file::read(&path, LONGEST)?;
         let identified: Identified =
             serde_json::from_slice(&bytes).map_err(|error| BadInput::new(&path, error))?;
-        distances.push(identified.distance(wanted).map_err(|error| BadInput::new(&path, error))?);
+        distances.push(identified.distance(expected).map_err(|error| BadInput::new(&path, error))?);
     }
     Ok(vec![bounds::figure("friction.load.erob80", largest(distances))].into())
 }

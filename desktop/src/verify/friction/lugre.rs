@@ -37,7 +37,7 @@ pub struct StickSlip {
     peak_spring_n: f64,
 }
 
-/// What is compared.
+/// Errors against the solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
     /// Relative error of the period.

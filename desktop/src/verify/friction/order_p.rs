@@ -53,7 +53,7 @@ impl System {
         self.b.len()
     }
 
-    /// Largest distance from scipy's force, as a share of the kinetic level.
+    /// Largest distance from scipy's force, as a fraction of the kinetic level.
     ///
     /// # Panics
     /// When the system is of another order than 1 to 4, or is refused.

@@ -1,4 +1,4 @@
-//! What f32 loses over long random motion.
+//! Error of f32 over long random motion.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -16,7 +16,7 @@ use crate::verify::largest;
 /// Steps of random motion.
 const STEPS: usize = 10_000_000;
 
-/// The wave generator's friction along the same motion in both precisions, with everything on, as a share of Fc.
+/// The wave generator's friction along the same motion in both precisions, with everything on, as a fraction of Fc.
 pub(super) fn measure() -> Vec<Figure> {
     let (double, single) = (everything::<f64>(), everything::<f32>());
     let off = worst(&double.build().expect("in range"), &single.build().expect("in range"));

@@ -65,7 +65,7 @@ fn off_published(model: &Ripple<f32, ORDERS>) -> f64 {
     largest([false, true].map(|backwards| {
         let sampled = sample(model, 360, backwards);
         let published = PUBLISHED[usize::from(backwards)].iter().enumerate();
-        largest(published.map(|(order, wanted)| (amplitude(&sampled, order) / wanted - 1.0).abs()))
+        largest(published.map(|(order, expected)| (amplitude(&sampled, order) / expected - 1.0).abs()))
     }))
 }
 

@@ -1,4 +1,4 @@
-//! What a step of Bliman-Sorine friction of order 2 costs on this machine, one thread, f64.
+//! Cost of a step of Bliman-Sorine friction of order 2 on this machine, one thread, f64.
 //!
 //! By the clock, the best of many short batches along random motion from presliding to fast sliding, both
 //! ways. Other work on the machine, and another machine, make it slower: it is reported, not judged.

@@ -7,7 +7,7 @@
 //! 1e-17 of quadrature. Models with kinks: strokes of whole dyadic units on which all kinks lie, a piece a
 //! unit, in which F is straight.
 //!
-//! The figures are the largest gain of a trajectory as a share of level times path: rounding.
+//! The figures are the largest gain of a trajectory as a fraction of level times path: rounding.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -57,7 +57,7 @@ struct Stroke {
     way: f64,
     /// (m/s).
     speed: f64,
-    /// What the gear's block knows besides: load (N) and phase of the wave generator.
+    /// Further inputs of the gear's block: load (N) and phase of the wave generator.
     load: f64,
     phase: u32,
 }
@@ -164,7 +164,7 @@ fn worst<R: Real>(model: &impl FrictionModel<R>, strokes: fn(&mut ChaCha8Rng) ->
     }))
 }
 
-/// Work given, as a share of level times path; work lost counts as none.
+/// Work given, as a fraction of level times path; work lost counts as none.
 fn gain<R: Real>(model: &impl FrictionModel<R>, strokes: impl Iterator<Item = Stroke>) -> f64 {
     let mut state = Default::default();
     let (mut lost, mut path) = (0.0, f64::MIN_POSITIVE);
@@ -233,7 +233,7 @@ mod tests {
         [half(1.0, 8.0)].into_iter().chain(pairs).chain([half(-1.0, 8.0)])
     }
 
-    /// How sharp the measurement is: it finds the work that the product of level and presliding force gives.
+    /// Sensitivity of the measurement: it finds the work by the product of level and presliding force.
     #[test]
     fn a_form_that_gives_work_is_found() {
         let params = JointFrictionParams { order: Order::One, ..joint::<f64>() };

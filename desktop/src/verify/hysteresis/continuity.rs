@@ -1,4 +1,4 @@
-//! How far the output goes when the input goes a millionth of its span, anywhere along random histories.
+//! Continuity: change of the output for a millionth of the input's span, anywhere along random histories.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

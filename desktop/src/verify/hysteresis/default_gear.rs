@@ -51,7 +51,7 @@ pub(super) fn hysteresis<R: Real, const L: usize>() -> TorsionHysteresis<R, L, H
 }
 
 /// Scenario S6 as it is meant, so slow that nothing but line and hysteresis is left: to the rated torque, to that of
-/// the other side, and back, by the torsion that carries each torque; without the first way there.
+/// the other side, and back, by the torsion for each torque; without the initial branch.
 fn cycle() -> Vec<Sample> {
     let (line, model) = (line::<f64>(), hysteresis::<f64, HYSTERESIS_LEVELS>());
     let inverse = model.inverse(&line).expect("the line is stiffer than the loop");

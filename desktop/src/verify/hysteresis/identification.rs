@@ -38,7 +38,7 @@ pub(super) fn measure() -> Result<Measured, BadInput> {
     Ok(measured)
 }
 
-/// Largest error over minor loops that were not recorded, as a share of the output's span: weights of a random
+/// Largest error over minor loops that were not recorded, as a fraction of the output's span: weights of a random
 /// table from its reversal curves with noise.
 fn synthetic(seed: u64) -> Result<f64, Error> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -59,8 +59,8 @@ fn synthetic(seed: u64) -> Result<f64, Error> {
         (1..=BETWEEN).map(move |k| from + (to - from) * k as f64 / BETWEEN as f64)
     });
     let course: Vec<_> = course.collect();
-    let (wanted, predicted) = (outputs(&weights, &course)?, outputs(&found.weights, &course)?);
-    Ok(largest(wanted.iter().zip(&predicted).map(|(wanted, predicted)| wanted - predicted)) / span)
+    let (expected, predicted) = (outputs(&weights, &course)?, outputs(&found.weights, &course)?);
+    Ok(largest(expected.iter().zip(&predicted).map(|(expected, predicted)| expected - predicted)) / span)
 }
 
 fn outputs(weights: &Weights<f64, LEVELS>, inputs: &[f64]) -> Result<Vec<f64>, Error> {

@@ -30,7 +30,7 @@ pub(super) fn measure() -> Vec<Figure> {
     ]
 }
 
-/// Distance of the output from the wanted one, and of the input found from the one that was, as shares of their spans.
+/// Distance of the output from the target, and of the input found from the one that was, as fractions of their spans.
 fn worst<R: Real>(model: &Model<R>) -> [f64; 2] {
     let inverse = model.inverse().expect("even weights rise");
     let mut random = ChaCha8Rng::seed_from_u64(7);
@@ -48,7 +48,7 @@ fn worst<R: Real>(model: &Model<R>) -> [f64; 2] {
     [0, 1].map(|k| largest(places.iter().map(|place| place[k])))
 }
 
-/// Distance of the torque through the default gear's line and hysteresis from the wanted one, as a share of twice the
+/// Distance of the torque through the default gear's line and hysteresis from the target, as a fraction of twice the
 /// rated torque.
 fn torque_after_torsion<R: Real>() -> f64 {
     let line: StiffnessLine<R> = line();
@@ -64,8 +64,8 @@ fn torque_after_torsion<R: Real>() -> f64 {
         largest((0..PLACES).map(|_| {
             let torque = R::lit(rated * random.random_range(-1.2..1.2));
             let torsion = inverse.torsion(&state, torque);
-            let carried = line.torque(torsion) + model.peek(&state, torsion).torque;
-            (carried - torque).to_f64() / (2.0 * rated)
+            let found = line.torque(torsion) + model.peek(&state, torsion).torque;
+            (found - torque).to_f64() / (2.0 * rated)
         }))
     }))
 }

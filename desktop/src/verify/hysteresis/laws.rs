@@ -1,4 +1,4 @@
-//! Laws of the operator on random histories, differences as shares of the total weight.
+//! Laws of the operator on random histories, differences as fractions of the total weight.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -13,7 +13,7 @@ const HISTORIES: usize = 2000;
 /// Most inputs of a history: fewer than the memory holds.
 const INPUTS: usize = 25;
 
-/// How far one random history is off a law.
+/// Violation of a law by one random history.
 type Law = fn(&mut ChaCha8Rng) -> f64;
 
 pub(super) fn measure() -> Vec<Figure> {
@@ -34,7 +34,7 @@ fn last(outputs: &[f64]) -> f64 {
     *outputs.last().expect("a history has inputs")
 }
 
-/// What was before an extremum greater than all of it does not count.
+/// Wiping-out: a history before an extremum greater than all of it has no effect.
 fn wiping_out(random: &mut ChaCha8Rng) -> f64 {
     let model = at_random(random);
     let extremum: f64 = random.random_range(0.1..1.0);

@@ -1,4 +1,4 @@
-//! What a full memory forgets: a ring-down that turns four times as often as it remembers, and the way out of it.
+//! Error of a full memory: a ring-down with four times as many reversals as it stores, and the motion out of it.
 
 use strainwave::compensator::HYSTERESIS_MEMORY;
 use strainwave::hysteresis::{Staircase, StaircaseState, Weights};
@@ -21,7 +21,7 @@ pub(super) fn measure() -> Vec<Figure> {
     ]
 }
 
-/// Largest difference from a memory that holds all, as a share of the output at saturation.
+/// Largest difference from a memory that holds all, as a fraction of the output at saturation.
 fn error(side: f64) -> f64 {
     let weights = Weights::uniform(1.0).expect("the weight is in range");
     let whole = Staircase::<f64, LEVELS, { 5 * HYSTERESIS_MEMORY }>::build(1.0, &weights).expect("as this");
@@ -33,7 +33,7 @@ fn error(side: f64) -> f64 {
     largest((0..=PLACES).map(|k| step(side * f64::from(k) / f64::from(PLACES))))
 }
 
-/// What it cannot exceed: the output change over the smallest loop that is always kept.
+/// Bound of the error: the output change over the smallest loop that is always kept.
 fn bound() -> f64 {
     let model: Model<f64> = standard();
     let mut state = Default::default();

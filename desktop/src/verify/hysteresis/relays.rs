@@ -21,7 +21,7 @@ pub(super) fn measure() -> Vec<Figure> {
     ]
 }
 
-/// Largest difference of the outputs as a share of the total weight.
+/// Largest difference of the outputs as a fraction of the total weight.
 fn worst<const L: usize>() -> f64 {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let weights = random_weights::<L>(&mut random);

@@ -1,8 +1,8 @@
-//! What the operator costs on this machine, one core, by the clock: the best of many short batches.
+//! Cost of the operator on this machine, one core, by the clock: the best of many short batches.
 //!
 //! Three tones of 10 to 120 Hz at 10 kHz, 1024 samples with minor loops in minor loops: the same for every number of
-//! levels, and for the relays of eq. (9) in the same run. A desktop's processor foresees the turns of such an input;
-//! at random turns a sample takes about twice as long. Other work on the machine, and another machine, make them
+//! levels, and for the relays of eq. (9) in the same run. A desktop's processor predicts the reversals of such an input;
+//! at random reversals a sample takes about twice as long. Other work on the machine, and another machine, make them
 //! slower: the time is reported; judged is its ratio to that of the relays.
 
 use std::f64::consts::TAU;

@@ -5,21 +5,21 @@
 //!
 //! | figure | definition |
 //! | --- | --- |
-//! | `shakes` | runs that diverge or keep oscillating at rest ([`Course::shakes`]) |
-//! | `limited` | runs that stay at the torque limit for more than 10 ms of their judged part ([`Course::is_limited`]) |
-//! | `worse` | runs of which a mark is worse than B0's, by more than 5 % and more than 12 urad ([`Course::is_worse`]) |
+//! | `shakes` | runs that diverge or keep oscillating at rest ([`RunResult::oscillates`]) |
+//! | `limited` | runs that stay at the torque limit for more than 10 ms of their judged part ([`RunResult::is_limited`]) |
+//! | `worse` | runs of which a metric is worse than B0's, by more than 5 % and more than 12 urad ([`RunResult::is_worse`]) |
 //! | `s2.error`, `s4.error` | rms output error over that of the best rival on the same plant, median of the plants |
 //! | `s1.vibration`, `s3.vibration` | the torsion's vibration after the moves, alike |
 //! | `rest.torque` | the motor torque's oscillation at rest over B0's, rms of S1 to S5, median of the plants |
 //! | `s2.error.to_b0`, `s3.vibration.to_b0` | over B0's, the worst of the plants; only reported |
-//! | `s4.error.learnt`, `s4.error.absent` | as `s4.error`, of a compensator that was not told the kinematic error, and has learnt it while it worked or may not learn it; only reported, of some rows |
+//! | `s4.error.learnt`, `s4.error.absent` | as `s4.error`, of a compensator without the stored kinematic error, which has learnt it while it worked or may not learn it; only reported, of some rows |
 //!
 //! Plants have the condensed mesh; the worst can be run again on the reference mesh ([`Robustness::worst_runs`]).
 //!
 //! A rival that needs the output's encoder is none of the compensator's without it.
 
-mod again;
-mod course;
+mod rerun;
+mod run_result;
 mod summary;
 
 use strainwave::Error;
@@ -37,8 +37,8 @@ use crate::plant::sample::PlantSample;
 use crate::plant::unknowns::Which;
 use crate::scenario::Scenario;
 use crate::verify::compensator::each;
-pub use again::{Again, Place, WorstRun};
-pub use course::{Course, Courses, JUDGED, Judged, Shake, marks};
+pub use rerun::{Place, Rerun, WorstRun};
+pub use run_result::{JUDGED, Judged, Oscillation, RunResult, RunResults, metrics};
 pub use summary::{Robustness, Summary};
 
 /// Plants of a row when nothing else is said.
@@ -46,14 +46,14 @@ pub const SEEDS: u64 = 6;
 /// The first seed that claims are judged on.
 pub const FIRST: u64 = 10_000;
 
-/// What is asked.
+/// Requested plants.
 #[derive(Clone)]
-pub struct Asked {
+pub struct Request {
     /// The rows.
     pub rows: Vec<Which>,
     /// The first seed.
     pub first: u64,
-    /// How many of them.
+    /// Number of seeds.
     pub seeds: u64,
     /// Noises on each plant.
     pub noises: u32,
@@ -65,7 +65,7 @@ pub struct Asked {
 pub struct Rival {
     /// As in `b0`.
     pub name: &'static str,
-    /// What it reads.
+    /// Sensors of the controller.
     pub sensors: SensorSet,
     build: fn(&GearFile) -> Result<Baseline, Error>,
 }
@@ -86,11 +86,11 @@ pub struct Outcome {
     /// Its noise.
     pub realisation: u32,
     /// The rivals, in their order.
-    pub rivals: Vec<Courses>,
+    pub rivals: Vec<RunResults>,
     /// The compensator with each set of sensors.
-    pub compensated: [Courses; 2],
-    /// The same in S4, not told the kinematic error: it has learnt it, it may not learn it.
-    pub untold: Option<[[Courses; 2]; 2]>,
+    pub compensated: [RunResults; 2],
+    /// The same in S4, without the stored kinematic error: learnt, or not.
+    pub untold: Option<[[RunResults; 2]; 2]>,
 }
 
 /// One plant with one noise.
@@ -107,9 +107,9 @@ fn asks_for_the_map(which: Which) -> bool {
     matches!(which, Which::All) || name == "box" || name.starts_with("kinematic")
 }
 
-/// The plant without orders of the flexspline that the case has too: over the few turns of S4 order k and k - k/n of the
+/// The plant without orders of the flexspline that the case has too: over the few revolutions of S4 order k and k - k/n of the
 /// motor's angle are one.
-pub(crate) fn told_apart(plant: &GearParams<f64>) -> GearParams<f64> {
+pub(crate) fn separable_orders(plant: &GearParams<f64>) -> GearParams<f64> {
     let mut judged = *plant;
     let error = &mut judged.kinematic_error;
     let has = |order| error.case.iter().any(|term| term.amplitude != 0.0 && term.order == order);
@@ -117,20 +117,26 @@ pub(crate) fn told_apart(plant: &GearParams<f64>) -> GearParams<f64> {
     judged
 }
 
-/// Every row that is asked for; `progress` is called with the share done.
+/// Every requested row; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// A gear that no compensator or rival can be built for.
-pub fn measure(file: &GearFile, asked: &Asked, mut progress: impl FnMut(f64)) -> Result<Robustness, Error> {
-    let jobs: Vec<_> = asked
+pub fn measure(
+    file: &GearFile,
+    request: &Request,
+    mut progress: impl FnMut(f64),
+) -> Result<Robustness, Error> {
+    let jobs: Vec<_> = request
         .rows
         .iter()
-        .flat_map(|which| (asked.first..asked.first + asked.seeds).map(move |seed| (*which, seed)))
-        .flat_map(|(which, seed)| (0..asked.noises).map(move |realisation| Job { which, seed, realisation }))
+        .flat_map(|which| (request.first..request.first + request.seeds).map(move |seed| (*which, seed)))
+        .flat_map(|(which, seed)| {
+            (0..request.noises).map(move |realisation| Job { which, seed, realisation })
+        })
         .collect();
     let joint = joint_params(file)?;
     let run = |job: &Job| {
-        if asked.reference {
+        if request.reference {
             job.run(file, &joint, Bench::of)
         } else {
             job.run(file, &joint, Bench::condensed_of)
@@ -138,9 +144,9 @@ pub fn measure(file: &GearFile, asked: &Asked, mut progress: impl FnMut(f64)) ->
     };
     let outcomes = each(&jobs, run, &mut progress);
     let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let a_row = (asked.seeds * u64::from(asked.noises)) as usize;
+    let a_row = (request.seeds * u64::from(request.noises)) as usize;
     let outcomes: Vec<_> =
-        asked.rows.iter().copied().zip(outcomes.chunks(a_row).map(<[_]>::to_vec)).collect();
+        request.rows.iter().copied().zip(outcomes.chunks(a_row).map(<[_]>::to_vec)).collect();
     let rows = outcomes.iter().map(|(which, outcomes)| Summary::of(*which, outcomes)).collect();
     Ok(Robustness { rows, outcomes })
 }
@@ -159,7 +165,7 @@ impl Job {
         let sample = PlantSample::of(file, self.which, self.seed)?;
         let known = &sample.known;
         let joint = if known == file { *joint } else { joint_params(known)? };
-        let plant = told_apart(&sample.params);
+        let plant = separable_orders(&sample.params);
         let judged = Judged::of(known, &plant);
         let bench = |sensors| {
             let conditions =
@@ -168,10 +174,10 @@ impl Job {
         };
         let rivals = RIVALS
             .iter()
-            .map(|rival| judged.courses(bench(rival.sensors)?, (rival.build)(known)?, &JUDGED))
+            .map(|rival| judged.results(bench(rival.sensors)?, (rival.build)(known)?, &JUDGED))
             .collect::<Result<_, _>>()?;
         let compensated = |joint: &JointParams<f32>, sensors, scenarios: &[Scenario]| {
-            judged.courses(bench(sensors)?, HostCompensator::build(joint)?, scenarios)
+            judged.results(bench(sensors)?, HostCompensator::build(joint)?, scenarios)
         };
         let both_sets = |joint: &JointParams<f32>, scenarios: &[Scenario]| -> Result<_, Error> {
             let [motor, both] = SensorSet::ALL.map(|sensors| compensated(joint, sensors, scenarios));

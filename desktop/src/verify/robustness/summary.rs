@@ -1,27 +1,27 @@
-//! What the runs of a row come to.
+//! Summary of a row's runs.
 
-use super::again::{WorstRun, worst};
-use super::course::{Course, JUDGED, Shake};
+use super::rerun::{WorstRun, worst};
+use super::run_result::{JUDGED, Oscillation, RunResult};
 use super::{Outcome, RIVALS, Rival};
 use crate::bench::SensorSet;
 use crate::bounds;
 use crate::figure::{Figure, number};
-use crate::judge::{Mark, rms};
+use crate::judge::{Metric, rms};
 use crate::plant::unknowns::Which;
 use crate::scenario::Scenario;
 use crate::verify::Measured;
 
-/// Ratios with a bound: its row, scenario, mark.
-pub(super) const RATIOS: [(&str, Scenario, Mark); 4] = [
-    ("robustness.s1.vibration", Scenario::S1, Mark::StepVibration),
-    ("robustness.s2.error", Scenario::S2, Mark::Error),
-    ("robustness.s3.vibration", Scenario::S3, Mark::MoveVibration),
-    ("robustness.s4.error", Scenario::S4, Mark::Error),
+/// Ratios with a bound: its row, scenario, metric.
+pub(super) const RATIOS: [(&str, Scenario, Metric); 4] = [
+    ("robustness.s1.vibration", Scenario::S1, Metric::StepVibration),
+    ("robustness.s2.error", Scenario::S2, Metric::Error),
+    ("robustness.s3.vibration", Scenario::S3, Metric::MoveVibration),
+    ("robustness.s4.error", Scenario::S4, Metric::Error),
 ];
 /// Those of which the worst over B0 is reported.
-const WORST: [(&str, Scenario, Mark); 2] = [
-    ("s2.error.to_b0", Scenario::S2, Mark::Error),
-    ("s3.vibration.to_b0", Scenario::S3, Mark::MoveVibration),
+const WORST: [(&str, Scenario, Metric); 2] = [
+    ("s2.error.to_b0", Scenario::S2, Metric::Error),
+    ("s3.vibration.to_b0", Scenario::S3, Metric::MoveVibration),
 ];
 /// Worst plants that are named.
 const NAMED: usize = 3;
@@ -29,21 +29,21 @@ const NAMED: usize = 3;
 /// Every row.
 #[derive(Clone)]
 pub struct Robustness {
-    /// In the order in which they were asked for.
+    /// In the requested order.
     pub rows: Vec<Summary>,
-    /// What they sum up, in the same order.
+    /// Summarised outcomes, in the same order.
     pub outcomes: Vec<(Which, Vec<Outcome>)>,
 }
 
 /// A row.
 #[derive(Clone, Debug)]
 pub struct Summary {
-    /// Its name and what it is off by.
+    /// Its name and uncertainty.
     pub name: &'static str,
     what: &'static str,
     /// Runs that were judged, with a set of sensors.
     pub runs: usize,
-    /// Runs of each rival that shake beside B0.
+    /// Runs of each rival that shake against B0.
     rivals_shake: Vec<usize>,
     /// With the motor's sensors, with both encoders.
     pub sets: [OfSensors; 2],
@@ -96,7 +96,7 @@ impl Summary {
         }
     }
 
-    /// Its figures, each beside its bound.
+    /// Its figures, each with its bound.
     fn figures(&self) -> Vec<Figure> {
         SensorSet::ALL
             .into_iter()
@@ -115,48 +115,49 @@ impl Summary {
 impl OfSensors {
     fn of(sensors: SensorSet, outcomes: &[Outcome]) -> Self {
         let ours = |outcome: &Outcome| outcome.compensated[sensors as usize].clone();
-        let count = |bad: fn(Option<&Course>, Option<&Course>) -> bool| {
+        let count = |bad: fn(Option<&RunResult>, Option<&RunResult>) -> bool| {
             std::array::from_fn(|k| {
                 let runs = outcomes.iter().map(|outcome| (ours(outcome)[k].clone(), &outcome.rivals[0][k]));
                 runs.filter(|(ours, b0)| bad(ours.as_ref(), b0.as_ref())).count()
             })
         };
-        let median_of = |course: &dyn Fn(&Outcome) -> Option<Course>, scenario, mark| {
+        let median_of = |result: &dyn Fn(&Outcome) -> Option<RunResult>, scenario, metric| {
             median(outcomes.iter().map(|outcome| {
-                let ours = course(outcome).map_or(f64::INFINITY, |ours| ours.mark(scenario, mark));
-                ours / best(outcome, sensors, scenario, mark)
+                let ours = result(outcome).map_or(f64::INFINITY, |ours| ours.metric(scenario, metric));
+                ours / best(outcome, sensors, scenario, metric)
             }))
         };
         let place = |scenario| JUDGED.iter().position(|other| *other == scenario).unwrap_or_default();
-        let told =
-            |scenario, mark| median_of(&|outcome| ours(outcome)[place(scenario)].clone(), scenario, mark);
+        let ratio =
+            |scenario, metric| median_of(&|outcome| ours(outcome)[place(scenario)].clone(), scenario, metric);
         let untold = |variant: usize| {
-            let course = |outcome: &Outcome| {
+            let result = |outcome: &Outcome| {
                 outcome.untold.as_ref()?[variant][sensors as usize][place(Scenario::S4)].clone()
             };
-            median_of(&course, Scenario::S4, Mark::Error)
+            median_of(&result, Scenario::S4, Metric::Error)
         };
         let has_untold = outcomes.iter().all(|outcome| outcome.untold.is_some());
         Self {
             shakes: count(|ours, b0| shake(ours, b0).is_some()),
             limited: count(limited),
             worse: count(worse),
-            ratios: RATIOS.map(|(_, scenario, mark)| told(scenario, mark)),
-            worst: WORST.map(|(_, scenario, mark)| {
+            ratios: RATIOS.map(|(_, scenario, metric)| ratio(scenario, metric)),
+            worst: WORST.map(|(_, scenario, metric)| {
                 let ratios = outcomes.iter().map(|outcome| {
                     let ours =
-                        ours(outcome)[place(scenario)].as_ref().map(|course| course.mark(scenario, mark));
-                    let b0 =
-                        outcome.rivals[0][place(scenario)].as_ref().map(|course| course.mark(scenario, mark));
+                        ours(outcome)[place(scenario)].as_ref().map(|result| result.metric(scenario, metric));
+                    let b0 = outcome.rivals[0][place(scenario)]
+                        .as_ref()
+                        .map(|result| result.metric(scenario, metric));
                     (ours.unwrap_or(f64::INFINITY) / b0.unwrap_or(f64::INFINITY), outcome.seed)
                 });
                 ratios.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).unwrap_or((f64::NAN, 0))
             }),
             torque_at_rest: median(outcomes.iter().map(|outcome| {
-                let at_rest = |courses: &[Option<Course>]| {
-                    rms(courses
+                let at_rest = |results: &[Option<RunResult>]| {
+                    rms(results
                         .iter()
-                        .map(|course| course.as_ref().map_or(f64::INFINITY, |c| c.torque_at_rest)))
+                        .map(|result| result.as_ref().map_or(f64::INFINITY, |c| c.torque_at_rest)))
                 };
                 at_rest(&ours(outcome)) / at_rest(&outcome.rivals[0])
             })),
@@ -175,7 +176,7 @@ impl OfSensors {
             self.bad
                 .first()
                 .filter(|_| figure.value > 0.0)
-                .map_or(figure.clone(), |bad| figure.of_draw(bad.seed))
+                .map_or(figure.clone(), |bad| figure.of_seed(bad.seed))
         };
         let mut figures = vec![
             count("robustness.shakes", &self.shakes),
@@ -189,7 +190,7 @@ impl OfSensors {
             WORST
                 .iter()
                 .zip(self.worst)
-                .map(|((what, ..), (ratio, seed))| reported(what, ratio).of_draw(seed)),
+                .map(|((what, ..), (ratio, seed))| reported(what, ratio).of_seed(seed)),
         );
         if let Some([learnt, absent]) = self.untold {
             figures.extend([reported("s4.error.learnt", learnt), reported("s4.error.absent", absent)]);
@@ -250,14 +251,14 @@ impl Robustness {
             )
         });
         let mut lines: Vec<_> = lines.collect();
-        let again = self.rows.iter().find_map(|row| {
+        let rerun = self.rows.iter().find_map(|row| {
             let bad = row.sets.iter().find_map(|set| set.bad.first())?;
             Some(format!(
                 "one of them: strainwave verify robustness --row {} --first {} --seeds 1",
                 row.name, bad.seed
             ))
         });
-        lines.extend(again);
+        lines.extend(rerun);
         lines
     }
 }
@@ -297,12 +298,12 @@ impl Bad {
             let shake = shake(ours.as_ref(), b0.as_ref())?;
             Some(format!("{}/{}", scenario.name(), shake.name()))
         });
-        let list = |bad: fn(Option<&Course>, Option<&Course>) -> bool| -> Vec<_> {
+        let list = |bad: fn(Option<&RunResult>, Option<&RunResult>) -> bool| -> Vec<_> {
             let runs = runs().filter(|(_, (ours, b0))| bad(ours.as_ref(), b0.as_ref()));
             runs.map(|(scenario, _)| scenario.name().to_owned()).collect()
         };
         let ratios = runs().flat_map(|(_, (ours, b0))| match (ours, b0) {
-            (Some(ours), Some(b0)) => ours.marks.iter().zip(&b0.marks).map(|(a, b)| a / b).collect(),
+            (Some(ours), Some(b0)) => ours.metrics.iter().zip(&b0.metrics).map(|(a, b)| a / b).collect(),
             _ => vec![f64::INFINITY],
         });
         let ratio = ratios.fold(0.0, f64::max);
@@ -313,21 +314,21 @@ impl Bad {
 }
 
 /// One that diverged does, also where B0 does.
-fn shake(ours: Option<&Course>, b0: Option<&Course>) -> Option<Shake> {
+fn shake(ours: Option<&RunResult>, b0: Option<&RunResult>) -> Option<Oscillation> {
     match (ours, b0) {
-        (Some(ours), Some(b0)) => ours.shakes(b0),
-        (None, _) => Some(Shake::Diverged),
+        (Some(ours), Some(b0)) => ours.oscillates(b0),
+        (None, _) => Some(Oscillation::Diverged),
         (Some(_), None) => None,
     }
 }
 
 /// One that diverged is not.
-fn limited(ours: Option<&Course>, b0: Option<&Course>) -> bool {
+fn limited(ours: Option<&RunResult>, b0: Option<&RunResult>) -> bool {
     matches!((ours, b0), (Some(ours), Some(b0)) if ours.is_limited(b0))
 }
 
-/// Where B0 diverges there is nothing to be better than.
-fn worse(ours: Option<&Course>, b0: Option<&Course>) -> bool {
+/// No run is worse than a diverged B0.
+fn worse(ours: Option<&RunResult>, b0: Option<&RunResult>) -> bool {
     match (ours, b0) {
         (Some(ours), Some(b0)) => ours.is_worse(b0),
         (None, b0) => b0.is_some(),
@@ -340,12 +341,12 @@ pub(super) fn reads_no_more(rival: &Rival, sensors: SensorSet) -> bool {
     sensors == SensorSet::Both || rival.sensors == SensorSet::Motor
 }
 
-/// The smallest mark of the rivals that read no more than these sensors.
-fn best(outcome: &Outcome, sensors: SensorSet, scenario: Scenario, mark: Mark) -> f64 {
+/// The smallest metric of the rivals that read no more than these sensors.
+fn best(outcome: &Outcome, sensors: SensorSet, scenario: Scenario, metric: Metric) -> f64 {
     let rivals = RIVALS.iter().zip(&outcome.rivals).filter(|(rival, _)| reads_no_more(rival, sensors));
     let place = JUDGED.iter().position(|other| *other == scenario).unwrap_or_default();
-    let marks = rivals.filter_map(|(_, courses)| Some(courses[place].as_ref()?.mark(scenario, mark)));
-    marks.fold(f64::INFINITY, f64::min)
+    let metrics = rivals.filter_map(|(_, results)| Some(results[place].as_ref()?.metric(scenario, metric)));
+    metrics.fold(f64::INFINITY, f64::min)
 }
 
 /// The middle, the mean of the two middle ones of an even count; NaN counts as larger than any, and none as NaN.
@@ -372,8 +373,8 @@ mod tests {
 
     #[test]
     fn what_diverges_shakes_and_is_worse_where_b0_does_not() {
-        let some = Course::default();
-        assert_eq!([shake(None, Some(&some)), shake(None, None)], [Some(Shake::Diverged); 2]);
+        let some = RunResult::default();
+        assert_eq!([shake(None, Some(&some)), shake(None, None)], [Some(Oscillation::Diverged); 2]);
         assert_eq!([shake(Some(&some), None), shake(Some(&some), Some(&some))], [None; 2]);
         assert!(worse(None, Some(&some)) && !worse(None, None) && !worse(Some(&some), None));
     }

@@ -1,4 +1,4 @@
-//! What one instruction makes of the registers.
+//! Effect of one instruction on the registers.
 
 use capstone::arch::arm::{ArmOperandType, ArmReg, ArmShift};
 
@@ -66,13 +66,13 @@ fn forget_written(instruction: &Instruction, after: &mut State) {
     }
 }
 
-/// What a register list takes in memory, in bytes.
+/// Size of a register list in memory, in bytes.
 fn register_bytes(instruction: &Instruction) -> i32 {
     let double = ArmReg::ARM_REG_D0..=ArmReg::ARM_REG_D31;
     instruction.registers().map(|r| if double.contains(&r) { 8 } else { 4 }).sum()
 }
 
-/// How far `[sp, #x]!` or `[sp], #x` moves the stack pointer, in bytes.
+/// Change of the stack pointer by `[sp, #x]!` or `[sp], #x`, in bytes.
 fn indexed_by(instruction: &Instruction) -> i32 {
     let after = instruction.operands.len().checked_sub(1).and_then(|last| instruction.immediate(last));
     after.unwrap_or_else(|| instruction.memory().map_or(0, |m| m.2))

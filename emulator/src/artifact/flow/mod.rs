@@ -20,7 +20,7 @@ use super::disassembly::{Flow, Instruction};
 use super::image::{Function, Image};
 use super::{Error, symbol};
 
-/// Where a call through a pointer can go; the image does not tell, so a person has to.
+/// Targets of a call through a pointer, stated by a person: the image does not contain them.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IndirectCall {
@@ -41,7 +41,7 @@ pub struct Call {
     pub depth: u32,
 }
 
-/// What a function's code does.
+/// Summary of a function's code.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Summary {
     /// Its own deepest stack, in bytes.
@@ -170,7 +170,7 @@ impl<'i> Walk<'i> {
         }
     }
 
-    /// What `bx r`, `mov pc, r` and `ldr pc, [pc, #x]` jump to.
+    /// Target of `bx r`, `mov pc, r` and `ldr pc, [pc, #x]`.
     fn pointer(&self, instruction: &Instruction, before: &State) -> Value {
         if instruction.name == "ldr" {
             return effect::literal(self.image, instruction);

@@ -1,10 +1,10 @@
-//! What the registers are known to hold at one place of a function.
+//! Known values of the registers at one place of a function.
 
 use capstone::arch::arm::ArmReg;
 
 use super::super::disassembly::{LR, PC, SP};
 
-/// What a register is known to hold.
+/// Known value of a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Value {
     Unknown,

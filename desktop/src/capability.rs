@@ -1,4 +1,4 @@
-//! What a joint can do: the loads and moves of a scenario are as large on every gear, in shares of what it is rated for.
+//! Capability of a joint: the loads and moves of a scenario scale with the ratings of the gear.
 //!
 //! ```text
 //! loads   as on the default gear, times  tau_rated/67 N m
@@ -12,29 +12,29 @@
 use crate::gear_file::GearFile;
 use crate::scenario::{Demand, FAST_MOVE, FAST_MOVE_DISTANCE};
 
-/// Rated torque of the default gear (N m), of which the scenarios' loads are told.
+/// Rated torque of the default gear (N m), that the scenarios' loads refer to.
 const RATED: f64 = 67.0;
 /// Largest first and second derivative of the move from 0 to 1 in 1.
 const SMOOTH_SPEED: f64 = 2.1875;
 const SMOOTH_ACCELERATION: f64 = 7.5132;
 
-/// What the scenarios need to know of a joint.
+/// Ratings of a joint that the scenarios scale with.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ability {
+pub struct Capability {
     /// Rated torque through the gear (N m).
     pub rated_torque: f64,
     /// Size of its moves, in those of the default gear.
     pub moves: f64,
 }
 
-impl Default for Ability {
+impl Default for Capability {
     /// The default gear's.
     fn default() -> Self {
         Self { rated_torque: RATED, moves: 1.0 }
     }
 }
 
-impl Ability {
+impl Capability {
     /// Of the joint of a gear file.
     pub fn of(file: &GearFile) -> Self {
         let n = f64::from(file.gear.ratio);
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn the_default_gear_does_all_of_it() {
-        assert_eq!(Ability::of(&GearFile::default_gear()), Ability::default());
+        assert_eq!(Capability::of(&GearFile::default_gear()), Capability::default());
     }
 
     /// Half the speed, torque or rating halves the moves at most; loads follow the rating.
@@ -84,7 +84,7 @@ mod tests {
         let of = |change: fn(&mut GearFile)| {
             let mut file = GearFile::default_gear();
             change(&mut file);
-            Ability::of(&file)
+            Capability::of(&file)
         };
         let slow = of(|file| file.motor.rotor_speed_limit *= 0.5);
         assert!(slow.moves < 0.55 && slow.moves > 0.45, "{slow:?}");

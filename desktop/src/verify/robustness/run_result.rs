@@ -1,4 +1,4 @@
-//! What one run of one scenario on a judged plant was like.
+//! Result of one run of one scenario on a judged plant.
 //!
 //! After the scenario the joint stops and rests ([`Rest`]). Oscillation at rest is what is left of torsion and of motor
 //! torque when their running mean over the natural period is taken away, rms over the last 0.3 s.
@@ -8,43 +8,43 @@ use strainwave::compensator::{Faults, Mode};
 use strainwave::flexspline::Flexspline;
 use strainwave::gear::GearParams;
 
-use crate::ability::Ability;
 use crate::bench::Bench;
+use crate::capability::Capability;
 use crate::closed_loop::{Controller, Row, go_on};
 use crate::divergence::RunError;
 use crate::gear_file::GearFile;
 use crate::joint::CONTROL_PERIOD;
-use crate::judge::{Judge, Mark, rms, without_slow_part};
+use crate::judge::{Judge, Metric, rms, without_slow_part};
 use crate::scenario::{Rest, Scenario};
 use crate::working_motion::WorkingMotion;
 
 /// The scenarios that a controller is judged in.
 pub const JUDGED: [Scenario; 5] = [Scenario::S1, Scenario::S2, Scenario::S3, Scenario::S4, Scenario::S5];
 
-/// Marks of a scenario that are angles of the output or of the torsion, and how they are judged: the smaller the better.
-pub fn marks(scenario: Scenario) -> &'static [Mark] {
+/// Metrics of a scenario that are angles of the output or of the torsion, and how they are judged: the smaller the better.
+pub fn metrics(scenario: Scenario) -> &'static [Metric] {
     match scenario {
-        Scenario::S1 => &[Mark::Error, Mark::StepVibration],
-        Scenario::S2 => &[Mark::Error],
-        Scenario::S3 => &[Mark::Error, Mark::MoveVibration],
-        Scenario::S4 => &[Mark::Error, Mark::Ripple],
-        Scenario::S5 => &[Mark::Error, Mark::Peak, Mark::Steady],
+        Scenario::S1 => &[Metric::Error, Metric::StepVibration],
+        Scenario::S2 => &[Metric::Error],
+        Scenario::S3 => &[Metric::Error, Metric::MoveVibration],
+        Scenario::S4 => &[Metric::Error, Metric::Ripple],
+        Scenario::S5 => &[Metric::Error, Metric::Peak, Metric::Steady],
         Scenario::S6 => &[],
     }
 }
 
 /// Longest time at the torque limit of a run's judged part (s).
 const LONGEST_LIMITED: f64 = 0.01;
-/// A run shakes when it oscillates at rest by more than this many times B0.
+/// A run oscillates when it oscillates at rest by more than this many times B0.
 const TIMES: f64 = 3.0;
 /// Nor does it below this torsion (rad), and this share of the rated torque.
 const QUIET: [f64; 2] = [10e-6, 0.02];
-/// A mark is worse than B0's when it is both by this factor, and by this angle: a count of an encoder of 19 bits (rad).
+/// A metric is worse than B0's when it is both by this factor, and by this angle: a count of an encoder of 19 bits (rad).
 const WORSE: (f64, f64) = (1.05, 12e-6);
 
-/// How a run shakes.
+/// Oscillation of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shake {
+pub enum Oscillation {
     /// The torsion oscillates at rest.
     Torsion,
     /// The motor's torque alone does.
@@ -53,7 +53,7 @@ pub enum Shake {
     Diverged,
 }
 
-impl Shake {
+impl Oscillation {
     /// For people.
     pub fn name(self) -> &'static str {
         ["torsion", "torque", "diverged"][self as usize]
@@ -62,9 +62,9 @@ impl Shake {
 
 /// One run.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Course {
-    /// What the scenario is judged by (rad).
-    pub marks: Vec<f64>,
+pub struct RunResult {
+    /// Metrics of the scenario (rad).
+    pub metrics: Vec<f64>,
     /// Oscillation at rest, of the torsion (rad).
     pub torsion_at_rest: f64,
     /// The same of the motor's torque, in rated torques.
@@ -77,20 +77,20 @@ pub struct Course {
     pub mode: Mode,
 }
 
-impl Course {
-    /// A mark of a run of this scenario; NaN where it has none.
-    pub fn mark(&self, scenario: Scenario, mark: Mark) -> f64 {
-        let place = marks(scenario).iter().position(|other| *other == mark);
-        place.and_then(|place| self.marks.get(place).copied()).unwrap_or(f64::NAN)
+impl RunResult {
+    /// A metric of a run of this scenario; NaN where it has none.
+    pub fn metric(&self, scenario: Scenario, metric: Metric) -> f64 {
+        let place = metrics(scenario).iter().position(|other| *other == metric);
+        place.and_then(|place| self.metrics.get(place).copied()).unwrap_or(f64::NAN)
     }
 
     /// It keeps oscillating at rest where B0 does not; in which way.
-    pub fn shakes(&self, b0: &Self) -> Option<Shake> {
+    pub fn oscillates(&self, b0: &Self) -> Option<Oscillation> {
         let [torsion, torque] = self.shaking(b0).map(|over| over > 1.0 || over.is_nan());
-        if torsion { Some(Shake::Torsion) } else { torque.then_some(Shake::Torque) }
+        if torsion { Some(Oscillation::Torsion) } else { torque.then_some(Oscillation::Torque) }
     }
 
-    /// Oscillation at rest of the torsion and of the motor's torque, each over the largest that is none beside B0's.
+    /// Oscillation at rest of the torsion and of the motor's torque, each over the largest that is none against B0's.
     pub fn shaking(&self, b0: &Self) -> [f64; 2] {
         [
             self.torsion_at_rest / (TIMES * b0.torsion_at_rest).max(QUIET[0]),
@@ -103,51 +103,51 @@ impl Course {
         self.limited > LONGEST_LIMITED.max(2.0 * b0.limited)
     }
 
-    /// A mark of it is worse than B0's; one that neither has is not.
+    /// A metric of it is worse than B0's; one that neither has is not.
     pub fn is_worse(&self, b0: &Self) -> bool {
-        self.worse_marks(b0) > 0
+        self.worse_metrics(b0) > 0
     }
 
-    /// Largest ratio to B0's of a mark that is more than a count above it; 0 when there is none.
+    /// Largest ratio to B0's of a metric that is more than a count above it; 0 when there is none.
     pub fn worst_ratio(&self, b0: &Self) -> f64 {
-        let above = self.marks.iter().zip(&b0.marks).filter(|(ours, b0)| **ours > **b0 + WORSE.1);
+        let above = self.metrics.iter().zip(&b0.metrics).filter(|(ours, b0)| **ours > **b0 + WORSE.1);
         above.map(|(ours, b0)| ours / b0).fold(0.0, f64::max)
     }
 
-    /// How many of its marks are worse than those of a baseline in the same scenario.
-    pub fn worse_marks(&self, baseline: &Self) -> usize {
+    /// Number of its metrics that are worse than those of a baseline in the same scenario.
+    pub fn worse_metrics(&self, baseline: &Self) -> usize {
         let worse = |(ours, other): &(&f64, &f64)| {
             let no_worse = **ours <= WORSE.0 * **other || **ours <= **other + WORSE.1;
             let none = ours.is_nan() && other.is_nan();
             !no_worse && !none
         };
-        self.marks.iter().zip(&baseline.marks).filter(worse).count()
+        self.metrics.iter().zip(&baseline.metrics).filter(worse).count()
     }
 }
 
 /// A controller's runs on one plant, in the order of [`JUDGED`]; none of a run under which the plant diverged.
-pub type Courses = [Option<Course>; JUDGED.len()];
+pub type RunResults = [Option<RunResult>; JUDGED.len()];
 
 /// The plant that a run is judged by.
 pub struct Judged<'a> {
-    /// Its parameters; of the kinematic error's orders none so near to another that a run cannot tell them apart.
+    /// Its parameters; of the kinematic error's orders none so near to another that a run cannot separate them.
     pub plant: &'a GearParams<f64>,
     /// Torque limit of the controller (N m).
     pub torque_limit: f64,
     /// Rated torque at the motor (N m).
     pub rated: f64,
-    /// What the joint can do.
-    pub ability: Ability,
+    /// Capability of the joint.
+    pub capability: Capability,
 }
 
 impl<'a> Judged<'a> {
-    /// What judges the runs of a joint that is known as `known` and is `plant`.
+    /// Judge of a joint with the gear file `known` and the true parameters `plant`.
     pub fn of(known: &GearFile, plant: &'a GearParams<f64>) -> Self {
         Self {
             plant,
             torque_limit: known.motor.peak_torque,
             rated: known.gear.rated_torque / f64::from(known.gear.ratio),
-            ability: Ability::of(known),
+            capability: Capability::of(known),
         }
     }
 
@@ -155,23 +155,23 @@ impl<'a> Judged<'a> {
     ///
     /// # Errors
     /// A parameter that no model can be built from.
-    pub fn courses<F: Flexspline<f64>, C: Controller<Error = RunError> + Clone>(
+    pub fn results<F: Flexspline<f64>, C: Controller<Error = RunError> + Clone>(
         &self,
         mut bench: Bench<F>,
         mut controller: C,
         scenarios: &[Scenario],
-    ) -> Result<Courses, Error>
+    ) -> Result<RunResults, Error>
     where
         Bench<F>: Clone,
     {
         let worked = unless_diverged(bench.go(&WorkingMotion, &mut controller, |_, _, _, _| ()))?;
-        let mut courses = Courses::default();
-        for (course, scenario) in courses.iter_mut().zip(JUDGED) {
+        let mut results = RunResults::default();
+        for (result, scenario) in results.iter_mut().zip(JUDGED) {
             if worked.is_some() && scenarios.contains(&scenario) {
-                *course = unless_diverged(self.course(bench.clone(), controller.clone(), scenario))?;
+                *result = unless_diverged(self.result(bench.clone(), controller.clone(), scenario))?;
             }
         }
-        Ok(courses)
+        Ok(results)
     }
 
     /// Works, and goes into one scenario from there.
@@ -183,24 +183,24 @@ impl<'a> Judged<'a> {
         mut bench: Bench<F>,
         mut controller: C,
         scenario: Scenario,
-    ) -> Result<Course, C::Error>
+    ) -> Result<RunResult, C::Error>
     where
         C::Error: From<RunError>,
     {
         bench.go(&WorkingMotion, &mut controller, |_, _, _, _| ())?;
-        self.course(bench, controller, scenario)
+        self.result(bench, controller, scenario)
     }
 
     /// One scenario from where bench and controller are, then the rest.
     ///
     /// # Errors
     /// As [`Bench::go`].
-    pub(crate) fn course<F: Flexspline<f64>, C: Controller>(
+    pub(crate) fn result<F: Flexspline<f64>, C: Controller>(
         &self,
         mut bench: Bench<F>,
         mut controller: C,
         scenario: Scenario,
-    ) -> Result<Course, C::Error>
+    ) -> Result<RunResult, C::Error>
     where
         C::Error: From<RunError>,
     {
@@ -208,7 +208,7 @@ impl<'a> Judged<'a> {
         let mut faults = rows.iter().fold(Faults::NONE, |faults, row| faults.with(row.answer.faults));
         let mut mode = Mode::default();
         let mut at_rest = Vec::new();
-        let rest = Rest { from: scenario.at(scenario.duration(), &self.ability) };
+        let rest = Rest { from: scenario.at(scenario.duration(), &self.capability) };
         bench.go(&rest, &mut controller, |k, _, plant, answer| {
             (faults, mode) = (faults.with(answer.faults), answer.mode);
             if k as f64 * CONTROL_PERIOD >= Rest::JUDGED_FROM {
@@ -217,7 +217,7 @@ impl<'a> Judged<'a> {
         })?;
         let period = Judge::new(scenario, self.plant, &rows).natural_period().map_err(RunError::from)?;
         let oscillation = |values: Vec<f64>| rms(without_slow_part(&values, period));
-        Ok(Course {
+        Ok(RunResult {
             torsion_at_rest: oscillation(at_rest.iter().map(|(torsion, _)| *torsion).collect()),
             torque_at_rest: oscillation(at_rest.iter().map(|(_, torque)| *torque / self.rated).collect()),
             faults,
@@ -226,17 +226,20 @@ impl<'a> Judged<'a> {
         })
     }
 
-    /// What the rows of a scenario were like, one each control period; its oscillation at rest is left 0.
+    /// Result of a scenario's rows, one each control period; its oscillation at rest is left 0.
     ///
     /// # Errors
     /// A plant whose stiffness line is none.
-    pub fn without_rest(&self, scenario: Scenario, rows: &[Row]) -> Result<Course, Error> {
+    pub fn without_rest(&self, scenario: Scenario, rows: &[Row]) -> Result<RunResult, Error> {
         let judge = Judge::new(scenario, self.plant, rows);
         let at_limit = |row: &&Row| f64::from(row.answer.motor_torque.abs()) >= 0.999 * self.torque_limit;
-        Ok(Course {
-            marks: marks(scenario).iter().map(|mark| judge.mark(*mark)).collect::<Result<_, _>>()?,
+        Ok(RunResult {
+            metrics: metrics(scenario)
+                .iter()
+                .map(|metric| judge.metric(*metric))
+                .collect::<Result<_, _>>()?,
             limited: judge.judged().iter().filter(at_limit).count() as f64 * CONTROL_PERIOD,
-            ..Course::default()
+            ..RunResult::default()
         })
     }
 }
@@ -254,8 +257,8 @@ fn unless_diverged<T>(run: Result<T, RunError>) -> Result<Option<T>, Error> {
 mod tests {
     use super::*;
 
-    const B0: Course = Course {
-        marks: vec![],
+    const B0: RunResult = RunResult {
+        metrics: vec![],
         torsion_at_rest: 5e-6,
         torque_at_rest: 0.001,
         limited: 0.0,
@@ -263,24 +266,25 @@ mod tests {
         mode: Mode::Active,
     };
 
-    fn course(error: f64) -> Course {
-        Course { marks: vec![error], ..B0 }
+    fn result(error: f64) -> RunResult {
+        RunResult { metrics: vec![error], ..B0 }
     }
 
     #[test]
     fn what_keeps_oscillating_shakes() {
-        let shakes =
-            |torsion_at_rest, torque_at_rest| Course { torsion_at_rest, torque_at_rest, ..B0 }.shakes(&B0);
+        let shakes = |torsion_at_rest, torque_at_rest| {
+            RunResult { torsion_at_rest, torque_at_rest, ..B0 }.oscillates(&B0)
+        };
         assert_eq!(shakes(14e-6, 0.019), None);
-        assert_eq!([shakes(16e-6, 0.0), shakes(f64::NAN, 0.0)], [Some(Shake::Torsion); 2]);
-        assert_eq!(shakes(0.0, 0.021), Some(Shake::Torque));
-        let limited = |limited| Course { limited, ..B0 }.is_limited(&B0);
+        assert_eq!([shakes(16e-6, 0.0), shakes(f64::NAN, 0.0)], [Some(Oscillation::Torsion); 2]);
+        assert_eq!(shakes(0.0, 0.021), Some(Oscillation::Torque));
+        let limited = |limited| RunResult { limited, ..B0 }.is_limited(&B0);
         assert!(!limited(0.009) && limited(0.011));
     }
 
     #[test]
     fn worse_is_more_than_a_twentieth_and_a_count() {
-        let worse = |ours: f64, b0: f64| course(ours).is_worse(&course(b0));
+        let worse = |ours: f64, b0: f64| result(ours).is_worse(&result(b0));
         assert!(!worse(1.04e-3, 1e-3) && !worse(11e-6, 1e-6) && !worse(5e-6, 9e-6));
         assert!(worse(1.06e-3, 1e-3) && worse(14e-6, 1e-6) && worse(f64::NAN, 1.0));
         assert!(!worse(f64::NAN, f64::NAN));
@@ -288,11 +292,11 @@ mod tests {
 
     #[test]
     fn a_mark_stands_where_its_scenario_has_it() {
-        let course = Course { marks: vec![1.0, 2.0], ..B0 };
+        let result = RunResult { metrics: vec![1.0, 2.0], ..B0 };
         assert_eq!(
-            [Mark::Error, Mark::MoveVibration].map(|mark| course.mark(Scenario::S3, mark)),
+            [Metric::Error, Metric::MoveVibration].map(|metric| result.metric(Scenario::S3, metric)),
             [1.0, 2.0]
         );
-        assert!(course.mark(Scenario::S3, Mark::Peak).is_nan());
+        assert!(result.metric(Scenario::S3, Metric::Peak).is_nan());
     }
 }

@@ -2,10 +2,10 @@
 //!
 //! | claim | value of a run |
 //! | --- | --- |
-//! | `shakes` | oscillation at rest over the largest that is none beside B0's |
+//! | `shakes` | oscillation at rest over the largest that is none against B0's |
 //! | `limited` | time at the torque limit in the judged part (s) |
-//! | `worse` | largest ratio to B0's of a mark that is more than a count above it |
-//! | a mark's | ratio to the best rival's |
+//! | `worse` | largest ratio to B0's of a metric that is more than a count above it |
+//! | a metric's | ratio to the best rival's |
 //! | `rest.torque` | motor torque's oscillation at rest over B0's |
 //!
 //! Each run is made as it was on the condensed mesh: 10 s of work, the scenario, the rest.
@@ -13,31 +13,31 @@
 use strainwave::Error;
 use strainwave::gear::GearParams;
 
-use super::course::{Course, JUDGED, Judged};
+use super::run_result::{JUDGED, Judged, RunResult};
 use super::summary::{RATIOS, reads_no_more};
-use super::{Outcome, RIVALS, Rival, told_apart};
+use super::{Outcome, RIVALS, Rival, separable_orders};
 use crate::bench::{Bench, Conditions, SensorSet};
 use crate::closed_loop::Controller;
 use crate::divergence::RunError;
 use crate::gear_file::GearFile;
-use crate::judge::Mark;
+use crate::judge::Metric;
 use crate::plant::sample::PlantSample;
 use crate::plant::unknowns::Which;
 use crate::scenario::Scenario;
 
-/// What is claimed.
+/// Claim of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Claim {
     Shakes,
     Limited,
     Worse,
-    Ratio(&'static str, Scenario, Mark),
+    Ratio(&'static str, Scenario, Metric),
     RestTorque,
 }
 
 impl Claim {
     fn all() -> impl Iterator<Item = Self> {
-        let ratios = RATIOS.iter().map(|(row, scenario, mark)| Self::Ratio(row, *scenario, *mark));
+        let ratios = RATIOS.iter().map(|(row, scenario, metric)| Self::Ratio(row, *scenario, *metric));
         [Self::Shakes, Self::Limited, Self::Worse, Self::RestTorque].into_iter().chain(ratios)
     }
 
@@ -63,22 +63,23 @@ impl Claim {
     fn value(
         self,
         scenario: Scenario,
-        ours: Option<&Course>,
-        rivals: &[Option<Course>],
+        ours: Option<&RunResult>,
+        rivals: &[Option<RunResult>],
         sensors: SensorSet,
     ) -> f64 {
         let Some(ours) = ours else { return f64::INFINITY };
         let b0 = rivals.first().and_then(Option::as_ref);
-        let beside_b0 = |of: fn(&Course, &Course) -> f64| b0.map_or(0.0, |b0| of(ours, b0));
+        let beside_b0 = |of: fn(&RunResult, &RunResult) -> f64| b0.map_or(0.0, |b0| of(ours, b0));
         match self {
             Self::Shakes => beside_b0(|ours, b0| ours.shaking(b0).into_iter().fold(0.0, f64::max)),
             Self::Limited => ours.limited,
-            Self::Worse => beside_b0(Course::worst_ratio),
+            Self::Worse => beside_b0(RunResult::worst_ratio),
             Self::RestTorque => beside_b0(|ours, b0| ours.torque_at_rest / b0.torque_at_rest),
-            Self::Ratio(_, _, mark) => {
+            Self::Ratio(_, _, metric) => {
                 let fair = RIVALS.iter().zip(rivals).filter(|(rival, _)| reads_no_more(rival, sensors));
-                let marks = fair.filter_map(|(_, course)| Some(course.as_ref()?.mark(scenario, mark).abs()));
-                ours.mark(scenario, mark).abs() / marks.fold(f64::INFINITY, f64::min)
+                let metrics =
+                    fair.filter_map(|(_, result)| Some(result.as_ref()?.metric(scenario, metric).abs()));
+                ours.metric(scenario, metric).abs() / metrics.fold(f64::INFINITY, f64::min)
             }
         }
     }
@@ -87,13 +88,13 @@ impl Claim {
 /// One scenario on one plant with one noise.
 #[derive(Clone, Copy, PartialEq)]
 pub struct Place {
-    /// What the plant is off by.
+    /// Uncertainty of the plant.
     pub which: Which,
     /// The plant.
     pub seed: u64,
     /// Its noise.
     pub realisation: u32,
-    /// What it is asked.
+    /// Scenario of the run.
     pub scenario: Scenario,
 }
 
@@ -101,11 +102,11 @@ pub struct Place {
 #[derive(Clone, Copy)]
 pub struct WorstRun {
     claim: Claim,
-    /// Where.
+    /// Plant and scenario.
     pub place: Place,
-    /// What the compensator read.
+    /// Sensors of the compensator.
     pub sensors: SensorSet,
-    /// What the claim came to on the condensed mesh, in its unit.
+    /// Value of the claim on the condensed mesh, in its unit.
     pub condensed: f64,
 }
 
@@ -124,8 +125,8 @@ impl WorstRun {
         self.claim.unit()
     }
 
-    /// What the claim comes to in another run of the compensator, beside others of the rivals in their order.
-    pub fn value(&self, ours: Option<&Course>, rivals: &[Option<Course>]) -> f64 {
+    /// Value of the claim in another run of the compensator, against others of the rivals in their order.
+    pub fn value(&self, ours: Option<&RunResult>, rivals: &[Option<RunResult>]) -> f64 {
         self.claim.value(self.place.scenario, ours, rivals, self.sensors)
     }
 }
@@ -152,7 +153,7 @@ fn worst_scenario(which: Which, outcome: &Outcome, sensors: SensorSet, claim: Cl
     let ours = &outcome.compensated[sensors as usize];
     let runs = JUDGED.into_iter().enumerate().filter(|(_, scenario)| claim.is_of(*scenario));
     let runs = runs.map(|(place, scenario)| {
-        let rivals: Vec<_> = outcome.rivals.iter().map(|courses| courses[place].clone()).collect();
+        let rivals: Vec<_> = outcome.rivals.iter().map(|results| results[place].clone()).collect();
         let condensed = claim.value(scenario, ours[place].as_ref(), &rivals, sensors);
         let place = Place { which, seed: outcome.seed, realisation: outcome.realisation, scenario };
         WorstRun { claim, place, sensors, condensed }
@@ -161,7 +162,7 @@ fn worst_scenario(which: Which, outcome: &Outcome, sensors: SensorSet, claim: Cl
 }
 
 /// The plant of a place, for runs on the reference mesh.
-pub struct Again {
+pub struct Rerun {
     place: Place,
     sample: PlantSample,
     judged: GearParams<f64>,
@@ -172,14 +173,14 @@ impl Place {
     ///
     /// # Errors
     /// As [`PlantSample::of`].
-    pub fn again(self, file: &GearFile) -> Result<Again, Error> {
+    pub fn again(self, file: &GearFile) -> Result<Rerun, Error> {
         let sample = PlantSample::of(file, self.which, self.seed)?;
-        Ok(Again { place: self, judged: told_apart(&sample.params), sample })
+        Ok(Rerun { place: self, judged: separable_orders(&sample.params), sample })
     }
 }
 
-impl Again {
-    /// What a controller is built for.
+impl Rerun {
+    /// Gear file that a controller is built for.
     pub fn known(&self) -> &GearFile {
         &self.sample.known
     }
@@ -188,9 +189,9 @@ impl Again {
     ///
     /// # Errors
     /// A parameter that no model can be built from.
-    pub fn rival(&self, rival: &Rival) -> Result<Option<Course>, Error> {
-        match self.course(rival.sensors, &mut (rival.build)(self.known())?) {
-            Ok(course) => Ok(Some(course)),
+    pub fn rival(&self, rival: &Rival) -> Result<Option<RunResult>, Error> {
+        match self.result(rival.sensors, &mut (rival.build)(self.known())?) {
+            Ok(result) => Ok(Some(result)),
             Err(RunError::Diverged(_)) => Ok(None),
             Err(RunError::Parameter(error)) => Err(error),
         }
@@ -200,7 +201,7 @@ impl Again {
     ///
     /// # Errors
     /// The controller's, a plant that cannot be built, or one that diverges.
-    pub fn course<C: Controller>(&self, sensors: SensorSet, controller: &mut C) -> Result<Course, C::Error>
+    pub fn result<C: Controller>(&self, sensors: SensorSet, controller: &mut C) -> Result<RunResult, C::Error>
     where
         C::Error: From<RunError>,
     {
@@ -219,20 +220,20 @@ mod tests {
     use super::*;
 
     fn outcome(seed: u64, error: f64, limited: f64) -> Outcome {
-        let course = |error| {
-            Some(Course {
-                marks: vec![error],
+        let result = |error| {
+            Some(RunResult {
+                metrics: vec![error],
                 torsion_at_rest: 1e-6,
                 torque_at_rest: 1e-3,
                 limited: 0.0,
-                ..Course::default()
+                ..RunResult::default()
             })
         };
-        let mut ours: [Option<Course>; JUDGED.len()] = Default::default();
-        ours.fill(course(error));
+        let mut ours: [Option<RunResult>; JUDGED.len()] = Default::default();
+        ours.fill(result(error));
         ours[1].as_mut().unwrap().limited = limited;
         let mut theirs = ours.clone();
-        theirs.fill(course(1e-4));
+        theirs.fill(result(1e-4));
         let compensated = [ours.clone(), ours];
         Outcome { seed, realisation: 0, rivals: vec![theirs; RIVALS.len()], compensated, untold: None }
     }
