@@ -20,6 +20,25 @@ use crate::error::{Error, require};
 use crate::real::{RADIANS_PER_COUNT, Real, seldom};
 
 /// An unbounded angle.
+///
+/// An f32 alone would resolve a motor's angle after a million turns to 0.5 rad; this is exact to a count, and where the
+/// counts wrap, differences go on:
+///
+/// ```
+/// use strainwave::Angle;
+///
+/// let million_turns = Angle::<f32>::from_counts(1_000_000 << 32);
+/// let moved = million_turns.plus(1e-6).plus(1e-6);
+/// assert!((moved.minus(million_turns) - 2e-6).abs() < 1e-12);
+/// assert_eq!(1_000_000.0_f32 * std::f32::consts::TAU + 1e-6, 1_000_000.0_f32 * std::f32::consts::TAU);
+///
+/// let last = Angle::<f32>::from_counts(i64::MAX);
+/// assert!((last.plus(0.25).minus(last) - 0.25).abs() < 1e-7);
+/// // A quarter turn: what an encoder of 19 bits shows, and its direction.
+/// let quarter = Angle::<f32>::from_turn_fraction(1, 4);
+/// assert_eq!(quarter.phase() >> (32 - 19), (1 << 19) / 4);
+/// assert!((quarter.sin_cos().0 - 1.0).abs() < 1e-6);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Angle<R> {
     /// Whole counts, 2^32 to a revolution.
@@ -128,6 +147,20 @@ fn rounded<R: Real>(counts: i64) -> R {
 }
 
 /// A gear ratio r = 1/n, n positive or negative, as an exact map of angles.
+///
+/// With the circular spline fixed the output turns against the motor, once in N turns of it; there and back nothing is
+/// lost:
+///
+/// ```
+/// use strainwave::{Angle, Ratio};
+///
+/// let gear = Ratio::one_over(-100)?;
+/// let motor = Angle::<f32>::from_counts(100 << 32);
+/// assert_eq!(gear.apply(motor).counts, -(1 << 32));
+/// let output = Angle::<f32>::from_radians(0.3);
+/// assert!(gear.apply(gear.to_motor(output)).minus(output).abs() < 1e-12); // rad
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ratio {
     n: i32,

@@ -6,6 +6,16 @@ use core::fmt;
 ///
 /// Every `build` checks its parameters once and names the first that is out of range;
 /// after that `step` is total.
+///
+/// A build names the first parameter that is out of its range, so that a gear file can be corrected:
+///
+/// ```
+/// use strainwave::Error;
+/// use strainwave::friction::DahlParams;
+///
+/// let too_soft = DahlParams { coulomb: 1.0, stiffness: 0.0, exponent: 1.0 };
+/// assert_eq!(too_soft.build().err(), Some(Error::OutOfRange("stiffness")));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Error {
     /// The named parameter is not finite or outside the range that its documentation states.

@@ -74,6 +74,32 @@ impl<R: Real> Motion<R> {
 
 /// A gear around a flexspline model `F` and a friction model `C` of both contacts, stepped by a fixed dt, with
 /// `L` levels of hysteresis and a memory of `MEMORY` turning points.
+///
+/// The wave generator is held and a load of -50 N m comes on: the output swings and settles at a wind-up of about
+/// 50 N m over the stiffness, less what static friction holds.
+///
+/// ```
+/// # mod joint { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/joint/hd25_100.rs")); }
+/// # use joint::JOINT;
+/// use strainwave::compensator::{RealTimeFlexspline, RealTimeGear};
+/// use strainwave::gear::Motion;
+///
+/// let params = JOINT.gear;
+/// let flexspline = RealTimeFlexspline::build(&params.flexspline, params.rated_torque)?;
+/// let gear: RealTimeGear<f32> = params.build(flexspline, JOINT.dt)?;
+/// let (mut state, held, mut output) = (gear.rest(), Motion::default(), Motion::default());
+/// let mut deepest = 0.0_f32;
+/// for _ in 0..20_000 {
+///     let torques = gear.step(&mut state, &mut output, &held, -50.0);
+///     deepest = deepest.max(torques.torsion);
+/// }
+/// let torsion = held.angle.minus(output.angle);
+/// let line = params.flexspline.line.build()?;
+/// assert!((torsion - line.torsion(50.0)).abs() < 0.15 * torsion, "{torsion}"); // rad
+/// assert!(deepest > 1.3 * torsion); // it overshot
+/// assert!(output.velocity.abs() < 1e-3); // and is at rest after 2 s
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Gear<R: Real, F, C, const L: usize, const MEMORY: usize> {
     ratio: Ratio,

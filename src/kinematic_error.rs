@@ -211,6 +211,26 @@ impl<R: Real> ErrorAndSlope<R> {
 }
 
 /// Built model; it has no state.
+///
+/// Even orders repeat every half turn of the wave generator; an order relative to the flexspline beats with the same
+/// order relative to the case:
+///
+/// ```
+/// use strainwave::kinematic_error::{KinematicErrorParams, Term};
+/// use strainwave::{Angle, Ratio};
+///
+/// let ratio = Ratio::one_over(-100)?;
+/// let second = Term { order: 2, amplitude: 1e-4_f64, phase: 0.0 };
+/// let of_case = KinematicErrorParams { case: [second], ..Default::default() }.build(ratio)?;
+/// let at = |turns: f64| Angle::from_radians_f64(turns * std::f64::consts::TAU);
+/// assert!((of_case.at(at(0.1)).error - of_case.at(at(0.6)).error).abs() < 1e-12);
+/// assert!((of_case.at(at(0.125)).error - 1e-4).abs() < 1e-12); // its peak, at the output (rad)
+///
+/// let both = KinematicErrorParams { case: [second], flexspline: [second] }.build(ratio)?;
+/// let amplitude = |turn: f64| (0..100).map(|k| both.at(at(turn + f64::from(k) / 100.0)).error).fold(0.0, f64::max);
+/// assert!(amplitude(0.0) > 1.9e-4 && amplitude(24.5) < 0.2e-4); // in phase, and a quarter turn of the output later
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KinematicError<R, const K: usize> {
     case: Series<R, K>,

@@ -13,6 +13,56 @@
 //! | [`trajectory`] | moves from rest to rest with bounded velocity, acceleration, jerk and snap |
 //! | [`angle`], [`real`], [`error`] | angles without bound, the scalar and its functions, why a build fails |
 //!
+//! # Quick start
+//!
+//! `JOINT` is a joint's parameters as Rust source, generated from its gear file; `examples/joint/hd25_100.rs` is that of a
+//! gear of size 25 with the ratio 100. Below, the model of the gear takes the place of motor and gear. A load of 20 N m
+//! pushes against the output; the output reaches its target to 50 urad.
+//!
+//! ```
+//! # mod joint { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/joint/hd25_100.rs")); }
+//! # use joint::JOINT;
+//! use strainwave::compensator::{CompensationGains, Input, RealTimeFlexspline, RealTimeGear, Sensors};
+//! use strainwave::gear::{Applied, Motion};
+//! use strainwave::trajectory::TrajectoryParams;
+//! use strainwave::Angle;
+//!
+//! let compensator = JOINT.build()?; // checks every parameter once, by name
+//! let mut state = compensator.rest();
+//! let limits = TrajectoryParams { velocity: 0.5, acceleration: 5.0, jerk: 100.0, snap: 5e3 };
+//! let way = limits.build(JOINT.dt)?.plan(Angle::default(), Angle::from_radians(0.1))?;
+//!
+//! // The plant; on a controller these are the encoder, the motor and the gear themselves.
+//! let flexspline = RealTimeFlexspline::build(&JOINT.gear.flexspline, JOINT.gear.rated_torque)?;
+//! let gear: RealTimeGear<f32> = JOINT.gear.build(flexspline, JOINT.dt)?;
+//! let (mut memory, mut motor, mut output) = (gear.rest(), Motion::default(), Motion::default());
+//! let (mut torque, load) = (0.0, -20.0);
+//!
+//! for period in 0..10_000 {
+//!     // What the 10 kHz interrupt does: read the sensors, one call, send the torque.
+//!     let sensors = Sensors {
+//!         motor_encoder: motor.angle.phase() >> (32 - JOINT.motor_encoder_bits),
+//!         output_encoder: Some(output.angle.phase() >> (32 - JOINT.output_encoder_bits)), // None without one
+//!         motor_torque: torque,
+//!         output_torque: None, // of a strain gauge
+//!     };
+//!     let command = way.at(period).into();
+//!     let input = Input { sensors, command, gains: CompensationGains::ALL.into(), ..Input::default() };
+//!     torque = compensator.control(&mut state, &input).motor_torque; // finite and bounded for any input bits
+//!
+//!     let inside = gear.torques(&mut memory, &motor, &output, Applied { motor: torque, load });
+//!     output.advance(gear.flange_acceleration(&inside, load), JOINT.dt);
+//!     motor.advance((torque - inside.wave_generator) / JOINT.gear.wave_generator_inertia, JOINT.dt);
+//! }
+//! let estimate = compensator.output(&state).estimate; // torsion, torques, load, and their standard deviations
+//! assert!((output.angle.minus(way.end())).abs() < 5e-5); // rad; the gear is wound up by ten times that
+//! assert!((estimate.external_torque - load).abs() < 2.0); // N m, estimated, not measured
+//! # Ok::<(), strainwave::Error>(())
+//! ```
+//!
+//! More are in `examples/`: a whole control loop, a measured log through the observer, a move fed forward, the inverse of
+//! the hysteresis, the friction models compared.
+//!
 //! Equation, figure and table numbers are those of "Modeling of torsional vibration in harmonic drives".
 //! Everything has one shape: `Params` in SI units; `build` checks them once and names the first that is out
 //! of range; then `step(&self, &mut State, input) -> output`, total: finite and bounded for any input bits.

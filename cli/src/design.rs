@@ -1,7 +1,7 @@
 //! `design`: gains, poles and margins of a joint.
 
 use std::f64::consts::TAU;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use strainwave_desktop::bench::SensorSet;
@@ -12,10 +12,12 @@ use strainwave_desktop::design::levels::Levels;
 use strainwave_desktop::design::parts::Parts;
 use strainwave_desktop::design::report::{Poles, Report, place};
 use strainwave_desktop::design::sweep::{Measured, sweep};
-use strainwave_desktop::{BadInput, GearFile};
+use strainwave_desktop::joint::{self, joint_params};
+use strainwave_desktop::{BadInput, GearFile, file};
 
 use crate::figures::{Figures, FiguresArguments, columns, say};
 use crate::files;
+use crate::page::PageArguments;
 use crate::progress::Progress;
 
 /// Frequencies at which |L| is measured (Hz).
@@ -46,6 +48,12 @@ pub struct Arguments {
     /// Also measure |L| in the loop of the real code and print it next to the linear one
     #[arg(long)]
     sweep: bool,
+    /// Also write the joint's parameters as Rust source, for firmware: those that the gear file gives, whatever --cascade and
+    /// --functions are
+    #[arg(long, value_name = "JOINT.rs")]
+    joint: Option<PathBuf>,
+    #[command(flatten)]
+    page: PageArguments,
     #[command(flatten)]
     figures: FiguresArguments,
 }
@@ -99,10 +107,21 @@ fn levels(functions: Functions, file: &GearFile, parts: &Parts) -> Allowed {
 /// Analyses and judges.
 pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     let json = arguments.figures.json.as_deref();
-    files::require_distinct(&[("GEAR.toml", Some(&arguments.gear)), ("--json", json)])?;
+    files::require_distinct(&[
+        ("GEAR.toml", Some(&arguments.gear)),
+        ("--joint", arguments.joint.as_deref()),
+        ("--markdown", arguments.page.markdown.as_deref()),
+        ("--json", json),
+    ])?;
     let file = GearFile::read(&arguments.gear)?;
     file.require_firmware_friction().map_err(|why| BadInput::new(&arguments.gear, why))?;
-    files::require_writable(json)?;
+    for path in [arguments.joint.as_deref(), json] {
+        files::require_writable(path)?;
+    }
+    arguments.page.require_renewable()?;
+    if let Some(path) = &arguments.joint {
+        write_joint(&file, path)?;
+    }
     let mut parts = Parts::of(&file).map_err(BadInput::message)?;
     let rule = cascade_of(arguments, &file)?;
     parts.feedback = rule.map_or(parts.feedback, |gains| gains.params(&file));
@@ -114,7 +133,19 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     if arguments.sweep {
         print_sweep(&file)?;
     }
-    Ok(Figures::new(report.figures(), &arguments.figures))
+    let figures = report.figures();
+    arguments.page.renew(&figures)?;
+    Ok(Figures::new(figures, &arguments.figures))
+}
+
+/// What firmware includes.
+fn write_joint(gear: &GearFile, path: &Path) -> Result<(), BadInput> {
+    let params = joint_params(gear).map_err(BadInput::message)?;
+    params.build().map_err(BadInput::message)?;
+    let source = joint::source(&params, &gear.gear.name);
+    file::write(path, |out| Ok(out.write_all(source.as_bytes())?))?;
+    say(format_args!("joint: {}\n", path.display()));
+    Ok(())
 }
 
 fn table<const N: usize>(header: [&str; N], rows: Vec<[String; N]>) {

@@ -41,6 +41,11 @@ impl Figures {
         Self { printed: true, ..Self::new(figures, arguments) }
     }
 
+    /// What was measured.
+    pub fn measured(&self) -> &[Figure] {
+        &self.figures
+    }
+
     /// Writes the JSON file, prints the table, and tells whether every figure holds.
     pub fn publish(self) -> Result<bool, BadInput> {
         if let Some(path) = &self.json {

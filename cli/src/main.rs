@@ -10,6 +10,7 @@ mod faults;
 mod figures;
 mod files;
 mod identify;
+mod page;
 mod pil;
 mod pil_plots;
 mod progress;

@@ -17,6 +17,7 @@ use strainwave_emulator::pil::{self, Replay, ScenarioRun, TargetRun, Trial};
 
 use crate::figures::{Figures, FiguresArguments, say};
 use crate::files;
+use crate::page::PageArguments;
 use crate::pil_plots;
 use crate::progress::Progress;
 
@@ -73,6 +74,11 @@ pub struct Arguments {
     /// Folder for the plots
     #[arg(long, value_name = "DIR", default_value = "out")]
     plots: PathBuf,
+    /// Draw the output error of one scenario, with and without the compensator, to this file (SVG)
+    #[arg(long, value_name = "FILE.svg", conflicts_with = "replay")]
+    picture: Option<PathBuf>,
+    #[command(flatten)]
+    page: PageArguments,
     #[command(flatten)]
     figures: FiguresArguments,
 }
@@ -103,14 +109,22 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         ("--json", json),
     ])?;
     // The gear file itself may be kept anew.
-    files::require_distinct(&[("--keep", arguments.keep.as_deref()), ("--json", json)])?;
+    let (picture, page) = (arguments.picture.as_deref(), arguments.page.markdown.as_deref());
+    files::require_distinct(&[
+        ("--keep", arguments.keep.as_deref()),
+        ("--picture", picture),
+        ("--markdown", page),
+        ("--json", json),
+    ])?;
     require_keepable(arguments)?;
+    require_one_picture(arguments)?;
     let (mut gear, text) = arguments.gear.as_deref().map_or_else(|| Ok(default_gear()), firmware_gear)?;
     let log =
         arguments.replay.as_deref().map(|path| replayable(path, arguments.reversed_torque)).transpose()?;
-    for path in [arguments.keep.as_deref(), json] {
+    for path in [arguments.keep.as_deref(), picture, json] {
         files::require_writable(path)?;
     }
+    arguments.page.require_renewable()?;
     files::require_folder(&arguments.plots)?;
     let learnt = learn(arguments, &mut gear, log.as_ref())?;
     let firmware = pil::prepare(&arguments.board, &gear).map_err(BadInput::message)?;
@@ -118,7 +132,18 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         Some(log) => replay(arguments, &firmware.elf, &gear, log, learnt)?,
         None => scenarios(arguments, &firmware.elf, &gear, &text)?,
     };
+    arguments.page.renew(&figures)?;
     Ok(Figures::new(figures, &arguments.figures))
+}
+
+/// A picture is of one run.
+fn require_one_picture(arguments: &Arguments) -> Result<(), BadInput> {
+    match (&arguments.picture, arguments.scenario.0.as_slice()) {
+        (None, _) | (_, [_]) => Ok(()),
+        _ => Err(BadInput::message(
+            "--picture with --scenario all: a picture is of one run; allowed: one of S1..S6",
+        )),
+    }
 }
 
 /// A gear that the firmware can be built for, and its text.
@@ -239,6 +264,9 @@ fn run_trial(
     let path = arguments.plots.join(format!("pil.{}.svg", trial.name()));
     files::make_folder(&arguments.plots)?;
     pil_plots::scenario(&run, gear).write(&path)?;
+    if let Some(path) = &arguments.picture {
+        pil_plots::comparison(&run).write(path)?;
+    }
     let sample = BoxSample::from_seed(seed);
     say(format_args!("{}: {}; plot {}", trial.name(), scenario.title(), path.display()));
     say(format_args!(

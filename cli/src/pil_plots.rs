@@ -15,6 +15,9 @@ use strainwave_emulator::pil::ScenarioRun;
 /// Control periods from one drawn row of a replay to the next.
 const EVERY: usize = 10;
 
+/// Points of a curve in the picture for a page of text.
+const POINTS: usize = 1000;
+
 /// Highest frequency of a spectrum (Hz): some times that of the torsion mode.
 const HIGHEST: f64 = 200.0;
 
@@ -56,6 +59,21 @@ pub fn scenario(run: &ScenarioRun, gear: &GearFile) -> Page {
     let page = estimates::ALL.iter().fold(page, |page, of| page.with(estimate_error(of, rows, &time)));
     let page = ringing(run).into_iter().fold(page, Page::with);
     if scenario == Scenario::S6 { page.with(torque_over_torsion(rows)) } else { page }
+}
+
+/// The output error with the cascade alone and with the compensator, small enough for a page of text.
+pub fn comparison(run: &ScenarioRun) -> Page {
+    let of = |of: &Run| -> [Vec<f64>; 2] {
+        let rows: Vec<_> = of.trace.iter().step_by(of.trace.len().div_ceil(POINTS)).copied().collect();
+        [column(&rows, |row| row.time), column(&rows, |row| error(row) * 1e6)]
+    };
+    let panel = Panel::new("time", "s", "output error", "urad");
+    let shown = |name: &String| name == "B0" || name == "compensated";
+    Page::new("").with(controllers(run).filter(|(name, _)| shown(name)).fold(panel, |panel, (name, run)| {
+        let [time, error] = of(run);
+        let name = if name == "B0" { "cascade alone".to_owned() } else { name };
+        panel.with(Series::line(name, &time, &error))
+    }))
 }
 
 /// Error of an estimate, with the band of three of its declared standard deviations.

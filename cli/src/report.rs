@@ -23,6 +23,9 @@ pub struct Arguments {
     /// The page; written complete or not at all, its folder made when missing
     #[arg(long, value_name = "FILE", default_value = "out/report.html")]
     output: PathBuf,
+    /// Also write each picture as a file of its own into this folder (SVG)
+    #[arg(long, value_name = "DIR")]
+    pictures: Option<PathBuf>,
     #[command(flatten)]
     figures: FiguresArguments,
 }
@@ -42,11 +45,21 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     if folder.is_dir() {
         files::require_writable(Some(output))?;
     }
+    if let Some(pictures) = &arguments.pictures {
+        files::require_folder(pictures)?;
+    }
     let mut progress = Progress::new(1000, "measuring and drawing");
     let report = report::build(&gear, |share| progress.set((share * 1e3) as u64))?;
     drop(progress);
     files::make_folder(folder)?;
     file::write(output, |out| Ok(out.write_all(report.html.as_bytes())?))?;
+    if let Some(pictures) = &arguments.pictures {
+        files::make_folder(pictures)?;
+        for picture in &report.pictures {
+            let path = pictures.join(format!("{}.svg", picture.name));
+            file::write(&path, |out| Ok(out.write_all(picture.svg.as_bytes())?))?;
+        }
+    }
     for note in &report.measured.notes {
         say(format_args!("{note}"));
     }

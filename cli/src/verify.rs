@@ -17,6 +17,7 @@ use strainwave_emulator::verify::{self as emulated, Parts};
 
 use crate::figures::{Figures, FiguresArguments, columns, say, table as figures_table};
 use crate::files;
+use crate::page::PageArguments;
 use crate::progress::Progress;
 
 /// The part that is measured in the emulator alone.
@@ -78,6 +79,8 @@ pub struct Arguments {
     #[arg(long, value_name = "COUNT", default_value_t = 0, conflicts_with = "reference", value_parser = value_parser!(u64).range(0..=1000))]
     again: u64,
     #[command(flatten)]
+    page: PageArguments,
+    #[command(flatten)]
     figures: FiguresArguments,
 }
 
@@ -92,9 +95,22 @@ fn part_parser() -> impl TypedValueParser<Value = String> {
         .map(String::from)
 }
 
-/// Measures the requested parts.
+/// Measures the requested parts, and renews the page of figures.
 pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
-    files::require_writable(arguments.figures.json.as_deref())?;
+    let (json, page) = (arguments.figures.json.as_deref(), arguments.page.markdown.as_deref());
+    files::require_distinct(&[
+        ("--gear", arguments.gear.as_deref()),
+        ("--markdown", page),
+        ("--json", json),
+    ])?;
+    files::require_writable(json)?;
+    arguments.page.require_renewable()?;
+    let figures = measure(arguments)?;
+    arguments.page.renew(figures.measured())?;
+    Ok(figures)
+}
+
+fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
     if arguments.part.as_deref() == Some(ROBUSTNESS) {
         return against_unknowns(arguments);
     }

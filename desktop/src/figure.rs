@@ -21,6 +21,9 @@ pub struct Figure {
     /// Of the worst of many samples of the plant, the seed. In JSON only where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
+    /// Name of its row in the table of bounds, where it has one. Not in JSON.
+    #[serde(skip)]
+    pub row: Option<&'static str>,
 }
 
 impl Figure {
@@ -49,6 +52,7 @@ impl Figure {
             at_least: false,
             holds: true,
             seed: None,
+            row: None,
         }
     }
 

@@ -15,6 +15,7 @@ mod dense;
 pub mod design;
 pub mod divergence;
 pub mod figure;
+pub mod figures_page;
 pub mod file;
 pub mod friction_params;
 pub mod gear_file;

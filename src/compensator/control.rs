@@ -25,6 +25,44 @@ use crate::compensator::{
 use crate::real::{Real, seldom};
 
 /// The built compensator of a joint.
+///
+/// Called every control period with the sensors and the command, it answers with the motor's torque. The joint below
+/// rests, then its setpoint leaves while the motor is blocked, so that its encoder stands still:
+///
+/// ```
+/// # mod joint { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/joint/hd25_100.rs")); }
+/// # use joint::JOINT;
+/// use strainwave::Angle;
+/// use strainwave::compensator::{CompensationGains, Faults, Input, Mode, Sensors, Setpoint};
+///
+/// let compensator = JOINT.build()?; // every parameter is checked once
+/// let mut state = compensator.rest();
+/// let mut input = Input { gains: CompensationGains::ALL.into(), ..Input::default() };
+/// for _ in 0..1000 {
+///     let commanded = compensator.control(&mut state, &input);
+///     assert_eq!((commanded.mode, commanded.faults), (Mode::Active, Faults::NONE));
+///     assert!(commanded.motor_torque.abs() < 1e-3); // it is where it should be
+/// }
+/// // 50 urad forwards at the output: the motor has to turn backwards, for the ratio is negative.
+/// input.command = Setpoint { position: Angle::from_radians(5e-5), ..Setpoint::default() }.into();
+/// for _ in 0..20 {
+///     input.sensors.motor_torque = compensator.control(&mut state, &input).motor_torque;
+/// }
+/// assert!(input.sensors.motor_torque < 0.0);
+/// // A torque measurement that is not a number is named; its last value is held.
+/// let broken = Sensors { motor_torque: f32::NAN, ..input.sensors };
+/// let commanded = compensator.control(&mut state, &Input { sensors: broken, ..input });
+/// assert!(commanded.faults.contains(Faults::INPUT_NOT_FINITE) && commanded.motor_torque.is_finite());
+/// // Torque beyond friction, and the encoder does not move: within 10 ms the drive is off, until a reset.
+/// for _ in 0..100 {
+///     input.sensors.motor_torque = compensator.control(&mut state, &input).motor_torque;
+/// }
+/// assert_eq!((state.mode(), input.sensors.motor_torque), (Mode::Safe, 0.0));
+/// assert!(state.cause().contains(Faults::MOTOR_ENCODER_FROZEN));
+/// compensator.reset(&mut state);
+/// assert_eq!(state.mode(), Mode::Ready);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Compensator<R: Real> {
     pub(super) gear: RealTimeGear<R>,

@@ -1,6 +1,16 @@
 //! Faults of a joint, by name.
 
 /// A set of named faults, one bit each.
+///
+/// ```
+/// use strainwave::compensator::Faults;
+///
+/// let mut faults = Faults::NONE;
+/// faults.raise_if(true, Faults::OVERSPEED);
+/// faults.raise_if(1.0 > 2.0, Faults::TORQUE_LIMITED);
+/// assert_eq!(faults.names().collect::<Vec<_>>(), ["overspeed"]);
+/// assert_eq!(Faults::from_bits(faults.bits()), faults); // as telemetry carries them
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Faults(u32);
 

@@ -18,6 +18,8 @@
 //! smooth to the third order. Angles that are compared in every period are kept relative to the motor's encoder: small
 //! numbers, which an f32 resolves.
 //!
+//! In the examples `JOINT` is a [`JointParams`], as it is generated from a gear file: `examples/joint/hd25_100.rs`.
+//!
 //! [`Compensator::control`] is total: for any input bits every output is finite and bounded, and faults are reported
 //! as [`Faults`] by name. Units: rad, rad/s, N m; signs as in [`crate::gear`].
 

@@ -26,6 +26,18 @@ pub const PLAN_TO_MODELS: u32 = 6;
 pub const MODELS_TO_PLAN: u32 = SLOW_PERIODS - PLAN_TO_MODELS;
 
 /// The slot of a control period.
+///
+/// The observer runs in every second control period, everything else once a round:
+///
+/// ```
+/// use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS, Slot};
+///
+/// let round = std::iter::successors(Some(Slot::default()), |slot| Some(slot.next())).take(SLOW_PERIODS as usize);
+/// let slots: Vec<Slot> = round.collect();
+/// assert_eq!(slots.iter().filter(|slot| slot.observes()).count(), (SLOW_PERIODS / OBSERVER_PERIODS) as usize);
+/// assert_eq!(slots.iter().filter(|slot| **slot == Slot::Plan).count(), 1);
+/// assert_eq!(slots.last().unwrap().next(), slots[0]);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Slot {
     /// The observer.

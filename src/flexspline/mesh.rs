@@ -30,6 +30,29 @@ use crate::real::Real;
 const RELAXATION_STEPS: usize = 4000;
 
 /// The n x m mesh with its tooth contact, stepped by a fixed dt.
+///
+/// Held at one end and turned at the other, the settled mesh has the catalogue's stiffness K1, and so has its reduction,
+/// which needs no steps:
+///
+/// ```
+/// # mod joint { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/joint/hd25_100.rs")); }
+/// # use joint::JOINT;
+/// use strainwave::Angle;
+/// use strainwave::flexspline::{Ends, Flexspline, Mesh, Reduced};
+///
+/// let params = JOINT.gear.flexspline;
+/// let mesh = Mesh::<f32, 8, 3>::build(&params, 0.9 * Mesh::<f32, 8, 3>::stable_step(&params))?;
+/// let reduced = Reduced::<f32, 8, 3>::build(&params, JOINT.gear.rated_torque)?;
+/// let torsion = 3e-4; // rad; below the first knee
+/// let ends = Ends { drive: Angle::from_radians(torsion), ..Ends::default() };
+/// let mut state = mesh.rest();
+/// mesh.relax(&mut state, &ends, 4000);
+/// let torque = mesh.step(&mut state, &ends).flange; // N m
+/// let [k1, ..] = params.line.stiffness;
+/// assert!((torque / torsion / k1 - 1.0).abs() < 0.01, "{torque}");
+/// assert!((torque - reduced.torque(torsion, 0.0)).abs() < 0.01 * JOINT.gear.rated_torque);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh<R, const N: usize, const M: usize> {
     shell: Shell<R, N, M>,

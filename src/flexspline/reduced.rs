@@ -71,6 +71,26 @@ pub type Node = (usize, usize);
 pub type Direction = (i32, i32);
 
 /// The condensed N x M mesh.
+///
+/// One law in the place of thousands of steps: a damped spring along the catalogue's line. It says where each slice of
+/// the cup stands, too: the rim turns ahead of the flange by the torque over the stiffness of the tube.
+///
+/// ```
+/// # mod joint { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/joint/hd25_100.rs")); }
+/// # use joint::JOINT;
+/// use strainwave::flexspline::Reduced;
+///
+/// let (params, rated) = (JOINT.gear.flexspline, JOINT.gear.rated_torque);
+/// let flexspline = Reduced::<f32, 8, 3>::build(&params, rated)?;
+/// let torsion = flexspline.torsion(40.0);
+/// assert!((flexspline.torque(torsion, 0.0) - 40.0).abs() < 1e-3);
+/// assert!(flexspline.torque(torsion, 0.1) > 40.0); // damping resists the motion
+/// assert!(flexspline.saturates(flexspline.torque(1.0, 0.0))); // bounded: at 5 times the rated torque
+/// let [rim, .., flange] = flexspline.twist(); // rad/(N m)
+/// assert_eq!(flange, 0.0);
+/// assert!((rim * params.cup.stiffness() - 1.0).abs() < 1e-4);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reduced<R, const N: usize, const M: usize> {
     line: StiffnessLine<R>,

@@ -22,6 +22,23 @@ pub struct StiffnessLineParams<R> {
 }
 
 /// An odd, monotone, three-piece line and its inverse.
+///
+/// The catalogue's line of a gear of size 25 with the ratio 100: wind-up at the rated torque, its inverse, and the
+/// stored energy as the work of the torque.
+///
+/// ```
+/// use strainwave::flexspline::stiffness_line::StiffnessLineParams;
+///
+/// let line = StiffnessLineParams { stiffness: [3.1e4_f64, 5.0e4, 5.7e4], knee_torque: [14.0, 48.0] }.build()?;
+/// let rated = line.torsion(67.0);
+/// assert!((rated - (14.0 / 3.1e4 + 34.0 / 5.0e4 + 19.0 / 5.7e4)).abs() < 1e-15); // 1.46 mrad
+/// assert!((line.torque(rated) - 67.0).abs() < 1e-12);
+/// assert_eq!(line.torque(-rated), -line.torque(rated));
+/// let step = rated / 1e4;
+/// let work: f64 = (0..10_000).map(|k| line.torque((f64::from(k) + 0.5) * step) * step).sum();
+/// assert!((work - line.energy(rated)).abs() < 1e-9);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StiffnessLine<R> {
     by_torsion: Pieces<R>,

@@ -35,6 +35,26 @@ use crate::real::Real;
 const SAMPLES: usize = 8;
 
 /// The built gauge.
+///
+/// A gauge on the cup as a torque sensor: what is left when the strain by the ellipse has been taken off is the torque's.
+///
+/// ```
+/// # mod joint { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/joint/hd25_100.rs")); }
+/// # use joint::JOINT;
+/// use strainwave::Angle;
+/// use strainwave::flexspline::{Reduced, StrainGauge};
+///
+/// let cup = Reduced::<f32, 36, 4>::build(&JOINT.gear.flexspline, JOINT.gear.rated_torque)?;
+/// let gauge = StrainGauge::build(&cup, (0, 1), (1, 1))?;
+/// for angle in [0.0, 0.4, 1.3, 2.9] {
+///     let wave_generator = Angle::from_radians(angle);
+///     let read = gauge.strain(30.0, wave_generator); // strain, without unit
+///     let torque = (read - gauge.strain(0.0, wave_generator)) / gauge.per_torque;
+///     assert!((torque - 30.0).abs() < 0.01);
+/// }
+/// assert!(gauge.cosine.hypot(gauge.sine) > (gauge.per_torque * 67.0).abs()); // the ellipse strains it more
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrainGauge<R> {
     /// Mean strain without torque, by the ellipse.

@@ -41,6 +41,20 @@ pub struct TwoLinksParams<R> {
 }
 
 /// The built pair.
+///
+/// Both links are linear springs, the pair is not: far out it has the stiffness of both, at rest hardly any.
+///
+/// ```
+/// use strainwave::flexspline::TwoLinksParams;
+///
+/// let pair = TwoLinksParams::relaxed(1.0_f64, 3.0, 1000.0).build()?; // m, m, N/m
+/// assert!((pair.stiffness() - 2.0 * 1000.0 * 1.0 / 10.0).abs() < 1e-9); // 2*k*a^2/L^2
+/// let slope = |at: f64| (pair.force(at + 1e-6) - pair.force(at - 1e-6)) / 2e-6;
+/// assert!(slope(1.0) > slope(0.5) && slope(0.5) > slope(0.0)); // it hardens, as b > 2*a
+/// assert!((slope(1000.0) - 2000.0).abs() < 1.0);
+/// assert!((slope(0.0) - pair.stiffness()).abs() < 1e-3);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoLinks<R> {
     params: TwoLinksParams<R>,

@@ -80,6 +80,31 @@ impl<R: Real> ArmstrongParams<R> {
 }
 
 /// Built model.
+///
+/// Static friction rises with the time at rest: after 1 s more is needed to break away than after 10 ms.
+///
+/// ```
+/// use strainwave::friction::{ArmstrongParams, FrictionModel, Slip};
+///
+/// let params = ArmstrongParams {
+///     stiffness: 1e4, coulomb: 1.0, viscous: 0.0, stribeck: 0.5, stribeck_velocity: 0.01, memory: 1e-3, dwell: 0.1,
+/// };
+/// let friction = params.build()?;
+/// let break_away_after = |rest: f64| {
+///     let mut state = Default::default();
+///     let mut peak = |velocity, time: f64| {
+///         let steps = (time / 1e-4) as u32;
+///         let slip = Slip::new(velocity, 1e-4);
+///         (0..steps).fold(0.0_f64, |peak, _| peak.max(friction.step(&mut state, &slip).force))
+///     };
+///     peak(0.1, 0.5); // slides, its static surplus is gone
+///     peak(0.0, rest);
+///     peak(0.1, 0.1)
+/// };
+/// assert!(break_away_after(1.0) > break_away_after(0.01) + 0.3);
+/// assert!(break_away_after(1.0) < 1.5);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Armstrong<R> {
     params: ArmstrongParams<R>,

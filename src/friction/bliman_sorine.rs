@@ -105,6 +105,26 @@ impl<R: Real, const P: usize> BlimanSorineState<R, P> {
 }
 
 /// Built model of order `P`.
+///
+/// Order 2 breaks away at a peak and falls to the kinetic level f1 - f2. The peak is where the closed form has it, and
+/// however the stroke is cut into steps, the force is the same:
+///
+/// ```
+/// use strainwave::friction::{BlimanSorine, FrictionModel, Slip};
+///
+/// let (f1, f2, eps, eta) = (1.5_f64, 0.5, 2e-4, 0.3);
+/// let friction = BlimanSorine::order_2(f1, f2, eps, eta)?;
+/// let after = |path: f64, steps: u32| {
+///     let mut state = Default::default();
+///     let slip = Slip::new(path / f64::from(steps), 1.0);
+///     (0..steps).fold(0.0, |_, _| friction.step(&mut state, &slip).force)
+/// };
+/// let peak = eps * eta / (1.0 - eta) * (f1 / (eta * f2)).ln();
+/// assert!(after(peak, 1) > after(0.9 * peak, 1) && after(peak, 1) > after(1.1 * peak, 1));
+/// assert!((after(peak, 1) - after(peak, 1000)).abs() < 1e-13);
+/// assert!((after(100.0 * eps, 1) - (f1 - f2)).abs() < 1e-13);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlimanSorine<R, const P: usize> {
     levels: [R; P],

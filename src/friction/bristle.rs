@@ -73,6 +73,25 @@ impl<R: Real, const B: usize> Default for BristleState<R, B> {
 }
 
 /// Built model.
+///
+/// Twenty bonds slide at the level that they were made for, and turn all work into heat:
+///
+/// ```
+/// use strainwave::friction::{BristleParams, FrictionModel, Slip};
+///
+/// let (level, reach) = (1.0_f64, 1e-3);
+/// let friction = BristleParams::<f64, 20>::of_level(level, reach).build()?;
+/// let (mut state, mut work, mut way) = (Default::default(), 0.0, 0.0);
+/// for step in 0..10_000 {
+///     let slip = Slip::new(0.01, 1e-4);
+///     let force = friction.step(&mut state, &slip).force;
+///     if step >= 2_000 {
+///         (work, way) = (work + force * slip.displacement(), way + slip.displacement());
+///     }
+/// }
+/// assert!((work / way - level).abs() < 0.01 * level);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bristle<R, const B: usize> {
     /// sigma0*delta_s.

@@ -36,6 +36,21 @@ impl<R: Real> CoulombParams<R> {
 }
 
 /// Built model.
+///
+/// A body of mass m that slides at v stops after the way m*v^2/(2*Fc):
+///
+/// ```
+/// use strainwave::friction::{CoulombParams, FrictionModel, LastForce, Slip};
+///
+/// let (friction, mut state) = (CoulombParams { coulomb: 2.0 }.build()?, LastForce::default());
+/// let (mass, dt, mut velocity, mut way) = (1.0_f64, 1e-4, 1.0, 0.0);
+/// while velocity > 0.0 {
+///     velocity -= friction.step(&mut state, &Slip::new(velocity, dt)).force / mass * dt;
+///     way += velocity * dt;
+/// }
+/// assert!((way - 0.25).abs() < 1e-3);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coulomb<R> {
     coulomb: R,

@@ -75,6 +75,23 @@ pub struct DahlState<R> {
 }
 
 /// Built model.
+///
+/// The force depends on the path, not on the time that it takes; over the way Fc/sigma it comes to 1 - 1/e of the
+/// level:
+///
+/// ```
+/// use strainwave::friction::{DahlParams, FrictionModel, Slip};
+///
+/// let friction = DahlParams { coulomb: 1.0, stiffness: 1e3, exponent: 1.0 }.build()?;
+/// let after_1_mm_at = |velocity: f64| {
+///     let mut state = Default::default();
+///     let steps = (1e-3 / (velocity * 1e-4)).round() as u32;
+///     (0..steps).fold(0.0, |_, _| friction.step(&mut state, &Slip::new(velocity, 1e-4)).force)
+/// };
+/// assert!((after_1_mm_at(0.1) - (1.0 - (-1.0_f64).exp())).abs() < 1e-12);
+/// assert!((after_1_mm_at(1.0) - after_1_mm_at(0.1)).abs() < 1e-12);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dahl<R> {
     coulomb: R,

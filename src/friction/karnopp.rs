@@ -44,6 +44,24 @@ impl<R: Real> KarnoppParams<R> {
 }
 
 /// Built model.
+///
+/// Within the dead band the body is in equilibrium although its velocity is not exactly 0:
+///
+/// ```
+/// use strainwave::friction::{FrictionModel, KarnoppParams, LastForce, LubricatedContactParams, Slip};
+///
+/// let contact = LubricatedContactParams {
+///     coulomb: 1.0, static_level: 1.3, stribeck_velocity: 0.02, stribeck_exponent: 1.0, viscous: 4.0,
+/// };
+/// let friction = KarnoppParams { contact, dead_band: 1e-3 }.build()?;
+/// let mut state = LastForce::default();
+/// let mut force = |velocity, applied| friction.step(&mut state, &Slip::new(velocity, 1e-4).under(applied, 0.0)).force;
+/// for applied in [-1.2, 0.0, 0.7] {
+///     assert_eq!(applied - force(5e-4, applied), 0.0); // no net force, so no acceleration
+/// }
+/// assert!(2.0 - force(5e-4, 2.0) > 0.0); // breaks away
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Karnopp<R> {
     contact: LubricatedContact<R>,

@@ -60,6 +60,23 @@ impl<R: Real> LubricatedContactParams<R> {
 }
 
 /// Built model.
+///
+/// The level is Fs at standstill and Fc in fast sliding; between them the curve has the slope -(Fs - Fc)/vs at v = 0,
+/// which is negative damping:
+///
+/// ```
+/// use strainwave::friction::LubricatedContactParams;
+///
+/// let params = LubricatedContactParams {
+///     coulomb: 1.0_f64, static_level: 1.3, stribeck_velocity: 0.02, stribeck_exponent: 1.0, viscous: 4.0,
+/// };
+/// let contact = params.build()?;
+/// assert!((contact.level(0.0) - 1.3).abs() < 1e-12);
+/// assert!((contact.level(2.0) - 1.0).abs() < 1e-12);
+/// let slope = (contact.level(1e-6) - contact.level(0.0)) / 1e-6;
+/// assert!((slope + 0.3 / 0.02).abs() < 1e-2);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LubricatedContact<R> {
     coulomb: R,

@@ -69,6 +69,24 @@ pub struct LuGreState<R> {
 }
 
 /// Built model.
+///
+/// In steady sliding it lies on the curve of the lubricated contact:
+///
+/// ```
+/// use strainwave::friction::{FrictionModel, LuGreParams, LubricatedContactParams, Slip};
+///
+/// let contact = LubricatedContactParams {
+///     coulomb: 1.0_f64, static_level: 1.5, stribeck_velocity: 1e-3, stribeck_exponent: 2.0, viscous: 0.4,
+/// };
+/// let friction = LuGreParams { contact, stiffness: 1e5, damping: 100.0 }.build()?;
+/// for velocity in [1e-4, 1e-3, 1e-2] {
+///     let (mut state, slip) = (Default::default(), Slip::new(velocity, 1e-5));
+///     let force = (0..200_000).fold(0.0, |_, _| friction.step(&mut state, &slip).force);
+///     let steady = contact.build()?.level(velocity) + 0.4 * velocity;
+///     assert!((force - steady).abs() < 1e-5, "{force} {steady}");
+/// }
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LuGre<R> {
     contact: LubricatedContact<R>,

@@ -64,6 +64,21 @@ pub struct ResetIntegratorState<R> {
 }
 
 /// Built model.
+///
+/// The bond breaks at (1 + a)*sigma0*z0 and then slides at sigma0*z0:
+///
+/// ```
+/// use strainwave::friction::{FrictionModel, ResetIntegratorParams, Slip};
+///
+/// let params = ResetIntegratorParams { stiffness: 1e4, stick_gain: 0.3, damping: 0.0, reach: 1e-4 };
+/// let (friction, mut state) = (params.build()?, Default::default());
+/// let slip = Slip::new(0.01, 1e-5);
+/// let forces = [(); 2000].map(|()| friction.step(&mut state, &slip).force);
+/// let peak = forces.into_iter().fold(0.0_f64, f64::max);
+/// assert!((peak - 1.3).abs() < 2e-3); // to a step of the way
+/// assert!((forces[1999] - 1.0).abs() < 1e-12);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResetIntegrator<R> {
     /// (1 + a)*sigma0.

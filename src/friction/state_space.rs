@@ -146,6 +146,30 @@ impl<R: Real, const P: usize> Default for StateSpaceState<R, P> {
 }
 
 /// Built model of order `P`.
+///
+/// Eq. (8) of order 2 by its matrices is [`super::BlimanSorine`] of order 2; matrices that would give work are refused:
+///
+/// ```
+/// use strainwave::Error;
+/// use strainwave::friction::{BlimanSorine, FrictionModel, Slip, StateSpaceParams};
+///
+/// let (f1, f2, eps, eta) = (1.5_f64, 0.5, 2e-4, 0.3);
+/// let mut params = StateSpaceParams {
+///     a: [[-1.0 / (eta * eps), 0.0], [0.0, -1.0 / eps]],
+///     b: [f1 / (eta * eps), -f2 / eps],
+///     c: [1.0, 1.0],
+/// };
+/// let (general, diagonal) = (params.build()?, BlimanSorine::order_2(f1, f2, eps, eta)?);
+/// let (mut one, mut other) = (Default::default(), Default::default());
+/// for step in 0..1000 {
+///     let slip = Slip::new(if step % 300 < 150 { 0.01 } else { -0.01 }, 1e-4);
+///     let difference = general.step(&mut one, &slip).force - diagonal.step(&mut other, &slip).force;
+///     assert!(difference.abs() < 1e-12);
+/// }
+/// params.b = [-f1 / (eta * eps), f2 / eps];
+/// assert_eq!(params.build().err(), Some(Error::OutOfRange("dissipative")));
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StateSpace<R, const P: usize> {
     a: [[R; P]; P],

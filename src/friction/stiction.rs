@@ -44,6 +44,20 @@ impl<R: Real> StaticParams<R> {
 }
 
 /// Built model.
+///
+/// It holds up to Fs, and slides at Fc:
+///
+/// ```
+/// use strainwave::friction::{FrictionModel, LastForce, Slip, StaticParams};
+///
+/// let friction = StaticParams { coulomb: 1.0, static_level: 1.3 }.build()?;
+/// let mut state = LastForce::default();
+/// let mut force = |velocity, applied| friction.step(&mut state, &Slip::new(velocity, 1e-4).under(applied, 0.0)).force;
+/// assert_eq!(force(0.0, 1.2), 1.2); // held: nothing moves
+/// assert_eq!(force(0.0, 2.0), 1.3); // 0.7 N m are left to accelerate the body
+/// assert_eq!(force(0.1, 2.0), 1.0); // and more once it slides
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Static<R> {
     coulomb: R,

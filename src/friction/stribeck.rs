@@ -41,6 +41,24 @@ impl<R: Real> StribeckParams<R> {
 }
 
 /// Built model.
+///
+/// Friction falls as a slow motion gets faster, which is why a slow drive may stick and slip, and rises again where
+/// the viscous part prevails:
+///
+/// ```
+/// use strainwave::friction::{FrictionModel, LastForce, LubricatedContactParams, Slip, StribeckParams};
+///
+/// let contact = LubricatedContactParams {
+///     coulomb: 0.035, static_level: 0.050, stribeck_velocity: 2.0, stribeck_exponent: 1.0, viscous: 1.2e-4,
+/// };
+/// let (friction, mut state) = (StribeckParams { contact }.build()?, LastForce::default());
+/// let mut force = |velocity| friction.step(&mut state, &Slip::new(velocity, 1e-4)).force;
+/// assert!(force(0.1) > force(1.0) && force(1.0) > force(10.0));
+/// assert!(force(100.0) > force(10.0));
+/// let at_vs: f64 = 0.035 + 0.015 * (-1.0_f64).exp() + 1.2e-4 * 2.0;
+/// assert!((force(2.0) - at_vs).abs() < 1e-12);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stribeck<R> {
     contact: LubricatedContact<R>,

@@ -36,6 +36,20 @@ impl<R: Real> ViscousParams<R> {
 }
 
 /// Built model.
+///
+/// Speed decays by the factor e in the time m/Fv:
+///
+/// ```
+/// use strainwave::friction::{FrictionModel, LastForce, Slip, ViscousParams};
+///
+/// let (friction, mut state) = (ViscousParams { viscous: 4.0 }.build()?, LastForce::default());
+/// let (mass, dt, mut velocity) = (2.0_f64, 1e-4, 1.0);
+/// for _ in 0..5000 {
+///     velocity -= friction.step(&mut state, &Slip::new(velocity, dt)).force / mass * dt;
+/// }
+/// assert!((velocity - (-1.0_f64).exp()).abs() < 1e-4); // after 0.5 s
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viscous<R> {
     viscous: R,

@@ -21,12 +21,49 @@ use crate::flexspline::stiffness_line::StiffnessLine;
 use crate::real::Real;
 
 /// The inverse of an operator whose output never falls along a rising input.
+///
+/// The operator answers the found input with the wanted output, whatever its past:
+///
+/// ```
+/// use strainwave::hysteresis::{Staircase, StaircaseState, Weights};
+///
+/// let operator = Staircase::<f64, 24, 28>::build(1.0, &Weights::uniform(2.0)?)?;
+/// let inverse = operator.inverse()?;
+/// let mut state = StaircaseState::default();
+/// for wanted in [0.3, 1.5, -0.8, 0.2, 0.21, -1.9] {
+///     let input = inverse.input(&state, wanted);
+///     assert!((operator.step(&mut state, input).output - wanted).abs() < 1e-12);
+/// }
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Inverse<'s, R: Real, const L: usize, const MEMORY: usize> {
     pub(super) staircase: &'s Staircase<R, L, MEMORY>,
 }
 
 /// The torsion for a torque through a stiffness line and the hysteresis in parallel.
+///
+/// How far the motor has to wind the gear up for a torque, coming from above or from below:
+///
+/// ```
+/// use strainwave::flexspline::stiffness_line::StiffnessLineParams;
+/// use strainwave::hysteresis::{TorsionHysteresisParams, TorsionHysteresisState};
+///
+/// let line = StiffnessLineParams { stiffness: [3.1e4, 5.0e4, 5.7e4], knee_torque: [14.0, 48.0] }.build()?;
+/// let hysteresis = TorsionHysteresisParams { half_range: line.torsion(67.0), gap: 9.1 }.build::<24, 28>()?;
+/// let inverse = hysteresis.inverse(&line)?;
+/// let wind_up_for_20_after = |torque: f64| {
+///     let mut state = TorsionHysteresisState::default();
+///     let torsion = inverse.torsion(&state, torque);
+///     hysteresis.step(&mut state, torsion);
+///     let torsion = inverse.torsion(&state, 20.0);
+///     assert!((line.torque(torsion) + hysteresis.step(&mut state, torsion).torque - 20.0).abs() < 1e-9);
+///     torsion
+/// };
+/// let between = wind_up_for_20_after(67.0) - wind_up_for_20_after(-67.0);
+/// assert!(between > 0.1e-3 && between < 0.3e-3); // rad
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct TorsionInverse<'s, R: Real, const L: usize, const MEMORY: usize> {
     pub(super) staircase: &'s Staircase<R, L, MEMORY>,

@@ -24,6 +24,25 @@ use crate::error::{Error, require};
 use crate::real::Real;
 
 /// Built operator.
+///
+/// Over a closed loop of the input the energy that the relays lose is the area of the loop:
+///
+/// ```
+/// use strainwave::hysteresis::{Relays, RelaysState, Weights};
+///
+/// let relays = Relays::build(1.0_f64, &Weights::<f64, 16>::uniform(2.0)?)?;
+/// let mut state = RelaysState::default();
+/// // The loop between -1 and 1, after the first rise from the demagnetised state.
+/// let path = |steps: u32| (1..=steps).map(move |k| (f64::from(k) / f64::from(steps) * std::f64::consts::TAU).cos());
+/// relays.step(&mut state, 1.0);
+/// let (mut input, mut output, mut area, before) = (1.0, state.output(), 0.0, state.dissipated());
+/// for next in path(20_000) {
+///     area -= 0.5 * (output + relays.step(&mut state, next)) * (next - input);
+///     (input, output) = (next, state.output());
+/// }
+/// assert!((area - (state.dissipated() - before)).abs() < 1e-3 * area);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relays<R, const L: usize> {
     weights: Weights<R, L>,

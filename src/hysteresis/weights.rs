@@ -15,6 +15,21 @@ use crate::error::{Error, require};
 use crate::real::Real;
 
 /// Checked weights; `L` levels, at least 2.
+///
+/// Weights need not be even, but symmetric; the output at saturation is their sum:
+///
+/// ```
+/// use strainwave::Error;
+/// use strainwave::hysteresis::{Staircase, StaircaseState, Weights};
+///
+/// let narrow = Weights::<f64, 8>::from_fn(|i, j| if i - j < 3 { 0.1 } else { 0.0 })?;
+/// let operator = Staircase::<f64, 8, 16>::build(1.0, &narrow)?;
+/// let saturated = operator.step(&mut StaircaseState::default(), 1.0).output;
+/// assert!((saturated - narrow.total()).abs() < 1e-12);
+/// let lopsided = Weights::<f64, 8>::from_fn(|i, _| if i == 7 { 0.1 } else { 0.0 });
+/// assert_eq!(lopsided.err(), Some(Error::OutOfRange("weight")));
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights<R, const L: usize> {
     /// Row i, column j <= i; zero above the diagonal.

@@ -9,6 +9,35 @@ use crate::trajectory::ramp::{ProfilePoint, Ramp};
 use crate::trajectory::widths::{Widths, time};
 
 /// A planned move from rest to rest.
+///
+/// No derivative passes its limit, every setpoint follows from the one before, and the last one is the target to the bit:
+///
+/// ```
+/// use strainwave::Angle;
+/// use strainwave::trajectory::{MoveState, TrajectoryParams};
+///
+/// let limits = TrajectoryParams { velocity: 2.0_f32, acceleration: 30.0, jerk: 1500.0, snap: 2e5 };
+/// let (start, target) = (Angle::from_radians(0.1), Angle::from_radians(0.6));
+/// let way = limits.build(1e-4)?.plan(start, target)?;
+/// let (mut state, mut last) = (MoveState::default(), start);
+/// while !way.done(&state) {
+///     let setpoint = way.step(&mut state);
+///     assert!(setpoint.velocity.abs() <= 2.0 && setpoint.acceleration.abs() <= 30.0);
+///     assert!(setpoint.jerk.abs() <= 1500.0 && setpoint.snap.abs() <= 2e5);
+///     assert!(setpoint.position.minus(last).abs() <= 2.0 * 1e-4 + 1e-6);
+///     last = setpoint.position;
+/// }
+/// assert_eq!(way.step(&mut state).position, target);
+/// assert!(way.periods() as f32 * 1e-4 < 0.4); // s
+///
+/// // Stopped in the middle it comes to rest within the same limits, short of the target.
+/// let mut state = MoveState::default();
+/// for _ in 0..1000 {
+///     way.step(&mut state);
+/// }
+/// assert!(way.stop(&state).end().minus(start) < 0.5);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move<R> {
     start: Angle<R>,

@@ -99,12 +99,12 @@ pub const FLOORS: &[Bound] = &[
 impl Bound {
     /// The figure `value` with this bound.
     pub fn figure(&self, value: f64) -> Figure {
-        Figure::bounded(self.name, value, self.unit, self.value)
+        Figure { row: Some(self.name), ..Figure::bounded(self.name, value, self.unit, self.value) }
     }
 
     /// The figure `value` with this lower bound.
     fn figure_at_least(&self, value: f64) -> Figure {
-        Figure::at_least(self.name, value, self.unit, self.value)
+        Figure { row: Some(self.name), ..Figure::at_least(self.name, value, self.unit, self.value) }
     }
 
     /// The bound is so far above `value` that it would not notice a loss of accuracy.

@@ -6,6 +6,7 @@
 mod flexspline;
 mod friction;
 mod hysteresis;
+mod pictures;
 mod two_port;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -15,6 +16,7 @@ use crate::file::BadInput;
 use crate::gear_file::GearFile;
 use crate::plot;
 use crate::verify::Measured;
+pub use pictures::Picture;
 
 const STYLE: &str = include_str!("style.css");
 
@@ -40,6 +42,8 @@ pub struct Report {
     pub html: String,
     /// Figures measured for all chapters.
     pub measured: Measured,
+    /// Its pictures.
+    pub pictures: Vec<Picture>,
 }
 
 /// Measures, draws and writes every chapter; `progress` is called with the fraction done.
@@ -53,9 +57,11 @@ pub fn build(gear: &GearFile, mut progress: impl FnMut(f64)) -> Result<Report, B
         chapters.push(make(gear, &mut part)?);
     }
     let html = page(gear, &chapters).into_string();
+    let pictures =
+        chapters.iter().flat_map(|chapter| pictures::of_chapter(chapter.id, &chapter.body)).collect();
     let mut measured = Measured::default();
     chapters.into_iter().for_each(|chapter| measured.add(chapter.measured));
-    Ok(Report { html, measured })
+    Ok(Report { html, measured, pictures })
 }
 
 fn page(gear: &GearFile, chapters: &[Chapter]) -> Markup {

@@ -78,6 +78,21 @@ impl Mode {
 }
 
 /// The mode, and the cause of Safe.
+///
+/// What takes the motor's angle away ends in [`Mode::Safe`], and nothing but a reset ends that:
+///
+/// ```
+/// use strainwave::compensator::actuate::mode::ModeState;
+/// use strainwave::compensator::{Faults, Mode, Status};
+///
+/// let mut state = ModeState::default();
+/// assert_eq!(state.step(&mut Faults::OUTPUT_ENCODER_LOST.clone(), Status::FINE), Mode::Degraded);
+/// assert_eq!(state.step(&mut Faults::NONE.clone(), Status::FINE), Mode::Active); // the encoder is back
+/// assert_eq!(state.step(&mut Faults::MOTOR_ENCODER_LOST.clone(), Status::FINE), Mode::Safe);
+/// let mut later = Faults::NONE;
+/// assert_eq!(state.step(&mut later, Status::FINE), Mode::Safe);
+/// assert!(later.contains(Faults::MOTOR_ENCODER_LOST) && !state.mode().drives());
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ModeState {
     mode: Mode,

@@ -70,6 +70,34 @@ const LEAST_SLOPE: f64 = -0.5;
 const FADING_TIME: f64 = 0.5;
 
 /// The built feed-forward.
+///
+/// At rest under a load of 20 N m the motor is sent ahead by the wind-up that carries it; accelerating the output takes
+/// the inertia of the load over the ratio, and that of the rotor:
+///
+/// ```
+/// # mod joint { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/joint/hd25_100.rs")); }
+/// # use joint::JOINT;
+/// use strainwave::Angle;
+/// use strainwave::compensator::reference::feed_forward::{FeedForward, FeedForwardState, ModelCorrection};
+/// use strainwave::compensator::{CompensationGains, RealTimeFlexspline, RealTimeGear, Setpoint};
+///
+/// let params = JOINT.gear;
+/// let flexspline = RealTimeFlexspline::build(&params.flexspline, params.rated_torque)?;
+/// let gear: RealTimeGear<f32> = params.build(flexspline, JOINT.dt)?;
+/// let feed_forward = FeedForward::build(&params, JOINT.dt)?;
+/// let demand = |setpoint, load| {
+///     let correction = ModelCorrection { load, ..ModelCorrection::default() };
+///     feed_forward.step(&gear, &mut FeedForwardState::default(), &setpoint, &CompensationGains::ALL, &correction)
+/// };
+/// let loaded = demand(Setpoint::default(), -20.0);
+/// assert!((loaded.link_offset - flexspline.torsion(20.0)).abs() < 1e-9); // rad at the output
+/// assert!((loaded.motor.angle.minus(Angle::default()) + 100.0 * loaded.link_offset).abs() < 1e-6);
+///
+/// let accelerating = demand(Setpoint { acceleration: 10.0, ..Setpoint::default() }, 0.0);
+/// let expected = -params.flexspline_inertia * 10.0 / 100.0 - params.wave_generator_inertia * 100.0 * 10.0;
+/// assert!((accelerating.torque - expected).abs() < 1e-4, "{} N m", accelerating.torque);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeedForward<R> {
     wave_generator_inertia: R,

@@ -74,6 +74,37 @@ impl<R: Real> Default for JointFrictionState<R> {
 }
 
 /// Built model: everything that one direction of motion needs is in one place.
+///
+/// In steady sliding the level grows with the torque through the gear, by one factor while the motor drives the load and
+/// by another while the load drives the motor. Over a closed stroke work is lost, whatever the load does meanwhile:
+///
+/// ```
+/// use strainwave::friction::{
+///     FrictionModel, FrictionParams, JointFrictionParams, LoadFactors, LubricatedContactParams, Order, Slip,
+/// };
+///
+/// let contact = LubricatedContactParams {
+///     coulomb: 0.035_f64, static_level: 0.050, stribeck_velocity: 2.0, stribeck_exponent: 1.0, viscous: 0.0,
+/// };
+/// let mut params = JointFrictionParams::symmetric(Order::Two, contact, 0.02, 0.3);
+/// params.load = LoadFactors { driving: 0.1, driven: 0.05 };
+/// let friction = params.build()?;
+/// let steady = |load| {
+///     let mut state = Default::default();
+///     friction.step(&mut state, &Slip::new(100.0, 1.0).under(0.0, load)).force
+/// };
+/// assert!((steady(0.2) - steady(0.0) - 0.1 * 0.2).abs() < 1e-12);
+/// assert!((steady(-0.2) - steady(0.0) - 0.05 * 0.2).abs() < 1e-12);
+///
+/// let (mut state, mut work) = (Default::default(), 0.0);
+/// for step in 0..20_000 {
+///     let time = f64::from(step) * 1e-4;
+///     let slip = Slip::new(0.3 * (6.28 * time).cos(), 1e-4).under(0.0, 0.3 * (40.0 * time).sin());
+///     work += friction.step(&mut state, &slip).force * slip.displacement();
+/// }
+/// assert!(work > 0.0);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointFriction<R> {
     forward: Side<R>,

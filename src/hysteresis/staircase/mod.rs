@@ -41,6 +41,23 @@ pub struct Response<R> {
 /// Built operator: `L` levels, memory of `MEMORY` turning points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 // In this order, so that no address needs computing.
+///
+/// Wiping-out and congruency: a minor loop comes back to where it began, and leaves no trace on the branch that it
+/// interrupted.
+///
+/// ```
+/// use strainwave::hysteresis::{Staircase, StaircaseState, Weights};
+///
+/// let operator = Staircase::<f32, 24, 28>::build(1.0, &Weights::uniform(2.0)?)?;
+/// let through = |inputs: &[f32]| {
+///     let mut state = StaircaseState::default();
+///     inputs.iter().map(|input| operator.step(&mut state, *input).output).last().unwrap()
+/// };
+/// let direct = through(&[-1.0, 0.6]);
+/// assert_eq!(through(&[-1.0, 0.4, -0.2, 0.4, 0.6]), direct); // the minor loop from 0.4 is forgotten
+/// assert!(through(&[1.0, 0.0]) > through(&[-1.0, 0.0]) + 0.9); // the output lags: it depends on the past
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[repr(C)]
 pub struct Staircase<R: Real, const L: usize, const MEMORY: usize> {
     /// From an input to what [`Fixed::position`] takes.

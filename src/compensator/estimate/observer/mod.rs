@@ -70,6 +70,49 @@ use past::Past;
 use range::Range;
 
 /// The built observer.
+///
+/// A motor turns at a constant 20 rad/s while 25 N m push against the output. From the motor's angle and torque alone the
+/// observer finds the load and the wind-up:
+///
+/// ```
+/// # mod joint { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/joint/hd25_100.rs")); }
+/// # use joint::JOINT;
+/// use strainwave::compensator::estimate::observer::{GearCorrection, Measurement};
+/// use strainwave::compensator::schedule::OBSERVER_PERIODS;
+/// use strainwave::compensator::{Faults, RealTimeFlexspline, RealTimeGear};
+/// use strainwave::gear::Motion;
+///
+/// let (params, dt, load) = (JOINT.gear, JOINT.dt, -25.0);
+/// let flexspline = RealTimeFlexspline::build(&params.flexspline, params.rated_torque)?;
+/// let gear: RealTimeGear<f32> = params.build(flexspline, dt)?;
+/// let observer = JOINT.observer.build(&params, &JOINT.limits, dt)?;
+/// let (mut plant, mut state) = (gear.rest(), observer.rest());
+/// let (mut motor, mut output) = (Motion::<f32>::default(), Motion::default());
+/// let (mut faults, mut torque, mut torsion) = (Faults::NONE, 0.0, 0.0);
+/// for period in 0..20_000 {
+///     motor.velocity = (motor.velocity + 0.01).min(20.0);
+///     motor.angle = motor.angle.plus(dt * motor.velocity);
+///     let torques = gear.step(&mut plant, &mut output, &motor, load);
+///     (torque, torsion) = (torque + torques.wave_generator, torques.torsion);
+///     if period % OBSERVER_PERIODS == OBSERVER_PERIODS - 1 {
+///         let measured = Measurement {
+///             motor: motor.angle,
+///             reads_output: false,
+///             period: OBSERVER_PERIODS as f32 * dt,
+///             motor_torque: torque / OBSERVER_PERIODS as f32,
+///             output_torque: None,
+///         };
+///         observer.step(&gear, &mut state, &measured, &GearCorrection::default(), false, &mut faults);
+///         torque = 0.0;
+///     }
+/// }
+/// let estimate = observer.estimate(&state, &GearCorrection::default());
+/// assert!((estimate.external_torque - load).abs() < 1.0, "{}", estimate.external_torque);
+/// assert!((estimate.torsion - torsion).abs() < 3e-5, "{} {torsion}", estimate.torsion);
+/// assert!((estimate.output_position.minus(output.angle)).abs() < 3e-5); // rad, after 6 turns of the motor
+/// assert_eq!(faults, Faults::NONE);
+/// # Ok::<(), strainwave::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observer<R> {
     moving: GainSets<R>,

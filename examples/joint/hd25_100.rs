@@ -1,0 +1,1 @@
+../../boards/app/src/joint.rs
