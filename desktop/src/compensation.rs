@@ -1,10 +1,23 @@
 //! Parameters of the compensator's adaptation, output feedback and learnt ripple, for the joint of a gear file.
 //!
 //! Output feedback ([`strainwave::compensator::reference::output_feedback`]): with the torsion mode's frequency omega =
-//! sqrt(K1/J_fs), `b = 2*zeta/omega` adds the damping ratio zeta, D alike; k, omega_y and omega_m are fractions of omega. The fractions were
-//! chosen by simulation of the default gear; no linear analysis of their margins stands behind them. Units: rad, s, N m.
+//! sqrt(K1/J_fs), `b = 2*zeta/omega` adds the damping ratio zeta, D alike; omega_y and omega_m are multiples of omega. The
+//! multiples were chosen by simulation of the default gear; no linear analysis of their margins stands behind them.
+//!
+//! The motor follows a shift of its reference late: at the mode by
+//!
+//! ```text
+//! phase = atan(omega_3/omega_v) + omega_3*T,   omega_3 = sqrt(K3/J_fs)
+//! ```
+//!
+//! omega_v is the bandwidth of the velocity loop, T the delay from a torque to the reference and half a round. From 90
+//! degrees on the shift takes damping away. So b, P and D are whole up to 60 degrees and fall to 0 at 90: half as much phase
+//! again as at 60 takes no damping away.
+//!
+//! The corners of what is integrated, k and the disturbance path's slow part, are fractions of the outer frequency: omega, or
+//! twice the position loop's bandwidth where that is less. Units: rad, s, N m.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, TAU};
 
 use strainwave::Real;
 use strainwave::compensator::adapt::learning::LearningParams;
@@ -23,14 +36,14 @@ const ADDED_DAMPING: f64 = 0.125;
 const MEASURED_DAMPING: [f64; 2] = [0.0, 0.2];
 /// P without and with an output encoder.
 const PROPORTIONAL: [f64; 2] = [0.0, 0.15];
-/// k without and with an output encoder, in slow motion and at rest, as fractions of the torsion mode's frequency.
+/// k without and with an output encoder, in slow motion and at rest, as fractions of the outer frequency.
 const INTEGRAL: [f64; 2] = [0.0, 0.2];
 const INTEGRAL_AT_REST: [f64; 2] = [0.0, 1.0 / 16.0];
 /// omega_y and omega_m alike.
 const FILTER_CORNER: f64 = 4.0;
 const MEASURED_CORNER: f64 = 8.0;
 
-/// Corner of the disturbance path's slow part, as a fraction of the torsion mode's frequency.
+/// Corner of the disturbance path's slow part, as a fraction of the outer frequency.
 const SLOW_CORNER: f64 = 0.2;
 /// Fraction of a sudden load that the gear is wound up for.
 const FAST_SHARE: f64 = 0.5;
@@ -60,18 +73,41 @@ const DEAD_ZONE: f64 = 0.001;
 /// Corners of F(s) and of the slow part (rad/s).
 const CORNERS: [f64; 2] = [200.0, 2.0];
 
-/// Rates of the ripple of position and of torque (1/s).
-const RIPPLE_RATES: [f64; 2] = [5.0, 1.0];
+/// Rate of the ripple of position, as a fraction of the outer frequency. Learning a ripple of the frequency f closes a loop
+/// through the torsion mode, stable for a rate below 2*zeta*omega*(1 - (f/omega)^2) over the number of orders: a fraction
+/// of 0.036 for the damping ratio zeta = 0.1, and omega at the ends of its tolerance.
+const POSITION_RIPPLE_RATE: f64 = 1.0 / 40.0;
+/// Rate of the ripple of torque (1/s).
+const TORQUE_RIPPLE_RATE: f64 = 1.0;
 /// Largest ripple of position (rad), and of torque in Coulomb levels of the motor's side.
 const RIPPLE_BOUNDS: [f64; 2] = [3e-4, 0.3];
-/// Speeds of the motor between which ripple is learnt; the upper is of order 1 (rad/s).
-const RIPPLE_SPEEDS: [f64; 2] = [1.0, 60.0];
+/// Speeds of the motor between which ripple is learnt, as fractions of the torsion mode's frequency; the upper is of order
+/// 1, well below the mode, where the sign of the output's response changes.
+const RIPPLE_SPEEDS: [f64; 2] = [1.0 / 160.0, 0.375];
 
 /// By how much a torque may be late in all (s), in whole control periods: two periods of the observer, from a torque to its
 /// estimate and from that to the motor's reference, the drive's longest delay, and the lag of its slowest current loop.
 fn lateness(drive: &Drive) -> f64 {
     let lag = 1.0 / (TAU * drive.least_current_loop * CONTROL_PERIOD);
     f64::from(2 * OBSERVER_PERIODS + drive.delay + lag.ceil() as u32) * CONTROL_PERIOD
+}
+
+/// Frequency of the torsion mode with the motor held, at K1 (rad/s).
+fn mode_frequency(file: &GearFile) -> f64 {
+    (file.stiffness.k1 / file.inertia.flexspline).sqrt()
+}
+
+/// Outer frequency (rad/s).
+fn outer_frequency(file: &GearFile) -> f64 {
+    mode_frequency(file).min(2.0 * TAU * file.feedback.position_bandwidth)
+}
+
+/// Fraction of b, P and D, 0..=1, that the phase of the motor at the torsion mode allows.
+fn damping_level(file: &GearFile) -> f64 {
+    let stiffest = (file.stiffness.k3 / file.inertia.flexspline).sqrt();
+    let delay = lateness(&file.drive) + 0.5 * f64::from(SLOW_PERIODS) * CONTROL_PERIOD;
+    let phase = (stiffest / (TAU * file.feedback.velocity_bandwidth)).atan() + stiffest * delay;
+    ((FRAC_PI_2 - phase) / (FRAC_PI_2 - FRAC_PI_3)).clamp(0.0, 1.0)
 }
 
 /// The disturbance path, from the uncertainty of the joint.
@@ -85,9 +121,8 @@ pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
     let n = f64::from(file.gear.signed_ratio().n()).abs();
     let level = |side: &Friction| side.static_level.or(side.coulomb).unwrap_or_default();
     let hidden = n * level(&file.friction.input) + level(&file.friction.output);
-    let frequency = (file.stiffness.k1 / file.inertia.flexspline).sqrt();
     DisturbanceParams {
-        slow_corner: R::lit(SLOW_CORNER * frequency),
+        slow_corner: R::lit(SLOW_CORNER * outer_frequency(file)),
         fast_corner: R::lit(1.0 / lateness(&file.drive)),
         dead_zone: R::lit(hidden),
         tolerance: R::lit(n * (file.drive.torque_constant + file.tolerances.rotor_inertia)),
@@ -97,14 +132,14 @@ pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
 
 /// Gains without and with an output encoder.
 pub fn output_feedback_params<R: Real>(file: &GearFile) -> [OutputFeedbackParams<R>; 2] {
-    let frequency = (file.stiffness.k1 / file.inertia.flexspline).sqrt();
+    let (frequency, outer, level) = (mode_frequency(file), outer_frequency(file), damping_level(file));
     std::array::from_fn(|k| OutputFeedbackParams {
-        damping: R::lit(2.0 * ADDED_DAMPING / frequency),
-        integral: R::lit(INTEGRAL[k] * frequency),
-        integral_at_rest: R::lit(INTEGRAL_AT_REST[k] * frequency),
+        damping: R::lit(level * 2.0 * ADDED_DAMPING / frequency),
+        integral: R::lit(INTEGRAL[k] * outer),
+        integral_at_rest: R::lit(INTEGRAL_AT_REST[k] * outer),
         filter_corner: R::lit(FILTER_CORNER * frequency),
-        proportional: R::lit(PROPORTIONAL[k]),
-        derivative: R::lit(2.0 * MEASURED_DAMPING[k] / frequency),
+        proportional: R::lit(level * PROPORTIONAL[k]),
+        derivative: R::lit(level * 2.0 * MEASURED_DAMPING[k] / frequency),
         measured_corner: R::lit(MEASURED_CORNER * frequency),
     })
 }
@@ -172,10 +207,10 @@ fn learnt_ripple_params<R: Real>(file: &GearFile) -> LearntRippleParams<R> {
     }
     LearntRippleParams {
         orders,
-        position_rate: R::lit(RIPPLE_RATES[0]),
-        torque_rate: R::lit(RIPPLE_RATES[1]),
+        position_rate: R::lit(POSITION_RIPPLE_RATE * outer_frequency(file)),
+        torque_rate: R::lit(TORQUE_RIPPLE_RATE),
         position_bound: R::lit(RIPPLE_BOUNDS[0]),
         torque_bound: R::lit(RIPPLE_BOUNDS[1] * file.friction.input.coulomb.unwrap_or_default()),
-        speeds: RIPPLE_SPEEDS.map(R::lit),
+        speeds: RIPPLE_SPEEDS.map(|fraction| R::lit(fraction * mode_frequency(file))),
     }
 }

@@ -296,8 +296,11 @@ impl<R: Real> Compensator<R> {
             position,
             velocity: velocity - setpoint.velocity,
             setpoint_velocity: setpoint.velocity,
-            acceleration: state.observer.output_acceleration()
-                - (setpoint.acceleration - self.behind * setpoint.jerk),
+            torque: self.observer.transmitted(&state.observer)
+                - state.observer.output_friction()
+                - (demand.accelerating - self.behind * demand.accelerating_rate)
+                + self.disturbance.whole_load(&state.disturbance)
+                + state.learning.gravity_torque(),
             measured,
         };
         let shift = self.output_feedback.step(&mut state.output_feedback, &error);

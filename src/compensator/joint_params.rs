@@ -83,6 +83,7 @@ impl<R: Real> JointParams<R> {
             feedback: self.feedback.build(self.dt)?,
             output_feedback: OutputFeedback::build(
                 &self.output_feedback,
+                self.gear.flexspline_inertia,
                 limits.output_speed(n),
                 R::lit(core::f64::consts::TAU) / R::from_i32(1 << self.output_encoder_bits.min(30)),
                 round,

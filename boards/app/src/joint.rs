@@ -413,11 +413,11 @@ pub const JOINT: JointParams<f32> = JointParams {
                 RippleOrder { order: 4, to_flexspline: false },
                 RippleOrder { order: 2, to_flexspline: true },
             ],
-            position_rate: 5.0,
+            position_rate: 4.018188,
             torque_rate: 1.0,
             position_bound: 0.0003,
             torque_bound: 0.0105,
-            speeds: [1.0, 60.0],
+            speeds: [1.004547, 60.272816],
         },
     },
     learnt: Learnt {

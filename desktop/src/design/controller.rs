@@ -64,7 +64,7 @@ const SIXTH: usize = 18;
 const INNOVATION: usize = 19;
 const DEFLECTION: [usize; 2] = [20, 21];
 const FRICTION: [usize; 2] = [22, 23];
-const FLANGE_ACCELERATION: usize = 24;
+const TRANSMITTED: usize = 24;
 const SLOW: usize = 25;
 const MEAN: usize = 26;
 const FAST: usize = 27;
@@ -173,8 +173,7 @@ impl Controller {
         set(&[TORQUE, TORQUE_OFF, WIND_TORQUE, INTEGRAL, LAST_TORQUE, FRICTION[0]], torque / n);
         set(&[IMPULSE], torque / n * 2.0 * CONTROL_PERIOD);
         set(&[FLANGE_SPEED], omega);
-        set(&[LOAD, FRICTION[1], SLOW, MEAN, FAST], torque);
-        set(&[FLANGE_ACCELERATION], omega * omega);
+        set(&[LOAD, FRICTION[1], TRANSMITTED, SLOW, MEAN, FAST], torque);
         set(&[SIXTH], if self.stands { torque / n } else { torque });
         set(&[FAST_RATE], torque * omega);
         set(&[FAST_ACCELERATION], torque * omega * omega);
@@ -234,9 +233,8 @@ impl Controller {
         x[LAST_TORQUE] = torque;
         let resisting = x[FRICTION[0]] + r * (transmitted + stiffness_torque);
         x[MOTOR_SPEED] += dt * (mean + held - resisting) / self.inertias[0];
-        let net = transmitted - x[FRICTION[1]] + x[LOAD] + stiffness_torque;
-        x[FLANGE_ACCELERATION] = net / self.inertias[1];
-        x[FLANGE_SPEED] += dt * x[FLANGE_ACCELERATION];
+        x[FLANGE_SPEED] +=
+            dt * (transmitted - x[FRICTION[1]] + x[LOAD] + stiffness_torque) / self.inertias[1];
         let way = dt * x[MOTOR_SPEED];
         x[OFF] += way - (motor - x[SEEN_MOTOR]);
         x[FLANGE_AHEAD] += dt * x[FLANGE_SPEED] - r * way;
@@ -251,6 +249,7 @@ impl Controller {
         if !self.has_output {
             x[INNOVATION] = 0.0;
         }
+        x[TRANSMITTED] = transmitted + if self.stands { 0.0 } else { x[SIXTH] };
         self.step_fast(x, dt, load.unwrap_or(x[LOAD]));
     }
 
@@ -303,8 +302,10 @@ impl Controller {
         let change = share(round * gains.measured_corner) * (measured - x[MEASURED]);
         x[MEASURED] += change;
         let by_measurement = gains.proportional * x[MEASURED] + gains.derivative / round * change;
+        let whole = x[MEAN] + self.disturbance.wind_up_fraction * x[FAST];
+        let torque = x[TRANSMITTED] - x[FRICTION[1]] + whole;
         let angle = gains.damping * x[FLANGE_SPEED] + by_measurement + x[SHIFTED];
-        let rate = gains.damping * x[FLANGE_ACCELERATION] + gains.integral * x[FILTERED];
+        let rate = gains.damping * torque / self.inertias[1] + gains.integral * x[FILTERED];
         x[AHEAD] = (wound - angle) / r - motor;
         x[COURSE] = -rate / r;
         // Of the next slot, where nothing else changes what it rests on.

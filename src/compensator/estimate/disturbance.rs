@@ -196,6 +196,12 @@ impl<R: Real> Disturbance<R> {
         state.slow + self.wind_up_fraction * state.fast
     }
 
+    /// m + s*f (N m): d with its slow part whole, its fast part as far as it is compensated.
+    #[inline(always)]
+    pub fn whole_load(&self, state: &DisturbanceState<R>) -> R {
+        state.mean + self.wind_up_fraction * state.fast
+    }
+
     /// Wind-up response to f.
     #[inline(always)]
     pub fn wind_up(&self, state: &DisturbanceState<R>) -> WindUpResponse<R> {

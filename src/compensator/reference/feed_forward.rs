@@ -189,6 +189,10 @@ pub struct Demand<R> {
     pub transmission: R,
     /// Compliance of the gear's line times the wind-up gain (rad/(N m)).
     pub wind_up_compliance: R,
+    /// J*ddq that the gear is wound up for (N m).
+    pub accelerating: R,
+    /// Its rate (N m/s).
+    pub accelerating_rate: R,
     /// Its regressors for the adaptation, from the nominal gear.
     pub excitation: Excitation<R>,
 }
@@ -382,6 +386,8 @@ impl<R: Real> FeedForward<R> {
                 + torque,
             transmission,
             wind_up_compliance: wind_up_gain * line_compliance,
+            accelerating,
+            accelerating_rate,
             excitation: Excitation {
                 velocity: setpoint.velocity,
                 acceleration: setpoint.acceleration,

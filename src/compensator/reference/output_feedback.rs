@@ -1,14 +1,15 @@
 //! Output feedback: shift of the motor's reference that damps the torsional vibration and removes the steady error.
 //!
 //! ```text
-//! e      = theta_fs - q,   e' = omega_fs - dq,   e'' = domega_fs/dt - ddq
+//! e      = theta_fs - q,   e' = omega_fs - dq,   e'' = (tau_t - tau_fric_out + d - J_fs*ddq)/J_fs
 //! shift  = -(b*e' + P*m_f + D*dm_f/dt + z),    dshift = -(b*e'' + k*y),    dz/dt = k*y
 //! y      = two poles at omega_y on m,   m_f = one pole at omega_m on m in slow motion, on 0 at rest and in a fast one
 //! ```
 //!
-//! theta_fs and omega_fs are the observer's, domega_fs/dt its prediction, so that e'' is zero where e' is constant, whatever
-//! the load is: another balance of torques would make of a constant load a reference that ramps between two slots and
-//! jumps back in each. q is the setpoint. m is the output encoder's angle less q behind a dead zone of one count; without
+//! theta_fs, omega_fs, tau_t and tau_fric_out are the observer's, q the setpoint, J_fs*ddq as in the feed-forward's
+//! wind-up, d the external torque: its slow part whole, its fast part as far as it is compensated
+//! ([`crate::compensator::estimate::disturbance`]). With the slow part behind its dead zone, too, e'' would not be zero under a
+//! constant load, and the reference would ramp between two slots and jump back in each. m is the output encoder's angle less q behind a dead zone of one count; without
 //! that encoder e. The shift (rad at the output) is added to the motor's reference, and the cascade follows it.
 //!
 //! With a motor that follows, the load on its spring obeys J_fs*e'' = K*(shift - e): the torsion mode of frequency
@@ -68,6 +69,7 @@ pub struct OutputFeedback<R> {
     /// 1 - e^(-omega_m*dt) of m_f; P and D/dt of either set.
     measured_gain: R,
     by_measurement: [[R; 2]; 2],
+    inverse_flexspline_inertia: R,
     /// Fastest setpoint at which z runs (rad/s).
     slow: R,
     /// Half width of the dead zone of a resting output (rad).
@@ -99,8 +101,8 @@ pub struct OutputError<R> {
     pub velocity: R,
     /// dq (rad/s).
     pub setpoint_velocity: R,
-    /// e'' (rad/s^2).
-    pub acceleration: R,
+    /// J_fs*e'' (N m).
+    pub torque: R,
     /// Output encoder's angle less q (rad), where it reads.
     pub measured: Option<R>,
 }
@@ -115,12 +117,18 @@ pub struct Shift<R> {
 }
 
 impl<R: Real> OutputFeedback<R> {
-    /// From the gains without and with an output encoder, the output's fastest speed (rad/s), one count of its encoder
+    /// From the gains without and with an output encoder, J_fs (kg m^2), the output's fastest speed (rad/s), one count of its encoder
     /// (rad) and the period dt of its slot (s).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] with the name of the gain outside its range.
-    pub fn build(gains: &[OutputFeedbackParams<R>; 2], fastest: R, count: R, dt: R) -> Result<Self, Error> {
+    /// [`Error::OutOfRange`] with the name of the gain outside its range, or `flexspline_inertia`.
+    pub fn build(
+        gains: &[OutputFeedbackParams<R>; 2],
+        flexspline_inertia: R,
+        fastest: R,
+        count: R,
+        dt: R,
+    ) -> Result<Self, Error> {
         let within = |value: R, most: f64| value >= R::ZERO && value <= R::lit(most);
         for set in gains {
             require(within(set.damping, 1.0), "damping")?;
@@ -131,11 +139,13 @@ impl<R: Real> OutputFeedback<R> {
             require(within(set.derivative, 1.0), "derivative")?;
             require(within(set.measured_corner, 1e5), "measured_corner")?;
         }
+        require(flexspline_inertia > R::ZERO, "flexspline_inertia")?;
         Ok(Self {
             gains: *gains,
             filter_gains: [0, 1].map(|k: usize| (dt * gains[k].filter_corner).one_minus_exp_neg()),
             measured_gain: (dt * gains[1].measured_corner).one_minus_exp_neg(),
             by_measurement: [0, 1].map(|k: usize| [gains[k].proportional, gains[k].derivative / dt]),
+            inverse_flexspline_inertia: R::ONE / flexspline_inertia,
             slow: R::lit(SLOW) * fastest,
             dead_zone: R::lit(DEAD_ZONE) * count,
             dt,
@@ -157,7 +167,8 @@ impl<R: Real> OutputFeedback<R> {
         state.measured += change;
         let measured = self.by_measurement[set][0] * state.measured + self.by_measurement[set][1] * change;
         let angle = damping * output.velocity + measured + state.integral;
-        let rate = damping * output.acceleration + state.integral_rate;
+        let acceleration = output.torque * self.inverse_flexspline_inertia;
+        let rate = damping * acceleration + state.integral_rate;
         Shift { angle: -angle.limit(R::lit(LARGEST)), rate: -rate }
     }
 
@@ -195,7 +206,7 @@ mod tests {
     };
 
     fn feedback(gains: OutputFeedbackParams<f64>) -> OutputFeedback<f64> {
-        OutputFeedback::build(&[gains; 2], 5.86, 1.2e-5, DT).unwrap()
+        OutputFeedback::build(&[gains; 2], INERTIA, 5.86, 1.2e-5, DT).unwrap()
     }
 
     fn stepped(
@@ -213,7 +224,7 @@ mod tests {
     /// with an error of 1 mrad under a constant `load` (N m); the estimates are exact.
     fn decay(gains: OutputFeedbackParams<f64>, load: f64, seconds: f64) -> (f64, f64) {
         let (feedback, mut state) = (feedback(gains), OutputFeedbackState::default());
-        let (mut e, mut rate, mut acceleration, mut largest) = (1e-3f64, 0.0, 0.0, 0.0f64);
+        let (mut e, mut rate, mut torque, mut largest) = (1e-3f64, 0.0, 0.0, 0.0f64);
         let periods = (seconds / DT) as usize;
         for k in 0..periods {
             let error = OutputError {
@@ -225,8 +236,8 @@ mod tests {
             };
             let shift = stepped(&feedback, &mut state, &error, true);
             for _ in 0..16 {
-                acceleration = (STIFFNESS * (shift.angle - e) + load) / INERTIA;
-                rate += DT / 16.0 * acceleration;
+                torque = STIFFNESS * (shift.angle - e) + load;
+                rate += DT / 16.0 * torque / INERTIA;
                 e += DT / 16.0 * rate;
             }
             // The last quarter of a second.
@@ -290,7 +301,7 @@ mod tests {
 
     #[test]
     fn a_gain_out_of_range_is_named() {
-        let build = |gains| OutputFeedback::build(&[GAINS, gains], 5.86, 1.2e-5, DT).unwrap_err();
+        let build = |gains| OutputFeedback::build(&[GAINS, gains], INERTIA, 5.86, 1.2e-5, DT).unwrap_err();
         let named = |name| Error::OutOfRange(name);
         assert_eq!(build(OutputFeedbackParams { filter_corner: f64::NAN, ..GAINS }), named("filter_corner"));
         assert_eq!(build(OutputFeedbackParams { damping: -0.1, ..GAINS }), named("damping"));

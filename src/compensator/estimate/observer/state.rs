@@ -83,12 +83,6 @@ impl<R: Real> ObserverState<R> {
         self.flange_speed
     }
 
-    /// domega_fs/dt of the last prediction (rad/s^2).
-    #[inline(always)]
-    pub fn output_acceleration(&self) -> R {
-        self.magnitudes.acceleration
-    }
-
     /// Friction at the flexspline (N m).
     #[inline(always)]
     pub fn output_friction(&self) -> R {
