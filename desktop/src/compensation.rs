@@ -31,7 +31,7 @@ use crate::gear_file::{Drive, Friction, GearFile};
 use crate::joint::CONTROL_PERIOD;
 
 /// Damping ratio that the output feedback adds to the torsion mode, by the estimate.
-const ADDED_DAMPING: f64 = 0.125;
+const ADDED_DAMPING: f64 = 0.15;
 /// The same by the output encoder, without and with one, in slow motion.
 const MEASURED_DAMPING: [f64; 2] = [0.0, 0.2];
 /// P without and with an output encoder.
