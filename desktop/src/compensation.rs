@@ -31,7 +31,7 @@ use crate::gear_file::{Drive, Friction, GearFile};
 use crate::joint::CONTROL_PERIOD;
 
 /// Damping ratio that the output feedback adds to the torsion mode, by the estimate.
-const ADDED_DAMPING: f64 = 0.15;
+const ADDED_DAMPING: f64 = 0.125;
 /// The same by the output encoder, without and with one, in slow motion.
 const MEASURED_DAMPING: [f64; 2] = [0.0, 0.2];
 /// P without and with an output encoder.
@@ -76,7 +76,7 @@ const CORNERS: [f64; 2] = [200.0, 2.0];
 /// Rate of the ripple of position, as a fraction of the outer frequency. Learning a ripple of the frequency f closes a loop
 /// through the torsion mode, stable for a rate below 2*zeta*omega*(1 - (f/omega)^2) over the number of orders: a fraction
 /// of 0.036 for the damping ratio zeta = 0.1, and omega at the ends of its tolerance.
-const POSITION_RIPPLE_RATE: f64 = 1.0 / 40.0;
+const POSITION_RIPPLE_RATE: f64 = 1.0 / 64.0;
 /// Rate of the ripple of torque (1/s).
 const TORQUE_RIPPLE_RATE: f64 = 1.0;
 /// Largest ripple of position (rad), and of torque in Coulomb levels of the motor's side.

@@ -355,7 +355,7 @@ pub const JOINT: JointParams<f32> = JointParams {
     },
     output_feedback: [
         OutputFeedbackParams {
-            damping: 0.001866513,
+            damping: 0.0015554276,
             integral: 0.0,
             integral_at_rest: 0.0,
             filter_corner: 642.91003,
@@ -364,7 +364,7 @@ pub const JOINT: JointParams<f32> = JointParams {
             measured_corner: 1285.8201,
         },
         OutputFeedbackParams {
-            damping: 0.001866513,
+            damping: 0.0015554276,
             integral: 32.145504,
             integral_at_rest: 10.045469,
             filter_corner: 642.91003,
@@ -413,7 +413,7 @@ pub const JOINT: JointParams<f32> = JointParams {
                 RippleOrder { order: 4, to_flexspline: false },
                 RippleOrder { order: 2, to_flexspline: true },
             ],
-            position_rate: 4.018188,
+            position_rate: 2.5113673,
             torque_rate: 1.0,
             position_bound: 0.0003,
             torque_bound: 0.0105,
