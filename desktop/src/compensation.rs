@@ -214,3 +214,32 @@ fn learnt_ripple_params<R: Real>(file: &GearFile) -> LearntRippleParams<R> {
         speeds: RIPPLE_SPEEDS.map(|fraction| R::lit(fraction * mode_frequency(file))),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with_load(factor: f64) -> GearFile {
+        let mut file = GearFile::default_gear();
+        file.inertia.flexspline *= factor;
+        file
+    }
+
+    #[test]
+    fn what_the_motor_is_too_late_for_is_not_damped() {
+        assert_eq!(damping_level(&GearFile::default_gear()), 1.0);
+        assert_eq!(damping_level(&with_load(0.02)), 0.0);
+        let levels = [1.0, 0.3, 0.2, 0.1, 0.05].map(|factor| damping_level(&with_load(factor)));
+        assert!(levels.is_sorted_by(|lighter, heavier| lighter >= heavier), "{levels:?}");
+    }
+
+    /// A heavier load slows the integrals down; a lighter one makes them no faster than the position loop bears.
+    #[test]
+    fn integrals_follow_the_slower_of_mode_and_position_loop() {
+        let file = GearFile::default_gear();
+        assert_eq!(outer_frequency(&file), mode_frequency(&file));
+        assert!((outer_frequency(&with_load(4.0)) - 0.5 * mode_frequency(&file)).abs() < 1e-9);
+        let bandwidth = TAU * file.feedback.position_bandwidth;
+        assert_eq!(outer_frequency(&with_load(0.01)), 2.0 * bandwidth);
+    }
+}

@@ -12,6 +12,7 @@ use strainwave::compensator::schedule::SLOW_PERIODS;
 use strainwave::compensator::{CompensationGains, JointParams, RealTimeGear, Setpoint};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
+use strainwave::hysteresis::torsion::TorsionHysteresisState;
 use strainwave_desktop::GearFile;
 use strainwave_desktop::box_sample::FRICTION;
 use strainwave_desktop::capability::Capability;
@@ -94,6 +95,45 @@ fn move_and_rest(amplitude: f64, seconds_of_rest: f64) -> impl Iterator<Item = (
     });
     let rest = (seconds_of_rest / DT) as usize;
     moving.chain(std::iter::repeat_n((amplitude, 0.0), rest))
+}
+
+/// With loops of any width that has an inverse: a load that is held gives one torsion, in balance with line and
+/// hysteresis, whatever the loads were before.
+#[test]
+fn a_held_load_gives_one_torsion() {
+    for width in [1.0, 2.0, 3.0] {
+        let mut joint = Joint::new();
+        let mut params = joint.params.gear;
+        params.hysteresis_width *= width;
+        params.hysteresis_table = None;
+        joint.gear = gear(&params);
+        let mut hysteresis = TorsionHysteresisState::default();
+        for torque in [20.0, 12.0, 12.5, 12.4, -15.0, -14.9, 3.0] {
+            let correction = ModelCorrection { load: -torque, ..ModelCorrection::default() };
+            let mut torsions = [0.0; 60];
+            for torsion in &mut torsions {
+                let setpoint = Setpoint::default();
+                let demand = joint.feed_forward.step(
+                    &joint.gear,
+                    &mut joint.state,
+                    &setpoint,
+                    &CompensationGains { kinematic_error: 0.0, ..CompensationGains::ALL },
+                    &correction,
+                );
+                let reference = demand.motor.angle;
+                joint.feed_forward.step_models(&joint.gear, &mut joint.state, reference, &Factors::default());
+                *torsion = demand.link_offset;
+            }
+            let [.., before, last] = torsions;
+            assert!((last - before).abs() < 1e-9, "{width}, {torque} N m: {before}, {last}");
+            for torsion in torsions {
+                joint.gear.hysteresis().step(&mut hysteresis, torsion);
+            }
+            let on_line = torque - joint.gear.hysteresis().torque(&hysteresis);
+            let balanced = joint.gear.flexspline().torsion(on_line);
+            assert!((last - balanced).abs() < 2e-8, "{width}, {torque} N m: {last}, {balanced}");
+        }
+    }
 }
 
 #[test]
@@ -231,9 +271,10 @@ fn speed_residual(gains: &CompensationGains<f64>) -> f64 {
 }
 
 /// The speed that is passed to the cascade is that of the motor's reference, friction's wind-up included, which
-/// is 400 urad here: a speed without it would drag the motor along behind its reference.
+/// is 400 urad here, to a tenth of it: the slope of the hysteresis is that of the round before. A speed without it would
+/// drag the motor along behind its reference.
 #[test]
 fn the_speed_is_that_of_the_reference() {
     let residual = speed_residual(&CompensationGains { kinematic_error: 0.0, ..CompensationGains::ALL });
-    assert!(residual < 10e-6, "{residual}");
+    assert!(residual < 40e-6, "{residual}");
 }

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! ripple = sum_k a_k*cos(k*alpha) + b_k*sin(k*alpha),       alpha = theta_wg or theta_wg - theta_fs
-//! law      a_k <- limit(a_k + dt*g*m*cos(k*alpha), bound),  b_k alike with the sine
+//! law      a_k <- limit(a_k + dt*g*D*cos(k*alpha), bound),  b_k alike with the sine;   D = m of the torque,
+//!          D = limit(m, bound/8) of the position
 //! ```
 //!
 //! One map is of the position, the residual of the gear file's kinematic error (rad at the output; m is the measured
@@ -13,7 +14,8 @@
 //! With the true coefficients constant, x the error of the coefficients and V = x'x/(2*g), dV/dt = -(m's ripple)^2 +
 //! noise: the law is the gradient of m^2. The loop around it must respond within a quarter period, so that it only
 //! learns where k*|omega_wg| is below a corner, and only in motion: at rest a ripple cannot be separated from any
-//! constant.
+//! constant. A position error far beyond a ripple is that of a load that swings, not a ripple: it counts for no more than an
+//! eighth of the largest ripple does.
 //!
 //! Discretisation: one order is evaluated in each slot, the others are held: each is evaluated at the middle of the
 //! [`RIPPLE_ORDERS`] slots that it is held for, T = [`RIPPLE_ORDERS`]*dt, and learnt by explicit Euler over 2*T, position
@@ -27,7 +29,7 @@ use crate::angle::Angle;
 use crate::error::{Error, require};
 use crate::real::{RADIANS_PER_COUNT, Real};
 
-/// Largest position that is learnt from, over the bound of a coefficient.
+/// Largest position error that is learnt from, over the bound of a coefficient.
 const LARGEST_SAMPLE: f64 = 0.125;
 
 /// Number of learnt orders.
@@ -79,7 +81,7 @@ pub struct LearntRipple<R> {
     torque_gain: R,
     position_bound: R,
     torque_bound: R,
-    /// Largest position that is learnt from (rad).
+    /// Largest position error that is learnt from (rad).
     largest_sample: R,
     least_speed: R,
     /// Fastest speed at which each order learns (rad/s); 0 for a place that is not used.
@@ -274,6 +276,24 @@ mod tests {
         let map = learnt(40.0, 1.0);
         assert!(map.position[0] != [0.0; 2] && map.position[1] == [0.0; 2], "{map:?}");
         assert_eq!(learnt(70.0, 1.0), RippleMap::default());
+    }
+
+    #[test]
+    fn an_error_beyond_a_ripple_counts_for_an_eighth_of_the_largest() {
+        let ripple = params().build(DT).unwrap();
+        let learnt_from = |position| {
+            let (mut map, now) =
+                (RippleMap::default(), RippleNow { basis: [1.0, 0.0], ..RippleNow::default() });
+            ripple.learn(
+                &mut map,
+                &now,
+                &RippleSample { speed: 10.0, position: Some(position), torque: 0.0 },
+            );
+            map
+        };
+        let bound = params().position_bound / 8.0;
+        assert_eq!(learnt_from(1.0), learnt_from(bound));
+        assert!(learnt_from(0.5 * bound).position[0][0] < learnt_from(bound).position[0][0]);
     }
 
     #[test]

@@ -227,13 +227,8 @@ mod tests {
         let (mut e, mut rate, mut torque, mut largest) = (1e-3f64, 0.0, 0.0, 0.0f64);
         let periods = (seconds / DT) as usize;
         for k in 0..periods {
-            let error = OutputError {
-                position: e,
-                velocity: rate,
-                acceleration,
-                measured: None,
-                setpoint_velocity: 0.0,
-            };
+            let error =
+                OutputError { position: e, velocity: rate, torque, measured: None, setpoint_velocity: 0.0 };
             let shift = stepped(&feedback, &mut state, &error, true);
             for _ in 0..16 {
                 torque = STIFFNESS * (shift.angle - e) + load;
