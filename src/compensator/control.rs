@@ -53,8 +53,8 @@ use crate::real::{Real, seldom};
 /// let broken = Sensors { motor_torque: f32::NAN, ..input.sensors };
 /// let commanded = compensator.control(&mut state, &Input { sensors: broken, ..input });
 /// assert!(commanded.faults.contains(Faults::INPUT_NOT_FINITE) && commanded.motor_torque.is_finite());
-/// // Torque beyond friction, and the encoder does not move: within 10 ms the drive is off, until a reset.
-/// for _ in 0..100 {
+/// // Torque beyond friction, and the encoder does not move: within 100 ms the drive is off, until a reset.
+/// for _ in 0..1000 {
 ///     input.sensors.motor_torque = compensator.control(&mut state, &input).motor_torque;
 /// }
 /// assert_eq!((state.mode(), input.sensors.motor_torque), (Mode::Safe, 0.0));

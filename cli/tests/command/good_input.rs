@@ -141,7 +141,7 @@ fn the_report_is_one_page_that_needs_nothing_else() {
         "Level over speed",
         "Presliding: reversals that grow",
         "Stick-slip",
-        "Figures beside",
+        "Figures with their bounds",
     ] {
         assert!(page.contains(&format!("<h3>{title}")), "{title}");
     }

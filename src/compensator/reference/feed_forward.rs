@@ -3,15 +3,15 @@
 //! ```text
 //! J = f_J*J_fs,  tau_fric = f*friction of the gear's model along the setpoint       f: learnt factors
 //! tau_t     = s_i*J*ddq + tau_fric_out - d_ff                 torque through the flexspline
-//! phi       = c*(phi_m + (line^-1(tau_t - tau_m) - phi_m)/(1 + h*w))       wind-up for it
+//! phi       = c*(phi_m + w/(1 + h*w)*(tau_t - line(phi_m) - tau_m))         wind-up for it
 //! theta_ref = (q + s_w*phi - s_e*e(theta_ref) - ripple) / r    motor reference
 //! tau_ff    = J_wg*ddtheta_ref + s_f*tau_fric_in + (r + s_e*de/dtheta)*(J*(ddq + dt/2*dddq) + s_f*tau_fric_out)
 //! dtheta_ref  = (dq + s_w*c*w/(1 + h*w)*(J*dddq + dtau_fric_out/dt) - s_e*de/dt) / r
 //! ddtheta_ref = (ddq + dt/2*dddq + s_w*c*w/(1 + h*w)*J*ddddq - s_e*dde/dt^2) / r
 //! ```
 //!
-//! q is the setpoint of the output with its derivatives, d_ff the compensated external torque, w the line's compliance at
-//! tau_t, c its factor, tau_m over c the hysteresis torque of the models' last slot at the torsion phi_m, h its slope there,
+//! q is the setpoint of the output with its derivatives, d_ff the compensated external torque, phi_m the model's torsion
+//! in the models' last slot, w the line's compliance there, c its factor, tau_m over c the hysteresis torque, h its slope,
 //! and s the gains (0..=1) of inertia, friction, wind-up and kinematic error. Units: rad,
 //! N m; signs as in [`crate::gear`]. Evaluated once per round T of [`crate::compensator::schedule`], for the setpoint of
 //! that instant; the torque, which is held over each control period dt, for the middle of the first one. Until the next
@@ -37,8 +37,8 @@
 //! which reaches 1 after a quarter of the presliding, drops by a few percent at a reversal, and tends to 0 at rest: the
 //! torque decreases monotonically there, so that it does not hunt. At a motor speed of eps/(4*T_f) w is a half.
 //!
-//! Hysteresis, kinematic error and the friction's load are implicit equations. The hysteresis is solved by one Newton step a
-//! round: h is the slope of the branch that the torsion is on where it goes on in its direction, and the steepest of all
+//! Torsion, kinematic error and the friction's load are implicit equations. Line and hysteresis are solved by one Newton step
+//! a round: h is the slope of the branch that the torsion is on where it goes on in its direction, and the steepest of all
 //! branches where it reverses or has stood. So h is never less than the slope that the torsion meets on a new branch, and
 //! the steps of a torsion that reverses approach the solution from one side, for a loop of any width: with the hysteresis
 //! torque of the round before in the place of its slope they alternate around it, and from 0.4 of the line's stiffness on
@@ -78,6 +78,7 @@ const FADING_TIME: f64 = 0.5;
 /// # mod joint { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/joint/hd25_100.rs")); }
 /// # use joint::JOINT;
 /// use strainwave::Angle;
+/// use strainwave::compensator::adapt::parameters::Factors;
 /// use strainwave::compensator::reference::feed_forward::{FeedForward, FeedForwardState, ModelCorrection};
 /// use strainwave::compensator::{CompensationGains, RealTimeFlexspline, RealTimeGear, Setpoint};
 ///
@@ -85,15 +86,22 @@ const FADING_TIME: f64 = 0.5;
 /// let flexspline = RealTimeFlexspline::build(&params.flexspline, params.rated_torque)?;
 /// let gear: RealTimeGear<f32> = params.build(flexspline, JOINT.dt)?;
 /// let feed_forward = FeedForward::build(&params, JOINT.dt)?;
-/// let demand = |setpoint, load| {
-///     let correction = ModelCorrection { load, ..ModelCorrection::default() };
-///     feed_forward.step(&gear, &mut FeedForwardState::default(), &setpoint, &CompensationGains::ALL, &correction)
-/// };
-/// let loaded = demand(Setpoint::default(), -20.0);
-/// assert!((loaded.link_offset - flexspline.torsion(20.0)).abs() < 1e-9); // rad at the output
+/// let gains = CompensationGains { kinematic_error: 0.0, ..CompensationGains::ALL };
+/// let mut state = FeedForwardState::default();
+/// let correction = ModelCorrection { load: -20.0, ..ModelCorrection::default() };
+/// let mut loaded = feed_forward.step(&gear, &mut state, &Setpoint::default(), &gains, &correction);
+/// for _ in 0..5 {
+///     feed_forward.step_models(&gear, &mut state, loaded.motor.angle, &Factors::default());
+///     loaded = feed_forward.step(&gear, &mut state, &Setpoint::default(), &gains, &correction);
+/// }
+/// // The line alone, of which the hysteresis takes a part (rad at the output).
+/// let alone = flexspline.torsion(20.0);
+/// assert!((0.8 * alone..alone).contains(&loaded.link_offset));
 /// assert!((loaded.motor.angle.minus(Angle::default()) + 100.0 * loaded.link_offset).abs() < 1e-6);
 ///
-/// let accelerating = demand(Setpoint { acceleration: 10.0, ..Setpoint::default() }, 0.0);
+/// let setpoint = Setpoint { acceleration: 10.0, ..Setpoint::default() };
+/// let (mut state, correction) = (FeedForwardState::default(), ModelCorrection::default());
+/// let accelerating = feed_forward.step(&gear, &mut state, &setpoint, &gains, &correction);
 /// let expected = -params.flexspline_inertia * 10.0 / 100.0 - params.wave_generator_inertia * 100.0 * 10.0;
 /// assert!((accelerating.torque - expected).abs() < 1e-4, "{} N m", accelerating.torque);
 /// # Ok::<(), strainwave::Error>(())
@@ -128,13 +136,13 @@ pub struct FeedForwardState<R: Real> {
     input_friction: JointFrictionState<R>,
     output_friction: JointFrictionState<R>,
     hysteresis: TorsionHysteresisState<R, HYSTERESIS_MEMORY>,
-    /// tau_m (N m), its slope along the branch and the steepest of all branches (N m/rad), phi_m (rad), and its change
-    /// in a round.
-    hysteresis_torque: R,
-    hysteresis_slope: R,
-    steepest_slope: R,
+    /// line(phi_m) + tau_m (N m), phi_m (rad), and its change in a round.
+    balance: R,
     torsion: R,
     torsion_change: R,
+    /// w, and w/(1 + h*w) for a torsion that goes on and one that reverses (rad/(N m)).
+    line_compliance: R,
+    compliances: [R; 2],
     /// tau_fric_out in the models' last slot (N m), and its rate.
     friction: R,
     friction_rate: R,
@@ -265,6 +273,22 @@ impl<R: Real> FeedForward<R> {
         if step == R::ZERO || state.path != path { R::ZERO } else { path / step }
     }
 
+    /// Advances line and hysteresis to the torsion of the last setpoint, for the next Newton step.
+    #[inline(always)]
+    fn step_torsion(&self, gear: &RealTimeGear<R>, state: &mut FeedForwardState<R>, factors: &Factors<R>) {
+        let scale = R::ONE + factors.stiffening();
+        let HysteresisTorque { torque, slope } = gear.hysteresis().step(&mut state.hysteresis, state.nominal);
+        let on_line = gear.flexspline().torque(state.nominal, R::ZERO);
+        let compliance = gear.flexspline().compliance(on_line);
+        let with_hysteresis =
+            |slope: R| compliance / (R::ONE + (scale * slope * compliance).max(R::lit(LEAST_SLOPE)));
+        state.line_compliance = compliance;
+        state.compliances = [slope, gear.hysteresis().greatest_slope()].map(with_hysteresis);
+        state.balance = on_line + scale * torque;
+        state.torsion_change = state.nominal - state.torsion;
+        state.torsion = state.nominal;
+    }
+
     /// Advances the models in their slot, with the motor's reference at `reference` now.
     #[inline(always)]
     pub fn step_models(
@@ -277,12 +301,7 @@ impl<R: Real> FeedForward<R> {
         state.heading = reference.heading();
         self.step_kinematic_error(gear, state, reference);
         self.step_friction(gear, state);
-        let scale = R::ONE + factors.stiffening();
-        let HysteresisTorque { torque, slope } = gear.hysteresis().step(&mut state.hysteresis, state.nominal);
-        (state.hysteresis_torque, state.hysteresis_slope) = (scale * torque, scale * slope);
-        state.steepest_slope = scale * gear.hysteresis().greatest_slope();
-        state.torsion_change = state.nominal - state.torsion;
-        state.torsion = state.nominal;
+        self.step_torsion(gear, state, factors);
         let (_, output) = gear.frictions();
         let friction = factors.output_friction * output.force(&state.output_friction);
         state.friction_rate = (friction - state.friction) * self.inverse_round;
@@ -311,17 +330,13 @@ impl<R: Real> FeedForward<R> {
         output.shape(&mut state.output_friction, order_two, stiffening);
     }
 
-    /// The nominal gear's torsion for tau_t (rad), and the compliance there of its line and of both, line and hysteresis
-    /// (rad/(N m)).
+    /// The nominal gear's torsion for tau_t (rad), and the compliance of its line and hysteresis (rad/(N m)).
     #[inline(always)]
-    fn torsion(&self, gear: &RealTimeGear<R>, state: &FeedForwardState<R>) -> (R, R, R) {
-        let on_line = state.transmitted - state.hysteresis_torque;
-        let line_compliance = gear.flexspline().compliance(on_line);
-        let change = gear.flexspline().torsion(on_line) - state.torsion;
-        let goes_on = change * state.torsion_change > R::ZERO;
-        let slope = if goes_on { state.hysteresis_slope } else { state.steepest_slope };
-        let share = R::ONE / (R::ONE + (slope * line_compliance).max(R::lit(LEAST_SLOPE)));
-        (state.torsion + share * change, line_compliance, share * line_compliance)
+    fn torsion(state: &FeedForwardState<R>) -> (R, R) {
+        let change = state.transmitted - state.balance;
+        let [going_on, reversing] = state.compliances;
+        let compliance = if change * state.torsion_change > R::ZERO { going_on } else { reversing };
+        (state.torsion + compliance * change, compliance)
     }
 
     /// Demand for a setpoint, with the learnt `correction` of the model.
@@ -345,7 +360,7 @@ impl<R: Real> FeedForward<R> {
 
         let (accelerating, accelerating_rate) = (inertia * setpoint.acceleration, inertia * setpoint.jerk);
         state.transmitted = accelerating + on_output - load;
-        let (nominal, line_compliance, compliance) = self.torsion(gear, state);
+        let (nominal, compliance) = Self::torsion(state);
         let wind_up_gain = gains.wind_up * factors.compliance;
         let wind_up_compliance = wind_up_gain * compliance;
         let transmitted_rate = accelerating_rate + state.friction_rate;
@@ -385,7 +400,7 @@ impl<R: Real> FeedForward<R> {
                 + transmission * (inertia * acceleration + friction_gain * on_output)
                 + torque,
             transmission,
-            wind_up_compliance: wind_up_gain * line_compliance,
+            wind_up_compliance: wind_up_gain * state.line_compliance,
             accelerating,
             accelerating_rate,
             excitation: Excitation {
