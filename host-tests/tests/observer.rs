@@ -7,7 +7,7 @@ use strainwave::Angle;
 use strainwave::compensator::estimate::observer::multi_rate::{
     Ends, GearCorrection, MultiRate, MultiRateGear,
 };
-use strainwave::compensator::estimate::observer::{Measurement, OutputReading};
+use strainwave::compensator::estimate::observer::{Measurement, Observer, ObserverState, OutputReading};
 use strainwave::compensator::schedule::OBSERVER_PERIODS;
 use strainwave::compensator::{Faults, JointParams, RealTimeGear};
 use strainwave::flexspline::Reduced;
@@ -39,6 +39,16 @@ fn measured(motor: Motion<f64>, reads_output: bool, motor_torque: f64) -> Measur
     }
 }
 
+/// A step of a nominal gear's observer whose joint is in motion.
+fn step(
+    observer: &Observer<f64>,
+    gear: &RealTimeGear<f64>,
+    state: &mut ObserverState<f64>,
+    measured: &Measurement<f64>,
+) {
+    observer.step(gear, state, measured, &GearCorrection::default(), false, &mut Faults::default());
+}
+
 /// Largest external torque (N m) that is estimated of a free joint whose motor's torque, held over each control
 /// period, swings by 1 N m at 130 Hz: 100 N m at the output.
 fn load_of_a_swinging_motor() -> f64 {
@@ -59,14 +69,7 @@ fn load_of_a_swinging_motor() -> f64 {
         }
         if k % OBSERVER_PERIODS == 1 {
             let measured = measured(motor, false, 0.5 * (before + held));
-            observer.step(
-                &model,
-                &mut state,
-                &measured,
-                &GearCorrection::default(),
-                false,
-                &mut Faults::default(),
-            );
+            step(&observer, &model, &mut state, &measured);
             largest = if k < 2000 { 0.0 } else { largest.max(state.external_torque().abs()) };
         }
         before = held;
@@ -93,14 +96,7 @@ fn estimated_at_rest(off: f64) -> f64 {
     let measured = measured(Motion::default(), true, 0.0);
     let reading = OutputReading { angle: shown.angle, age: 0 };
     for _ in 0..5000 {
-        observer.step(
-            &model,
-            &mut state,
-            &measured,
-            &GearCorrection::default(),
-            false,
-            &mut Faults::default(),
-        );
+        step(&observer, &model, &mut state, &measured);
         observer.correct_output(&mut state, &reading, &GearCorrection::default(), &mut Faults::default());
     }
     observer.estimate(&state, &GearCorrection::default()).output_position.to_radians()

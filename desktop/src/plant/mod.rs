@@ -24,6 +24,7 @@ pub mod encoder;
 pub mod friction;
 pub mod load_side;
 pub mod sample;
+pub mod sample_stream;
 pub mod unknowns;
 
 use strainwave::Error;

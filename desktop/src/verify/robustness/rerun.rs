@@ -24,6 +24,7 @@ use crate::judge::Metric;
 use crate::plant::sample::PlantSample;
 use crate::plant::unknowns::Which;
 use crate::scenario::Scenario;
+use crate::working_motion::WorkingMotion;
 
 /// Claim of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -210,8 +211,9 @@ impl Rerun {
             realisation: self.place.realisation,
             ..Conditions::of(self.known(), self.place.seed)
         };
-        let bench = Bench::of(&self.sample, &conditions).map_err(RunError::from)?;
-        Judged::of(self.known(), &self.judged).worked_course(bench, controller, self.place.scenario)
+        let mut bench = Bench::of(&self.sample, &conditions).map_err(RunError::from)?;
+        bench.go(&WorkingMotion, controller, |_, _, _, _| ())?;
+        Judged::of(self.known(), &self.judged).result(bench, controller, self.place.scenario)
     }
 }
 

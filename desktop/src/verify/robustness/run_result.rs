@@ -174,23 +174,6 @@ impl<'a> Judged<'a> {
         Ok(results)
     }
 
-    /// Works, and goes into one scenario from there.
-    ///
-    /// # Errors
-    /// As [`Bench::go`].
-    pub fn worked_course<F: Flexspline<f64>, C: Controller>(
-        &self,
-        mut bench: Bench<F>,
-        mut controller: C,
-        scenario: Scenario,
-    ) -> Result<RunResult, C::Error>
-    where
-        C::Error: From<RunError>,
-    {
-        bench.go(&WorkingMotion, &mut controller, |_, _, _, _| ())?;
-        self.result(bench, controller, scenario)
-    }
-
     /// One scenario from where bench and controller are, then the rest.
     ///
     /// # Errors
