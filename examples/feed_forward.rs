@@ -41,7 +41,8 @@ fn main() -> Result<(), Error> {
                 demand.torque
             );
         }
-        // Six control periods later the models of friction, hysteresis and kinematic error have their slot.
+        // Two control periods later line and hysteresis have their slot, six later friction and kinematic error.
+        feed_forward.step_torsion(&gear, &mut state, &nominal.factors);
         let turned = demand.motor.velocity * PLAN_TO_MODELS as f32 * JOINT.dt;
         feed_forward.step_models(&gear, &mut state, demand.motor.angle.plus(turned), &nominal.factors);
     }

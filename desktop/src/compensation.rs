@@ -33,15 +33,16 @@ use crate::joint::CONTROL_PERIOD;
 /// Damping ratio that the output feedback adds to the torsion mode, by the estimate.
 const ADDED_DAMPING: f64 = 0.125;
 /// The same by the output encoder, without and with one, in slow motion.
-const MEASURED_DAMPING: [f64; 2] = [0.0, 0.2];
+const MEASURED_DAMPING: [f64; 2] = [0.0, 0.1];
 /// P without and with an output encoder.
 const PROPORTIONAL: [f64; 2] = [0.0, 0.15];
 /// k without and with an output encoder, in slow motion and at rest, as fractions of the outer frequency.
 const INTEGRAL: [f64; 2] = [0.0, 0.2];
-const INTEGRAL_AT_REST: [f64; 2] = [0.0, 1.0 / 16.0];
-/// omega_y and omega_m alike.
-const FILTER_CORNER: f64 = 4.0;
-const MEASURED_CORNER: f64 = 8.0;
+const INTEGRAL_AT_REST: [f64; 2] = [0.0, 0.15];
+/// omega_y as a multiple of omega: z takes a damping ratio of 0.02 off the mode, of 0.075 without its poles.
+const FILTER_CORNER: f64 = 1.5;
+/// omega_m alike: with it a count of the output encoder moves the reference by P + 2*zeta*omega_m/omega = 0.95 counts.
+const MEASURED_CORNER: f64 = 4.0;
 
 /// Corner of the disturbance path's slow part, as a fraction of the outer frequency.
 const SLOW_CORNER: f64 = 0.2;

@@ -63,13 +63,19 @@ impl Joint {
         }
     }
 
-    /// One round: the demand, and the models' slot later in the round.
+    /// One round: the demand, and the slots of the models later in the round.
     fn demand(&mut self, setpoint: &Setpoint<f64>, gains: &CompensationGains<f64>) -> Demand<f64> {
         let correction = ModelCorrection::default();
         let demand = self.feed_forward.step(&self.gear, &mut self.state, setpoint, gains, &correction);
         let reference = demand.motor.angle.plus(0.5 * DT * demand.motor.velocity);
-        self.feed_forward.step_models(&self.gear, &mut self.state, reference, &Factors::default());
+        self.step_models(reference);
         demand
+    }
+
+    /// The slots of the models with the motor's reference at `reference`.
+    fn step_models(&mut self, reference: Angle<f64>) {
+        self.feed_forward.step_torsion(&self.gear, &mut self.state, &Factors::default());
+        self.feed_forward.step_models(&self.gear, &mut self.state, reference, &Factors::default());
     }
 
     /// Torque for an output angle (rad) and speed (rad/s).
@@ -120,8 +126,7 @@ fn a_held_load_gives_one_torsion() {
                     &CompensationGains { kinematic_error: 0.0, ..CompensationGains::ALL },
                     &correction,
                 );
-                let reference = demand.motor.angle;
-                joint.feed_forward.step_models(&joint.gear, &mut joint.state, reference, &Factors::default());
+                joint.step_models(demand.motor.angle);
                 *torsion = demand.link_offset;
             }
             let [.., before, last] = torsions;

@@ -91,6 +91,8 @@ pub struct Compensator<R: Real> {
     pub(super) output_lost: u32,
     /// Time from the observer's torques to the plan (s).
     pub(super) behind: R,
+    /// Half a count of the motor's encoder (rad).
+    pub(super) rounding: R,
 }
 
 impl<R: Real> Compensator<R> {
@@ -328,7 +330,7 @@ impl<R: Real> Compensator<R> {
         self.learning.follow(&mut state.learning, &demand.excitation, measured);
     }
 
-    /// The slot of the slow disturbance estimate and of the adaptation.
+    /// The slot of the slow disturbance estimate, of the feed-forward's line and hysteresis, and of the adaptation.
     #[inline(always)]
     fn learn(&self, state: &mut State<R>, gains: &Directions<R>, motor: Angle<R>) {
         let joint = DisturbanceInput {
@@ -339,6 +341,7 @@ impl<R: Real> Compensator<R> {
         };
         let external_torque = state.observer.external_torque();
         self.disturbance.step_slow(&mut state.disturbance, external_torque, &joint);
+        self.feed_forward.step_torsion(&self.gear, &mut state.feed_forward, state.learning.applied());
         if state.learns() {
             self.learning.learn_ripple(&mut state.learning);
         }
@@ -466,7 +469,7 @@ impl<R: Real> Compensator<R> {
     fn drive(&self, state: &mut State<R>, motor: &Reading<R>, inverse_elapsed: R, faults: &mut Faults) -> R {
         let (reference, wind_up) = (&state.motor_reference, &state.wind_up);
         let input = CascadeInput {
-            position_error: reference.position_error,
+            position_error: reference.followed_error(self.rounding),
             velocity: reference.velocity + wind_up.velocity,
             acceleration: reference.acceleration_gain * reference.acceleration + wind_up.acceleration,
         };

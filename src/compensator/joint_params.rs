@@ -60,6 +60,7 @@ impl<R: Real> JointParams<R> {
     pub fn build(&self) -> Result<Compensator<R>, Error> {
         self.limits.check()?;
         let encoder = |bits, speed| EncoderParams { bits, speed_limit: R::lit(2.0) * speed }.build(self.dt);
+        let count = |bits: u32| R::lit(core::f64::consts::TAU) / R::from_i32(1 << bits.min(30));
         let guard = InputGuard::build(&self.gear, &self.limits, self.dt)?;
         let (limits, n) = (&self.limits, self.gear.ratio);
         let [observed, round] =
@@ -85,7 +86,7 @@ impl<R: Real> JointParams<R> {
                 &self.output_feedback,
                 self.gear.flexspline_inertia,
                 limits.output_speed(n),
-                R::lit(core::f64::consts::TAU) / R::from_i32(1 << self.output_encoder_bits.min(30)),
+                count(self.output_encoder_bits),
                 round,
             )?,
             learning: self.learning.build(&self.gear, &self.limits, self.dt)?,
@@ -104,6 +105,7 @@ impl<R: Real> JointParams<R> {
             dt: self.dt,
             output_lost: (4 * self.observer.output_encoder_period.min(1 << 20)).max(10),
             behind: observed + self.dt,
+            rounding: R::lit(0.5) * count(self.motor_encoder_bits),
         })
     }
 }

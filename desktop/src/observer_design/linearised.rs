@@ -36,14 +36,15 @@ pub(super) struct Unknown {
     /// looks at.
     pub jitter: f64,
     /// Of the output's: in slow motion the error of a count is no noise but a wave that follows the angle, so that
-    /// its readings are averaged over a time in which many counts pass. Of readings in every control period.
+    /// its readings are averaged over a time in which many counts pass. Of readings in every control period. With more of
+    /// it the estimate follows the motor's encoder alone, and vibrates where friction holds the output.
     pub output_jitter: f64,
 }
 
 /// As the gains are designed. They grow with the wander: where the stiffness is off by 10 %, the filter of the motor
 /// encoder alone loses its stability at a wander below 1.7.
 pub(super) const DESIGN: Unknown =
-    Unknown { wander: 0.15, friction: 0.05, jitter: 3.0 * FRAC_1_SQRT_2, output_jitter: 30.0 };
+    Unknown { wander: 0.15, friction: 0.05, jitter: 3.0 * FRAC_1_SQRT_2, output_jitter: 4.0 };
 
 /// Factors on random walk and renewed friction while the motor stands.
 const STANDING: [f64; 2] = [0.1, 0.2];

@@ -11,15 +11,16 @@
 //! ```
 //!
 //! q is the setpoint of the output with its derivatives, d_ff the compensated external torque, phi_m the model's torsion
-//! in the models' last slot, w the line's compliance there, c its factor, tau_m over c the hysteresis torque, h its slope,
+//! in the adaptation's last slot, w the line's compliance there, c its factor, tau_m over c the hysteresis torque, h its slope,
 //! and s the gains (0..=1) of inertia, friction, wind-up and kinematic error. Units: rad,
 //! N m; signs as in [`crate::gear`]. Evaluated once per round T of [`crate::compensator::schedule`], for the setpoint of
 //! that instant; the torque, which is held over each control period dt, for the middle of the first one. Until the next
-//! setpoint the motor reference is extrapolated by the returned acceleration, jerk and torque rate. [`PLAN_TO_MODELS`]
-//! periods later is the slot of kinematic error, hysteresis and the friction of either side
-//! ([`FeedForward::step_models`]), for the setpoint extrapolated to that instant by its acceleration, and the torsion by
-//! its rate. The kinematic error is extrapolated by its slope, and the slope by its rate, until the next setpoint. Rates
-//! of friction and slope are their differences over T.
+//! setpoint the motor reference is extrapolated by the returned acceleration, jerk and torque rate. [`PLAN_TO_LEARN`]
+//! periods later is the slot of line and hysteresis ([`FeedForward::step_torsion`]), for the torsion extrapolated to that
+//! instant by its rate, and [`PLAN_TO_MODELS`] periods later that of kinematic error and the friction of either side
+//! ([`FeedForward::step_models`]), for the setpoint extrapolated by its acceleration. The kinematic error is extrapolated
+//! by its slope, and the slope by its rate, until the next setpoint. Rates of friction and slope are their differences
+//! over T.
 //!
 //! The flexible joint is flat: motor angle and torque follow from the output's trajectory without solving a
 //! differential equation: the motor's speed contains the setpoint's jerk, its acceleration the snap. Friction is the
@@ -54,7 +55,7 @@
 
 use crate::angle::{Angle, Heading, Ratio};
 use crate::compensator::adapt::parameters::{Excitation, Factors};
-use crate::compensator::schedule::{MODELS_TO_PLAN, PLAN_TO_MODELS, SLOW_PERIODS};
+use crate::compensator::schedule::{MODELS_TO_PLAN, PLAN_TO_LEARN, PLAN_TO_MODELS, SLOW_PERIODS};
 use crate::compensator::{CompensationGains, HYSTERESIS_MEMORY, RealTimeGear, Setpoint};
 use crate::error::{Error, require};
 use crate::friction::{FrictionModel, JointFrictionState, Slip, StepTime};
@@ -91,6 +92,7 @@ const FADING_TIME: f64 = 0.5;
 /// let correction = ModelCorrection { load: -20.0, ..ModelCorrection::default() };
 /// let mut loaded = feed_forward.step(&gear, &mut state, &Setpoint::default(), &gains, &correction);
 /// for _ in 0..5 {
+///     feed_forward.step_torsion(&gear, &mut state, &Factors::default());
 ///     feed_forward.step_models(&gear, &mut state, loaded.motor.angle, &Factors::default());
 ///     loaded = feed_forward.step(&gear, &mut state, &Setpoint::default(), &gains, &correction);
 /// }
@@ -114,7 +116,8 @@ pub struct FeedForward<R> {
     inverse_ratio: R,
     /// T.
     round: StepTime<R>,
-    /// From a setpoint to the models' slot (s).
+    /// From a setpoint to the adaptation's slot, and to that of the models (s).
+    to_learn: R,
     to_models: R,
     /// From the models' slot to the next setpoint (s).
     to_plan: R,
@@ -154,7 +157,7 @@ pub struct FeedForwardState<R: Real> {
     heading: Heading<R>,
     /// tau_t of the last setpoint (N m).
     transmitted: R,
-    /// At the models' slot: the model's torsion for the torque (rad), and the output's speed (rad/s).
+    /// The model's torsion for the torque at the adaptation's slot (rad), and the output's speed at the models' (rad/s).
     nominal: R,
     velocity: R,
     /// w.
@@ -223,6 +226,7 @@ impl<R: Real> FeedForward<R> {
             ratio: ratio.value(),
             inverse_ratio: R::from_i32(ratio.n()),
             round: StepTime::new(round),
+            to_learn: R::from_i32(PLAN_TO_LEARN as i32) * dt,
             to_models: R::from_i32(PLAN_TO_MODELS as i32) * dt,
             to_plan: R::from_i32(MODELS_TO_PLAN as i32) * dt,
             presliding_path: R::lit(4.0) * gear.input_friction.presliding,
@@ -273,9 +277,14 @@ impl<R: Real> FeedForward<R> {
         if step == R::ZERO || state.path != path { R::ZERO } else { path / step }
     }
 
-    /// Advances line and hysteresis to the torsion of the last setpoint, for the next Newton step.
+    /// Advances line and hysteresis in the adaptation's slot to the torsion of the last setpoint, for the next Newton step.
     #[inline(always)]
-    fn step_torsion(&self, gear: &RealTimeGear<R>, state: &mut FeedForwardState<R>, factors: &Factors<R>) {
+    pub fn step_torsion(
+        &self,
+        gear: &RealTimeGear<R>,
+        state: &mut FeedForwardState<R>,
+        factors: &Factors<R>,
+    ) {
         let scale = R::ONE + factors.stiffening();
         let HysteresisTorque { torque, slope } = gear.hysteresis().step(&mut state.hysteresis, state.nominal);
         let on_line = gear.flexspline().torque(state.nominal, R::ZERO);
@@ -301,7 +310,6 @@ impl<R: Real> FeedForward<R> {
         state.heading = reference.heading();
         self.step_kinematic_error(gear, state, reference);
         self.step_friction(gear, state);
-        self.step_torsion(gear, state, factors);
         let (_, output) = gear.frictions();
         let friction = factors.output_friction * output.force(&state.output_friction);
         state.friction_rate = (friction - state.friction) * self.inverse_round;
@@ -364,7 +372,7 @@ impl<R: Real> FeedForward<R> {
         let wind_up_gain = gains.wind_up * factors.compliance;
         let wind_up_compliance = wind_up_gain * compliance;
         let transmitted_rate = accelerating_rate + state.friction_rate;
-        state.nominal = nominal + self.to_models * compliance * transmitted_rate;
+        state.nominal = nominal + self.to_learn * compliance * transmitted_rate;
 
         let moved = self.to_plan * motor_velocity;
         state.kinematic_error.error += state.kinematic_error.slope * moved;

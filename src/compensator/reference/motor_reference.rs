@@ -46,6 +46,13 @@ impl<R: Real> MotorReference<R> {
         if self.output_torque.is_some() { R::ZERO } else { self.velocity }
     }
 
+    /// Position error that the cascade follows (rad): at rest what of it exceeds the `rounding` of the encoder (rad), which
+    /// cannot tell where within a count the motor is. With all of it the integral would push the motor from count to count.
+    #[inline(always)]
+    pub(in crate::compensator) fn followed_error(&self, rounding: R) -> R {
+        if self.rests { self.position_error.dead_zone(rounding) } else { self.position_error }
+    }
+
     /// Reference angle for a motor at the angle `motor`, to a count.
     #[inline(always)]
     pub(in crate::compensator) fn reference(&self, motor: Angle<R>) -> Angle<R> {

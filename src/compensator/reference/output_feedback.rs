@@ -8,19 +8,21 @@
 //!
 //! theta_fs, omega_fs, tau_t and tau_fric_out are the observer's, q the setpoint, J_fs*ddq as in the feed-forward's
 //! wind-up, d the external torque: its slow part whole, its fast part as far as it is compensated
-//! ([`crate::compensator::estimate::disturbance`]). With the slow part behind its dead zone, too, e'' would not be zero under a
-//! constant load, and the reference would ramp between two slots and jump back in each. m is the output encoder's angle less q behind a dead zone of one count; without
-//! that encoder e. The shift (rad at the output) is added to the motor's reference, and the cascade follows it.
+//! ([`crate::compensator::estimate::disturbance`]). With the slow part behind its dead zone, too, e'' would not be zero
+//! under a constant load, and the reference would ramp between two slots and jump back in each. m is the output encoder's
+//! angle less q; without that encoder e. The shift (rad at the output) is added to the motor's reference, and the cascade
+//! follows it.
 //!
 //! With a motor that follows, the load on its spring obeys J_fs*e'' = K*(shift - e): the torsion mode of frequency
 //! omega = sqrt(K/J_fs) is damped by (b + D)*omega/2, and z closes a loop of crossover k through two poles and that
-//! mode. P stiffens the joint through a motor with a delay, which makes it a negative damping of the mode, which D
+//! mode, of which it takes a damping ratio of k/(2*omega)*cos(2*a)/(1 + tan(a)^2), a = atan(omega/omega_y): none where
+//! omega_y is omega, k/(2*omega) where it is far above. P stiffens the joint through a motor with a delay, which makes it a negative damping of the mode, which D
 //! outweighs; b and D become one only where the delay passes a quarter of the mode's period. The gains scale with
 //! omega. P and D act on the measured angle, so that they do not depend on the model, and only in slow motion: at rest
 //! they would convert a count of noise to torque, and in a fast move the flexible mode of a load.
 //!
-//! While the setpoint rests, m with an output encoder passes a dead zone of one count: static friction and the integral
-//! would respond to every change of the last count. z integrates the measured angle, not the estimated one, whose error
+//! While the setpoint rests, m with an output encoder passes a dead zone of half a count, its rounding: static friction
+//! and the integral would respond to every change of the last count. z integrates the measured angle, not the estimated one, whose error
 //! is that of the friction's structure. z only runs at slow setpoints: the error after a fast move, the wind-up of a gear
 //! that is stiffer or softer than its model, changes its sign before z could follow. z and the shift are limited. z is
 //! integrated in a slot after the shift's. Discretisation: explicit Euler. Units: rad, rad/s, N m; signs as in
@@ -56,8 +58,8 @@ const LARGEST: f64 = 0.01;
 
 /// Fastest setpoint at which z runs, as a fraction of the joint's fastest speed.
 const SLOW: f64 = 0.05;
-/// Half width of the dead zone of a resting output, in counts of its encoder.
-const DEAD_ZONE: f64 = 1.0;
+/// Half width of the dead zone of a resting output, in counts of its encoder: its rounding.
+const DEAD_ZONE: f64 = 0.5;
 
 /// The built output feedback.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -264,6 +266,21 @@ mod tests {
         assert!(integrated.abs() < 1e-3 * alone, "{integrated}");
     }
 
+    /// How fast the mode dies away does not depend on an integral whose poles are at the mode.
+    #[test]
+    fn an_integral_with_its_poles_at_the_mode_takes_no_damping() {
+        let frequency = (STIFFNESS / INERTIA).sqrt();
+        let decayed = |integral_at_rest, filter_corner| {
+            decay(OutputFeedbackParams { integral_at_rest, filter_corner, ..GAINS }, 0.0, 0.5).0
+        };
+        let (without, at_the_mode) = (decayed(0.0, frequency), decayed(0.2 * frequency, frequency));
+        let far_above = decayed(0.2 * frequency, 10.0 * frequency);
+        assert!(
+            at_the_mode < 3.0 * without && far_above > 20.0 * without,
+            "{without} {at_the_mode} {far_above}"
+        );
+    }
+
     #[test]
     fn the_shift_is_bounded_and_the_integral_waits() {
         let feedback = feedback(OutputFeedbackParams { integral: 30.0, integral_at_rest: 30.0, ..GAINS });
@@ -282,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn at_rest_an_error_below_a_count_is_not_integrated() {
+    fn at_rest_the_rounding_of_the_encoder_is_not_integrated() {
         let feedback = feedback(OutputFeedbackParams { integral: 30.0, integral_at_rest: 30.0, ..GAINS });
         let integral = |position, setpoint_velocity| {
             let mut state = OutputFeedbackState::default();
@@ -290,8 +307,8 @@ mod tests {
             stepped(&feedback, &mut state, &error, true);
             state.integral
         };
-        assert_eq!(integral(11.0e-6, 0.0), 0.0);
-        assert!(integral(11.0e-6, 0.1) > 0.0 && integral(13e-6, 0.0) > 0.0);
+        assert_eq!(integral(5.9e-6, 0.0), 0.0);
+        assert!(integral(5.9e-6, 0.1) > 0.0 && integral(6.1e-6, 0.0) > 0.0);
     }
 
     #[test]
