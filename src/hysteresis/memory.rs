@@ -16,7 +16,8 @@
 //!
 //! Full memory: the smallest loop, the last two points, is forgotten for the new one. The outputs of the
 //! others stay, so that the output is continuous. It has an error only while the input passes forgotten points outwards,
-//! and never a larger one than the output's change over the smallest loop that is kept: for a ring-down that loses
+//! and never a larger one than the output's change over the smallest loop that is kept, the largest of them where the
+//! memory has been full more than once: for a ring-down that loses
 //! 6 % a half cycle, 24 points and the standard shape 11 % of the output at saturation; the largest error found is
 //! 2.5 % (`strainwave verify hysteresis`).
 

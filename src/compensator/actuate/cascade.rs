@@ -13,7 +13,8 @@
 //!
 //! K. Astrom, T. Hagglund, "PID Controllers", 1995, section 3.5 (windup).
 //!
-//! Baselines and compensated runs share this cascade, so that they differ by the compensation alone.
+//! Baselines and compensated runs share this cascade. The compensator alone leaves the rounding of the encoder out of the
+//! position error of a motor at rest (`motor_reference.rs`): its reference lies anywhere within a count, theirs on one.
 
 use crate::error::{Error, require};
 use crate::real::Real;

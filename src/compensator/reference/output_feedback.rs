@@ -16,14 +16,14 @@
 //! With a motor that follows, the load on its spring obeys J_fs*e'' = K*(shift - e): the torsion mode of frequency
 //! omega = sqrt(K/J_fs) is damped by (b + D)*omega/2, and z closes a loop of crossover k through two poles and that
 //! mode, of which it takes a damping ratio of k/(2*omega)*cos(2*a)/(1 + tan(a)^2), a = atan(omega/omega_y): none where
-//! omega_y is omega, k/(2*omega) where it is far above. P stiffens the joint through a motor with a delay, which makes it a negative damping of the mode, which D
-//! outweighs; b and D become one only where the delay passes a quarter of the mode's period. The gains scale with
-//! omega. P and D act on the measured angle, so that they do not depend on the model, and only in slow motion: at rest
+//! omega_y is omega, k/(2*omega) where it is far above. P stiffens the joint through a motor with a delay, which makes it
+//! a negative damping of the mode, which D outweighs; b and D become one only where the delay passes a quarter of the
+//! mode's period. The gains scale with omega. P and D act on the measured angle, so that they do not depend on the model, and only in slow motion: at rest
 //! they would convert a count of noise to torque, and in a fast move the flexible mode of a load.
 //!
 //! While the setpoint rests, m with an output encoder passes a dead zone of half a count, its rounding: static friction
-//! and the integral would respond to every change of the last count. z integrates the measured angle, not the estimated one, whose error
-//! is that of the friction's structure. z only runs at slow setpoints: the error after a fast move, the wind-up of a gear
+//! and the integral would respond to every change of the last count. z integrates the measured angle, not the estimated
+//! one, whose error is that of the friction's structure. z only runs at slow setpoints: the error after a fast move, the wind-up of a gear
 //! that is stiffer or softer than its model, changes its sign before z could follow. z and the shift are limited. z is
 //! integrated in a slot after the shift's. Discretisation: explicit Euler. Units: rad, rad/s, N m; signs as in
 //! [`crate::gear`].
