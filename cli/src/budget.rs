@@ -1,8 +1,8 @@
 //! `budget`: what the control step costs on the target, against the boards' budget files.
 
 use clap::Args;
-use strainwave_desktop::bench::SensorSet;
-use strainwave_desktop::scenario::Scenario;
+use strainwave_desktop::bench::scenario::Scenario;
+use strainwave_desktop::io::gear_file::SensorSet;
 use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::budget::{self, Budget, Measurement};
 use strainwave_emulator::pil::{self, Trial};

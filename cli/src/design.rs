@@ -4,16 +4,18 @@ use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use strainwave_desktop::bench::SensorSet;
 use strainwave_desktop::design::cascade_rule::{CascadeGains, Required, cascade};
+use strainwave_desktop::design::joint;
+use strainwave_desktop::design::joint::joint_params;
 use strainwave_desktop::design::judge::Unstable;
 use strainwave_desktop::design::level_rule::{self, Allowed, Miss};
 use strainwave_desktop::design::levels::Levels;
 use strainwave_desktop::design::parts::Parts;
-use strainwave_desktop::design::report::{Poles, Report, place};
 use strainwave_desktop::design::sweep::{Measured, sweep};
-use strainwave_desktop::joint::{self, joint_params};
-use strainwave_desktop::{BadInput, GearFile, file};
+use strainwave_desktop::io::file;
+use strainwave_desktop::io::gear_file::SensorSet;
+use strainwave_desktop::report::design::{Poles, Report, place};
+use strainwave_desktop::{BadInput, GearFile};
 
 use crate::figures::{Figures, FiguresArguments, columns, say};
 use crate::files;

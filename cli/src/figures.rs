@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
-use strainwave_desktop::{BadInput, Figure, file};
+use strainwave_desktop::io::file;
+use strainwave_desktop::{BadInput, Figure};
 
 /// Options of every subcommand.
 #[derive(Args)]

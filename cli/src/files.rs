@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use strainwave_desktop::{BadInput, file};
+use strainwave_desktop::BadInput;
+use strainwave_desktop::io::file;
 
 /// Refuses two names for one file, of which the one written later would replace the other.
 pub fn require_distinct(named: &[(&str, Option<&Path>)]) -> Result<(), BadInput> {

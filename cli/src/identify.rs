@@ -7,8 +7,8 @@ use strainwave_desktop::identify::joint::LEVELS;
 use strainwave_desktop::identify::{
     GearLog, GearOptions, IdentifiedGear, LearntGear, Smoothing, identify_gear, learn_gear,
 };
-use strainwave_desktop::log::{Jitter, MeasuredLog};
-use strainwave_desktop::plot::{Page, Panel, Series};
+use strainwave_desktop::io::log::{Jitter, MeasuredLog};
+use strainwave_desktop::report::plot::{Page, Panel, Series};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 
 use crate::figures::{Figures, FiguresArguments, say};

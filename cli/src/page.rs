@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use strainwave_desktop::{BadInput, Figure, figures_page, file};
+use strainwave_desktop::io::file;
+use strainwave_desktop::report::figures_page;
+use strainwave_desktop::{BadInput, Figure};
 
 use crate::figures::say;
 use crate::files;

@@ -4,15 +4,17 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use strainwave_desktop::bench::{Conditions, SensorSet};
-use strainwave_desktop::box_sample::BoxSample;
-use strainwave_desktop::closed_loop::Run;
-use strainwave_desktop::gear_file::DEFAULT;
+use strainwave_desktop::bench::Conditions;
+use strainwave_desktop::bench::closed_loop::Run;
+use strainwave_desktop::bench::scenario::Scenario;
 use strainwave_desktop::identify::learn_gear;
-use strainwave_desktop::log::MeasuredLog;
-use strainwave_desktop::scenario::Scenario;
+use strainwave_desktop::io::gear_file::DEFAULT;
+use strainwave_desktop::io::gear_file::SensorSet;
+use strainwave_desktop::io::log::MeasuredLog;
+use strainwave_desktop::plant::box_sample::BoxSample;
+use strainwave_desktop::verify::bounds;
 use strainwave_desktop::verify::compensator;
-use strainwave_desktop::{BadInput, Figure, GearFile, bounds};
+use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::pil::{self, Replay, ScenarioRun, TargetRun, Trial};
 
 use crate::figures::{Figures, FiguresArguments, say};

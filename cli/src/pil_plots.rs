@@ -4,12 +4,12 @@ use std::f64::consts::TAU;
 
 use strainwave::compensator::adapt::parameters::Factors;
 use strainwave_desktop::GearFile;
-use strainwave_desktop::closed_loop::{Row, Run};
-use strainwave_desktop::judge::estimates::{self, Estimated};
-use strainwave_desktop::judge::{Judge, error, spectrum};
-use strainwave_desktop::plot::{Page, Panel, Series};
-use strainwave_desktop::replay::ReplayRow;
-use strainwave_desktop::scenario::Scenario;
+use strainwave_desktop::bench::closed_loop::{Row, Run};
+use strainwave_desktop::bench::scenario::Scenario;
+use strainwave_desktop::identify::replay::ReplayRow;
+use strainwave_desktop::report::plot::{Page, Panel, Series};
+use strainwave_desktop::verify::judge::estimates::{self, Estimated};
+use strainwave_desktop::verify::judge::{Judge, error, spectrum};
 use strainwave_emulator::pil::ScenarioRun;
 
 /// Control periods from one drawn row of a replay to the next.

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use strainwave_desktop::{BadInput, GearFile, file, report};
+use strainwave_desktop::io::file;
+use strainwave_desktop::{BadInput, GearFile, report};
 
 use crate::figures::{Figures, FiguresArguments, say};
 use crate::files;

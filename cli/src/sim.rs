@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use strainwave_desktop::log::{OpenLoop, OpenLoopRow, write_open_loop};
-use strainwave_desktop::mesh_size::MeshSize;
-use strainwave_desktop::two_port::{self, Build, Gauge};
+use strainwave_desktop::io::log::{OpenLoop, OpenLoopRow, write_open_loop};
+use strainwave_desktop::plant::mesh_size::MeshSize;
+use strainwave_desktop::plant::two_port::{self, Build, Gauge};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 
 use crate::figures::{Figures, FiguresArguments};

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use strainwave_desktop::baseline::tuning::{self, Training, Tuned};
-use strainwave_desktop::baseline::{BaselineGains, Kind};
-use strainwave_desktop::gear_file::Baselines;
+use strainwave_desktop::bench::baseline::{BaselineGains, Kind};
+use strainwave_desktop::io::gear_file::Baselines;
+use strainwave_desktop::tune::search::{self, Training, Tuned};
 use strainwave_desktop::verify::baselines;
 use strainwave_desktop::{BadInput, Figure, GearFile};
 
@@ -43,7 +43,7 @@ pub struct Arguments {
     #[arg(long, value_name = "COUNT", conflicts_with = "seeds", value_parser = clap::value_parser!(u64).range(1..=400))]
     joints: Option<u64>,
     /// Evaluations of the objective for each baseline
-    #[arg(long, value_name = "EVALUATIONS", default_value_t = tuning::BUDGET, value_parser = clap::value_parser!(u64).range(LEAST_BUDGET..=100_000))]
+    #[arg(long, value_name = "EVALUATIONS", default_value_t = search::BUDGET, value_parser = clap::value_parser!(u64).range(LEAST_BUDGET..=100_000))]
     budget: u64,
     /// Write the gear file again, to this file, with the gains as its [baselines]; it may be GEAR.toml itself
     #[arg(long, value_name = "FILE")]
@@ -104,7 +104,7 @@ fn tune(arguments: &Arguments, file: &GearFile, kind: Kind) -> Result<Tuned, Bad
     let training =
         arguments.joints.map_or_else(|| Training::Plants(arguments.seeds.clone()), Training::Joints);
     let found =
-        tuning::tune(file, kind, &training, arguments.budget, |share| progress.set((share * 1e3) as u64))
+        search::tune(file, kind, &training, arguments.budget, |share| progress.set((share * 1e3) as u64))
             .map_err(BadInput::message)?;
     drop(progress);
     say(format_args!("{}: {}", kind.name(), describe(kind, &found.after.0)));
@@ -113,7 +113,8 @@ fn tune(arguments: &Arguments, file: &GearFile, kind: Kind) -> Result<Tuned, Bad
 
 /// The gains in one line.
 fn describe(kind: Kind, gains: &BaselineGains) -> String {
-    let gain = |gain: &strainwave_desktop::baseline::Gain| format!("{} {:.4}", gain.key, (gain.get)(gains));
+    let gain =
+        |gain: &strainwave_desktop::bench::baseline::Gain| format!("{} {:.4}", gain.key, (gain.get)(gains));
     kind.gains().map(gain).collect::<Vec<_>>().join(", ")
 }
 
@@ -134,7 +135,7 @@ mod tests {
 
     #[test]
     fn seeds_are_training_seeds() {
-        assert_eq!(seeds("901..906"), Ok(tuning::SEEDS));
+        assert_eq!(seeds("901..906"), Ok(search::SEEDS));
         for wrong in ["0..3", "5..1000", "7..6", "5", "a..b", ""] {
             assert!(seeds(wrong).unwrap_err().contains("1..999"), "{wrong}");
         }

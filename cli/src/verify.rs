@@ -6,12 +6,13 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, value_parser};
 use strainwave_desktop::catalogue::Set;
 use strainwave_desktop::plant::unknowns::Which;
+use strainwave_desktop::verify::bounds;
 use strainwave_desktop::verify::faults;
 use strainwave_desktop::verify::flexspline::speed;
 use strainwave_desktop::verify::robustness::Robustness;
 use strainwave_desktop::verify::{self, Measured};
 use strainwave_desktop::verify::{catalogue, compensator, friction, hysteresis, replay, robustness};
-use strainwave_desktop::{BadInput, Figure, GearFile, bounds};
+use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::rerun;
 use strainwave_emulator::verify::{self as emulated, Parts};
 

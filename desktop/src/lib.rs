@@ -1,45 +1,27 @@
 //! The full-precision reference build, the plant, baselines, scenarios and files.
+//!
+//! | room | what is in it |
+//! | --- | --- |
+//! | [`io`] | files: gear files, logs, measured data, figures |
+//! | [`design`] | from a gear file to parameters and gains, and their margins |
+//! | [`plant`] | the reference plant and the open-loop two-port |
+//! | [`mod@bench`] | closed loop: tasks, sensors, controllers, baselines |
+//! | [`catalogue`] | gears of sizes 8 to 58, and joints that are built with them |
+//! | [`identify`] | from measurements to parameters |
+//! | [`verify`] | claimed figures: metrics, bounds, and what measures them |
+//! | [`tune`] | search for a baseline's gains |
+//! | [`report`] | pages and pictures |
+//!
+//! A room imports only from the library and from rooms above it.
 
-pub mod any_friction;
-pub mod any_input;
-pub mod baseline;
 pub mod bench;
-pub mod bounds;
-pub mod box_sample;
-pub mod capability;
 pub mod catalogue;
-pub mod closed_loop;
-pub mod compensation;
-pub mod data;
-mod dense;
 pub mod design;
-pub mod divergence;
-pub mod figure;
-pub mod figures_page;
-pub mod file;
-pub mod friction_params;
-pub mod gear_file;
 pub mod identify;
-pub mod joint;
-pub mod judge;
-pub mod log;
-pub mod mesh_size;
-pub mod observer_design;
-pub mod output_bounds;
+pub mod io;
 pub mod plant;
-pub mod plot;
-pub mod replay;
 pub mod report;
-pub mod ripple_fit;
-pub mod scenario;
-mod settled;
-pub mod step_response;
-pub mod torque_loop;
-pub mod two_port;
-pub mod vectorised;
+pub mod tune;
 pub mod verify;
-pub mod working_motion;
 
-pub use figure::Figure;
-pub use file::BadInput;
-pub use gear_file::GearFile;
+pub use io::{BadInput, Figure, GearFile};

@@ -1,6 +1,6 @@
 //! The control step on any input: what the most costly one costs, and whether image and host agree there.
 //!
-//! Sequences of inputs ([`strainwave_desktop::any_input`]) go through the image and the host's build side by side, each from a
+//! Sequences of inputs ([`strainwave_desktop::bench::any_input`]) go through the image and the host's build side by side, each from a
 //! restart. Then, for each slot of the schedule, the sequence with its most costly step is varied shortly before that
 //! step, and the variation kept when it costs no less: a search by hill climbing. Nothing in it is random but what its seeds
 //! give, so that it finds the same each time. What it finds is reached, not proved to be the most: that is
@@ -12,10 +12,10 @@ use std::path::Path;
 use strainwave::compensator::schedule::SLOW_PERIODS;
 use strainwave::compensator::{Input, JointParams};
 use strainwave_desktop::GearFile;
-use strainwave_desktop::any_input::{sequence, variation};
-use strainwave_desktop::closed_loop::Controller;
-use strainwave_desktop::joint::joint_params;
-use strainwave_desktop::output_bounds::beyond_bounds;
+use strainwave_desktop::bench::any_input::{sequence, variation};
+use strainwave_desktop::bench::controller::Controller;
+use strainwave_desktop::bench::output_bounds::beyond_bounds;
+use strainwave_desktop::design::joint::joint_params;
 
 use crate::artifact::{self, Image};
 use crate::budget::CONTROL_STEP;

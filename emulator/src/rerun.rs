@@ -5,9 +5,9 @@
 
 use std::path::PathBuf;
 
-use strainwave_desktop::bench::SensorSet;
-use strainwave_desktop::divergence::RunError;
-use strainwave_desktop::joint::joint_params;
+use strainwave_desktop::design::joint::joint_params;
+use strainwave_desktop::io::gear_file::SensorSet;
+use strainwave_desktop::plant::divergence::RunError;
 use strainwave_desktop::verify::compensator::each;
 use strainwave_desktop::verify::robustness::{Place, RIVALS, Rerun, RunResult, WorstRun};
 use strainwave_desktop::{Figure, GearFile};

@@ -3,9 +3,10 @@
 use strainwave::compensator::adapt::learning::Learnt;
 use strainwave::compensator::{Input, JointParams, Output};
 use strainwave_app::frame::{Fields, decode_output, encode_input, encode_output};
-use strainwave_desktop::closed_loop::{Controller, HostCompensator};
-use strainwave_desktop::divergence::RunError;
-use strainwave_desktop::{Figure, bounds};
+use strainwave_desktop::Figure;
+use strainwave_desktop::bench::controller::{Controller, HostCompensator};
+use strainwave_desktop::plant::divergence::RunError;
+use strainwave_desktop::verify::bounds;
 
 use crate::machine::{self, Ending, Machine};
 

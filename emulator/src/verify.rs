@@ -5,12 +5,15 @@ use std::path::Path;
 
 use strainwave::compensator::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY};
 use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState};
-use strainwave_desktop::baseline::Baseline;
-use strainwave_desktop::closed_loop::{self, Run};
-use strainwave_desktop::log::MeasuredLog;
-use strainwave_desktop::scenario::Scenario;
+use strainwave_desktop::bench::baseline::Baseline;
+use strainwave_desktop::bench::closed_loop;
+use strainwave_desktop::bench::closed_loop::Run;
+use strainwave_desktop::bench::scenario::Scenario;
+use strainwave_desktop::io::log::MeasuredLog;
+use strainwave_desktop::io::{data, gear_file};
 use strainwave_desktop::verify::Measured;
-use strainwave_desktop::{BadInput, Figure, GearFile, bounds, data, gear_file};
+use strainwave_desktop::verify::bounds;
+use strainwave_desktop::{BadInput, Figure, GearFile};
 
 use crate::artifact::Image;
 use crate::budget::{self, Budget};

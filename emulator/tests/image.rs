@@ -7,7 +7,7 @@ use strainwave::compensator::{CompensationGains, Input, Sensors};
 use strainwave_app::JOINT;
 use strainwave_app::frame::encode_input;
 use strainwave_app::literal_mesh::PERIODS;
-use strainwave_desktop::joint;
+use strainwave_desktop::design::joint;
 use strainwave_emulator::artifact::{CallGraph, Image};
 use strainwave_emulator::budget::{self, Budget, LiteralMesh};
 use strainwave_emulator::counting::{Counting, Outcome};

@@ -10,8 +10,8 @@ use strainwave::flexspline::shell::Shell;
 use strainwave::flexspline::{Ends, Flexspline, Mesh};
 use strainwave::{Angle, Real};
 use strainwave_desktop::GearFile;
-use strainwave_desktop::joint::gear_params;
-use strainwave_desktop::vectorised::Vectorised;
+use strainwave_desktop::design::joint::gear_params;
+use strainwave_desktop::plant::vectorised::Vectorised;
 
 /// Rate of the drive (rad/s).
 const DRIVE_RATE: f64 = 10.0;

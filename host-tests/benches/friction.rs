@@ -6,12 +6,13 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::friction::{
     BlimanSorine, DahlParams, FrictionModel, FrictionParams, LuGreParams, LubricatedContactParams, Slip,
     StateSpaceParams,
 };
 use strainwave_desktop::GearFile;
-use strainwave_desktop::joint::{CONTROL_PERIOD, firmware_gear_params};
+use strainwave_desktop::design::joint::firmware_gear_params;
 
 const STEPS: usize = 4096;
 const EPS: f64 = 0.02;

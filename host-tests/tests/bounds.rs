@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use strainwave_desktop::bounds::{self, BOUNDS, FLOORS};
 use strainwave_desktop::verify::Part;
+use strainwave_desktop::verify::bounds::{self, BOUNDS, FLOORS};
 
 #[test]
 fn rows_are_unique_and_complete() {

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use strainwave_desktop::GearFile;
 use strainwave_desktop::catalogue::{FILES, Model};
-use strainwave_desktop::gear_file::Baselines;
-use strainwave_desktop::joint::joint_params;
+use strainwave_desktop::design::joint::joint_params;
+use strainwave_desktop::io::gear_file::Baselines;
 
 fn path(model: Model) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../gears/catalogue/{}.toml", model.name()))

@@ -4,6 +4,7 @@
 use strainwave::Angle;
 use strainwave::compensator::actuate::fallback::TORQUE_RAMP;
 use strainwave::compensator::schedule;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::{
     Command, CompensationGains, Compensator, Directions, Faults, Input, JointParams, Mode, Output,
     RealTimeGear, Sensors, Setpoint, State,
@@ -11,7 +12,7 @@ use strainwave::compensator::{
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearState, Motion};
 use strainwave_desktop::GearFile;
-use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
+use strainwave_desktop::design::joint::joint_params;
 use strainwave_desktop::plant::encoder_count;
 
 const GAINS: CompensationGains<f32> = CompensationGains::ALL;

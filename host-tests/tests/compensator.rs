@@ -8,8 +8,8 @@ use strainwave::compensator::{
     Setpoint, State, Status,
 };
 use strainwave_desktop::GearFile;
-use strainwave_desktop::joint::joint_params;
-use strainwave_desktop::output_bounds::beyond_bounds;
+use strainwave_desktop::bench::output_bounds::beyond_bounds;
+use strainwave_desktop::design::joint::joint_params;
 
 fn joint() -> JointParams<f32> {
     joint_params(&GearFile::default_gear()).unwrap()

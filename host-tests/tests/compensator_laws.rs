@@ -5,12 +5,13 @@ use core::f64::consts::TAU;
 use strainwave::compensator::estimate::observer::{
     GearCorrection, Measurement, Observer, ObserverState, OutputReading,
 };
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use strainwave::compensator::{Faults, Input, JointParams, RealTimeGear};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, Motion};
 use strainwave_desktop::GearFile;
-use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
+use strainwave_desktop::design::joint::joint_params;
 
 fn joint() -> JointParams<f64> {
     joint_params(&GearFile::default_gear()).unwrap()

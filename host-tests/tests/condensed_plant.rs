@@ -1,10 +1,11 @@
 //! The plant with its mesh condensed against the reference plant, in the same closed loop.
 
-use strainwave_desktop::baseline::Baseline;
+use strainwave_desktop::GearFile;
+use strainwave_desktop::bench::baseline::Baseline;
+use strainwave_desktop::bench::scenario::Scenario;
 use strainwave_desktop::bench::{Bench, Conditions};
 use strainwave_desktop::plant::Plant;
-use strainwave_desktop::scenario::Scenario;
-use strainwave_desktop::{GearFile, bounds};
+use strainwave_desktop::verify::bounds;
 
 use strainwave::flexspline::Flexspline;
 

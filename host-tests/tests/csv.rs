@@ -4,7 +4,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use strainwave_desktop::BadInput;
-use strainwave_desktop::log::{
+use strainwave_desktop::io::log::{
     Drive, DriveSample, MeasuredLog, OpenLoop, OpenLoopRow, STEP, write_open_loop,
 };
 

@@ -1,7 +1,7 @@
 //! The linear loops of `strainwave design` against those that the real code closes.
 use strainwave_desktop::GearFile;
-use strainwave_desktop::bench::SensorSet;
 use strainwave_desktop::design::sweep::sweep;
+use strainwave_desktop::io::gear_file::SensorSet;
 
 /// Within 0.1 dB wherever the loop has a gain of more than a half.
 #[test]

@@ -4,14 +4,15 @@ use std::path::Path;
 
 use strainwave::compensator::{Input, Output};
 use strainwave_desktop::GearFile;
-use strainwave_desktop::closed_loop::{self, Controller};
-use strainwave_desktop::divergence::{Diverged, RunError};
-use strainwave_desktop::joint::firmware_gear_params;
-use strainwave_desktop::log::OpenLoop;
-use strainwave_desktop::mesh_size::MeshSize;
+use strainwave_desktop::bench::closed_loop;
+use strainwave_desktop::bench::controller::Controller;
+use strainwave_desktop::bench::scenario::Scenario;
+use strainwave_desktop::design::joint::firmware_gear_params;
+use strainwave_desktop::io::log::OpenLoop;
 use strainwave_desktop::plant::Plant;
-use strainwave_desktop::scenario::Scenario;
-use strainwave_desktop::two_port::{self, Build};
+use strainwave_desktop::plant::divergence::{Diverged, RunError};
+use strainwave_desktop::plant::mesh_size::MeshSize;
+use strainwave_desktop::plant::two_port::{self, Build};
 
 /// End of a run of 10 ms whose wave generator jumps to `angle` (rad), with the load (N m), from 5 ms on.
 fn run(build: Build, angle: f64, load: f64) -> Result<usize, Diverged> {

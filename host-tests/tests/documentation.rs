@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use strainwave_desktop::figures_page;
+use strainwave_desktop::report::figures_page;
 
 /// Words that the README may have.
 const README_WORDS: usize = 900;

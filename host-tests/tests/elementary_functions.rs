@@ -8,7 +8,7 @@
 use micromath::F32Ext;
 use strainwave::Real;
 use strainwave::real::{ONE_MINUS_EXP_NEG_ERROR, RADIANS_PER_COUNT, SIN_COS_ERROR};
-use strainwave_desktop::bounds;
+use strainwave_desktop::verify::bounds;
 
 const LARGEST_KINEMATIC_ERROR: f64 = 1e-3;
 const TORSION_RESOLUTION: f64 = 1e-6;

@@ -8,16 +8,17 @@ use strainwave::compensator::adapt::parameters::Factors;
 use strainwave::compensator::reference::feed_forward::{
     Demand, FeedForward, FeedForwardState, ModelCorrection,
 };
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::schedule::SLOW_PERIODS;
 use strainwave::compensator::{CompensationGains, JointParams, RealTimeGear, Setpoint};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
 use strainwave::hysteresis::torsion::TorsionHysteresisState;
 use strainwave_desktop::GearFile;
-use strainwave_desktop::box_sample::FRICTION;
-use strainwave_desktop::capability::Capability;
-use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
-use strainwave_desktop::scenario::Scenario;
+use strainwave_desktop::bench::scenario::Scenario;
+use strainwave_desktop::design::capability::Capability;
+use strainwave_desktop::design::joint::joint_params;
+use strainwave_desktop::plant::box_sample::FRICTION;
 
 const FRICTION_SHARE: f64 = 0.8;
 

@@ -11,7 +11,7 @@ use strainwave::compensator::{
 };
 use strainwave_app::frame::{INPUT_BYTES, decode_input, encode_input, encode_output};
 use strainwave_app::{JOINT, control_step};
-use strainwave_desktop::joint;
+use strainwave_desktop::design::joint;
 use strainwave_emulator::machine::{Error, Options};
 use strainwave_emulator::{Machine, firmware, setup};
 

@@ -4,9 +4,9 @@ use std::fmt::Write;
 use std::path::Path;
 
 use strainwave_desktop::GearFile;
-use strainwave_desktop::log::{OpenLoop, OpenLoopRow};
-use strainwave_desktop::mesh_size::MeshSize;
-use strainwave_desktop::two_port::{self, Build, Gauge};
+use strainwave_desktop::io::log::{OpenLoop, OpenLoopRow};
+use strainwave_desktop::plant::mesh_size::MeshSize;
+use strainwave_desktop::plant::two_port::{self, Build, Gauge};
 
 /// A run of 40 ms over the wave generator's angle and the load at a time.
 fn run(build: Build, gauges: &[&str], motion: impl Fn(f64) -> (f64, f64)) -> Vec<OpenLoopRow> {

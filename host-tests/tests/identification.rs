@@ -4,11 +4,12 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use strainwave::hysteresis::{Staircase, StaircaseState, TorsionHysteresis, TorsionHysteresisState, Weights};
+use strainwave_desktop::GearFile;
+use strainwave_desktop::design::joint::gear_params;
 use strainwave_desktop::identify::{
     Error, GearLog, GearOptions, Options, Sequence, Smoothing, identify, identify_gear, reversal,
 };
-use strainwave_desktop::joint::gear_params;
-use strainwave_desktop::{GearFile, data};
+use strainwave_desktop::io::data;
 
 const U: f64 = 2.0;
 
@@ -224,8 +225,8 @@ fn the_second_half_of_the_measured_log_does_not_train() {
         println!("skipped: no data");
         return;
     };
-    let gear = GearFile::parse("g".as_ref(), strainwave_desktop::gear_file::LARA8_J5.as_bytes()).unwrap();
-    let log = GearLog::of(&strainwave_desktop::log::MeasuredLog::read(&path).unwrap(), &gear).unwrap();
+    let gear = GearFile::parse("g".as_ref(), strainwave_desktop::io::gear_file::LARA8_J5.as_bytes()).unwrap();
+    let log = GearLog::of(&strainwave_desktop::io::log::MeasuredLog::read(&path).unwrap(), &gear).unwrap();
     let mut other = log.clone();
     let half = log.torsion.len() / 2;
     other.torsion[half..].iter_mut().for_each(|torsion| *torsion += 1e-3);

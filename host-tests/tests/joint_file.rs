@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use strainwave_desktop::GearFile;
-use strainwave_desktop::joint::{joint_params, source};
+use strainwave_desktop::design::joint::{joint_params, source};
 
 #[test]
 fn the_checked_in_joint_is_the_default_gear() {

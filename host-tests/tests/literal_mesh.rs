@@ -3,7 +3,8 @@
 use strainwave::flexspline::FlexsplineParams;
 use strainwave_app::JOINT;
 use strainwave_app::literal_mesh::{STEP_SHARE, WindUp, wind_up};
-use strainwave_desktop::{GearFile, joint, plant};
+use strainwave_desktop::design::joint;
+use strainwave_desktop::{GearFile, plant};
 
 /// The wind-up of a joint that differs by its flexspline.
 fn of(change: impl FnOnce(&mut FlexsplineParams<f32>)) -> WindUp {
@@ -22,8 +23,10 @@ fn it_has_its_reductions_torque_beyond_both_knees() {
 
 #[test]
 fn every_gear_file_here_has_such_a_mesh() {
-    let lara8 =
-        GearFile::parse("gears/lara8-j5.toml".as_ref(), strainwave_desktop::gear_file::LARA8_J5.as_bytes());
+    let lara8 = GearFile::parse(
+        "gears/lara8-j5.toml".as_ref(),
+        strainwave_desktop::io::gear_file::LARA8_J5.as_bytes(),
+    );
     let params = joint::joint_params(&lara8.expect("is a gear file")).expect("is sound");
     let end = wind_up(&params).expect("the joint is sound");
     assert!(end.agrees(), "{end:?}");

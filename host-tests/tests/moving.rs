@@ -6,9 +6,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use strainwave_desktop::GearFile;
-use strainwave_desktop::gear_file::Harmonic;
 use strainwave_desktop::identify::{Error, LearntGear, learn_gear};
-use strainwave_desktop::log::{MeasuredLog, Time};
+use strainwave_desktop::io::gear_file::Harmonic;
+use strainwave_desktop::io::log::{MeasuredLog, Time};
 use strainwave_desktop::verify::replay;
 
 const INTERVAL: f64 = 0.004;

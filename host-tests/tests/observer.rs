@@ -8,12 +8,13 @@ use strainwave::compensator::estimate::observer::multi_rate::{
     Ends, GearCorrection, MultiRate, MultiRateGear,
 };
 use strainwave::compensator::estimate::observer::{Measurement, Observer, ObserverState, OutputReading};
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::schedule::OBSERVER_PERIODS;
 use strainwave::compensator::{Faults, JointParams, RealTimeGear};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
 use strainwave_desktop::GearFile;
-use strainwave_desktop::joint::{CONTROL_PERIOD, joint_params};
+use strainwave_desktop::design::joint::joint_params;
 
 /// The observer's period (s).
 const PERIOD: f64 = OBSERVER_PERIODS as f64 * CONTROL_PERIOD;

@@ -1,9 +1,11 @@
 //! The reference plant's power balance over every scenario, under the compensator.
 
-use strainwave_desktop::closed_loop::{self, HostCompensator};
-use strainwave_desktop::joint::joint_params;
-use strainwave_desktop::scenario::Scenario;
-use strainwave_desktop::{GearFile, bounds};
+use strainwave_desktop::GearFile;
+use strainwave_desktop::bench::closed_loop;
+use strainwave_desktop::bench::controller::HostCompensator;
+use strainwave_desktop::bench::scenario::Scenario;
+use strainwave_desktop::design::joint::joint_params;
+use strainwave_desktop::verify::bounds;
 
 fn closes(scenario: Scenario) {
     let gear = GearFile::default_gear();

@@ -2,10 +2,11 @@
 
 use proptest::prelude::*;
 use strainwave::compensator::RealTimeGear;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::flexspline::{Reduced, reduced};
 use strainwave::gear::{GearParams, Motion};
 use strainwave_desktop::GearFile;
-use strainwave_desktop::joint::{CONTROL_PERIOD, firmware_gear_params};
+use strainwave_desktop::design::joint::firmware_gear_params;
 
 /// Half a revolution in a control period: the most that two readings of an encoder can differ by (rad/s).
 const FASTEST: f32 = std::f32::consts::PI / CONTROL_PERIOD as f32;

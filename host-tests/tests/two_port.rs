@@ -4,11 +4,11 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use strainwave_desktop::GearFile;
-use strainwave_desktop::gear_file::{Backward, DEFAULT, Friction, FrictionModel};
-use strainwave_desktop::joint::firmware_gear_params;
-use strainwave_desktop::log::{OpenLoop, OpenLoopRow};
+use strainwave_desktop::design::joint::firmware_gear_params;
+use strainwave_desktop::io::gear_file::{Backward, DEFAULT, Friction, FrictionModel};
+use strainwave_desktop::io::log::{OpenLoop, OpenLoopRow};
 use strainwave_desktop::plant::Plant;
-use strainwave_desktop::two_port::{self, Build};
+use strainwave_desktop::plant::two_port::{self, Build};
 
 const BUILDS: [Build; 2] = [Build::REFERENCE, Build::RealTime];
 

@@ -12,6 +12,9 @@
 //! its parts. Latency: motor's encoder and torque to the torque command, at most two periods; output encoder, setpoint
 //! and gains, up to a round and a period.
 
+/// Control period of a joint (s): from one control step to the next.
+pub const CONTROL_PERIOD: f64 = 1e-4;
+
 /// Control periods from one observer slot to the next.
 pub const OBSERVER_PERIODS: u32 = 2;
 

@@ -1,9 +1,9 @@
 //! The command when all is well: outputs, help and exit codes.
 
 use strainwave_desktop::GearFile;
-use strainwave_desktop::gear_file::{Friction, FrictionModel, StateRow};
-use strainwave_desktop::mesh_size::MeshSize;
+use strainwave_desktop::io::gear_file::{Friction, FrictionModel, StateRow};
 use strainwave_desktop::plant::STEP_SHARE;
+use strainwave_desktop::plant::mesh_size::MeshSize;
 
 use crate::bench::Bench;
 

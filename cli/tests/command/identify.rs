@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState};
 use strainwave_desktop::GearFile;
+use strainwave_desktop::design::joint::gear_params;
 use strainwave_desktop::identify::reversal::loops;
-use strainwave_desktop::joint::gear_params;
 
 use crate::bench::Bench;
 

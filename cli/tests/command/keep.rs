@@ -2,9 +2,9 @@
 
 use strainwave::compensator::adapt::learning;
 use strainwave_desktop::GearFile;
-use strainwave_desktop::closed_loop::HostCompensator;
-use strainwave_desktop::gear_file::Learnt;
-use strainwave_desktop::joint::joint_params;
+use strainwave_desktop::bench::controller::HostCompensator;
+use strainwave_desktop::design::joint::joint_params;
+use strainwave_desktop::io::gear_file::Learnt;
 use strainwave_emulator::setup::{self, ThisHost};
 
 use crate::bench::{Bench, GEAR};

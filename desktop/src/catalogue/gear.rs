@@ -19,8 +19,8 @@
 //! limits it is the drive's lag, the same for every size and load. Damping, presliding, Stribeck speeds, drive and
 //! tolerances are the default gear's.
 
-use crate::baseline::Kind;
-use crate::gear_file::{
+use crate::bench::baseline::Kind;
+use crate::io::gear_file::{
     Arrangement, Baselines, BothFrictions, Compensation, Damping, Drive, Feedback, Flexspline, Friction,
     Gear, GearFile, Harmonic, Hysteresis, Inertia, KinematicError, Motor, Sensors, Stiffness, Tolerances,
 };
@@ -188,7 +188,7 @@ fn sensors(rated: f64, n: f64) -> Sensors {
 
 /// The cascade that the compensator has: the same as B0.
 pub(super) fn feedback(file: &GearFile) -> Feedback {
-    let gains = crate::baseline::BaselineGains::of(file, Kind::B0);
+    let gains = crate::bench::baseline::BaselineGains::of(file, Kind::B0);
     Feedback {
         position_bandwidth: gains.position_bandwidth,
         velocity_bandwidth: gains.velocity_bandwidth,

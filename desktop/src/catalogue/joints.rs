@@ -8,7 +8,7 @@
 //! | output encoder | none in half of the joints, else 16 to 19 bits |
 //!
 //! Of [`COUNT`] joints each lies in another of as many equal parts of every dimension. What is drawn is known when a joint
-//! is built and stands in its gear file; its plant differs by the box ([`crate::box_sample`]) of the joint's seed.
+//! is built and stands in its gear file; its plant differs by the box ([`crate::plant::box_sample`]) of the joint's seed.
 //!
 //! A load below 4.8*dt^2*K3 (dt: control period) is raised to it: below 4*dt^2*K3 no gear file is allowed. It happens to
 //! small gears of low ratio with next to no load.
@@ -25,9 +25,9 @@ use strainwave::Error;
 
 use super::FILES;
 use super::load::{load_ratio, with_load};
-use crate::gear_file::GearFile;
-use crate::joint::CONTROL_PERIOD;
+use crate::io::gear_file::GearFile;
 use crate::plant::sample::PlantSample;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Joints of a set.
 pub const COUNT: u64 = 500;

@@ -9,9 +9,9 @@
 //! All others stay, and each stays within its range.
 
 use super::gear::feedback;
-use crate::baseline::gains::torsion_mode;
-use crate::baseline::{BaselineGains, Kind};
-use crate::gear_file::{Baselines, GearFile};
+use crate::bench::baseline::gains::torsion_mode;
+use crate::bench::baseline::{BaselineGains, Kind};
+use crate::io::gear_file::{Baselines, GearFile};
 
 /// L.
 pub fn load_ratio(file: &GearFile) -> f64 {

@@ -14,7 +14,7 @@ use std::path::Path;
 pub use gear::Model;
 pub use joints::{Joint, Set};
 
-use crate::gear_file::GearFile;
+use crate::io::gear_file::GearFile;
 
 /// One of [`FILES`].
 pub struct File {

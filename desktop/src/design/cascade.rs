@@ -11,7 +11,7 @@ use strainwave::compensator::actuate::cascade::FeedbackParams;
 
 use super::plant::Plant;
 use super::poles;
-use crate::joint::CONTROL_PERIOD;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// C at w (rad/s).
 pub fn answer(cascade: &FeedbackParams<f64>, omega: f64) -> Complex<f64> {

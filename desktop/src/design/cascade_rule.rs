@@ -28,9 +28,9 @@ use super::loops::frequencies;
 use super::margins::{Margins, margins};
 use super::plant::Plant;
 use super::variant::Mode;
-use crate::bounds;
-use crate::gear_file::GearFile;
-use crate::joint::CONTROL_PERIOD;
+use crate::design::required;
+use crate::io::gear_file::GearFile;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Steps an octave of omega_c and of a.
 const STEPS: f64 = 12.0;
@@ -53,8 +53,7 @@ pub struct Required {
 
 impl Required {
     /// The bounds of `strainwave design`.
-    pub const BOUNDS: Self =
-        Self { gain: bounds::DESIGN_GAIN, phase: bounds::DESIGN_PHASE, delay: bounds::DESIGN_DELAY };
+    pub const BOUNDS: Self = Self { gain: required::GAIN, phase: required::PHASE, delay: required::DELAY };
 
     fn holds(&self, found: &Margins) -> bool {
         found.gain >= self.gain
@@ -174,12 +173,12 @@ pub fn cascade(file: &GearFile, required: &Required) -> Option<CascadeGains> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::SensorSet;
     use crate::design::corners::Point;
     use crate::design::levels::Levels;
     use crate::design::loops::torque_loop;
     use crate::design::parts::Parts;
     use crate::design::variant::Variant;
+    use crate::io::gear_file::SensorSet;
 
     /// The closed formula is the multi-rate controller's with all other functions off.
     #[test]

@@ -22,9 +22,9 @@ use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 
 use super::parts::Parts;
 use super::variant::Mode;
-use crate::bench::SensorSet;
-use crate::gear_file::{Friction, GearFile};
-use crate::joint::CONTROL_PERIOD;
+use crate::io::gear_file::SensorSet;
+use crate::io::gear_file::{Friction, GearFile};
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// States.
 pub const STATES: usize = 35;

@@ -1,7 +1,7 @@
 //! The corners of the box that a joint may lie in.
 
 use super::variant::Mode;
-use crate::gear_file::GearFile;
+use crate::io::gear_file::GearFile;
 
 /// Damping ratio of the mode behind the flange: the least of the box.
 pub const LINK_DAMPING: f64 = 0.005;

@@ -8,8 +8,8 @@ use super::plant::Plant;
 use super::poles;
 use super::response::{Answer, Response};
 use super::variant::{Mode, Variant};
-use crate::gear_file::GearFile;
-use crate::joint::CONTROL_PERIOD;
+use crate::io::gear_file::GearFile;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// A margin where it is worst.
 #[derive(Clone, Copy, Debug)]

@@ -11,9 +11,9 @@ use super::levels::{FUNCTIONS, Function, Levels};
 use super::loops::{Break, Loop};
 use super::parts::Parts;
 use super::variant::Variant;
-use crate::bench::SensorSet;
-use crate::bounds;
-use crate::gear_file::GearFile;
+use crate::design::required;
+use crate::io::gear_file::GearFile;
+use crate::io::gear_file::SensorSet;
 
 /// Levels in the order in which they are tried.
 pub const LEVELS: [f64; 3] = [1.0, 0.5, 0.25];
@@ -51,7 +51,7 @@ pub struct Miss {
 
 fn missed(judged: &Judged, floors: &Required) -> Option<Miss> {
     let margins: &[_] = match judged.of.broken {
-        Break::Disturbance => &[("largest |L|", judged.size, judged.size.value < bounds::DESIGN_SIZE)],
+        Break::Disturbance => &[("largest |L|", judged.size, judged.size.value < required::SIZE)],
         Break::Torque => &[
             ("gain [dB]", judged.gain, judged.gain.value >= floors.gain),
             ("phase [deg]", judged.phase, judged.phase.value >= floors.phase),

@@ -1,6 +1,6 @@
-//! Levels of the compensator's functions: factors on the gains by the rules of [`crate::compensation`].
+//! Levels of the compensator's functions: factors on the gains by the rules of [`crate::design::compensation`].
 
-use crate::bench::SensorSet;
+use crate::io::gear_file::SensorSet;
 
 use super::parts::Parts;
 

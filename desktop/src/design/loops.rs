@@ -18,9 +18,9 @@ use super::parts::Parts;
 use super::plant::{self, Plant};
 use super::response::{Answer, Response};
 use super::variant::Variant;
-use crate::bench::SensorSet;
-use crate::gear_file::GearFile;
-use crate::joint::CONTROL_PERIOD;
+use crate::io::gear_file::GearFile;
+use crate::io::gear_file::SensorSet;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Point at which a loop is broken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

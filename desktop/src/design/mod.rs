@@ -1,4 +1,4 @@
-//! From the joint file to gains that have margins: the loops that the controller closes, linear, over the box that a joint
+//! Design: from the joint file to parameters, and to gains that have margins; the loops that the controller closes, linear, over the box that a joint
 //! may lie in.
 //!
 //! The joint ([`plant`]) in a corner of the box ([`corners`]) and the controller slot by slot ([`controller`]), as its
@@ -7,21 +7,26 @@
 //! or (within its dead zone) nothing; [`judge`] finds the worst. Margins say how far a stable loop is from an unstable one;
 //! that it is stable the poles say ([`poles`]). Gains with margins follow by rule: the cascade's ([`cascade_rule`]), and how
 //! much of every other function there may be on top of it ([`level_rule`]). They are offered as an alternative to the gains that
-//! [`crate::joint::joint_params`] gives the firmware. [`sweep`] measures the same L in the loop of the real code.
+//! [`crate::design::joint::joint_params`] gives the firmware. [`sweep`] measures the same L in the loop of the real code.
 
+pub mod capability;
 pub mod cascade;
 pub mod cascade_rule;
+pub mod compensation;
 pub mod controller;
 pub mod corners;
+mod dense;
+pub mod joint;
 pub mod judge;
 pub mod level_rule;
 pub mod levels;
 pub mod loops;
 pub mod margins;
+pub mod observer_design;
 pub mod parts;
 pub mod plant;
 pub mod poles;
-pub mod report;
+pub mod required;
 pub mod response;
 pub mod sweep;
 pub mod variant;

@@ -6,9 +6,9 @@ use strainwave::compensator::estimate::disturbance::DisturbanceParams;
 use strainwave::compensator::estimate::observer::ObserverParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 
-use crate::gear_file::GearFile;
-use crate::joint::feedback_params;
-use crate::{compensation, observer_design};
+use crate::design::joint::feedback_params;
+use crate::design::{compensation, observer_design};
+use crate::io::gear_file::GearFile;
 
 /// Gains that the file and the rules give.
 #[derive(Clone, Copy, Debug)]

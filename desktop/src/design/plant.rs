@@ -17,8 +17,8 @@ use nalgebra::{Complex, DMatrix};
 
 use super::controller::bristle_stiffness;
 use super::corners::Corner;
-use crate::gear_file::GearFile;
-use crate::joint::CONTROL_PERIOD;
+use crate::io::gear_file::GearFile;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 type C64 = Complex<f64>;
 

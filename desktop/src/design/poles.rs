@@ -10,7 +10,7 @@ use nalgebra::{Complex, DMatrix};
 
 use super::controller::{Controller, INPUTS, SLOTS};
 use super::plant::Plant;
-use crate::joint::CONTROL_PERIOD;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// An eigenvalue this much outside the circle counts as on it, a growth over 400 s: where the motor stands the observer cannot
 /// tell the constant part of presliding from a held torque, a double pole at 1 that rounding splits.

@@ -14,7 +14,7 @@
 use nalgebra::{Complex, DMatrix};
 
 use super::controller::{Controller, INPUTS, SLOTS, STATES};
-use crate::joint::CONTROL_PERIOD;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 type C64 = Complex<f64>;
 

@@ -18,9 +18,10 @@ use super::loops::torque_loop;
 use super::parts::Parts;
 use super::plant::{OUTPUTS, Plant};
 use super::variant::{Mode, Variant};
-use crate::bench::SensorSet;
-use crate::gear_file::GearFile;
-use crate::joint::{CONTROL_PERIOD, joint_params};
+use crate::design::joint::joint_params;
+use crate::io::gear_file::GearFile;
+use crate::io::gear_file::SensorSet;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// D (N m) over the motor's peak torque.
 const SINE: f64 = 4e-4;

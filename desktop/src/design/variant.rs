@@ -3,8 +3,8 @@
 use super::controller::Controller;
 use super::corners::Point;
 use super::parts::Parts;
-use crate::bench::SensorSet;
-use crate::gear_file::GearFile;
+use crate::io::gear_file::GearFile;
+use crate::io::gear_file::SensorSet;
 
 /// Which gains the observer has, and with them which friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

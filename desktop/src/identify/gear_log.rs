@@ -9,8 +9,8 @@
 
 use super::Error;
 use super::sequence::{LEAST_SAMPLES, require_reversal, span};
-use crate::gear_file::GearFile;
-use crate::log::MeasuredLog;
+use crate::io::gear_file::GearFile;
+use crate::io::log::MeasuredLog;
 
 /// Most that the motor may turn (rad): the gear's wind-up at its shaft, up to rated torque, where the kinematic error
 /// hardly changes.

@@ -39,8 +39,8 @@ use super::regressors::{pairs, regressors, weights_of};
 use super::sequence::{BLOCKS, blocks, rms, span};
 use super::smoothness::{penalty_to_prior, unit_density};
 use super::{Error, Excitation};
-use crate::gear_file::{GearFile, Hysteresis};
-use crate::joint::gear_params;
+use crate::design::joint::gear_params;
+use crate::io::gear_file::{GearFile, Hysteresis};
 use crate::plant::MEMORY;
 
 /// Grids that may be chosen: the gear's table holds each without loss.

@@ -12,8 +12,8 @@ use strainwave::friction::FrictionParams;
 use strainwave::gear::GearParams;
 use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState, Weights};
 
+use crate::identify::torque_loop::{Sample, TorqueLoop};
 use crate::plant::MEMORY;
-use crate::torque_loop::{Sample, TorqueLoop};
 
 /// Halvings of the bracket: to the last bit of a torsion in it.
 const HALVINGS: usize = 60;
@@ -119,8 +119,8 @@ pub fn course(corners: &[f64]) -> impl Iterator<Item = f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gear_file::GearFile;
-    use crate::joint::gear_params;
+    use crate::design::joint::gear_params;
+    use crate::io::gear_file::GearFile;
 
     #[test]
     fn the_torsion_carries_the_torque_and_the_slope_is_the_law_s() {

@@ -32,9 +32,12 @@ pub(crate) mod law;
 mod least_squares;
 pub mod moving;
 pub mod regressors;
+pub mod replay;
 pub mod reversal;
+pub mod ripple_fit;
 mod sequence;
 mod smoothness;
+pub mod torque_loop;
 
 pub use choice::Smoothing;
 pub use excitation::Excitation;

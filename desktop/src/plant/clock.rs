@@ -10,7 +10,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use crate::joint::CONTROL_PERIOD;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Errors of the clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -15,7 +15,7 @@
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-use crate::joint::CONTROL_PERIOD;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Drive: from torque command to torque.
 #[derive(Clone, Copy, Debug, PartialEq)]

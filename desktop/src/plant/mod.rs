@@ -1,4 +1,4 @@
-//! The plant: motor, gear in the reference build, load and encoders, at 10 kHz from outside.
+//! Plant: motor, gear in the reference build, load and encoders, at 10 kHz from outside.
 //!
 //! ```text
 //! J_wg * domega_wg = tau_motor - (tau_wg - J_wg*domega_wg)        the gear's two-port gives the bracket
@@ -17,15 +17,21 @@
 //! hangs. [`Sides`] has all of it; [`Sides::IDEAL`] has none, and costs nothing but a few comparisons. What a plant may be
 //! off by, and how it is drawn, stands in [`unknowns`].
 
+pub mod box_sample;
 pub mod clock;
 pub mod cogging;
+pub mod divergence;
 pub mod drive;
 pub mod encoder;
 pub mod friction;
 pub mod load_side;
+pub mod mesh_size;
 pub mod sample;
 pub mod sample_stream;
+pub mod settled;
+pub mod two_port;
 pub mod unknowns;
+pub mod vectorised;
 
 use strainwave::Error;
 use strainwave::compensator::MESH;
@@ -33,14 +39,14 @@ use strainwave::flexspline::{Flexspline, FlexsplineParams, Mesh, Reduced};
 use strainwave::friction::{JointFriction, JointFrictionState};
 use strainwave::gear::{Applied, Gear, GearParams, GearState, Motion, Torques};
 
-use crate::divergence::{Diverged, may_go_on};
-use crate::joint::CONTROL_PERIOD;
-use crate::vectorised::Vectorised;
+use crate::plant::divergence::{Diverged, may_go_on};
+use crate::plant::vectorised::Vectorised;
 use cogging::Cogging;
 use drive::{Drive, DriveParams};
 pub use encoder::encoder_count;
 use friction::{PlantFriction, PlantFrictionParams, PlantFrictionState};
 use load_side::{Load, LoadParams};
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Nodes around and along the axis of the plant's mesh.
 pub const NODES: (usize, usize) = (36, 4);

@@ -11,9 +11,9 @@ use super::friction::{Drift, PlantFrictionParams, Structure};
 use super::sample_stream::SampleStream;
 use super::unknowns::Which;
 use super::{PlantParams, Sides, with_friction};
-use crate::box_sample::BoxSample;
-use crate::gear_file::GearFile;
-use crate::joint::firmware_gear_params;
+use crate::design::joint::firmware_gear_params;
+use crate::io::gear_file::GearFile;
+use crate::plant::box_sample::BoxSample;
 
 /// A plant.
 #[derive(Clone, Debug, PartialEq)]

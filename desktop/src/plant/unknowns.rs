@@ -1,6 +1,6 @@
 //! Uncertainties of the plant, row by row: the table from which judged plants are drawn.
 //!
-//! Every row stands on the old box (friction +-20 %, stiffness +-10 %, load inertia +-30 %; [`crate::box_sample`]) and changes one
+//! Every row stands on the old box (friction +-20 %, stiffness +-10 %, load inertia +-30 %; [`crate::plant::box_sample`]) and changes one
 //! thing more. A row draws from a stream of its own, which follows from the seed and the row's name: a row that is added or
 //! moved changes no other. All at once is every row, with one of the structures that friction may have.
 //!
@@ -14,7 +14,7 @@ use strainwave::hysteresis::table::TABLE_LEVELS;
 use strainwave::hysteresis::torsion::gap_for_width;
 use strainwave::kinematic_error::Term;
 
-use crate::capability::Capability;
+use crate::design::capability::Capability;
 
 use super::cogging::Wave;
 use super::friction::{Drift, Structure};
@@ -357,9 +357,9 @@ mod tests {
     use strainwave::hysteresis::torsion::TorsionHysteresis;
 
     use super::*;
-    use crate::box_sample::BoxSample;
-    use crate::gear_file::GearFile;
-    use crate::joint::firmware_gear_params;
+    use crate::design::joint::firmware_gear_params;
+    use crate::io::gear_file::GearFile;
+    use crate::plant::box_sample::BoxSample;
     use crate::plant::{MEMORY, Plant, Sides, plant_params};
 
     fn sample(name: &str, seed: u64) -> PlantSample {

@@ -1,20 +1,22 @@
-//! The report: one HTML page that needs nothing but itself, with a chapter for each part of the model.
+//! Report: one HTML page that needs nothing but itself, with a chapter for each part of the model.
 //!
 //! A chapter is a file (or folder) here with one function of the gear file; `CHAPTERS` lists them. Pictures are
 //! inline SVG, drawn for paper; the style sheet turns their black and white around on a dark screen.
 
+pub mod design;
+pub mod figures_page;
 mod flexspline;
 mod friction;
 mod hysteresis;
 mod pictures;
+pub mod plot;
 mod two_port;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::figure::Figure;
-use crate::file::BadInput;
-use crate::gear_file::GearFile;
-use crate::plot;
+use crate::io::figure::Figure;
+use crate::io::file::BadInput;
+use crate::io::gear_file::GearFile;
 use crate::verify::Measured;
 pub use pictures::Picture;
 

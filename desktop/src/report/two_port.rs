@@ -3,13 +3,13 @@
 use maud::html;
 
 use super::{Chapter, figure, figure_table, plot};
-use crate::divergence::RunError;
-use crate::file::BadInput;
-use crate::gear_file::GearFile;
-use crate::plot::{Page, Panel, Series};
-use crate::step_response::{self, StepResponse, WIDE};
-use crate::two_port::Build;
+use crate::io::file::BadInput;
+use crate::io::gear_file::GearFile;
+use crate::plant::divergence::RunError;
+use crate::plant::two_port::Build;
+use crate::report::plot::{Page, Panel, Series};
 use crate::verify::Measured;
+use crate::verify::step_response::{self, StepResponse, WIDE};
 
 pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<Chapter, BadInput> {
     let failed = |error: RunError| BadInput::message(format_args!("{}: {error}", gear.gear.name));
@@ -35,10 +35,10 @@ fn drawn(gear: &GearFile, reference: &StepResponse, real_time: &StepResponse) ->
     let r: f64 = gear.gear.signed_ratio().value();
     let time: Vec<_> = reference.rows.iter().map(|row| row.time).collect();
     let input: Vec<_> = reference.wave_generator.iter().map(|angle| 1e3 * r * angle).collect();
-    let of = |run: &StepResponse, figure: fn(&crate::log::OpenLoopRow) -> f64| -> Vec<f64> {
+    let of = |run: &StepResponse, figure: fn(&crate::io::log::OpenLoopRow) -> f64| -> Vec<f64> {
         run.rows.iter().map(figure).collect()
     };
-    let both = |panel: Panel, figure: fn(&crate::log::OpenLoopRow) -> f64| {
+    let both = |panel: Panel, figure: fn(&crate::io::log::OpenLoopRow) -> f64| {
         panel.with(Series::line("reference", &time, &of(reference, figure))).with(Series::dashed(
             "real time",
             &time,

@@ -1,19 +1,35 @@
 //! Metrics of each baseline, with its gains in the gear file, on plants of the box and after the working motion.
 //!
-//! For each baseline the median of every figure of [`crate::baseline::objective`] over the plants, the worst ratio to B0's,
+//! For each baseline the median of every figure of [`FIGURES`] over the plants, the worst ratio to B0's,
 //! and how much it shakes: the worst oscillation of torsion and torque at rest ([`RunResult`]).
 
 use strainwave::Error;
 
-use crate::baseline::objective::FIGURES;
-use crate::baseline::{Baseline, Kind};
+use crate::bench::baseline::{Baseline, Kind};
+use crate::bench::scenario::Scenario;
 use crate::bench::{Bench, Conditions};
-use crate::figure::Figure;
-use crate::gear_file::GearFile;
+use crate::io::figure::Figure;
+use crate::io::gear_file::GearFile;
 use crate::plant::sample::PlantSample;
 use crate::verify::Measured;
 use crate::verify::compensator::each;
+use crate::verify::judge::Metric;
 use crate::verify::robustness::{JUDGED, Judged, RunResult, RunResults};
+
+/// A figure: the scenario, the metric and its name.
+pub type FigureOf = (Scenario, Metric, &'static str);
+
+/// Figures of the objective.
+pub const FIGURES: [FigureOf; 8] = [
+    (Scenario::S1, Metric::StepVibration, "s1.vibration"),
+    (Scenario::S2, Metric::Error, "s2.error"),
+    (Scenario::S3, Metric::MoveVibration, "s3.vibration"),
+    (Scenario::S3, Metric::Error, "s3.error"),
+    (Scenario::S4, Metric::Ripple, "s4.ripple"),
+    (Scenario::S4, Metric::Error, "s4.error"),
+    (Scenario::S5, Metric::Peak, "s5.peak"),
+    (Scenario::S5, Metric::Steady, "s5.steady"),
+];
 
 /// Runs each baseline on the plants of seeds 1 to `plants`; `progress` is called with the fraction done.
 ///
@@ -88,7 +104,6 @@ fn median(values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Scenario;
 
     #[test]
     fn the_median_is_in_the_middle_and_the_worst_has_its_seed() {

@@ -1,21 +1,24 @@
-//! Measures the figures that the project claims, each with its row in [`crate::bounds`].
+//! Verification: measures the figures that the project claims, each with its row in [`crate::verify::bounds`].
 //!
 //! These parts need no emulator; what is measured on the firmware image stands with the emulator.
 
 pub mod baselines;
+pub mod bounds;
 pub mod catalogue;
 pub mod compensator;
 pub mod faults;
 pub mod flexspline;
 pub mod friction;
 pub mod hysteresis;
+pub mod judge;
 pub mod replay;
 pub mod robustness;
+pub mod step_response;
 
 use std::time::Instant;
 
-use crate::figure::Figure;
-use crate::file::BadInput;
+use crate::io::figure::Figure;
+use crate::io::file::BadInput;
 
 /// Measured figures and notes.
 #[derive(Clone, Debug, Default, PartialEq)]

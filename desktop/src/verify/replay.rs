@@ -6,15 +6,15 @@
 
 use std::path::Path;
 
-use crate::bounds;
-use crate::data;
-use crate::figure::Figure;
-use crate::file::BadInput;
-use crate::gear_file::{GearFile, LARA8_MOVING};
 use crate::identify::learn_gear;
-use crate::log::MeasuredLog;
-use crate::replay::Judgement;
+use crate::identify::replay::Judgement;
+use crate::io::data;
+use crate::io::figure::Figure;
+use crate::io::file::BadInput;
+use crate::io::gear_file::{GearFile, LARA8_MOVING};
+use crate::io::log::MeasuredLog;
 use crate::verify::Measured;
+use crate::verify::bounds;
 
 /// Fraction of the motor's path that is learnt from.
 const LEARNT: f64 = 1.0 / 3.0;

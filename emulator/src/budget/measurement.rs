@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
-use strainwave_desktop::{Figure, bounds};
+use strainwave_desktop::Figure;
+use strainwave_desktop::verify::bounds;
 
 use super::{Block, Budget, CONTROL_STEP, Error, LITERAL_MESH, table};
 use crate::any_input::AnyInput;

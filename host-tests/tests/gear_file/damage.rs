@@ -4,7 +4,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use strainwave_desktop::GearFile;
-use strainwave_desktop::gear_file::DEFAULT;
+use strainwave_desktop::io::gear_file::DEFAULT;
 
 fn one_line_or_gear(bytes: &[u8]) -> Result<(), TestCaseError> {
     if let Err(error) = GearFile::parse(Path::new("g.toml"), bytes) {

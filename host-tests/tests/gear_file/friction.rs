@@ -2,10 +2,10 @@
 
 use strainwave::friction::FrictionParams;
 use strainwave_desktop::GearFile;
-use strainwave_desktop::friction_params::friction_params;
-use strainwave_desktop::gear_file::DEFAULT;
-use strainwave_desktop::gear_file::friction::FrictionModel;
-use strainwave_desktop::joint::joint_params;
+use strainwave_desktop::design::joint::joint_params;
+use strainwave_desktop::io::gear_file::DEFAULT;
+use strainwave_desktop::io::gear_file::friction::FrictionModel;
+use strainwave_desktop::io::gear_file::friction_params::friction_params;
 use toml::Table;
 
 use crate::full::full;

@@ -1,9 +1,9 @@
 //! A gear that has every key, and changes of it.
 
 use strainwave_desktop::GearFile;
-use strainwave_desktop::baseline::{BaselineGains, Kind};
-use strainwave_desktop::gear_file::friction::{Backward, Friction, StateRow};
-use strainwave_desktop::gear_file::{Baselines, Learnt};
+use strainwave_desktop::bench::baseline::{BaselineGains, Kind};
+use strainwave_desktop::io::gear_file::friction::{Backward, Friction, StateRow};
+use strainwave_desktop::io::gear_file::{Baselines, Learnt};
 use toml::{Table, Value};
 
 use crate::{LARA8, parse};

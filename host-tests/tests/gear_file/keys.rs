@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use strainwave_desktop::gear_file::friction::FrictionModel;
-use strainwave_desktop::gear_file::{Allowed, KEYS, RELATIONS};
+use strainwave_desktop::io::gear_file::friction::FrictionModel;
+use strainwave_desktop::io::gear_file::{Allowed, KEYS, RELATIONS};
 use toml::{Table, Value};
 
 use crate::full::{at, changed, full, set, shown};

@@ -10,7 +10,7 @@ mod whole;
 use std::path::Path;
 
 use strainwave_desktop::GearFile;
-use strainwave_desktop::gear_file::{Arrangement, DEFAULT, LARA8_J5, LARA8_MOVING};
+use strainwave_desktop::io::gear_file::{Arrangement, DEFAULT, LARA8_J5, LARA8_MOVING};
 
 const LARA8: &str = LARA8_J5;
 

@@ -1,6 +1,6 @@
 //! Messages for mistakes in a gear file.
 
-use strainwave_desktop::gear_file::DEFAULT;
+use strainwave_desktop::io::gear_file::DEFAULT;
 
 use crate::{parse, refusal};
 

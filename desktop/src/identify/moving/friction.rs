@@ -16,9 +16,9 @@ use nalgebra::{DMatrix, DVector};
 use super::super::Error;
 use super::super::least_squares::Factor;
 use super::EVERY;
-use crate::gear_file::{Friction, GearFile};
-use crate::joint::CONTROL_PERIOD;
-use crate::replay::ReplayRow;
+use crate::identify::replay::ReplayRow;
+use crate::io::gear_file::{Friction, GearFile};
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Speed from which on the contact slides (rad/s).
 const SLIDING: f64 = 0.3;

@@ -31,11 +31,11 @@ mod residual;
 use strainwave::Error as ParameterError;
 
 use super::Error;
-use crate::closed_loop::HostCompensator;
-use crate::gear_file::{GearFile, KinematicError};
-use crate::joint::joint_params;
-use crate::log::MeasuredLog;
-use crate::replay::{Judgement, ReplayRow, replay, time_of_path};
+use crate::bench::controller::HostCompensator;
+use crate::design::joint::joint_params;
+use crate::identify::replay::{Judgement, ReplayRow, replay, time_of_path};
+use crate::io::gear_file::{GearFile, KinematicError};
+use crate::io::log::MeasuredLog;
 pub use residual::{ORDERS, Residual};
 
 /// Wanders of the external torque that are tried, in rated torques and the square root of a second: an observer's that is

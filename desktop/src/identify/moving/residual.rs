@@ -20,9 +20,9 @@ use super::super::Error;
 use super::super::least_squares::Factor;
 use super::super::sequence::span;
 use super::EVERY;
-use crate::gear_file::{GearFile, Harmonic};
-use crate::joint::CONTROL_PERIOD;
-use crate::replay::ReplayRow;
+use crate::identify::replay::ReplayRow;
+use crate::io::gear_file::{GearFile, Harmonic};
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Orders of the kinematic error, a revolution of the motor.
 pub const ORDERS: [u32; 6] = [1, 2, 4, 6, 8, 10];

@@ -6,7 +6,7 @@ use strainwave::flexspline::calibration::unit_stiffness;
 use strainwave::flexspline::{FlexsplineParams, TwoLinks, TwoLinksParams};
 
 use super::{M, N};
-use crate::plot::{Page, Panel, Series};
+use crate::report::plot::{Page, Panel, Series};
 use crate::report::{figure, plot};
 
 /// Points of the curve.
@@ -86,8 +86,8 @@ fn drawing() -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gear_file::GearFile;
-    use crate::joint::gear_params;
+    use crate::design::joint::gear_params;
+    use crate::io::gear_file::GearFile;
 
     /// The mesh's stiffness in torsion is mostly that of its shear pairs: the picture's numbers are the mesh's.
     #[test]

@@ -10,9 +10,9 @@ use maud::{Markup, html};
 use strainwave::Error;
 
 use super::{Chapter, figure_table};
-use crate::file::BadInput;
-use crate::gear_file::GearFile;
-use crate::joint::gear_params;
+use crate::design::joint::gear_params;
+use crate::io::file::BadInput;
+use crate::io::gear_file::GearFile;
 use crate::verify::Part;
 
 /// Nodes of the reference mesh.

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 use nalgebra::{DMatrix, SymmetricEigen};
 use strainwave::flexspline::{FlexsplineParams, Mesh, Shell};
 
-use crate::mesh_size::{MeshSize, OnMesh};
+use crate::plant::mesh_size::{MeshSize, OnMesh};
 use crate::plant::{STEP_SHARE, micro_steps};
 use crate::report::table;
 
@@ -89,8 +89,8 @@ impl OnMesh for Row<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gear_file::GearFile;
-    use crate::joint::gear_params;
+    use crate::design::joint::gear_params;
+    use crate::io::gear_file::GearFile;
 
     fn params() -> FlexsplineParams<f64> {
         gear_params(&GearFile::default_gear()).flexspline

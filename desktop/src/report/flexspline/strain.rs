@@ -6,11 +6,11 @@ use strainwave::flexspline::{Reduced, StrainGauge};
 use strainwave::{Angle, Error};
 
 use super::{M, N};
-use crate::gear_file::GearFile;
-use crate::joint::gear_params;
-use crate::plot::{Page, Panel, Series};
+use crate::design::joint::gear_params;
+use crate::io::gear_file::GearFile;
+use crate::plant::settled::Settled;
+use crate::report::plot::{Page, Panel, Series};
 use crate::report::{figure, plot};
-use crate::settled::Settled;
 
 /// The gauge: a shear link at the rim.
 const NODE: Node = (0, 0);

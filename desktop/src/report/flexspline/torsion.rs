@@ -5,11 +5,11 @@ use strainwave::Error;
 use strainwave::compensator::RealTimeFlexspline;
 
 use super::{M, N};
-use crate::gear_file::GearFile;
-use crate::joint::gear_params;
-use crate::plot::{Page, Panel, Series};
+use crate::design::joint::gear_params;
+use crate::io::gear_file::GearFile;
+use crate::plant::settled::Settled;
+use crate::report::plot::{Page, Panel, Series};
 use crate::report::{figure, plot};
-use crate::settled::Settled;
 
 /// Points of the curves either side of zero.
 const POINTS: i32 = 40;

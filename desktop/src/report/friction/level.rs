@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::models::{Model, Models, Numbers};
-use crate::plot::{Page, Panel, Series};
+use crate::report::plot::{Page, Panel, Series};
 use crate::report::{figure, plot};
 
 /// Speeds up to so many vs.

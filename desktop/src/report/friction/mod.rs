@@ -8,9 +8,9 @@ mod stick_slip;
 use maud::{Markup, html};
 
 use super::{Chapter, figure_table, table};
-use crate::file::BadInput;
-use crate::gear_file::{FrictionModel, GearFile};
-use crate::plot::{Panel, Series};
+use crate::io::file::BadInput;
+use crate::io::gear_file::{FrictionModel, GearFile};
+use crate::report::plot::{Panel, Series};
 use crate::verify::Part;
 use models::{Models, Numbers};
 

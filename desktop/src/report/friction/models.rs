@@ -4,10 +4,10 @@
 
 use strainwave::friction::{FrictionModel as _, FrictionParams, Slip};
 
-use crate::any_friction::{AnyFriction, AnyFrictionState};
-use crate::figure::number;
-use crate::friction_params::friction_params;
-use crate::gear_file::{Friction, FrictionModel, GearFile, StateRow};
+use crate::io::figure::number;
+use crate::io::gear_file::any_friction::{AnyFriction, AnyFrictionState};
+use crate::io::gear_file::friction_params::friction_params;
+use crate::io::gear_file::{Friction, FrictionModel, GearFile, StateRow};
 
 /// Fc over Fs where the file has one of them only.
 const KINETIC_SHARE: f64 = 0.7;

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::models::{Model, Models, Numbers};
 use super::{COLUMNS, panel};
-use crate::plot::{Page, Panel};
+use crate::report::plot::{Page, Panel};
 use crate::report::{figure, plot};
 
 /// Reversal points of the motion (eps).
@@ -59,7 +59,7 @@ fn run(numbers: &Numbers, model: &Model) -> (Vec<f64>, Vec<f64>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gear_file::GearFile;
+    use crate::io::gear_file::GearFile;
 
     /// The motion ends where it began; in between it reached every reversal.
     #[test]

@@ -4,8 +4,8 @@ use maud::{Markup, html};
 
 use super::models::{Model, Models, Numbers};
 use super::{COLUMNS, panel};
-use crate::figure::number;
-use crate::plot::{Page, Panel};
+use crate::io::figure::number;
+use crate::report::plot::{Page, Panel};
 use crate::report::{figure, plot};
 
 /// Displacement of the spring's end (eps).
@@ -89,7 +89,7 @@ pub(super) fn section(numbers: &Numbers, models: &Models) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gear_file::GearFile;
+    use crate::io::gear_file::GearFile;
 
     /// By how much the spring's torque swings in the last third, in Fs - Fc.
     fn swing(name: &str) -> f64 {

@@ -7,7 +7,7 @@ use strainwave::friction::FrictionParams;
 use strainwave::gear::GearParams;
 
 use crate::identify::law::{Law, course};
-use crate::plot::{Page, Panel, Series};
+use crate::report::plot::{Page, Panel, Series};
 use crate::report::{figure, plot};
 
 /// Corners in rated torques: the virgin curve, the major loop, and loops within.

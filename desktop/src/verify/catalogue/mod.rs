@@ -21,11 +21,12 @@ mod summary;
 
 use strainwave::Error;
 
-use crate::baseline::{Baseline, Kind};
-use crate::bench::{Bench, Conditions, SensorSet};
+use crate::bench::baseline::{Baseline, Kind};
+use crate::bench::controller::HostCompensator;
+use crate::bench::{Bench, Conditions};
 use crate::catalogue::{Joint, Set};
-use crate::closed_loop::HostCompensator;
-use crate::joint::joint_params;
+use crate::design::joint::joint_params;
+use crate::io::gear_file::SensorSet;
 use crate::verify::compensator::each;
 use crate::verify::robustness::{JUDGED, Judged, RunResult, RunResults};
 pub use summary::Report;

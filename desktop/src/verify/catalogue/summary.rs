@@ -3,12 +3,12 @@
 use strainwave::compensator::Mode;
 
 use super::{Outcome, Run};
-use crate::bench::SensorSet;
-use crate::bounds;
-use crate::figure::{Figure, number};
-use crate::judge::Metric;
-use crate::scenario::Scenario;
+use crate::bench::scenario::Scenario;
+use crate::io::figure::{Figure, number};
+use crate::io::gear_file::SensorSet;
 use crate::verify::Measured;
+use crate::verify::bounds;
+use crate::verify::judge::Metric;
 use crate::verify::robustness::{JUDGED, Oscillation};
 
 /// Everything that ran.

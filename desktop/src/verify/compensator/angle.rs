@@ -3,8 +3,8 @@
 use strainwave::real::RADIANS_PER_COUNT;
 use strainwave::{Angle, Ratio};
 
-use crate::bounds;
-use crate::figure::Figure;
+use crate::io::figure::Figure;
+use crate::verify::bounds;
 use crate::verify::largest;
 
 /// Ratios r = 1/n that are measured: both arrangements, both ends of the range.

@@ -1,11 +1,11 @@
 //! Claims of the compensator, row by row.
 
-use crate::bench::SensorSet;
-use crate::bounds;
-use crate::figure::Figure;
-use crate::judge::Metric;
-use crate::scenario::Scenario;
+use crate::bench::scenario::Scenario;
+use crate::io::figure::Figure;
+use crate::io::gear_file::SensorSet;
+use crate::verify::bounds;
 use crate::verify::compensator::performance::{Compared, Performance};
+use crate::verify::judge::Metric;
 
 /// Reference of a metric's ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

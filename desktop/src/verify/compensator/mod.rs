@@ -2,8 +2,8 @@
 //!
 //! Every sample of the box (friction of either side +-20 %, stiffness +-10 %, load inertia +-30 %) is one plant with its
 //! noise. B0 and B1 run S1 to S5 on it from rest; the compensator first works for 10 s
-//! ([`crate::working_motion`]), once with the motor's sensors alone and once with an output encoder too, and goes into
-//! each scenario from there. Metrics are those of [`crate::judge`]; a claim is the worst ratio over 20 samples, and names
+//! ([`crate::bench::working_motion`]), once with the motor's sensors alone and once with an output encoder too, and goes into
+//! each scenario from there. Metrics are those of [`crate::verify::judge`]; a claim is the worst ratio over 20 samples, and names
 //! the sample. The plant is the condensed one ([`crate::plant::Plant::condensed`]).
 //!
 //! With both encoders the ripple of S4 is that of a compensator without the stored kinematic error, which has learnt it
@@ -23,11 +23,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
-use crate::bench::{Conditions, SensorSet};
-use crate::divergence::RunError;
-use crate::gear_file::GearFile;
-use crate::step_response;
+use crate::bench::Conditions;
+use crate::io::gear_file::GearFile;
+use crate::io::gear_file::SensorSet;
+use crate::plant::divergence::RunError;
 use crate::verify::Measured;
+use crate::verify::step_response;
 pub use claims::{CLAIMS, Claim, Reference, worst_draw};
 pub use performance::{Performance, Rivals};
 

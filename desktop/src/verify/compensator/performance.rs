@@ -8,17 +8,20 @@ use strainwave::flexspline::Flexspline;
 use strainwave::gear::GearParams;
 use strainwave::kinematic_error::KinematicErrorParams;
 
-use crate::baseline::Baseline;
-use crate::bench::{Bench, Conditions, SensorSet};
-use crate::closed_loop::{Controller, HostCompensator, Row, go_on};
-use crate::divergence::RunError;
-use crate::gear_file::GearFile;
-use crate::joint::{CONTROL_PERIOD, joint_params};
-use crate::judge::estimates::Outside;
-use crate::judge::{Judge, Metric, external_torque_error, rms, vibration};
+use crate::bench::baseline::Baseline;
+use crate::bench::closed_loop::{Row, go_on};
+use crate::bench::controller::{Controller, HostCompensator};
+use crate::bench::scenario::Scenario;
+use crate::bench::working_motion::WorkingMotion;
+use crate::bench::{Bench, Conditions};
+use crate::design::joint::joint_params;
+use crate::io::gear_file::GearFile;
+use crate::io::gear_file::SensorSet;
 use crate::plant::CondensedMesh;
-use crate::scenario::Scenario;
-use crate::working_motion::WorkingMotion;
+use crate::plant::divergence::RunError;
+use crate::verify::judge::estimates::Outside;
+use crate::verify::judge::{Judge, Metric, external_torque_error, rms, vibration};
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// The scenarios that a controller is judged in; in S6 a brake holds the joint.
 pub const JUDGED: [Scenario; 5] = [Scenario::S1, Scenario::S2, Scenario::S3, Scenario::S4, Scenario::S5];

@@ -8,11 +8,11 @@ use strainwave::compensator::{
     Command, Compensator, Faults, Input, JointParams, Mode, Output, State, Status,
 };
 
-use crate::bench::SensorSet;
-use crate::closed_loop::Controller;
-use crate::divergence::RunError;
-use crate::joint::CONTROL_PERIOD;
-use crate::scenario::Scenario;
+use crate::bench::controller::Controller;
+use crate::bench::scenario::Scenario;
+use crate::io::gear_file::SensorSet;
+use crate::plant::divergence::RunError;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 macro_rules! kinds {
     ($($kind:ident $name:literal: $doc:literal;)*) => {

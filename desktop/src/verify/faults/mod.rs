@@ -23,18 +23,21 @@ use std::fmt::Write;
 use strainwave::Error;
 use strainwave::compensator::{Faults, Mode};
 
-use crate::bench::{Bench, Conditions, Task};
-use crate::bounds;
-use crate::capability::Capability;
-use crate::closed_loop::HostCompensator;
-use crate::divergence::RunError;
-use crate::figure::Figure;
-use crate::gear_file::GearFile;
-use crate::joint::{CONTROL_PERIOD, joint_params};
-use crate::scenario::{Demand, Scenario};
+use crate::bench::controller::HostCompensator;
+use crate::bench::scenario::Scenario;
+use crate::bench::task::Demand;
+use crate::bench::task::Task;
+use crate::bench::{Bench, Conditions};
+use crate::design::capability::Capability;
+use crate::design::joint::joint_params;
+use crate::io::figure::Figure;
+use crate::io::gear_file::GearFile;
+use crate::plant::divergence::RunError;
 use crate::verify::Measured;
+use crate::verify::bounds;
 use crate::verify::compensator::each;
 pub use injected::{Broken, Injected, Kind, periods_of};
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Faults when nothing else is said.
 pub const COUNT: u64 = 2000;

@@ -18,12 +18,12 @@ use strainwave::flexspline::stiffness_line::StiffnessLineParams;
 use strainwave::flexspline::{Cup, FlexsplineParams};
 
 use super::stiffness::worst_off_line;
-use crate::bounds;
-use crate::data;
-use crate::file::{self, BadInput};
-use crate::gear_file::GearFile;
-use crate::joint::gear_params;
+use crate::design::joint::gear_params;
+use crate::io::data;
+use crate::io::file::{self, BadInput};
+use crate::io::gear_file::GearFile;
 use crate::verify::Measured;
+use crate::verify::bounds;
 
 const LINES: &str = "catalogue/stiffness.csv";
 const TORQUES: &str = "catalogue/misc.csv";

@@ -20,12 +20,12 @@ use strainwave::Error;
 use strainwave::flexspline::shell::ShellState;
 use strainwave::flexspline::{FlexsplineParams, Shell, ShellParams};
 
-use crate::bounds;
-use crate::figure::Figure;
-use crate::gear_file::GearFile;
-use crate::joint::gear_params;
+use crate::design::joint::gear_params;
+use crate::io::figure::Figure;
+use crate::io::gear_file::GearFile;
 use crate::plant::NODES;
-use crate::vectorised::Vectorised;
+use crate::plant::vectorised::Vectorised;
+use crate::verify::bounds;
 use crate::verify::largest;
 
 /// Step as a fraction of the stable one.

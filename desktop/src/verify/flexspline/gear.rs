@@ -6,12 +6,12 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use crate::bounds;
-use crate::divergence::RunError;
-use crate::figure::Figure;
-use crate::gear_file::GearFile;
-use crate::log::{OpenLoop, OpenLoopRow};
-use crate::two_port::{self, Build};
+use crate::io::figure::Figure;
+use crate::io::gear_file::GearFile;
+use crate::io::log::{OpenLoop, OpenLoopRow};
+use crate::plant::divergence::RunError;
+use crate::plant::two_port::{self, Build};
+use crate::verify::bounds;
 use crate::verify::largest;
 
 pub(super) fn measure(gear: &GearFile) -> Result<Vec<Figure>, RunError> {

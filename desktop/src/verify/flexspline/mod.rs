@@ -12,9 +12,9 @@ mod stiffness;
 mod strain;
 
 use super::Measured;
-use crate::divergence::RunError;
-use crate::file::BadInput;
-use crate::gear_file::GearFile;
+use crate::io::file::BadInput;
+use crate::io::gear_file::GearFile;
+use crate::plant::divergence::RunError;
 
 /// Every figure but those of the clock, see [`speed`].
 pub(super) fn measure() -> Result<Measured, BadInput> {

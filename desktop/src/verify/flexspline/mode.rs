@@ -19,11 +19,12 @@ use strainwave::friction::FrictionModel;
 use strainwave::gear::{Applied, Gear, GearParams, Motion};
 use strainwave::{Error, Real};
 
-use crate::bounds;
-use crate::figure::Figure;
-use crate::gear_file::GearFile;
-use crate::joint::{CONTROL_PERIOD, firmware_gear_params};
+use crate::design::joint::firmware_gear_params;
+use crate::io::figure::Figure;
+use crate::io::gear_file::GearFile;
 use crate::plant::{NODES, Reference, ReferenceGear};
+use crate::verify::bounds;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Torsion at first (rad).
 const RELEASED_FROM: f64 = 4e-5;

@@ -16,10 +16,10 @@ use serde::Deserialize;
 use strainwave::flexspline::shell::{Shell, ShellParams, ShellState};
 use strainwave::flexspline::{Bend, Cup};
 
-use crate::bounds;
-use crate::figure::Figure;
-use crate::gear_file::GearFile;
-use crate::joint::gear_params;
+use crate::design::joint::gear_params;
+use crate::io::figure::Figure;
+use crate::io::gear_file::GearFile;
+use crate::verify::bounds;
 use crate::verify::largest;
 
 const PROBLEM: &str = include_str!("../../../oracle/free_shell.toml");

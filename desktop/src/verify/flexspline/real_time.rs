@@ -8,14 +8,14 @@ use std::thread;
 
 use strainwave::flexspline::{Flexspline, Reduced};
 
-use crate::baseline::Baseline;
-use crate::bounds;
-use crate::closed_loop;
-use crate::divergence::RunError;
-use crate::figure::Figure;
-use crate::gear_file::GearFile;
-use crate::scenario::Scenario;
-use crate::two_port::{self, Build};
+use crate::bench::baseline::Baseline;
+use crate::bench::closed_loop;
+use crate::bench::scenario::Scenario;
+use crate::io::figure::Figure;
+use crate::io::gear_file::GearFile;
+use crate::plant::divergence::RunError;
+use crate::plant::two_port::{self, Build};
+use crate::verify::bounds;
 use crate::verify::largest;
 
 /// Seed of the plant that the controller knows.

@@ -17,12 +17,13 @@ use strainwave::gear::{Applied, GearParams, Motion};
 use strainwave::kinematic_error::KinematicErrorParams;
 use strainwave::{Angle, Error};
 
-use crate::bounds;
-use crate::figure::Figure;
-use crate::gear_file::GearFile;
-use crate::joint::{CONTROL_PERIOD, firmware_gear_params};
-use crate::settled::Settled;
+use crate::design::joint::firmware_gear_params;
+use crate::io::figure::Figure;
+use crate::io::gear_file::GearFile;
+use crate::plant::settled::Settled;
+use crate::verify::bounds;
 use crate::verify::largest;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Steps of the revolution in real time.
 const STEPS: u32 = 10_000;

@@ -9,16 +9,16 @@ use std::hint::black_box;
 use strainwave::flexspline::{Ends, Flexspline, Mesh, Shell};
 use strainwave::{Error, Real};
 
-use crate::baseline::Baseline;
-use crate::closed_loop;
-use crate::divergence::RunError;
-use crate::figure::Figure;
-use crate::file::BadInput;
-use crate::gear_file::GearFile;
-use crate::joint::gear_params;
+use crate::bench::baseline::Baseline;
+use crate::bench::closed_loop;
+use crate::bench::scenario::Scenario;
+use crate::design::joint::gear_params;
+use crate::io::figure::Figure;
+use crate::io::file::BadInput;
+use crate::io::gear_file::GearFile;
+use crate::plant::divergence::RunError;
+use crate::plant::vectorised::Vectorised;
 use crate::plant::{NODES, STEP_SHARE};
-use crate::scenario::Scenario;
-use crate::vectorised::Vectorised;
 use crate::verify::{Measured, fastest};
 
 /// Batches of steps.

@@ -5,11 +5,11 @@
 use strainwave::Error;
 use strainwave::flexspline::FlexsplineParams;
 
-use crate::bounds;
-use crate::figure::Figure;
-use crate::gear_file::GearFile;
-use crate::joint::gear_params;
-use crate::settled::Settled;
+use crate::design::joint::gear_params;
+use crate::io::figure::Figure;
+use crate::io::gear_file::GearFile;
+use crate::plant::settled::Settled;
+use crate::verify::bounds;
 use crate::verify::largest;
 
 /// Torsion small enough for K1 alone (rad).

@@ -7,11 +7,11 @@ use strainwave::flexspline::calibration::DIRECTIONS;
 use strainwave::flexspline::{Reduced, StrainGauge};
 use strainwave::{Angle, Error};
 
-use crate::bounds;
-use crate::figure::Figure;
-use crate::gear_file::GearFile;
-use crate::joint::gear_params;
-use crate::settled::Settled;
+use crate::design::joint::gear_params;
+use crate::io::figure::Figure;
+use crate::io::gear_file::GearFile;
+use crate::plant::settled::Settled;
+use crate::verify::bounds;
 use crate::verify::largest;
 
 /// Steps in which a mesh settles; twice as many change no strain by 1e-10.

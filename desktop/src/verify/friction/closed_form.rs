@@ -9,8 +9,8 @@
 use strainwave::friction::BlimanSorine;
 use strainwave::friction::bliman_sorine::BlimanSorineState;
 
-use crate::bounds;
-use crate::figure::Figure;
+use crate::io::figure::Figure;
+use crate::verify::bounds;
 use crate::verify::largest;
 
 const F1: f64 = 1.5;

@@ -4,8 +4,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use strainwave::friction::{BlimanSorine, DahlParams, FrictionModel, Slip, StateSpaceParams};
 
-use crate::bounds;
-use crate::figure::Figure;
+use crate::io::figure::Figure;
+use crate::verify::bounds;
 use crate::verify::largest;
 
 const LEVEL: f64 = 2.0;

@@ -3,9 +3,9 @@
 use serde::Deserialize;
 use strainwave::friction::{LoadDependenceParams, LoadedLevel};
 
-use crate::bounds;
-use crate::data;
-use crate::file::{self, BadInput};
+use crate::io::data;
+use crate::io::file::{self, BadInput};
+use crate::verify::bounds;
 use crate::verify::{Measured, largest};
 
 /// Longest file (bytes).

@@ -8,8 +8,8 @@ use serde::Deserialize;
 use strainwave::friction::lugre::LuGreState;
 use strainwave::friction::{FrictionModel, LuGre, LuGreParams, LubricatedContactParams, Slip};
 
-use crate::bounds;
-use crate::figure::Figure;
+use crate::io::figure::Figure;
+use crate::verify::bounds;
 
 const STORED: &str = include_str!("../../../oracle/friction/lugre_stick_slip.toml");
 /// Time step (s).

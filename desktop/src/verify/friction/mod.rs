@@ -11,7 +11,7 @@ pub mod speed;
 mod work;
 
 use super::Measured;
-use crate::file::BadInput;
+use crate::io::file::BadInput;
 
 /// Every figure but that of the clock, see [`speed`].
 pub(super) fn measure() -> Result<Measured, BadInput> {

@@ -8,8 +8,8 @@ use strainwave::friction::FrictionModel;
 use strainwave::friction::StateSpaceParams;
 use strainwave::friction::state_space::StateSpaceState;
 
-use crate::bounds;
-use crate::figure::Figure;
+use crate::io::figure::Figure;
+use crate::verify::bounds;
 use crate::verify::largest;
 
 const STORED: &str = include_str!("../../../oracle/friction/bliman_sorine.toml");

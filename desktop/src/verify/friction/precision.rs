@@ -7,11 +7,12 @@ use strainwave::friction::{
 };
 use strainwave::{Heading, Real};
 
-use crate::bounds;
-use crate::figure::Figure;
-use crate::gear_file::GearFile;
-use crate::joint::{CONTROL_PERIOD, firmware_gear_params};
+use crate::design::joint::firmware_gear_params;
+use crate::io::figure::Figure;
+use crate::io::gear_file::GearFile;
+use crate::verify::bounds;
 use crate::verify::largest;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Steps of random motion.
 const STEPS: usize = 10_000_000;

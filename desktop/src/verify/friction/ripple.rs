@@ -7,10 +7,10 @@ use serde::Deserialize;
 use strainwave::friction::{Harmonics, Ripple, RippleParams};
 use strainwave::{Heading, Real};
 
-use crate::bounds;
-use crate::data;
-use crate::file::{self, BadInput};
-use crate::ripple_fit;
+use crate::identify::ripple_fit;
+use crate::io::data;
+use crate::io::file::{self, BadInput};
+use crate::verify::bounds;
 use crate::verify::{Measured, largest};
 
 const MAP: &str = "zxf17/friction_map_4dp.json";

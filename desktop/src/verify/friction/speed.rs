@@ -10,9 +10,9 @@ use rand_chacha::ChaCha8Rng;
 use strainwave::friction::bliman_sorine::BlimanSorineState;
 use strainwave::friction::{BlimanSorine, FrictionModel, Slip};
 
-use crate::figure::Figure;
-use crate::joint::CONTROL_PERIOD;
+use crate::io::figure::Figure;
 use crate::verify::{Measured, fastest};
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Batches, and steps of one: some 16 us, which are seldom interrupted.
 const BATCHES: usize = 5000;

@@ -18,8 +18,8 @@ use strainwave::friction::{
 };
 use strainwave::{Heading, Real};
 
-use crate::bounds;
-use crate::figure::Figure;
+use crate::io::figure::Figure;
+use crate::verify::bounds;
 use crate::verify::largest;
 
 /// Trajectories of each of the nine models: 10^6 in all, in either precision.

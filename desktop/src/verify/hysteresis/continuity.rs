@@ -5,8 +5,8 @@ use rand_chacha::ChaCha8Rng;
 use strainwave::Real;
 
 use super::history::{Model, inputs, run, standard};
-use crate::bounds;
-use crate::figure::Figure;
+use crate::io::figure::Figure;
+use crate::verify::bounds;
 use crate::verify::largest;
 
 /// Histories, and places of each.

@@ -7,11 +7,11 @@ use strainwave::hysteresis::{
     Relays, RelaysState, TorsionHysteresis, TorsionHysteresisState, Weights, gap_for_width,
 };
 
-use crate::bounds;
-use crate::figure::Figure;
-use crate::gear_file::GearFile;
-use crate::joint::gear_params;
-use crate::torque_loop::{Sample, TorqueLoop};
+use crate::design::joint::gear_params;
+use crate::identify::torque_loop::{Sample, TorqueLoop};
+use crate::io::figure::Figure;
+use crate::io::gear_file::GearFile;
+use crate::verify::bounds;
 
 /// Samples of a branch.
 const SAMPLES: i32 = 20_000;

@@ -5,8 +5,8 @@ use rand_chacha::ChaCha8Rng;
 use strainwave::hysteresis::{Relays, RelaysState, Staircase, StaircaseState};
 
 use super::history::{LEVELS, random_weights};
-use crate::bounds;
-use crate::figure::Figure;
+use crate::io::figure::Figure;
+use crate::verify::bounds;
 use crate::verify::largest;
 
 /// Closed loops.

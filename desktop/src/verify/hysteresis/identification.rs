@@ -5,15 +5,15 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use strainwave::hysteresis::{Staircase, StaircaseState, Weights};
 
-use crate::bounds;
-use crate::data;
-use crate::file::BadInput;
-use crate::gear_file::{GearFile, LARA8_J5};
 use crate::identify::{
     Error, GearLog, GearOptions, Options, Sequence, identify, identify_gear, regressors, reversal,
 };
-use crate::log::MeasuredLog;
+use crate::io::data;
+use crate::io::file::BadInput;
+use crate::io::gear_file::{GearFile, LARA8_J5};
+use crate::io::log::MeasuredLog;
 use crate::plant::MEMORY;
+use crate::verify::bounds;
 use crate::verify::{Measured, largest};
 
 /// Levels of the random table.

@@ -9,8 +9,8 @@ use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState};
 
 use super::default_gear::{hysteresis, line};
 use super::history::{LEVELS, Model, inputs, run, standard};
-use crate::bounds;
-use crate::figure::Figure;
+use crate::io::figure::Figure;
+use crate::verify::bounds;
 use crate::verify::largest;
 
 /// Histories, and places of each.

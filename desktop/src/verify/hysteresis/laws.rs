@@ -4,8 +4,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::history::{at_random, inputs, run};
-use crate::bounds;
-use crate::figure::Figure;
+use crate::io::figure::Figure;
+use crate::verify::bounds;
 use crate::verify::largest;
 
 /// Histories of each law.

@@ -4,8 +4,8 @@ use strainwave::compensator::HYSTERESIS_MEMORY;
 use strainwave::hysteresis::{Staircase, StaircaseState, Weights};
 
 use super::history::{LEVELS, Model, standard};
-use crate::bounds;
-use crate::figure::Figure;
+use crate::io::figure::Figure;
+use crate::verify::bounds;
 use crate::verify::largest;
 
 /// Left of the amplitude after every half cycle: a damping ratio of 0.02.

@@ -12,7 +12,7 @@ mod relays;
 pub mod speed;
 
 use super::Measured;
-use crate::file::BadInput;
+use crate::io::file::BadInput;
 
 /// Every figure but those of the clock, see [`speed`].
 pub(super) fn measure() -> Result<Measured, BadInput> {

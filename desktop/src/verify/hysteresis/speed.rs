@@ -10,8 +10,8 @@ use std::hint::black_box;
 
 use strainwave::hysteresis::{Relays, RelaysState, Staircase, StaircaseState, Weights};
 
-use crate::bounds;
-use crate::figure::Figure;
+use crate::io::figure::Figure;
+use crate::verify::bounds;
 use crate::verify::{Measured, fastest};
 
 /// Batches, and samples of one.

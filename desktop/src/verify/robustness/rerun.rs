@@ -16,15 +16,16 @@ use strainwave::gear::GearParams;
 use super::run_result::{JUDGED, Judged, RunResult};
 use super::summary::{RATIOS, reads_no_more};
 use super::{Outcome, RIVALS, Rival, separable_orders};
-use crate::bench::{Bench, Conditions, SensorSet};
-use crate::closed_loop::Controller;
-use crate::divergence::RunError;
-use crate::gear_file::GearFile;
-use crate::judge::Metric;
+use crate::bench::controller::Controller;
+use crate::bench::scenario::Scenario;
+use crate::bench::working_motion::WorkingMotion;
+use crate::bench::{Bench, Conditions};
+use crate::io::gear_file::GearFile;
+use crate::io::gear_file::SensorSet;
+use crate::plant::divergence::RunError;
 use crate::plant::sample::PlantSample;
 use crate::plant::unknowns::Which;
-use crate::scenario::Scenario;
-use crate::working_motion::WorkingMotion;
+use crate::verify::judge::Metric;
 
 /// Claim of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,14 +9,15 @@ use strainwave::flexspline::Flexspline;
 use strainwave::gear::GearParams;
 
 use crate::bench::Bench;
-use crate::capability::Capability;
-use crate::closed_loop::{Controller, Row, go_on};
-use crate::divergence::RunError;
-use crate::gear_file::GearFile;
-use crate::joint::CONTROL_PERIOD;
-use crate::judge::{Judge, Metric, rms, without_slow_part};
-use crate::scenario::{Rest, Scenario};
-use crate::working_motion::WorkingMotion;
+use crate::bench::closed_loop::{Row, go_on};
+use crate::bench::controller::Controller;
+use crate::bench::scenario::{Rest, Scenario};
+use crate::bench::working_motion::WorkingMotion;
+use crate::design::capability::Capability;
+use crate::io::gear_file::GearFile;
+use crate::plant::divergence::RunError;
+use crate::verify::judge::{Judge, Metric, rms, without_slow_part};
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// The scenarios that a controller is judged in.
 pub const JUDGED: [Scenario; 5] = [Scenario::S1, Scenario::S2, Scenario::S3, Scenario::S4, Scenario::S5];

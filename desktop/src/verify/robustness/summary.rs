@@ -3,13 +3,13 @@
 use super::rerun::{WorstRun, worst};
 use super::run_result::{JUDGED, Oscillation, RunResult};
 use super::{Outcome, RIVALS, Rival};
-use crate::bench::SensorSet;
-use crate::bounds;
-use crate::figure::{Figure, number};
-use crate::judge::{Metric, rms};
+use crate::bench::scenario::Scenario;
+use crate::io::figure::{Figure, number};
+use crate::io::gear_file::SensorSet;
 use crate::plant::unknowns::Which;
-use crate::scenario::Scenario;
 use crate::verify::Measured;
+use crate::verify::bounds;
+use crate::verify::judge::{Metric, rms};
 
 /// Ratios with a bound: its row, scenario, metric.
 pub(super) const RATIOS: [(&str, Scenario, Metric); 4] = [

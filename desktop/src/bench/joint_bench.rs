@@ -1,0 +1,386 @@
+//! A joint on the bench: a plant that is off what its controller knows, its sensors, and a controller that closes
+//! the loop every 0.1 ms.
+//!
+//! Each control period: the sensors are read, the controller answers, its torque acts on the plant for one
+//! period. The motor's torque is the drive's response to the command, and its measurement is noisy. An encoder
+//! gives the count whose middle is nearest to the angle ([`crate::plant::encoder`]). Torques in N m, angles in rad.
+//!
+//! With a jittering clock ([`crate::plant::clock`]) the plant stays on its micro-steps: it goes to the last one before
+//! the instant, the encoders are read a part of a micro-step in advance at constant speed, and the new torque acts from there.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+use strainwave::Error;
+use strainwave::compensator::{CompensationGains, Input, Output, Sensors, Status};
+use strainwave::flexspline::Flexspline;
+use strainwave::gear::Motion;
+
+use crate::bench::controller::Controller;
+use crate::bench::task::{Demand, Task, periods};
+use crate::design::capability::Capability;
+use crate::design::joint::firmware_gear_params;
+use crate::io::gear_file::{GearFile, SensorSet};
+use crate::plant::box_sample::BoxSample;
+use crate::plant::clock::{Clock, ClockParams};
+use crate::plant::divergence::RunError;
+use crate::plant::encoder::{EncoderErrors, EncoderModel, LateEncoder};
+use crate::plant::sample::PlantSample;
+use crate::plant::{CondensedMesh, Plant, PlantMesh};
+use strainwave::compensator::schedule::CONTROL_PERIOD;
+
+/// Test conditions of a joint on the bench.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditions {
+    /// The plant (see [`BoxSample::from_seed`]) and its noise.
+    pub seed: u64,
+    /// Sensors of the controller.
+    pub sensors: SensorSet,
+    /// Factor on the noise of the sensors: 2 doubles the deviation of the torques and takes the encoders' last bit.
+    pub noise: f64,
+    /// Which noise on this plant: 0 is the seed's own.
+    pub realisation: u32,
+}
+
+impl Conditions {
+    /// The sensors of a gear file as they are, on the plant of `seed`.
+    pub fn of(file: &GearFile, seed: u64) -> Self {
+        Self { seed, sensors: SensorSet::of(file), noise: 1.0, realisation: 0 }
+    }
+
+    /// The plant's parameters.
+    ///
+    /// # Errors
+    /// As [`firmware_gear_params`].
+    pub fn plant(&self, file: &GearFile) -> Result<strainwave::gear::GearParams<f64>, Error> {
+        Ok(BoxSample::from_seed(self.seed).apply(&firmware_gear_params(file)?))
+    }
+}
+
+/// The joint's sensors, with noise that repeats for the same seed.
+#[derive(Clone, Debug)]
+struct SensorModel {
+    motor_encoder: EncoderModel,
+    output_encoder: Option<LateEncoder>,
+    motor_torque_noise: Normal<f64>,
+    output_torque_noise: Option<Normal<f64>>,
+    random: ChaCha8Rng,
+    encoder_random: ChaCha8Rng,
+}
+
+/// Purposes of a bench's random numbers; each has a stream of its own, and other noise on the same plant others.
+#[derive(Clone, Copy)]
+enum Purpose {
+    Torque,
+    Encoders,
+    Clock,
+}
+
+fn random(seed: u64, realisation: u32, purpose: Purpose) -> ChaCha8Rng {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    random.set_stream(3 * u64::from(realisation) + purpose as u64);
+    random
+}
+
+impl SensorModel {
+    fn new(file: &GearFile, conditions: &Conditions, errors: &[EncoderErrors; 2]) -> Self {
+        let factor = conditions.noise;
+        let noise = |deviation: f64| {
+            Normal::new(0.0, factor * deviation).expect("the gear file's noise is not negative")
+        };
+        let sensors = &file.sensors;
+        let output_encoder = LateEncoder::new(
+            EncoderModel::new(sensors.output_bits(), factor, errors[1]),
+            sensors.output_encoder_delay as usize,
+            sensors.output_encoder_period as usize,
+        );
+        let random = |purpose| random(conditions.seed, conditions.realisation, purpose);
+        Self {
+            motor_encoder: EncoderModel::new(sensors.motor_encoder_bits, factor, errors[0]),
+            output_encoder: (conditions.sensors == SensorSet::Both).then_some(output_encoder),
+            motor_torque_noise: noise(sensors.motor_torque_noise),
+            output_torque_noise: sensors.output_torque.then(|| noise(sensors.output_torque_noise)),
+            random: random(Purpose::Torque),
+            encoder_random: random(Purpose::Encoders),
+        }
+    }
+
+    /// As they read `advance` (s) after the plant's last micro-step.
+    fn read<F: Flexspline<f64>>(&mut self, plant: &Plant<F>, advance: f64) -> Sensors<f32> {
+        let (random, encoder_random) = (&mut self.random, &mut self.encoder_random);
+        let angle = |motion: Motion<f64>| {
+            if advance > 0.0 { motion.angle.plus(motion.velocity * advance) } else { motion.angle }
+        };
+        Sensors {
+            motor_encoder: self.motor_encoder.read(angle(plant.motor()), encoder_random),
+            output_encoder: self
+                .output_encoder
+                .as_mut()
+                .and_then(|encoder| encoder.read(angle(plant.output()), encoder_random)),
+            motor_torque: (plant.measured_motor_torque() + self.motor_torque_noise.sample(random)) as f32,
+            output_torque: self
+                .output_torque_noise
+                .map(|noise| (plant.last_torques().transmitted + noise.sample(random)) as f32),
+        }
+    }
+}
+
+/// All corrections on, friction by the gear file's gain.
+fn all_gains(file: &GearFile) -> CompensationGains<f32> {
+    CompensationGains { friction: file.compensation.friction_share as f32, ..CompensationGains::ALL }
+}
+
+/// Plant, sensors, clock, and the controller's last answer.
+#[derive(Clone)]
+pub struct Bench<F: Flexspline<f64> = PlantMesh> {
+    plant: Plant<F>,
+    sensors: SensorModel,
+    clock: Clock,
+    /// Micro-steps by which the plant is off the clock's whole periods.
+    off: i64,
+    gains: CompensationGains<f32>,
+    capability: Capability,
+    last: Output<f32>,
+}
+
+impl Bench {
+    /// A joint at rest, its plant the reference.
+    ///
+    /// # Errors
+    /// As [`Plant::build`].
+    pub fn build(file: &GearFile, conditions: &Conditions) -> Result<Self, Error> {
+        Ok(Self::around(Plant::build(&conditions.plant(file)?)?, file, conditions))
+    }
+
+    /// The same of a plant that its controller does not know; the seed is the plant's.
+    ///
+    /// # Errors
+    /// As [`Plant::build`].
+    pub fn of(sample: &PlantSample, conditions: &Conditions) -> Result<Self, Error> {
+        let plant = Plant::between(&sample.plant_params(), &sample.sides)?;
+        Ok(Self::of_sample(plant, sample, conditions))
+    }
+}
+
+impl Bench<CondensedMesh> {
+    /// A joint at rest, its plant the condensed one.
+    ///
+    /// # Errors
+    /// As [`Plant::condensed`].
+    pub fn condensed(file: &GearFile, conditions: &Conditions) -> Result<Self, Error> {
+        Ok(Self::around(Plant::condensed(&conditions.plant(file)?)?, file, conditions))
+    }
+
+    /// The same of a plant that its controller does not know; the seed is the plant's.
+    ///
+    /// # Errors
+    /// As [`Plant::condensed`].
+    pub fn condensed_of(sample: &PlantSample, conditions: &Conditions) -> Result<Self, Error> {
+        let plant = Plant::condensed_between(&sample.plant_params(), &sample.sides)?;
+        Ok(Self::of_sample(plant, sample, conditions))
+    }
+}
+
+impl<F: Flexspline<f64>> Bench<F> {
+    fn around(plant: Plant<F>, file: &GearFile, conditions: &Conditions) -> Self {
+        Self::with(plant, file, conditions, &Default::default(), ClockParams::default())
+    }
+
+    fn of_sample(plant: Plant<F>, sample: &PlantSample, conditions: &Conditions) -> Self {
+        let conditions = Conditions { seed: sample.seed, ..*conditions };
+        Self::with(plant, &sample.known, &conditions, &sample.encoders, sample.clock)
+    }
+
+    fn with(
+        plant: Plant<F>,
+        file: &GearFile,
+        conditions: &Conditions,
+        errors: &[EncoderErrors; 2],
+        clock: ClockParams,
+    ) -> Self {
+        Self {
+            plant,
+            sensors: SensorModel::new(file, conditions, errors),
+            clock: Clock::new(clock, random(conditions.seed, conditions.realisation, Purpose::Clock)),
+            off: 0,
+            gains: all_gains(file),
+            capability: Capability::of(file),
+            last: Output::default(),
+        }
+    }
+
+    /// The plant as it is now.
+    pub fn plant(&self) -> &Plant<F> {
+        &self.plant
+    }
+
+    /// Goes through a task from where the joint is; `visit` sees the plant at the start of each period with the
+    /// demand and the controller's output, the last one where it missed its step.
+    ///
+    /// # Errors
+    /// The controller's, or a plant that diverges.
+    pub fn go<C: Controller>(
+        &mut self,
+        task: &impl Task,
+        controller: &mut C,
+        mut visit: impl FnMut(usize, Demand, &Plant<F>, Output<f32>),
+    ) -> Result<(), C::Error>
+    where
+        C::Error: From<RunError>,
+    {
+        let dt = self.plant.micro_step_time();
+        for k in 0..periods(task) {
+            let time = k as f64 * CONTROL_PERIOD;
+            let tick = self.clock.tick();
+            // By so much the step is after the plant's last micro-step.
+            let advance = tick.off - self.off as f64 * dt;
+            if let Some(elapsed) = tick.elapsed {
+                let demand = task.at(time + tick.off, &self.capability);
+                let input = Input {
+                    sensors: self.sensors.read(&self.plant, advance),
+                    command: demand.setpoint().into(),
+                    gains: self.gains.into(),
+                    elapsed: elapsed as f32,
+                    setpoint_age: 0.0,
+                    status: if task.blocked() { Status::DRIVE_OFF } else { Status::FINE },
+                };
+                self.last = controller.step(&input)?;
+            }
+            let demand = task.at(time + self.off as f64 * dt, &self.capability);
+            visit(k, demand, &self.plant, self.last);
+            if tick.elapsed.is_some() && !task.blocked() {
+                self.plant.command(f64::from(self.last.motor_torque), advance / dt);
+            }
+            self.advance(demand.load, task.blocked()).map_err(RunError::from)?;
+        }
+        Ok(())
+    }
+
+    /// To the last micro-step before the clock's next instant.
+    fn advance(&mut self, load: f64, blocked: bool) -> Result<(), crate::plant::divergence::Diverged> {
+        let next = (self.clock.advance() / self.plant.micro_step_time()).floor() as i64;
+        if blocked {
+            return self.plant.step_blocked(load);
+        }
+        let steps = self.plant.micro_steps().cast_signed() as i64 + next - self.off;
+        self.off = next;
+        self.plant.go_on(steps.unsigned_abs() as usize, load)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The same seed, the same noise; twice the factor, twice the noise.
+    #[test]
+    fn noise_repeats_and_scales() {
+        let file = GearFile::default_gear();
+        let read = |noise| {
+            let conditions = Conditions { noise, ..Conditions::of(&file, 3) };
+            let mut bench = Bench::condensed(&file, &conditions).unwrap();
+            [(); 3].map(|()| bench.sensors.read(&bench.plant, 0.0).motor_torque)
+        };
+        assert_eq!(read(1.0), read(1.0));
+        assert_eq!(read(2.0), read(1.0).map(|torque| 2.0 * torque));
+    }
+
+    #[test]
+    fn the_controller_reads_the_encoders_of_its_set() {
+        let file = GearFile::default_gear();
+        for (sensors, expected) in [(SensorSet::Motor, None), (SensorSet::Both, Some(0))] {
+            let conditions = Conditions { sensors, ..Conditions::of(&file, 1) };
+            let mut bench = Bench::condensed(&file, &conditions).unwrap();
+            assert_eq!(bench.sensors.read(&bench.plant, 0.0).output_encoder, expected);
+        }
+    }
+
+    use crate::bench::baseline::Baseline;
+    use crate::bench::controller::{Controller, HostCompensator};
+    use crate::bench::scenario::Scenario;
+    use crate::design::joint::joint_params;
+    use crate::plant::unknowns::Which;
+
+    fn sample(row: &str, seed: u64) -> PlantSample {
+        PlantSample::of(&GearFile::default_gear(), Which::named(row).unwrap(), seed).unwrap()
+    }
+
+    fn bench(sample: &PlantSample) -> Bench<CondensedMesh> {
+        Bench::condensed_of(sample, &Conditions::of(&sample.known, sample.seed)).unwrap()
+    }
+
+    /// Output and torsion (rad), a row each control period.
+    fn motion<C: Controller<Error = RunError>>(
+        bench: &mut Bench<CondensedMesh>,
+        controller: &mut C,
+    ) -> Vec<[f64; 2]> {
+        let mut rows = Vec::new();
+        let visit = |_, _, plant: &Plant<CondensedMesh>, _| {
+            rows.push([plant.output().angle.to_radians(), plant.last_torques().torsion]);
+        };
+        bench.go(&Scenario::S3, controller, visit).unwrap();
+        rows
+    }
+
+    /// Bit for bit, noise and all.
+    #[test]
+    fn a_plant_of_the_box_alone_moves_as_the_plant_of_before() {
+        let file = GearFile::default_gear();
+        let controller = HostCompensator::build(&joint_params(&file).unwrap()).unwrap();
+        for seed in [0, 3] {
+            let mut before = Bench::condensed(&file, &Conditions::of(&file, seed)).unwrap();
+            let before = motion(&mut before, &mut controller.clone());
+            assert_eq!(motion(&mut bench(&sample("box", seed)), &mut controller.clone()), before);
+        }
+    }
+
+    /// Times between its steps, of a cascade that answers.
+    struct Watch(Baseline, Vec<f64>);
+
+    impl Controller for Watch {
+        type Error = RunError;
+
+        fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, RunError> {
+            self.1.push(input.elapsed.into());
+            Controller::step(&mut self.0, input)
+        }
+    }
+
+    /// The controller gets the true time, and the plant has gone just as far whatever the clock does.
+    #[test]
+    fn a_clock_that_is_off_keeps_the_time() {
+        let file = GearFile::default_gear();
+        let b0 = Baseline::b0(&file).unwrap();
+        let exact = motion(&mut bench(&sample("box", 5)), &mut b0.clone());
+        for row in ["time.jitter", "time.missed"] {
+            let mut watch = Watch(b0.clone(), Vec::new());
+            let moved = motion(&mut bench(&sample(row, 5)), &mut watch);
+            let elapsed: f64 = watch.1.iter().sum();
+            assert!((elapsed - Scenario::S3.duration()).abs() < 3.0 * CONTROL_PERIOD, "{row}: {elapsed}");
+            assert!(watch.1.iter().any(|elapsed| (elapsed - CONTROL_PERIOD).abs() > 1e-5));
+            let off = exact.iter().zip(&moved).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f64::max);
+            assert!(off > 0.0 && off < 1e-3, "{row}: {off}");
+        }
+    }
+
+    /// Whatever is in front of the gear and behind it, the power through the gear closes.
+    #[test]
+    fn the_power_balance_closes_between_any_sides() {
+        let b0 = Baseline::b0(&GearFile::default_gear()).unwrap();
+        let mut ideal = bench(&sample("box", 5));
+        motion(&mut ideal, &mut b0.clone());
+        for row in [
+            "load.flexible",
+            "load.backlash",
+            "load.gravity",
+            "drive.delay",
+            "motor.cogging",
+            "friction.dahl",
+        ] {
+            let mut bench = bench(&sample(row, 5));
+            motion(&mut bench, &mut b0.clone());
+            let (ideal, imbalance) = (ideal.plant().imbalance(), bench.plant().imbalance());
+            assert!(imbalance < 3.0 * ideal.max(1e-3), "{row}: {imbalance}, {ideal} without");
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! Bench: a joint in closed loop, on its tasks, under any controller.
+
+pub mod any_input;
+pub mod baseline;
+pub mod closed_loop;
+pub mod controller;
+pub mod joint_bench;
+pub mod output_bounds;
+pub mod scenario;
+pub mod task;
+pub mod working_motion;
+
+pub use joint_bench::{Bench, Conditions};
+pub use task::periods;

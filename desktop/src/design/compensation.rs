@@ -1,0 +1,247 @@
+//! Parameters of the compensator's adaptation, output feedback and learnt ripple, for the joint of a gear file.
+//!
+//! Output feedback ([`strainwave::compensator::reference::output_feedback`]): with the torsion mode's frequency omega =
+//! sqrt(K1/J_fs), `b = 2*zeta/omega` adds the damping ratio zeta, D alike; omega_y and omega_m are multiples of omega. The
+//! multiples were chosen by simulation, of the default gear and of training joints of the catalogue; no linear analysis
+//! of their margins stands behind them.
+//!
+//! The motor follows a shift of its reference late: at the mode by
+//!
+//! ```text
+//! phase = atan(omega_3/omega_v) + omega_3*T,   omega_3 = sqrt(K3/J_fs)
+//! ```
+//!
+//! omega_v is the bandwidth of the velocity loop, T the delay from a torque to the reference and half a round. From 90
+//! degrees on the shift takes damping away. So b, P and D are whole up to 60 degrees and fall to 0 at 90: half as much phase
+//! again as at 60 takes no damping away.
+//!
+//! The corners of what is integrated, k and the disturbance path's slow part, are fractions of the outer frequency: omega, or
+//! twice the position loop's bandwidth where that is less. Units: rad, s, N m.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, TAU};
+
+use strainwave::Real;
+use strainwave::compensator::adapt::learning::LearningParams;
+use strainwave::compensator::adapt::parameters::{AdaptationParams, Factors};
+use strainwave::compensator::adapt::ripple::{LearntRippleParams, RIPPLE_ORDERS, RippleOrder};
+use strainwave::compensator::estimate::disturbance::DisturbanceParams;
+use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
+use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
+
+use crate::io::gear_file::{Drive, Friction, GearFile};
+use strainwave::compensator::schedule::CONTROL_PERIOD;
+
+/// Damping ratio that the output feedback adds to the torsion mode, by the estimate.
+const ADDED_DAMPING: f64 = 0.125;
+/// The same by the output encoder, without and with one, in slow motion.
+const MEASURED_DAMPING: [f64; 2] = [0.0, 0.1];
+/// P without and with an output encoder.
+const PROPORTIONAL: [f64; 2] = [0.0, 0.15];
+/// k without and with an output encoder, in slow motion and at rest, as fractions of the outer frequency.
+const INTEGRAL: [f64; 2] = [0.0, 0.2];
+const INTEGRAL_AT_REST: [f64; 2] = [0.0, 0.15];
+/// omega_y as a multiple of omega: z takes a damping ratio of 0.02 off the mode, of 0.075 without its poles.
+const FILTER_CORNER: f64 = 1.5;
+/// omega_m alike: with it a count of the output encoder moves the reference by P + 2*zeta*omega_m/omega = 0.95 counts.
+const MEASURED_CORNER: f64 = 4.0;
+
+/// Corner of the disturbance path's slow part, as a fraction of the outer frequency.
+const SLOW_CORNER: f64 = 0.2;
+/// Fraction of a sudden load that the gear is wound up for.
+const FAST_SHARE: f64 = 0.5;
+
+/// Room that a factor has beyond the file's tolerances.
+const ROOM: f64 = 1.25;
+/// Rate of the inertia's factor where its torque is the rated one (1/s).
+const INERTIA_RATE: f64 = 30.0;
+/// Between two steps of the adaptation: two rounds (s).
+const ADAPTATION_PERIOD: f64 = 2.0 * SLOW_PERIODS as f64 * CONTROL_PERIOD;
+/// Fraction of the rate at which a step of the adaptation at the peak torque is no longer stable.
+const STABLE_SHARE: f64 = 0.75;
+/// Rate of the friction's factor at its Coulomb level, on the motor's and on the output's side (1/s).
+const FRICTION_RATES: [f64; 2] = [1.2, 0.3];
+/// The same of the presliding's shape and of its stiffness, where both weigh as much as the Coulomb levels.
+const PRESLIDING_RATES: [f64; 2] = [8.0, 40.0];
+/// Largest deviation of both from their nominal values: from nearly order 1 on, stiffness by 0.5 to 2.3.
+const PRESLIDING_BOUND: f64 = 0.9;
+/// Rate of the compliance's factor at the rated torque's torsion (1/s).
+const COMPLIANCE_RATE: f64 = 80.0;
+/// The same without an output encoder, at a flexing torque of so many rated torques, which is also the largest that
+/// counts.
+const FLEXING_RATE: f64 = 60.0;
+const FLEXING_LEVEL: f64 = 0.06;
+/// Half width of the dead zone, in rated torques.
+const DEAD_ZONE: f64 = 0.001;
+/// Corners of F(s) and of the slow part (rad/s).
+const CORNERS: [f64; 2] = [200.0, 2.0];
+
+/// Rate of the ripple of position, as a fraction of the outer frequency. Learning a ripple of the frequency f closes a loop
+/// through the torsion mode, stable for a rate below 2*zeta*omega*(1 - (f/omega)^2) over the number of orders: a fraction
+/// of 0.036 for the damping ratio zeta = 0.1, and omega at the ends of its tolerance.
+const POSITION_RIPPLE_RATE: f64 = 1.0 / 64.0;
+/// Rate of the ripple of torque (1/s).
+const TORQUE_RIPPLE_RATE: f64 = 1.0;
+/// Largest ripple of position (rad), and of torque in Coulomb levels of the motor's side.
+const RIPPLE_BOUNDS: [f64; 2] = [3e-4, 0.3];
+/// Speeds of the motor between which ripple is learnt, as fractions of the torsion mode's frequency; the upper is of order
+/// 1, well below the mode, where the sign of the output's response changes.
+const RIPPLE_SPEEDS: [f64; 2] = [1.0 / 160.0, 0.375];
+
+/// By how much a torque may be late in all (s), in whole control periods: two periods of the observer, from a torque to its
+/// estimate and from that to the motor's reference, the drive's longest delay, and the lag of its slowest current loop.
+fn lateness(drive: &Drive) -> f64 {
+    let lag = 1.0 / (TAU * drive.least_current_loop * CONTROL_PERIOD);
+    f64::from(2 * OBSERVER_PERIODS + drive.delay + lag.ceil() as u32) * CONTROL_PERIOD
+}
+
+/// Frequency of the torsion mode with the motor held, at K1 (rad/s).
+fn mode_frequency(file: &GearFile) -> f64 {
+    (file.stiffness.k1 / file.inertia.flexspline).sqrt()
+}
+
+/// Outer frequency (rad/s).
+fn outer_frequency(file: &GearFile) -> f64 {
+    mode_frequency(file).min(2.0 * TAU * file.feedback.position_bandwidth)
+}
+
+/// Fraction of b, P and D, 0..=1, that the phase of the motor at the torsion mode allows.
+fn damping_level(file: &GearFile) -> f64 {
+    let stiffest = (file.stiffness.k3 / file.inertia.flexspline).sqrt();
+    let delay = lateness(&file.drive) + 0.5 * f64::from(SLOW_PERIODS) * CONTROL_PERIOD;
+    let phase = (stiffest / (TAU * file.feedback.velocity_bandwidth)).atan() + stiffest * delay;
+    ((FRAC_PI_2 - phase) / (FRAC_PI_2 - FRAC_PI_3)).clamp(0.0, 1.0)
+}
+
+/// The disturbance path, from the uncertainty of the joint.
+///
+/// - A joint may hide the static friction of both sides, seen at the output: dead zone.
+/// - The motor's torque is known to its constant's and the rotor's inertia to its tolerance: the dead zone is wider by
+///   both of the torque that is fed forward.
+/// - A gear that is wound up by the fraction s of a load has the stiffness K/(1 - s*K/K_model), infinite at s = K_model/K:
+///   a half leaves a gain margin of 2.
+pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
+    let n = f64::from(file.gear.signed_ratio().n()).abs();
+    let level = |side: &Friction| side.static_level.or(side.coulomb).unwrap_or_default();
+    let hidden = n * level(&file.friction.input) + level(&file.friction.output);
+    DisturbanceParams {
+        slow_corner: R::lit(SLOW_CORNER * outer_frequency(file)),
+        fast_corner: R::lit(1.0 / lateness(&file.drive)),
+        dead_zone: R::lit(hidden),
+        tolerance: R::lit(n * (file.drive.torque_constant + file.tolerances.rotor_inertia)),
+        wind_up_fraction: R::lit(FAST_SHARE),
+    }
+}
+
+/// Gains without and with an output encoder.
+pub fn output_feedback_params<R: Real>(file: &GearFile) -> [OutputFeedbackParams<R>; 2] {
+    let (frequency, outer, level) = (mode_frequency(file), outer_frequency(file), damping_level(file));
+    std::array::from_fn(|k| OutputFeedbackParams {
+        damping: R::lit(level * 2.0 * ADDED_DAMPING / frequency),
+        integral: R::lit(INTEGRAL[k] * outer),
+        integral_at_rest: R::lit(INTEGRAL_AT_REST[k] * outer),
+        filter_corner: R::lit(FILTER_CORNER * frequency),
+        proportional: R::lit(level * PROPORTIONAL[k]),
+        derivative: R::lit(level * 2.0 * MEASURED_DAMPING[k] / frequency),
+        measured_corner: R::lit(MEASURED_CORNER * frequency),
+    })
+}
+
+/// 1/frequency of the torsion's mode, the motor held (s/rad).
+fn mode(file: &GearFile) -> f64 {
+    (file.inertia.flexspline / file.stiffness.k2).sqrt()
+}
+
+/// Parameters of the learning.
+pub fn learning_params<R: Real>(file: &GearFile) -> LearningParams<R> {
+    LearningParams { adaptation: adaptation_params(file), ripple: learnt_ripple_params(file) }
+}
+
+/// Bounds, rates and levels of the factors: those of the box that a joint may lie in, with some room.
+fn adaptation_params<R: Real>(file: &GearFile) -> AdaptationParams<R> {
+    let n = f64::from(file.gear.signed_ratio().n()).abs();
+    let coulomb = |side: &Friction| side.coulomb.unwrap_or_default().max(1e-3 * file.gear.rated_torque / n);
+    let (input, output) = (n * coulomb(&file.friction.input), coulomb(&file.friction.output));
+    let rated = file.gear.rated_torque;
+    let overload = file.gear.peak_torque / rated;
+    let fastest = STABLE_SHARE / (ADAPTATION_PERIOD * overload * overload);
+    AdaptationParams {
+        bounds: Factors {
+            inertia: R::lit(ROOM * file.tolerances.load_inertia),
+            input_friction: R::lit(ROOM * file.tolerances.friction),
+            output_friction: R::lit(ROOM * file.tolerances.friction),
+            compliance: R::lit(ROOM * file.tolerances.stiffness),
+            presliding: R::lit(PRESLIDING_BOUND),
+            presliding_stiffness: R::lit(PRESLIDING_BOUND),
+        },
+        rates: Factors {
+            inertia: R::lit(INERTIA_RATE.min(fastest)),
+            input_friction: R::lit(FRICTION_RATES[0]),
+            output_friction: R::lit(FRICTION_RATES[1]),
+            compliance: R::lit(COMPLIANCE_RATE.min(fastest)),
+            presliding: R::lit(PRESLIDING_RATES[0]),
+            presliding_stiffness: R::lit(PRESLIDING_RATES[1]),
+        },
+        levels: Factors {
+            inertia: R::lit(rated),
+            input_friction: R::lit(input),
+            output_friction: R::lit(output),
+            compliance: R::lit(rated / file.stiffness.k2),
+            presliding: R::lit(input + output),
+            presliding_stiffness: R::lit(input + output),
+        },
+        dead_zone: R::lit(DEAD_ZONE * rated),
+        filter_corner: R::lit(CORNERS[0]),
+        bias_corner: R::lit(CORNERS[1]),
+        flexing_rate: R::lit(FLEXING_RATE),
+        flexing_level: R::lit(FLEXING_LEVEL * rated),
+        // Of the kinematic error most is twice a revolution.
+        flexing_speed: R::lit(0.5 / (n * mode(file))),
+    }
+}
+
+/// Orders 1, 2 and 4 of the wave generator relative to the case, and 2 relative to the flexspline: 2 - 2/N.
+fn learnt_ripple_params<R: Real>(file: &GearFile) -> LearntRippleParams<R> {
+    let mut orders = [RippleOrder::default(); RIPPLE_ORDERS];
+    for (place, (order, to_flexspline)) in
+        orders.iter_mut().zip([(1, false), (2, false), (4, false), (2, true)])
+    {
+        *place = RippleOrder { order, to_flexspline };
+    }
+    LearntRippleParams {
+        orders,
+        position_rate: R::lit(POSITION_RIPPLE_RATE * outer_frequency(file)),
+        torque_rate: R::lit(TORQUE_RIPPLE_RATE),
+        position_bound: R::lit(RIPPLE_BOUNDS[0]),
+        torque_bound: R::lit(RIPPLE_BOUNDS[1] * file.friction.input.coulomb.unwrap_or_default()),
+        speeds: RIPPLE_SPEEDS.map(|fraction| R::lit(fraction * mode_frequency(file))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with_load(factor: f64) -> GearFile {
+        let mut file = GearFile::default_gear();
+        file.inertia.flexspline *= factor;
+        file
+    }
+
+    #[test]
+    fn what_the_motor_is_too_late_for_is_not_damped() {
+        assert_eq!(damping_level(&GearFile::default_gear()), 1.0);
+        assert_eq!(damping_level(&with_load(0.02)), 0.0);
+        let levels = [1.0, 0.3, 0.2, 0.1, 0.05].map(|factor| damping_level(&with_load(factor)));
+        assert!(levels.is_sorted_by(|lighter, heavier| lighter >= heavier), "{levels:?}");
+    }
+
+    /// A heavier load slows the integrals down; a lighter one makes them no faster than the position loop bears.
+    #[test]
+    fn integrals_follow_the_slower_of_mode_and_position_loop() {
+        let file = GearFile::default_gear();
+        assert_eq!(outer_frequency(&file), mode_frequency(&file));
+        assert!((outer_frequency(&with_load(4.0)) - 0.5 * mode_frequency(&file)).abs() < 1e-9);
+        let bandwidth = TAU * file.feedback.position_bandwidth;
+        assert_eq!(outer_frequency(&with_load(0.01)), 2.0 * bandwidth);
+    }
+}

@@ -1,0 +1,133 @@
+//! Physical conditions on a gear file: those on several keys at once.
+//!
+//! The cup transmits the torque in series with the tooth contact, so the whole is softer than the cup,
+//! K3 < G*J/l. The hysteresis loop closes at rated torque, so it is narrower than the torsion there. Identified
+//! weights are symmetric, and no branch of theirs falls faster than the line rises: the torque grows with the
+//! torsion. Nowhere does a branch fall faster than the major loop's rising one at the same torsion.
+//! The real-time build takes one semi-implicit step per control period dt, which is accurate while
+//! dt^2*K3 < J_fs/4, and in which what resists in proportion to the speed must not turn a speed around,
+//! dt*(Fv + sigma1) < J.
+
+mod friction;
+
+use strainwave::compensator::schedule::CONTROL_PERIOD;
+use strainwave::flexspline::Cup;
+use strainwave::flexspline::stiffness_line::{StiffnessLine, StiffnessLineParams};
+use strainwave::hysteresis::table::TABLE_LEVELS;
+use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState};
+
+use super::GearFile;
+
+/// Turning points of a branch that never turns: the fewest that a memory may have.
+const STEPS_BACK: usize = 8;
+
+pub(super) fn check(gear: &GearFile) -> Result<(), String> {
+    let stiffness = &gear.stiffness;
+    let shell = gear.cup_stiffness();
+    if stiffness.k3 >= shell {
+        let allowed = format!("below the cup's own stiffness G*J/l = {shell:.0} N m/rad");
+        return refuse("stiffness.k3_nm_per_rad", stiffness.k3, &allowed);
+    }
+    let torsion = rated_torsion(gear)?;
+    if gear.hysteresis.width() >= torsion {
+        let allowed =
+            format!("below the torsion at rated torque = {:.3} arcmin", torsion.to_degrees() * 60.0);
+        return refuse("hysteresis.width_arcmin", gear.hysteresis.width_arcmin, &allowed);
+    }
+    check_weights(gear)?;
+    let drive = &gear.drive;
+    if drive.least_current_loop > drive.largest_current_loop {
+        let allowed = format!("at most drive.current_loop_largest_hz = {} Hz", drive.largest_current_loop);
+        return refuse("drive.current_loop_least_hz", drive.least_current_loop, &allowed);
+    }
+    let least = 4.0 * CONTROL_PERIOD * CONTROL_PERIOD * stiffness.k3;
+    if gear.inertia.flexspline <= least {
+        let allowed = format!("above 4*dt^2*K3 = {least:.3e} kg m^2, dt = {CONTROL_PERIOD} s");
+        return refuse("inertia.flexspline_kg_m2", gear.inertia.flexspline, &allowed);
+    }
+    friction::check(gear)
+}
+
+fn check_weights(gear: &GearFile) -> Result<(), String> {
+    let (weights, half_range) = match (&gear.hysteresis.weights, gear.hysteresis.half_range) {
+        (None, None) => return Ok(()),
+        (Some(weights), Some(half_range)) => (weights, half_range),
+        (Some(_), None) => return Err("hysteresis.weights_nm without hysteresis.half_range_rad".into()),
+        (None, Some(_)) => return Err("hysteresis.half_range_rad without hysteresis.weights_nm".into()),
+    };
+    let last = weights.len() - 1;
+    for (i, row) in weights.iter().enumerate() {
+        for (j, weight) in row.iter().enumerate() {
+            let mirror = weights[last - j][last - i];
+            if *weight != mirror {
+                let allowed =
+                    format!("its mirror image hysteresis.weights_nm[{}][{}] = {mirror}", last - j, last - i);
+                return refuse(&format!("hysteresis.weights_nm[{i}][{j}]"), *weight, &allowed);
+            }
+        }
+    }
+    check_slope(gear, half_range)
+}
+
+/// Torque over torsion rises on the steepest fall of the hysteresis, the major loop's branch from -U up.
+fn check_slope(gear: &GearFile, half_range: f64) -> Result<(), String> {
+    let Some(table) = gear.hysteresis.table::<f64>() else { return Ok(()) };
+    let model = table.weights().and_then(|weights| {
+        TorsionHysteresis::<f64, TABLE_LEVELS, STEPS_BACK>::from_weights(half_range, &weights)
+    });
+    let model = model.map_err(|error| format!("hysteresis.weights_nm: {error}"))?;
+    let line = stiffness_line(gear)?;
+    let mut state = TorsionHysteresisState::default();
+    let mut before = model.step(&mut state, -half_range).torque + line.torque(-half_range);
+    for k in 1..=TABLE_LEVELS {
+        let torsion = half_range * (2.0 * k as f64 / TABLE_LEVELS as f64 - 1.0);
+        let torque = model.step(&mut state, torsion).torque + line.torque(torsion);
+        if torque <= before {
+            let torsion = torsion.to_degrees() * 60.0;
+            return Err(format!(
+                "hysteresis.weights_nm: the torque falls with the torsion below {torsion:.3} arcmin; allowed: weights \
+                 whose loop is flatter than stiffness.k1_nm_per_rad"
+            ));
+        }
+        before = torque;
+    }
+    Ok(())
+}
+
+fn refuse(path: &str, value: f64, allowed: &str) -> Result<(), String> {
+    Err(format!("{path} = {value} is out of range; allowed: {allowed}"))
+}
+
+impl GearFile {
+    /// Stiffness of the cup itself, without the teeth, G*J/l (N m/rad).
+    pub fn cup_stiffness(&self) -> f64 {
+        cup(self).stiffness()
+    }
+}
+
+fn cup(gear: &GearFile) -> Cup<f64> {
+    let cup = &gear.flexspline;
+    Cup {
+        radius: cup.radius,
+        length: cup.length,
+        wall: cup.wall,
+        ellipse: cup.ellipse,
+        youngs_modulus: cup.youngs_modulus,
+        poisson_ratio: cup.poisson_ratio,
+        density: cup.density,
+    }
+}
+
+/// Torsion at rated torque by the catalogue's line (rad).
+fn rated_torsion(gear: &GearFile) -> Result<f64, String> {
+    Ok(stiffness_line(gear)?.torsion(gear.gear.rated_torque))
+}
+
+fn stiffness_line(gear: &GearFile) -> Result<StiffnessLine<f64>, String> {
+    let stiffness = &gear.stiffness;
+    let line = StiffnessLineParams {
+        stiffness: [stiffness.k1, stiffness.k2, stiffness.k3],
+        knee_torque: [stiffness.t1, stiffness.t2],
+    };
+    line.build().map_err(|error| format!("stiffness: {error}"))
+}

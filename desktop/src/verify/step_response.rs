@@ -1,0 +1,177 @@
+//! The paper's Fig. 9: the gear as a two-port, its wave generator led by repeated steps under a constant load.
+//!
+//! ```text
+//! windup  = mean over the steps of |phi| at the end of each, against line^-1(tau_load)
+//! ringing = 3 / time of the first three periods of phi about its end, against sqrt(K(tau_load)/J_fs)/(2*pi)
+//! ```
+//!
+//! The wave generator is prescribed, so what rings is the load J_fs on the gear at the slope K of the catalogue's line:
+//! the eigenvalue of the linearised two masses with the motor's held. Each step is made within one sampling time of
+//! 0.1 ms, every 0.4 s; the load grows to -50 N m over the first 0.1 s and stays. Units: rad, Hz, N m.
+//!
+//! Friction and hysteresis are there as always, so each figure is taken where it shows the line: the wind-up under the
+//! steps of S1, 0.2 mrad at the output, which do not wind the gear far into a loop; the ringing of steps of 1 mrad, which is
+//! wider than the presliding of the output's friction, 0.2 mrad, within which that is one more spring.
+
+use std::f64::consts::TAU;
+
+use strainwave::Error;
+
+use crate::design::joint::gear_params;
+use crate::io::figure::Figure;
+use crate::io::gear_file::GearFile;
+use crate::io::log::{Drive, OpenLoop, OpenLoopRow, STEP, Time};
+use crate::plant::divergence::RunError;
+use crate::plant::two_port::{self, Build};
+use crate::verify::bounds;
+
+/// Load on the output (N m), at most three quarters of what the gear is rated at.
+const LOAD: f64 = -50.0;
+const SHARE_OF_RATED: f64 = 0.75;
+/// Over this time it grows (s).
+const LOADING: f64 = 0.1;
+/// From one step to the next (s).
+const EVERY: f64 = 0.4;
+/// Number of steps.
+const STEPS: usize = 4;
+/// Steps at the output (rad) as small as those of S1, and ones wider than the presliding.
+pub const SMALL: f64 = 2e-4;
+/// (rad)
+pub const WIDE: f64 = 1e-3;
+/// Periods that the frequency is taken from.
+const PERIODS: usize = 3;
+
+/// The run of a gear.
+pub struct StepResponse {
+    /// Angle of the wave generator (rad), a sample each 0.1 ms.
+    pub wave_generator: Vec<f64>,
+    /// Response of the gear.
+    pub rows: Vec<OpenLoopRow>,
+    /// Load on the output (N m).
+    pub load: f64,
+    line_torsion: f64,
+    eigenfrequency: f64,
+}
+
+impl StepResponse {
+    /// Of the gear of a file, in a build, to steps of `height` (rad) at the output.
+    ///
+    /// # Errors
+    /// A gear that cannot be built, or a mesh that diverges.
+    pub fn of(file: &GearFile, build: Build, height: f64) -> Result<Self, RunError> {
+        let load = LOAD.max(-SHARE_OF_RATED * file.gear.rated_torque);
+        let input = input(file, load, height);
+        let rows = two_port::run(file, &input, build, &[])?.collect::<Result<Vec<_>, _>>()?;
+        let Drive::Position(wave_generator) = input.drive else { unreachable!("the steps are positions") };
+        let (line_torsion, eigenfrequency) = linearised(file, load)?;
+        Ok(Self { wave_generator, rows, load, line_torsion, eigenfrequency })
+    }
+
+    /// Relative error of the steady wind-up against the catalogue line's torsion.
+    pub fn wind_up_error(&self) -> f64 {
+        let ends = (1..=STEPS).map(|step| self.rows[at(step + 1) - 1].torsion.abs());
+        ends.sum::<f64>() / STEPS as f64 / self.line_torsion - 1.0
+    }
+
+    /// Relative error of the ringing's frequency against the eigenvalue: the worst of all steps, NaN where one does not
+    /// ring for three periods.
+    pub fn ringing_error(&self) -> f64 {
+        let errors = (1..=STEPS).map(|step| self.frequency(step) / self.eigenfrequency - 1.0);
+        errors.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
+    }
+
+    /// Of the ringing after a step (Hz).
+    fn frequency(&self, step: usize) -> f64 {
+        let rows = &self.rows[at(step) + 1..at(step + 1)];
+        let end = rows.last().map_or(f64::NAN, |row| row.torsion);
+        let off = |row: &OpenLoopRow| row.torsion - end;
+        let crossings = rows.windows(2).filter(|pair| off(&pair[0]) * off(&pair[1]) < 0.0);
+        let times: Vec<_> = crossings
+            .map(|pair| pair[0].time + STEP * off(&pair[0]) / (off(&pair[0]) - off(&pair[1])))
+            .take(2 * PERIODS + 1)
+            .collect();
+        let last = times.get(2 * PERIODS).copied().unwrap_or(f64::NAN);
+        times.first().map_or(f64::NAN, |first| PERIODS as f64 / (last - first))
+    }
+}
+
+/// Wind-up and ringing of the reference build with their bounds.
+///
+/// # Errors
+/// As [`StepResponse::of`].
+pub fn measure(file: &GearFile) -> Result<Vec<Figure>, RunError> {
+    let of = |height| StepResponse::of(file, Build::REFERENCE, height);
+    Ok(vec![
+        bounds::figure("gear.steps.wind_up", of(SMALL)?.wind_up_error().abs()),
+        bounds::figure("gear.steps.ringing", of(WIDE)?.ringing_error().abs()),
+    ])
+}
+
+/// Row at which a step is made, counted from 1.
+fn at(step: usize) -> usize {
+    (EVERY * step as f64 / STEP).round() as usize
+}
+
+fn input(file: &GearFile, load: f64, height: f64) -> OpenLoop {
+    let count = at(STEPS + 1);
+    let height = height / file.gear.signed_ratio().value::<f64>();
+    let step = |k: usize| height * (1..=STEPS).filter(|step| k >= at(*step)).count() as f64;
+    let grown = |k: usize| {
+        let x = (k as f64 * STEP / LOADING).min(1.0);
+        x * x * (3.0 - 2.0 * x)
+    };
+    OpenLoop {
+        time: Time::every(STEP, count),
+        drive: Drive::Position((0..count).map(step).collect()),
+        load_torque: (0..count).map(|k| load * grown(k)).collect(),
+    }
+}
+
+/// Torsion of the catalogue's line under a load (rad), and eigenfrequency of the output on its slope there (Hz).
+fn linearised(file: &GearFile, load: f64) -> Result<(f64, f64), Error> {
+    let gear = gear_params::<f64>(file);
+    let line = gear.flexspline.line.build()?;
+    let eigenfrequency = 1.0 / (line.compliance(load) * gear.flexspline_inertia).sqrt() / TAU;
+    Ok((line.torsion(load).abs(), eigenfrequency))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A gear that is its linearised self, with a dashpot: what is measured of it is what it is.
+    #[test]
+    fn a_linear_gear_is_measured_as_it_is() {
+        let file = GearFile::default_gear();
+        let (torsion, frequency) = linearised(&file, LOAD).unwrap();
+        let since = |k: usize| (k as f64 - at(k / at(1)) as f64) * STEP;
+        let rows: Vec<_> = (0..at(STEPS + 1))
+            .map(|k| OpenLoopRow {
+                time: k as f64 * STEP,
+                output_position: 0.0,
+                output_velocity: 0.0,
+                input_torque: 0.0,
+                torsion: -torsion
+                    * (1.0 + 0.5 * (-25.0 * since(k)).exp() * (TAU * frequency * since(k)).cos()),
+                transmitted_torque: 0.0,
+                strains: Vec::new(),
+            })
+            .collect();
+        let response = StepResponse {
+            wave_generator: Vec::new(),
+            rows,
+            load: LOAD,
+            line_torsion: torsion,
+            eigenfrequency: frequency,
+        };
+        assert!(response.wind_up_error().abs() < 1e-4, "{}", response.wind_up_error());
+        assert!(response.ringing_error().abs() < 1e-3, "{}", response.ringing_error());
+    }
+
+    #[test]
+    fn the_default_gears_output_hangs_on_k3() {
+        let (torsion, frequency) = linearised(&GearFile::default_gear(), LOAD).unwrap();
+        assert!((torsion - (14.0 / 3.1e4 + 34.0 / 5.0e4 + 2.0 / 5.7e4)).abs() < 1e-12);
+        assert!((frequency - (5.7e4f64 / 1.2).sqrt() / TAU).abs() < 1e-9);
+    }
+}
