@@ -3,6 +3,7 @@
 //! Levels are those of a wave generator: 0.035 N m in sliding, 0.050 N m at standstill, presliding over about 20 mrad.
 
 use strainwave::Error;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::friction::{
     ArmstrongParams, BlimanSorine, BristleParams, CoulombParams, DahlParams, FrictionModel, KarnoppParams,
     LuGreParams, LubricatedContactParams, ResetIntegratorParams, Slip, StaticParams, StribeckParams,
@@ -11,7 +12,6 @@ use strainwave::friction::{
 const COULOMB: f64 = 0.035; // N m
 const STATIC: f64 = 0.050; // N m
 const PRESLIDING: f64 = 0.02; // rad
-const DT: f64 = 1e-4; // s
 const SPEED: f64 = 0.5; // rad/s
 /// Time of one stroke (s): 0.1 rad, five times the presliding distance.
 const STROKE: f64 = 0.2;
@@ -22,8 +22,8 @@ fn compare<M: FrictionModel<f64>>(name: &str, model: M) {
     let mut ends = Vec::new();
     for direction in [1.0, -1.0, 1.0] {
         // What everything else applies is given to the models that ask for it at standstill.
-        let slip = Slip::new(direction * SPEED, DT).under(direction * STATIC, 0.0);
-        for step in 0..(STROKE / DT) as u32 {
+        let slip = Slip::new(direction * SPEED, CONTROL_PERIOD).under(direction * STATIC, 0.0);
+        for step in 0..(STROKE / CONTROL_PERIOD) as u32 {
             let force = model.step(&mut state, &slip).force;
             work += force * slip.displacement();
             peak = peak.max(force.abs());

@@ -18,7 +18,7 @@ use strainwave_desktop::plant::encoder_count;
 const GAINS: CompensationGains<f32> = CompensationGains::ALL;
 
 /// Periods in a second.
-const SECOND: usize = 10_000;
+const SECOND: usize = (1.0 / CONTROL_PERIOD) as usize;
 const SLOW_PERIODS: usize = schedule::SLOW_PERIODS as usize;
 
 /// Periods of the torque's ramp: what the cascade does after it is its own affair.

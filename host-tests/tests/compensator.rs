@@ -2,6 +2,7 @@
 
 use proptest::prelude::*;
 use strainwave::Angle;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::schedule::SLOW_PERIODS;
 use strainwave::compensator::{
     Command, CompensationGains, Compensator, Directions, Faults, Input, JointParams, Mode, Output, Sensors,
@@ -172,7 +173,7 @@ fn a_frozen_encoder_is_named_while_the_joint_is_asked_to_move() {
     let (compensator, mut state) = settled();
     let (mut faults, mut torque) = (Faults::NONE, 0.0);
     for k in 0..10_000 {
-        let position = Angle::from_radians(0.05 * 1e-4 * k as f32);
+        let position = Angle::from_radians(0.05 * CONTROL_PERIOD as f32 * k as f32);
         let mut input = commanded(Setpoint { position, velocity: 0.05, ..Setpoint::default() });
         input.sensors.motor_torque = torque;
         let output = compensator.step(&mut state, &input);

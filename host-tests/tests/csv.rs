@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use proptest::prelude::*;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave_desktop::BadInput;
-use strainwave_desktop::io::log::{
-    Drive, DriveSample, MeasuredLog, OpenLoop, OpenLoopRow, STEP, write_open_loop,
-};
+use strainwave_desktop::io::log::{Drive, DriveSample, MeasuredLog, OpenLoop, OpenLoopRow, write_open_loop};
 
 const GOOD: &str = "t_s,theta_wg_rad,tau_load_nm\n0,0,0\n0.001,0.1,-50\n0.002,0.2,-50\n";
 
@@ -23,7 +22,7 @@ fn columns_may_stand_in_any_order() {
     let log = open_loop("tau_load_nm,t_s,omega_wg_rad_s\r\n-50,0,1\r\n-40,0.0002,3\r\n\r\n").unwrap();
     assert_eq!(log.load_torque, [-50.0, -40.0]);
     assert_eq!(log.drive, Drive::Velocity(vec![1.0, 3.0]));
-    let halfway = log.time.resampled(STEP).nth(1).unwrap();
+    let halfway = log.time.resampled(CONTROL_PERIOD).nth(1).unwrap();
     assert_eq!(log.drive.at(halfway), DriveSample::Velocity(2.0));
     assert_eq!(halfway.of(&log.load_torque), -45.0);
 }
@@ -129,7 +128,7 @@ fn written(path: &Path, rows: [OpenLoopRow; 2]) -> Result<(), BadInput> {
 fn the_output_has_the_documented_columns_and_loses_no_digit() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("out.csv");
-    written(&path, [row(0.0), row(3.0 * STEP)]).unwrap();
+    written(&path, [row(0.0), row(3.0 * CONTROL_PERIOD)]).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     let mut lines = text.lines();
     let header = "t_s,theta_fs_rad,omega_fs_rad_s,tau_wg_nm,torsion_rad,tau_t_nm,strain_0_0_1_1";
@@ -202,12 +201,12 @@ proptest! {
         let log = open_loop(&text).unwrap();
         let Drive::Position(column) = &log.drive else { panic!("a position was given") };
         let (least, most) = column.iter().fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(*x), b.max(*x)));
-        let instants: Vec<_> = log.time.resampled(STEP).collect();
+        let instants: Vec<_> = log.time.resampled(CONTROL_PERIOD).collect();
         for (step, instant) in instants.iter().enumerate() {
-            prop_assert_eq!(instant.elapsed, step as f64 * STEP);
+            prop_assert_eq!(instant.elapsed, step as f64 * CONTROL_PERIOD);
             prop_assert!((least..=most).contains(&instant.of(column)));
         }
         let left_over = (stamp - start) - instants.last().unwrap().elapsed;
-        prop_assert!((-2e-7..STEP + 1e-6).contains(&left_over), "{}", left_over);
+        prop_assert!((-2e-7..CONTROL_PERIOD + 1e-6).contains(&left_over), "{}", left_over);
     }
 }

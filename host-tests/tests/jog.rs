@@ -2,9 +2,10 @@
 
 use strainwave::Angle;
 use strainwave::compensator::Setpoint;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave_app::jog::{FARTHEST, Jog, LIMITS};
 
-const PERIOD: f32 = 1e-4;
+const PERIOD: f32 = CONTROL_PERIOD as f32;
 const ORIGIN: Angle<f32> = Angle::from_counts(987_654_321);
 
 fn jog() -> Jog {

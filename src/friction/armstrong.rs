@@ -207,6 +207,7 @@ impl<R: Real> FrictionModel<R> for Armstrong<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compensator::schedule::CONTROL_PERIOD;
 
     const PARAMS: ArmstrongParams<f64> = ArmstrongParams {
         stiffness: 1e3,
@@ -217,13 +218,12 @@ mod tests {
         memory: 0.02,
         dwell: 2.0,
     };
-    const STEP: f64 = 1e-4;
 
     /// Force at the end, and the largest before, of a time (s) at a velocity (m/s).
     fn run(state: &mut ArmstrongState<f64>, velocity: f64, time: f64) -> (f64, f64) {
         let model = PARAMS.build().unwrap();
-        let steps = (time / STEP).round() as usize;
-        let forces = (0..steps).map(|_| model.step(state, &Slip::new(velocity, STEP)).force);
+        let steps = (time / CONTROL_PERIOD).round() as usize;
+        let forces = (0..steps).map(|_| model.step(state, &Slip::new(velocity, CONTROL_PERIOD)).force);
         forces.fold((0.0, 0.0), |(_, largest), force| (force, f64::max(largest, force)))
     }
 

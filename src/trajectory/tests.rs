@@ -2,11 +2,10 @@
 
 use super::*;
 use crate::compensator::Setpoint;
+use crate::compensator::schedule::CONTROL_PERIOD;
 use crate::real::RADIANS_PER_COUNT;
 use proptest::prelude::*;
 use std::vec::Vec;
-
-const DT: f64 = 1e-4;
 
 /// A limit that nothing reaches.
 const NONE: f64 = 1e12;
@@ -18,7 +17,7 @@ fn limits<R: Real>([velocity, acceleration, jerk, snap]: [f64; 4]) -> Trajectory
 
 fn plan<R: Real>(of: [f64; 4], distance: f64) -> Move<R> {
     let start = Angle::from_counts(987_654_321_012);
-    limits(of).build(R::lit(DT)).unwrap().plan(start, start.plus(R::lit(distance))).unwrap()
+    limits(of).build(R::lit(CONTROL_PERIOD)).unwrap().plan(start, start.plus(R::lit(distance))).unwrap()
 }
 
 fn setpoints<R: Real>(planned: &Move<R>) -> Vec<Setpoint<R>> {
@@ -45,12 +44,13 @@ fn any_distance() -> impl Strategy<Value = f64> {
 fn defects(pair: &[Setpoint<f64>]) -> [f64; 4] {
     let (now, next) = (derivatives(&pair[0]), derivatives(&pair[1]));
     let [v, a, j, s] = now;
-    let path = DT * (v + DT / 2.0 * (a + DT / 3.0 * (j + DT / 4.0 * s)));
+    let path = CONTROL_PERIOD
+        * (v + CONTROL_PERIOD / 2.0 * (a + CONTROL_PERIOD / 3.0 * (j + CONTROL_PERIOD / 4.0 * s)));
     [
         pair[1].position.minus(pair[0].position) - path,
-        next[0] - v - DT * (a + DT / 2.0 * (j + DT / 3.0 * s)),
-        next[1] - a - DT * (j + DT / 2.0 * s),
-        next[2] - j - DT * s,
+        next[0] - v - CONTROL_PERIOD * (a + CONTROL_PERIOD / 2.0 * (j + CONTROL_PERIOD / 3.0 * s)),
+        next[1] - a - CONTROL_PERIOD * (j + CONTROL_PERIOD / 2.0 * s),
+        next[2] - j - CONTROL_PERIOD * s,
     ]
 }
 
@@ -106,7 +106,7 @@ proptest! {
     #[test]
     fn it_starts_at_the_start_and_arrives_at_the_target(of in any_limits(), start: i64, distance in -4e8..4e8f64) {
         let (start, target) = (Angle::<f32>::from_counts(start), Angle::from_counts(start.wrapping_add(distance as i64)));
-        let planned = limits(of).build(DT as f32).unwrap().plan(start, target).unwrap();
+        let planned = limits(of).build(CONTROL_PERIOD as f32).unwrap().plan(start, target).unwrap();
         let mut state = MoveState::default();
         prop_assert_eq!(planned.step(&mut state).position, start);
         while !planned.done(&state) {
@@ -122,7 +122,7 @@ proptest! {
     fn f32_is_as_exact_as_stated(of in any_limits(), distance in any_distance()) {
         let short = plan::<f32>(of, distance);
         let [start, end] = [short.at(0).position, short.end()].map(|a| Angle { counts: a.counts, rest: f64::from(a.rest) });
-        let exact = Move::over(start, end, short.widths, f64::from(DT as f32)).unwrap();
+        let exact = Move::over(start, end, short.widths, f64::from(CONTROL_PERIOD as f32)).unwrap();
         for k in 0..=short.periods() {
             let (short, exact) = (short.at(k), exact.at(k));
             let position = Angle { counts: short.position.counts, rest: f64::from(short.position.rest) };
@@ -144,17 +144,17 @@ proptest! {
         let best = plan::<f64>(of, distance);
         let [v_max, a_max, j_max, s_max] = of;
         let Widths { snap, jerk, acceleration, .. } = best.widths;
-        let t_s = s * f64::from(snap) * DT;
-        let t_j = (j * f64::from(jerk) * DT).max(t_s);
-        let t_a = (a * f64::from(acceleration) * DT).max(t_s + t_j);
+        let t_s = s * f64::from(snap) * CONTROL_PERIOD;
+        let t_j = (j * f64::from(jerk) * CONTROL_PERIOD).max(t_s);
+        let t_a = (a * f64::from(acceleration) * CONTROL_PERIOD).max(t_s + t_j);
         // The least T_v at which distance, speed and every level keep their limits.
         let t_v = [v_max, a_max * t_a, j_max * t_a * t_j, s_max * t_a * t_j * t_s]
             .map(|limit| distance.abs() / limit)
             .into_iter()
             .fold(t_a + t_j + t_s, f64::max);
         let other = t_v + t_a + t_j + t_s;
-        let rounding = 15.0 * DT + 1e-6 * other;
-        prop_assert!(f64::from(best.periods()) * DT <= other + rounding, "{best:?}: {other}");
+        let rounding = 15.0 * CONTROL_PERIOD + 1e-6 * other;
+        prop_assert!(f64::from(best.periods()) * CONTROL_PERIOD <= other + rounding, "{best:?}: {other}");
     }
 
     #[test]
@@ -213,7 +213,7 @@ fn the_time_is_the_known_one() {
         let limited_by = |k: usize| {
             let mut of = [NONE; 4];
             of[k] = all[k];
-            f64::from(plan::<f64>(of, distance).periods()) * DT
+            f64::from(plan::<f64>(of, distance).periods()) * CONTROL_PERIOD
         };
         let known = [
             distance / all[0],
@@ -223,13 +223,16 @@ fn the_time_is_the_known_one() {
         ];
         for (k, known) in known.into_iter().enumerate() {
             let time = limited_by(k);
-            assert!(time >= known && time <= known * (1.0 + 1e-6) + 15.0 * DT, "{k}: {time} {known}");
+            assert!(
+                time >= known && time <= known * (1.0 + 1e-6) + 15.0 * CONTROL_PERIOD,
+                "{k}: {time} {known}"
+            );
         }
     }
     // Every level reached: each limit adds the time to reach it.
-    let time = f64::from(plan::<f64>(all, 0.7).periods()) * DT;
+    let time = f64::from(plan::<f64>(all, 0.7).periods()) * CONTROL_PERIOD;
     let known = 0.7 / 0.5 + 0.5 / 2.0 + 2.0 / 20.0 + 20.0 / 400.0;
-    assert!(time >= known && time <= known * (1.0 + 1e-6) + 4.0 * DT, "{time} {known}");
+    assert!(time >= known && time <= known * (1.0 + 1e-6) + 4.0 * CONTROL_PERIOD, "{time} {known}");
 }
 
 #[test]
@@ -252,7 +255,10 @@ fn a_long_way_does_not_lose_resolution() {
     let (first, middle) = (planned.widths.ramp() + 1, planned.periods() / 2);
     for k in (first..first + 100).chain(middle..middle + 100) {
         let step = planned.at(k + 1).position.minus(planned.at(k).position);
-        assert!((f64::from(step) - 20.0 * DT).abs() < 1e-5 * 20.0 * DT, "{k}: {step}");
+        assert!(
+            (f64::from(step) - 20.0 * CONTROL_PERIOD).abs() < 1e-5 * 20.0 * CONTROL_PERIOD,
+            "{k}: {step}"
+        );
     }
 }
 
@@ -263,14 +269,15 @@ fn what_no_move_can_be_planned_with_is_named() {
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             let mut of = of;
             of[k] = bad;
-            assert_eq!(limits::<f64>(of).build(DT), Err(Error::OutOfRange(name)));
+            assert_eq!(limits::<f64>(of).build(CONTROL_PERIOD), Err(Error::OutOfRange(name)));
         }
     }
     for dt in [0.0, -1e-4, 9e-7, 1.1, f64::NAN] {
         assert_eq!(limits::<f64>(of).build(dt), Err(Error::OutOfRange("dt")));
     }
-    let to =
-        |of: [f64; 4], target: Angle<f64>| limits(of).build(DT).unwrap().plan(Angle::default(), target).err();
+    let to = |of: [f64; 4], target: Angle<f64>| {
+        limits(of).build(CONTROL_PERIOD).unwrap().plan(Angle::default(), target).err()
+    };
     let distance = Some(Error::OutOfRange("distance"));
     let near = Angle::from_radians(1.0);
     assert_eq!(to(of, near), None);

@@ -3,10 +3,11 @@
 use crate::telemetry::{Record, Sender};
 use crate::{Compensator, JOINT, State};
 use strainwave::Error;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::{Commanded, Input, Output, Status};
 
 /// Control periods in a second (Hz).
-pub const RATE: u32 = 10_000;
+pub const RATE: u32 = (1.0 / CONTROL_PERIOD) as u32;
 
 /// Interface of the control to a board, used once a period.
 pub trait Board {

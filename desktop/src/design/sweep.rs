@@ -26,7 +26,7 @@ use strainwave::compensator::schedule::CONTROL_PERIOD;
 /// D (N m) over the motor's peak torque.
 const SINE: f64 = 4e-4;
 /// Control periods of a second.
-const SECOND: usize = 10_000;
+const SECOND: usize = (1.0 / CONTROL_PERIOD) as usize;
 /// A dead zone that nothing passes (N m).
 const WIDE: f64 = 1e6;
 

@@ -16,11 +16,12 @@
 use std::f64::consts::TAU;
 
 use strainwave::Error;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 use crate::design::joint::gear_params;
 use crate::io::figure::Figure;
 use crate::io::gear_file::GearFile;
-use crate::io::log::{Drive, OpenLoop, OpenLoopRow, STEP, Time};
+use crate::io::log::{Drive, OpenLoop, OpenLoopRow, Time};
 use crate::plant::divergence::RunError;
 use crate::plant::two_port::{self, Build};
 use crate::verify::bounds;
@@ -87,7 +88,7 @@ impl StepResponse {
         let off = |row: &OpenLoopRow| row.torsion - end;
         let crossings = rows.windows(2).filter(|pair| off(&pair[0]) * off(&pair[1]) < 0.0);
         let times: Vec<_> = crossings
-            .map(|pair| pair[0].time + STEP * off(&pair[0]) / (off(&pair[0]) - off(&pair[1])))
+            .map(|pair| pair[0].time + CONTROL_PERIOD * off(&pair[0]) / (off(&pair[0]) - off(&pair[1])))
             .take(2 * PERIODS + 1)
             .collect();
         let last = times.get(2 * PERIODS).copied().unwrap_or(f64::NAN);
@@ -109,7 +110,7 @@ pub fn measure(file: &GearFile) -> Result<Vec<Figure>, RunError> {
 
 /// Row at which a step is made, counted from 1.
 fn at(step: usize) -> usize {
-    (EVERY * step as f64 / STEP).round() as usize
+    (EVERY * step as f64 / CONTROL_PERIOD).round() as usize
 }
 
 fn input(file: &GearFile, load: f64, height: f64) -> OpenLoop {
@@ -117,11 +118,11 @@ fn input(file: &GearFile, load: f64, height: f64) -> OpenLoop {
     let height = height / file.gear.signed_ratio().value::<f64>();
     let step = |k: usize| height * (1..=STEPS).filter(|step| k >= at(*step)).count() as f64;
     let grown = |k: usize| {
-        let x = (k as f64 * STEP / LOADING).min(1.0);
+        let x = (k as f64 * CONTROL_PERIOD / LOADING).min(1.0);
         x * x * (3.0 - 2.0 * x)
     };
     OpenLoop {
-        time: Time::every(STEP, count),
+        time: Time::every(CONTROL_PERIOD, count),
         drive: Drive::Position((0..count).map(step).collect()),
         load_torque: (0..count).map(|k| load * grown(k)).collect(),
     }
@@ -144,10 +145,10 @@ mod tests {
     fn a_linear_gear_is_measured_as_it_is() {
         let file = GearFile::default_gear();
         let (torsion, frequency) = linearised(&file, LOAD).unwrap();
-        let since = |k: usize| (k as f64 - at(k / at(1)) as f64) * STEP;
+        let since = |k: usize| (k as f64 - at(k / at(1)) as f64) * CONTROL_PERIOD;
         let rows: Vec<_> = (0..at(STEPS + 1))
             .map(|k| OpenLoopRow {
-                time: k as f64 * STEP,
+                time: k as f64 * CONTROL_PERIOD,
                 output_position: 0.0,
                 output_velocity: 0.0,
                 input_torque: 0.0,

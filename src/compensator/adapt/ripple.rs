@@ -219,8 +219,7 @@ fn add<R: Real>([cosine, sine]: &mut [R; 2], by: [R; 2], bound: R) {
 mod tests {
     use super::*;
     use crate::angle::Ratio;
-
-    const DT: f64 = 1e-4;
+    use crate::compensator::schedule::CONTROL_PERIOD;
 
     fn params() -> LearntRippleParams<f64> {
         let order = |order, to_flexspline| RippleOrder { order, to_flexspline };
@@ -241,11 +240,11 @@ mod tests {
 
     /// The map that is learnt at `speed` (rad/s) in `seconds` of a joint with the ripple of `TRUTH`.
     fn learnt(speed: f64, seconds: f64) -> RippleMap<f64> {
-        let (ripple, ratio) = (params().build(DT).unwrap(), Ratio::one_over(-20).unwrap());
+        let (ripple, ratio) = (params().build(CONTROL_PERIOD).unwrap(), Ratio::one_over(-20).unwrap());
         let (mut map, mut now, mut there) =
             (RippleMap::default(), RippleNow::default(), RippleNow::default());
-        for k in 0..(seconds / DT) as usize {
-            let theta = Angle::from_radians_f64(speed * DT * k as f64);
+        for k in 0..(seconds / CONTROL_PERIOD) as usize {
+            let theta = Angle::from_radians_f64(speed * CONTROL_PERIOD * k as f64);
             ripple.evaluate_next(&map, &mut now, theta, ratio.apply(theta), speed);
             ripple.evaluate_next(&TRUTH, &mut there, theta, ratio.apply(theta), speed);
             let sample = RippleSample {
@@ -280,7 +279,7 @@ mod tests {
 
     #[test]
     fn an_error_beyond_a_ripple_counts_for_an_eighth_of_the_largest() {
-        let ripple = params().build(DT).unwrap();
+        let ripple = params().build(CONTROL_PERIOD).unwrap();
         let learnt_from = |position| {
             let (mut map, now) =
                 (RippleMap::default(), RippleNow { basis: [1.0, 0.0], ..RippleNow::default() });
@@ -298,7 +297,7 @@ mod tests {
 
     #[test]
     fn a_map_is_kept_within_its_bounds() {
-        let ripple = params().build(DT).unwrap();
+        let ripple = params().build(CONTROL_PERIOD).unwrap();
         let wild = RippleMap { position: [[1.0, f64::NAN]; 4], torque: [[-1.0, 0.005]; 4] };
         let kept = wild.within(&ripple);
         let used = |pair| [pair, pair, pair, [0.0; 2]];
@@ -307,7 +306,7 @@ mod tests {
 
     #[test]
     fn a_parameter_out_of_range_is_named() {
-        let build = |params: LearntRippleParams<f64>| params.build(DT).unwrap_err();
+        let build = |params: LearntRippleParams<f64>| params.build(CONTROL_PERIOD).unwrap_err();
         let named = |name| Error::OutOfRange(name);
         let order = RippleOrder { order: 1001, to_flexspline: false };
         assert_eq!(build(LearntRippleParams { orders: [order; 4], ..params() }), named("ripple_order"));

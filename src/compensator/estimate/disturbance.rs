@@ -217,8 +217,8 @@ impl<R: Real> Disturbance<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compensator::schedule::CONTROL_PERIOD;
 
-    const DT: f64 = 1e-4;
     const PARAMS: DisturbanceParams<f64> = DisturbanceParams {
         slow_corner: 30.0,
         fast_corner: 1000.0,
@@ -233,8 +233,8 @@ mod tests {
 
     /// d_c and f after so many seconds under d (N m).
     fn after(seconds: f64, torque: impl Fn(f64) -> f64, motor_torque: f64, rests: bool) -> (f64, f64) {
-        let (path, mut state) = (PARAMS.build(&gear(), DT).unwrap(), DisturbanceState::default());
-        let round = f64::from(SLOW_PERIODS) * DT;
+        let (path, mut state) = (PARAMS.build(&gear(), CONTROL_PERIOD).unwrap(), DisturbanceState::default());
+        let round = f64::from(SLOW_PERIODS) * CONTROL_PERIOD;
         let joint = DisturbanceInput { motor_torque, rests, compliance: 2.5e-5, gain: 1.0 };
         for k in 0..(seconds / round) as usize {
             let d = torque(k as f64 * round);
@@ -277,7 +277,7 @@ mod tests {
 
     #[test]
     fn a_parameter_out_of_range_is_named() {
-        let build = |params: DisturbanceParams<f64>| params.build(&gear(), DT).unwrap_err();
+        let build = |params: DisturbanceParams<f64>| params.build(&gear(), CONTROL_PERIOD).unwrap_err();
         let named = |name| Error::OutOfRange(name);
         assert_eq!(build(DisturbanceParams { wind_up_fraction: 1.1, ..PARAMS }), named("wind_up_fraction"));
         assert_eq!(build(DisturbanceParams { dead_zone: f64::NAN, ..PARAMS }), named("dead_zone"));

@@ -114,12 +114,11 @@ impl Encoder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compensator::schedule::CONTROL_PERIOD;
     use proptest::prelude::*;
 
-    const DT: f64 = 1e-4;
-
     fn encoder() -> Encoder {
-        EncoderParams { bits: 19, speed_limit: 700.0 }.build(DT).unwrap()
+        EncoderParams { bits: 19, speed_limit: 700.0 }.build(CONTROL_PERIOD).unwrap()
     }
 
     fn raw(angle: f64) -> u32 {
@@ -133,10 +132,12 @@ mod tests {
             let start = encoder().step::<f64>(&mut state, 0).angle.to_radians();
             let steps = 20_000;
             let end = (1..=steps)
-                .map(|k| encoder().step::<f64>(&mut state, raw(start + speed * DT * f64::from(k))))
+                .map(|k| {
+                    encoder().step::<f64>(&mut state, raw(start + speed * CONTROL_PERIOD * f64::from(k)))
+                })
                 .inspect(|reading| assert!(reading.accepted))
                 .last();
-            let expected = start + speed * DT * f64::from(steps);
+            let expected = start + speed * CONTROL_PERIOD * f64::from(steps);
             assert!((end.unwrap().angle.to_radians() - expected).abs() < 2e-5);
             while encoder().step::<f64>(&mut state, 0).angle.phase() != 0 {}
         }

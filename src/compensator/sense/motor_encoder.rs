@@ -173,17 +173,23 @@ impl MotorEncoderState {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compensator::schedule::CONTROL_PERIOD;
     use proptest::prelude::*;
     use std::vec::Vec;
 
-    const DT: f64 = 1e-4;
     const BITS: u32 = 19;
     const COUNT: f64 = core::f64::consts::TAU / (1u32 << BITS) as f64;
 
     /// 1.4e5 rad/s^2.
     fn encoder() -> MotorEncoder<f64> {
-        let reach = (1.4e5 * DT * DT / RADIANS_PER_COUNT) as u32;
-        MotorEncoder { shift: 32 - BITS, reach, noise: NOISE << (32 - BITS), dt: DT, inverse_dt: 1.0 / DT }
+        let reach = (1.4e5 * CONTROL_PERIOD * CONTROL_PERIOD / RADIANS_PER_COUNT) as u32;
+        MotorEncoder {
+            shift: 32 - BITS,
+            reach,
+            noise: NOISE << (32 - BITS),
+            dt: CONTROL_PERIOD,
+            inverse_dt: 1.0 / CONTROL_PERIOD,
+        }
     }
 
     fn count(angle: f64) -> u32 {
@@ -191,7 +197,7 @@ mod tests {
     }
 
     fn on_time() -> Elapsed<f64> {
-        Elapsed { time: DT, inverse: 1.0 / DT }
+        Elapsed { time: CONTROL_PERIOD, inverse: 1.0 / CONTROL_PERIOD }
     }
 
     /// Angles accepted after each reading.
@@ -210,7 +216,7 @@ mod tests {
     #[test]
     fn a_motion_is_accepted() {
         let angle = |k: i32| {
-            let t = DT * f64::from(k);
+            let t = CONTROL_PERIOD * f64::from(k);
             if t < 0.01 { 2.5e4 * t * t } else { 2.5 + 500.0 * (t - 0.01) - 2.5e4 * (t - 0.01).powi(2) }
         };
         let mut state = MotorEncoderState::default();
@@ -248,8 +254,9 @@ mod tests {
         for k in 0..50 {
             let periods = if k > 0 && k % 7 == 0 { 3.0 } else { 1.0 };
             let speed = (k as f64 * 10.0f64).min(400.0);
-            angle += speed * DT * periods;
-            let elapsed = Elapsed { time: periods * DT, inverse: 1.0 / (periods * DT) };
+            angle += speed * CONTROL_PERIOD * periods;
+            let elapsed =
+                Elapsed { time: periods * CONTROL_PERIOD, inverse: 1.0 / (periods * CONTROL_PERIOD) };
             let (reading, lost) = encoder.step(&mut state, count(angle), true, &elapsed);
             assert!(reading.accepted && !lost, "{k}");
         }
@@ -260,7 +267,7 @@ mod tests {
         fn any_counts_and_times(raws in prop::collection::vec((any::<u32>(), any::<bool>(), 0.25..16.0f64), 1..200)) {
             let (encoder, mut state) = (encoder(), MotorEncoderState::default());
             for (raw, valid, periods) in raws {
-                let elapsed = Elapsed { time: periods * DT, inverse: 1.0 / (periods * DT) };
+                let elapsed = Elapsed { time: periods * CONTROL_PERIOD, inverse: 1.0 / (periods * CONTROL_PERIOD) };
                 let (reading, _) = encoder.step(&mut state, raw, valid, &elapsed);
                 prop_assert!(reading.moved.is_finite());
             }

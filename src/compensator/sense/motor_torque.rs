@@ -90,15 +90,15 @@ impl<R: Real> MotorTorque<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const DT: f64 = 1e-4;
+    use crate::compensator::schedule::CONTROL_PERIOD;
 
     /// Output for a measurement that differs from the command by a wave of `frequency` (rad/s), largest after a
     /// while.
     fn passed(frequency: f64, followed: f64) -> f64 {
-        let (filter, mut state) = (MotorTorque::build(200.0, DT).unwrap(), MotorTorqueState::default());
+        let (filter, mut state) =
+            (MotorTorque::build(200.0, CONTROL_PERIOD).unwrap(), MotorTorqueState::default());
         let outputs = (0..200_000).map(|k| {
-            let wave = (frequency * DT * f64::from(k)).sin();
+            let wave = (frequency * CONTROL_PERIOD * f64::from(k)).sin();
             filter.step(&mut state, 2.0, followed, 2.0 * followed + wave) - 2.0 * followed
         });
         outputs.skip(100_000).fold(0.0, f64::max)
@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn a_command_without_drive_error_passes_unfiltered() {
         let (filter, mut state) =
-            (MotorTorque::<f64>::build(200.0, DT).unwrap(), MotorTorqueState::default());
+            (MotorTorque::<f64>::build(200.0, CONTROL_PERIOD).unwrap(), MotorTorqueState::default());
         for commanded in [1.0, -2.0, 0.5] {
             assert_eq!(filter.step(&mut state, commanded, 1.0, commanded), commanded);
         }
@@ -124,7 +124,8 @@ mod tests {
 
     #[test]
     fn a_drive_that_is_switched_off_passes_unfiltered() {
-        let (filter, mut state) = (MotorTorque::build(2.0, DT).unwrap(), MotorTorqueState::default());
+        let (filter, mut state) =
+            (MotorTorque::build(2.0, CONTROL_PERIOD).unwrap(), MotorTorqueState::default());
         for commanded in [1.0, -2.0, 0.5, 2.0] {
             assert!(filter.step(&mut state, commanded, 1.0, 0.0).abs() <= GROSS * 2.0);
         }
@@ -134,7 +135,8 @@ mod tests {
     #[test]
     fn the_tails_of_noise_are_filtered() {
         let noise = 0.0085 * 2.0;
-        let (filter, mut state) = (MotorTorque::build(2.0, DT).unwrap(), MotorTorqueState::default());
+        let (filter, mut state) =
+            (MotorTorque::build(2.0, CONTROL_PERIOD).unwrap(), MotorTorqueState::default());
         let mut seed = 1u64;
         let mut uniform = move || {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

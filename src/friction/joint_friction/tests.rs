@@ -2,6 +2,7 @@
 
 use super::params::LEAST_LEVEL;
 use super::*;
+use crate::compensator::schedule::CONTROL_PERIOD;
 use crate::error::Error;
 use crate::friction::FrictionParams;
 use crate::friction::load_dependence::LoadFactors;
@@ -10,8 +11,6 @@ use crate::friction::ripple::RippleParams;
 use crate::friction::tests::contact;
 use proptest::prelude::*;
 use std::vec::Vec;
-
-const STEP: f64 = 1e-4;
 
 fn wave_generator<R: Real>(order: Order) -> JointFrictionParams<R> {
     JointFrictionParams::symmetric(order, contact(), R::lit(0.02), R::lit(0.3))
@@ -136,10 +135,10 @@ proptest! {
         let (single, double) = (single.build().unwrap(), double.build().unwrap());
         let (mut a, mut b) = (JointFrictionState::default(), JointFrictionState::default());
         for (velocity, load, phase) in slips {
-            let slip = Slip { wave_generator: Heading::of_phase(phase), ..Slip::new(velocity, 1e-4).under(0.0, load) };
+            let slip = Slip { wave_generator: Heading::of_phase(phase), ..Slip::new(velocity, CONTROL_PERIOD as f32).under(0.0, load) };
             let exact = Slip {
                 wave_generator: Heading::of_phase(phase),
-                ..Slip::new(f64::from(velocity), STEP).under(0.0, f64::from(load))
+                ..Slip::new(f64::from(velocity), CONTROL_PERIOD).under(0.0, f64::from(load))
             };
             let (force, exact) = (single.step(&mut a, &slip).force, double.step(&mut b, &exact).force);
             prop_assert!((f64::from(force) - exact).abs() < 3e-6 * 0.2, "{force} {exact}");
@@ -165,10 +164,10 @@ fn break_away_from_rest_passes_the_static_level_by_the_peak() {
 fn no_level_at_all_gives_no_force_to_speak_of_and_one_that_vanishes_with_speed_fades() {
     let none = LubricatedContactParams { coulomb: 0.0, static_level: 0.0, viscous: 0.0, ..contact() };
     let params = JointFrictionParams::symmetric(Order::Two, none, 0.02, 0.3);
-    assert!(force_after(&params, &[Slip::new(3.0, 1e-4)]) < 1.2 * LEAST_LEVEL);
+    assert!(force_after(&params, &[Slip::new(3.0, CONTROL_PERIOD)]) < 1.2 * LEAST_LEVEL);
     let fading = LubricatedContactParams { static_level: 0.05, ..none };
     let params = JointFrictionParams::symmetric(Order::Two, fading, 0.02, 0.3);
-    let faded = force_after(&params, &[Slip::new(0.1, 0.01), Slip::new(1e9, 1e-4)]);
+    let faded = force_after(&params, &[Slip::new(0.1, 0.01), Slip::new(1e9, CONTROL_PERIOD)]);
     assert!((faded - LEAST_LEVEL).abs() < 1e-16, "{faded}");
 }
 
@@ -192,7 +191,7 @@ fn there_and_back(params: &JointFrictionParams<f64>, order_two: f64, stiffening:
     let (model, mut state) = (params.build().unwrap(), JointFrictionState::default());
     model.shape(&mut state, order_two, stiffening);
     let velocity = |k: u32| 30.0 * (f64::from(k) * 2e-3).sin();
-    (0..10_000).map(|k| model.step(&mut state, &Slip::new(velocity(k), STEP)).force).collect()
+    (0..10_000).map(|k| model.step(&mut state, &Slip::new(velocity(k), CONTROL_PERIOD)).force).collect()
 }
 
 fn close(one: &[f64], other: &[f64]) -> bool {

@@ -11,7 +11,7 @@ mod time;
 
 pub use measured::MeasuredLog;
 pub use open_loop::{Drive, DriveSample, OpenLoop, OpenLoopRow, write_open_loop};
-pub use time::{GAP_LEAST, GAP_RATIO, Instant, Jitter, LONGEST, STEP, Time};
+pub use time::{GAP_LEAST, GAP_RATIO, Instant, Jitter, LONGEST, Time};
 
 /// Longest file (bytes).
 const LONGEST_FILE: u64 = 1 << 30;

@@ -11,8 +11,6 @@
 use super::columns::{Column, row_of};
 use crate::io::figure::Figure;
 
-/// Interval of the control step (s).
-pub const STEP: f64 = 1e-4;
 /// Longest log (s).
 pub const LONGEST: f64 = 3600.0;
 /// A pause is a gap above this many median intervals ...
@@ -137,6 +135,7 @@ impl Instant {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use strainwave::compensator::schedule::CONTROL_PERIOD;
 
     fn time(stamps: &[f64]) -> Time {
         Time::check(stamps.to_vec()).unwrap()
@@ -157,20 +156,20 @@ mod tests {
         let stamps = [5.0, 5.003, 5.0034, 5.009, 5.0121];
         let line: Vec<f64> = stamps.iter().map(|t| 3.0 - 20.0 * (t - 5.0)).collect();
         let time = time(&stamps);
-        let resampled = time.resampled(STEP);
+        let resampled = time.resampled(CONTROL_PERIOD);
         assert_eq!(resampled.len(), 122);
         for (step, instant) in resampled.enumerate() {
-            assert!((instant.elapsed - step as f64 * STEP).abs() < 1e-12);
+            assert!((instant.elapsed - step as f64 * CONTROL_PERIOD).abs() < 1e-12);
             assert!((instant.of(&line) - (3.0 - 20.0 * instant.elapsed)).abs() < 1e-11);
         }
     }
 
     #[test]
     fn a_log_on_the_grid_is_kept_point_by_point() {
-        let stamps: Vec<f64> = (0..5000).map(|k| f64::from(k) * 1e-4).collect();
+        let stamps: Vec<f64> = (0..5000).map(|k| f64::from(k) * CONTROL_PERIOD).collect();
         let noise: Vec<f64> = (0..5000).map(|k| f64::from(k * 7919 % 1000)).collect();
         let time = time(&stamps);
-        let kept: Vec<f64> = time.resampled(STEP).map(|instant| instant.of(&noise)).collect();
+        let kept: Vec<f64> = time.resampled(CONTROL_PERIOD).map(|instant| instant.of(&noise)).collect();
         assert_eq!(kept.len(), noise.len());
         assert!(kept.iter().zip(&noise).all(|(a, b)| (a - b).abs() < 1e-6));
     }
@@ -179,7 +178,10 @@ mod tests {
     fn one_row_is_one_instant() {
         let time = time(&[7.0]);
         assert_eq!(time.jitter(), None);
-        assert_eq!(time.resampled(STEP).map(|instant| instant.of(&[4.0])).collect::<Vec<_>>(), [4.0]);
+        assert_eq!(
+            time.resampled(CONTROL_PERIOD).map(|instant| instant.of(&[4.0])).collect::<Vec<_>>(),
+            [4.0]
+        );
     }
 
     #[test]

@@ -27,6 +27,7 @@ pub(crate) mod trajectory;
 
 use std::f64::consts::TAU;
 
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY, MESH, RealTimeFlexspline};
 use strainwave::flexspline::{FlexsplineParams, Mesh};
 use strainwave::friction::{FrictionModel, FrictionParams, Harmonics, JointFrictionParams};
@@ -36,7 +37,7 @@ use strainwave::{Angle, Error, Real};
 use crate::design::joint::gear_params;
 use crate::io::gear_file::any_friction::AnyFrictionParams;
 use crate::io::gear_file::{GearFile, Harmonic};
-use crate::io::log::{Drive, Instant, OpenLoop, OpenLoopRow, STEP};
+use crate::io::log::{Drive, Instant, OpenLoop, OpenLoopRow};
 use crate::plant::divergence::{Diverged, RunError, may_go_on};
 use crate::plant::mesh_size::{MeshSize, OnMesh};
 use crate::plant::{LEVELS, MEMORY, Reference};
@@ -45,7 +46,7 @@ use gauge::{Gauged, Turned};
 use trajectory::Trajectory;
 
 /// Time of the run-in before the start (s): several times the mesh's transient.
-pub const RUN_IN: f64 = 20.0 * STEP;
+pub const RUN_IN: f64 = 20.0 * CONTROL_PERIOD;
 
 /// Which build of the models.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,7 +110,7 @@ pub fn run<'a>(
         Build::RealTime => {
             let params = counted_from::<f32>(file, start);
             let model = RealTimeFlexspline::build(&params.flexspline, params.rated_torque)?;
-            rows::<_, _, _, HYSTERESIS_LEVELS, HYSTERESIS_MEMORY>(&params, model, STEP, 1, inputs)
+            rows::<_, _, _, HYSTERESIS_LEVELS, HYSTERESIS_MEMORY>(&params, model, CONTROL_PERIOD, 1, inputs)
         }
     }
 }
@@ -193,7 +194,7 @@ fn rows<'a, R: Real, F: Gauged<R> + 'a, P: FrictionParams<R>, const L: usize, co
     let flexspline = Turned { model, zero: Angle::from_radians_f64(-inputs.ellipse) };
     let gear: Gear<R, _, _, L, MEMORY> = params.build(flexspline, R::lit(dt))?;
     let mut simulation = Simulation::new(gear, dt, steps, inputs);
-    let instants = simulation.inputs.log.time.resampled(STEP);
+    let instants = simulation.inputs.log.time.resampled(CONTROL_PERIOD);
     Ok(Box::new(instants.map(move |instant| simulation.row(instant))))
 }
 

@@ -113,8 +113,8 @@ mod tests {
         let (omega, zeta) = (160.0, 0.03);
         let torsion =
             |t: f64| 1e-4 * (-zeta * omega * t).exp() * (omega * (1.0f64 - zeta * zeta).sqrt() * t).cos();
-        let samples: Vec<f64> = (0..5000).map(|k| torsion(1e-4 * f64::from(k))).collect();
-        let Mode { frequency, damping_ratio } = Mode::found_in(&samples, 1e-4);
+        let samples: Vec<f64> = (0..5000).map(|k| torsion(CONTROL_PERIOD * f64::from(k))).collect();
+        let Mode { frequency, damping_ratio } = Mode::found_in(&samples, CONTROL_PERIOD);
         let expected = omega * (1.0 - zeta * zeta).sqrt() / (2.0 * PI);
         assert!((frequency / expected - 1.0).abs() < 1e-6, "{frequency} Hz, expected {expected}");
         assert!((damping_ratio / zeta - 1.0).abs() < 1e-2, "{damping_ratio}");

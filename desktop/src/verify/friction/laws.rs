@@ -2,6 +2,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::friction::{BlimanSorine, DahlParams, FrictionModel, Slip, StateSpaceParams};
 
 use crate::io::figure::Figure;
@@ -28,7 +29,7 @@ fn motion() -> Vec<Slip<f64>> {
     let mut random = ChaCha8Rng::seed_from_u64(2);
     let mut slip = || {
         let way = EPS * 10f64.powf(random.random_range(-6.0..1.0));
-        Slip::new(if random.random() { way / 1e-4 } else { -way / 1e-4 }, 1e-4)
+        Slip::new(if random.random() { way / CONTROL_PERIOD } else { -way / CONTROL_PERIOD }, CONTROL_PERIOD)
     };
     (0..STEPS).map(|_| slip()).collect()
 }

@@ -63,13 +63,13 @@ mod tests {
     fn the_slow_part_goes_and_the_natural_frequency_stays() {
         let period = 0.0301;
         let values: Vec<f64> = (0..2000)
-            .map(|k| f64::from(k) * 1e-4)
+            .map(|k| f64::from(k) * CONTROL_PERIOD)
             .map(|t| 5.0 + 3.0 * t + (TAU * t / period).sin())
             .collect();
         let left = without_slow_part(&values, period);
         assert_eq!(left.len(), 2000 - 300);
         for (k, value) in left.iter().enumerate() {
-            let expected = (TAU * (k as f64 + 150.0) * 1e-4 / period).sin();
+            let expected = (TAU * (k as f64 + 150.0) * CONTROL_PERIOD / period).sin();
             assert!((value - expected).abs() < 1e-9, "{k}: {value} {expected}");
         }
         assert!(without_slow_part(&values[..300], period).is_empty());
@@ -77,7 +77,8 @@ mod tests {
 
     #[test]
     fn a_sine_stands_in_the_spectrum_with_its_amplitude() {
-        let values: Vec<f64> = (0..5000).map(|k| 2e-5 * (TAU * 40.0 * f64::from(k) * 1e-4).sin()).collect();
+        let values: Vec<f64> =
+            (0..5000).map(|k| 2e-5 * (TAU * 40.0 * f64::from(k) * CONTROL_PERIOD).sin()).collect();
         let lines = spectrum(&values, 100.0);
         let (frequency, amplitude) = lines.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
         assert!((frequency - 40.0).abs() < 1e-9 && (amplitude / 2e-5 - 1.0).abs() < 1e-3);

@@ -3,9 +3,9 @@
 use std::vec::Vec;
 
 use super::*;
+use crate::compensator::schedule::CONTROL_PERIOD;
 use proptest::prelude::*;
 
-const DT: f64 = 1e-4;
 const N: f64 = -100.0;
 const INERTIA: f64 = 1.2;
 
@@ -45,7 +45,7 @@ fn params() -> AdaptationParams<f64> {
 }
 
 fn adaptation() -> Adaptation<f64> {
-    params().build(N, INERTIA, 157.0, DT).unwrap()
+    params().build(N, INERTIA, 157.0, CONTROL_PERIOD).unwrap()
 }
 
 /// A joint of these factors whose friction is Coulomb's, in a motion of two tones; d_0 is a load of 5 N m.
@@ -63,7 +63,7 @@ impl Joint {
 
     /// Regressors, and residuals of an observer whose model has the `applied` factors.
     fn period(&mut self, applied: &Factors<f64>) -> (Excitation<f64>, Observed<f64>) {
-        self.time += DT;
+        self.time += CONTROL_PERIOD;
         let (slow, fast) = (2.0 * self.time, 11.0 * self.time);
         let velocity = slow.cos() + 0.6 * fast.cos();
         let excitation = Excitation {
@@ -122,9 +122,9 @@ fn after(
     mut joint: Joint,
     learns: bool,
 ) -> (AdaptationState<f64>, Vec<f64>) {
-    let adaptation = params.build(N, INERTIA, 157.0, DT).unwrap();
+    let adaptation = params.build(N, INERTIA, 157.0, CONTROL_PERIOD).unwrap();
     let (mut state, mut levels) = (AdaptationState::default(), Vec::new());
-    for k in 0..(seconds / DT) as usize {
+    for k in 0..(seconds / CONTROL_PERIOD) as usize {
         let (excitation, observed) = joint.period(&state.factors);
         adaptation.step(&mut state, &excitation, &observed, learns);
         if k % 10_000 == 9_999 {
@@ -163,8 +163,9 @@ fn it_finds_the_joint_and_the_error_only_falls() {
 fn an_output_encoder_tells_the_two_frictions_apart() {
     let truth = Factors { input_friction: 1.1, output_friction: 0.8, ..Factors::default() };
     let learnt = |sees_output: bool| {
-        let adaptation =
-            AdaptationParams { dead_zone: 0.0, ..patient() }.build(N, INERTIA, 157.0, DT).unwrap();
+        let adaptation = AdaptationParams { dead_zone: 0.0, ..patient() }
+            .build(N, INERTIA, 157.0, CONTROL_PERIOD)
+            .unwrap();
         let (mut state, n) = (AdaptationState::<f64>::default(), N.abs());
         for k in 0..200_000 {
             let (forward, applied): (f64, _) = (if k / 5000 % 2 == 0 { 1.0 } else { -1.0 }, *state.factors());
@@ -272,7 +273,7 @@ fn it_starts_from_what_is_stored_within_its_bounds() {
 
 #[test]
 fn a_parameter_out_of_range_is_named() {
-    let build = |params: AdaptationParams<f64>| params.build(N, INERTIA, 157.0, DT).unwrap_err();
+    let build = |params: AdaptationParams<f64>| params.build(N, INERTIA, 157.0, CONTROL_PERIOD).unwrap_err();
     let mut fast = params();
     fast.rates.inertia = 4000.0;
     assert_eq!(build(fast), Error::OutOfRange("adaptation_rates"));
