@@ -16,8 +16,9 @@
 //! wave-generator revolutions (2^52 counts) its rounding is below 2^-12 counts.
 //! Turning back, n is an integer: no count is rounded, only the fraction of one.
 
+use crate::branch::seldom;
 use crate::error::{Error, require};
-use crate::real::{RADIANS_PER_COUNT, Real, seldom};
+use crate::real::{RADIANS_PER_COUNT, Real};
 
 /// An unbounded angle.
 ///

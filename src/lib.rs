@@ -11,7 +11,7 @@
 //! | [`gear`] | the two-port that these make: composes, no physics of its own |
 //! | [`compensator`] | encoder, observer, feed-forward, feedback, limits and faults: one `step` |
 //! | [`trajectory`] | moves from rest to rest with bounded velocity, acceleration, jerk and snap |
-//! | [`angle`], [`real`], [`error`] | angles without bound, the scalar and its functions, why a build fails |
+//! | [`angle`], [`real`], [`fixed`], [`error`] | angles without bound, the scalar and its functions, its integers, why a build fails |
 //!
 //! # Quick start
 //!
@@ -98,9 +98,11 @@
 extern crate std;
 
 pub mod angle;
+mod branch;
 pub mod compensator;
 pub mod error;
 mod exponential;
+pub mod fixed;
 pub mod flexspline;
 pub mod friction;
 pub mod gear;

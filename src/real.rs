@@ -16,11 +16,14 @@
 //! | [`Real::sqrt_or_zero`] | any finite x | [`SQRT_ERROR`] relative | libm's |
 //! | [`Real::one_minus_exp_neg`] | finite x >= 0 | [`ONE_MINUS_EXP_NEG_ERROR`] relative | [`ONE_MINUS_EXP_NEG_ERROR_F64`] |
 
-use crate::hysteresis::fixed::Fixed;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
+use crate::branch::seldom;
+use crate::fixed::Fixed;
 use crate::{exponential, sine_cosine};
+
+pub use crate::sine_cosine::RADIANS_PER_COUNT;
 
 /// Largest absolute error of the f32 [`Real::sin_cos_phase`].
 pub const SIN_COS_ERROR: f64 = 8e-8;
@@ -30,9 +33,6 @@ pub const SQRT_ERROR: f64 = 2.4e-7;
 pub const ONE_MINUS_EXP_NEG_ERROR: f64 = 2.5e-7;
 /// Largest relative error of the f64 [`Real::one_minus_exp_neg`].
 pub const ONE_MINUS_EXP_NEG_ERROR_F64: f64 = 6e-16;
-
-/// Radians in one count of a phase of 2^32 counts a revolution.
-pub const RADIANS_PER_COUNT: f64 = core::f64::consts::TAU / 4_294_967_296.0;
 
 /// A floating-point scalar: f32 in firmware, f64 in the reference build.
 pub trait Real:
@@ -251,11 +251,6 @@ impl Real for f32 {
         sine_cosine::sine_cosine_f32(phase)
     }
 }
-
-/// Marks a path that is seldom taken: the other one is the one to fall through.
-#[cold]
-#[inline(always)]
-pub(crate) const fn seldom() {}
 
 #[cfg(test)]
 mod tests {

@@ -8,6 +8,9 @@
 //! The series leave out r^4/24 < 1.6e-8. k and the rest are bits of the phase: no quadrant is distinguished, and half a
 //! revolution more gives exactly the negative of both, a quarter exchanges them.
 
+/// Radians in one count of a phase of 2^32 counts a revolution.
+pub const RADIANS_PER_COUNT: f64 = core::f64::consts::TAU / 4_294_967_296.0;
+
 /// Entries; 1 kB.
 const ENTRIES: usize = 1 << ENTRIES_LOG2;
 const ENTRIES_LOG2: u32 = 7;
@@ -49,8 +52,7 @@ const fn exact_sine(k: usize) -> f32 {
 pub fn sine_cosine_f32(phase: u32) -> (f32, f32) {
     let k = phase.wrapping_add(1 << (STEP_LOG2 - 1)) >> STEP_LOG2;
     let [cosine, sine] = TABLE[k as usize];
-    let rest =
-        phase.wrapping_sub(k << STEP_LOG2).cast_signed() as f32 * crate::real::RADIANS_PER_COUNT as f32;
+    let rest = phase.wrapping_sub(k << STEP_LOG2).cast_signed() as f32 * RADIANS_PER_COUNT as f32;
     let square = rest * rest;
     let (t, h) = (rest - rest * (square * (1.0 / 6.0)), 0.5 * square);
     (sine + (cosine * t - sine * h), cosine - (cosine * h + sine * t))

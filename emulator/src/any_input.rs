@@ -17,8 +17,7 @@ use strainwave_desktop::bench::controller::Controller;
 use strainwave_desktop::bench::output_bounds::beyond_bounds;
 use strainwave_desktop::design::joint::joint_params;
 
-use crate::artifact::{self, Image};
-use crate::budget::CONTROL_STEP;
+use crate::artifact::{self, CONTROL_STEP, Image};
 use crate::counting::{self, Counting, path};
 use crate::machine::{self, Machine};
 use crate::target::{self, Target};

@@ -25,7 +25,7 @@ use serde::Deserialize;
 use strainwave_desktop::Figure;
 use toml_edit::{DocumentMut, Item, Table, value};
 
-use crate::artifact::IndirectCall;
+use crate::artifact::{CONTROL_STEP, IndirectCall};
 use crate::firmware;
 
 /// The function whose cost is bounded, and its bounds.
@@ -211,9 +211,6 @@ pub fn emulated_boards() -> Result<Vec<String>, Error> {
     }
     Ok(emulated)
 }
-
-/// The name of the control step among the blocks, and its symbol in every image.
-pub const CONTROL_STEP: &str = "control_step";
 
 /// The name of the literal mesh's control period beside the blocks.
 pub const LITERAL_MESH: &str = "literal_mesh";

@@ -5,19 +5,28 @@
 
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, Once, PoisonError};
+use std::sync::{Mutex, Once};
 
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 
-use crate::{process, scratch};
+use crate::lock::locked;
 
 /// Offset by a shell on the number of the signal that ended a program.
 const SHELL_OFFSET: i32 = 128;
 
 static ENDING: AtomicBool = AtomicBool::new(false);
 
-/// From now on an interrupt kills the emulators, removes their folders and exits with 128 + the signal.
+/// What an interrupt does before the end, the last one first.
+static CLEAN_UPS: Mutex<Vec<fn()>> = Mutex::new(Vec::new());
+
+/// From now on an interrupt does this too, before what was asked for earlier, and exits with 128 + the signal.
+pub fn clean_up_with(clean_up: fn()) {
+    locked(&CLEAN_UPS).push(clean_up);
+    end_in_order();
+}
+
+/// From now on an interrupt cleans up and exits with 128 + the signal.
 pub fn end_in_order() {
     static HANDLER: Once = Once::new();
     HANDLER.call_once(|| {
@@ -31,8 +40,8 @@ pub fn end_in_order() {
 
 fn end(signal: i32) {
     ENDING.store(true, Ordering::SeqCst);
-    process::kill_all();
-    scratch::remove_all();
+    let clean_ups = locked(&CLEAN_UPS).clone();
+    clean_ups.iter().rev().for_each(|clean_up| clean_up());
     // Not `eprintln`: it panics when the terminal has gone, which is what SIGHUP tells.
     let _ = writeln!(io::stderr(), "error: interrupted");
     std::process::exit(SHELL_OFFSET + signal);
@@ -50,11 +59,6 @@ pub fn hold_if_ending() {
     while ENDING.load(Ordering::SeqCst) {
         std::thread::park();
     }
-}
-
-/// A lock whose data stay whole when a holder panics.
-pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

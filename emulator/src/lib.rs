@@ -6,6 +6,7 @@ pub mod budget;
 pub mod counting;
 pub mod firmware;
 pub mod interrupt;
+mod lock;
 pub mod machine;
 pub mod pil;
 mod process;

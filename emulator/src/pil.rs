@@ -27,8 +27,9 @@ use strainwave_desktop::verify::judge::{Judge, Metric};
 use strainwave_desktop::verify::robustness::{Judged, metrics};
 use strainwave_desktop::{Figure, GearFile};
 
+use crate::artifact::CONTROL_STEP;
 use crate::artifact::{self, Image};
-use crate::budget::{self, CONTROL_STEP};
+use crate::budget;
 use crate::counting::{self, Counting, Counts};
 use crate::firmware::{self, Firmware};
 use crate::machine::{Ending, Machine};

@@ -12,10 +12,11 @@ use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Sender, channel};
-use std::sync::{Arc, LazyLock, Mutex, Weak};
+use std::sync::{Arc, LazyLock, Mutex, Once, Weak};
 use std::time::{Duration, Instant};
 
-use crate::interrupt::locked;
+use crate::interrupt;
+use crate::lock::locked;
 use crate::scratch::Scratch;
 
 /// A running child, and the private directory that it works in.
@@ -27,6 +28,9 @@ pub struct Process {
 impl Process {
     /// Starts `program` in `directory`.
     pub fn start(program: &Path, arguments: &[String], directory: Scratch) -> io::Result<Arc<Self>> {
+        static KILLED: Once = Once::new();
+        // Asked for after the removal of its folder, and so done before it.
+        KILLED.call_once(|| interrupt::clean_up_with(kill_all));
         let mut command = tied_to_us(program);
         command.args(arguments).current_dir(directory.path());
         let said = std::fs::File::create(directory.path().join("emulator.log"))?;
@@ -91,7 +95,7 @@ impl Drop for Process {
 static LIVE: Mutex<Vec<Weak<Process>>> = Mutex::new(Vec::new());
 
 /// Kills every live process, for a program that ends here.
-pub fn kill_all() {
+fn kill_all() {
     for process in locked(&LIVE).drain(..).filter_map(|process| process.upgrade()) {
         process.kill();
     }

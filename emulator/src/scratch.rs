@@ -3,11 +3,12 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Mutex, Once};
 
 use tempfile::{Builder, TempDir};
 
-use crate::interrupt::{self, locked};
+use crate::interrupt;
+use crate::lock::locked;
 
 /// A folder among the system's temporary ones.
 #[derive(Debug)]
@@ -18,7 +19,8 @@ static LIVE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 impl Scratch {
     /// A new folder whose name tells what it is for.
     pub fn new(purpose: &str) -> io::Result<Self> {
-        interrupt::end_in_order();
+        static REMOVED: Once = Once::new();
+        REMOVED.call_once(|| interrupt::clean_up_with(remove_all));
         let mut live = locked(&LIVE);
         let folder = Builder::new().prefix(&format!("strainwave-{purpose}-")).tempdir()?;
         live.push(folder.path().to_owned());
@@ -38,7 +40,7 @@ impl Drop for Scratch {
 }
 
 /// Removes every folder, for a program that ends here.
-pub fn remove_all() {
+fn remove_all() {
     for path in locked(&LIVE).drain(..) {
         // One that is gone already is as wanted.
         let _ = fs::remove_dir_all(path);

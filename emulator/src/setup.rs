@@ -17,15 +17,17 @@ mod download;
 mod emulator;
 mod error;
 mod host;
+mod needed;
 mod package_set;
 mod unpack;
 mod version;
 
-pub use compiler::{Compiler, OLDEST_COMPILER, TARGET, compiler, present_compiler};
+pub use compiler::{Compiler, compiler, present_compiler};
 pub use download::Download;
-pub use emulator::{EMULATOR, Emulator, OLDEST_EMULATOR, emulator, present_emulator};
+pub use emulator::{Emulator, emulator, present_emulator};
 pub use error::{Error, Unfetched};
 pub use host::{Host, Job, ThisHost};
+pub use needed::{EMULATOR, OLDEST_COMPILER, OLDEST_EMULATOR, TARGET};
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,7 @@
 //! Control step: each stage writes its part of the state and reads those of the others.
 
 use crate::angle::Angle;
+use crate::branch::seldom;
 use crate::compensator::actuate::cascade::{CascadeInput, Feedback};
 use crate::compensator::actuate::fallback::Fallback;
 use crate::compensator::actuate::protection::Protection;
@@ -22,7 +23,7 @@ use crate::compensator::sense::validation::{self, FrozenEncoder, InputGuard};
 use crate::compensator::{
     Commanded, Directions, Faults, Input, Limits, Output, RealTimeGear, Sensors, State, Status,
 };
-use crate::real::{Real, seldom};
+use crate::real::Real;
 
 /// The built compensator of a joint.
 ///

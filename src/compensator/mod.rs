@@ -35,17 +35,18 @@ mod real_time_gear;
 pub mod reference;
 pub mod schedule;
 pub mod sense;
+mod signals;
+mod start;
 mod state;
 
 pub use actuate::mode::Mode;
 pub use control::Compensator;
 pub use faults::Faults;
-pub use interface::{
-    Commanded, CompensationGains, Estimate, EstimateDeviation, Input, Output, Sensors, Setpoint, Status,
-};
+pub use interface::{Commanded, Input, Output, Sensors};
 pub use joint_params::JointParams;
 pub use limits::Limits;
 pub use real_time_gear::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY, MESH, RealTimeFlexspline, RealTimeGear};
 pub use reference::command::Command;
 pub use reference::directions::Directions;
+pub use signals::{CompensationGains, Estimate, EstimateDeviation, Setpoint, Status};
 pub use state::State;

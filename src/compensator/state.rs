@@ -1,6 +1,7 @@
 //! State of the compensator: the states of its parts, and the quantities that one slot passes to another.
 
 use crate::angle::Angle;
+use crate::compensator::Faults;
 use crate::compensator::actuate::cascade::FeedbackState;
 use crate::compensator::actuate::fallback::FallbackState;
 use crate::compensator::actuate::mode::{Mode, ModeState};
@@ -18,7 +19,6 @@ use crate::compensator::sense::motor_encoder::MotorEncoderState;
 use crate::compensator::sense::motor_torque::MotorTorqueState;
 use crate::compensator::sense::rotor::RotorState;
 use crate::compensator::sense::validation::InputGuardState;
-use crate::compensator::{Compensator, Faults};
 use crate::real::Real;
 
 /// State of the compensator.
@@ -108,60 +108,6 @@ impl SlotFaults {
     #[inline(always)]
     pub(super) fn collect(&mut self) {
         self.slow = self.plan.with(self.standstill).with(self.gains).with(self.rotor);
-    }
-}
-
-impl<R: Real> Compensator<R> {
-    /// The state before the first step, with the stored learnt factors and ripple within their bounds.
-    pub fn rest(&self) -> State<R> {
-        State {
-            slot: Slot::default(),
-            guard: InputGuardState::default(),
-            motor_encoder: MotorEncoderState::default(),
-            output_encoder: EncoderState::default(),
-            latch: SensorLatch::default(),
-            output_reading: None,
-            output_zero: None,
-            frozen_path: R::ZERO,
-            frozen_output_path: R::ZERO,
-            output_raw: None,
-            last_output: None,
-            last_motor: Angle::default(),
-            commander: CommanderState::default(),
-            observer: self.observer.rest(),
-            disturbance: DisturbanceState::default(),
-            wind_up: WindUpResponse::default(),
-            feed_forward: FeedForwardState::default(),
-            motor_reference: MotorReference::default(),
-            feedback: FeedbackState::default(),
-            output_feedback: OutputFeedbackState::default(),
-            learning: self.learning.starting_from(&self.learnt),
-            gear_correction: GearCorrection::default(),
-            load_rate: R::ZERO,
-            slow: SlowSlot::RampGains,
-            motor_torque: MotorTorqueState::default(),
-            rotor: RotorState::default(),
-            protection: ProtectionState::default(),
-            gauge: None,
-            disabled_sensors: Faults::NONE,
-            fallback: FallbackState::default(),
-            mode: ModeState::default(),
-            sent: [R::ZERO; 2],
-            faults: SlotFaults::default(),
-            reported: Faults::NONE,
-            limited: false,
-            sound: true,
-        }
-    }
-}
-
-impl<R: Real> Compensator<R> {
-    /// Resets from Safe to Ready, to be called once the cause is removed: the joint starts from rest, and its encoders
-    /// are initialised again. Only the learnt factors and ripple are kept. The reference begins at the output's angle
-    /// and moves smoothly to the command.
-    pub fn reset(&self, state: &mut State<R>) {
-        let learning = self.learning.starting_from(&self.learnt(state));
-        *state = State { learning, ..self.rest() };
     }
 }
 

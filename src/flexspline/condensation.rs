@@ -26,8 +26,8 @@
 //! Gauss-Jordan, (3*(m - 2))^2*3*m multiplications and a matrix of 9*m^2 values; m here counts slices.
 
 use crate::angle::Angle;
-use crate::flexspline::calibration::{Cup, DIRECTIONS, is_bend, link_length};
-use crate::flexspline::shell::Bend;
+use crate::flexspline::cup::{Cup, DIRECTIONS, is_bend, link_length};
+use crate::flexspline::shell::link_law::Bend;
 use crate::real::Real;
 
 /// Radial, tangential and axial displacement (m), or its amplitudes A, B, C.

@@ -11,6 +11,7 @@
 
 pub mod calibration;
 mod condensation;
+pub mod cup;
 pub mod end_forces;
 pub mod mesh;
 pub mod reduced;
@@ -20,7 +21,8 @@ pub mod stiffness_line;
 pub mod strain_gauge;
 pub mod two_links;
 
-pub use calibration::{Cup, FlexsplineParams};
+pub use calibration::FlexsplineParams;
+pub use cup::Cup;
 pub use end_forces::NodeForce;
 pub use mesh::Mesh;
 pub use reduced::Reduced;

@@ -50,8 +50,9 @@
 
 use crate::angle::Angle;
 use crate::error::{Error, require};
-use crate::flexspline::calibration::{Cup, DIRECTIONS, FlexsplineParams};
+use crate::flexspline::calibration::FlexsplineParams;
 use crate::flexspline::condensation::{Displacement, Link, Shape, settled};
+use crate::flexspline::cup::{Cup, DIRECTIONS};
 use crate::flexspline::stiffness_line::StiffnessLine;
 use crate::flexspline::{Ends, Flexspline, Reaction};
 use crate::real::Real;

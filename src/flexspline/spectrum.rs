@@ -12,8 +12,8 @@
 //! The assembled mesh is not round: its links are strained by up to e = w0/(2*R), which adds at most 2*16*k*e
 //! to an eigenvalue that is at least 16*k/3 (a third of the trace at a node): the factor [`assembled`].
 
-use crate::flexspline::calibration::Cup;
 use crate::flexspline::condensation::stiffness;
+use crate::flexspline::cup::Cup;
 use crate::real::Real;
 
 /// q = 2^8.

@@ -122,8 +122,8 @@ impl<R: Real> TwoLinks<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flexspline::calibration::DIRECTIONS;
     use crate::flexspline::calibration::tests::SIZE_25;
+    use crate::flexspline::cup::DIRECTIONS;
     use crate::flexspline::shell::{Bend, Shell, ShellParams};
     use proptest::prelude::*;
 

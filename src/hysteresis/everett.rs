@@ -15,13 +15,14 @@
 //!
 //! Entries are integers, one of which is the quantum: that of f32 is 1/32 767 of the largest |G|, so
 //! that the error of G is at most half of that, 1.6e-5 of it; that of f64 is below what f64 resolves.
-//! Inputs are positions, see [`super::fixed`].
+//! Inputs are positions, see [`crate::fixed`].
 //!
 //! D. Everett, Transactions of the Faraday Society 51 (1955).
 
-use super::fixed::Fixed;
-use super::memory::{TurningPoint, cheaper};
+use super::memory::TurningPoint;
 use super::weights::Weights;
+use crate::branch::cheaper;
+use crate::fixed::Fixed;
 use crate::real::Real;
 
 /// Table for `L` levels.

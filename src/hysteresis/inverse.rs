@@ -14,9 +14,11 @@
 //! returned. An output that no input reaches gives the end of the range, one that is not finite the present input.
 
 use super::everett::Climb;
-use super::fixed::Fixed;
-use super::memory::{StaircaseState, TurningPoint, cheaper};
+use super::memory::{StaircaseState, TurningPoint};
 use super::staircase::Staircase;
+use crate::branch::cheaper;
+use crate::error::{Error, require};
+use crate::fixed::Fixed;
 use crate::flexspline::stiffness_line::StiffnessLine;
 use crate::real::Real;
 
@@ -39,6 +41,17 @@ use crate::real::Real;
 #[derive(Clone, Copy, Debug)]
 pub struct Inverse<'s, R: Real, const L: usize, const MEMORY: usize> {
     pub(super) staircase: &'s Staircase<R, L, MEMORY>,
+}
+
+impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
+    /// The inverse: input for a given output.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `table` when the output falls along a rising input, as it may with weights below zero.
+    pub fn inverse(&self) -> Result<Inverse<'_, R, L, MEMORY>, Error> {
+        require(self.least_slope >= R::ZERO, "table")?;
+        Ok(Inverse { staircase: self })
+    }
 }
 
 /// The torsion for a torque through a stiffness line and the hysteresis in parallel.
@@ -216,7 +229,6 @@ mod tests {
     use super::super::torsion::{TorsionHysteresis, TorsionHysteresisState, gap_for_width};
     use super::super::weights::Weights;
     use super::*;
-    use crate::error::Error;
     use crate::flexspline::stiffness_line::StiffnessLineParams;
     use proptest::prelude::*;
     use std::vec::Vec;

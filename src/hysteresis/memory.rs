@@ -21,7 +21,8 @@
 //! 6 % a half cycle, 24 points and the standard shape 11 % of the output at saturation; the largest error found is
 //! 2.5 % (`strainwave verify hysteresis`).
 
-use super::fixed::Fixed;
+use crate::branch::cheaper;
+use crate::fixed::Fixed;
 use crate::real::Real;
 
 /// Turning point: a past extremum as position and output in the frame of a branch.
@@ -252,8 +253,3 @@ fn seldom(condition: bool) -> bool {
         false
     }
 }
-
-/// Marks a path that costs less than the alternative, which then is the one to fall through.
-#[cold]
-#[inline]
-pub(super) fn cheaper() {}

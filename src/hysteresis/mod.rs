@@ -14,7 +14,6 @@
 //! alpha_i = -U + (i + 1/2)*h and down past beta_j. A grid input therefore never sits on a threshold.
 
 pub mod everett;
-pub mod fixed;
 pub mod inverse;
 mod memory;
 pub mod relays;

@@ -19,14 +19,13 @@
 //! limits it is the drive's lag, the same for every size and load. Damping, presliding, Stribeck speeds, drive and
 //! tolerances are the default gear's.
 
-use crate::bench::baseline::Kind;
 use crate::io::gear_file::{
-    Arrangement, Baselines, BothFrictions, Compensation, Damping, Drive, Feedback, Flexspline, Friction,
-    Gear, GearFile, Harmonic, Hysteresis, Inertia, KinematicError, Motor, Sensors, Stiffness, Tolerances,
+    Arrangement, Baselines, BothFrictions, Compensation, Damping, Drive, Flexspline, Friction, Gear,
+    GearFile, Harmonic, Hysteresis, Inertia, KinematicError, Motor, Sensors, Stiffness, Tolerances,
 };
 
 use super::figures::{self, Read};
-use super::load::untuned;
+use super::load::{feedback, untuned};
 
 /// J_fs/(N^2*J_wg).
 pub const NOMINAL_LOAD: f64 = 2.0;
@@ -183,15 +182,5 @@ fn sensors(rated: f64, n: f64) -> Sensors {
         motor_torque_noise: rounded(0.01 * rated / n),
         output_torque_noise: rounded(0.01 * rated),
         ..GearFile::default_gear().sensors
-    }
-}
-
-/// The cascade that the compensator has: the same as B0.
-pub(super) fn feedback(file: &GearFile) -> Feedback {
-    let gains = crate::bench::baseline::BaselineGains::of(file, Kind::B0);
-    Feedback {
-        position_bandwidth: gains.position_bandwidth,
-        velocity_bandwidth: gains.velocity_bandwidth,
-        integral_time: gains.integral_time,
     }
 }

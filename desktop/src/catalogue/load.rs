@@ -8,10 +8,9 @@
 //!
 //! All others stay, and each stays within its range.
 
-use super::gear::feedback;
 use crate::bench::baseline::gains::torsion_mode;
 use crate::bench::baseline::{BaselineGains, Kind};
-use crate::io::gear_file::{Baselines, GearFile};
+use crate::io::gear_file::{Baselines, Feedback, GearFile};
 
 /// L.
 pub fn load_ratio(file: &GearFile) -> f64 {
@@ -39,6 +38,16 @@ impl BaselineGains {
             *place = place.clamp(gain.range[0], gain.range[1]);
         }
         gains
+    }
+}
+
+/// The cascade that the compensator has: the same as B0.
+pub(super) fn feedback(file: &GearFile) -> Feedback {
+    let gains = BaselineGains::of(file, Kind::B0);
+    Feedback {
+        position_bandwidth: gains.position_bandwidth,
+        velocity_bandwidth: gains.velocity_bandwidth,
+        integral_time: gains.integral_time,
     }
 }
 

@@ -20,8 +20,8 @@ use strainwave::compensator::estimate::observer::{GainSets, Gains};
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 
+use super::mode::Mode;
 use super::parts::Parts;
-use super::variant::Mode;
 use crate::io::gear_file::SensorSet;
 use crate::io::gear_file::{Friction, GearFile};
 use strainwave::compensator::schedule::CONTROL_PERIOD;

@@ -1,6 +1,6 @@
 //! The corners of the box that a joint may lie in.
 
-use super::variant::Mode;
+use super::mode::Mode;
 use crate::io::gear_file::GearFile;
 
 /// Damping ratio of the mode behind the flange: the least of the box.

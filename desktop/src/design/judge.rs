@@ -3,11 +3,12 @@
 use super::corners::Corner;
 use super::loops::{Break, Loop, frequencies};
 use super::margins::margins;
+use super::mode::Mode;
 use super::parts::Parts;
 use super::plant::Plant;
 use super::poles;
 use super::response::{Answer, Response};
-use super::variant::{Mode, Variant};
+use super::variant::Variant;
 use crate::io::gear_file::GearFile;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 

@@ -22,6 +22,7 @@ pub mod level_rule;
 pub mod levels;
 pub mod loops;
 pub mod margins;
+pub mod mode;
 pub mod observer_design;
 pub mod parts;
 pub mod plant;

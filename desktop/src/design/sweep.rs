@@ -15,9 +15,10 @@ use strainwave::compensator::{CompensationGains, Compensator, Input, Sensors, Se
 
 use super::corners::{Corner, Point};
 use super::loops::torque_loop;
+use super::mode::Mode;
 use super::parts::Parts;
 use super::plant::{OUTPUTS, Plant};
-use super::variant::{Mode, Variant};
+use super::variant::Variant;
 use crate::design::joint::joint_params;
 use crate::io::gear_file::GearFile;
 use crate::io::gear_file::SensorSet;

@@ -2,23 +2,10 @@
 
 use super::controller::Controller;
 use super::corners::Point;
+use super::mode::Mode;
 use super::parts::Parts;
 use crate::io::gear_file::GearFile;
 use crate::io::gear_file::SensorSet;
-
-/// Which gains the observer has, and with them which friction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mode {
-    /// The motor moves, friction slides.
-    Moving,
-    /// It stands, friction is a spring.
-    Standing,
-}
-
-impl Mode {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Moving, Self::Standing];
-}
 
 /// A controller at one operating point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

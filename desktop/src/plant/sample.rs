@@ -8,8 +8,6 @@ use strainwave::gear::GearParams;
 use super::clock::ClockParams;
 use super::encoder::EncoderErrors;
 use super::friction::{Drift, PlantFrictionParams, Structure};
-use super::sample_stream::SampleStream;
-use super::unknowns::Which;
 use super::{PlantParams, Sides, with_friction};
 use crate::design::joint::firmware_gear_params;
 use crate::io::gear_file::GearFile;
@@ -52,18 +50,6 @@ impl PlantSample {
             encoders: [EncoderErrors::default(); 2],
             clock: ClockParams::default(),
         })
-    }
-
-    /// The same, with the uncertainties of a row, or of all.
-    ///
-    /// # Errors
-    /// As [`PlantSample::boxed`].
-    pub fn of(file: &GearFile, which: Which, seed: u64) -> Result<Self, Error> {
-        let mut sample = Self::boxed(file, seed)?;
-        for row in which.rows(seed) {
-            (row.sample)(&mut sample, &mut SampleStream::new(seed, row.name));
-        }
-        Ok(sample)
     }
 
     /// The gear with its true friction.

@@ -8,6 +8,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use strainwave::Error;
 use strainwave::friction::{Harmonics, LoadFactors, Order, RIPPLE_ORDERS};
 use strainwave::hysteresis::HysteresisTable;
 use strainwave::hysteresis::table::TABLE_LEVELS;
@@ -15,6 +16,8 @@ use strainwave::hysteresis::torsion::gap_for_width;
 use strainwave::kinematic_error::Term;
 
 use crate::design::capability::Capability;
+
+use crate::io::gear_file::GearFile;
 
 use super::cogging::Wave;
 use super::friction::{Drift, Structure};
@@ -350,6 +353,20 @@ fn add<const K: usize>(terms: &mut [Term<f64>; K], wave: Wave) {
 /// Within +-pi.
 fn wrapped(phase: f64) -> f64 {
     phase - TAU * (phase / TAU).round()
+}
+
+impl PlantSample {
+    /// The plant that a gear file describes ([`PlantSample::boxed`]), with the uncertainties of a row, or of all.
+    ///
+    /// # Errors
+    /// As [`PlantSample::boxed`].
+    pub fn of(file: &GearFile, which: Which, seed: u64) -> Result<Self, Error> {
+        let mut sample = Self::boxed(file, seed)?;
+        for row in which.rows(seed) {
+            (row.sample)(&mut sample, &mut SampleStream::new(seed, row.name));
+        }
+        Ok(sample)
+    }
 }
 
 #[cfg(test)]

@@ -14,6 +14,9 @@ pub mod sizes;
 pub mod stack;
 pub mod symbol;
 
+/// Symbol of the control step in every image, and its name among a budget's blocks.
+pub const CONTROL_STEP: &str = "control_step";
+
 pub use call_graph::CallGraph;
 pub use error::Error;
 pub use flow::IndirectCall;

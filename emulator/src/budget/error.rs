@@ -4,6 +4,9 @@ use std::path::PathBuf;
 
 use crate::{artifact, counting};
 
+/// Why a workload failed.
+pub type Failure = Box<dyn std::error::Error + Send + Sync>;
+
 /// A budget that cannot be judged, in one line.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -32,7 +35,7 @@ pub enum Error {
     Counting(#[from] counting::Error),
     /// The workload failed.
     #[error(transparent)]
-    Workload(super::measurement::Failure),
+    Workload(Failure),
     /// A block was never executed.
     #[error("block {block}: the workload never calls {symbol}, allowed: at least once")]
     NotCalled {

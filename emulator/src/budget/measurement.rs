@@ -7,9 +7,10 @@ use std::time::Duration;
 use strainwave_desktop::Figure;
 use strainwave_desktop::verify::bounds;
 
-use super::{Block, Budget, CONTROL_STEP, Error, LITERAL_MESH, table};
+use super::error::Failure;
+use super::{Block, Budget, Error, LITERAL_MESH};
 use crate::any_input::AnyInput;
-use crate::artifact::{CallGraph, Image, Sizes, StackBound, Violation, proofs};
+use crate::artifact::{CONTROL_STEP, CallGraph, Image, Sizes, StackBound, Violation, proofs};
 use crate::counting::{Counting, Counts, Outcome, merge};
 use crate::machine::{Machine, Options};
 
@@ -43,9 +44,6 @@ pub struct Measurement {
 
 /// Result of a workload: the deepest stack that the firmware reports, if it does, in bytes.
 pub type Workload = Result<Option<u32>, Failure>;
-
-/// Why a workload failed.
-pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 /// Judges the image at `elf` without running it.
 ///
@@ -250,10 +248,5 @@ impl Measurement {
     /// Forbidden symbols in the image, by name.
     pub fn proofs(&self) -> [(&'static str, &[Violation]); 3] {
         [("panics", &self.panics), ("allocators", &self.allocators), ("doubles", &self.doubles)]
-    }
-
-    /// A table for people.
-    pub fn table(&self, budget: &Budget) -> String {
-        table::print(self, budget)
     }
 }

@@ -7,11 +7,19 @@ use comfy_table::{CellAlignment, Table, presets};
 use strainwave::compensator::schedule::Slot;
 use strainwave_desktop::Figure;
 
-use super::{Budget, CONTROL_STEP, Measurement};
+use super::{Budget, Measurement};
 use crate::any_input::{AnyInput, Step};
+use crate::artifact::CONTROL_STEP;
+
+impl Measurement {
+    /// A table for people.
+    pub fn table(&self, budget: &Budget) -> String {
+        print(self, budget)
+    }
+}
 
 /// Block by block, then the image, then what must not be in it.
-pub fn print(measured: &Measurement, budget: &Budget) -> String {
+fn print(measured: &Measurement, budget: &Budget) -> String {
     let mut text = header(measured, budget);
     let figures = measured.figures(budget);
     if !measured.counts.is_empty() {

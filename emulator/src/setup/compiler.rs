@@ -10,15 +10,10 @@ use std::time::Duration;
 
 use super::error::{Error, INSTALL_COMPILER, Unfetched};
 use super::host::{Host, Job};
+use super::needed::{OLDEST_COMPILER, TARGET};
 use super::package_set::PackageSet;
 use super::unpack::quoted;
 use super::version::{first_line, version_in};
-
-/// Target triple of the boards.
-pub const TARGET: &str = "thumbv7em-none-eabihf";
-
-/// Oldest compiler that knows the language of this code: `rust-version` of the workspace.
-pub const OLDEST_COMPILER: (u32, u32) = (1, 89);
 
 /// Longest time of rustup: 13 MB at a little over 1 Mbit/s. A server that accepts and then sends nothing
 /// would hold it for ever.

@@ -4,14 +4,9 @@ use std::path::PathBuf;
 
 use super::error::{Error, INSTALL_EMULATOR, Unfetched};
 use super::host::Host;
+use super::needed::{EMULATOR, OLDEST_EMULATOR};
 use super::package_set::PackageSet;
 use super::version::{first_line, version_in};
-
-/// Oldest QEMU that the lockstep was tried with.
-pub const OLDEST_EMULATOR: (u32, u32) = (7, 2);
-
-/// The emulator's program.
-pub const EMULATOR: &str = "qemu-system-arm";
 
 const PACKAGES: PackageSet = PackageSet {
     name: "emulator",

@@ -1,6 +1,6 @@
 //! Why the compiler or the emulator could not be made ready, each in one line.
 
-use super::{EMULATOR, OLDEST_COMPILER, OLDEST_EMULATOR, TARGET};
+use super::needed::{EMULATOR, OLDEST_COMPILER, OLDEST_EMULATOR, TARGET};
 
 /// Failure of the set-up.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]

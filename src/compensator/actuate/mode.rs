@@ -14,8 +14,8 @@
 //!
 //! A single control overrun is reported; one is forgotten after 20 periods, five within 10 ms lead to Safe.
 
+use crate::branch::seldom;
 use crate::compensator::{Faults, Status};
-use crate::real::seldom;
 
 /// Faults that lead to Safe.
 pub const UNSAFE: Faults = Faults::MOTOR_ENCODER_LOST

@@ -13,9 +13,10 @@
 //! omega is not below that of the gear. The margin of L covers 10 % of the torque constant and the time from T to the
 //! command. Units: N m at the motor's shaft.
 
+use crate::branch::seldom;
 use crate::compensator::Limits;
 use crate::gear::GearParams;
-use crate::real::{Real, seldom};
+use crate::real::Real;
 
 /// L, as a fraction of the peak rating.
 const BOUND: f64 = 0.85;

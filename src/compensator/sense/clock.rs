@@ -8,9 +8,10 @@
 //! observer advance by T. A time outside the range means that the control has stood still: it is reported, and T is the
 //! end of the range. Units: s.
 
+use crate::branch::seldom;
 use crate::compensator::Faults;
 use crate::error::{Error, require};
-use crate::real::{Real, seldom};
+use crate::real::Real;
 
 /// Shortest and longest time between two steps, in control periods.
 const RANGE: [f64; 2] = [0.25, 16.0];

@@ -33,12 +33,13 @@
 //! Units: rad, s, N m at the motor, of the gear at its output.
 
 use crate::angle::Angle;
+use crate::branch::seldom;
 use crate::compensator::schedule::SLOW_PERIODS;
 use crate::compensator::{Faults, Limits};
 use crate::error::{Error, require};
 use crate::flexspline::stiffness_line::StiffnessLine;
 use crate::gear::GearParams;
-use crate::real::{Real, seldom};
+use crate::real::Real;
 
 /// Fraction of a command that a drive at its own limit may lack.
 const LIMITED: f64 = 0.5;

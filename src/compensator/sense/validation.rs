@@ -17,13 +17,14 @@
 //! ([`crate::compensator::reference::command`]). Units: rad, N m, s; signs as in [`crate::gear`].
 
 use crate::angle::Angle;
+use crate::branch::seldom;
 use crate::compensator::faults::Faults;
 use crate::compensator::reference::directions::Crossover;
 use crate::compensator::schedule::{SLOW_PERIODS, SLOW_SLOTS};
 use crate::compensator::{Command, CompensationGains, Directions, Limits, Sensors, Setpoint};
 use crate::error::{Error, require};
 use crate::gear::GearParams;
-use crate::real::{Real, seldom};
+use crate::real::Real;
 
 /// Time in which a gain is ramped from 0 to 1 (s).
 const GAIN_RAMP_TIME: f64 = 0.02;

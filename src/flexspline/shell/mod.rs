@@ -27,7 +27,7 @@ use core::ops::{Range, RangeInclusive};
 
 use crate::angle::Angle;
 use crate::error::{Error, require};
-use crate::flexspline::calibration::{Cup, DIRECTIONS, link_length};
+use crate::flexspline::cup::{Cup, DIRECTIONS, link_length};
 use crate::flexspline::spectrum;
 use crate::real::Real;
 use ring::{Ring, node_at};

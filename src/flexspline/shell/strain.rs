@@ -6,7 +6,7 @@ use super::link_law::{Bend, VALID_STRAIN};
 use super::ring::{Ring, node_at};
 use super::{Direction, Shell, ShellState};
 use crate::error::{Error, require};
-use crate::flexspline::calibration::is_bend;
+use crate::flexspline::cup::is_bend;
 use crate::real::Real;
 
 /// An end of a link, node (i around, j along), and its strain.

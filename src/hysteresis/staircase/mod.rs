@@ -21,12 +21,12 @@
 mod tests;
 
 use super::everett::Everett;
-use super::fixed::Fixed;
-use super::inverse::Inverse;
 pub use super::memory::StaircaseState;
-use super::memory::{Position, TurningPoint, cheaper};
+use super::memory::{Position, TurningPoint};
 use super::weights::Weights;
+use crate::branch::cheaper;
 use crate::error::{Error, require};
+use crate::fixed::Fixed;
 use crate::real::Real;
 
 /// Output of one step.
@@ -70,7 +70,7 @@ pub struct Staircase<R: Real, const L: usize, const MEMORY: usize> {
     cells_per_unit: R,
     quanta_per_output: R,
     /// Least and greatest slope of any branch.
-    least_slope: R,
+    pub(super) least_slope: R,
     greatest_slope: R,
     everett: Everett<R, L>,
 }
@@ -101,15 +101,6 @@ impl<R: Real, const L: usize, const MEMORY: usize> Staircase<R, L, MEMORY> {
             least_slope: everett.slopes().fold(R::MAX, R::min) * cells_per_unit,
             greatest_slope: everett.slopes().fold(R::ZERO, R::max) * cells_per_unit,
         })
-    }
-
-    /// The inverse: input for a given output.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] `table` when the output falls along a rising input, as it may with weights below zero.
-    pub fn inverse(&self) -> Result<Inverse<'_, R, L, MEMORY>, Error> {
-        require(self.least_slope >= R::ZERO, "table")?;
-        Ok(Inverse { staircase: self })
     }
 
     /// y at the next input; the input between two steps counts as monotone.

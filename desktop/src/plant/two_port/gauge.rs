@@ -7,7 +7,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use strainwave::flexspline::calibration::DIRECTIONS;
+use strainwave::flexspline::cup::DIRECTIONS;
 use strainwave::flexspline::reduced::{Direction, Node};
 use strainwave::flexspline::{Ends, Flexspline, Mesh, Reaction, Reduced, Strained};
 use strainwave::{Angle, Error, Real};

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use maud::{Markup, html};
 use strainwave::Error;
-use strainwave::flexspline::calibration::{DIRECTIONS, is_bend};
+use strainwave::flexspline::cup::{DIRECTIONS, is_bend};
 use strainwave::flexspline::shell::ShellState;
 use strainwave::flexspline::{Flexspline, FlexsplineParams, Mesh};
 

@@ -3,7 +3,7 @@
 //! Every link of the mesh is a gauge, at wave-generator angles that lie anywhere between the nodes and at torques
 //! up to rated, both signs.
 
-use strainwave::flexspline::calibration::DIRECTIONS;
+use strainwave::flexspline::cup::DIRECTIONS;
 use strainwave::flexspline::{Reduced, StrainGauge};
 use strainwave::{Angle, Error};
 

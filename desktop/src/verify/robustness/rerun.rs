@@ -14,7 +14,7 @@ use strainwave::Error;
 use strainwave::gear::GearParams;
 
 use super::run_result::{JUDGED, Judged, RunResult};
-use super::summary::{RATIOS, reads_no_more};
+use super::summary::{RATIOS, Robustness, reads_no_more};
 use super::{Outcome, RIVALS, Rival, separable_orders};
 use crate::bench::controller::Controller;
 use crate::bench::scenario::Scenario;
@@ -133,9 +133,16 @@ impl WorstRun {
     }
 }
 
+impl Robustness {
+    /// The worst runs of each claim of each row: of so many plants.
+    pub fn worst_runs(&self, count: usize) -> Vec<WorstRun> {
+        self.outcomes.iter().flat_map(|(which, outcomes)| worst(*which, outcomes, count)).collect()
+    }
+}
+
 /// The worst plants of each claim with either set of sensors, `count` of each with its worst scenario, as far as there is
 /// anything of it at all.
-pub fn worst(which: Which, outcomes: &[Outcome], count: usize) -> Vec<WorstRun> {
+fn worst(which: Which, outcomes: &[Outcome], count: usize) -> Vec<WorstRun> {
     let claims =
         SensorSet::ALL.into_iter().flat_map(|sensors| Claim::all().map(move |claim| (sensors, claim)));
     claims

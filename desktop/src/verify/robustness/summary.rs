@@ -1,6 +1,5 @@
 //! Summary of a row's runs.
 
-use super::rerun::{WorstRun, worst};
 use super::run_result::{JUDGED, Oscillation, RunResult};
 use super::{Outcome, RIVALS, Rival};
 use crate::bench::scenario::Scenario;
@@ -222,11 +221,6 @@ impl Robustness {
             figures: self.rows.iter().flat_map(Summary::figures).collect(),
             notes: self.worst_plants(),
         }
-    }
-
-    /// The worst runs of each claim of each row: of so many plants.
-    pub fn worst_runs(&self, count: usize) -> Vec<WorstRun> {
-        self.outcomes.iter().flat_map(|(which, outcomes)| worst(*which, outcomes, count)).collect()
     }
 
     /// One line a row, the header first.

@@ -60,9 +60,10 @@ pub use standstill::STANDSTILL;
 pub use state::ObserverState;
 
 use crate::angle::{Angle, Ratio};
+use crate::branch::seldom;
 use crate::compensator::faults::Faults;
 use crate::compensator::{Estimate, RealTimeGear};
-use crate::real::{RADIANS_PER_COUNT, Real, seldom};
+use crate::real::{RADIANS_PER_COUNT, Real};
 use deviation::{Magnitudes, Uncertainty};
 use gains::set;
 use multi_rate::{Ends, MultiRate, Torques};

@@ -9,13 +9,14 @@
 //! beyond its bound starts the observer again; tau_t is limited where it is reported. Where the motor moves b is 0.
 //! Units: rad, rad/s, N m.
 
+use crate::branch::seldom;
 use crate::compensator::Limits;
 use crate::compensator::estimate::observer::multi_rate::Torques;
 use crate::compensator::estimate::observer::state::ObserverState;
 use crate::compensator::faults::Faults;
 use crate::error::Error;
 use crate::gear::GearParams;
-use crate::real::{Real, seldom};
+use crate::real::Real;
 
 /// Part of the rated torque that s may have in addition to its fraction of tau_t: hysteresis, the encoders' zero.
 const LEAST_STIFFNESS_TORQUE: f64 = 0.03;

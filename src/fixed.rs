@@ -12,7 +12,7 @@
 //! through. f32 computes in 32 bits with a table of 16-bit entries, half the memory of an f32 one; f64 in 64
 //! bits with a table of as many, finer than f64 itself resolves.
 
-use super::memory::cheaper;
+use crate::branch::cheaper;
 use core::fmt::Debug;
 use core::ops::{Add, BitXor, Not, Sub};
 

@@ -1,0 +1,13 @@
+//! Requirements: the boards' target, the oldest compiler and the oldest emulator.
+
+/// Target triple of the boards.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// Oldest compiler that knows the language of this code: `rust-version` of the workspace.
+pub const OLDEST_COMPILER: (u32, u32) = (1, 89);
+
+/// Oldest QEMU that the lockstep was tried with.
+pub const OLDEST_EMULATOR: (u32, u32) = (7, 2);
+
+/// The emulator's program.
+pub const EMULATOR: &str = "qemu-system-arm";
