@@ -200,15 +200,14 @@ impl<R: Real, P: FrictionParams<R>> GearParams<R, P> {
         flexspline: F,
         dt: R,
     ) -> Result<Gear<R, F, P::Model, L, MEMORY>, Error> {
-        let positive = |value: R| value.is_finite() && value > R::ZERO;
         self.flexspline.check()?;
-        require(positive(self.rated_torque), "rated_torque")?;
-        require(positive(self.wave_generator_inertia), "wave_generator_inertia")?;
-        require(positive(self.flexspline_inertia), "flexspline_inertia")?;
+        require(self.rated_torque.is_positive(), "rated_torque")?;
+        require(self.wave_generator_inertia.is_positive(), "wave_generator_inertia")?;
+        require(self.flexspline_inertia.is_positive(), "flexspline_inertia")?;
         let hysteresis = self.hysteresis()?;
         let stiffest = self.flexspline.line.stiffness[2];
         require(
-            positive(dt) && dt <= R::ONE && dt * dt * stiffest < R::lit(0.25) * self.flexspline_inertia,
+            dt.is_positive() && dt <= R::ONE && dt * dt * stiffest < R::lit(0.25) * self.flexspline_inertia,
             "dt",
         )?;
         let ratio = Ratio::one_over(self.ratio)?;

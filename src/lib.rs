@@ -11,6 +11,7 @@
 //! | [`gear`] | the two-port that these make: composes, no physics of its own |
 //! | [`compensator`] | encoder, observer, feed-forward, feedback, limits and faults: one `step` |
 //! | [`trajectory`] | moves from rest to rest with bounded velocity, acceleration, jerk and snap |
+//! | [`low_pass`] | low-pass filter of one pole |
 //! | [`angle`], [`real`], [`fixed`], [`error`] | angles without bound, the scalar and its functions, its integers, why a build fails |
 //!
 //! # Quick start
@@ -108,6 +109,7 @@ pub mod friction;
 pub mod gear;
 pub mod hysteresis;
 pub mod kinematic_error;
+pub mod low_pass;
 pub mod real;
 mod sine_cosine;
 pub mod trajectory;

@@ -74,6 +74,11 @@ pub trait Real:
     fn to_i32(self) -> i32;
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
+    /// Finite and above 0.
+    #[inline(always)]
+    fn is_positive(self) -> bool {
+        self.is_finite() && self > Self::ZERO
+    }
     /// The same bits. One comparison of integers.
     fn is_same(self, other: Self) -> bool;
     /// Within 0..=1, without -0; not NaN. One comparison of integers.

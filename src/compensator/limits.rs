@@ -20,10 +20,9 @@ impl<R: Real> Limits<R> {
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the limit that is not finite and positive.
     pub fn check(&self) -> Result<(), Error> {
-        let positive = |value: R| value.is_finite() && value > R::ZERO;
-        require(positive(self.motor_torque), "motor_torque")?;
-        require(positive(self.motor_speed), "motor_speed")?;
-        require(positive(self.output_torque), "output_torque")
+        require(self.motor_torque.is_positive(), "motor_torque")?;
+        require(self.motor_speed.is_positive(), "motor_speed")?;
+        require(self.output_torque.is_positive(), "output_torque")
     }
 
     /// Fastest speed of a setpoint of the output behind a ratio 1/n (rad/s): 95 % of the output's fastest speed, a

@@ -52,7 +52,7 @@ impl<R: Real> FlexsplineParams<R> {
         let shell = self.cup.stiffness();
         require(self.line.stiffness.iter().all(|k| *k < shell), "stiffness")?;
         require(self.damping_ratio >= R::ZERO && self.damping_ratio < R::ONE, "damping_ratio")?;
-        require(self.inertia.is_finite() && self.inertia > R::ZERO, "inertia")
+        require(self.inertia.is_positive(), "inertia")
     }
 
     /// The tooth contact's line: the catalogue's without the shell.

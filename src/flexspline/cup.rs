@@ -31,15 +31,14 @@ impl<R: Real> Cup<R> {
     /// [`Error::OutOfRange`] with the name of the first dimension or constant that is not positive,
     /// or `poisson_ratio` outside 0..0.5, `wall` or `ellipse` not below a tenth of the radius.
     pub fn check(&self) -> Result<(), Error> {
-        let positive = |value: R| value.is_finite() && value > R::ZERO;
-        require(positive(self.radius), "radius")?;
-        require(positive(self.length), "length")?;
+        require(self.radius.is_positive(), "radius")?;
+        require(self.length.is_positive(), "length")?;
         let tenth = self.radius * R::lit(0.1);
-        require(positive(self.wall) && self.wall < tenth, "wall")?;
+        require(self.wall.is_positive() && self.wall < tenth, "wall")?;
         require(self.ellipse >= R::ZERO && self.ellipse < tenth, "ellipse")?;
-        require(positive(self.youngs_modulus), "youngs_modulus")?;
+        require(self.youngs_modulus.is_positive(), "youngs_modulus")?;
         require(self.poisson_ratio >= R::ZERO && self.poisson_ratio < R::lit(0.5), "poisson_ratio")?;
-        require(positive(self.density), "density")
+        require(self.density.is_positive(), "density")
     }
 
     /// Mass of the cylinder 2*pi*R*l*h*rho (kg).

@@ -118,7 +118,7 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
         require((5..=1000).contains(&N), "n")?;
         require((3..=32).contains(&M), "m")?;
         let largest_torque = R::lit(RANGE) * rated_torque;
-        require(largest_torque.is_finite() && largest_torque > R::ZERO, "rated_torque")?;
+        require(largest_torque.is_positive(), "rated_torque")?;
         let contact = params.contact_line();
         let whole = contact.in_series(params.cup.stiffness());
         let mut damping = [params.contact_damping(); 3];

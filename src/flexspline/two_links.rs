@@ -70,11 +70,10 @@ impl<R: Real> TwoLinksParams<R> {
     /// [`Error::OutOfRange`] `reach` unless finite and not negative; `height`, without which a link would have no
     /// direction at dx = a, `rest_length`, `stiffness` unless finite and positive.
     pub fn build(&self) -> Result<TwoLinks<R>, Error> {
-        let positive = |value: R| value.is_finite() && value > R::ZERO;
         require(self.reach.is_finite() && self.reach >= R::ZERO, "reach")?;
-        require(positive(self.height), "height")?;
-        require(positive(self.rest_length), "rest_length")?;
-        require(positive(self.stiffness), "stiffness")?;
+        require(self.height.is_positive(), "height")?;
+        require(self.rest_length.is_positive(), "rest_length")?;
+        require(self.stiffness.is_positive(), "stiffness")?;
         Ok(TwoLinks { params: *self })
     }
 }

@@ -80,7 +80,7 @@ impl<R: Real> TrajectoryParams<R> {
     pub fn build(&self, dt: R) -> Result<Trajectory<R>, Error> {
         require(dt >= R::lit(1e-6) && dt <= R::ONE, "dt")?;
         let kept = |limit: R, name| {
-            require(limit.is_finite() && limit > R::ZERO, name)?;
+            require(limit.is_positive(), name)?;
             Ok(limit * R::lit(1.0 - MARGIN))
         };
         let limits = Self {

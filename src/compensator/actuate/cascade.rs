@@ -17,6 +17,7 @@
 //! position error of a motor at rest (`motor_reference.rs`): its reference lies anywhere within a count, theirs on one.
 
 use crate::error::{Error, require};
+use crate::low_pass::LowPass;
 use crate::real::Real;
 
 /// Parameters of the cascade.
@@ -40,7 +41,7 @@ pub struct Feedback<R> {
     position_gain: R,
     velocity_gain: R,
     integral_gain: R,
-    filter_gain: R,
+    filter: LowPass<R>,
     torque_limit: R,
     /// T (s).
     lateness: R,
@@ -70,20 +71,19 @@ impl<R: Real> FeedbackParams<R> {
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the first gain that is not finite and positive.
     pub fn build(&self, dt: R) -> Result<Feedback<R>, Error> {
-        let positive = |value: R| value.is_finite() && value > R::ZERO;
-        require(positive(self.position_gain), "position_gain")?;
-        require(positive(self.velocity_gain), "velocity_gain")?;
-        require(positive(self.integral_time), "integral_time")?;
-        require(positive(self.filter_corner), "filter_corner")?;
-        require(positive(self.torque_limit), "torque_limit")?;
-        let filter_gain = (dt * self.filter_corner).one_minus_exp_neg();
+        require(self.position_gain.is_positive(), "position_gain")?;
+        require(self.velocity_gain.is_positive(), "velocity_gain")?;
+        require(self.integral_time.is_positive(), "integral_time")?;
+        require(self.filter_corner.is_positive(), "filter_corner")?;
+        require(self.torque_limit.is_positive(), "torque_limit")?;
+        let filter = LowPass::build(self.filter_corner, dt);
         Ok(Feedback {
             position_gain: self.position_gain,
             velocity_gain: self.velocity_gain,
             integral_gain: self.velocity_gain * dt / self.integral_time,
-            filter_gain,
+            filter,
             torque_limit: self.torque_limit,
-            lateness: dt * (R::ONE / filter_gain - R::lit(0.5)),
+            lateness: dt * (R::ONE / filter.gain() - R::lit(0.5)),
         })
     }
 }
@@ -99,7 +99,7 @@ impl<R: Real> Feedback<R> {
     /// Torque for a motor whose speed over this period was `speed` (rad/s); `limited`: the last command was limited.
     #[inline(always)]
     pub fn step(&self, state: &mut FeedbackState<R>, speed: R, input: &CascadeInput<R>, limited: bool) -> R {
-        state.velocity += self.filter_gain * (speed - state.velocity);
+        self.filter.step(&mut state.velocity, speed);
         let late = self.lateness * input.acceleration;
         let velocity = self.position_gain * input.position_error + input.velocity - late;
         let lag = velocity - state.velocity;

@@ -216,9 +216,8 @@ impl<R: Real> FeedForward<R> {
     /// and positive.
     pub fn build(gear: &GearParams<R>, dt: R) -> Result<Self, Error> {
         require(dt > R::ZERO && dt <= R::ONE, "dt")?;
-        let positive = |value: R| value.is_finite() && value > R::ZERO;
-        require(positive(gear.wave_generator_inertia), "wave_generator_inertia")?;
-        require(positive(gear.flexspline_inertia), "flexspline_inertia")?;
+        require(gear.wave_generator_inertia.is_positive(), "wave_generator_inertia")?;
+        require(gear.flexspline_inertia.is_positive(), "flexspline_inertia")?;
         let (ratio, round) = (Ratio::one_over(gear.ratio)?, R::from_i32(SLOW_PERIODS as i32) * dt);
         Ok(Self {
             wave_generator_inertia: gear.wave_generator_inertia,

@@ -32,6 +32,7 @@
 //! link-side velocity, and the effect of the motor's lag on it.
 
 use crate::error::{Error, require};
+use crate::low_pass::LowPass;
 use crate::real::Real;
 
 /// Gains of the output feedback for one set of sensors; all zero for none.
@@ -67,9 +68,9 @@ pub struct OutputFeedback<R> {
     /// Without and with an output encoder.
     gains: [OutputFeedbackParams<R>; 2],
     /// 1 - e^(-omega_y*dt) of each pole of y.
-    filter_gains: [R; 2],
+    filters: [LowPass<R>; 2],
     /// 1 - e^(-omega_m*dt) of m_f; P and D/dt of either set.
-    measured_gain: R,
+    measured_filter: LowPass<R>,
     by_measurement: [[R; 2]; 2],
     inverse_flexspline_inertia: R,
     /// Fastest setpoint at which z runs (rad/s).
@@ -144,8 +145,8 @@ impl<R: Real> OutputFeedback<R> {
         require(flexspline_inertia > R::ZERO, "flexspline_inertia")?;
         Ok(Self {
             gains: *gains,
-            filter_gains: [0, 1].map(|k: usize| (dt * gains[k].filter_corner).one_minus_exp_neg()),
-            measured_gain: (dt * gains[1].measured_corner).one_minus_exp_neg(),
+            filters: [0, 1].map(|k: usize| LowPass::build(gains[k].filter_corner, dt)),
+            measured_filter: LowPass::build(gains[1].measured_corner, dt),
             by_measurement: [0, 1].map(|k: usize| [gains[k].proportional, gains[k].derivative / dt]),
             inverse_flexspline_inertia: R::ONE / flexspline_inertia,
             slow: R::lit(SLOW) * fastest,
@@ -165,8 +166,7 @@ impl<R: Real> OutputFeedback<R> {
         state.rests = rests;
         state.measures = output.measured.is_some();
         let damping = self.gains[set].damping;
-        let change = self.measured_gain * (if rests { R::ZERO } else { error } - state.measured);
-        state.measured += change;
+        let change = self.measured_filter.step(&mut state.measured, if rests { R::ZERO } else { error });
         let measured = self.by_measurement[set][0] * state.measured + self.by_measurement[set][1] * change;
         let angle = damping * output.velocity + measured + state.integral;
         let acceleration = output.torque * self.inverse_flexspline_inertia;
@@ -178,10 +178,10 @@ impl<R: Real> OutputFeedback<R> {
     #[inline(always)]
     pub fn integrate(&self, state: &mut OutputFeedbackState<R>, runs: bool) {
         let set = usize::from(state.measures);
-        let (gains, filter_gain) = (&self.gains[set], self.filter_gains[set]);
+        let (gains, filter) = (&self.gains[set], self.filters[set]);
         let dead_zone = if state.measures && state.rests { self.dead_zone } else { R::ZERO };
-        state.first_pole += filter_gain * (state.error.dead_zone(dead_zone) - state.first_pole);
-        state.filtered += filter_gain * (state.first_pole - state.filtered);
+        filter.step(&mut state.first_pole, state.error.dead_zone(dead_zone));
+        filter.step(&mut state.filtered, state.first_pole);
         let gain = if state.rests { gains.integral_at_rest } else { gains.integral };
         state.integral_rate = gain * state.filtered;
         if runs {

@@ -39,6 +39,7 @@ use crate::compensator::{Faults, Limits};
 use crate::error::{Error, require};
 use crate::flexspline::stiffness_line::StiffnessLine;
 use crate::gear::GearParams;
+use crate::low_pass::LowPass;
 use crate::real::Real;
 
 /// Fraction of a command that a drive at its own limit may lack.
@@ -67,7 +68,7 @@ pub struct Rotor<R> {
     gains: [R; 3],
     inverse_n: R,
     /// g.
-    gain: R,
+    filter: LowPass<R>,
     overload: R,
     /// Largest change of tau on a standing rotor (N m).
     grip: R,
@@ -185,7 +186,7 @@ impl<R: Real> Rotor<R> {
                 corner * corner * corner * round * round / stiffness,
             ],
             inverse_n: R::ONE / n,
-            gain,
+            filter: LowPass::of_gain(gain),
             overload: R::lit(OVERLOAD) * peak,
             grip,
             held: [n.abs() * grip + R::lit(0.05) * peak, n.abs() * grip],
@@ -236,7 +237,7 @@ impl<R: Real> Rotor<R> {
         }
         let stopping =
             R::lit(1.25) * (torque.abs() + (state.gear_torque * self.inverse_n).abs()) + self.surplus;
-        state.gear_torque += self.gain * (balance - state.gear_torque);
+        self.filter.step(&mut state.gear_torque, balance);
         state.rate = self.stiffness * (speed * self.inverse_n - state.output_speed);
         state.torque += self.round * state.rate;
         let residual = balance - state.torque;

@@ -80,10 +80,10 @@ impl<R: Real> InputGuard<R> {
     /// # Errors
     /// [`Error::OutOfRange`] `dt` or `flexspline_inertia` unless finite and positive.
     pub fn build(gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Result<Self, Error> {
-        require(dt.is_finite() && dt > R::ZERO, "dt")?;
+        require(dt.is_positive(), "dt")?;
         let n = R::from_i32(gear.ratio).abs();
         let inertia = gear.flexspline_inertia + gear.wave_generator_inertia * n * n;
-        require(inertia.is_finite() && inertia > R::ZERO, "flexspline_inertia")?;
+        require(inertia.is_positive(), "flexspline_inertia")?;
         let acceleration = R::lit(2.0) * limits.motor_torque * n / inertia;
         Ok(Self {
             velocity: limits.setpoint_speed(gear.ratio),

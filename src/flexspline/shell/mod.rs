@@ -157,7 +157,7 @@ impl<R: Real> ShellParams<R> {
     pub fn check(&self) -> Result<(), Error> {
         self.cup.check()?;
         self.bend.check()?;
-        require(self.link_stiffness.is_finite() && self.link_stiffness > R::ZERO, "link_stiffness")?;
+        require(self.link_stiffness.is_positive(), "link_stiffness")?;
         require(self.link_damping.is_finite() && self.link_damping >= R::ZERO, "link_damping")
     }
 
@@ -210,7 +210,7 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
     pub fn build(params: &ShellParams<R>, dt: R) -> Result<Self, Error> {
         check_nodes(N, M)?;
         params.check()?;
-        require(dt.is_finite() && dt > R::ZERO, "dt")?;
+        require(dt.is_positive(), "dt")?;
         let spacing = params.spacing(M);
         let node_mass = params.node_mass(N, M);
         let direction = |(around, along)| {

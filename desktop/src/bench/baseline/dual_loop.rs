@@ -18,7 +18,8 @@ use std::f64::consts::TAU;
 
 use strainwave::compensator::sense::encoder::{Encoder, EncoderParams, EncoderState};
 use strainwave::gear::GearParams;
-use strainwave::{Angle, Error};
+use strainwave::low_pass::LowPass;
+use strainwave::{Angle, Error, Real};
 
 use super::BaselineGains;
 use super::Commanded;
@@ -44,7 +45,7 @@ pub(super) struct DualLoop {
     integral: f64,
     /// D/dt.
     derivative: f64,
-    low_pass: f64,
+    low_pass: LowPass<f64>,
     /// One count (rad).
     count: f64,
     /// b (rad).
@@ -74,7 +75,7 @@ impl DualLoop {
             proportional: gains.output_proportional,
             integral: gains.output_integral * CONTROL_PERIOD,
             derivative: gains.output_derivative / CONTROL_PERIOD,
-            low_pass: -(-TAU * gains.output_low_pass * CONTROL_PERIOD).exp_m1(),
+            low_pass: LowPass::of_gain(-(-TAU * gains.output_low_pass * CONTROL_PERIOD).exp_m1()),
             count: TAU / 2f64.powi(bits.cast_signed()),
             bound: ROOM * line.torsion(file.gear.peak_torque),
             slow: SLOW * fastest,
@@ -97,10 +98,10 @@ impl DualLoop {
         }
         let count = if commanded.rests() { self.count } else { 0.0 };
         let before = self.felt;
-        self.filtered += self.low_pass * (self.error - self.filtered);
-        self.felt += self.low_pass * (beyond(self.error, NOISE * count) - self.felt);
+        self.low_pass.step(&mut self.filtered, self.error);
+        self.low_pass.step(&mut self.felt, self.error.dead_zone(NOISE * count));
         if !limited && commanded.velocity.abs() <= self.slow {
-            self.summed += self.integral * beyond(self.filtered, HIDDEN * count);
+            self.summed += self.integral * self.filtered.dead_zone(HIDDEN * count);
             self.summed = self.summed.clamp(-self.bound, self.bound);
         }
         let shift = self.proportional * self.felt + self.derivative * (self.felt - before) + self.summed;
@@ -115,11 +116,6 @@ impl DualLoop {
         }
         self.past.front().copied().unwrap_or(position)
     }
-}
-
-/// Dead zone of half width `small`.
-fn beyond(value: f64, small: f64) -> f64 {
-    value - value.clamp(-small, small)
 }
 
 #[cfg(test)]

@@ -59,6 +59,7 @@
 //! projection); P. Ioannou, J. Sun, "Robust Adaptive Control", 1996, section 4.4.
 
 use crate::error::{Error, require};
+use crate::low_pass::LowPass;
 use crate::real::Real;
 
 /// Factors on the nominal gear's parameters; 1 is the nominal gear.
@@ -122,7 +123,7 @@ pub struct Adaptation<R> {
     /// dt*Gamma.
     gains: Factors<R>,
     dead_zone: R,
-    filter: R,
+    filter: LowPass<R>,
     bias: R,
     n: R,
     flexspline_inertia: R,
@@ -193,9 +194,9 @@ struct Delayed<R> {
 
 impl<R: Real> Delayed<R> {
     #[inline(always)]
-    fn step(&mut self, value: R, gain: R) -> R {
-        self.first += gain * (value - self.first);
-        self.second += gain * (self.first - self.second);
+    fn step(&mut self, value: R, filter: LowPass<R>) -> R {
+        filter.step(&mut self.first, value);
+        filter.step(&mut self.second, self.first);
         self.second
     }
 }
@@ -274,7 +275,7 @@ impl<R: Real> AdaptationParams<R> {
             bounds: self.bounds,
             gains: Factors::from_all(gains),
             dead_zone: self.dead_zone,
-            filter: (dt * self.filter_corner).one_minus_exp_neg(),
+            filter: LowPass::build(self.filter_corner, dt),
             bias: dt * self.bias_corner,
             n,
             flexspline_inertia,
@@ -369,7 +370,7 @@ impl<R: Real> Adaptation<R> {
 
     #[inline(always)]
     fn zone(&self, residual: R) -> R {
-        residual - residual.limit(self.dead_zone)
+        residual.dead_zone(self.dead_zone)
     }
 
     /// psi before its filter.

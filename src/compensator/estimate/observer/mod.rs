@@ -264,7 +264,7 @@ impl<R: Real> Observer<R> {
         let (before, moved) = (state.external_torque, state.magnitudes.moved);
         let sets = if moved { &self.moving } else { &self.standing };
         let gains = set(sets, true, state.readings[1]);
-        let innovation = if moved { innovation } else { innovation - innovation.limit(self.output_count) };
+        let innovation = if moved { innovation } else { innovation.dead_zone(self.output_count) };
         state.correct(&gains.output, innovation, moved);
         if self.looks_back {
             state.past.correct(self.delay, &gains.past, innovation);
