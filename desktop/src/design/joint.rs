@@ -14,7 +14,7 @@ use strainwave::{Error, Real};
 
 use crate::design::dense::dense;
 use crate::design::{compensation, observer_design};
-use crate::io::gear_file::any_friction::AnyFrictionParams;
+use crate::io::gear_file::friction_params::AnyFrictionParams;
 use crate::io::gear_file::friction_params::{friction_params, joint_friction_params};
 use crate::io::gear_file::{GearFile, Harmonic};
 

@@ -37,6 +37,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::friction_models::friction_models;
+
 /// Bonds of the bristle model.
 pub const BRISTLES: usize = 20;
 /// Greatest order of a state space.
@@ -57,8 +59,8 @@ const CURVE: &[&str] =
     &["coulomb_nm", "static_nm", "stribeck_rad_per_s", "stribeck_exponent", "viscous_nm_s_per_rad"];
 const PRESLIDING: &[&str] = &["presliding_rad"];
 
-macro_rules! models {
-    ($($(#[$doc:meta])* $name:ident = $word:literal needs $needs:expr,)*) => {
+macro_rules! words {
+    ($($(#[$doc:meta])* $name:ident = $word:literal needs $needs:expr, $params:ty => $model:ty, |$side:ident| $of:expr;)*) => {
         /// Which friction model.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
         pub enum FrictionModel {
@@ -81,7 +83,7 @@ macro_rules! models {
             /// The keys without which it cannot be.
             pub fn needs(self) -> impl Iterator<Item = &'static str> {
                 let needs: &[&[&str]] = match self {
-                    $(Self::$name => $needs,)*
+                    $(Self::$name => &$needs,)*
                 };
                 needs.iter().copied().flatten().copied()
             }
@@ -89,41 +91,7 @@ macro_rules! models {
     };
 }
 
-models! {
-    /// One level.
-    Coulomb = "coulomb" needs &[&["coulomb_nm"]],
-    /// In proportion to the speed.
-    Viscous = "viscous" needs &[&["viscous_nm_s_per_rad"]],
-    /// Holds at standstill, Coulomb's in motion.
-    Static = "static" needs &[LEVELS],
-    /// Holds at standstill, a level that falls with speed in motion.
-    Stribeck = "stribeck" needs &[CURVE],
-    /// A dead band of speed in which it holds.
-    Karnopp = "karnopp" needs &[CURVE, &["dead_band_rad_per_s"]],
-    /// Seven parameters: presliding, Stribeck effect with memory, static friction that rises with the dwell.
-    Armstrong = "armstrong" needs &[
-        LEVELS,
-        &["stribeck_rad_per_s", "viscous_nm_s_per_rad"],
-        PRESLIDING,
-        &["frictional_memory_s", "dwell_s"],
-    ],
-    /// A spring that yields.
-    Dahl = "dahl" needs &[&["coulomb_nm"], PRESLIDING],
-    /// Bonds that snap.
-    Bristle = "bristle" needs &[&["coulomb_nm"], PRESLIDING],
-    /// One bond that stretches and holds at its end.
-    ResetIntegrator = "reset_integrator" needs &[LEVELS, PRESLIDING],
-    /// The gear's block: Bliman and Sorine's first order, which is Dahl's model, at the lubricated contact's level.
-    BlimanSorine1 = "bliman_sorine_1" needs &[CURVE, PRESLIDING],
-    /// The gear's block: the second order, with a breakaway peak.
-    BlimanSorine2 = "bliman_sorine_2" needs &[CURVE, PRESLIDING, &["presliding_ratio"]],
-    /// A level that falls with speed, without presliding.
-    LubricatedContact = "lubricated_contact" needs &[CURVE],
-    /// The mean deflection of bristles.
-    LuGre = "lugre" needs &[CURVE, PRESLIDING],
-    /// Bliman and Sorine's with general A, B, C.
-    StateSpace = "state_space" needs &[&["state_space"]],
-}
+friction_models!(words);
 
 impl FrictionModel {
     /// Those that the firmware has.

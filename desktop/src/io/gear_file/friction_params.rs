@@ -4,15 +4,13 @@
 
 use std::array::from_fn;
 
-use strainwave::Real;
-use strainwave::friction::{
-    ArmstrongParams, BristleParams, CoulombParams, DahlParams, Harmonics, JointFrictionParams, KarnoppParams,
-    LoadFactors, LuGreParams, LubricatedContactParams, Order, RIPPLE_ORDERS, ResetIntegratorParams,
-    RippleParams, StateSpaceParams, StaticParams, StribeckParams, ViscousParams,
-};
+// Every model: a row of the registry names one.
+use strainwave::friction::*;
+use strainwave::{Error, Real};
 
-use crate::io::gear_file::any_friction::AnyFrictionParams;
-use crate::io::gear_file::friction::{Friction, FrictionModel, StateRow};
+use super::any_friction::any_model;
+use super::friction::{BRISTLES, Friction, FrictionModel, StateRow};
+use super::friction_models::friction_models;
 
 fn needed<R: Real>(number: Option<f64>) -> R {
     R::lit(number.unwrap_or(f64::NAN))
@@ -23,60 +21,90 @@ fn optional<R: Real>(number: Option<f64>, default: f64) -> R {
     R::lit(number.unwrap_or(default))
 }
 
-/// The parameters of the side's model.
-pub fn friction_params<R: Real>(side: &Friction) -> AnyFrictionParams<R> {
-    let (coulomb, static_level, viscous) =
-        (needed(side.coulomb), needed(side.static_level), needed(side.viscous));
-    let (presliding, damping) = (needed(side.presliding), optional(side.micro_damping, 0.0));
-    match side.model {
-        FrictionModel::Coulomb => AnyFrictionParams::Coulomb(CoulombParams { coulomb }),
-        FrictionModel::Viscous => AnyFrictionParams::Viscous(ViscousParams { viscous }),
-        FrictionModel::Static => AnyFrictionParams::Static(StaticParams { coulomb, static_level }),
-        FrictionModel::Stribeck => AnyFrictionParams::Stribeck(StribeckParams { contact: contact(side) }),
-        FrictionModel::LubricatedContact => AnyFrictionParams::LubricatedContact(contact(side)),
-        FrictionModel::Karnopp => {
-            let dead_band = needed(side.dead_band);
-            AnyFrictionParams::Karnopp(KarnoppParams { contact: contact(side), dead_band })
+macro_rules! any_friction {
+    ($($(#[$doc:meta])* $name:ident = $word:literal needs $needs:expr, $params:ty => $model:ty, |$side:ident| $of:expr;)*) => {
+        any_model! { AnyFrictionParams AnyFriction AnyFrictionState: $($name: $params => $model,)* }
+
+        /// The parameters of the side's model.
+        pub fn friction_params<R: Real>(side: &Friction) -> AnyFrictionParams<R> {
+            match side.model {
+                $(FrictionModel::$name => {
+                    let $side = side;
+                    AnyFrictionParams::$name($of)
+                })*
+            }
         }
-        FrictionModel::Armstrong => AnyFrictionParams::Armstrong(ArmstrongParams {
-            stiffness: static_level / presliding,
-            coulomb,
-            viscous,
-            stribeck: static_level - coulomb,
-            stribeck_velocity: needed(side.stribeck_velocity),
-            memory: needed(side.frictional_memory),
-            dwell: needed(side.dwell),
-        }),
-        FrictionModel::Dahl => AnyFrictionParams::Dahl(DahlParams {
-            coulomb,
-            stiffness: coulomb / presliding,
-            exponent: optional(side.dahl_exponent.map(f64::from), 1.0),
-        }),
-        FrictionModel::Bristle => {
-            AnyFrictionParams::Bristle(BristleParams::of_level(coulomb, presliding + presliding))
-        }
-        FrictionModel::ResetIntegrator => AnyFrictionParams::ResetIntegrator(ResetIntegratorParams {
-            stiffness: coulomb / presliding,
-            stick_gain: static_level / coulomb - R::ONE,
-            damping,
-            reach: presliding,
-        }),
-        FrictionModel::BlimanSorine1 => AnyFrictionParams::Joint(joint(side, Order::One)),
-        FrictionModel::BlimanSorine2 => AnyFrictionParams::Joint(joint(side, Order::Two)),
-        FrictionModel::LuGre => {
-            let stiffness = static_level / presliding;
-            AnyFrictionParams::LuGre(LuGreParams { contact: contact(side), stiffness, damping })
-        }
-        FrictionModel::StateSpace => state_space(side.state_space.as_deref().unwrap_or_default()),
-    }
+    };
+}
+
+friction_models!(any_friction);
+
+any_model! {
+    AnyStateSpaceParams AnyStateSpace AnyStateSpaceState:
+    Order1: StateSpaceParams<R, 1> => StateSpace<R, 1>,
+    Order2: StateSpaceParams<R, 2> => StateSpace<R, 2>,
+    Order3: StateSpaceParams<R, 3> => StateSpace<R, 3>,
+    Order4: StateSpaceParams<R, 4> => StateSpace<R, 4>,
 }
 
 /// The parameters of the firmware's block; `None` when the side's model is another one.
 pub fn joint_friction_params<R: Real>(side: &Friction) -> Option<JointFrictionParams<R>> {
     match friction_params(side) {
-        AnyFrictionParams::Joint(params) => Some(params),
+        AnyFrictionParams::BlimanSorine1(params) | AnyFrictionParams::BlimanSorine2(params) => Some(params),
         _ => None,
     }
+}
+
+fn stiction<R: Real>(side: &Friction) -> StaticParams<R> {
+    StaticParams { coulomb: needed(side.coulomb), static_level: needed(side.static_level) }
+}
+
+fn karnopp<R: Real>(side: &Friction) -> KarnoppParams<R> {
+    KarnoppParams { contact: contact(side), dead_band: needed(side.dead_band) }
+}
+
+fn armstrong<R: Real>(side: &Friction) -> ArmstrongParams<R> {
+    let (coulomb, static_level): (R, R) = (needed(side.coulomb), needed(side.static_level));
+    ArmstrongParams {
+        stiffness: static_level / needed(side.presliding),
+        coulomb,
+        viscous: needed(side.viscous),
+        stribeck: static_level - coulomb,
+        stribeck_velocity: needed(side.stribeck_velocity),
+        memory: needed(side.frictional_memory),
+        dwell: needed(side.dwell),
+    }
+}
+
+fn dahl<R: Real>(side: &Friction) -> DahlParams<R> {
+    let coulomb: R = needed(side.coulomb);
+    DahlParams {
+        coulomb,
+        stiffness: coulomb / needed(side.presliding),
+        exponent: optional(side.dahl_exponent.map(f64::from), 1.0),
+    }
+}
+
+fn bristle<R: Real>(side: &Friction) -> BristleParams<R, BRISTLES> {
+    let presliding: R = needed(side.presliding);
+    BristleParams::of_level(needed(side.coulomb), presliding + presliding)
+}
+
+fn reset_integrator<R: Real>(side: &Friction) -> ResetIntegratorParams<R> {
+    let (coulomb, static_level): (R, R) = (needed(side.coulomb), needed(side.static_level));
+    let presliding = needed(side.presliding);
+    ResetIntegratorParams {
+        stiffness: coulomb / presliding,
+        stick_gain: static_level / coulomb - R::ONE,
+        damping: optional(side.micro_damping, 0.0),
+        reach: presliding,
+    }
+}
+
+fn lugre<R: Real>(side: &Friction) -> LuGreParams<R> {
+    let static_level: R = needed(side.static_level);
+    let stiffness = static_level / needed(side.presliding);
+    LuGreParams { contact: contact(side), stiffness, damping: optional(side.micro_damping, 0.0) }
 }
 
 fn contact<R: Real>(side: &Friction) -> LubricatedContactParams<R> {
@@ -118,13 +146,14 @@ fn harmonics<R: Real>(side: &Friction) -> Harmonics<R, RIPPLE_ORDERS> {
     Harmonics { mean: R::ONE, cosines: shares(&side.ripple_cosines), sines: shares(&side.ripple_sines) }
 }
 
-fn state_space<R: Real>(rows: &[StateRow]) -> AnyFrictionParams<R> {
+fn state_space<R: Real>(side: &Friction) -> AnyStateSpaceParams<R> {
+    let rows = side.state_space.as_deref().unwrap_or_default();
     match rows.len() {
-        1 => AnyFrictionParams::StateSpace1(matrices(rows)),
-        2 => AnyFrictionParams::StateSpace2(matrices(rows)),
-        3 => AnyFrictionParams::StateSpace3(matrices(rows)),
-        4 => AnyFrictionParams::StateSpace4(matrices(rows)),
-        _ => AnyFrictionParams::StateSpace1(matrices(&[])),
+        1 => AnyStateSpaceParams::Order1(matrices(rows)),
+        2 => AnyStateSpaceParams::Order2(matrices(rows)),
+        3 => AnyStateSpaceParams::Order3(matrices(rows)),
+        4 => AnyStateSpaceParams::Order4(matrices(rows)),
+        _ => AnyStateSpaceParams::Order1(matrices(&[])),
     }
 }
 

@@ -10,11 +10,12 @@
 //! Signs and symbols: the signed ratio is r = -1/N with the circular spline fixed and +1/(N+1) with
 //! the flexspline fixed (then the output is the circular spline).
 
-pub mod any_friction;
+mod any_friction;
 mod baselines;
 mod check;
 pub(crate) mod drive;
 pub mod friction;
+mod friction_models;
 pub mod friction_params;
 mod gains;
 mod keys;

@@ -5,8 +5,8 @@
 use strainwave::friction::{FrictionModel as _, FrictionParams, Slip};
 
 use crate::io::figure::number;
-use crate::io::gear_file::any_friction::{AnyFriction, AnyFrictionState};
 use crate::io::gear_file::friction_params::friction_params;
+use crate::io::gear_file::friction_params::{AnyFriction, AnyFrictionState};
 use crate::io::gear_file::{Friction, FrictionModel, GearFile, StateRow};
 
 /// Fc over Fs where the file has one of them only.
