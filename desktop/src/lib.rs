@@ -33,6 +33,7 @@ pub mod report;
 pub mod ripple_fit;
 pub mod scenario;
 mod settled;
+pub mod speed;
 pub mod step_response;
 pub mod torque_loop;
 pub mod two_port;

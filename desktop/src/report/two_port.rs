@@ -7,16 +7,16 @@ use crate::divergence::RunError;
 use crate::file::BadInput;
 use crate::gear_file::GearFile;
 use crate::plot::{Page, Panel, Series};
-use crate::step_response::{self, StepResponse, WIDE};
+use crate::step_response::StepResponse;
 use crate::two_port::Build;
 use crate::verify::Measured;
 
 pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<Chapter, BadInput> {
     let failed = |error: RunError| BadInput::message(format_args!("{}: {error}", gear.gear.name));
-    let reference = StepResponse::of(gear, Build::REFERENCE, WIDE).map_err(failed)?;
+    let reference = StepResponse::of(gear, Build::REFERENCE).map_err(failed)?;
     progress(0.3);
-    let real_time = StepResponse::of(gear, Build::RealTime, WIDE).map_err(failed)?;
-    let measured = Measured::from(step_response::measure(gear).map_err(failed)?);
+    let real_time = StepResponse::of(gear, Build::RealTime).map_err(failed)?;
+    let measured = Measured::from(reference.figures());
     let body = html! {
         p {
             "The whole gear as a two-port (Figs. 7 and 8): steps of the wave generator, 1 mrad at the output within one "

@@ -26,7 +26,8 @@ use std::thread;
 use crate::bench::{Conditions, SensorSet};
 use crate::divergence::RunError;
 use crate::gear_file::GearFile;
-use crate::step_response;
+use crate::step_response::StepResponse;
+use crate::two_port::Build;
 use crate::verify::Measured;
 pub use claims::{CLAIMS, Claim, Reference, worst_draw};
 pub use performance::{Performance, Rivals};
@@ -66,7 +67,7 @@ pub fn against_baselines(
     };
     let compared = each(&all, compare, &mut progress).into_iter().collect::<Result<Vec<_>, _>>()?;
     let (claimed, boxed) = compared.split_at(samples as usize);
-    let mut figures = step_response::measure(file)?;
+    let mut figures = StepResponse::of(file, Build::REFERENCE)?.figures();
     figures.extend(
         SensorSet::ALL
             .into_iter()
