@@ -7,7 +7,7 @@
 //!
 //! A round times one batch of every kernel, one after the other, so that what slows the machine down slows kernel and
 //! rival alike and leaves most of the ratio as it is. Median and quartiles over the rounds are reported; nothing is
-//! judged, because they do not repeat exactly. [`floor`] is the rival of kernels that have no other.
+//! judged, because they do not repeat exactly. `floor.rs` has the rival of kernels that have no other.
 
 mod compensator;
 mod flexspline;
