@@ -4,6 +4,7 @@
 //! carried out: then one line on the error stream says why, and nothing has been written. 128 + the signal
 //! when it was interrupted.
 
+mod bench;
 mod budget;
 mod design;
 mod faults;
@@ -47,6 +48,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Bench(bench::Arguments),
     Budget(budget::Arguments),
     Design(design::Arguments),
     Faults(faults::Arguments),
@@ -61,6 +63,7 @@ enum Command {
 
 fn run(command: Command) -> Result<Figures, BadInput> {
     match command {
+        Command::Bench(arguments) => bench::run(&arguments),
         Command::Budget(arguments) => budget::run(&arguments),
         Command::Design(arguments) => design::run(&arguments),
         Command::Faults(arguments) => faults::run(&arguments),

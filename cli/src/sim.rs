@@ -58,7 +58,7 @@ pub struct Arguments {
 enum Models {
     /// f64, mesh of eq. (6), micro-steps
     Reference,
-    /// f32, condensed 8x3 mesh, one step per 0.1 ms: what runs on the joint controller
+    /// f32, condensed 8x3 mesh, one step per 0.1 ms: the code of the joint controller, where the observer steps it by 0.2 ms
     Realtime,
 }
 

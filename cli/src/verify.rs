@@ -8,10 +8,9 @@ use strainwave_desktop::catalogue::Set;
 use strainwave_desktop::plant::unknowns::Which;
 use strainwave_desktop::verify::bounds;
 use strainwave_desktop::verify::faults;
-use strainwave_desktop::verify::flexspline::speed;
 use strainwave_desktop::verify::robustness::Robustness;
 use strainwave_desktop::verify::{self, Measured};
-use strainwave_desktop::verify::{catalogue, compensator, friction, hysteresis, replay, robustness};
+use strainwave_desktop::verify::{catalogue, compensator, replay, robustness};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::rerun;
 use strainwave_emulator::verify::{self as emulated, Parts};
@@ -35,8 +34,8 @@ const FAULTS: &str = "faults";
 /// For a bound that is the reached value instead of the target, a line above the table names the missed target.
 ///
 /// The parts `firmware` and `flexspline` boot the image in the emulator and run S1-S6, both together once; that takes
-/// some minutes; `hysteresis` boots an image of its own. All but `firmware` also measure this machine by the clock:
-/// other work on it counts in. The parts `robustness` and `catalogue` are measured only when they are named.
+/// some minutes; `hysteresis` boots an image of its own. Every figure repeats exactly; times by the clock are `bench`'s. The
+/// parts `robustness` and `catalogue` are measured only when they are named.
 #[derive(Args)]
 pub struct Arguments {
     /// Only this part; every part when left out
@@ -132,15 +131,10 @@ fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
     }
     drop(progress);
     let flexspline = parts.contains(&verify::Part::Flexspline);
-    if flexspline {
-        measured.add(speed::measure()?);
-    }
     if parts.contains(&verify::Part::Friction) {
-        measured.add(friction::speed::measure());
         measured.add(emulated::friction().map_err(BadInput::message)?);
     }
     if parts.contains(&verify::Part::Hysteresis) {
-        measured.add(hysteresis::speed::measure());
         measured.add(emulated::hysteresis().map_err(BadInput::message)?);
     }
     if parts.contains(&verify::Part::Compensator) {

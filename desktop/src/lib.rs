@@ -9,6 +9,7 @@
 //! | [`catalogue`] | gears of sizes 8 to 58, and joints that are built with them |
 //! | [`identify`] | from measurements to parameters |
 //! | [`verify`] | claimed figures: metrics, bounds, and what measures them |
+//! | [`speed`] | time that the real-time parts take on this machine |
 //! | [`tune`] | search for a baseline's gains |
 //! | [`report`] | pages and pictures |
 //!
@@ -21,6 +22,7 @@ pub mod identify;
 pub mod io;
 pub mod plant;
 pub mod report;
+pub mod speed;
 pub mod tune;
 pub mod verify;
 

@@ -111,7 +111,7 @@ fn the_literal_mesh_costs_hundreds_of_times_its_reduction() {
 
     let (name, period) = &measured.counts[1];
     assert_eq!((name.as_str(), period.calls), (budget::LITERAL_MESH, u64::from(PERIODS)));
-    // Two dozen nodes of 16 links, some ten micro-steps: no shortcut is that cheap.
+    // Two dozen nodes of 10 links, some ten micro-steps: no shortcut is that cheap.
     assert!(period.instructions.min > 100_000 && period.instructions.max < 10_000_000, "{period:?}");
     let figures = measured.figures(&budget);
     let missed: Vec<_> = figures.iter().filter(|f| !f.holds).collect();

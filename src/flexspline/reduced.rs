@@ -38,7 +38,7 @@
 //! | the shell's own damping mu: as zeta = 0.02 of those modes | 0.02*218/2.7e5 = 1.6e-5 of the damping |
 //! | the dashpot against both springs, c_contact/(K_contact + K_shell) = 60 us, at sqrt(K1/J_fs) = 161 rad/s | (161*6e-5)^2 = 9e-5 of the damping |
 //! | the ellipse's tension in the links, second order in w0/R | 7.1e-4 of K1 (8 x 3), 3.4e-5 (36 x 4): `verify flexspline` |
-//! | the ellipse's reaction on the wave generator, zero on average | 5e-5 N m (8 x 3), below 1e-10 (36 x 4) |
+//! | the ellipse's reaction on the wave generator, zero on average | at rated torsion 3.9e-4 N m (8 x 3): `verify flexspline` |
 //! | the hardening of the bend links in the two shapes (the calibration of k has it), none by default | hardening*(4.8e-3)^2 of a bend link's stiffness |
 //! | inner slices' second-order displacement, harmonics 0 and 4 | strain 2.7e-5 (8 x 3), 5.0e-5 (36 x 4): [`super::StrainGauge`] |
 //!

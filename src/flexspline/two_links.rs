@@ -17,7 +17,7 @@
 //! "stretched". Being even about dx = a, it is as long as at rest only at 2*a again: links that are free of tension at
 //! rest are under pressure until then.
 //!
-//! In the mesh the 16 links of an inner node are 4 such pairs along the axis, 2 around, and 4 links straight
+//! In the mesh the 16 links of a node two slices or more from either end are 4 such pairs along the axis, 2 around, and 4 links straight
 //! along the axis, each half a pair with a = 0. Displaced by dx along its tangent, the node feels the sum of their
 //! F_x, exactly: of a pair that spans the angle c around and the distance s along the axis a = R*sin(c) and
 //! b^2 = (R*(1 - cos(c)))^2 + s^2.
@@ -217,7 +217,8 @@ mod tests {
             .collect()
     }
 
-    /// All 16 links of the mesh on a node that is displaced along its tangent: the sum of eq. (1) over their pairs.
+    /// All 16 links of a node in the middle of five slices, which is displaced along its tangent: the sum of eq. (1) over
+    /// their pairs.
     #[test]
     fn a_node_of_the_mesh_feels_the_sum_of_its_pairs() {
         const N: usize = 12;

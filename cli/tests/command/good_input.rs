@@ -209,6 +209,20 @@ fn verify_measures_the_part_asked_for() {
 }
 
 #[test]
+fn bench_times_every_kernel_and_judges_none() {
+    let bench = Bench::new();
+    let answer = bench.run("bench --rounds 2 --json out.json");
+    assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""), "{}", answer.output);
+    let kernels: Vec<_> =
+        answer.output.lines().skip(1).filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(["floor", "observer.step", "compensator.control"].iter().all(|name| kernels.contains(name)));
+    let figures = bench.figures("out.json");
+    assert_eq!(figures.len(), 6 * kernels.len());
+    assert!(figures.iter().all(|figure| figure["bound"].is_null() && figure["value"].as_f64() > Some(0.0)));
+    assert!(bench.refused("bench --rounds 0").contains("0 is not in 1..=1000000"));
+}
+
+#[test]
 fn verify_robustness_has_one_line_a_row() {
     let bench = Bench::new();
     let answer =

@@ -1,7 +1,7 @@
 //! A mesh at rest under torsion.
 
 use strainwave::flexspline::mesh::MeshState;
-use strainwave::flexspline::{Ends, Flexspline, FlexsplineParams, Mesh};
+use strainwave::flexspline::{Ends, Flexspline, FlexsplineParams, Mesh, Reaction};
 use strainwave::{Angle, Error};
 
 use crate::plant::vectorised::Vectorised;
@@ -26,15 +26,20 @@ impl<const N: usize, const M: usize> Settled<N, M> {
         Ok(Self { mesh, state, steps })
     }
 
-    /// Torque on the flange (N m), its angle 0, at a torsion and an angle of the wave generator (rad).
+    /// Torque on the flange (N m), as in [`Self::reaction`].
     pub fn torque(&mut self, torsion: f64, wave_generator: f64) -> f64 {
+        self.reaction(torsion, wave_generator).flange
+    }
+
+    /// Torques on the ends, the flange's angle 0, at a torsion and an angle of the wave generator (rad).
+    pub fn reaction(&mut self, torsion: f64, wave_generator: f64) -> Reaction<f64> {
         let ends = Ends {
             drive: Angle::from_radians(torsion),
             wave_generator: Angle::from_radians_f64(wave_generator),
             ..Ends::default()
         };
         self.mesh.relax(&mut self.state, &ends, self.steps);
-        self.mesh.step(&mut self.state, &ends).flange
+        self.mesh.step(&mut self.state, &ends)
     }
 
     /// Strain L/L0 - 1 of the link from node (i, j) that spans `direction`.

@@ -9,14 +9,14 @@ use crate::plant::divergence::RunError;
 use crate::plant::two_port::Build;
 use crate::report::plot::{Page, Panel, Series};
 use crate::verify::Measured;
-use crate::verify::step_response::{self, StepResponse, WIDE};
+use crate::verify::step_response::StepResponse;
 
 pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<Chapter, BadInput> {
     let failed = |error: RunError| BadInput::message(format_args!("{}: {error}", gear.gear.name));
-    let reference = StepResponse::of(gear, Build::REFERENCE, WIDE).map_err(failed)?;
+    let reference = StepResponse::of(gear, Build::REFERENCE).map_err(failed)?;
     progress(0.3);
-    let real_time = StepResponse::of(gear, Build::RealTime, WIDE).map_err(failed)?;
-    let measured = Measured::from(step_response::measure(gear).map_err(failed)?);
+    let real_time = StepResponse::of(gear, Build::RealTime).map_err(failed)?;
+    let measured = Measured::from(reference.figures());
     let body = html! {
         p {
             "The whole gear as a two-port (Figs. 7 and 8): steps of the wave generator, 1 mrad at the output within one "

@@ -1,6 +1,7 @@
 //! Verification: measures the figures that the project claims, each with its row in [`crate::verify::bounds`].
 //!
-//! These parts need no emulator; what is measured on the firmware image stands with the emulator.
+//! These parts need no emulator; what is measured on the firmware image stands with the emulator. All figures repeat
+//! exactly; times by the clock do not, and stand in [`crate::speed`].
 
 pub mod baselines;
 pub mod bounds;
@@ -15,8 +16,7 @@ pub mod replay;
 pub mod robustness;
 pub mod step_response;
 
-use std::time::Instant;
-
+use self::bounds::LOOSE;
 use crate::io::figure::Figure;
 use crate::io::file::BadInput;
 
@@ -40,6 +40,17 @@ impl Measured {
         self.figures.extend(other.figures);
         self.notes.extend(other.notes);
     }
+
+    /// The same, in which a figure far below its bound does not hold: such a bound would not notice a loss of accuracy.
+    fn with_tight_bounds(mut self) -> Self {
+        for figure in &mut self.figures {
+            if bounds::find(&figure.name).is_some_and(|bound| bound.is_loose(figure.value)) {
+                figure.holds = false;
+                self.notes.push(format!("{}: its bound is more than {LOOSE} times too loose", figure.name));
+            }
+        }
+        self
+    }
 }
 
 impl From<Vec<Figure>> for Measured {
@@ -52,17 +63,6 @@ impl From<Vec<Figure>> for Measured {
 fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     // Without its sign a NaN is the last in the total order.
     values.into_iter().map(f64::abs).max_by(f64::total_cmp).unwrap_or(f64::NAN)
-}
-
-/// Time of the fastest of some batches (s).
-fn fastest(batches: usize, mut batch: impl FnMut()) -> f64 {
-    let mut best = f64::MAX;
-    for _ in 0..batches {
-        let started = Instant::now();
-        batch();
-        best = best.min(started.elapsed().as_secs_f64());
-    }
-    best
 }
 
 /// A part of the project whose figures are measured together.
@@ -92,24 +92,34 @@ impl Part {
         }
     }
 
-    /// Measures the part's figures, but for those of the clock ([`flexspline::speed`], [`hysteresis::speed`]) and those
-    /// of many runs or logs ([`compensator::against_baselines`], [`replay`]).
+    /// Measures the part's figures, but for those of many runs or logs ([`compensator::against_baselines`], [`replay`]).
     ///
     /// # Errors
     /// Measured data that are there and cannot be used.
     pub fn measure(self) -> Result<Measured, BadInput> {
-        match self {
+        let measured = match self {
             Self::Flexspline => flexspline::measure(),
             Self::Friction => friction::measure(),
             Self::Hysteresis => hysteresis::measure(),
             Self::Compensator => Ok(compensator::measure()),
-        }
+        };
+        Ok(measured?.with_tight_bounds())
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::largest;
+    use super::*;
+
+    #[test]
+    fn a_bound_that_is_too_loose_is_told_and_does_not_hold() {
+        let name = "flexspline.8x3.ripple";
+        let bound = bounds::find(name).unwrap().value;
+        let measured = |value| Measured::from(vec![bounds::figure(name, value)]).with_tight_bounds();
+        let (tight, loose) = (measured(0.11 * bound), measured(0.09 * bound));
+        assert!(tight.figures[0].holds && tight.notes.is_empty());
+        assert!(!loose.figures[0].holds && loose.notes[0].starts_with(name), "{loose:?}");
+    }
 
     #[test]
     fn what_is_not_a_number_is_never_passed_over() {

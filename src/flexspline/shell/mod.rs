@@ -1,11 +1,12 @@
-//! The mass-spring shell of eq. (6), free in space: n nodes around, m along the axis, 16 links a node.
+//! The mass-spring shell of eq. (6), free in space: n nodes around, m along the axis, up to 16 links a node.
 //!
 //! ```text
 //! m_ij * ddq_ij = F_ij - k * sum (L - L0) * l - mu * sum dL/dt * l        l = unit vector along the link
 //! ```
 //!
 //! Cartesian coordinates in m, z along the axis. Stretch, shear and bend links as in [`DIRECTIONS`]; those that
-//! would leave the axis ends do not exist. k and mu are the same for all; bend links may harden
+//! would leave the axis ends do not exist: a node has 16 from two slices inside either end on, and with m = 4 it has
+//! 13 inside and 10 at the ends. k and mu are the same for all; bend links may harden
 //! ([`link_law`]). Each link is visited once and its force given to both its nodes, so momentum and
 //! angular momentum are kept to rounding. A node has mass/(n*(m - 1)), one of the end slices half of it.
 //!

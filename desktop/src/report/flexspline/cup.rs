@@ -51,7 +51,10 @@ pub(super) fn section(params: &FlexsplineParams<f64>) -> Result<Markup, Error> {
             "Fig. 1: the assembled mesh, displacements times " (EXAGGERATION) ". The wave generator presses the rim "
             "(above) into its ellipse; the flange (below) is round and rigid. Links behind the axis are pale."
         }))
-        (figure(&node(), &html! { "Fig. 2: the 16 links of a node inside the mesh, rolled flat." }))
+        (figure(&node(), &html! {
+            "Fig. 2: the 16 links of a node that is two slices or more from either end, rolled flat. With four slices a node "
+            "inside has 13 of them, one at an end 10."
+        }))
     })
 }
 

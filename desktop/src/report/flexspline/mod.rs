@@ -51,7 +51,7 @@ fn introduction(gear: &GearFile) -> Markup {
         p {
             "A cup of radius " (millimetres(cup.radius)) " mm, length " (millimetres(cup.length)) " mm and wall "
             (millimetres(cup.wall)) " mm, pressed by the wave generator into an ellipse of "
-            (millimetres(cup.ellipse)) " mm. It is a shell of point masses and 16 links a node (eq. (6)), driven at the "
+            (millimetres(cup.ellipse)) " mm. It is a shell of point masses and links (eq. (6)), driven at the "
             "rim through the tooth contact, in which the catalogue's hardening sits, and held by the output flange."
         }
     }

@@ -22,12 +22,6 @@ pub(super) const ROWS: &[Bound] = &[
         why: "orders 1 to 4 with general A, B, C, as a fraction of the kinetic level: rounding is left; target 1e-9",
     },
     Bound {
-        name: "friction.order_1_is_dahl",
-        value: 0.0,
-        unit: "1",
-        why: "two forms of one exponential: the same bits",
-    },
-    Bound {
         name: "friction.rate_independence",
         value: 1e-14,
         unit: "1",

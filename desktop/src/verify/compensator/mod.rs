@@ -27,8 +27,9 @@ use crate::bench::Conditions;
 use crate::io::gear_file::GearFile;
 use crate::io::gear_file::SensorSet;
 use crate::plant::divergence::RunError;
+use crate::plant::two_port::Build;
 use crate::verify::Measured;
-use crate::verify::step_response;
+use crate::verify::step_response::StepResponse;
 pub use claims::{CLAIMS, Claim, Reference, worst_draw};
 pub use performance::{Performance, Rivals};
 
@@ -67,7 +68,7 @@ pub fn against_baselines(
     };
     let compared = each(&all, compare, &mut progress).into_iter().collect::<Result<Vec<_>, _>>()?;
     let (claimed, boxed) = compared.split_at(samples as usize);
-    let mut figures = step_response::measure(file)?;
+    let mut figures = StepResponse::of(file, Build::REFERENCE)?.figures();
     figures.extend(
         SensorSet::ALL
             .into_iter()

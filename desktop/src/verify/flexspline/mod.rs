@@ -1,13 +1,11 @@
 //! The flexspline: mesh against catalogue, what a free shell keeps, real time against the reference.
 
-mod catalogue;
 mod conserved;
 mod gear;
 mod mode;
 pub mod oracle;
 mod real_time;
 mod ripple;
-pub mod speed;
 mod stiffness;
 mod strain;
 
@@ -16,7 +14,7 @@ use crate::io::file::BadInput;
 use crate::io::gear_file::GearFile;
 use crate::plant::divergence::RunError;
 
-/// Every figure but those of the clock, see [`speed`].
+/// Every figure.
 pub(super) fn measure() -> Result<Measured, BadInput> {
     let gear = GearFile::default_gear();
     let figures = [
@@ -30,7 +28,5 @@ pub(super) fn measure() -> Result<Measured, BadInput> {
         ripple::measure(&gear).map_err(RunError::from),
     ];
     let figures = figures.into_iter().collect::<Result<Vec<_>, _>>().map_err(BadInput::message)?;
-    let mut measured = Measured::from(figures.concat());
-    measured.add(catalogue::measure(&gear)?);
-    Ok(measured)
+    Ok(Measured::from(figures.concat()))
 }

@@ -44,7 +44,7 @@ fn off_k1<const N: usize, const M: usize>(params: &FlexsplineParams<f64>) -> Res
 }
 
 /// Largest distance from the line up to `rated` torque, either sign and both knees, as a fraction of it.
-pub(super) fn worst_off_line<const N: usize, const M: usize>(
+fn worst_off_line<const N: usize, const M: usize>(
     params: &FlexsplineParams<f64>,
     rated: f64,
 ) -> Result<f64, Error> {

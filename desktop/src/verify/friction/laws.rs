@@ -1,4 +1,4 @@
-//! Laws that hold on any input: order 1 is Dahl's model, and the path alone counts.
+//! A law that holds on any input: the path alone counts.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -15,13 +15,8 @@ const EPS: f64 = 0.02;
 const STEPS: usize = 100_000;
 
 pub(super) fn measure() -> Vec<Figure> {
-    vec![
-        bounds::figure("friction.order_1_is_dahl", off_dahl()),
-        bounds::figure(
-            "friction.rate_independence",
-            largest([dahl_off_rate(), order_2_off_rate(), general_off_rate()]),
-        ),
-    ]
+    let off = largest([dahl_off_rate(), order_2_off_rate(), general_off_rate()]);
+    vec![bounds::figure("friction.rate_independence", off)]
 }
 
 /// A random motion whose steps are from 1e-6 to 10 eps long.
@@ -34,23 +29,13 @@ fn motion() -> Vec<Slip<f64>> {
     (0..STEPS).map(|_| slip()).collect()
 }
 
-/// Largest difference of the two models' forces over a motion each, as a fraction of the level.
-fn difference<A: FrictionModel<f64>, B: FrictionModel<f64>>(
-    (a, along_a): (&A, &[Slip<f64>]),
-    (b, along_b): (&B, &[Slip<f64>]),
-) -> f64 {
-    let (mut state_a, mut state_b) = (A::State::default(), B::State::default());
-    let pairs = along_a.iter().zip(along_b);
-    largest(pairs.map(|(slip_a, slip_b)| {
-        (a.step(&mut state_a, slip_a).force - b.step(&mut state_b, slip_b).force).abs() / LEVEL
+/// Largest difference of a model's forces over two motions, as a fraction of the level.
+fn difference<M: FrictionModel<f64>>(model: &M, one: &[Slip<f64>], other: &[Slip<f64>]) -> f64 {
+    let (mut state_one, mut state_other) = (M::State::default(), M::State::default());
+    let pairs = one.iter().zip(other);
+    largest(pairs.map(|(slip, other)| {
+        (model.step(&mut state_one, slip).force - model.step(&mut state_other, other).force).abs() / LEVEL
     }))
-}
-
-fn off_dahl() -> f64 {
-    let order_1 = BlimanSorine::order_1(LEVEL, EPS).expect("the level is in range");
-    let dahl = DahlParams { coulomb: LEVEL, stiffness: LEVEL / EPS, exponent: 1.0 };
-    let dahl = dahl.build().expect("the level is in range");
-    difference((&order_1, &motion()), (&dahl, &motion()))
 }
 
 /// The same path ten times as fast, and ten times as slowly.
@@ -58,7 +43,7 @@ fn off_rate(model: &impl FrictionModel<f64>) -> f64 {
     let motion = motion();
     largest([10.0, 0.1].map(|rate| {
         let faster = |slip: &Slip<f64>| Slip::new(slip.velocity * rate, slip.duration.seconds() / rate);
-        difference((model, &motion), (model, &motion.iter().map(faster).collect::<Vec<_>>()))
+        difference(model, &motion, &motion.iter().map(faster).collect::<Vec<_>>())
     }))
 }
 

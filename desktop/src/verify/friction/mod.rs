@@ -7,13 +7,12 @@ pub mod lugre;
 pub mod order_p;
 mod precision;
 pub mod ripple;
-pub mod speed;
 mod work;
 
 use super::Measured;
 use crate::io::file::BadInput;
 
-/// Every figure but that of the clock, see [`speed`].
+/// Every figure.
 pub(super) fn measure() -> Result<Measured, BadInput> {
     let figures = [
         closed_form::measure(),

@@ -9,12 +9,11 @@ mod inverse;
 mod laws;
 mod memory;
 mod relays;
-pub mod speed;
 
 use super::Measured;
 use crate::io::file::BadInput;
 
-/// Every figure but those of the clock, see [`speed`].
+/// Every figure.
 pub(super) fn measure() -> Result<Measured, BadInput> {
     let figures = [
         relays::measure(),
