@@ -11,6 +11,7 @@ use crate::compensator::estimate::disturbance::{Disturbance, DisturbanceInput};
 use crate::compensator::estimate::observer::{Measurement, Observer, OutputReading};
 use crate::compensator::reference::command::{CommandStatus, Commander};
 use crate::compensator::reference::feed_forward::FeedForward;
+use crate::compensator::reference::measured_feedback::{MeasuredError, MeasuredFeedback};
 use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::reference::output_feedback::{OutputError, OutputFeedback};
 use crate::compensator::schedule::{OBSERVER_PERIODS, Slot, SlowSlot};
@@ -21,9 +22,9 @@ use crate::compensator::sense::motor_torque::MotorTorque;
 use crate::compensator::sense::rotor::{Rotor, RotorInput};
 use crate::compensator::sense::validation::{self, FrozenEncoder, InputGuard};
 use crate::compensator::{
-    Commanded, Directions, Faults, Input, Limits, Output, RealTimeGear, Sensors, State, Status,
+    Commanded, Directions, Faults, Input, Limits, Output, RealTimeGear, Sensors, Setpoint, State, Status,
 };
-use crate::real::Real;
+use crate::real::{RADIANS_PER_COUNT, Real};
 
 /// The built compensator of a joint.
 ///
@@ -79,6 +80,7 @@ pub struct Compensator<R: Real> {
     pub(super) feed_forward: FeedForward<R>,
     pub(super) feedback: Feedback<R>,
     pub(super) output_feedback: OutputFeedback<R>,
+    pub(super) measured_feedback: MeasuredFeedback<R>,
     pub(super) learning: Learning<R>,
     /// Stored factors and ripple that the state starts from.
     pub(super) learnt: Learnt<R>,
@@ -132,7 +134,7 @@ impl<R: Real> Compensator<R> {
         }
         state.slot = state.slot.next();
         faults = faults.with(state.faults.all());
-        let mut motor_torque = self.drive(state, &motor, elapsed.inverse, &mut faults);
+        let mut motor_torque = self.drive(state, &motor, &elapsed, &mut faults);
         if !state.mode.stays_active(faults, input.status) {
             motor_torque = self.change_mode(state, &mut faults, input.status, motor_torque);
         }
@@ -179,6 +181,7 @@ impl<R: Real> Compensator<R> {
             state.commander = Default::default();
             state.feedback = Default::default();
             state.output_feedback = Default::default();
+            state.measured_feedback = Default::default();
             state.motor_reference = Default::default();
         }
         R::ZERO
@@ -206,6 +209,7 @@ impl<R: Real> Compensator<R> {
         latch.time += elapsed.time;
         if sensors.output_encoder.is_some() && !status.contains(Status::OUTPUT_ENCODER_INVALID) {
             (latch.output, latch.age) = (sensors.output_encoder, 0);
+            latch.output_phase = sensors.output_encoder.map_or(0, |raw| self.output_encoder.phase(raw));
         } else {
             latch.age = latch.age.saturating_add(1);
         }
@@ -293,8 +297,9 @@ impl<R: Real> Compensator<R> {
         let velocity = state.observer.output_velocity() + speed_behind * setpoint.acceleration;
         let position = demand.link_offset
             + self.observer.output_offset(&state.observer, &state.gear_correction, position_error, self.dt);
-        let measured =
-            self.observer.output_innovation(&state.observer).map(|innovation| position + innovation);
+        let reads = self.observer.output_innovation(&state.observer).is_some();
+        let newest = self.measured_error(state, setpoint).filter(|_| reads);
+        let measured = newest.map(|newest| newest.error);
         let error = OutputError {
             position,
             velocity: velocity - setpoint.velocity,
@@ -308,6 +313,8 @@ impl<R: Real> Compensator<R> {
         };
         let shift = self.output_feedback.step(&mut state.output_feedback, &error);
         let gain = gains.output_feedback * R::from_i32(self.gear.ratio().n());
+        let followed = newest.filter(|_| self.output_feedback.is_slow(setpoint.velocity));
+        self.measured_feedback.plan(&mut state.measured_feedback, followed, setpoint.velocity, gain);
         if target.switched {
             seldom();
             self.fallback.begin_ramp(&mut state.fallback);
@@ -329,6 +336,17 @@ impl<R: Real> Compensator<R> {
             closed: target.torque.is_none(),
         };
         self.learning.follow(&mut state.learning, &demand.excitation, measured);
+    }
+
+    /// Output encoder's newest reading less the setpoint of its time, where it is near the last accepted one.
+    #[inline(always)]
+    fn measured_error(&self, state: &State<R>, setpoint: &Setpoint<R>) -> Option<MeasuredError<R>> {
+        let phase = state.latch.output_phase;
+        let zero = state.output_zero.filter(|_| self.output_encoder.is_near(&state.output_encoder, phase))?;
+        let counts = phase.wrapping_sub(zero.phase()).wrapping_sub(setpoint.position.phase()).cast_signed();
+        let late = R::from_i32((state.latch.age + self.observer.output_delay()).cast_signed()) * self.dt;
+        let error = R::from_i32(counts) * R::lit(RADIANS_PER_COUNT) + late * setpoint.velocity;
+        Some(MeasuredError { phase, error })
     }
 
     /// The slot of the slow disturbance estimate, of the feed-forward's line and hysteresis, and of the adaptation.
@@ -467,15 +485,23 @@ impl<R: Real> Compensator<R> {
 
     /// Torque command of the cascade, in every period.
     #[inline(always)]
-    fn drive(&self, state: &mut State<R>, motor: &Reading<R>, inverse_elapsed: R, faults: &mut Faults) -> R {
+    fn drive(
+        &self,
+        state: &mut State<R>,
+        motor: &Reading<R>,
+        elapsed: &Elapsed<R>,
+        faults: &mut Faults,
+    ) -> R {
+        let phase = (state.latch.age == 0).then_some(state.latch.output_phase);
+        let shift = self.measured_feedback.step(&mut state.measured_feedback, phase, elapsed.time);
         let (reference, wind_up) = (&state.motor_reference, &state.wind_up);
         let input = CascadeInput {
-            position_error: reference.followed_error(self.rounding),
+            position_error: reference.followed_error(shift, self.rounding),
             velocity: reference.velocity + wind_up.velocity,
             acceleration: reference.acceleration_gain * reference.acceleration + wind_up.acceleration,
         };
         let held = state.limited || !reference.closed;
-        let feedback = self.feedback.step(&mut state.feedback, motor.moved * inverse_elapsed, &input, held)
+        let feedback = self.feedback.step(&mut state.feedback, motor.moved * elapsed.inverse, &input, held)
             + wind_up.torque;
         let closed = if reference.closed {
             state.guard.gains().feedback * self.taken_over(state, feedback)

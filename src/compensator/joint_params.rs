@@ -11,6 +11,7 @@ use crate::compensator::estimate::disturbance::DisturbanceParams;
 use crate::compensator::estimate::observer::ObserverParams;
 use crate::compensator::reference::command::Commander;
 use crate::compensator::reference::feed_forward::FeedForward;
+use crate::compensator::reference::measured_feedback::{MeasuredFeedback, MeasuredFeedbackParams};
 use crate::compensator::reference::output_feedback::{OutputFeedback, OutputFeedbackParams};
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use crate::compensator::sense::clock::Clock;
@@ -46,6 +47,8 @@ pub struct JointParams<R: Real> {
     pub feedback: FeedbackParams<R>,
     /// Output feedback without and with an output encoder.
     pub output_feedback: [OutputFeedbackParams<R>; 2],
+    /// Output feedback by the measured angle.
+    pub measured_feedback: MeasuredFeedbackParams<R>,
     /// Adaptation and ripple.
     pub learning: LearningParams<R>,
     /// Learnt factors and ripple to start from.
@@ -88,6 +91,12 @@ impl<R: Real> JointParams<R> {
                 limits.output_speed(n),
                 count(self.output_encoder_bits),
                 round,
+            )?,
+            measured_feedback: MeasuredFeedback::build(
+                &self.measured_feedback,
+                limits.output_speed(n),
+                count(self.output_encoder_bits),
+                self.dt,
             )?,
             learning: self.learning.build(&self.gear, &self.limits, self.dt)?,
             learnt: self.learnt,

@@ -9,6 +9,7 @@ use crate::compensator::estimate::disturbance::{DisturbanceState, WindUpResponse
 use crate::compensator::estimate::observer::GearCorrection;
 use crate::compensator::reference::command::CommanderState;
 use crate::compensator::reference::feed_forward::FeedForwardState;
+use crate::compensator::reference::measured_feedback::MeasuredFeedbackState;
 use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::reference::output_feedback::OutputFeedbackState;
 use crate::compensator::schedule::{Slot, SlowSlot};
@@ -45,6 +46,7 @@ impl<R: Real> Compensator<R> {
             motor_reference: MotorReference::default(),
             feedback: FeedbackState::default(),
             output_feedback: OutputFeedbackState::default(),
+            measured_feedback: MeasuredFeedbackState::default(),
             learning: self.learning.starting_from(&self.learnt),
             gear_correction: GearCorrection::default(),
             load_rate: R::ZERO,

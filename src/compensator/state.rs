@@ -11,6 +11,7 @@ use crate::compensator::estimate::disturbance::{DisturbanceState, WindUpResponse
 use crate::compensator::estimate::observer::{GearCorrection, ObserverState};
 use crate::compensator::reference::command::CommanderState;
 use crate::compensator::reference::feed_forward::FeedForwardState;
+use crate::compensator::reference::measured_feedback::MeasuredFeedbackState;
 use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::reference::output_feedback::OutputFeedbackState;
 use crate::compensator::schedule::{Slot, SlowSlot};
@@ -47,6 +48,7 @@ pub struct State<R: Real> {
     pub(super) motor_reference: MotorReference<R>,
     pub(super) feedback: FeedbackState<R>,
     pub(super) output_feedback: OutputFeedbackState<R>,
+    pub(super) measured_feedback: MeasuredFeedbackState<R>,
     pub(super) learning: LearningState<R>,
     pub(super) gear_correction: GearCorrection<R>,
     /// Change of the correction's load from one slot of the observer to the next (N m).
@@ -81,6 +83,8 @@ pub(super) struct SensorLatch<R> {
     /// Raw count of the output encoder, and its age (control periods).
     pub(super) output: Option<u32>,
     pub(super) age: u32,
+    /// The newest reading, counts of 2^32 a revolution.
+    pub(super) output_phase: u32,
     /// Strain gauge (N m).
     pub(super) output_torque: Option<R>,
 }

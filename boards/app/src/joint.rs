@@ -6,6 +6,7 @@ use strainwave::compensator::adapt::ripple::{LearntRippleParams, RippleMap, Ripp
 use strainwave::compensator::estimate::disturbance::DisturbanceParams;
 use strainwave::compensator::estimate::observer::deviation::{Spread, Uncertainty};
 use strainwave::compensator::estimate::observer::{Gains, ObserverParams};
+use strainwave::compensator::reference::measured_feedback::MeasuredFeedbackParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::{EstimateDeviation, JointParams, Limits};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
@@ -347,9 +348,9 @@ pub const JOINT: JointParams<f32> = JointParams {
         wind_up_fraction: 0.5,
     },
     feedback: FeedbackParams {
-        position_gain: 94.24778,
+        position_gain: 141.37167,
         velocity_gain: 0.0678584,
-        integral_time: 0.02,
+        integral_time: 0.019894367,
         filter_corner: 3769.9111,
         torque_limit: 2.4,
     },
@@ -359,20 +360,19 @@ pub const JOINT: JointParams<f32> = JointParams {
             integral: 0.0,
             integral_at_rest: 0.0,
             filter_corner: 241.09126,
-            proportional: 0.0,
-            derivative: 0.0,
-            measured_corner: 642.91003,
         },
         OutputFeedbackParams {
             damping: 0.0015554276,
-            integral: 32.145504,
-            integral_at_rest: 24.109127,
+            integral: 48.218254,
+            integral_at_rest: 40.181877,
             filter_corner: 241.09126,
-            proportional: 0.15,
-            derivative: 0.0012443421,
-            measured_corner: 642.91003,
         },
     ],
+    measured_feedback: MeasuredFeedbackParams {
+        proportional: 0.4,
+        derivative: 0.0049773683,
+        corner: 803.6376,
+    },
     learning: LearningParams {
         adaptation: AdaptationParams {
             bounds: Factors {

@@ -1,9 +1,10 @@
 //! Parameters of the compensator's adaptation, output feedback and learnt ripple, for the joint of a gear file.
 //!
-//! Output feedback ([`strainwave::compensator::reference::output_feedback`]): with the torsion mode's frequency omega =
-//! sqrt(K1/J_fs), `b = 2*zeta/omega` adds the damping ratio zeta, D alike; omega_y and omega_m are multiples of omega. The
-//! multiples were chosen by simulation, of the default gear and of training joints of the catalogue; no linear analysis
-//! of their margins stands behind them.
+//! Output feedback ([`strainwave::compensator::reference::output_feedback`] by the estimate,
+//! [`strainwave::compensator::reference::measured_feedback`] by the output encoder): with the torsion mode's frequency
+//! omega = sqrt(K1/J_fs), `b = 2*zeta/omega` adds the damping ratio zeta, D alike; omega_y and omega_m are multiples of
+//! omega. The multiples were chosen by simulation, of the default gear and of training joints of the catalogue; no linear
+//! analysis of their margins stands behind them.
 //!
 //! The motor follows a shift of its reference late: at the mode by
 //!
@@ -11,12 +12,12 @@
 //! phase = atan(omega_3/omega_v) + omega_3*T,   omega_3 = sqrt(K3/J_fs)
 //! ```
 //!
-//! omega_v is the bandwidth of the velocity loop, T the delay from a torque to the reference and half a round. From 90
-//! degrees on the shift takes damping away. So b, P and D are whole up to 60 degrees and fall to 0 at 90: half as much phase
-//! again as at 60 takes no damping away.
+//! omega_v is the bandwidth of the velocity loop, T the delay: of b from a torque to the reference and half a round, of P
+//! and D, which act in every period, a period and the drive's. From 90 degrees on the shift takes damping away. So the
+//! gains are whole up to 60 degrees and fall to 0 at 90: half as much phase again as at 60 takes no damping away.
 //!
-//! The corners of what is integrated, k and the disturbance path's slow part, are fractions of the outer frequency: omega, or
-//! twice the position loop's bandwidth where that is less. Units: rad, s, N m.
+//! The corners of what is integrated, k and the disturbance path's slow part, are fractions of the outer frequency: omega,
+//! or 1.75 times the position gain where that is less. Units: rad, s, N m.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, TAU};
 
@@ -25,25 +26,30 @@ use strainwave::compensator::adapt::learning::LearningParams;
 use strainwave::compensator::adapt::parameters::{AdaptationParams, Factors};
 use strainwave::compensator::adapt::ripple::{LearntRippleParams, RIPPLE_ORDERS, RippleOrder};
 use strainwave::compensator::estimate::disturbance::DisturbanceParams;
+use strainwave::compensator::reference::measured_feedback::MeasuredFeedbackParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 
+use crate::design::joint::feedback_params;
 use crate::io::gear_file::{Drive, Friction, GearFile};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Damping ratio that the output feedback adds to the torsion mode, by the estimate.
 const ADDED_DAMPING: f64 = 0.125;
-/// The same by the output encoder, without and with one, in slow motion.
-const MEASURED_DAMPING: [f64; 2] = [0.0, 0.1];
-/// P without and with an output encoder.
-const PROPORTIONAL: [f64; 2] = [0.0, 0.15];
+/// The same by the output encoder.
+const MEASURED_DAMPING: f64 = 0.4;
+/// P.
+const PROPORTIONAL: f64 = 0.4;
+/// omega_m as a multiple of omega: a count of the output encoder moves the reference of a joint in slow motion by
+/// P + 2*zeta*omega_m/omega = 4.4 counts.
+const MEASURED_CORNER: f64 = 5.0;
 /// k without and with an output encoder, in slow motion and at rest, as fractions of the outer frequency.
-const INTEGRAL: [f64; 2] = [0.0, 0.2];
-const INTEGRAL_AT_REST: [f64; 2] = [0.0, 0.15];
-/// omega_y as a multiple of omega: z takes a damping ratio of 0.02 off the mode, of 0.075 without its poles.
+const INTEGRAL: [f64; 2] = [0.0, 0.3];
+const INTEGRAL_AT_REST: [f64; 2] = [0.0, 0.25];
+/// omega_y as a multiple of omega: z takes a damping ratio of 0.03 off the mode, of 0.125 without its poles.
 const FILTER_CORNER: f64 = 1.5;
-/// omega_m alike: with it a count of the output encoder moves the reference by P + 2*zeta*omega_m/omega = 0.95 counts.
-const MEASURED_CORNER: f64 = 4.0;
+/// Outer frequency over the position gain, at most.
+const OUTER_TO_POSITION: f64 = 1.75;
 
 /// Corner of the disturbance path's slow part, as a fraction of the outer frequency.
 const SLOW_CORNER: f64 = 0.2;
@@ -87,11 +93,16 @@ const RIPPLE_BOUNDS: [f64; 2] = [3e-4, 0.3];
 /// 1, well below the mode, where the sign of the output's response changes.
 const RIPPLE_SPEEDS: [f64; 2] = [1.0 / 160.0, 0.375];
 
-/// By how much a torque may be late in all (s), in whole control periods: two periods of the observer, from a torque to its
-/// estimate and from that to the motor's reference, the drive's longest delay, and the lag of its slowest current loop.
-fn lateness(drive: &Drive) -> f64 {
+/// Delay of the drive, the longest, and lag of its slowest current loop (s), in whole control periods.
+fn drive_delay(drive: &Drive) -> f64 {
     let lag = 1.0 / (TAU * drive.least_current_loop * CONTROL_PERIOD);
-    f64::from(2 * OBSERVER_PERIODS + drive.delay + lag.ceil() as u32) * CONTROL_PERIOD
+    f64::from(drive.delay + lag.ceil() as u32) * CONTROL_PERIOD
+}
+
+/// By how much a torque may be late in all (s): two periods of the observer, from a torque to its estimate and from that
+/// to the motor's reference, and the drive.
+fn lateness(drive: &Drive) -> f64 {
+    f64::from(2 * OBSERVER_PERIODS) * CONTROL_PERIOD + drive_delay(drive)
 }
 
 /// Frequency of the torsion mode with the motor held, at K1 (rad/s).
@@ -101,15 +112,25 @@ fn mode_frequency(file: &GearFile) -> f64 {
 
 /// Outer frequency (rad/s).
 fn outer_frequency(file: &GearFile) -> f64 {
-    mode_frequency(file).min(2.0 * TAU * file.feedback.position_bandwidth)
+    mode_frequency(file).min(OUTER_TO_POSITION * feedback_params::<f64>(file).position_gain)
 }
 
-/// Fraction of b, P and D, 0..=1, that the phase of the motor at the torsion mode allows.
-fn damping_level(file: &GearFile) -> f64 {
+/// Fraction of a shift's gains, 0..=1, that the phase of the motor at the torsion mode allows, with this delay (s).
+fn damping_level(file: &GearFile, delay: f64) -> f64 {
     let stiffest = (file.stiffness.k3 / file.inertia.flexspline).sqrt();
-    let delay = lateness(&file.drive) + 0.5 * f64::from(SLOW_PERIODS) * CONTROL_PERIOD;
     let phase = (stiffest / (TAU * file.feedback.velocity_bandwidth)).atan() + stiffest * delay;
     ((FRAC_PI_2 - phase) / (FRAC_PI_2 - FRAC_PI_3)).clamp(0.0, 1.0)
+}
+
+/// Fraction of b.
+fn estimated_level(file: &GearFile) -> f64 {
+    damping_level(file, lateness(&file.drive) + 0.5 * f64::from(SLOW_PERIODS) * CONTROL_PERIOD)
+}
+
+/// Fraction of P and D.
+fn measured_level(file: &GearFile) -> f64 {
+    let late = f64::from(1 + file.sensors.output_encoder_delay) * CONTROL_PERIOD;
+    damping_level(file, late + drive_delay(&file.drive))
 }
 
 /// The disturbance path, from the uncertainty of the joint.
@@ -134,16 +155,23 @@ pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
 
 /// Gains without and with an output encoder.
 pub fn output_feedback_params<R: Real>(file: &GearFile) -> [OutputFeedbackParams<R>; 2] {
-    let (frequency, outer, level) = (mode_frequency(file), outer_frequency(file), damping_level(file));
+    let (frequency, outer) = (mode_frequency(file), outer_frequency(file));
     std::array::from_fn(|k| OutputFeedbackParams {
-        damping: R::lit(level * 2.0 * ADDED_DAMPING / frequency),
+        damping: R::lit(estimated_level(file) * 2.0 * ADDED_DAMPING / frequency),
         integral: R::lit(INTEGRAL[k] * outer),
         integral_at_rest: R::lit(INTEGRAL_AT_REST[k] * outer),
         filter_corner: R::lit(FILTER_CORNER * frequency),
-        proportional: R::lit(level * PROPORTIONAL[k]),
-        derivative: R::lit(level * 2.0 * MEASURED_DAMPING[k] / frequency),
-        measured_corner: R::lit(MEASURED_CORNER * frequency),
     })
+}
+
+/// Gains of the output encoder's angle.
+pub fn measured_feedback_params<R: Real>(file: &GearFile) -> MeasuredFeedbackParams<R> {
+    let (frequency, level) = (mode_frequency(file), measured_level(file));
+    MeasuredFeedbackParams {
+        proportional: R::lit(level * PROPORTIONAL),
+        derivative: R::lit(level * 2.0 * MEASURED_DAMPING / frequency),
+        corner: R::lit(MEASURED_CORNER * frequency),
+    }
 }
 
 /// 1/frequency of the torsion's mode, the motor held (s/rad).
@@ -229,10 +257,14 @@ mod tests {
 
     #[test]
     fn what_the_motor_is_too_late_for_is_not_damped() {
-        assert_eq!(damping_level(&GearFile::default_gear()), 1.0);
-        assert_eq!(damping_level(&with_load(0.02)), 0.0);
-        let levels = [1.0, 0.3, 0.2, 0.1, 0.05].map(|factor| damping_level(&with_load(factor)));
-        assert!(levels.is_sorted_by(|lighter, heavier| lighter >= heavier), "{levels:?}");
+        for level in [estimated_level, measured_level] {
+            assert_eq!(level(&GearFile::default_gear()), 1.0);
+            assert_eq!(level(&with_load(0.005)), 0.0);
+            let levels = [1.0, 0.3, 0.2, 0.1, 0.05].map(|factor| level(&with_load(factor)));
+            assert!(levels.is_sorted_by(|lighter, heavier| lighter >= heavier), "{levels:?}");
+        }
+        // What is read acts sooner than what is estimated.
+        assert!(measured_level(&with_load(0.1)) > estimated_level(&with_load(0.1)));
     }
 
     /// A heavier load slows the integrals down; a lighter one makes them no faster than the position loop bears.
@@ -241,7 +273,7 @@ mod tests {
         let file = GearFile::default_gear();
         assert_eq!(outer_frequency(&file), mode_frequency(&file));
         assert!((outer_frequency(&with_load(4.0)) - 0.5 * mode_frequency(&file)).abs() < 1e-9);
-        let bandwidth = TAU * file.feedback.position_bandwidth;
-        assert_eq!(outer_frequency(&with_load(0.01)), 2.0 * bandwidth);
+        let light = with_load(0.01);
+        assert_eq!(outer_frequency(&light), 1.75 * feedback_params::<f64>(&light).position_gain);
     }
 }

@@ -17,6 +17,7 @@ use nalgebra::DMatrix;
 use strainwave::compensator::actuate::cascade::FeedbackParams;
 use strainwave::compensator::estimate::disturbance::DisturbanceParams;
 use strainwave::compensator::estimate::observer::{GainSets, Gains};
+use strainwave::compensator::reference::measured_feedback::MeasuredFeedbackParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 
@@ -94,6 +95,7 @@ pub struct Controller {
     disturbance: DisturbanceParams<f64>,
     passes: f64,
     output_feedback: OutputFeedbackParams<f64>,
+    measured_feedback: MeasuredFeedbackParams<f64>,
     reference_frequency: f64,
 }
 
@@ -120,7 +122,7 @@ fn in_mode(gains: &OutputFeedbackParams<f64>, stands: bool) -> OutputFeedbackPar
     if !stands {
         return *gains;
     }
-    OutputFeedbackParams { integral: gains.integral_at_rest, proportional: 0.0, derivative: 0.0, ..*gains }
+    OutputFeedbackParams { integral: gains.integral_at_rest, ..*gains }
 }
 
 impl Controller {
@@ -158,6 +160,8 @@ impl Controller {
             disturbance: parts.disturbance,
             passes: f64::from(u8::from(passes)),
             output_feedback: in_mode(&parts.output_feedback[usize::from(has_output)], stands),
+            // At rest its dead zone holds what is small.
+            measured_feedback: if has_output && !stands { parts.measured_feedback } else { Default::default() },
             reference_frequency: (file.stiffness.k1 / file.inertia.flexspline).sqrt(),
         }
     }
@@ -198,11 +202,11 @@ impl Controller {
         }
         match slot {
             0 | 2 | 4 | 6 => self.observe(slot, x, motor, gauge, open.then_some(load)),
-            1 => self.plan(x, motor),
+            1 => self.plan(x, motor, output),
             3 => self.learn(x, if open { load } else { x[LOAD] }),
             _ => {}
         }
-        x[TORQUE] = self.drive(x, moved / dt);
+        x[TORQUE] = self.drive(x, moved / dt, output);
         [x[TORQUE], x[LOAD]]
     }
 
@@ -292,19 +296,16 @@ impl Controller {
         x[SLOW] += slow_gain * (self.passes * load - x[SLOW]);
     }
 
-    fn plan(&self, x: &mut [f64], motor: f64) {
+    fn plan(&self, x: &mut [f64], motor: f64, output: f64) {
         let (dt, r, round) = (CONTROL_PERIOD, self.ratio, ROUND);
         let compensated = x[SLOW] + self.disturbance.wind_up_fraction * x[FAST];
         let wound = -compensated / self.stiffness;
         let position = x[FLANGE_AHEAD] + dt * (x[FLANGE_SPEED] - r * x[MOTOR_SPEED]) + r * x[OFF] + r * motor;
-        let measured = if self.has_output { position + x[INNOVATION] } else { position };
+        let measured = if self.has_output { output } else { position };
         let gains = &self.output_feedback;
-        let change = share(round * gains.measured_corner) * (measured - x[MEASURED]);
-        x[MEASURED] += change;
-        let by_measurement = gains.proportional * x[MEASURED] + gains.derivative / round * change;
         let whole = x[MEAN] + self.disturbance.wind_up_fraction * x[FAST];
         let torque = x[TRANSMITTED] - x[FRICTION[1]] + whole;
-        let angle = gains.damping * x[FLANGE_SPEED] + by_measurement + x[SHIFTED];
+        let angle = gains.damping * x[FLANGE_SPEED] + x[SHIFTED];
         let rate = gains.damping * torque / self.inertias[1] + gains.integral * x[FILTERED];
         x[AHEAD] = (wound - angle) / r - motor;
         x[COURSE] = -rate / r;
@@ -316,13 +317,22 @@ impl Controller {
         x[SHIFTED] = if gains.integral > 0.0 { x[SHIFTED] + way } else { 0.0 };
     }
 
-    fn drive(&self, x: &mut [f64], speed: f64) -> f64 {
+    /// Shift of the motor's reference by P and D of the output encoder's angle.
+    fn measure(&self, x: &mut [f64], output: f64) -> f64 {
+        let (dt, gains) = (CONTROL_PERIOD, &self.measured_feedback);
+        let change = share(dt * gains.corner) * (output - x[MEASURED]);
+        x[MEASURED] += change;
+        -(gains.proportional * x[MEASURED] + gains.derivative / dt * change) / self.ratio
+    }
+
+    fn drive(&self, x: &mut [f64], speed: f64, output: f64) -> f64 {
         let dt = CONTROL_PERIOD;
+        let shift = self.measure(x, output);
         let FeedbackParams { position_gain, velocity_gain, integral_time, filter_corner, .. } = self.feedback;
         let filter = share(dt * filter_corner);
         x[SPEED] += filter * (speed - x[SPEED]);
         let late = dt * (1.0 / filter - 0.5) * x[WIND_ACCELERATION];
-        let expected = position_gain * x[AHEAD] + x[COURSE] + x[WIND_SPEED] - late;
+        let expected = position_gain * (x[AHEAD] + shift) + x[COURSE] + x[WIND_SPEED] - late;
         let lag = expected - x[SPEED];
         x[INTEGRAL] += velocity_gain * dt / integral_time * lag;
         velocity_gain * lag + x[INTEGRAL] + x[WIND_TORQUE]

@@ -53,7 +53,7 @@ pub const FUNCTIONS: [Function; 7] = [
         sets: &[SensorSet::Both],
         needs: None,
         scale: |parts, level| {
-            let gains = &mut parts.output_feedback[1];
+            let gains = &mut parts.measured_feedback;
             gains.proportional *= level;
             gains.derivative *= level;
         },

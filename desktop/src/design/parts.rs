@@ -4,6 +4,7 @@ use strainwave::Error;
 use strainwave::compensator::actuate::cascade::FeedbackParams;
 use strainwave::compensator::estimate::disturbance::DisturbanceParams;
 use strainwave::compensator::estimate::observer::ObserverParams;
+use strainwave::compensator::reference::measured_feedback::MeasuredFeedbackParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 
 use crate::design::joint::feedback_params;
@@ -21,6 +22,8 @@ pub struct Parts {
     pub disturbance: DisturbanceParams<f64>,
     /// Without and with an output encoder.
     pub output_feedback: [OutputFeedbackParams<f64>; 2],
+    /// By the output encoder's angle.
+    pub measured_feedback: MeasuredFeedbackParams<f64>,
 }
 
 impl Parts {
@@ -34,6 +37,7 @@ impl Parts {
             feedback: feedback_params(file),
             disturbance: compensation::disturbance_params(file),
             output_feedback: compensation::output_feedback_params(file),
+            measured_feedback: compensation::measured_feedback_params(file),
         })
     }
 }

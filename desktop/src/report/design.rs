@@ -117,9 +117,9 @@ impl Report {
         figures
     }
 
-    /// Gains: name, value, unit, rule.
+    /// Gains: name, value, unit, rule; omega_o is the outer frequency, the lesser of sqrt(K1/J_fs) and 1.75 k_p.
     pub fn gains(&self) -> Vec<[String; 4]> {
-        let Parts { feedback: f, disturbance: d, output_feedback, .. } = &self.parts;
+        let Parts { feedback: f, disturbance: d, output_feedback, measured_feedback: m, .. } = &self.parts;
         let row = |name: &str, value: f64, unit: &str, rule: &str| {
             [name.to_owned(), number(value), unit.to_owned(), rule.to_owned()]
         };
@@ -129,7 +129,7 @@ impl Report {
             row("cascade k_v", f.velocity_gain, "N m s/rad", k_v),
             row("cascade T_i", f.integral_time, "s", t_i),
             row("cascade omega_f", f.filter_corner, "rad/s", omega_f),
-            row("disturbance omega_l", d.slow_corner, "rad/s", "level * 0.2 sqrt(K1/J_fs)"),
+            row("disturbance omega_l", d.slow_corner, "rad/s", "level * 0.2 omega_o"),
             row("disturbance omega_f", d.fast_corner, "rad/s", "level / lateness"),
             row("disturbance s", d.wind_up_fraction, "1", "level * 0.5"),
             row("disturbance z_0", d.dead_zone, "N m", "static friction of both sides"),
@@ -138,14 +138,18 @@ impl Report {
         for (set, b) in SensorSet::ALL.into_iter().zip(output_feedback) {
             let name = |what: &str| format!("output feedback {what} ({})", set.name());
             rows.push(row(&name("b"), b.damping, "s", "level * 2*0.125/sqrt(K1/J_fs)"));
+            rows.push(row(&name("k"), b.integral, "1/s", "level * 0.3 omega_o, 0 without output encoder"));
             rows.push(row(
-                &name("k"),
-                b.integral,
+                &name("k at rest"),
+                b.integral_at_rest,
                 "1/s",
-                "level * sqrt(K1/J_fs)/16, 0 without output encoder",
+                "level * 0.25 omega_o, 0 without output encoder",
             ));
-            rows.push(row(&name("omega_y"), b.filter_corner, "rad/s", "sqrt(K1/J_fs)/3"));
+            rows.push(row(&name("omega_y"), b.filter_corner, "rad/s", "1.5 sqrt(K1/J_fs)"));
         }
+        rows.push(row("measured feedback P", m.proportional, "1", "level * 0.4"));
+        rows.push(row("measured feedback D", m.derivative, "s", "level * 2*0.4/sqrt(K1/J_fs)"));
+        rows.push(row("measured feedback omega_m", m.corner, "rad/s", "5 sqrt(K1/J_fs)"));
         rows
     }
 
@@ -153,7 +157,7 @@ impl Report {
         if self.by_rule {
             ["omega_c/a", "omega_c J_wg", "a/omega_c", "2 pi * largest current loop"]
         } else {
-            ["2 pi f_p", "2 pi f_v (J_wg + r^2 J_fs)", "file", "20 pi f_v"]
+            ["0.375 omega_v", "omega_v (J_wg + r^2 J_fs)", "7.5/omega_v", "10 omega_v, omega_v = 2 pi f_v"]
         }
     }
 

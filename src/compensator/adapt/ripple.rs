@@ -14,7 +14,8 @@
 //! With the true coefficients constant, x the error of the coefficients and V = x'x/(2*g), dV/dt = -(m's ripple)^2 +
 //! noise: the law is the gradient of m^2. The loop around it must respond within a quarter period, so that it only
 //! learns where k*|omega_wg| is below a corner, and only in motion: at rest a ripple cannot be separated from any
-//! constant. A position error far beyond a ripple is that of a load that swings, not a ripple: it counts for no more than an
+//! constant. Nor can it within a part of its period: a constant m would move the coefficients there and back by m*g over
+//! k*|omega_wg|. So g is at most [`PER_RADIAN`]*k*|omega_wg|: a constant moves them by that fraction of it at any speed. A position error far beyond a ripple is that of a load that swings, not a ripple: it counts for no more than an
 //! eighth of the largest ripple does.
 //!
 //! Discretisation: one order is evaluated in each slot, the others are held: each is evaluated at the middle of the
@@ -31,6 +32,9 @@ use crate::real::{RADIANS_PER_COUNT, Real};
 
 /// Largest position error that is learnt from, over the bound of a coefficient.
 const LARGEST_SAMPLE: f64 = 0.125;
+
+/// Largest rate of a coefficient over the angular frequency of its wave.
+pub const PER_RADIAN: f64 = 0.2;
 
 /// Number of learnt orders.
 pub const RIPPLE_ORDERS: usize = 4;
@@ -86,6 +90,8 @@ pub struct LearntRipple<R> {
     least_speed: R,
     /// Fastest speed at which each order learns (rad/s); 0 for a place that is not used.
     fastest: [R; RIPPLE_ORDERS],
+    /// 1/the speed from which on each order learns at the whole rate of position and of torque (s/rad).
+    by_speed: [[R; 2]; RIPPLE_ORDERS],
     /// Phase advance per speed to the middle of the slots that a wave is held for (counts of 2^32 a revolution, s).
     phase_advance: R,
 }
@@ -140,6 +146,11 @@ impl<R: Real> LearntRippleParams<R> {
             fastest: self.orders.map(|order| match order.order {
                 0 => R::ZERO,
                 k => most / R::from_i32(k.cast_signed()),
+            }),
+            by_speed: self.orders.map(|RippleOrder { order, .. }| {
+                let frequency = R::lit(PER_RADIAN) * R::from_i32(order.cast_signed());
+                [self.position_rate, self.torque_rate]
+                    .map(|rate| if rate > R::ZERO { frequency / rate } else { R::ZERO })
             }),
             phase_advance: R::lit(0.5 / RADIANS_PER_COUNT) * (round - dt),
         })
@@ -199,11 +210,12 @@ impl<R: Real> LearntRipple<R> {
             return;
         }
         let [cosine, sine] = now.basis;
+        let level = |k: usize| (self.by_speed[order][k] * speed).min(R::ONE);
         if now.slot >= RIPPLE_ORDERS {
-            let by = self.torque_gain * sample.torque;
+            let by = level(1) * self.torque_gain * sample.torque;
             add(&mut map.torque[order], [by * cosine, by * sine], self.torque_bound);
         } else if let Some(position) = sample.position {
-            let by = self.position_gain * position.limit(self.largest_sample);
+            let by = level(0) * self.position_gain * position.limit(self.largest_sample);
             add(&mut map.position[order], [by * cosine, by * sine], self.position_bound);
         }
     }

@@ -3,5 +3,6 @@
 pub mod command;
 pub mod directions;
 pub mod feed_forward;
+pub mod measured_feedback;
 pub(in crate::compensator) mod motor_reference;
 pub mod output_feedback;

@@ -46,11 +46,13 @@ impl<R: Real> MotorReference<R> {
         if self.output_torque.is_some() { R::ZERO } else { self.velocity }
     }
 
-    /// Position error that the cascade follows (rad): at rest what of it exceeds the `rounding` of the encoder (rad), which
-    /// cannot tell where within a count the motor is. With all of it the integral would push the motor from count to count.
+    /// Position error that the cascade follows (rad), with a `shift` of the reference (rad): at rest what of it exceeds the
+    /// `rounding` of the encoder (rad), which cannot tell where within a count the motor is. With all of it the integral
+    /// would push the motor from count to count.
     #[inline(always)]
-    pub(in crate::compensator) fn followed_error(&self, rounding: R) -> R {
-        if self.rests { self.position_error.dead_zone(rounding) } else { self.position_error }
+    pub(in crate::compensator) fn followed_error(&self, shift: R, rounding: R) -> R {
+        let error = self.position_error + shift;
+        if self.rests { error.dead_zone(rounding) } else { error }
     }
 
     /// Reference angle for a motor at the angle `motor`, to a count.
@@ -79,7 +81,7 @@ mod tests {
     #[test]
     fn the_rounding_of_the_encoder_counts_in_motion_alone() {
         let followed = |position_error, rests| {
-            MotorReference { position_error, rests, ..MotorReference::default() }.followed_error(1e-4_f64)
+            MotorReference { position_error, rests, ..MotorReference::default() }.followed_error(0.0, 1e-4_f64)
         };
         assert_eq!((followed(0.9e-4, true), followed(-0.9e-4, true)), (0.0, 0.0));
         assert_eq!((followed(0.9e-4, false), followed(3e-4, false)), (0.9e-4, 3e-4));

@@ -2,31 +2,28 @@
 //!
 //! ```text
 //! e      = theta_fs - q,   e' = omega_fs - dq,   e'' = (tau_t - tau_fric_out + d - J_fs*ddq)/J_fs
-//! shift  = -(b*e' + P*m_f + D*dm_f/dt + z),    dshift = -(b*e'' + k*y),    dz/dt = k*y
-//! y      = two poles at omega_y on m,   m_f = one pole at omega_m on m in slow motion, on 0 at rest and in a fast one
+//! shift  = -(b*e' + z),    dshift = -(b*e'' + k*y),    dz/dt = k*y,    y = two poles at omega_y on m
 //! ```
 //!
 //! theta_fs, omega_fs, tau_t and tau_fric_out are the observer's, q the setpoint, J_fs*ddq as in the feed-forward's
 //! wind-up, d the external torque: its slow part whole, its fast part as far as it is compensated
 //! ([`crate::compensator::estimate::disturbance`]). With the slow part behind its dead zone, too, e'' would not be zero
 //! under a constant load, and the reference would ramp between two slots and jump back in each. m is the output encoder's
-//! angle less q; without that encoder e. The shift (rad at the output) is added to the motor's reference, and the cascade
-//! follows it.
+//! angle less q, of which P and D act in every control period ([`super::measured_feedback`]); without that encoder e. The
+//! shift (rad at the output) is added to the motor's reference, and the cascade follows it.
 //!
 //! With a motor that follows, the load on its spring obeys J_fs*e'' = K*(shift - e): the torsion mode of frequency
-//! omega = sqrt(K/J_fs) is damped by (b + D)*omega/2, and z closes a loop of crossover k through two poles and that
+//! omega = sqrt(K/J_fs) is damped by b*omega/2, and z closes a loop of crossover k through two poles and that
 //! mode, of which it takes a damping ratio of k/(2*omega)*cos(2*a)/(1 + tan(a)^2), a = atan(omega/omega_y): none where
-//! omega_y is omega, k/(2*omega) where it is far above. P stiffens the joint through a motor with a delay, which makes it
-//! a negative damping of the mode, which D outweighs; b and D become one only where the delay passes a quarter of the
-//! mode's period. The gains scale with omega. P and D act on the measured angle, so that they do not depend on the model, and only in slow motion: at rest
-//! they would convert a count of noise to torque, and in a fast move the flexible mode of a load.
+//! omega_y is omega, k/(2*omega) where it is far above. b becomes a negative damping only where the motor's delay passes a
+//! quarter of the mode's period. The gains scale with omega.
 //!
 //! While the setpoint rests, m with an output encoder passes a dead zone of half a count, its rounding: static friction
 //! and the integral would respond to every change of the last count. z integrates the measured angle, not the estimated
-//! one, whose error is that of the friction's structure. z only runs at slow setpoints: the error after a fast move, the wind-up of a gear
-//! that is stiffer or softer than its model, changes its sign before z could follow. z and the shift are limited. z is
-//! integrated in a slot after the shift's. Discretisation: explicit Euler. Units: rad, rad/s, N m; signs as in
-//! [`crate::gear`].
+//! one, whose error is that of the friction's structure. z only runs at slow setpoints: the error after a fast move, the
+//! wind-up of a gear that is stiffer or softer than its model, changes its sign before z could follow. z and the shift are
+//! limited. z is integrated in a slot after the shift's. Discretisation: explicit Euler. Units: rad, rad/s, N m; signs as
+//! in [`crate::gear`].
 //!
 //! A. De Luca, W. Book, "Robots with flexible elements", Springer Handbook of Robotics (2016), chapter 11: damping by
 //! link-side velocity, and the effect of the motor's lag on it.
@@ -46,12 +43,6 @@ pub struct OutputFeedbackParams<R> {
     pub integral_at_rest: R,
     /// omega_y (rad/s), 0..=1e5.
     pub filter_corner: R,
-    /// P, 0..=1.
-    pub proportional: R,
-    /// D (s), 0..=1.
-    pub derivative: R,
-    /// omega_m (rad/s), 0..=1e5.
-    pub measured_corner: R,
 }
 
 /// Largest shift of the motor's reference, at the output (rad): more than a gear's torsion at peak torque.
@@ -67,11 +58,8 @@ const DEAD_ZONE: f64 = 0.5;
 pub struct OutputFeedback<R> {
     /// Without and with an output encoder.
     gains: [OutputFeedbackParams<R>; 2],
-    /// 1 - e^(-omega_y*dt) of each pole of y.
+    /// Each pole of y.
     filters: [LowPass<R>; 2],
-    /// 1 - e^(-omega_m*dt) of m_f; P and D/dt of either set.
-    measured_filter: LowPass<R>,
-    by_measurement: [[R; 2]; 2],
     inverse_flexspline_inertia: R,
     /// Fastest setpoint at which z runs (rad/s).
     slow: R,
@@ -80,13 +68,12 @@ pub struct OutputFeedback<R> {
     dt: R,
 }
 
-/// z, m behind the first and the second pole, and m_f (rad).
+/// z, and m behind the first and the second pole (rad).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OutputFeedbackState<R> {
     integral: R,
     first_pole: R,
     filtered: R,
-    measured: R,
     /// dz/dt (rad/s).
     integral_rate: R,
     /// m of the last slot (rad), whether it was measured, and whether the setpoint rested.
@@ -138,16 +125,11 @@ impl<R: Real> OutputFeedback<R> {
             require(within(set.integral, 1000.0), "integral")?;
             require(within(set.integral_at_rest, 1000.0), "integral_at_rest")?;
             require(within(set.filter_corner, 1e5), "filter_corner")?;
-            require(within(set.proportional, 1.0), "proportional")?;
-            require(within(set.derivative, 1.0), "derivative")?;
-            require(within(set.measured_corner, 1e5), "measured_corner")?;
         }
         require(flexspline_inertia > R::ZERO, "flexspline_inertia")?;
         Ok(Self {
             gains: *gains,
             filters: [0, 1].map(|k: usize| LowPass::build(gains[k].filter_corner, dt)),
-            measured_filter: LowPass::build(gains[1].measured_corner, dt),
-            by_measurement: [0, 1].map(|k: usize| [gains[k].proportional, gains[k].derivative / dt]),
             inverse_flexspline_inertia: R::ONE / flexspline_inertia,
             slow: R::lit(SLOW) * fastest,
             dead_zone: R::lit(DEAD_ZONE) * count,
@@ -159,19 +141,21 @@ impl<R: Real> OutputFeedback<R> {
     #[inline(always)]
     pub fn step(&self, state: &mut OutputFeedbackState<R>, output: &OutputError<R>) -> Shift<R> {
         let set = usize::from(output.measured.is_some());
-        let speed = output.setpoint_velocity.abs();
-        let rests = speed == R::ZERO;
-        let error = if speed < self.slow { output.measured.unwrap_or(output.position) } else { R::ZERO };
-        state.error = error;
-        state.rests = rests;
+        let error = output.measured.unwrap_or(output.position);
+        state.error = if self.is_slow(output.setpoint_velocity) { error } else { R::ZERO };
+        state.rests = output.setpoint_velocity == R::ZERO;
         state.measures = output.measured.is_some();
         let damping = self.gains[set].damping;
-        let change = self.measured_filter.step(&mut state.measured, if rests { R::ZERO } else { error });
-        let measured = self.by_measurement[set][0] * state.measured + self.by_measurement[set][1] * change;
-        let angle = damping * output.velocity + measured + state.integral;
+        let angle = damping * output.velocity + state.integral;
         let acceleration = output.torque * self.inverse_flexspline_inertia;
         let rate = damping * acceleration + state.integral_rate;
         Shift { angle: -angle.limit(R::lit(LARGEST)), rate: -rate }
+    }
+
+    /// The setpoint is slow enough for z, and for P and D of the measured angle.
+    #[inline(always)]
+    pub fn is_slow(&self, setpoint_velocity: R) -> bool {
+        setpoint_velocity.abs() < self.slow
     }
 
     /// Integrates z by the last error, in a later slot; `runs` is false while the motor cannot follow, and z is held.
@@ -202,9 +186,6 @@ mod tests {
         integral: 0.0,
         integral_at_rest: 0.0,
         filter_corner: 60.0,
-        proportional: 0.0,
-        derivative: 0.0,
-        measured_corner: 1000.0,
     };
 
     fn feedback(gains: OutputFeedbackParams<f64>) -> OutputFeedback<f64> {

@@ -84,7 +84,7 @@ impl Encoder {
     /// Takes a raw count.
     #[inline(always)]
     pub fn step<R: Real>(&self, state: &mut EncoderState, raw: u32) -> Reading<R> {
-        let phase = raw << self.shift;
+        let phase = self.phase(raw);
         let in_range = phase >> self.shift == raw;
         if !state.started && in_range {
             *state =
@@ -102,6 +102,19 @@ impl Encoder {
         let counts = if accepted { delta } else { 0 };
         let moved = R::from_i32(counts) * R::lit(RADIANS_PER_COUNT);
         Reading { angle: Angle::from_counts(state.counts), moved, accepted }
+    }
+
+    /// Raw count in counts of 2^32 a revolution.
+    #[inline(always)]
+    pub fn phase(&self, raw: u32) -> u32 {
+        raw << self.shift
+    }
+
+    /// From the last accepted count to this `phase` (counts of 2^32 a revolution) it is a possible step.
+    #[inline(always)]
+    pub fn is_near(&self, state: &EncoderState, phase: u32) -> bool {
+        let delta = phase.wrapping_sub(state.phase).cast_signed();
+        state.is_accepted() && delta.unsigned_abs() <= self.farthest
     }
 
     /// A step of so many counts is possible after so many refused ones.

@@ -26,10 +26,11 @@
 //! | frozen, moving | the count stands still at once, though 1.25*(abs tau + abs T_g/n + tau_s) + tau_p/(4*n) + 3*J_wg*count/h^2, the last for what rounding makes of two speeds, could not stop the rotor in the time |
 //! | overspeed | abs omega > the speed limit |
 //! | drive | torque error of the drive above 0.1*tau_max + 0.5*abs tau, the larger of this round and the last, in three rounds, two where it is of the other sign: five times the noise that the filter expects, a drive at 60 % of its limit, longer than four time constants of a 1 kHz drive |
-//! | following | position error above tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p at the end of a round: that of a cascade with the position gain k_p at the motor's largest acceleration, and without feed-forward of the speed |
+//! | following | position error above 4*tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p at the end of a round: four times that of a cascade with the position gain k_p at the motor's largest acceleration, which a motor at its limit passes, and without feed-forward of the speed |
 //!
 //! tau_s is the larger static friction of both directions. The torques by the output's encoder and by its torque sensor
-//! are compared with T_g: with a difference of more than 0.3*tau_p + a quarter of it for 8 ms, the sensor is disabled.
+//! are compared with T_g: with a difference of more than 0.3*tau_p + a quarter of it and of n*tau for 8 ms, the sensor is
+//! disabled; T_g is known no better than the constant of tau and the inertia that tau accelerates.
 //! Units: rad, s, N m at the motor, of the gear at its output.
 
 use crate::angle::Angle;
@@ -46,6 +47,8 @@ use crate::real::Real;
 const LIMITED: f64 = 0.5;
 /// Overload, in peak ratings.
 const OVERLOAD: f64 = 1.25;
+/// Following error, in those of the cascade at the motor's largest acceleration.
+const FOLLOWING: f64 = 4.0;
 /// Time that an overload, or a following error, has to last (s): one round of the default period.
 const OVERLOADED: f64 = 0.8e-3;
 /// The same of a drive that does not follow.
@@ -195,7 +198,7 @@ impl<R: Real> Rotor<R> {
                 + R::lit(3.0) * noise / n.abs(),
             speed_limit: limits.motor_speed + count / round,
             drive: R::lit(0.1) * limits.motor_torque,
-            following: limits.motor_torque / (inertia * k_p * k_p),
+            following: R::lit(FOLLOWING) * limits.motor_torque / (inertia * k_p * k_p),
             lag: R::ONE / k_p,
             peak,
             line,
@@ -298,7 +301,7 @@ impl<R: Real> Rotor<R> {
         let torque = self.line.torque(torsion);
         let mut faults = Faults::NONE;
         faults.raise_if(self.slips(state, torque, 0), Faults::MOTOR_ENCODER_FROZEN);
-        let disagrees = self.disagrees(state.gear_torque, torque);
+        let disagrees = self.disagrees(state, torque);
         if !lasting(disagrees, &mut state.output_rounds, self.disagreeing) {
             return faults;
         }
@@ -312,7 +315,7 @@ impl<R: Real> Rotor<R> {
     pub fn gauge_disagrees(&self, state: &mut RotorState<R>, torque: R) -> Faults {
         let mut faults = Faults::NONE;
         faults.raise_if(self.slips(state, torque, 1), Faults::MOTOR_ENCODER_FROZEN);
-        let disagrees = self.disagrees(state.gear_torque, torque);
+        let disagrees = self.disagrees(state, torque);
         let lasts = lasting(disagrees, &mut state.gauge_rounds, self.disagreeing);
         faults.raise_if(lasts, Faults::TORQUE_SENSOR_OFF);
         faults
@@ -330,8 +333,9 @@ impl<R: Real> Rotor<R> {
     }
 
     #[inline(always)]
-    fn disagrees(&self, gear_torque: R, measured: R) -> bool {
-        !(measured - gear_torque).is_within(R::lit(0.3) * self.peak + R::lit(0.25) * measured.abs())
+    fn disagrees(&self, state: &RotorState<R>, measured: R) -> bool {
+        let torques = measured.abs() + (self.n * state.applied).abs();
+        !(measured - state.gear_torque).is_within(R::lit(0.3) * self.peak + R::lit(0.25) * torques)
     }
 }
 

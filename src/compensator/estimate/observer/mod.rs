@@ -188,6 +188,12 @@ impl<R: Real> Observer<R> {
         valid.then_some(state.output_innovation)
     }
 
+    /// By how much the output encoder's reading is late (control periods).
+    #[inline(always)]
+    pub fn output_delay(&self) -> u32 {
+        self.late as u32
+    }
+
     /// Readings may be delayed: they are late, or do not come in every control period.
     #[inline(always)]
     pub fn looks_back(&self) -> bool {

@@ -1,0 +1,243 @@
+//! Output feedback by the measured angle, in every control period: P and D of the output encoder's angle shift the motor's
+//! reference.
+//!
+//! ```text
+//! m      = theta_o(t - T_d) - q(t - T_d),   q extrapolated by dq from the feed-forward's slot on
+//! m_f    = one pole at omega_m on m in slow motion, on what exceeds 1.5 counts of m at rest, on 0 in a fast move
+//! shift  = -(P*m_f + D*dm_f/dt)
+//! ```
+//!
+//! T_d is by how much the reading is late; between two readings m is extrapolated by -dq. The shift, at the motor, is
+//! added to its position error, not to the speed of its reference.
+//!
+//! With a motor that follows, the load on its spring obeys J_fs*e'' = K*(shift - e): P stiffens the joint by 1 + P, D damps
+//! the torsion mode of frequency omega = sqrt(K/J_fs) by the ratio D*omega/2. Through a motor with a delay T, P is a
+//! negative damping P*omega*T/2, which D outweighs. Both act on the angle as it is read, not on an estimate, so that they do
+//! not depend on the model. At rest they do not act on the rounding and a count of noise, which they would convert to
+//! torque, nor in a fast move, where they would excite the flexible mode of a load.
+//!
+//! A count further from the last one than the fastest joint moves in a period is refused; m is held, and the next slot of the
+//! feed-forward starts from the last accepted reading. Discretisation: the pole exactly for an m that is constant over a
+//! control period, dm_f/dt by backward differences. Units: rad, s; signs as in [`crate::gear`].
+//!
+//! A. De Luca, W. Book, "Robots with flexible elements", Springer Handbook of Robotics (2016), chapter 11.
+
+use crate::error::{Error, require};
+use crate::low_pass::LowPass;
+use crate::real::{RADIANS_PER_COUNT, Real};
+
+/// Gains of the measured angle; all zero for none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MeasuredFeedbackParams<R> {
+    /// P, 0..=1.
+    pub proportional: R,
+    /// D (s), 0..=1.
+    pub derivative: R,
+    /// omega_m (rad/s), 0..=1e5.
+    pub corner: R,
+}
+
+/// Half width of the dead zone at rest, in counts: rounding, and a count of noise.
+const NOISE: f64 = 1.5;
+
+/// The built feedback.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredFeedback<R> {
+    low_pass: LowPass<R>,
+    proportional: R,
+    /// D/dt.
+    derivative: R,
+    /// Half width of the dead zone at rest (rad).
+    dead_zone: R,
+    /// Farthest step of the encoder in a control period, in counts of 2^32 a revolution.
+    farthest: u32,
+}
+
+/// m, m_f, and the reading that m is continued from.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MeasuredFeedbackState<R> {
+    /// Last accepted reading, counts of 2^32 a revolution.
+    phase: u32,
+    /// m and m_f (rad).
+    error: R,
+    filtered: R,
+    /// dq (rad/s).
+    velocity: R,
+    /// Half width of the dead zone (rad), the gain from the output's angle to the motor's, and whether the feedback acts.
+    dead_zone: R,
+    gain: R,
+    acts: bool,
+}
+
+/// Measured error in the feed-forward's slot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredError<R> {
+    /// Accepted reading, counts of 2^32 a revolution.
+    pub phase: u32,
+    /// m (rad).
+    pub error: R,
+}
+
+impl<R: Real> MeasuredFeedback<R> {
+    /// From the gains, the output's fastest speed (rad/s), one count of its encoder (rad) and the control period dt (s).
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `proportional`, `derivative` or `measured_corner`.
+    pub fn build(gains: &MeasuredFeedbackParams<R>, fastest: R, count: R, dt: R) -> Result<Self, Error> {
+        let within = |value: R, most: f64| value >= R::ZERO && value <= R::lit(most);
+        require(within(gains.proportional, 1.0), "proportional")?;
+        require(within(gains.derivative, 1.0), "derivative")?;
+        require(within(gains.corner, 1e5), "measured_corner")?;
+        let farthest = (fastest * dt + R::lit(2.0) * count) * R::lit(1.0 / RADIANS_PER_COUNT);
+        Ok(Self {
+            low_pass: LowPass::build(gains.corner, dt),
+            proportional: gains.proportional,
+            derivative: gains.derivative / dt,
+            dead_zone: R::lit(NOISE) * count,
+            farthest: farthest.to_i32().unsigned_abs(),
+        })
+    }
+
+    /// Sets m in the feed-forward's slot, for a setpoint that moves at `velocity` (rad/s), and the `gain` from the output's
+    /// angle to the motor's. Without a measured error the shift dies away with omega_m.
+    #[inline(always)]
+    pub fn plan(
+        &self,
+        state: &mut MeasuredFeedbackState<R>,
+        measured: Option<MeasuredError<R>>,
+        velocity: R,
+        gain: R,
+    ) {
+        state.gain = gain;
+        state.acts = measured.is_some();
+        state.velocity = velocity;
+        state.dead_zone = if velocity == R::ZERO { self.dead_zone } else { R::ZERO };
+        if let Some(MeasuredError { phase, error }) = measured {
+            (state.phase, state.error) = (phase, error);
+        }
+    }
+
+    /// Shift of the motor's reference (rad at the motor) after a control period of `elapsed` (s), with the output
+    /// encoder's reading of this period, where there is one.
+    #[inline(always)]
+    pub fn step(&self, state: &mut MeasuredFeedbackState<R>, phase: Option<u32>, elapsed: R) -> R {
+        state.error -= elapsed * state.velocity;
+        if let Some(phase) = phase {
+            let counts = phase.wrapping_sub(state.phase).cast_signed();
+            if counts.unsigned_abs() <= self.farthest {
+                state.phase = phase;
+                state.error += R::from_i32(counts) * R::lit(RADIANS_PER_COUNT);
+            }
+        }
+        let felt = if state.acts { state.error.dead_zone(state.dead_zone) } else { R::ZERO };
+        let change = self.low_pass.step(&mut state.filtered, felt);
+        -state.gain * (self.proportional * state.filtered + self.derivative * change)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT: f64 = 1e-4;
+    const COUNT: f64 = 1.2e-5;
+    const GAINS: MeasuredFeedbackParams<f64> =
+        MeasuredFeedbackParams { proportional: 0.4, derivative: 4e-3, corner: 1000.0 };
+
+    fn feedback(gains: MeasuredFeedbackParams<f64>) -> MeasuredFeedback<f64> {
+        MeasuredFeedback::build(&gains, 5.86, COUNT, DT).unwrap()
+    }
+
+    fn phase(angle: f64) -> u32 {
+        ((angle / RADIANS_PER_COUNT) as i32).cast_unsigned()
+    }
+
+    fn read(angle: f64) -> Option<MeasuredError<f64>> {
+        Some(MeasuredError { phase: phase(angle), error: angle })
+    }
+
+    /// Under a constant error the shift is -P times what exceeds the dead zone; in slow motion, without it.
+    #[test]
+    fn a_constant_error_is_answered_by_the_proportional_gain() {
+        let feedback = feedback(GAINS);
+        let mut rests = MeasuredFeedbackState::default();
+        feedback.plan(&mut rests, read(1e-4), 0.0, 1.0);
+        let shift = (0..1000).map(|_| feedback.step(&mut rests, Some(phase(1e-4)), DT)).last().unwrap();
+        assert!((shift + 0.4 * (1e-4 - 1.5 * COUNT)).abs() < 1e-9, "{shift}");
+        let mut moves = MeasuredFeedbackState::default();
+        feedback.plan(&mut moves, read(1e-4), 0.01, 1.0);
+        let follows = |k: i32| phase(1e-4 + 0.01 * DT * f64::from(k + 1));
+        let shift = (0..1000).map(|k| feedback.step(&mut moves, Some(follows(k)), DT)).last().unwrap();
+        assert!((shift + 0.4 * 1e-4).abs() < 1e-8, "{shift}");
+    }
+
+    #[test]
+    fn the_rounding_of_a_resting_encoder_moves_nothing() {
+        let (feedback, mut state) = (feedback(GAINS), MeasuredFeedbackState::default());
+        feedback.plan(&mut state, read(0.0), 0.0, 1.0);
+        for k in 0..100 {
+            let angle = if k % 2 == 0 { 1.4 * COUNT } else { -1.4 * COUNT };
+            assert_eq!(feedback.step(&mut state, Some(phase(angle)), DT), 0.0);
+        }
+    }
+
+    /// Damping ratio of a load on its spring, whose motor follows at once, from the decay of its energy; zero without D.
+    fn damping_ratio(gains: MeasuredFeedbackParams<f64>) -> f64 {
+        const STEPS: i32 = 2000;
+        let feedback = feedback(gains);
+        let (omega, mut state) = (180.0, MeasuredFeedbackState::default());
+        let (mut e, mut rate) = (1e-3, 0.0);
+        feedback.plan(&mut state, read(e), 1e-9, 1.0);
+        for _ in 0..STEPS {
+            let shift = feedback.step(&mut state, Some(phase(e)), DT);
+            for _ in 0..16 {
+                rate += DT / 16.0 * omega * omega * (shift - e);
+                e += DT / 16.0 * rate;
+            }
+        }
+        let stiffened = omega * (1.0 + gains.proportional).sqrt();
+        let amplitude = (e * e + (rate / stiffened).powi(2)).sqrt();
+        -(amplitude / 1e-3).ln() / (stiffened * f64::from(STEPS) * DT)
+    }
+
+    /// The mode is damped by the ratio D*omega/2, over the root of 1 + P.
+    #[test]
+    fn the_derivative_damps_the_mode() {
+        let fast = MeasuredFeedbackParams { proportional: 0.0, derivative: 1e-3, corner: 2e4 };
+        let ratio = damping_ratio(fast);
+        assert!((ratio / (0.5 * 1e-3 * 180.0) - 1.0).abs() < 0.1, "{ratio}");
+        let with_both = damping_ratio(MeasuredFeedbackParams { proportional: 0.4, ..fast });
+        assert!(with_both > 0.6 * ratio && with_both < ratio, "{with_both} {ratio}");
+    }
+
+    #[test]
+    fn a_count_that_no_joint_reaches_is_refused() {
+        let (feedback, mut state) = (feedback(GAINS), MeasuredFeedbackState::default());
+        feedback.plan(&mut state, read(0.0), 0.0, 1.0);
+        assert_eq!(feedback.step(&mut state, Some(phase(0.1)), DT), 0.0);
+        assert_eq!(feedback.step(&mut state, Some(phase(1e-5)), DT), 0.0);
+        assert_ne!(feedback.step(&mut state, Some(phase(5e-4)), DT), 0.0);
+    }
+
+    /// Where the encoder is lost or the setpoint fast, the shift dies away.
+    #[test]
+    fn without_a_reading_the_shift_dies_away() {
+        let (feedback, mut state) = (feedback(GAINS), MeasuredFeedbackState::default());
+        feedback.plan(&mut state, read(1e-3), 0.01, 1.0);
+        (0..100).for_each(|_| {
+            feedback.step(&mut state, None, DT);
+        });
+        feedback.plan(&mut state, None, 0.01, 1.0);
+        let shift = (0..200).map(|_| feedback.step(&mut state, None, DT)).last().unwrap();
+        assert!(shift.abs() < 1e-9, "{shift}");
+    }
+
+    #[test]
+    fn a_gain_out_of_range_is_named() {
+        let error = |gains| MeasuredFeedback::build(&gains, 5.86, COUNT, DT).unwrap_err();
+        let named = |name| Error::OutOfRange(name);
+        assert_eq!(error(MeasuredFeedbackParams { proportional: 1.1, ..GAINS }), named("proportional"));
+        assert_eq!(error(MeasuredFeedbackParams { derivative: f64::NAN, ..GAINS }), named("derivative"));
+        assert_eq!(error(MeasuredFeedbackParams { corner: -1.0, ..GAINS }), named("measured_corner"));
+    }
+}
