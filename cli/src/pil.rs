@@ -73,7 +73,12 @@ pub struct Arguments {
     /// at all, once the run has ended.
     #[arg(long, value_name = "KEPT.toml", conflicts_with = "replay")]
     keep: Option<PathBuf>,
-    /// Folder for the plots
+    /// Folder for the plots: one SVG file a question
+    ///
+    /// `pil.s2.tracking.svg`: output and its error; `.torsion.svg`; `.torque.svg`: of the motor and external; `.estimates-motion.svg`
+    /// and `.estimates-torque.svg`: errors of the estimates within three standard deviations; `.learnt.svg`: factors learnt;
+    /// `.spectrum.svg`: vibration of the torsion over frequency. With --replay `pil.replay.svg`: measured and predicted output.
+    /// Every controller has the same colour and stroke in all of them.
     #[arg(long, value_name = "DIR", default_value = "out")]
     plots: PathBuf,
     /// Draw the output error of one scenario, with and without the compensator, to this file (SVG)
@@ -263,19 +268,28 @@ fn run_trial(
     let run =
         pil::run(elf, gear, trial, |share| progress.set((share * 1e3) as u64)).map_err(BadInput::message)?;
     drop(progress);
-    let path = arguments.plots.join(format!("pil.{}.svg", trial.name()));
-    files::make_folder(&arguments.plots)?;
-    pil_plots::scenario(&run, gear).write(&path)?;
+    let plots = write_plots(&run, gear, &arguments.plots)?;
     if let Some(path) = &arguments.picture {
         pil_plots::comparison(&run).write(path)?;
     }
     let sample = BoxSample::from_seed(seed);
-    say(format_args!("{}: {}; plot {}", trial.name(), scenario.title(), path.display()));
+    say(format_args!("{}: {}; plots {plots}", trial.name(), scenario.title()));
     say(format_args!(
         "    plant of seed {seed}: friction x {:.3} (input) x {:.3} (output), stiffness x {:.3}, load inertia x {:.3}",
         sample.friction[0], sample.friction[1], sample.stiffness, sample.inertia
     ));
     Ok(run)
+}
+
+/// Writes one file a question; their names for people.
+fn write_plots(run: &ScenarioRun, gear: &GearFile, folder: &Path) -> Result<String, BadInput> {
+    files::make_folder(folder)?;
+    let (start, pages) = (format!("pil.{}", run.trial.name()), pil_plots::scenario(run, gear));
+    for (question, page) in &pages {
+        page.write(&folder.join(format!("{start}.{question}.svg")))?;
+    }
+    let questions: Vec<_> = pages.iter().map(|(question, _)| *question).collect();
+    Ok(format!("{}: {}", folder.join(format!("{start}.*.svg")).display(), questions.join(", ")))
 }
 
 fn trial_figures(run: &ScenarioRun, gear: &GearFile) -> Result<Vec<Figure>, BadInput> {

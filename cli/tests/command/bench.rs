@@ -77,7 +77,8 @@ impl Bench {
         Self::answer(&mut self.command(words))
     }
 
-    fn answer(command: &mut Command) -> Answer {
+    /// Runs a command of [`Self::command`] that was changed.
+    pub fn answer(command: &mut Command) -> Answer {
         let Output { status, stdout, stderr } = command.output().unwrap();
         let text = |bytes| String::from_utf8(bytes).unwrap();
         Answer { code: status.code(), output: text(stdout), error: text(stderr) }

@@ -7,3 +7,4 @@ mod good_input;
 mod identify;
 mod keep;
 mod missed;
+mod set_up;

@@ -26,6 +26,8 @@ struct Played {
     /// Result when rustup adds the target.
     rustup_adds: Option<&'static str>,
     log: RefCell<Vec<String>>,
+    /// Folders that apt and dpkg-deb were told to write to.
+    written: RefCell<Vec<PathBuf>>,
 }
 
 impl Played {
@@ -47,6 +49,7 @@ impl Played {
             refusal: None,
             rustup_adds: None,
             log: RefCell::default(),
+            written: RefCell::default(),
         }
     }
 
@@ -129,6 +132,8 @@ impl Played {
 
     /// Arguments of apt-get without the options that place its state.
     fn apt(&self, arguments: &[&str]) -> Result<String, String> {
+        let written = arguments.iter().filter_map(|word| word.strip_prefix("Dir::")?.split_once('='));
+        self.written.borrow_mut().extend(written.map(|(_, folder)| PathBuf::from(folder)));
         let request = request(arguments);
         let (packages, switches): (Vec<&str>, Vec<&str>) =
             request.iter().partition(|word| !word.starts_with("--"));
@@ -154,6 +159,7 @@ impl Played {
     }
 
     fn extract(&self, archive: &Path, folder: &Path) -> Result<(), String> {
+        self.written.borrow_mut().push(folder.to_owned());
         let package = fs::read_to_string(archive).unwrap();
         let (_, files) = self.offered.get(package.as_str()).ok_or("unexpected end of file")?;
         for file in *files {
@@ -308,6 +314,21 @@ fn a_bare_machine_gets_a_linker_too() {
     let host = Played::new().debian();
     let found = compiler(&host).unwrap();
     assert_eq!(found.linker, Some(host.packages().join("linker/bin/ld.lld")));
+}
+
+/// As a user without rights or as root without sudo: apt and dpkg-deb alone are run, and write to the cache alone.
+#[test]
+fn no_rights_are_needed_but_to_write_the_cache() {
+    let host = Played::new().debian();
+    assert!(compiler(&host).is_ok() && emulator(&host).is_ok());
+    let programs = ["apt-get ", "dpkg-deb "];
+    let commands = host.commands();
+    assert!(commands.iter().all(|command| programs.iter().any(|program| command.starts_with(program))));
+    let written = host.written.borrow();
+    assert!(
+        !written.is_empty() && written.iter().all(|folder| folder.starts_with(&host.cache)),
+        "{written:?}"
+    );
 }
 
 #[test]

@@ -1,52 +1,44 @@
 //! A page drawn with `plotters` on its SVG backend.
 
-use plotters::chart::SeriesLabelPosition;
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
-use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 
 use super::decimate::thin;
-use super::{Page, Panel, Series, Style};
+use super::legend::{self, BAND, SHORT};
+use super::pen::{Colour, colours, stroke, with_dashes};
+use super::{Layout, Page, Panel, Series, Style};
 
 /// `plotters` rounds to whole units: a quarter of a pixel each keeps slanted lines smooth.
-const PIXEL: u32 = 4;
-const WIDTH: u32 = 900 * PIXEL;
+pub(super) const PIXEL: u32 = 4;
+pub(super) const WIDTH: u32 = 900 * PIXEL;
 const TITLE_HEIGHT: u32 = 36 * PIXEL;
-const PANEL_HEIGHT: u32 = 300 * PIXEL;
+pub(super) const PANEL_HEIGHT: u32 = 300 * PIXEL;
 const SMALL_HEIGHT: u32 = 190 * PIXEL;
 
-/// Lengths of a dash and of the space behind it.
-const DASH: (u32, u32) = (6 * PIXEL, 4 * PIXEL);
+/// Height of the panels of a slide together, 16:9 with their title, and the least of one.
+const SLIDE_HEIGHT: u32 = 470 * PIXEL;
+const LEAST_HEIGHT: u32 = 190 * PIXEL;
 
-/// Length of a line's sample in the legend.
-const KEY: i32 = 20 * PIXEL as i32;
+/// Curves on a page that are drawn with a point for every pixel; of more, each has fewer.
+const FINE_CURVES: f64 = 8.0;
 
-/// Okabe and Ito's colours, told apart with any colour vision and in grey print.
-const COLOURS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(230, 159, 0),
-    RGBColor(0, 0, 0),
-];
-
-type Area<DB> = DrawingArea<DB, Shift>;
-type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
-type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+pub(super) type Area<DB> = DrawingArea<DB, Shift>;
+pub(super) type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
+pub(super) type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// Frame of a panel on its page.
-struct Frame {
-    x: (f64, f64),
-    y: (f64, f64),
+pub(super) struct Frame {
+    pub(super) x: (f64, f64),
+    pub(super) y: (f64, f64),
     /// One of several side by side.
-    small: bool,
-    /// Width of a pixel along the x axis.
-    pixel: f64,
+    pub(super) small: bool,
+    /// The legend stands at the right of the axes.
+    pub(super) beside: bool,
+    /// Width along the x axis within which a curve is thinned.
+    pub(super) column: f64,
     /// Labels along the axes.
-    describes: (bool, bool),
+    pub(super) describes: (bool, bool),
 }
 
 impl Frame {
@@ -57,8 +49,7 @@ impl Frame {
 }
 
 pub(super) fn svg(page: &Page) -> String {
-    let panel_height = if page.columns > 1 { SMALL_HEIGHT } else { PANEL_HEIGHT };
-    let height = title_height(page) + panel_height * rows(page) as u32;
+    let height = title_height(page) + panel_height(page) * rows(page) as u32;
     let mut text = String::new();
     {
         let area = SVGBackend::with_string(&mut text, (WIDTH, height)).into_drawing_area();
@@ -66,12 +57,23 @@ pub(super) fn svg(page: &Page) -> String {
     }
     // The size to show it at; the view box keeps the drawing's own units.
     let drawn = format!("width=\"{WIDTH}\" height=\"{height}\"");
-    text.replacen(&drawn, &format!("width=\"{}\" height=\"{}\"", WIDTH / PIXEL, height / PIXEL), 1)
+    let size = format!("width=\"{}\" height=\"{}\"", WIDTH / PIXEL, height / PIXEL);
+    // Rounded, a sharp corner of a broad line is no spike.
+    let shown = format!("{size} stroke-linejoin=\"round\"");
+    with_dashes(&text.replacen(&drawn, &shown, 1))
+}
+
+fn panel_height(page: &Page) -> u32 {
+    match page.layout {
+        Layout::Column => PANEL_HEIGHT,
+        Layout::Multiples(_) => SMALL_HEIGHT,
+        Layout::Slide => (SLIDE_HEIGHT / rows(page) as u32).max(LEAST_HEIGHT),
+    }
 }
 
 /// At least one, so that an empty page has a size.
 fn rows(page: &Page) -> usize {
-    page.panels.len().div_ceil(page.columns).max(1)
+    page.panels.len().div_ceil(page.columns()).max(1)
 }
 
 /// A page without a title has no room for one.
@@ -80,7 +82,7 @@ fn title_height(page: &Page) -> u32 {
 }
 
 /// The viewer's sans-serif, `size` in pixels.
-fn font(size: u32) -> FontDesc<'static> {
+pub(super) fn font(size: u32) -> FontDesc<'static> {
     ("sans-serif", size * PIXEL).into_font()
 }
 
@@ -94,7 +96,7 @@ fn draw_page<DB: DrawingBackend>(page: &Page, area: &Area<DB>) -> Drawn<DB> {
         plotters::style::text_anchor::VPos::Center,
     );
     top.draw(&Text::new(page.title.clone(), (WIDTH as i32 / 2, title_height as i32 / 2), style.pos(centre)))?;
-    for (index, area) in below.split_evenly((rows(page), page.columns)).iter().enumerate() {
+    for (index, area) in below.split_evenly((rows(page), page.columns())).iter().enumerate() {
         if let Some(panel) = page.panels.get(index) {
             draw_panel(panel, area, &frame(page, index))?;
         }
@@ -103,23 +105,37 @@ fn draw_page<DB: DrawingBackend>(page: &Page, area: &Area<DB>) -> Drawn<DB> {
 }
 
 fn frame(page: &Page, index: usize) -> Frame {
-    let small = page.columns > 1;
+    let small = matches!(page.layout, Layout::Multiples(_));
+    let beside = page.layout == Layout::Slide;
     let shared = if small { &page.panels[..] } else { &page.panels[index..=index] };
     let points = || shared.iter().flat_map(|panel| &panel.series).flat_map(Series::finite_points);
     let x = range(points().map(|point| point.0), 0.0);
+    let width = if beside { WIDTH - legend::BESIDE } else { WIDTH / page.columns() as u32 } / PIXEL;
     Frame {
         x,
-        pixel: (x.1 - x.0) * page.columns as f64 / f64::from(WIDTH / PIXEL),
+        column: (x.1 - x.0) / f64::from(width) * coarseness(page),
         y: range(points().map(|point| point.1), 0.05),
         small,
-        describes: (!small || index + page.columns >= page.panels.len(), index.is_multiple_of(page.columns)),
+        beside,
+        describes: (
+            !small || index + page.columns() >= page.panels.len(),
+            index.is_multiple_of(page.columns()),
+        ),
     }
 }
 
+/// Pixels within which a curve is thinned: more on a slide of many curves, so that its file stays small.
+fn coarseness(page: &Page) -> f64 {
+    let curves =
+        page.panels.iter().flat_map(|panel| &panel.series).map(|series| series.style.curves()).sum::<f64>();
+    if page.layout == Layout::Slide { (curves / FINE_CURVES).max(1.0) } else { 1.0 }
+}
+
 fn draw_panel<DB: DrawingBackend>(panel: &Panel, area: &Area<DB>, frame: &Frame) -> Drawn<DB> {
-    let points = || panel.series.iter().flat_map(Series::finite_points);
     let (x, y) = (frame.x, frame.y);
-    let mut builder = ChartBuilder::on(area);
+    let (width, _) = area.dim_in_pixel();
+    let parts = frame.beside.then(|| area.split_horizontally(width - legend::BESIDE));
+    let mut builder = ChartBuilder::on(parts.as_ref().map_or(area, |(left, _)| left));
     builder.margin(frame.size(10, 4) * PIXEL).margin_right(frame.size(20, 10) * PIXEL);
     builder.x_label_area_size(frame.size(40, 36) * PIXEL).y_label_area_size(frame.size(80, 56) * PIXEL);
     if !panel.title.is_empty() {
@@ -128,21 +144,12 @@ fn draw_panel<DB: DrawingBackend>(panel: &Panel, area: &Area<DB>, frame: &Frame)
     let mut chart = builder.build_cartesian_2d(x.0..x.1, y.0..y.1)?;
     draw_axes(panel, &mut chart, frame)?;
     for (series, colour) in panel.series.iter().zip(colours(&panel.series)) {
-        draw_series(series, colour, &mut chart, frame.pixel)?;
+        draw_series(series, colour, &mut chart, frame)?;
     }
-    if panel.series.iter().any(|series| !series.name.is_empty()) {
-        let points: Vec<_> = points().collect();
-        draw_legend(&mut chart, emptiest_place(&points, frame, legend_share(panel)))?;
+    match parts {
+        Some((_, right)) => legend::beside(panel, &right),
+        None => legend::within(panel, &mut chart, frame),
     }
-    Ok(())
-}
-
-/// One each; a curve without a name goes with the last that has one, as the other edge of a band does.
-fn colours(series: &[Series]) -> impl Iterator<Item = RGBColor> {
-    (0..series.len()).map(|index| {
-        let named = series[..=index].iter().rposition(|series| !series.name.is_empty());
-        COLOURS[named.unwrap_or(index) % COLOURS.len()]
-    })
 }
 
 fn draw_axes<'a, DB: DrawingBackend + 'a>(
@@ -170,78 +177,27 @@ fn draw_axes<'a, DB: DrawingBackend + 'a>(
 
 fn draw_series<'a, DB: DrawingBackend + 'a>(
     series: &Series,
-    colour: RGBColor,
+    colour: Colour,
     chart: &mut Chart<'a, DB>,
-    column: f64,
+    frame: &Frame,
 ) -> Drawn<DB> {
-    let style = colour.stroke_width(3 * PIXEL / 2);
-    let thinned = thin(series.finite_points(), column);
-    let drawn = match series.style {
-        Style::Line => chart.draw_series(LineSeries::new(thinned, style))?,
-        Style::Dashed => chart.draw_series(DashedLineSeries::new(thinned, DASH.0, DASH.1, style))?,
-        Style::Points => chart
-            .draw_series(thinned.into_iter().map(|point| Circle::new(point, 3 * PIXEL, colour.filled())))?,
-    };
-    if series.name.is_empty() {
-        return Ok(());
-    }
-    let sample = series.style;
-    drawn.label(&series.name).legend(move |(x, y)| {
-        let ends = [(x, y), (x + KEY, y)];
-        match sample {
-            Style::Line => PathElement::new(ends, style).into_dyn(),
-            Style::Dashed => DashedPathElement::new(ends, DASH.0, DASH.1, style).into_dyn(),
-            Style::Points => Circle::new((x + KEY / 2, y), 3 * PIXEL, colour.filled()).into_dyn(),
+    let thinned = thin(series.finite_points(), frame.column);
+    let filled = colour.rgb().filled();
+    let style = series.style;
+    let drawn = match style {
+        Style::Points => {
+            chart.draw_series(thinned.into_iter().map(|point| Circle::new(point, 3 * PIXEL, filled)))?
         }
-    });
+        Style::Band => {
+            let fill = colour.rgb().mix(BAND).filled();
+            chart.draw_series([Polygon::new(thinned, fill)])?
+        }
+        _ => chart.draw_series(LineSeries::new(thinned, stroke(style, colour)))?,
+    };
+    if !frame.beside && !series.name.is_empty() {
+        drawn.label(&series.name).legend(move |place| legend::sample(style, colour, place, SHORT));
+    }
     Ok(())
-}
-
-fn draw_legend<'a, DB: DrawingBackend + 'a>(
-    chart: &mut Chart<'a, DB>,
-    position: SeriesLabelPosition,
-) -> Drawn<DB> {
-    chart
-        .configure_series_labels()
-        .position(position)
-        .margin(8 * PIXEL)
-        .legend_area_size(30 * PIXEL)
-        .background_style(WHITE.mix(0.8))
-        .border_style(BLACK.mix(0.3).stroke_width(PIXEL))
-        .label_font(font(12))
-        .draw()
-}
-
-/// About what share of its panel a legend covers, along and up.
-fn legend_share(panel: &Panel) -> (f64, f64) {
-    let longest = panel.series.iter().map(|series| series.name.chars().count()).max().unwrap_or(0);
-    let (width, height) = (50.0 + 6.0 * longest as f64, 10.0 + 14.0 * panel.series.len() as f64);
-    // Less what stands around the axes.
-    let axes = (f64::from(WIDTH / PIXEL) - 110.0, f64::from(PANEL_HEIGHT / PIXEL) - 60.0);
-    ((width / axes.0).clamp(0.25, 0.9), (height / axes.1).clamp(0.25, 0.9))
-}
-
-/// The place at the left or right edge where a legend of this share covers the fewest points; the upper right of equals.
-fn emptiest_place(points: &[(f64, f64)], frame: &Frame, (wide, high): (f64, f64)) -> SeriesLabelPosition {
-    let places = [
-        (SeriesLabelPosition::UpperRight, 1.0, 1.0),
-        (SeriesLabelPosition::UpperLeft, 0.0, 1.0),
-        (SeriesLabelPosition::LowerRight, 1.0, 0.0),
-        (SeriesLabelPosition::LowerLeft, 0.0, 0.0),
-        (SeriesLabelPosition::MiddleRight, 1.0, 0.5),
-        (SeriesLabelPosition::MiddleLeft, 0.0, 0.5),
-    ];
-    let covers = |value: f64, (least, most): (f64, f64), share: f64, at: f64| {
-        let from = at * (1.0 - share);
-        (from..=from + share).contains(&((value - least) / (most - least)))
-    };
-    let crowd = |x: f64, y: f64| {
-        let covered =
-            |point: &&(f64, f64)| covers(point.0, frame.x, wide, x) && covers(point.1, frame.y, high, y);
-        points.iter().filter(covered).count()
-    };
-    let best = places.into_iter().min_by_key(|(_, x, y)| crowd(*x, *y));
-    best.map_or(SeriesLabelPosition::UpperRight, |(position, ..)| position)
 }
 
 /// From lowest to highest, widened by a share of the span; a span of 0 by one part of the value.
@@ -299,30 +255,6 @@ mod tests {
         assert_eq!(tick(2.5e-4, (-1e-3, 1e-3)), "2.5e-4");
         assert_eq!(tick(31_000.5, (31_000.0, 31_001.0)), "31000.5");
         assert_eq!(tick(0.0, (-1e-3, 1e-3)), "0");
-    }
-
-    #[test]
-    fn a_curve_without_a_name_goes_with_the_one_before() {
-        let of = |names: &[&str]| -> Vec<_> {
-            let series: Vec<_> = names.iter().map(|name| Series::line(*name, &[], &[])).collect();
-            colours(&series)
-                .map(|colour| COLOURS.iter().position(|known| *known == colour).unwrap())
-                .collect()
-        };
-        assert_eq!(of(&["error", "band", "", "last"]), [0, 1, 1, 3]);
-        assert_eq!(of(&["", ""]), [0, 1]);
-    }
-
-    #[test]
-    fn a_legend_stands_where_it_covers_least() {
-        let frame =
-            Frame { x: (0.0, 1.0), y: (0.0, 1.0), small: false, pixel: 1e-3, describes: (true, true) };
-        let place = |points: &[(f64, f64)], share| format!("{:?}", emptiest_place(points, &frame, share));
-        assert_eq!(place(&[], (0.3, 0.3)), "UpperRight");
-        assert_eq!(place(&[(0.9, 0.9)], (0.3, 0.3)), "UpperLeft");
-        let lines = [(0.5, 0.05), (0.5, 0.95)];
-        assert_eq!(place(&lines, (0.3, 0.3)), "UpperRight");
-        assert_eq!(place(&lines, (0.6, 0.3)), "MiddleRight");
     }
 
     #[test]

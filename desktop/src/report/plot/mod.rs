@@ -1,4 +1,4 @@
-//! Pictures of curves: panels one under the other, or small ones side by side on the same axes, in one SVG file.
+//! Pictures of curves: panels one under the other, small ones side by side on the same axes, or a slide, in one SVG file.
 //!
 //! Text is SVG text in the viewer's sans-serif font: no font file is needed to draw. Curves are
 //! thinned to the picture's resolution by lowest and highest point, so a file stays small and a
@@ -15,10 +15,13 @@
 
 mod decimate;
 mod draw;
+mod legend;
+mod pen;
 
 use std::path::Path;
 
 use crate::io::file::{self, BadInput};
+pub use pen::Colour;
 
 /// Larger numbers (and NaN) are no physical quantity, and the span of two of them can overflow.
 const LARGEST: f64 = 1e100;
@@ -27,8 +30,19 @@ const LARGEST: f64 = 1e100;
 #[derive(Clone, Debug)]
 pub struct Page {
     title: String,
-    columns: usize,
+    layout: Layout,
     panels: Vec<Panel>,
+}
+
+/// Arrangement of the panels of a page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Layout {
+    /// One under the other.
+    Column,
+    /// So many small ones side by side.
+    Multiples(usize),
+    /// One under the other in the shape of a slide, legends beside the axes.
+    Slide,
 }
 
 /// One pair of axes with its curves.
@@ -46,19 +60,32 @@ pub struct Series {
     name: String,
     points: Vec<(f64, f64)>,
     style: Style,
+    colour: Option<Colour>,
 }
 
 /// Style of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Style {
     Line,
+    Broad,
     Dashed,
+    Dotted,
+    DashDotted,
     Points,
+    Band,
+}
+
+impl Style {
+    /// Curves that it takes to draw it: two around a band.
+    fn curves(self) -> f64 {
+        if self == Self::Band { 2.0 } else { 1.0 }
+    }
 }
 
 impl Series {
     fn new(name: impl Into<String>, x: &[f64], y: &[f64], style: Style) -> Self {
-        Self { name: name.into(), points: x.iter().copied().zip(y.iter().copied()).collect(), style }
+        let points = x.iter().copied().zip(y.iter().copied()).collect();
+        Self { name: name.into(), points, style, colour: None }
     }
 
     /// A line through the points; those that are not finite are left out.
@@ -69,6 +96,35 @@ impl Series {
     /// A dashed line: a reference, a setpoint, a bound.
     pub fn dashed(name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
         Self::new(name, x, y, Style::Dashed)
+    }
+
+    /// A broad line, on which another stays visible that runs along it.
+    pub fn broad(name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
+        Self::new(name, x, y, Style::Broad)
+    }
+
+    /// A dotted line.
+    pub fn dotted(name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
+        Self::new(name, x, y, Style::Dotted)
+    }
+
+    /// A line of dashes and dots.
+    pub fn dash_dotted(name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
+        Self::new(name, x, y, Style::DashDotted)
+    }
+
+    /// The area between two curves over the same x.
+    pub fn band(name: impl Into<String>, x: &[f64], [lower, upper]: [&[f64]; 2]) -> Self {
+        let there_and_back: Vec<_> = x.iter().chain(x.iter().rev()).copied().collect();
+        let around: Vec<_> = upper.iter().chain(lower.iter().rev()).copied().collect();
+        Self::new(name, &there_and_back, &around, Style::Band)
+    }
+
+    /// In this colour instead of the panel's next.
+    #[must_use]
+    pub fn coloured(mut self, colour: Colour) -> Self {
+        self.colour = Some(colour);
+        self
     }
 
     /// Single points.
@@ -110,13 +166,30 @@ impl Panel {
 impl Page {
     /// An empty page for panels one under the other, each with axes of its own.
     pub fn new(title: impl Into<String>) -> Self {
-        Self::small_multiples(title, 1)
+        Self::arranged(title, Layout::Column)
+    }
+
+    /// An empty page of the shape 16:9 for up to two panels one under the other, higher for more, with the legends at
+    /// the right of the axes: no curve is hidden.
+    pub fn slide(title: impl Into<String>) -> Self {
+        Self::arranged(title, Layout::Slide)
+    }
+
+    fn arranged(title: impl Into<String>, layout: Layout) -> Self {
+        Self { title: title.into(), layout, panels: Vec::new() }
+    }
+
+    fn columns(&self) -> usize {
+        match self.layout {
+            Layout::Multiples(columns) => columns,
+            Layout::Column | Layout::Slide => 1,
+        }
     }
 
     /// An empty page for small panels row by row, `columns` side by side (1 or more), with the same ranges of both axes
     /// for all: what is written along them stands at the left and at the bottom.
     pub fn small_multiples(title: impl Into<String>, columns: usize) -> Self {
-        Self { title: title.into(), columns: columns.max(1), panels: Vec::new() }
+        Self::arranged(title, if columns > 1 { Layout::Multiples(columns) } else { Layout::Column })
     }
 
     /// With one more panel, below or at the right.
@@ -160,6 +233,20 @@ mod tests {
         assert_eq!(["along", "up"].map(|name| described(Page::small_multiples("", 3), name)), [3, 2]);
     }
 
+    /// Five curves of 100 000 points in each of four panels, of a noise that no thinning by slope can shorten.
+    #[test]
+    fn a_slide_of_long_curves_is_a_small_file() {
+        let time: Vec<f64> = (0..100_000).map(|k| f64::from(k) * 1e-4).collect();
+        let noise: Vec<f64> = (0..100_000u64).map(|k| (k * 7919 % 1009) as f64).collect();
+        let panel = (0..5).fold(Panel::new("time", "s", "noise", "N m"), |panel, _| {
+            panel.with(Series::dashed("noise", &time, &noise))
+        });
+        let slide = (0..4).fold(Page::slide("long"), |slide, _| slide.with(panel.clone()));
+        let svg = slide.to_svg();
+        assert!(svg.len() < 300_000, "{} bytes", svg.len());
+        assert!(svg.contains("stroke-dasharray"));
+    }
+
     proptest! {
         #[test]
         fn any_numbers_make_a_picture(
@@ -168,9 +255,12 @@ mod tests {
         ) {
             let (x, y): (Vec<_>, Vec<_>) = points.into_iter().unzip();
             let panel = Panel::new("x", "1", "y", "N m").titled("any")
-                .with(Series::line("line", &x, &y)).with(Series::dashed("dashed", &y, &x)).with(Series::points("", &x, &x));
-            let svg = Page::small_multiples("any", columns).with(panel.clone()).with(panel).to_svg();
-            prop_assert!(svg.trim_end().ends_with("</svg>") && !svg.contains("NaN") && !svg.contains("inf"));
+                .with(Series::line("line", &x, &y)).with(Series::dashed("dashed", &y, &x)).with(Series::points("", &x, &x))
+                .with(Series::band("band", &x, [&y, &x])).with(Series::broad("broad", &x, &y)).with(Series::dotted("dotted", &x, &y));
+            for page in [Page::small_multiples("any", columns), Page::slide("any")] {
+                let svg = page.with(panel.clone()).with(panel.clone()).to_svg();
+                prop_assert!(svg.trim_end().ends_with("</svg>") && !svg.contains("NaN") && !svg.contains("inf"));
+            }
         }
 
         #[test]
