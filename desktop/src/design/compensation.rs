@@ -43,6 +43,8 @@ const PROPORTIONAL: f64 = 0.4;
 /// omega_m as a multiple of omega: a count of the output encoder moves the reference of a joint in slow motion by
 /// P + 2*zeta*omega_m/omega = 4.4 counts.
 const MEASURED_CORNER: f64 = 5.0;
+/// Largest change of the torque by a count of the output encoder, of the motor's peak torque.
+const COUNT_TORQUE: f64 = 0.05;
 /// k without and with an output encoder, in slow motion and at rest, as fractions of the outer frequency.
 const INTEGRAL: [f64; 2] = [0.0, 0.3];
 const INTEGRAL_AT_REST: [f64; 2] = [0.0, 0.25];
@@ -127,10 +129,16 @@ fn estimated_level(file: &GearFile) -> f64 {
     damping_level(file, lateness(&file.drive) + 0.5 * f64::from(SLOW_PERIODS) * CONTROL_PERIOD)
 }
 
-/// Fraction of P and D.
+/// Fraction of P and D: also so much that a count of the output encoder changes the torque by no more than
+/// [`COUNT_TORQUE`] of the motor's peak torque.
 fn measured_level(file: &GearFile) -> f64 {
     let late = f64::from(1 + file.sensors.output_encoder_delay) * CONTROL_PERIOD;
-    damping_level(file, late + drive_delay(&file.drive))
+    let count = TAU / 2f64.powi(file.sensors.output_bits().cast_signed());
+    let cascade = feedback_params::<f64>(file);
+    let shift = (PROPORTIONAL + 2.0 * MEASURED_DAMPING * MEASURED_CORNER) * count * f64::from(file.gear.ratio);
+    let by_count = shift * cascade.position_gain * cascade.velocity_gain;
+    let quiet = (COUNT_TORQUE * cascade.torque_limit / by_count).min(1.0);
+    quiet * damping_level(file, late + drive_delay(&file.drive))
 }
 
 /// The disturbance path, from the uncertainty of the joint.
@@ -263,6 +271,13 @@ mod tests {
             let levels = [1.0, 0.3, 0.2, 0.1, 0.05].map(|factor| level(&with_load(factor)));
             assert!(levels.is_sorted_by(|lighter, heavier| lighter >= heavier), "{levels:?}");
         }
+        // A count of a coarse encoder would be a pulse of torque.
+        let coarse = |bits| {
+            let mut file = GearFile::default_gear();
+            file.sensors.output_encoder_bits = Some(bits);
+            measured_level(&file)
+        };
+        assert!(coarse(19) == 1.0 && coarse(15) < 0.5 && coarse(14) < 0.6 * coarse(15));
         // What is read acts sooner than what is estimated.
         assert!(measured_level(&with_load(0.1)) > estimated_level(&with_load(0.1)));
     }
