@@ -135,7 +135,8 @@ fn measured_level(file: &GearFile) -> f64 {
     let late = f64::from(1 + file.sensors.output_encoder_delay) * CONTROL_PERIOD;
     let count = TAU / 2f64.powi(file.sensors.output_bits().cast_signed());
     let cascade = feedback_params::<f64>(file);
-    let shift = (PROPORTIONAL + 2.0 * MEASURED_DAMPING * MEASURED_CORNER) * count * f64::from(file.gear.ratio);
+    let shift =
+        (PROPORTIONAL + 2.0 * MEASURED_DAMPING * MEASURED_CORNER) * count * f64::from(file.gear.ratio);
     let by_count = shift * cascade.position_gain * cascade.velocity_gain;
     let quiet = (COUNT_TORQUE * cascade.torque_limit / by_count).min(1.0);
     quiet * damping_level(file, late + drive_delay(&file.drive))

@@ -81,7 +81,8 @@ mod tests {
     #[test]
     fn the_rounding_of_the_encoder_counts_in_motion_alone() {
         let followed = |position_error, rests| {
-            MotorReference { position_error, rests, ..MotorReference::default() }.followed_error(0.0, 1e-4_f64)
+            MotorReference { position_error, rests, ..MotorReference::default() }
+                .followed_error(0.0, 1e-4_f64)
         };
         assert_eq!((followed(0.9e-4, true), followed(-0.9e-4, true)), (0.0, 0.0));
         assert_eq!((followed(0.9e-4, false), followed(3e-4, false)), (0.9e-4, 3e-4));

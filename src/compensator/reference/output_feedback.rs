@@ -181,12 +181,8 @@ mod tests {
     const DT: f64 = 4e-4;
     const INERTIA: f64 = 1.2;
     const STIFFNESS: f64 = 4e4;
-    const GAINS: OutputFeedbackParams<f64> = OutputFeedbackParams {
-        damping: 1.4e-3,
-        integral: 0.0,
-        integral_at_rest: 0.0,
-        filter_corner: 60.0,
-    };
+    const GAINS: OutputFeedbackParams<f64> =
+        OutputFeedbackParams { damping: 1.4e-3, integral: 0.0, integral_at_rest: 0.0, filter_corner: 60.0 };
 
     fn feedback(gains: OutputFeedbackParams<f64>) -> OutputFeedback<f64> {
         OutputFeedback::build(&[gains; 2], INERTIA, 5.86, 1.2e-5, DT).unwrap()
