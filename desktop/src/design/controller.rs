@@ -160,12 +160,7 @@ impl Controller {
             disturbance: parts.disturbance,
             passes: f64::from(u8::from(passes)),
             output_feedback: in_mode(&parts.output_feedback[usize::from(has_output)], stands),
-            // At rest its dead zone holds what is small.
-            measured_feedback: if has_output && !stands {
-                parts.measured_feedback
-            } else {
-                Default::default()
-            },
+            measured_feedback: if has_output { parts.measured_feedback } else { Default::default() },
             reference_frequency: (file.stiffness.k1 / file.inertia.flexspline).sqrt(),
         }
     }
