@@ -30,7 +30,7 @@ use strainwave::compensator::reference::measured_feedback::MeasuredFeedbackParam
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 
-use crate::design::joint::feedback_params;
+use crate::design::feedback::feedback_params;
 use crate::io::gear_file::{Drive, Friction, GearFile};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 

@@ -16,6 +16,7 @@ pub mod compensation;
 pub mod controller;
 pub mod corners;
 mod dense;
+pub mod feedback;
 pub mod joint;
 pub mod judge;
 pub mod level_rule;

@@ -7,7 +7,7 @@ use strainwave::compensator::estimate::observer::ObserverParams;
 use strainwave::compensator::reference::measured_feedback::MeasuredFeedbackParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 
-use crate::design::joint::feedback_params;
+use crate::design::feedback::feedback_params;
 use crate::design::{compensation, observer_design};
 use crate::io::gear_file::GearFile;
 

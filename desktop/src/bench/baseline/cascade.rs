@@ -107,7 +107,7 @@ impl Cascade {
 mod tests {
     use super::*;
     use crate::bench::baseline::Kind;
-    use crate::design::joint;
+    use crate::design::feedback;
 
     /// Untuned, a baseline has the velocity loop of the compensator's own cascade, to the bit.
     #[test]
@@ -115,7 +115,7 @@ mod tests {
         let mut file = GearFile::default_gear();
         file.baselines = None;
         let gains = BaselineGains::of(&file, Kind::B0);
-        let [rule, own] = [feedback_params(&file, &gains), joint::feedback_params(&file)];
+        let [rule, own] = [feedback_params(&file, &gains), feedback::feedback_params(&file)];
         assert_eq!((rule.velocity_gain, rule.filter_corner), (own.velocity_gain, own.filter_corner));
     }
 
