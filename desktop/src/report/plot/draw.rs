@@ -1,19 +1,14 @@
 //! A page drawn with `plotters` on its SVG backend.
 
-use plotters::coord::Shift;
-use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
+use super::canvas::{Area, Chart, Drawn, Frame, PANEL_HEIGHT, PIXEL, WIDTH, font};
 use super::decimate::thin;
 use super::legend::{self, BAND, SHORT};
 use super::pen::{Colour, colours, stroke, with_dashes};
 use super::{Layout, Page, Panel, Series, Style};
 
-/// `plotters` rounds to whole units: a quarter of a pixel each keeps slanted lines smooth.
-pub(super) const PIXEL: u32 = 4;
-pub(super) const WIDTH: u32 = 900 * PIXEL;
 const TITLE_HEIGHT: u32 = 36 * PIXEL;
-pub(super) const PANEL_HEIGHT: u32 = 300 * PIXEL;
 const SMALL_HEIGHT: u32 = 190 * PIXEL;
 
 /// Height of the panels of a slide together, 16:9 with their title, and the least of one.
@@ -22,31 +17,6 @@ const LEAST_HEIGHT: u32 = 190 * PIXEL;
 
 /// Curves on a page that are drawn with a point for every pixel; of more, each has fewer.
 const FINE_CURVES: f64 = 8.0;
-
-pub(super) type Area<DB> = DrawingArea<DB, Shift>;
-pub(super) type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
-pub(super) type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
-
-/// Frame of a panel on its page.
-pub(super) struct Frame {
-    pub(super) x: (f64, f64),
-    pub(super) y: (f64, f64),
-    /// One of several side by side.
-    pub(super) small: bool,
-    /// The legend stands at the right of the axes.
-    pub(super) beside: bool,
-    /// Width along the x axis within which a curve is thinned.
-    pub(super) column: f64,
-    /// Labels along the axes.
-    pub(super) describes: (bool, bool),
-}
-
-impl Frame {
-    /// The size of large writing, or of small.
-    fn size(&self, large: u32, small: u32) -> u32 {
-        if self.small { small } else { large }
-    }
-}
 
 pub(super) fn svg(page: &Page) -> String {
     let height = title_height(page) + panel_height(page) * rows(page) as u32;
@@ -79,11 +49,6 @@ fn rows(page: &Page) -> usize {
 /// A page without a title has no room for one.
 fn title_height(page: &Page) -> u32 {
     if page.title.is_empty() { 0 } else { TITLE_HEIGHT }
-}
-
-/// The viewer's sans-serif, `size` in pixels.
-pub(super) fn font(size: u32) -> FontDesc<'static> {
-    ("sans-serif", size * PIXEL).into_font()
 }
 
 fn draw_page<DB: DrawingBackend>(page: &Page, area: &Area<DB>) -> Drawn<DB> {

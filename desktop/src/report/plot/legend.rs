@@ -5,7 +5,7 @@ use plotters::element::DynElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::draw::{Area, Chart, Drawn, Frame, PANEL_HEIGHT, PIXEL, WIDTH, font};
+use super::canvas::{Area, Chart, Drawn, Frame, PANEL_HEIGHT, PIXEL, WIDTH, font};
 use super::pen::{Colour, colours, stroke};
 use super::{Panel, Series, Style};
 

@@ -13,6 +13,7 @@
 //! assert!(svg.starts_with("<svg") && svg.contains("torsion [rad]"));
 //! ```
 
+mod canvas;
 mod decimate;
 mod draw;
 mod legend;

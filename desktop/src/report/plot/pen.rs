@@ -2,7 +2,7 @@
 
 use plotters::style::{Color as _, RGBColor, ShapeStyle};
 
-use super::draw::PIXEL;
+use super::canvas::PIXEL;
 use super::{Series, Style};
 
 /// Okabe and Ito's colours, told apart with any colour vision and in grey print.
