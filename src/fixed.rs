@@ -80,7 +80,7 @@ pub trait Fixed<R>:
     /// Linear between two entries.
     fn between(near: Self::Entry, far: Self::Entry, fraction: Self) -> Self;
     /// `self` times a fraction, or a difference of two.
-    fn share(self, fraction: Self) -> Self;
+    fn scaled(self, fraction: Self) -> Self;
     /// Half of it.
     fn half(self) -> Self;
 }
@@ -118,7 +118,7 @@ macro_rules! common {
             self ^ frame.cast_signed()
         }
         #[inline(always)]
-        fn share(self, fraction: Self) -> Self {
+        fn scaled(self, fraction: Self) -> Self {
             // The high word of the product is one instruction.
             (((self as $double * fraction as $double) >> Self::BITS) as Self) << 1
         }
@@ -208,6 +208,6 @@ impl Fixed<f64> for i64 {
     }
     #[inline(always)]
     fn between(near: Self, far: Self, fraction: Self) -> Self {
-        near + (far - near).share(fraction)
+        near + (far - near).scaled(fraction)
     }
 }

@@ -31,8 +31,8 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     crate::files::require_writable(arguments.figures.json.as_deref())?;
     let mut progress = Progress::new(1000, "rounds");
-    let share = |share: f64| progress.set((share * 1e3) as u64);
-    let found = speed::measure(&GearFile::default_gear(), arguments.rounds as usize, share);
+    let fraction = |fraction: f64| progress.set((fraction * 1e3) as u64);
+    let found = speed::measure(&GearFile::default_gear(), arguments.rounds as usize, fraction);
     drop(progress);
     let found = found.map_err(BadInput::message)?;
     say(format_args!("{}", columns(&table(&found))));

@@ -60,8 +60,8 @@ fn judge(board: &str, overwrite: bool) -> Result<Vec<Figure>, BadInput> {
             let mut progress = Progress::new(1000, scenario.title());
             let mut trial = Trial::from_rest(&gear, scenario, 1);
             trial.conditions.sensors = sensors;
-            let run = pil::compensated(&firmware.elf, arguments, &gear, &trial, |share| {
-                progress.set((share * 1e3) as u64)
+            let run = pil::compensated(&firmware.elf, arguments, &gear, &trial, |fraction| {
+                progress.set((fraction * 1e3) as u64)
             })?;
             deepest = deepest.max(Some(run.ending.stack));
         }
@@ -78,7 +78,7 @@ fn judge(board: &str, overwrite: bool) -> Result<Vec<Figure>, BadInput> {
     }
     if budget.any_input.is_some() && budget.emulated {
         let mut progress = Progress::new(1000, "any input");
-        let found = any_input::search(&firmware.elf, &gear, |share| progress.set((share * 1e3) as u64));
+        let found = any_input::search(&firmware.elf, &gear, |fraction| progress.set((fraction * 1e3) as u64));
         measured.any_input = Some(found.map_err(BadInput::message)?);
     }
     if overwrite {

@@ -101,7 +101,7 @@ fn levels(functions: Functions, file: &GearFile, parts: &Parts) -> Allowed {
         Functions::None => all(Levels::NONE),
         Functions::Rule => {
             let mut progress = Progress::new(1000, "levels");
-            level_rule::levels(file, parts, |share| progress.set((share * 1e3) as u64))
+            level_rule::levels(file, parts, |fraction| progress.set((fraction * 1e3) as u64))
         }
     }
 }
@@ -129,7 +129,8 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     parts.feedback = rule.map_or(parts.feedback, |gains| gains.params(&file));
     let allowed = levels(arguments.functions, &file, &parts);
     let mut progress = Progress::new(1000, "margins");
-    let report = Report::of(&file, &parts, rule, allowed.levels, |share| progress.set((share * 1e3) as u64));
+    let report =
+        Report::of(&file, &parts, rule, allowed.levels, |fraction| progress.set((fraction * 1e3) as u64));
     drop(progress);
     print(&report, &allowed);
     if arguments.sweep {

@@ -48,7 +48,7 @@ pub fn inject(
     arguments: &FiguresArguments,
 ) -> Result<Figures, BadInput> {
     let mut progress = Progress::new(1000, "injected faults");
-    let report = faults::measure(gear, first, count, |share| progress.set((share * 1e3) as u64));
+    let report = faults::measure(gear, first, count, |fraction| progress.set((fraction * 1e3) as u64));
     drop(progress);
     let report = report.map_err(BadInput::message)?;
     for outcome in report.outcomes.iter().filter(|outcome| count == 1 || outcome.is_unsafe()) {

@@ -37,11 +37,11 @@ pub struct Arguments {
     #[arg(long, value_name = "OUT.toml")]
     output: PathBuf,
     /// Fraction of each log, from its start, that trains; 0.2 to 1
-    #[arg(long, value_name = "SHARE", default_value_t = 0.5, allow_hyphen_values = true)]
+    #[arg(long, value_name = "FRACTION", default_value_t = 0.5, allow_hyphen_values = true)]
     training: f64,
     /// The joint moves: learn friction, kinematic error and stiffness instead, from one log
     ///
-    /// Needed are t_s, theta_motor_rad, tau_motor_nm and theta_out_rad. The share that trains is that of the motor's path. What
+    /// Needed are t_s, theta_motor_rad, tau_motor_nm and theta_out_rad. The fraction that trains is that of the motor's path. What
     /// is learnt: levels of the input friction, orders of the kinematic error at the log's motor angle, the error
     /// of the output encoder's scale, a factor on the stiffness line, and how far the observer trusts the motor torque.
     #[arg(long, conflicts_with_all = ["levels", "smoothing"])]
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         files::require_writable(path)?;
     }
     let mut progress = Progress::new(1000, "identifying");
-    let found = identify_gear(&base, &logs, &options, |share| progress.set((share * 1e3) as u64))
+    let found = identify_gear(&base, &logs, &options, |fraction| progress.set((fraction * 1e3) as u64))
         .map_err(BadInput::message)?;
     drop(progress);
     found.gear.write(&arguments.output)?;
@@ -123,7 +123,7 @@ fn moving(arguments: &Arguments, base: &GearFile) -> Result<Figures, BadInput> {
         files::require_writable(path)?;
     }
     let mut progress = Progress::new(1000, "learning");
-    let found = learn_gear(base, &log, arguments.training, |share| progress.set((share * 1e3) as u64))
+    let found = learn_gear(base, &log, arguments.training, |fraction| progress.set((fraction * 1e3) as u64))
         .map_err(|why| BadInput::new(path, why))?;
     drop(progress);
     found.gear.write(&arguments.output)?;
@@ -199,7 +199,7 @@ fn describe(found: &IdentifiedGear) -> String {
          the base gear's",
         found.levels,
         found.smoothing,
-        100.0 * found.excitation.share()
+        100.0 * found.excitation.fraction()
     )
 }
 
@@ -210,7 +210,7 @@ fn figures(found: &IdentifiedGear) -> Vec<Figure> {
         Figure::reported("identify.hysteresis.width", width, "rad"),
         Figure::reported("identify.hysteresis.levels", found.levels as f64, "1"),
         Figure::reported("identify.hysteresis.smoothing", found.smoothing, "1"),
-        Figure::reported("identify.hysteresis.excited", found.excitation.share(), "1"),
+        Figure::reported("identify.hysteresis.excited", found.excitation.fraction(), "1"),
         Figure::reported("identify.validation.rms", found.validation_rms, "rad"),
         Figure::reported("identify.training.rms", found.training_rms, "rad"),
     ];

@@ -51,8 +51,8 @@ pub struct Arguments {
     /// Measured log for the observer; needs --gear
     #[arg(long, value_name = "LOG.csv", requires = "gear")]
     replay: Option<PathBuf>,
-    /// First learn the gear from this share of the log's motion, 0.2 to 0.9, and judge on the rest
-    #[arg(long, value_name = "SHARE", requires = "replay", allow_hyphen_values = true)]
+    /// First learn the gear from this fraction of the log's motion, 0.2 to 0.9, and judge on the rest
+    #[arg(long, value_name = "FRACTION", requires = "replay", allow_hyphen_values = true)]
     learn: Option<f64>,
     /// The log's motor torque counts against its motor angle
     #[arg(long, requires = "replay")]
@@ -193,15 +193,15 @@ fn learn(
     gear: &mut GearFile,
     log: Option<&MeasuredLog>,
 ) -> Result<Option<f64>, BadInput> {
-    let (Some(share), Some(log), Some(path)) = (arguments.learn, log, &arguments.replay) else {
+    let (Some(fraction), Some(log), Some(path)) = (arguments.learn, log, &arguments.replay) else {
         return Ok(None);
     };
-    if !(0.2..=0.9).contains(&share) {
-        let why = format_args!("--learn {share} is out of range; allowed: a number from 0.2 to 0.9");
+    if !(0.2..=0.9).contains(&fraction) {
+        let why = format_args!("--learn {fraction} is out of range; allowed: a number from 0.2 to 0.9");
         return Err(BadInput::message(why));
     }
     let mut progress = Progress::new(1000, "learning");
-    let found = learn_gear(gear, log, share, |share| progress.set((share * 1e3) as u64))
+    let found = learn_gear(gear, log, fraction, |fraction| progress.set((fraction * 1e3) as u64))
         .map_err(|why| BadInput::new(path, why))?;
     drop(progress);
     *gear = found.gear;
@@ -247,8 +247,8 @@ fn scenarios(
 /// The compensator against the baselines on the desktop, every row the worst of many plant samples.
 fn table(gear: &GearFile) -> Result<Vec<Figure>, BadInput> {
     let mut progress = Progress::new(1000, "compensator and baselines");
-    let measured = compensator::against_baselines(gear, compensator::SAMPLES, 0, |share| {
-        progress.set((share * 1e3) as u64)
+    let measured = compensator::against_baselines(gear, compensator::SAMPLES, 0, |fraction| {
+        progress.set((fraction * 1e3) as u64)
     })
     .map_err(BadInput::message)?;
     Ok(measured.figures)
@@ -265,8 +265,8 @@ fn run_trial(
     let learning = trial.learns_ripple().then(|| pil::build(&arguments.board, &trial.controller_gear(gear)));
     let learning = learning.transpose().map_err(BadInput::message)?;
     let elf = learning.as_ref().map_or(elf, |firmware| &firmware.elf);
-    let run =
-        pil::run(elf, gear, trial, |share| progress.set((share * 1e3) as u64)).map_err(BadInput::message)?;
+    let run = pil::run(elf, gear, trial, |fraction| progress.set((fraction * 1e3) as u64))
+        .map_err(BadInput::message)?;
     drop(progress);
     let plots = write_plots(&run, gear, &arguments.plots)?;
     if let Some(path) = &arguments.picture {
@@ -343,7 +343,7 @@ fn replay(
     learnt: Option<f64>,
 ) -> Result<Vec<Figure>, BadInput> {
     let mut progress = Progress::new(1000, "replay");
-    let replay = pil::replay(elf, gear, log, learnt, |share| progress.set((share * 1e3) as u64))
+    let replay = pil::replay(elf, gear, log, learnt, |fraction| progress.set((fraction * 1e3) as u64))
         .map_err(BadInput::message)?;
     drop(progress);
     files::make_folder(&arguments.plots)?;

@@ -50,7 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         files::require_folder(pictures)?;
     }
     let mut progress = Progress::new(1000, "measuring and drawing");
-    let report = report::build(&gear, |share| progress.set((share * 1e3) as u64))?;
+    let report = report::build(&gear, |fraction| progress.set((fraction * 1e3) as u64))?;
     drop(progress);
     files::make_folder(folder)?;
     file::write(output, |out| Ok(out.write_all(report.html.as_bytes())?))?;

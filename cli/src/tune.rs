@@ -80,7 +80,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     }
     if let Some(plants) = arguments.report {
         let mut progress = Progress::new(1000, "baselines");
-        let measured = baselines::measure(&file, plants, |share| progress.set((share * 1e3) as u64))
+        let measured = baselines::measure(&file, plants, |fraction| progress.set((fraction * 1e3) as u64))
             .map_err(BadInput::message)?;
         drop(progress);
         return Ok(Figures::new(measured.figures, &arguments.figures));
@@ -103,9 +103,10 @@ fn tune(arguments: &Arguments, file: &GearFile, kind: Kind) -> Result<Tuned, Bad
     let mut progress = Progress::new(1000, kind.name());
     let training =
         arguments.joints.map_or_else(|| Training::Plants(arguments.seeds.clone()), Training::Joints);
-    let found =
-        search::tune(file, kind, &training, arguments.budget, |share| progress.set((share * 1e3) as u64))
-            .map_err(BadInput::message)?;
+    let found = search::tune(file, kind, &training, arguments.budget, |fraction| {
+        progress.set((fraction * 1e3) as u64)
+    })
+    .map_err(BadInput::message)?;
     drop(progress);
     say(format_args!("{}: {}", kind.name(), describe(kind, &found.after.0)));
     Ok(found)

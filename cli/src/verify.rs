@@ -155,8 +155,10 @@ fn against_baselines(arguments: &Arguments) -> Result<Measured, BadInput> {
     let mut progress = Progress::new(1000, "compensator and baselines");
     let (gear, [samples, box_samples]) =
         (GearFile::default_gear(), [arguments.samples, arguments.box_samples]);
-    compensator::against_baselines(&gear, samples, box_samples, |share| progress.set((share * 1e3) as u64))
-        .map_err(BadInput::message)
+    compensator::against_baselines(&gear, samples, box_samples, |fraction| {
+        progress.set((fraction * 1e3) as u64)
+    })
+    .map_err(BadInput::message)
 }
 
 /// On plants that the controllers do not know; its table is one line a row.
@@ -173,8 +175,8 @@ fn against_unknowns(arguments: &Arguments) -> Result<Figures, BadInput> {
     };
     let mut progress = Progress::new(1000, "judged plants");
     let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
-    let measured = robustness::measure(&gear, &request, |share| {
-        progress.set((share * 1e3) as u64);
+    let measured = robustness::measure(&gear, &request, |fraction| {
+        progress.set((fraction * 1e3) as u64);
     });
     drop(progress);
     let found = measured.map_err(BadInput::message)?;
@@ -191,8 +193,8 @@ fn against_unknowns(arguments: &Arguments) -> Result<Figures, BadInput> {
 fn again(arguments: &Arguments, gear: &GearFile, found: &Robustness) -> Result<Vec<Figure>, BadInput> {
     let worst = found.worst_runs(arguments.again as usize);
     let mut progress = Progress::new(1000, "reference mesh and firmware");
-    let share = |share: f64| progress.set((share * 1e3) as u64);
-    let figures = rerun::measure(emulated::BOARD, gear, &worst, share).map_err(BadInput::message)?;
+    let fraction = |fraction: f64| progress.set((fraction * 1e3) as u64);
+    let figures = rerun::measure(emulated::BOARD, gear, &worst, fraction).map_err(BadInput::message)?;
     drop(progress);
     say(format_args!("\n{}", figures_table(&figures)));
     Ok(figures)
@@ -213,7 +215,7 @@ fn across_the_catalogue(arguments: &Arguments) -> Result<Figures, BadInput> {
     }
     let mut progress = Progress::new(1000, "joints of the catalogue");
     let request = catalogue::Request { set, first, count };
-    let measured = catalogue::measure(&request, |share| progress.set((share * 1e3) as u64));
+    let measured = catalogue::measure(&request, |fraction| progress.set((fraction * 1e3) as u64));
     drop(progress);
     let found = measured.map_err(BadInput::message)?;
     say(format_args!("{}", columns(&found.table())));
@@ -235,5 +237,5 @@ fn emulated_parts(firmware: bool, flexspline: bool) -> Option<Parts> {
 
 fn measure_emulated(parts: Parts) -> Result<Measured, BadInput> {
     let mut progress = Progress::new(1000, "emulator");
-    emulated::measure(parts, |share| progress.set((share * 1e3) as u64)).map_err(BadInput::message)
+    emulated::measure(parts, |fraction| progress.set((fraction * 1e3) as u64)).map_err(BadInput::message)
 }

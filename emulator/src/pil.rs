@@ -151,9 +151,9 @@ impl ScenarioRun {
     /// A plant whose stiffness line is none.
     pub fn health(&self, file: &GearFile) -> Result<Vec<Figure>, strainwave::Error> {
         let (judged, scenario) = (Judged::of(file, &self.plant), self.trial.scenario);
-        let course = |run: &Run| judged.without_rest(scenario, &run.trace);
+        let judged_part = |run: &Run| judged.without_rest(scenario, &run.trace);
         let (name, ours) =
-            (|rest: &str| format!("pil.{}.{rest}", self.trial.name()), course(&self.target.run)?);
+            (|rest: &str| format!("pil.{}.{rest}", self.trial.name()), judged_part(&self.target.run)?);
         let faults = || self.target.faults.times();
         let counted = faults().filter(|(fault, ..)| *fault != Faults::TORQUE_LIMITED).count();
         let mut figures = vec![bounds::figure_as(name("faults"), "pil.faults", counted as f64)];
@@ -164,7 +164,7 @@ impl ScenarioRun {
         figures.push(bounds::figure_as(name("limited"), "pil.limited", ours.limited));
         let compared = if metrics(scenario).is_empty() { &[] } else { &self.baselines[..] };
         for (baseline, run) in compared {
-            let theirs = course(run)?;
+            let theirs = judged_part(run)?;
             let worse = ours.worse_metrics(&theirs) as f64;
             figures.push(bounds::figure_as(name(&format!("{baseline}.worse")), "pil.worse_marks", worse));
             let ratio = |(metric, (ours, theirs)): (&Metric, (&f64, &f64))| {
@@ -324,7 +324,7 @@ pub fn compensated(
             progress(k as f64 / count * work / whole);
         })?;
     }
-    let part = |share: f64| progress((work + share * trial.scenario.duration()) / whole);
+    let part = |fraction: f64| progress((work + fraction * trial.scenario.duration()) / whole);
     let run = closed_loop::go_on(&mut bench, trial.scenario, &mut target, part)?;
     run.trace.iter().for_each(|row| faults.add(row.answer.faults));
     let (agreement, learnt) = (target.agreement(), Learnt::of(&target.learnt()));

@@ -77,7 +77,7 @@ pub fn measure(parts: Parts, mut progress: impl FnMut(f64)) -> Result<Measured, 
     let elf = pil::build(BOARD, &GearFile::default_gear())?.elf;
     let mut runs = Vec::new();
     let mut run = |arguments: &[String]| -> Result<(), Error> {
-        runs = scenarios(&elf, arguments, |share| progress(0.9 * share))?;
+        runs = scenarios(&elf, arguments, |fraction| progress(0.9 * fraction))?;
         Ok(())
     };
     let costs =
@@ -173,7 +173,7 @@ fn scenarios(
     let gear = GearFile::default_gear();
     let mut runs = Vec::new();
     for (done, scenario) in Scenario::ALL.into_iter().enumerate() {
-        let part = |share: f64| progress((done as f64 + share) / Scenario::ALL.len() as f64);
+        let part = |fraction: f64| progress((done as f64 + fraction) / Scenario::ALL.len() as f64);
         let trial = Trial::from_rest(&gear, scenario, SEED);
         runs.push((scenario, pil::compensated(elf, arguments, &gear, &trial, part)?));
     }

@@ -38,7 +38,7 @@ struct Joint {
 }
 
 impl Joint {
-    /// At rest, with all shares on.
+    /// At rest, with all functions on.
     fn new() -> Self {
         let file = GearFile::default_gear();
         let params: JointParams<f64> = joint_params(&file).unwrap();
@@ -214,7 +214,7 @@ fn shares_of_either_direction_cross_over_without_a_step() {
     assert!(fed[500..1000].iter().all(|torque| *torque == 0.0), "backward nothing is fed forward");
     assert!(fed[3999].abs() > 0.01, "{}", fed[3999]);
     let step = fed[500..].windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f32::max);
-    // A share goes from 0 to 1 within 20 ms at the fastest, in a step every 2.4 ms.
+    // A gain goes from 0 to 1 within 20 ms at the fastest, in a step every 2.4 ms.
     assert!(step <= 0.13 * fed[3999].abs().max(0.05), "{step}");
 }
 

@@ -148,7 +148,7 @@ fn before_the_first_move_it_feeds_nothing() {
     assert!((0..1000).all(|_| joint.torque(0.3, 0.0) == 0.0));
 }
 
-/// At rest the torque only falls, from within the share of what static friction holds to nothing.
+/// At rest the torque only falls, from at most the friction gain times static friction to nothing.
 #[test]
 fn at_rest_it_does_not_hunt() {
     for amplitude in [0.5, -0.05, 1e-4, 3e-6] {
@@ -165,7 +165,7 @@ fn at_rest_it_does_not_hunt() {
 }
 
 /// The motor alone pushes a joint whose friction is less than the controller assumes, by all that it may be:
-/// with the default share and no feedback at all the joint stays within a few presliding lengths, and comes to rest.
+/// with the default friction gain and no feedback at all the joint stays within a few presliding lengths, and comes to rest.
 #[test]
 fn at_rest_it_does_not_drive_a_joint_of_less_friction() {
     let mut joint = Joint::new();

@@ -50,7 +50,7 @@ fn the_weights_come_back_from_what_excites_them_all() {
         let output = outputs(&weights, &input);
         let found = identify::<L>(Sequence { input: &input, output: &output }, &exact()).unwrap();
         assert!(furthest(&found.weights, &weights) < 2e-4, "{}", furthest(&found.weights, &weights));
-        assert!(found.excitation.share() == 1.0 && found.training_rms < 1e-4);
+        assert!(found.excitation.fraction() == 1.0 && found.training_rms < 1e-4);
     }
 }
 
@@ -108,8 +108,8 @@ fn what_was_not_moved_is_told_and_continued() {
     let output = outputs(&weights, &input);
     let options = Options { training: 1.0, ..Options::new(U) };
     let found = identify::<L>(Sequence { input: &input, output: &output }, &options).unwrap();
-    let share = found.excitation.share();
-    assert!((0.2..0.4).contains(&share), "{share}");
+    let fraction = found.excitation.fraction();
+    assert!((0.2..0.4).contains(&fraction), "{fraction}");
     assert!(
         found.excitation.moved[6][5]
             && !found.excitation.moved[L - 1][0]
@@ -141,7 +141,7 @@ fn what_shows_no_hysteresis_is_refused_by_name() {
     assert_eq!(bad(Options { training: 0.0, ..exact() }), "training is out of range");
 }
 
-/// A joint of the default gear, softer by `factor`, with weights of its own, under a course of torsions up to rated
+/// A joint of the default gear, softer by `factor`, with weights of its own, under a sequence of torsions up to rated
 /// torque; torque and torsion with the noise of sensors.
 struct Joint {
     base: GearFile,

@@ -272,7 +272,7 @@ fn what_is_no_import_closes_no_circle() {
         let files = [("", ""), ("a", "use crate::b::B;"), ("b", back)];
         assert_eq!(circle(&imported(&files)), None, "{back}");
     }
-    // What a folder's files share.
+    // What a folder's files have in common.
     let shared = [("", ""), ("a", "pub mod b;\nuse b::B;\nstruct A;"), ("a::b", "use super::A;")];
     assert_eq!(circle(&imported(&shared)), None);
 }

@@ -426,11 +426,11 @@ mod tests {
     /// Twisted at once and left to ring, just below the bound; well above it the same motion diverges.
     #[test]
     fn the_stable_step_is_stable_and_not_much_too_short() {
-        fn rings<const N: usize, const M: usize>(share: f64) -> bool {
+        fn rings<const N: usize, const M: usize>(fraction: f64) -> bool {
             let bound = Mesh::<f64, N, M>::stable_step(&SIZE_25);
             let mut mesh = Mesh::<f64, N, M>::build(&SIZE_25, 0.9 * bound).unwrap();
             let mut state = mesh.rest();
-            mesh = mesh.with_step(share * bound);
+            mesh = mesh.with_step(fraction * bound);
             let ends = Ends { drive: Angle::from_radians(1e-3), ..Ends::default() };
             for _ in 0..20_000 {
                 mesh.step(&mut state, &ends);

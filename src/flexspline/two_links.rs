@@ -169,18 +169,18 @@ mod tests {
         /// The paper: L2 is stretched for any displacement forwards; L1 is clamped up to a, stretched from there to 2*a.
         #[test]
         fn the_first_link_shortens_up_to_a_and_lengthens_from_there(
-            reach in 1e-3..0.02f64, height in 1e-3..0.02f64, share in 0.01..1.98f64,
+            reach in 1e-3..0.02f64, height in 1e-3..0.02f64, fraction in 0.01..1.98f64,
         ) {
-            prop_assume!((share - 1.0).abs() > 1e-3);
+            prop_assume!((fraction - 1.0).abs() > 1e-3);
             let pair = relaxed(reach, height);
             let rest = pair.lengths(0.0);
             let [[before, _], [first, second], [after, _]] =
-                [share - 0.01, share, share + 0.01].map(|share| pair.lengths(share * reach));
+                [fraction - 0.01, fraction, fraction + 0.01].map(|fraction| pair.lengths(fraction * reach));
             prop_assert!(second > rest[1]);
             prop_assert!(first >= height && first < rest[0]);
-            prop_assert_eq!(after > before, share > 1.0);
+            prop_assert_eq!(after > before, fraction > 1.0);
             // Until then it pushes back, from there on forwards.
-            prop_assert_eq!(pair.forces(share * reach)[0] < 0.0, share > 1.0);
+            prop_assert_eq!(pair.forces(fraction * reach)[0] < 0.0, fraction > 1.0);
         }
 
         /// From rest the curve hardens exactly where b > 2*a.

@@ -146,12 +146,12 @@ impl<R: Real, const L: usize> Everett<R, L> {
             let entries = self.columns.as_flattened();
             let start = R::Fixed::between(entries[corner - 1], entries[corner + L - 1], from);
             let slope = R::Fixed::between(entries[corner], entries[corner + L], from) - start;
-            return Change { value: start + slope.share(to), slope };
+            return Change { value: start + slope.scaled(to), slope };
         }
         cheaper();
         // In a cell of the diagonal.
         let slope = R::Fixed::output(self.columns[to_cell][to_cell]);
-        Change { value: slope.share(to - from), slope }
+        Change { value: slope.scaled(to - from), slope }
     }
 
     /// The cell of a branch in which the output has `reached` its target, a function of an edge and the output
@@ -179,7 +179,7 @@ impl<R: Real, const L: usize> Everett<R, L> {
         cheaper();
         // On the diagonal: through the start.
         let slope = self.entry(cell + 1, cell);
-        Climb { cell, start: start.output - slope.share(from), slope }
+        Climb { cell, start: start.output - slope.scaled(from), slope }
     }
 
     /// The same of the virgin curve, on which both ends of G move: its curvature in the cells is the second value.

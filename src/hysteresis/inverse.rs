@@ -118,10 +118,10 @@ impl<R: Real, const L: usize, const MEMORY: usize> TorsionInverse<'_, R, L, MEMO
         let [lower, upper] = [climb.cell, climb.cell + 1].map(|edge| staircase.edge(edge));
         let mut torsion = lower;
         for _ in 0..PIECES {
-            let share = (torsion - lower) * staircase.cells_per_unit();
-            let missing = torque - self.line.torque(torsion) - start - share * (slope + share * bend);
+            let fraction = (torsion - lower) * staircase.cells_per_unit();
+            let missing = torque - self.line.torque(torsion) - start - fraction * (slope + fraction * bend);
             let (stiffness, end) = self.line.piece_from(torsion);
-            let rise = slope + bend * (share + share) + stiffness * staircase.cell_width();
+            let rise = slope + bend * (fraction + fraction) + stiffness * staircase.cell_width();
             let found = torsion + quadratic_root(missing, rise, bend) * staircase.cell_width();
             if found <= end.min(upper) {
                 return found;
@@ -155,21 +155,21 @@ impl<R: Real, const L: usize, const MEMORY: usize> Inverse<'_, R, L, MEMORY> {
         };
         let climb = staircase.everett().climb(&start, |_, output| output >= target.to);
         let value = target.to - climb.start;
-        let share = if value < climb.slope {
+        let fraction = if value < climb.slope {
             value.real() / climb.slope.real()
         } else {
             cheaper();
             R::ONE
         };
-        staircase.cells(climb.cell, share) * width
+        staircase.cells(climb.cell, fraction) * width
     }
 
     #[inline(always)]
     fn on_virgin_curve(&self, to: R::Fixed) -> R {
         let (climb, bend) = self.staircase.everett().climb_virgin_curve(|_, output| output >= to);
-        let share = quadratic_root((to - climb.start).real(), climb.slope.real(), bend.real());
+        let fraction = quadratic_root((to - climb.start).real(), climb.slope.real(), bend.real());
         // In a cell without a slope, not a number counts as its end.
-        self.staircase.cells(climb.cell, share.min(R::ONE))
+        self.staircase.cells(climb.cell, fraction.min(R::ONE))
     }
 }
 
@@ -245,7 +245,7 @@ mod tests {
     }
 
     /// Largest distance of a target output from the one that the input gives, and of an input
-    /// from the one that its output gives, as shares of their spans.
+    /// from the one that its output gives, as fractions of their spans.
     fn round_trip<R: Real, const L: usize>(uneven: bool, history: &[f64], ends: &[f64]) -> [f64; 2] {
         let model = staircase::<R, L>(uneven);
         let mut state = StaircaseState::default();
@@ -275,13 +275,13 @@ mod tests {
         TorsionHysteresis::from_weights(half_range, &Weights::uniform(gap).unwrap()).unwrap()
     }
 
-    fn shares(length: usize) -> impl Strategy<Value = Vec<f64>> {
+    fn fractions(length: usize) -> impl Strategy<Value = Vec<f64>> {
         prop::collection::vec(-1.0..=1.0f64, 1..length)
     }
 
     proptest! {
         #[test]
-        fn it_undoes_the_operator_and_is_undone_by_it(uneven: bool, history in shares(40), ends in shares(20)) {
+        fn it_undoes_the_operator_and_is_undone_by_it(uneven: bool, history in fractions(40), ends in fractions(20)) {
             for found in [
                 round_trip::<f64, 24>(uneven, &history, &ends), round_trip::<f64, 9>(uneven, &history, &ends),
             ] {
@@ -293,7 +293,7 @@ mod tests {
         }
 
         #[test]
-        fn the_line_and_the_hysteresis_carry_the_wanted_torque(history in shares(40), ends in shares(20)) {
+        fn the_line_and_the_hysteresis_carry_the_wanted_torque(history in fractions(40), ends in fractions(20)) {
             let (line, model) = (line(), torsion_model::<24>());
             let half_range = line.torsion(67.0);
             let mut state = TorsionHysteresisState::default();
@@ -310,7 +310,7 @@ mod tests {
         }
 
         #[test]
-        fn any_bits_give_an_input_within_the_range(bits: u32, history in shares(20)) {
+        fn any_bits_give_an_input_within_the_range(bits: u32, history in fractions(20)) {
             let model = staircase::<f32, 24>(false);
             let mut state = StaircaseState::default();
             for u in history {

@@ -161,11 +161,11 @@ proptest! {
     fn a_stop_keeps_the_course_so_far_and_every_law(
         of in any_limits(),
         distance in any_distance(),
-        share in 0.0..1.0f64,
+        fraction in 0.0..1.0f64,
     ) {
         let planned = plan::<f64>(of, distance);
         let mut state = MoveState::default();
-        let before = (share * f64::from(planned.periods())) as u32;
+        let before = (fraction * f64::from(planned.periods())) as u32;
         for _ in 0..before {
             planned.step(&mut state);
         }

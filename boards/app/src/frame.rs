@@ -22,7 +22,7 @@ const OPTION: usize = 1 + WORD;
 
 const COMMAND: usize = 1 + ANGLE + 4 * WORD;
 
-/// Length of an input frame (bytes): sensors, command, shares forward and backward, elapsed time, setpoint's age,
+/// Length of an input frame (bytes): sensors, command, gains forward and backward, elapsed time, setpoint's age,
 /// status.
 pub const INPUT_BYTES: usize = (2 * WORD + 2 * OPTION) + COMMAND + 2 * 8 * WORD + 3 * WORD;
 /// Length of an output frame (bytes): torques and reference, estimate, its deviation, factors, faults.
@@ -144,7 +144,7 @@ pub trait Fields {
         Some(())
     }
 
-    /// Shares of one direction.
+    /// Gains of one direction.
     fn gains(&mut self, gains: &mut CompensationGains<f32>) {
         let CompensationGains { feedback, inertia, friction, wind_up, .. } = gains;
         self.f32s([feedback, inertia, friction, wind_up]);

@@ -350,7 +350,7 @@ pub const JOINT: JointParams<f32> = JointParams {
     feedback: FeedbackParams {
         position_gain: 141.37167,
         velocity_gain: 0.0678584,
-        integral_time: 0.019894367,
+        integral_time: 0.02,
         filter_corner: 3769.9111,
         torque_limit: 2.4,
     },

@@ -62,7 +62,7 @@ pub fn wind_up(joint: &JointParams<f32>) -> Result<WindUp, Error> {
     let mut ends = Ends::default();
     let mut literal = 0.0;
     for period in 0..PERIODS {
-        let next = torsion * share(period + 1);
+        let next = torsion * fraction(period + 1);
         ends.drive_rate = (next - ends.drive.minus(ends.flange)) / joint.dt;
         ends.wave_generator_rate = ends.drive_rate * ratio.n() as f32;
         literal = mesh.period(&ends);
@@ -73,7 +73,7 @@ pub fn wind_up(joint: &JointParams<f32>) -> Result<WindUp, Error> {
 }
 
 /// Fraction of the torsion after so many periods.
-fn share(periods: u32) -> f32 {
+fn fraction(periods: u32) -> f32 {
     let u = (periods as f32 / RISE as f32).min(1.0);
     u * u * (3.0 - 2.0 * u)
 }

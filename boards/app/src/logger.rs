@@ -1,4 +1,4 @@
-//! The part of a defmt logger that every board shares: framing, and who may log.
+//! The part of a defmt logger that is the same on every board: framing, and who may log.
 //!
 //! Only thread mode logs: start-up and the idle loop. A logger that could be used from interrupts too
 //! would have to mask them while a frame goes out, a whole millisecond on a UART, and the

@@ -25,7 +25,7 @@ const PAIRS: [(&str, [Named; 2]); 3] = [
     (
         "presliding",
         [
-            ("share of order 2", |factors| factors.presliding),
+            ("fraction of order 2", |factors| factors.presliding),
             ("stiffness", |factors| factors.presliding_stiffness),
         ],
     ),

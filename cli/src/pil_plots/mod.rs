@@ -39,8 +39,8 @@ pub fn scenario(run: &ScenarioRun, gear: &GearFile) -> Vec<(&'static str, Page)>
     let page = |title: &str, panels: Vec<Panel>| {
         panels.into_iter().fold(Page::slide(format!("{trial}: {title}")), Page::with)
     };
-    let asked = questions.into_iter().filter(|(.., panels)| !panels.is_empty());
-    asked.map(|(name, title, panels)| (name, page(title, panels))).collect()
+    let drawn = questions.into_iter().filter(|(.., panels)| !panels.is_empty());
+    drawn.map(|(name, title, panels)| (name, page(title, panels))).collect()
 }
 
 /// Axes over time.
@@ -58,10 +58,10 @@ fn of_all(run: &ScenarioRun, panel: Panel, figure: &dyn Fn(&Row) -> f64) -> Pane
 
 fn tracking(run: &ScenarioRun) -> Vec<Panel> {
     let rows = &run.target.run.trace;
-    let (time, asked) = (column(rows, |row| row.time), column(rows, |row| row.demand.position));
+    let (time, commanded) = (column(rows, |row| row.time), column(rows, |row| row.demand.position));
     let output = over_time("output", "rad")
         .with(Controller::Compensator.series(&time, &column(rows, |row| row.output)))
-        .with(Series::dashed("asked", &time, &asked).coloured(Colour::Black));
+        .with(Series::dashed("commanded", &time, &commanded).coloured(Colour::Black));
     vec![output, of_all(run, over_time("output error", "urad"), &|row| error(row) * 1e6)]
 }
 

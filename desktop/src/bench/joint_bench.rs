@@ -127,7 +127,7 @@ impl SensorModel {
 
 /// All corrections on, friction by the gear file's gain.
 fn all_gains(file: &GearFile) -> CompensationGains<f32> {
-    CompensationGains { friction: file.compensation.friction_share as f32, ..CompensationGains::ALL }
+    CompensationGains { friction: file.compensation.friction_gain as f32, ..CompensationGains::ALL }
 }
 
 /// Plant, sensors, clock, and the controller's last answer.

@@ -13,7 +13,7 @@
 //! | motor | 1.5 times peak torque/N; 5600 revolutions a minute of size 25, with size^-0.62 (4800 of size 32) |
 //! | noise of the torques | 1 % of the rated torque, at the motor over N |
 //! | baselines | as tuned; else the default gear's, transferred ([`super::load`]) |
-//! | cascade | that of baseline B0 |
+//! | cascade | that of baseline B0, its position loop half as fast again |
 //!
 //! The default gear's velocity loop crosses over at 180 Hz above the torsion mode, where the rotor alone is left: what
 //! limits it is the drive's lag, the same for every size and load. Damping, presliding, Stribeck speeds, drive and
@@ -85,7 +85,7 @@ impl Model {
             tolerances: Tolerances::default(),
             sensors: sensors(rated, n),
             feedback: GearFile::default_gear().feedback,
-            compensation: Compensation { friction_share: 0.8, external_torque_wander: None },
+            compensation: Compensation { friction_gain: 0.8, external_torque_wander: None },
             learnt: None,
             baselines,
         };
@@ -103,7 +103,8 @@ impl Model {
 
     fn kinematic_error(self) -> KinematicError {
         let accuracy = figures::positional_accuracy(self.size, self.ratio);
-        let order = |order, share: f64| Harmonic { order, amplitude: rounded(share * accuracy), phase: 0.0 };
+        let order =
+            |order, fraction: f64| Harmonic { order, amplitude: rounded(fraction * accuracy), phase: 0.0 };
         KinematicError { wave_generator: vec![order(2, 1.0 / 2.9), order(4, 0.2 / 2.9)], flexspline: vec![] }
     }
 

@@ -133,9 +133,9 @@ fn hypercube(seed: u64, count: usize) -> Vec<Point> {
     points
 }
 
-/// The whole number of a range at a share of it.
-fn place(share: f64, range: Range<u32>) -> u32 {
-    range.start + ((share * f64::from(range.end - range.start)) as u32).min(range.end - range.start - 1)
+/// The whole number of a range at a fraction of it.
+fn place(fraction: f64, range: Range<u32>) -> u32 {
+    range.start + ((fraction * f64::from(range.end - range.start)) as u32).min(range.end - range.start - 1)
 }
 
 fn built(gear: &GearFile, [_, load, motor, output]: &Point) -> GearFile {
@@ -187,6 +187,6 @@ mod tests {
 
     #[test]
     fn a_share_has_its_place() {
-        assert_eq!([0.0, 0.09, 0.1, 0.999].map(|share| place(share, MOTOR_BITS)), [14, 14, 15, 23]);
+        assert_eq!([0.0, 0.09, 0.1, 0.999].map(|fraction| place(fraction, MOTOR_BITS)), [14, 14, 15, 23]);
     }
 }

@@ -41,11 +41,15 @@ impl BaselineGains {
     }
 }
 
-/// The cascade that the compensator has: the same as B0.
+/// f_p of the compensator's cascade over that of B0. With feed-forward the position loop need not be slow for the setpoint's
+/// steps: it follows a load step better. At 1.9 it oscillates about rest where friction has no presliding.
+const POSITION_BANDWIDTH: f64 = 1.5;
+
+/// The cascade that the compensator has: that of B0, its position loop half as fast again.
 pub(super) fn feedback(file: &GearFile) -> Feedback {
     let gains = BaselineGains::of(file, Kind::B0);
     Feedback {
-        position_bandwidth: gains.position_bandwidth,
+        position_bandwidth: POSITION_BANDWIDTH * gains.position_bandwidth,
         velocity_bandwidth: gains.velocity_bandwidth,
         integral_time: gains.integral_time,
     }

@@ -45,12 +45,12 @@ impl Capability {
         let acceleration = FAST_MOVE_DISTANCE * SMOOTH_ACCELERATION / (FAST_MOVE * FAST_MOVE);
         let (load, rotor) =
             (file.inertia.flexspline * acceleration, file.inertia.wave_generator * acceleration);
-        let shares = [
+        let fractions = [
             0.75 * file.motor.rotor_speed_limit / (n * speed),
             0.5 * file.gear.peak_torque / load,
             0.6 * file.motor.peak_torque / (n * rotor + load / n),
         ];
-        Self { rated_torque: file.gear.rated_torque, moves: shares.into_iter().fold(1.0, f64::min) }
+        Self { rated_torque: file.gear.rated_torque, moves: fractions.into_iter().fold(1.0, f64::min) }
     }
 
     /// A load of the default gear (N m), as it is on this joint.

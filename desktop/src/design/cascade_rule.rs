@@ -6,7 +6,7 @@
 //! omega_f = 2*pi*(largest bandwidth of the current loop)
 //! ```
 //!
-//! Position loop and integral have the same lag at the crossover: of all shares of one lag that gives the largest k_p/T_i.
+//! Position loop and integral have the same lag at the crossover: of all fractions of one lag that gives the largest k_p/T_i.
 //! omega_c and a are those with the largest k_v*k_p/T_i = J_wg*omega_c^3/a^2, whose inverse is the integral of the motor's
 //! position error after a step of torque, among all on a grid that have their margins in every corner. omega_c is at most
 //! where the lags of hold, difference quotient, filter, current loop and delay alone take up all but the phase margin. Faster

@@ -39,7 +39,7 @@ const OUTPUT_SLOT: usize = 4;
 /// (s)
 const ROUND: f64 = SLOW_PERIODS as f64 * CONTROL_PERIOD;
 
-/// Corner of the motor torque's complementary filter (rad/s), as in [`strainwave::compensator::sense::motor_torque`].
+/// Corner of the motor torque's complementary filter (rad/s), as in `src/compensator/sense/motor_torque.rs`.
 const TORQUE_CORNER: f64 = 7.0;
 
 // Places in the state.
@@ -47,8 +47,8 @@ const MOTOR: usize = 0;
 const TORQUE: usize = 1;
 const TORQUE_OFF: usize = 2;
 const IMPULSE: usize = 3;
-const AHEAD: usize = 4;
-const COURSE: usize = 5;
+const MOTOR_ERROR: usize = 4;
+const REFERENCE_SPEED: usize = 5;
 const WIND_SPEED: usize = 6;
 const WIND_ACCELERATION: usize = 7;
 const WIND_TORQUE: usize = 8;
@@ -57,7 +57,7 @@ const INTEGRAL: usize = 10;
 const SEEN_MOTOR: usize = 11;
 const OFF: usize = 12;
 const MOTOR_SPEED: usize = 13;
-const FLANGE_AHEAD: usize = 14;
+const FLANGE_ERROR: usize = 14;
 const FLANGE_SPEED: usize = 15;
 const LAST_TORQUE: usize = 16;
 const LOAD: usize = 17;
@@ -113,7 +113,7 @@ pub fn bristle_stiffness(side: &Friction) -> f64 {
 }
 
 /// 1 - e^-x
-fn share(x: f64) -> f64 {
+fn fraction(x: f64) -> f64 {
     -(-x).exp_m1()
 }
 
@@ -170,8 +170,8 @@ impl Controller {
         let (n, omega, torque) = (1.0 / self.ratio.abs(), self.reference_frequency, self.stiffness);
         let mut units = [1.0; STATES];
         let mut set = |places: &[usize], unit: f64| places.iter().for_each(|place| units[*place] = unit);
-        set(&[MOTOR, AHEAD, SEEN_MOTOR, OFF, DEFLECTION[0]], n);
-        set(&[COURSE, WIND_SPEED, SPEED, MOTOR_SPEED], n * omega);
+        set(&[MOTOR, MOTOR_ERROR, SEEN_MOTOR, OFF, DEFLECTION[0]], n);
+        set(&[REFERENCE_SPEED, WIND_SPEED, SPEED, MOTOR_SPEED], n * omega);
         set(&[WIND_ACCELERATION], n * omega * omega);
         set(&[TORQUE, TORQUE_OFF, WIND_TORQUE, INTEGRAL, LAST_TORQUE, FRICTION[0]], torque / n);
         set(&[IMPULSE], torque / n * 2.0 * CONTROL_PERIOD);
@@ -191,9 +191,9 @@ impl Controller {
         let moved = motor - x[MOTOR];
         x[MOTOR] = motor;
         let commanded = x[TORQUE];
-        x[TORQUE_OFF] += share(dt * TORQUE_CORNER) * (measured - commanded - x[TORQUE_OFF]);
+        x[TORQUE_OFF] += fraction(dt * TORQUE_CORNER) * (measured - commanded - x[TORQUE_OFF]);
         x[IMPULSE] += dt * (commanded + x[TORQUE_OFF]);
-        x[AHEAD] += dt * (x[COURSE] + x[WIND_SPEED]) - moved;
+        x[MOTOR_ERROR] += dt * (x[REFERENCE_SPEED] + x[WIND_SPEED]) - moved;
         if slot == OUTPUT_SLOT {
             x[READING] = output;
         } else if slot == OUTPUT_SLOT + 1 && self.has_output {
@@ -212,7 +212,7 @@ impl Controller {
     /// The output encoder's reading of the observer's last step.
     fn read_output(&self, x: &mut [f64]) {
         let gains = &self.observer[1 + 2 * usize::from(self.has_gauge)];
-        x[INNOVATION] = x[READING] - self.ratio * (x[SEEN_MOTOR] + x[OFF]) - x[FLANGE_AHEAD];
+        x[INNOVATION] = x[READING] - self.ratio * (x[SEEN_MOTOR] + x[OFF]) - x[FLANGE_ERROR];
         self.correct(x, &gains.output, x[INNOVATION]);
     }
 
@@ -220,7 +220,7 @@ impl Controller {
         let (dt, r) = (f64::from(OBSERVER_PERIODS) * CONTROL_PERIOD, self.ratio);
         let torque = x[IMPULSE] / dt;
         x[IMPULSE] = 0.0;
-        let torsion = -x[FLANGE_AHEAD];
+        let torsion = -x[FLANGE_ERROR];
         let rate = r * x[MOTOR_SPEED] - x[FLANGE_SPEED];
         let transmitted = self.stiffness * torsion + self.damping * rate;
         // Kinematic error and hysteresis in the first and third, friction in the others.
@@ -240,7 +240,7 @@ impl Controller {
             dt * (transmitted - x[FRICTION[1]] + x[LOAD] + stiffness_torque) / self.inertias[1];
         let way = dt * x[MOTOR_SPEED];
         x[OFF] += way - (motor - x[SEEN_MOTOR]);
-        x[FLANGE_AHEAD] += dt * x[FLANGE_SPEED] - r * way;
+        x[FLANGE_ERROR] += dt * x[FLANGE_SPEED] - r * way;
         x[SEEN_MOTOR] = motor;
         let reads = slot == OUTPUT_SLOT && self.has_output;
         let gains = &self.observer[usize::from(reads) + 2 * usize::from(self.has_gauge)];
@@ -260,7 +260,7 @@ impl Controller {
         let by_place = [
             (OFF, by[0]),
             (MOTOR_SPEED, by[1]),
-            (FLANGE_AHEAD, by[2] - self.ratio * by[0]),
+            (FLANGE_ERROR, by[2] - self.ratio * by[0]),
             (FLANGE_SPEED, by[3]),
             (LOAD, by[4]),
             (SIXTH, if self.sixth_moves { by[5] } else { 0.0 }),
@@ -290,7 +290,7 @@ impl Controller {
 
     /// The slow disturbance estimate.
     fn learn(&self, x: &mut [f64], load: f64) {
-        let slow_gain = share(ROUND * self.disturbance.slow_corner);
+        let slow_gain = fraction(ROUND * self.disturbance.slow_corner);
         x[MEAN] += slow_gain * (load - x[MEAN]);
         x[SLOW] += slow_gain * (self.passes * load - x[SLOW]);
     }
@@ -299,17 +299,17 @@ impl Controller {
         let (dt, r, round) = (CONTROL_PERIOD, self.ratio, ROUND);
         let compensated = x[SLOW] + self.disturbance.wind_up_fraction * x[FAST];
         let wound = -compensated / self.stiffness;
-        let position = x[FLANGE_AHEAD] + dt * (x[FLANGE_SPEED] - r * x[MOTOR_SPEED]) + r * x[OFF] + r * motor;
+        let position = x[FLANGE_ERROR] + dt * (x[FLANGE_SPEED] - r * x[MOTOR_SPEED]) + r * x[OFF] + r * motor;
         let measured = if self.has_output { output } else { position };
         let gains = &self.output_feedback;
         let whole = x[MEAN] + self.disturbance.wind_up_fraction * x[FAST];
         let torque = x[TRANSMITTED] - x[FRICTION[1]] + whole;
         let angle = gains.damping * x[FLANGE_SPEED] + x[SHIFTED];
         let rate = gains.damping * torque / self.inertias[1] + gains.integral * x[FILTERED];
-        x[AHEAD] = (wound - angle) / r - motor;
-        x[COURSE] = -rate / r;
+        x[MOTOR_ERROR] = (wound - angle) / r - motor;
+        x[REFERENCE_SPEED] = -rate / r;
         // Of the next slot, where nothing else changes what it rests on.
-        let filter = share(round * gains.filter_corner);
+        let filter = fraction(round * gains.filter_corner);
         x[FIRST_POLE] += filter * (measured - x[FIRST_POLE]);
         x[FILTERED] += filter * (x[FIRST_POLE] - x[FILTERED]);
         let way = round * gains.integral * x[FILTERED];
@@ -319,7 +319,7 @@ impl Controller {
     /// Shift of the motor's reference by P and D of the output encoder's angle.
     fn measure(&self, x: &mut [f64], output: f64) -> f64 {
         let (dt, gains) = (CONTROL_PERIOD, &self.measured_feedback);
-        let change = share(dt * gains.corner) * (output - x[MEASURED]);
+        let change = fraction(dt * gains.corner) * (output - x[MEASURED]);
         x[MEASURED] += change;
         -(gains.proportional * x[MEASURED] + gains.derivative / dt * change) / self.ratio
     }
@@ -328,10 +328,10 @@ impl Controller {
         let dt = CONTROL_PERIOD;
         let shift = self.measure(x, output);
         let FeedbackParams { position_gain, velocity_gain, integral_time, filter_corner, .. } = self.feedback;
-        let filter = share(dt * filter_corner);
+        let filter = fraction(dt * filter_corner);
         x[SPEED] += filter * (speed - x[SPEED]);
         let late = dt * (1.0 / filter - 0.5) * x[WIND_ACCELERATION];
-        let expected = position_gain * (x[AHEAD] + shift) + x[COURSE] + x[WIND_SPEED] - late;
+        let expected = position_gain * (x[MOTOR_ERROR] + shift) + x[REFERENCE_SPEED] + x[WIND_SPEED] - late;
         let lag = expected - x[SPEED];
         x[INTEGRAL] += velocity_gain * dt / integral_time * lag;
         velocity_gain * lag + x[INTEGRAL] + x[WIND_TORQUE]

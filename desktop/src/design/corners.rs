@@ -51,7 +51,7 @@ pub struct Corner {
     pub bandwidth: f64,
     /// Factor on the presliding distance; `None` where friction slides.
     pub presliding: Option<f64>,
-    /// Share and frequency (Hz) of a load behind a mode.
+    /// Fraction and frequency (Hz) of a load behind a mode.
     pub link: Option<(f64, f64)>,
 }
 
@@ -107,7 +107,7 @@ impl Corner {
             }
         };
         let friction = self.presliding.map_or_else(|| "sliding".into(), |x| format!("presliding x{x}"));
-        let link = self.link.map_or_else(String::new, |(share, f)| format!(" link {share}@{f}Hz"));
+        let link = self.link.map_or_else(String::new, |(fraction, f)| format!(" link {fraction}@{f}Hz"));
         format!(
             "{:?}{} Jfs{} Jwg{} kt{} Td={} fc={} {friction}{link}",
             self.point,

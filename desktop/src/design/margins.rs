@@ -57,9 +57,9 @@ pub fn margins(points: &[(f64, Complex<f64>)]) -> Margins {
         let (size, change) = (a.norm().ln(), (b.norm() / a.norm()).ln());
         let rotation = (b / a).arg();
         if size * (size + change) <= 0.0 && change != 0.0 {
-            let share = -size / change;
-            let there = Complex::from_polar(1.0, a.arg() + share * rotation);
-            found.cross_one(w * (v / w).powf(share), to_critical(there));
+            let fraction = -size / change;
+            let there = Complex::from_polar(1.0, a.arg() + fraction * rotation);
+            found.cross_one(w * (v / w).powf(fraction), to_critical(there));
         }
         let angle = to_critical(a);
         let from = if angle > PI { angle - TAU } else { angle };

@@ -48,14 +48,14 @@ impl Plant {
     pub fn new(file: &GearFile, corner: &Corner) -> Self {
         let sides = [&file.friction.input, &file.friction.output];
         let load = corner.load * file.inertia.flexspline;
-        let (share, link) = corner.link.map_or((0.0, [0.0; 2]), |(share, frequency)| {
-            let (inertia, omega) = (share * load, TAU * frequency);
-            (share, [inertia * omega * omega, 2.0 * super::corners::LINK_DAMPING * omega * inertia])
+        let (fraction, link) = corner.link.map_or((0.0, [0.0; 2]), |(fraction, frequency)| {
+            let (inertia, omega) = (fraction * load, TAU * frequency);
+            (fraction, [inertia * omega * omega, 2.0 * super::corners::LINK_DAMPING * omega * inertia])
         });
         Self {
             ratio: file.gear.signed_ratio().value(),
             motor_inertia: corner.rotor * file.inertia.wave_generator,
-            load_inertias: [(1.0 - share) * load, share * load],
+            load_inertias: [(1.0 - fraction) * load, fraction * load],
             stiffness: corner.stiffness * corner.point.stiffness(file),
             damping: 2.0
                 * file.damping.torsion_mode_ratio

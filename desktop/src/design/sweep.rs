@@ -113,13 +113,15 @@ fn measure(
 }
 
 fn input(file: &GearFile, set: SensorSet, [motor, output, torque, gauge]: [f64; OUTPUTS]) -> Input<f64> {
+    let mut sensors = Sensors { motor_encoder: raw(motor), motor_torque: torque, ..Sensors::default() };
+    if set == SensorSet::Both {
+        sensors.output_encoder = Some(raw(output));
+    }
+    if file.sensors.output_torque {
+        sensors.output_torque = Some(gauge);
+    }
     Input {
-        sensors: Sensors {
-            motor_encoder: raw(motor),
-            output_encoder: (set == SensorSet::Both).then(|| raw(output)),
-            motor_torque: torque,
-            output_torque: file.sensors.output_torque.then_some(gauge),
-        },
+        sensors,
         command: Setpoint::default().into(),
         gains: CompensationGains { adaptation: 0.0, ripple: 0.0, friction: 0.0, ..CompensationGains::ALL }
             .into(),

@@ -52,7 +52,7 @@ impl Excitation {
     }
 
     /// Fraction of the cells that moved.
-    pub fn share(&self) -> f64 {
+    pub fn fraction(&self) -> f64 {
         let cells = self.moved.iter().flatten();
         cells.clone().filter(|moved| **moved).count() as f64 / cells.count() as f64
     }

@@ -51,10 +51,10 @@ impl GearLog {
     ///
     /// # Errors
     /// [`Error`] when they are too few, their torque never reverses, or the joint was not held.
-    pub fn training(&self, share: f64) -> Result<usize, Error> {
-        let count = (self.torque.len() as f64 * share) as usize;
+    pub fn training(&self, fraction: f64) -> Result<usize, Error> {
+        let count = (self.torque.len() as f64 * fraction) as usize;
         if count < LEAST_SAMPLES {
-            let least = (LEAST_SAMPLES as f64 / share).ceil() as usize;
+            let least = (LEAST_SAMPLES as f64 / fraction).ceil() as usize;
             return Err(Error::TooShort { samples: self.torque.len(), least });
         }
         if self.motor_travel > MOST_TRAVEL {

@@ -51,7 +51,7 @@ const STEPS: usize = 30;
 const PRIOR_ALONE: f64 = 1e3;
 /// Halvings of a step that does not lead downhill.
 const HALVINGS: i32 = 8;
-/// The steps end when the cost falls by less than this share.
+/// The steps end when the cost falls by less than this fraction.
 const SETTLED: f64 = 1e-6;
 
 /// Options of the identification.
@@ -154,8 +154,8 @@ struct Parameters {
 
 impl Parameters {
     /// A fraction of the way to `target`; weights stay within their bounds.
-    fn towards(&self, target: &Self, share: f64) -> Self {
-        let blend = |a: f64, b: f64| a + share * (b - a);
+    fn towards(&self, target: &Self, fraction: f64) -> Self {
+        let blend = |a: f64, b: f64| a + fraction * (b - a);
         let blends = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| blend(*a, *b)).collect();
         Self {
             offsets: blends(&self.offsets, &target.offsets),

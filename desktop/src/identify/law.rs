@@ -66,7 +66,7 @@ impl<const L: usize> Law<L> {
         Ok(Self { line: gear.flexspline.line.build()?, factor: 1.0, hysteresis: gear.hysteresis()? })
     }
 
-    /// The torsions of a course of torques from the demagnetised state.
+    /// The torsions of a sequence of torques from the demagnetised state.
     pub fn torsions(&self, torques: &[f64]) -> Vec<OnLaw> {
         let mut state = TorsionHysteresisState::default();
         torques.iter().map(|torque| self.step(&mut state, *torque)).collect()
@@ -74,7 +74,8 @@ impl<const L: usize> Law<L> {
 
     /// Full width of the loop at zero torque after +-`torque` (rad); 0 of none.
     pub fn width(&self, torque: f64) -> f64 {
-        let torques: Vec<_> = course(&[0.0, 1.0, -1.0, 1.0, 0.0]).map(|share| share * torque).collect();
+        let torques: Vec<_> =
+            torques(&[0.0, 1.0, -1.0, 1.0, 0.0]).map(|fraction| fraction * torque).collect();
         let on = self.torsions(&torques).into_iter().zip(torques);
         let samples: Vec<_> = on.map(|(on, torque)| Sample { torsion: on.torsion, torque }).collect();
         TorqueLoop::of(&samples).map_or(0.0, |found| found.width)
@@ -108,7 +109,7 @@ impl<const L: usize> Law<L> {
 }
 
 /// From corner to corner.
-pub fn course(corners: &[f64]) -> impl Iterator<Item = f64> {
+pub fn torques(corners: &[f64]) -> impl Iterator<Item = f64> {
     corners.windows(2).flat_map(|pair| {
         let (from, to) = (pair[0], pair[1]);
         let count = ((to - from).abs() * SAMPLES).ceil().max(1.0);
@@ -127,7 +128,7 @@ mod tests {
         let params = gear_params::<f64>(&GearFile::default_gear());
         let mut law = Law::<24>::of(&params).unwrap();
         law.factor = 1.2;
-        let torques: Vec<_> = course(&[0.0, 60.0, -20.0, 30.0]).collect();
+        let torques: Vec<_> = torques(&[0.0, 60.0, -20.0, 30.0]).collect();
         let on = law.torsions(&torques);
         for (on, torque) in on.iter().zip(&torques) {
             let line = law.line.torque(on.torsion / law.factor);

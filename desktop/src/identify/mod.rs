@@ -72,12 +72,14 @@ pub enum Error {
         sample: usize,
     },
     /// Without a reversal there is no hysteresis to be seen.
-    #[error("the {input} never reverses by {share} of its span {span:.4e}; hysteresis shows where it does")]
+    #[error(
+        "the {input} never reverses by {fraction} of its span {span:.4e}; hysteresis shows where it does"
+    )]
     NeverReverses {
         /// Input of the operator.
         input: &'static str,
-        /// Least share.
-        share: f64,
+        /// Least fraction.
+        fraction: f64,
         /// Span of the input, in its unit.
         span: f64,
     },

@@ -158,11 +158,11 @@ impl Start {
     }
 }
 
-/// When the motor has gone the first `share` of the log's path (s). A joint may stand still for most of a log, and
-/// shows nothing while it does: shares of a moving joint's log are shares of its motion.
-pub fn time_of_path(log: &MeasuredLog, share: f64) -> f64 {
+/// When the motor has gone the first `fraction` of the log's path (s). A joint may stand still for most of a log, and
+/// shows nothing while it does: fractions of a moving joint's log are fractions of its motion.
+pub fn time_of_path(log: &MeasuredLog, fraction: f64) -> f64 {
     let steps = || log.motor_position.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let expected = share * steps().sum::<f64>();
+    let expected = fraction * steps().sum::<f64>();
     let mut gone = 0.0;
     let reached = steps().position(|step| {
         gone += step;

@@ -52,14 +52,14 @@ pub fn loops(half_range: f64, levels: usize, steps: usize, minor: usize) -> Vec<
 /// From zero through the corners, `steps` samples for each cell of `levels` on the way.
 fn through(half_range: f64, levels: usize, steps: usize, corners: impl Iterator<Item = f64>) -> Vec<f64> {
     let longest = 2.0 * half_range / (levels * steps.max(1)) as f64;
-    let mut course = vec![0.0];
+    let mut path = vec![0.0];
     let mut at = 0.0;
     for corner in corners {
         let count = ((corner - at) / longest).abs().ceil().max(1.0);
-        course.extend((1..=count as usize).map(|k| at + (corner - at) * k as f64 / count));
+        path.extend((1..=count as usize).map(|k| at + (corner - at) * k as f64 / count));
         at = corner;
     }
-    course
+    path
 }
 
 #[cfg(test)]

@@ -139,7 +139,7 @@ pub(super) fn require_reversal(name: &'static str, input: &[f64]) -> Result<(), 
     if span > 0.0 && reversals(input, REVERSAL * span) > 0 {
         return Ok(());
     }
-    Err(Error::NeverReverses { input: name, share: REVERSAL, span })
+    Err(Error::NeverReverses { input: name, fraction: REVERSAL, span })
 }
 
 pub(super) fn span(values: &[f64]) -> f64 {

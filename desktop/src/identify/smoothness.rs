@@ -40,8 +40,8 @@ pub(super) fn penalty_to_prior<const L: usize>() -> DMatrix<f64> {
 
 /// Weights of a pair (i, j) with unit density, the total being 1.
 pub(super) fn unit_density<const L: usize>((i, j): (usize, usize)) -> f64 {
-    let share = if i == j { 1.0 } else { 2.0 };
-    share / (L * L) as f64
+    let fraction = if i == j { 1.0 } else { 2.0 };
+    fraction / (L * L) as f64
 }
 
 /// D'D for densities, one a pair.

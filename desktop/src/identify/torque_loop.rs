@@ -31,7 +31,7 @@ pub struct TorqueLoop {
 }
 
 impl TorqueLoop {
-    /// The loop in a course of samples; `None` when it lacks a falling or a rising branch.
+    /// The loop in a sequence of samples; `None` when it lacks a falling or a rising branch.
     pub fn of(samples: &[Sample]) -> Option<Self> {
         let lower = *samples.iter().min_by(|a, b| a.torque.total_cmp(&b.torque))?;
         let upper = *samples.iter().max_by(|a, b| a.torque.total_cmp(&b.torque))?;
@@ -54,7 +54,7 @@ impl TorqueLoop {
     }
 }
 
-/// A course of samples, branch by branch.
+/// A sequence of samples, branch by branch.
 #[derive(Default)]
 struct Branches {
     /// The sign of the tip that was left last.
@@ -86,8 +86,8 @@ impl Branches {
 /// The torsion where the torque passes through zero between two samples.
 fn at_zero_torque(before: Sample, now: Sample) -> Option<f64> {
     let crosses = (before.torque < 0.0) != (now.torque < 0.0);
-    let share = before.torque / (before.torque - now.torque);
-    crosses.then_some(before.torsion + share * (now.torsion - before.torsion))
+    let fraction = before.torque / (before.torque - now.torque);
+    crosses.then_some(before.torsion + fraction * (now.torsion - before.torsion))
 }
 
 #[cfg(test)]
@@ -101,7 +101,7 @@ mod tests {
         StiffnessLineParams { stiffness: [3.1e4, 5.0e4, 5.7e4], knee_torque: [14.0, 48.0] };
 
     /// Virgin curve to the upper tip, down, up and back to zero: branches that meet on the line at the tips.
-    fn course(steps: i32) -> Vec<Sample> {
+    fn samples(steps: i32) -> Vec<Sample> {
         let line = LINE.build().unwrap();
         let leg = |from: f64, to: f64, bulge: f64| {
             (0..=steps).map(move |k| {
@@ -117,13 +117,13 @@ mod tests {
     #[test]
     fn width_and_chord_of_a_known_loop_are_found_between_its_samples() {
         // An odd number of steps: no sample stands at zero torque.
-        let course = course(1001);
+        let samples = samples(1001);
         let line = LINE.build().unwrap();
         let chord = TIP / line.torsion(TIP);
         // Whichever way it sets out.
-        let mirrored = course.iter().map(|s| Sample { torsion: -s.torsion, torque: -s.torque }).collect();
-        for course in [course, mirrored] {
-            let found = TorqueLoop::of(&course).unwrap();
+        let mirrored = samples.iter().map(|s| Sample { torsion: -s.torsion, torque: -s.torque }).collect();
+        for samples in [samples, mirrored] {
+            let found = TorqueLoop::of(&samples).unwrap();
             assert!((found.width - WIDTH).abs() < 1e-5 * WIDTH, "{}", found.width);
             for stiffness in [found.chord_stiffness(), found.chord_stiffness_of(&line)] {
                 assert!((stiffness - chord).abs() < 1e-9 * chord, "{stiffness}");
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn half_a_loop_is_none() {
-        assert_eq!(TorqueLoop::of(&course(101)[..200]), None);
+        assert_eq!(TorqueLoop::of(&samples(101)[..200]), None);
         assert_eq!(TorqueLoop::of(&[]), None);
     }
 }

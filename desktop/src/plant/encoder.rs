@@ -115,17 +115,20 @@ mod tests {
         ChaCha8Rng::seed_from_u64(1)
     }
 
-    fn revolutions(share: f64) -> Angle<f64> {
-        Angle::from_radians_f64(share * TAU / 16.0)
+    fn revolutions(fraction: f64) -> Angle<f64> {
+        Angle::from_radians_f64(fraction * TAU / 16.0)
     }
 
     #[test]
     fn an_encoder_gives_the_nearest_count() {
-        let counts = |noise, share: f64| {
-            EncoderModel::new(4, noise, EncoderErrors::default()).read(revolutions(share), &mut random())
+        let counts = |noise, fraction: f64| {
+            EncoderModel::new(4, noise, EncoderErrors::default()).read(revolutions(fraction), &mut random())
         };
-        assert_eq!([-0.49, 0.0, 0.49, 0.51, 3.4, 15.6].map(|share| counts(1.0, share)), [0, 0, 0, 1, 3, 0]);
-        assert_eq!([-0.9, 0.9, 1.1, 2.9, 15.1].map(|share| counts(2.0, share)), [0, 0, 2, 2, 0]);
+        assert_eq!(
+            [-0.49, 0.0, 0.49, 0.51, 3.4, 15.6].map(|fraction| counts(1.0, fraction)),
+            [0, 0, 0, 1, 3, 0]
+        );
+        assert_eq!([-0.9, 0.9, 1.1, 2.9, 15.1].map(|fraction| counts(2.0, fraction)), [0, 0, 2, 2, 0]);
     }
 
     #[test]

@@ -59,8 +59,8 @@ pub struct Drift {
 impl Drift {
     /// Factors on levels and viscous part after so much time (s).
     pub fn at(&self, time: f64) -> [f64; 2] {
-        let share = ((self.age + time) / self.duration).min(1.0);
-        [self.coulomb, self.viscous].map(|factor| 1.0 + (factor - 1.0) * share)
+        let fraction = ((self.age + time) / self.duration).min(1.0);
+        [self.coulomb, self.viscous].map(|factor| 1.0 + (factor - 1.0) * fraction)
     }
 }
 
@@ -208,7 +208,7 @@ impl Stiction {
     fn build(params: &PlantFrictionParams) -> Result<Self, Error> {
         let mut ripple = params.joint.ripple;
         for harmonics in [&mut ripple.forward, &mut ripple.backward] {
-            // Shares of a level of 1.
+            // Fractions of a level of 1.
             let scale = 1.0 / harmonics.mean;
             harmonics.mean = 1.0;
             harmonics.cosines = harmonics.cosines.map(|part| scale * part);

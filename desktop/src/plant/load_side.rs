@@ -27,7 +27,7 @@ const RELEASE: f64 = 0.1;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkParams {
     /// J_l over J_fs.
-    pub share: f64,
+    pub fraction: f64,
     /// f (Hz).
     pub frequency: f64,
     /// zeta.
@@ -50,7 +50,7 @@ pub struct LoadParams {
 impl LoadParams {
     /// Inertia that is rigid with the flange (kg m^2), of all of it.
     pub fn rigid(&self, inertia: f64) -> f64 {
-        self.link.map_or(inertia, |link| (1.0 - link.share) * inertia)
+        self.link.map_or(inertia, |link| (1.0 - link.fraction) * inertia)
     }
 }
 
@@ -77,7 +77,7 @@ impl Load {
     /// Of a load of this inertia (kg m^2).
     pub(super) fn new(params: &LoadParams, inertia: f64) -> Self {
         let link = params.link.map(|link| {
-            let (inertia, omega) = (link.share * inertia, TAU * link.frequency);
+            let (inertia, omega) = (link.fraction * inertia, TAU * link.frequency);
             Link {
                 motion: Motion::default(),
                 inertia,
@@ -129,7 +129,7 @@ mod tests {
     use super::*;
 
     const DT: f64 = 2.5e-5;
-    const LINK: LinkParams = LinkParams { share: 0.4, frequency: 30.0, damping: 0.0, backlash: 0.0 };
+    const LINK: LinkParams = LinkParams { fraction: 0.4, frequency: 30.0, damping: 0.0, backlash: 0.0 };
 
     fn load(link: Option<LinkParams>) -> Load {
         Load::new(&LoadParams { link, ..LoadParams::default() }, 1.2)

@@ -211,7 +211,7 @@ pub const ROWS: &[Row] = &[
         "30 to 50 % of the load behind a mode of 20 to 60 Hz, damping ratio 0.005 to 0.02",
         |plant, random| {
             plant.sides.load.link = Some(LinkParams {
-                share: random.within(0.3, 0.5),
+                fraction: random.within(0.3, 0.5),
                 frequency: random.within(20.0, 60.0),
                 damping: random.within(0.005, 0.02),
                 backlash: plant.sides.load.link.map_or(0.0, |link| link.backlash),
@@ -224,7 +224,8 @@ pub const ROWS: &[Row] = &[
     }),
     row("load.backlash", "backlash to 1 arcmin between flange and link", |plant, random| {
         let backlash = random.within(0.0, 1.0) / 60.0 * PI / 180.0;
-        let rigid = LinkParams { share: random.within(0.3, 0.5), frequency: 150.0, damping: 0.05, backlash };
+        let rigid =
+            LinkParams { fraction: random.within(0.3, 0.5), frequency: 150.0, damping: 0.05, backlash };
         let link = plant.sides.load.link.unwrap_or(rigid);
         plant.sides.load.link = Some(LinkParams { backlash, ..link });
     }),
@@ -326,8 +327,8 @@ fn shaped(plant: &PlantSample, fall: f64) -> Option<HysteresisTable<f64>> {
     let half_range = line.build().ok()?.torsion(plant.params.rated_torque);
     let gap = gap_for_width(line.stiffness[0], plant.params.hysteresis_width, half_range).ok()?;
     let weight = |i: usize, j: usize| {
-        let share = if i == j { 0.5 } else { 1.0 };
-        share * (-fall * (i - j) as f64 / TABLE_LEVELS as f64).exp()
+        let fraction = if i == j { 0.5 } else { 1.0 };
+        fraction * (-fall * (i - j) as f64 / TABLE_LEVELS as f64).exp()
     };
     // At no torsion the branches differ by twice the relays that are wide enough to tell up from down there.
     let middle = TABLE_LEVELS / 2;

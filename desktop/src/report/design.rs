@@ -157,7 +157,7 @@ impl Report {
         if self.by_rule {
             ["omega_c/a", "omega_c J_wg", "a/omega_c", "2 pi * largest current loop"]
         } else {
-            ["0.375 omega_v", "omega_v (J_wg + r^2 J_fs)", "7.5/omega_v", "10 omega_v, omega_v = 2 pi f_v"]
+            ["2 pi f_p", "2 pi f_v (J_wg + r^2 J_fs)", "file", "20 pi f_v"]
         }
     }
 

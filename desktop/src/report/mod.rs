@@ -55,7 +55,7 @@ pub struct Report {
 pub fn build(gear: &GearFile, mut progress: impl FnMut(f64)) -> Result<Report, BadInput> {
     let mut chapters = Vec::new();
     for (done, make) in CHAPTERS.iter().enumerate() {
-        let mut part = |share: f64| progress((done as f64 + share) / CHAPTERS.len() as f64);
+        let mut part = |fraction: f64| progress((done as f64 + fraction) / CHAPTERS.len() as f64);
         chapters.push(make(gear, &mut part)?);
     }
     let html = page(gear, &chapters).into_string();

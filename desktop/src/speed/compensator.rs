@@ -1,7 +1,7 @@
 //! The control step and its observer, the motor-side cascade, and a control period of the reference plant.
 //!
 //! The control step and the cascade read what the compensator has read in scenario S2, so that every slot of the schedule
-//! has its share. The observer's motor turns under a load.
+//! counts as often as it runs. The observer's motor moves under a load.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;

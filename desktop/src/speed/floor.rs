@@ -9,13 +9,13 @@ pub(super) const NAME: &str = "floor";
 /// Steps of a pass.
 const STEPS: u32 = 4096;
 /// a.
-const SHARE: f64 = 0.01;
+const FRACTION: f64 = 0.01;
 
 pub(super) fn kernel() -> Kernel {
     let mut lagging = 0.0;
     Kernel::new(NAME, NAME, STEPS as usize, move || {
         for k in 0..STEPS {
-            lagging += SHARE * (black_box(f64::from(k)) - lagging);
+            lagging += FRACTION * (black_box(f64::from(k)) - lagging);
         }
         black_box(lagging);
     })

@@ -12,11 +12,11 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Of samples, at least one: each value is the sample whose rank is next to its share.
+    /// Of samples, at least one: each value is the sample whose rank is next to its fraction.
     pub(super) fn of(samples: &[f64]) -> Self {
         let mut sorted = samples.to_vec();
         sorted.sort_unstable_by(f64::total_cmp);
-        let at = |share: f64| sorted[(share * (sorted.len() - 1) as f64).round() as usize];
+        let at = |fraction: f64| sorted[(fraction * (sorted.len() - 1) as f64).round() as usize];
         Self { lower_quartile: at(0.25), median: at(0.5), upper_quartile: at(0.75) }
     }
 

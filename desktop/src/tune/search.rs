@@ -74,8 +74,8 @@ pub fn tune(
     let objective = Objective::build(file, kind, training.plants(file)?)?;
     let start = BaselineGains::of(file, kind);
     let worth = objective.score(&start)?;
-    let found = search(kind, &start, budget, |gains, share| {
-        progress(share);
+    let found = search(kind, &start, budget, |gains, fraction| {
+        progress(fraction);
         objective.score(gains).map_or(f64::INFINITY, |score| score.logarithm())
     });
     let score = objective.score(&found)?;
@@ -110,8 +110,8 @@ fn search(
 /// A gain's place in its range, 0 to 1.
 fn to_coordinate(gain: &Gain, value: f64) -> f64 {
     let [least, most] = gain.range;
-    let share = if least > 0.0 { (value / least).ln() / (most / least).ln() } else { value / most };
-    share.clamp(0.0, 1.0)
+    let fraction = if least > 0.0 { (value / least).ln() / (most / least).ln() } else { value / most };
+    fraction.clamp(0.0, 1.0)
 }
 
 /// The gain at a place in its range.
@@ -155,8 +155,8 @@ impl<C: FnMut(&BaselineGains, f64) -> f64> CostFunction for &Problem<C> {
 
     fn cost(&self, places: &Vec<f64>) -> Result<f64, Infallible> {
         self.evaluations.set(self.evaluations.get() + 1);
-        let share = (self.evaluations.get() as f64 / self.budget as f64).min(1.0);
-        Ok((self.cost.borrow_mut())(&self.at(places), share))
+        let fraction = (self.evaluations.get() as f64 / self.budget as f64).min(1.0);
+        Ok((self.cost.borrow_mut())(&self.at(places), fraction))
     }
 }
 
@@ -181,7 +181,7 @@ mod tests {
     #[test]
     fn the_search_finds_the_least() {
         let start = BaselineGains::untuned(&GearFile::default_gear(), Kind::B1);
-        let expected = BaselineGains { position_bandwidth: 30.0, friction_share: 0.0, ..start };
+        let expected = BaselineGains { position_bandwidth: 30.0, friction_gain: 0.0, ..start };
         let cost = |gains: &BaselineGains, _| {
             let off = |gain: &Gain| {
                 to_coordinate(gain, (gain.get)(gains)) - to_coordinate(gain, (gain.get)(&expected))

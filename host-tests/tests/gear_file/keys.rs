@@ -135,8 +135,7 @@ fn every_key_refuses_what_is_out_of_range_or_not_finite() {
 #[test]
 fn open_ends_are_excluded_and_closed_ends_included() {
     assert!(
-        changed("compensation.friction_share", 0).is_ok()
-            && changed("compensation.friction_share", 1).is_ok()
+        changed("compensation.friction_gain", 0).is_ok() && changed("compensation.friction_gain", 1).is_ok()
     );
     assert!(
         changed("hysteresis.width_arcmin", 0).is_ok() && changed("damping.torsion_mode_ratio", 0).is_ok()

@@ -3,6 +3,6 @@
 pub mod clock;
 pub mod encoder;
 pub mod motor_encoder;
-pub mod motor_torque;
+pub(super) mod motor_torque;
 pub mod rotor;
-pub mod validation;
+pub(super) mod validation;

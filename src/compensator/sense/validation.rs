@@ -99,11 +99,6 @@ impl<R: Real> InputGuard<R> {
         })
     }
 
-    /// Largest acceleration of a setpoint (rad/s^2).
-    pub fn acceleration(&self) -> R {
-        self.acceleration
-    }
-
     /// The outer controller's command, validated.
     #[inline(always)]
     pub fn command(

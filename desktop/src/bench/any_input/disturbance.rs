@@ -165,17 +165,17 @@ fn command(joint: &JointParams<f32>, random: &mut ChaCha8Rng) -> Command<f32> {
 }
 
 fn gains(random: &mut ChaCha8Rng) -> CompensationGains<f32> {
-    let mut share =
+    let mut gain =
         || if random.random_bool(0.8) { random.random_range(0.0..1.0) } else { float(1.0, random) };
     CompensationGains {
-        feedback: share(),
-        inertia: share(),
-        friction: share(),
-        wind_up: share(),
-        kinematic_error: share(),
-        output_feedback: share(),
-        adaptation: share(),
-        ripple: share(),
+        feedback: gain(),
+        inertia: gain(),
+        friction: gain(),
+        wind_up: gain(),
+        kinematic_error: gain(),
+        output_feedback: gain(),
+        adaptation: gain(),
+        ripple: gain(),
     }
 }
 

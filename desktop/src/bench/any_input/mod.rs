@@ -30,7 +30,7 @@ use strainwave::compensator::schedule::CONTROL_PERIOD;
 const ANY_BITS: u64 = 6;
 /// Fewest and most control periods of a sequence.
 const LENGTHS: [f64; 2] = [64.0, 2048.0];
-/// Smallest and largest share of disturbed periods.
+/// Smallest and largest fraction of disturbed periods.
 const RATES: [f64; 2] = [2e-3, 0.5];
 /// Periods before the one that matters in which a variation may change something.
 const WINDOW: usize = 32;

@@ -167,9 +167,12 @@ mod tests {
     fn a_fraction_of_a_count_moves_nothing_at_rest() {
         let mut held = built(&GearFile::default_gear());
         let count = TAU / f64::from(1 << 19);
-        let off = |held: &mut DualLoop, share: f64, velocity| {
-            let commanded =
-                Commanded { position: Angle::from_radians(share * count), velocity, ..Commanded::default() };
+        let off = |held: &mut DualLoop, fraction: f64, velocity| {
+            let commanded = Commanded {
+                position: Angle::from_radians(fraction * count),
+                velocity,
+                ..Commanded::default()
+            };
             for _ in 0..2000 {
                 held.step(&commanded, Some(0), false);
             }

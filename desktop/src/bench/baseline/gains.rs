@@ -6,7 +6,7 @@
 //! | velocity_bandwidth f_v | Hz | all | `[feedback]` |
 //! | integral_time T_i | s | all | `[feedback]` |
 //! | speed_filter_factor | 1 | all | 10: the speed is filtered at so many times f_v |
-//! | friction_share | 1 | B1, B2, B3 | B1: 1; B2, B3: `[compensation]` |
+//! | friction_gain | 1 | B1, B2, B3 | B1: 1; B2, B3: `[compensation]` |
 //! | output_proportional P | 1 | B3 | 0.4 |
 //! | output_integral I | 1/s | B3 | omega_t/5 |
 //! | output_derivative D | s | B3 | 2/omega_t |
@@ -34,7 +34,7 @@ impl BaselineGains {
             velocity_bandwidth: file.feedback.velocity_bandwidth,
             integral_time: file.feedback.integral_time,
             speed_filter_factor: 10.0,
-            friction_share: if kind <= Kind::B1 { 1.0 } else { file.compensation.friction_share },
+            friction_gain: if kind <= Kind::B1 { 1.0 } else { file.compensation.friction_gain },
             output_proportional: 0.4,
             output_integral: 0.2 * mode,
             output_derivative: 2.0 / mode,
@@ -60,10 +60,10 @@ mod tests {
         for kind in Kind::ALL {
             let gains = BaselineGains::of(&file, kind);
             assert_eq!(gains, BaselineGains::untuned(&file, kind));
-            assert_eq!((gains.position_bandwidth, gains.velocity_bandwidth), (15.0, 60.0));
+            assert_eq!((gains.position_bandwidth, gains.velocity_bandwidth), (22.5, 60.0));
         }
-        let share = |kind| BaselineGains::of(&file, kind).friction_share;
-        assert_eq!([Kind::B1, Kind::B2, Kind::B3].map(share), [1.0, 0.8, 0.8]);
+        let fraction = |kind| BaselineGains::of(&file, kind).friction_gain;
+        assert_eq!([Kind::B1, Kind::B2, Kind::B3].map(fraction), [1.0, 0.8, 0.8]);
     }
 
     #[test]

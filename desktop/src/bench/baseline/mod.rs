@@ -93,7 +93,7 @@ impl Baseline {
     /// As [`firmware_gear_params`] and the builds of what it is made of.
     pub fn with_gains(file: &GearFile, kind: Kind, gains: &BaselineGains) -> Result<Self, Error> {
         let (ratio, gear) = (file.gear.signed_ratio(), firmware_gear_params(file)?);
-        let body = || RigidBody::new(ratio, &gear, gains.friction_share);
+        let body = || RigidBody::new(ratio, &gear, gains.friction_gain);
         Ok(Self {
             ratio,
             cascade: Cascade::build(file, gains)?,

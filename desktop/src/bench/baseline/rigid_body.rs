@@ -20,18 +20,18 @@ pub(super) struct RigidBody {
     flexspline_inertia: f64,
     input: JointFrictionParams<f64>,
     output: JointFrictionParams<f64>,
-    friction_share: f64,
+    friction_gain: f64,
 }
 
 impl RigidBody {
-    pub fn new(ratio: Ratio, gear: &GearParams<f64>, friction_share: f64) -> Self {
+    pub fn new(ratio: Ratio, gear: &GearParams<f64>, friction_gain: f64) -> Self {
         Self {
             ratio,
             wave_generator_inertia: gear.wave_generator_inertia,
             flexspline_inertia: gear.flexspline_inertia,
             input: gear.input_friction,
             output: gear.output_friction,
-            friction_share,
+            friction_gain,
         }
     }
 
@@ -44,12 +44,12 @@ impl RigidBody {
             + r * output
     }
 
-    /// The share that is fed forward of the friction on the motor's and on the output's side, at an output speed
+    /// The friction that is fed forward on the motor's and on the output's side, at an output speed
     /// (rad/s).
     pub fn friction(&self, velocity: f64) -> [f64; 2] {
         let motor = velocity * f64::from(self.ratio.n());
         [(&self.input, motor), (&self.output, velocity)]
-            .map(|(side, velocity)| self.friction_share * coulomb_and_viscous(side, velocity))
+            .map(|(side, velocity)| self.friction_gain * coulomb_and_viscous(side, velocity))
     }
 }
 

@@ -9,8 +9,8 @@
 //! but for its viscous part.
 //!
 //! Noise: encoders by their resolution (q/sqrt(12)) plus jitter in counts of a 19-bit encoder; motor torque and
-//! strain gauge by the gear file; a share of the Coulomb friction of either side, renewed every control period; an
-//! external torque that wanders ([`DESIGN`]). s wanders by the stiffness' share of that, b by what a brake takes of
+//! strain gauge by the gear file; a fraction of the Coulomb friction of either side, renewed every control period; an
+//! external torque that wanders ([`DESIGN`]). s wanders by what the stiffness takes of that, b by what a brake takes of
 //! it, r times.
 
 use std::f64::consts::FRAC_1_SQRT_2;

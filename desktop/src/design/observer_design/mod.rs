@@ -42,7 +42,7 @@ const PATH: [f64; 3] = [0.03, 0.4, 0.75];
 /// # Errors
 /// [`Error::OutOfRange`] with the set of sensors by which the gear is not observable.
 pub fn observer_params<R: Real>(file: &GearFile) -> Result<ObserverParams<R>, Error> {
-    let span = |share: f64| share / 3f64.sqrt();
+    let span = |fraction: f64| fraction / 3f64.sqrt();
     Ok(ObserverParams {
         moving: sets(file, Sixth::Stiffness)?,
         standing: sets(file, Sixth::Held)?,
@@ -285,7 +285,7 @@ impl Filter {
         let counts = if standing { 1.5 } else { 0.5 };
         let zero = if self.has_output { counts * resolution(file.sensors.output_bits()) } else { 0.0 };
         let static_level = |side: &Friction| side.static_level.or(side.coulomb).unwrap_or_default();
-        let share = |condition: bool, value: f64| R::lit(if condition { value } else { 0.0 });
+        let fraction = |condition: bool, value: f64| R::lit(if condition { value } else { 0.0 });
         Spread {
             base: EstimateDeviation {
                 output_position: R::lit(state(2) + zero),
@@ -296,16 +296,16 @@ impl Filter {
                 output_friction: R::lit(PATH[2] * static_level(&file.friction.output)),
                 external_torque: R::lit(state(4)),
             },
-            torque_by_friction: share(moving_balance, n),
-            torque_by_stiffness: share(!self.has_torque && !moving_balance, 1.0),
-            angle_by_stiffness: share(!self.has_output, 1.0),
+            torque_by_friction: fraction(moving_balance, n),
+            torque_by_stiffness: fraction(!self.has_torque && !moving_balance, 1.0),
+            angle_by_stiffness: fraction(!self.has_output, 1.0),
             angle_by_torque: R::lit(if self.has_output {
                 0.5 * time * time / inertia
             } else {
                 1.0 / file.stiffness.k1
             }),
             velocity_by_torque: R::lit(time / inertia),
-            unobserved: [share(blind, UNOBSERVED_RATE * rated * DT), share(blind, rated / 3f64.sqrt())],
+            unobserved: [fraction(blind, UNOBSERVED_RATE * rated * DT), fraction(blind, rated / 3f64.sqrt())],
             settling: R::lit(settling),
             inverse_settling: R::lit(1.0 / settling),
             inverse_sliding_speed: R::lit(

@@ -218,8 +218,8 @@ fn deviations_hold_the_errors_of_a_moving_joint() {
             (estimate.output_position.to_radians() - angle).abs() <= 3.0 * estimate.deviation.output_position
                 && estimate.external_torque.abs() <= 3.0 * estimate.deviation.external_torque
         };
-        let share = estimates.iter().filter(inside).count() as f64 / estimates.len() as f64;
-        assert!(share >= 0.99, "seed {seed}: {share}");
+        let fraction = estimates.iter().filter(inside).count() as f64 / estimates.len() as f64;
+        assert!(fraction >= 0.99, "seed {seed}: {fraction}");
         let (last, _) = estimates.last().unwrap();
         assert!(last.deviation.external_torque < 0.12 * file.gear.rated_torque, "{last:?}");
     }

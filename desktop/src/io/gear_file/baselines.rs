@@ -101,12 +101,12 @@ mod tests {
     /// A section is replaced, and comments and the other sections are there to the letter.
     #[test]
     fn the_rest_of_the_file_stays_as_it_is() {
-        let before = format!("# ours\n{}\n# by hand\n[baselines.b1]\nfriction_share = 0.7\n", plain());
+        let before = format!("# ours\n{}\n# by hand\n[baselines.b1]\nfriction_gain = 0.7\n", plain());
         let once = edited(&before, |document| tuned().put_into(document)).unwrap();
         assert!(once.starts_with(&before), "{once}");
         assert_eq!(edited(&once, |document| tuned().put_into(document)).unwrap(), once);
         let file = parsed(&once).unwrap();
-        assert_eq!(BaselineGains::of(&file, Kind::B1).friction_share, 0.7);
+        assert_eq!(BaselineGains::of(&file, Kind::B1).friction_gain, 0.7);
     }
 
     #[test]
@@ -129,10 +129,12 @@ mod tests {
                 let path = format!("baselines.{}.{}", kind.name(), gain.key);
                 let key = KEYS.iter().find(|key| key.path == path).unwrap_or_else(|| panic!("{path}"));
                 let Allowed::Number(..) = key.allowed else { panic!("{path}") };
-                for (share, holds) in [(1.0, true), (1.001, false)] {
+                for (fraction, holds) in [(1.0, true), (1.001, false)] {
                     let [least, most] = gain.range;
                     assert!(
-                        key.optional && key.allowed.holds(least) && key.allowed.holds(most * share) == holds
+                        key.optional
+                            && key.allowed.holds(least)
+                            && key.allowed.holds(most * fraction) == holds
                     );
                 }
             }

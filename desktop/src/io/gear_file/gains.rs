@@ -37,7 +37,7 @@ pub struct BaselineGains {
     /// Corner of the speed's low pass in multiples of f_v.
     pub speed_filter_factor: f64,
     /// Fraction of the friction that is fed forward.
-    pub friction_share: f64,
+    pub friction_gain: f64,
     /// P of the output's error.
     pub output_proportional: f64,
     /// I of the output's error (1/s).
@@ -76,7 +76,7 @@ stored! {
     /// Corner of the speed's low pass in multiples of the velocity bandwidth.
     speed_filter_factor "speed_filter_factor",
     /// Fraction of the friction that is fed forward.
-    friction_share "friction_share",
+    friction_gain "friction_gain",
     /// P of the output's error.
     output_proportional "output_proportional",
     /// I of the output's error (1/s).
@@ -136,7 +136,7 @@ pub const GAINS: &[Gain] = &[
     gain!(B0 velocity_bandwidth "velocity_bandwidth_hz" [5.0, 300.0], "Hz"),
     gain!(B0 integral_time "integral_time_s" [0.003, 1.0], "s"),
     gain!(B0 speed_filter_factor "speed_filter_factor" [2.0, 40.0], "1"),
-    gain!(B1 friction_share "friction_share" [0.0, 1.0], "1"),
+    gain!(B1 friction_gain "friction_gain" [0.0, 1.0], "1"),
     gain!(B3 output_proportional "output_proportional" [0.01, 10.0], "1"),
     gain!(B3 output_integral "output_integral_per_s" [0.1, 300.0], "1/s"),
     gain!(B3 output_derivative "output_derivative_s" [1e-5, 0.1], "s"),

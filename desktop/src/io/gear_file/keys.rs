@@ -193,7 +193,7 @@ const CONTROL: &[Key] = &[
     key("feedback.position_bandwidth_hz", positive(1e3, "Hz")),
     key("feedback.velocity_bandwidth_hz", positive(1e3, "Hz")),
     key("feedback.integral_time_s", positive(1e3, "s")),
-    key("compensation.friction_share", within(0.0, 1.0, "1")),
+    key("compensation.friction_gain", within(0.0, 1.0, "1")),
     optional("compensation.external_torque_wander_nm_per_sqrt_s", positive(1e5, "N m/s^0.5")),
     optional("learnt.inertia", within(0.1, 1.9, "1")),
     optional("learnt.input_friction", within(0.1, 1.9, "1")),
@@ -225,10 +225,10 @@ macro_rules! baselines {
 
 const BASELINES: &[Key] = baselines! {
     "b0" +;
-    "b1" + "friction_share" within(0.0, 1.0, "1");
-    "b2" + "friction_share" within(0.0, 1.0, "1");
+    "b1" + "friction_gain" within(0.0, 1.0, "1");
+    "b2" + "friction_gain" within(0.0, 1.0, "1");
     "b3" +
-        "friction_share" within(0.0, 1.0, "1"),
+        "friction_gain" within(0.0, 1.0, "1"),
         "output_proportional" within(0.01, 10.0, "1"),
         "output_integral_per_s" within(0.1, 300.0, "1/s"),
         "output_derivative_s" within(1e-5, 0.1, "s"),

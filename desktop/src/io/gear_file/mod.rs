@@ -10,6 +10,7 @@
 //! Signs and symbols: the signed ratio is r = -1/N with the circular spline fixed and +1/(N+1) with
 //! the flexspline fixed (then the output is the circular spline).
 
+mod aliases;
 mod any_friction;
 mod baselines;
 mod check;
@@ -364,7 +365,7 @@ pub struct Feedback {
 #[serde(deny_unknown_fields)]
 pub struct Compensation {
     /// Fraction of the friction that is fed forward: all of it can drive the joint by itself.
-    pub friction_share: f64,
+    pub friction_gain: f64,
     /// By how much the external torque wanders in a second [N m/s^0.5]; the observer's design has one when it is left out. It is how much of
     /// the motor torque that friction and inertia do not explain the observer takes for external torque.
     #[serde(

@@ -5,7 +5,7 @@ use std::path::Path;
 use toml::Table;
 use toml_edit::{DocumentMut, TomlError};
 
-use super::{Baselines, DEFAULT, GearFile, Learnt, check, physics};
+use super::{Baselines, DEFAULT, GearFile, Learnt, aliases, check, physics};
 use crate::io::file::{self, BadInput};
 
 /// Longest gear file (bytes).
@@ -39,7 +39,8 @@ impl GearFile {
             let line = line_at(bytes, error.valid_up_to());
             refuse(format!("line {line}: not TOML: not UTF-8 text"))
         })?;
-        let table: Table = text.parse().map_err(|error| refuse(not_toml(text, &error)))?;
+        let mut table: Table = text.parse().map_err(|error| refuse(not_toml(text, &error)))?;
+        aliases::rename(&mut table);
         check::check(&table).map_err(refuse)?;
         let gear: Self =
             table.try_into().map_err(|error: toml::de::Error| refuse(error.message().to_owned()))?;

@@ -108,8 +108,8 @@ impl Time {
         let after = self.0.partition_point(|stamp| since(*stamp) <= elapsed).min(self.0.len() - 1);
         let before = after.saturating_sub(1);
         let (start, end) = (since(self.0[before]), since(self.0[after]));
-        let share = if end > start { ((elapsed - start) / (end - start)).clamp(0.0, 1.0) } else { 0.0 };
-        Instant { elapsed, before, after, share }
+        let fraction = if end > start { ((elapsed - start) / (end - start)).clamp(0.0, 1.0) } else { 0.0 };
+        Instant { elapsed, before, after, fraction }
     }
 }
 
@@ -120,7 +120,7 @@ pub struct Instant {
     pub elapsed: f64,
     before: usize,
     after: usize,
-    share: f64,
+    fraction: f64,
 }
 
 impl Instant {
@@ -128,7 +128,7 @@ impl Instant {
     pub fn of(&self, column: &[f64]) -> f64 {
         let (start, end) = (column[self.before], column[self.after]);
         // Rounding may leave the interval by the last digit.
-        (start + (end - start) * self.share).clamp(start.min(end), start.max(end))
+        (start + (end - start) * self.fraction).clamp(start.min(end), start.max(end))
     }
 }
 
@@ -146,7 +146,7 @@ mod tests {
         // (end - start) is rounded away from zero here, so that start + (end - start) is not end.
         let column = [426.5851927960378, -986.312159340444, 0.1, 0.3 - 0.1, 1e16, 1.0];
         for pair in column.windows(2) {
-            let end = Instant { elapsed: 1.0, before: 0, after: 1, share: 1.0 }.of(pair);
+            let end = Instant { elapsed: 1.0, before: 0, after: 1, fraction: 1.0 }.of(pair);
             assert!(end >= pair[0].min(pair[1]) && end <= pair[0].max(pair[1]), "{pair:?}: {end}");
         }
     }

@@ -55,7 +55,7 @@ pub enum Build {
     Reference {
         /// Nodes of the mesh.
         mesh: MeshSize,
-        /// Longest micro-step (s); a share of the stable one when there is none.
+        /// Longest micro-step (s); a fraction of the stable one when there is none.
         longest_step: Option<f64>,
     },
     /// f32, condensed mesh, one step per 0.1 ms: the code of the joint controller, where the observer steps it by 0.2 ms.

@@ -37,8 +37,8 @@ fn sections(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<Markup, Er
     let params = gear_params::<f64>(gear);
     let cup = cup::section(&params.flexspline)?;
     let links = links::section(&params.flexspline)?;
-    let torsion = torsion::section(gear, |share| progress(0.12 * share))?;
-    let strain = strain::section(gear, |share| progress(0.12 + 0.12 * share))?;
+    let torsion = torsion::section(gear, |fraction| progress(0.12 * fraction))?;
+    let strain = strain::section(gear, |fraction| progress(0.12 + 0.12 * fraction))?;
     let sizes = sizes::section(&params.flexspline);
     progress(0.24);
     Ok(html! { (cup) (links) (torsion) (strain) (sizes) })

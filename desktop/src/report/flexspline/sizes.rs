@@ -118,7 +118,7 @@ mod tests {
     #[test]
     fn the_stable_step_lies_just_below_that_of_the_highest_mode() {
         let highest = Frequencies::of::<36, 4>(&params()).highest;
-        let share = Mesh::<f64, 36, 4>::stable_step(&params()) * highest / 2.0;
-        assert!((0.8..1.0).contains(&share), "{share}");
+        let fraction = Mesh::<f64, 36, 4>::stable_step(&params()) * highest / 2.0;
+        assert!((0.8..1.0).contains(&fraction), "{fraction}");
     }
 }

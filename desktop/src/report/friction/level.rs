@@ -15,7 +15,7 @@ const SETTLING: usize = 100;
 const WAY: f64 = 2.0;
 /// Steps in it.
 const STEPS: usize = 400;
-/// Curves that differ by less than this share of Fs are one.
+/// Curves that differ by less than this fraction of Fs are one.
 const ALIKE: f64 = 5e-3;
 
 pub(super) fn section(numbers: &Numbers, models: &Models) -> Markup {

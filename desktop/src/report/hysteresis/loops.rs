@@ -6,7 +6,7 @@ use strainwave::compensator::HYSTERESIS_LEVELS;
 use strainwave::friction::FrictionParams;
 use strainwave::gear::GearParams;
 
-use crate::identify::law::{Law, course};
+use crate::identify::law::{Law, torques};
 use crate::report::plot::{Page, Panel, Series};
 use crate::report::{figure, plot};
 
@@ -15,7 +15,7 @@ const CORNERS: [f64; 9] = [0.0, 1.0, -1.0, 1.0, -0.5, 0.5, -0.25, 0.25, 0.0];
 
 pub(super) fn section<P: FrictionParams<f64>>(params: &GearParams<f64, P>) -> Result<Markup, Error> {
     let law = Law::<HYSTERESIS_LEVELS>::of(params)?;
-    let torques: Vec<_> = course(&CORNERS).map(|share| share * params.rated_torque).collect();
+    let torques: Vec<_> = torques(&CORNERS).map(|fraction| fraction * params.rated_torque).collect();
     let on = law.torsions(&torques);
     let line = params.flexspline.line.build()?;
     // The loop itself is narrow against the torsion: below it stands alone.

@@ -165,7 +165,7 @@ fn draw_series<'a, DB: DrawingBackend + 'a>(
     Ok(())
 }
 
-/// From lowest to highest, widened by a share of the span; a span of 0 by one part of the value.
+/// From lowest to highest, widened by a fraction of the span; a span of 0 by one part of the value.
 fn range(values: impl Iterator<Item = f64>, margin: f64) -> (f64, f64) {
     let (least, most) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| (least.min(v), most.max(v)));

@@ -64,7 +64,7 @@ pub(super) fn within<'a, DB: DrawingBackend + 'a>(
         return Ok(());
     }
     let points: Vec<_> = panel.series.iter().flat_map(Series::finite_points).collect();
-    draw(chart, emptiest_place(&points, frame, share(panel)))
+    draw(chart, emptiest_place(&points, frame, fraction(panel)))
 }
 
 fn draw<'a, DB: DrawingBackend + 'a>(chart: &mut Chart<'a, DB>, position: SeriesLabelPosition) -> Drawn<DB> {
@@ -79,8 +79,8 @@ fn draw<'a, DB: DrawingBackend + 'a>(chart: &mut Chart<'a, DB>, position: Series
         .draw()
 }
 
-/// About what share of its panel a legend covers, along and up.
-fn share(panel: &Panel) -> (f64, f64) {
+/// About what fraction of its panel a legend covers, along and up.
+fn fraction(panel: &Panel) -> (f64, f64) {
     let longest = panel.series.iter().map(|series| series.name.chars().count()).max().unwrap_or(0);
     let (width, height) = (50.0 + 6.0 * longest as f64, 10.0 + 14.0 * panel.series.len() as f64);
     // Less what stands around the axes.
@@ -88,7 +88,7 @@ fn share(panel: &Panel) -> (f64, f64) {
     ((width / axes.0).clamp(0.25, 0.9), (height / axes.1).clamp(0.25, 0.9))
 }
 
-/// The place at the left or right edge where a legend of this share covers the fewest points; the upper right of equals.
+/// The place at the left or right edge where a legend of this fraction covers the fewest points; the upper right of equals.
 fn emptiest_place(points: &[(f64, f64)], frame: &Frame, (wide, high): (f64, f64)) -> SeriesLabelPosition {
     let places = [
         (SeriesLabelPosition::UpperRight, 1.0, 1.0),
@@ -98,9 +98,9 @@ fn emptiest_place(points: &[(f64, f64)], frame: &Frame, (wide, high): (f64, f64)
         (SeriesLabelPosition::MiddleRight, 1.0, 0.5),
         (SeriesLabelPosition::MiddleLeft, 0.0, 0.5),
     ];
-    let covers = |value: f64, (least, most): (f64, f64), share: f64, at: f64| {
-        let from = at * (1.0 - share);
-        (from..=from + share).contains(&((value - least) / (most - least)))
+    let covers = |value: f64, (least, most): (f64, f64), fraction: f64, at: f64| {
+        let from = at * (1.0 - fraction);
+        (from..=from + fraction).contains(&((value - least) / (most - least)))
     };
     let crowd = |x: f64, y: f64| {
         let covered =
@@ -125,7 +125,8 @@ mod tests {
             column: 1e-3,
             describes: (true, true),
         };
-        let place = |points: &[(f64, f64)], share| format!("{:?}", emptiest_place(points, &frame, share));
+        let place =
+            |points: &[(f64, f64)], fraction| format!("{:?}", emptiest_place(points, &frame, fraction));
         assert_eq!(place(&[], (0.3, 0.3)), "UpperRight");
         assert_eq!(place(&[(0.9, 0.9)], (0.3, 0.3)), "UpperLeft");
         let lines = [(0.5, 0.05), (0.5, 0.95)];

@@ -92,8 +92,8 @@ mod tests {
         let [blue, vermilion, _, purple, ..] = Colour::ALL;
         assert_eq!(of(&["error", "bound", "", "last"]), [blue, vermilion, vermilion, purple]);
         assert_eq!(of(&["", ""]), [blue, vermilion]);
-        let asked = [Series::line("a", &[], &[]).coloured(Colour::Black), Series::line("b", &[], &[])];
-        assert_eq!(colours(&asked).collect::<Vec<_>>(), [Colour::Black, vermilion]);
+        let given = [Series::line("a", &[], &[]).coloured(Colour::Black), Series::line("b", &[], &[])];
+        assert_eq!(colours(&given).collect::<Vec<_>>(), [Colour::Black, vermilion]);
     }
 
     #[test]

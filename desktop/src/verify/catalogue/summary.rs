@@ -82,15 +82,15 @@ impl Tally {
         tally
     }
 
-    /// The ratio that this share of the runs does not exceed; NaN of none.
-    fn quantile(&self, share: f64) -> f64 {
-        let place = (share * self.ratios.len() as f64).ceil() as usize;
+    /// The ratio that this fraction of the runs does not exceed; NaN of none.
+    fn quantile(&self, fraction: f64) -> f64 {
+        let place = (fraction * self.ratios.len() as f64).ceil() as usize;
         self.ratios.get(place.saturating_sub(1)).copied().unwrap_or(f64::NAN)
     }
 
     fn cells(&self, name: String) -> Vec<String> {
         let counts = [self.runs, self.shakes, self.worse, self.limited, self.stopped].map(|n| n.to_string());
-        let ratios = [0.5, 0.95, 1.0].map(|share| number(self.quantile(share)));
+        let ratios = [0.5, 0.95, 1.0].map(|fraction| number(self.quantile(fraction)));
         [name].into_iter().chain(counts).chain(ratios).collect()
     }
 }
@@ -232,7 +232,7 @@ mod tests {
     #[test]
     fn a_share_of_the_runs_does_not_exceed_its_quantile() {
         let tally = Tally { ratios: (1..=100).map(f64::from).collect(), ..Tally::default() };
-        assert_eq!([0.5, 0.95, 1.0].map(|share| tally.quantile(share)), [50.0, 95.0, 100.0]);
+        assert_eq!([0.5, 0.95, 1.0].map(|fraction| tally.quantile(fraction)), [50.0, 95.0, 100.0]);
         assert!(Tally::default().quantile(0.5).is_nan());
     }
 }

@@ -16,7 +16,7 @@ pub enum Reference {
     B1,
     /// The rated torque of the default gear.
     RatedTorque,
-    /// Nothing: a share.
+    /// Nothing: a ratio.
     One,
 }
 
@@ -115,11 +115,11 @@ pub fn worst_draw(figures: &[Figure], scenario: Scenario, sensors: SensorSet) ->
         .filter(|claim| claim.metric.is_of(scenario))
         .map(|claim| claim.names[sensors as usize])
         .collect();
-    let share = |figure: &&Figure| figure.value / figure.bound.unwrap_or(f64::INFINITY);
+    let fraction = |figure: &&Figure| figure.value / figure.bound.unwrap_or(f64::INFINITY);
     figures
         .iter()
         .filter(|figure| names.contains(&figure.name.as_str()))
-        .max_by(|a, b| share(a).total_cmp(&share(b)))?
+        .max_by(|a, b| fraction(a).total_cmp(&fraction(b)))?
         .seed
 }
 

@@ -121,9 +121,9 @@ mod tests {
     #[test]
     fn every_item_is_worked_on_once_and_in_its_place() {
         let items: Vec<u64> = (0..100).collect();
-        let mut shares = Vec::new();
-        let squares = each(&items, |item| item * item, &mut |share| shares.push(share));
+        let mut fractions = Vec::new();
+        let squares = each(&items, |item| item * item, &mut |fraction| fractions.push(fraction));
         assert_eq!(squares, items.iter().map(|item| item * item).collect::<Vec<_>>());
-        assert!(shares.is_sorted() && shares.len() == 100 && shares[99] == 1.0);
+        assert!(fractions.is_sorted() && fractions.len() == 100 && fractions[99] == 1.0);
     }
 }

@@ -13,7 +13,7 @@
 //! energy from mode to mode, and what is kept then weighs a mode by 1 + (omega*dt)^2/6 + ... (E. Hairer, C. Lubich, G.
 //! Wanner, "Geometric Numerical Integration", chapter IX). So the shadow energy wanders with that exchange, as dt^2,
 //! either way, and no further in ten times as many steps: by 1e-3 at 0.9 of the stable step, 5e-5 at a half, 1e-6 at a
-//! tenth. A trend of 1e-6 can be separated from it at small steps only, hence [`SHARE`].
+//! tenth. A trend of 1e-6 can be separated from it at small steps only, hence [`FRACTION`].
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -30,7 +30,7 @@ use crate::verify::bounds;
 use crate::verify::largest;
 
 /// Step as a fraction of the stable one.
-const SHARE: f64 = 0.05;
+const FRACTION: f64 = 0.05;
 /// Motions.
 const SEEDS: u64 = 3;
 /// Steps that are measured.
@@ -87,7 +87,7 @@ struct FreeShell {
 impl FreeShell {
     fn build(params: &FlexsplineParams<f64>) -> Result<Self, Error> {
         let params = ShellParams { link_damping: 0.0, ..params.shell::<M>(N) };
-        let shell = Shell::build(&params, SHARE * Shell::<f64, N, M>::stable_step(&params))?;
+        let shell = Shell::build(&params, FRACTION * Shell::<f64, N, M>::stable_step(&params))?;
         let mut masses = [params.node_mass(N, M); M];
         masses[0] *= 0.5;
         masses[M - 1] *= 0.5;

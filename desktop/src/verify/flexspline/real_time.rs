@@ -1,7 +1,7 @@
 //! The real-time gear, 8 x 3 in f32 every 0.1 ms, against the reference, 36 x 4 in f64: torque through the flexspline.
 //!
 //! The default joint runs S1, S3 and S6 on the plant that its controller knows, under the cascade B0 (S6: brake). The
-//! speed of its wave generator and its load, row by row, then drive both builds of the two-port. As a share of rated
+//! speed of its wave generator and its load, row by row, then drive both builds of the two-port. As a fraction of rated
 //! torque.
 
 use std::thread;

@@ -22,7 +22,7 @@ pub(super) fn measure() -> Vec<Figure> {
     ]
 }
 
-/// As a share of the output's span.
+/// As a fraction of the output's span.
 fn worst<R: Real>(model: &Model<R>) -> f64 {
     let mut random = ChaCha8Rng::seed_from_u64(5);
     largest((0..HISTORIES).map(|_| {

@@ -54,12 +54,12 @@ fn synthetic(seed: u64) -> Result<f64, Error> {
     let options = Options { training: 1.0, ..Options::new(1.0) };
     let found = identify::<LEVELS>(Sequence { input: &input, output: &output }, &options)?;
     let corners: Vec<_> = (0..CORNERS).map(|_| random.random_range(-1.0..1.0)).collect();
-    let course = corners.windows(2).flat_map(|pair| {
+    let inputs = corners.windows(2).flat_map(|pair| {
         let (from, to) = (pair[0], pair[1]);
         (1..=BETWEEN).map(move |k| from + (to - from) * k as f64 / BETWEEN as f64)
     });
-    let course: Vec<_> = course.collect();
-    let (expected, predicted) = (outputs(&weights, &course)?, outputs(&found.weights, &course)?);
+    let inputs: Vec<_> = inputs.collect();
+    let (expected, predicted) = (outputs(&weights, &inputs)?, outputs(&found.weights, &inputs)?);
     Ok(largest(expected.iter().zip(&predicted).map(|(expected, predicted)| expected - predicted)) / span)
 }
 

@@ -38,10 +38,10 @@ fn worst<R: Real>(model: &Model<R>) -> [f64; 2] {
     for _ in 0..HISTORIES {
         let (state, _) = run(model, inputs(&mut random, 40));
         for _ in 0..PLACES {
-            let share: f64 = random.random_range(-1.0..1.0);
+            let fraction: f64 = random.random_range(-1.0..1.0);
             let output = |input| model.peek(&state, input).output;
-            let missed = output(inverse.input(&state, R::lit(share))) - R::lit(share);
-            let moved = inverse.input(&state, output(R::lit(share))) - R::lit(share);
+            let missed = output(inverse.input(&state, R::lit(fraction))) - R::lit(fraction);
+            let moved = inverse.input(&state, output(R::lit(fraction))) - R::lit(fraction);
             places.push([0.5 * missed.to_f64(), 0.5 * moved.to_f64()]);
         }
     }
@@ -58,8 +58,8 @@ fn torque_after_torsion<R: Real>() -> f64 {
     let mut random = ChaCha8Rng::seed_from_u64(9);
     largest((0..HISTORIES).map(|_| {
         let mut state = TorsionHysteresisState::default();
-        for share in inputs(&mut random, 40) {
-            model.step(&mut state, line.torsion(R::lit(rated * share)));
+        for fraction in inputs(&mut random, 40) {
+            model.step(&mut state, line.torsion(R::lit(rated * fraction)));
         }
         largest((0..PLACES).map(|_| {
             let torque = R::lit(rated * random.random_range(-1.2..1.2));

@@ -47,11 +47,11 @@ fn wiping_out(random: &mut ChaCha8Rng) -> f64 {
 /// Minor loops between the same inputs rise alike, whatever was before.
 fn congruency(random: &mut ChaCha8Rng) -> f64 {
     let model = at_random(random);
-    let [a, b, share]: [f64; 3] = random.random();
+    let [a, b, fraction]: [f64; 3] = random.random();
     let (low, high) = (2.0 * a.min(b) - 1.0, 2.0 * a.max(b) - 1.0);
     let mut rise = || {
         let before = inputs(random, INPUTS - 3);
-        let outputs = run(&model, before.into_iter().chain([high, low, low + share * (high - low)])).1;
+        let outputs = run(&model, before.into_iter().chain([high, low, low + fraction * (high - low)])).1;
         outputs[outputs.len() - 1] - outputs[outputs.len() - 2]
     };
     rise() - rise()

@@ -38,7 +38,7 @@ pub fn metrics(scenario: Scenario) -> &'static [Metric] {
 const LONGEST_LIMITED: f64 = 0.01;
 /// A run oscillates when it oscillates at rest by more than this many times B0.
 const TIMES: f64 = 3.0;
-/// Nor does it below this torsion (rad), and this share of the rated torque.
+/// Nor does it below this torsion (rad), and this fraction of the rated torque.
 const QUIET: [f64; 2] = [10e-6, 0.02];
 /// A metric is worse than B0's when it is both by this factor, and by this angle: a count of an encoder of 19 bits (rad).
 const WORSE: (f64, f64) = (1.05, 12e-6);

@@ -84,8 +84,8 @@ fn stiffness(model: FrictionModel) -> String {
 }
 
 fn ripple(side: &Friction) -> String {
-    let share = |list: &Option<Vec<f64>>, k: usize| list.iter().flatten().nth(k).copied().unwrap_or(0.0);
-    let amplitude = |k| share(&side.ripple_cosines, k).hypot(share(&side.ripple_sines, k));
+    let fraction = |list: &Option<Vec<f64>>, k: usize| list.iter().flatten().nth(k).copied().unwrap_or(0.0);
+    let amplitude = |k| fraction(&side.ripple_cosines, k).hypot(fraction(&side.ripple_sines, k));
     let sum: f64 = (0..RIPPLE_ORDERS).map(amplitude).sum();
     format!("with ripple_sines amplitudes sqrt(a_k^2 + b_k^2) that add up to at most 0.99, not {sum}")
 }
