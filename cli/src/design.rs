@@ -141,7 +141,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     Ok(Figures::new(figures, &arguments.figures))
 }
 
-/// What firmware includes.
+/// Rust source that firmware includes.
 fn write_joint(gear: &GearFile, path: &Path) -> Result<(), BadInput> {
     let params = joint_params(gear).map_err(BadInput::message)?;
     params.build().map_err(BadInput::message)?;

@@ -42,7 +42,7 @@ impl Figures {
         Self { printed: true, ..Self::new(figures, arguments) }
     }
 
-    /// What was measured.
+    /// Measured figures.
     pub fn measured(&self) -> &[Figure] {
         &self.figures
     }

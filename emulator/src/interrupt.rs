@@ -17,7 +17,7 @@ const SHELL_OFFSET: i32 = 128;
 
 static ENDING: AtomicBool = AtomicBool::new(false);
 
-/// What an interrupt does before the end, the last one first.
+/// Actions of an interrupt before the end, the last one first.
 static CLEAN_UPS: Mutex<Vec<fn()>> = Mutex::new(Vec::new());
 
 /// From now on an interrupt does this too, before what was asked for earlier, and exits with 128 + the signal.

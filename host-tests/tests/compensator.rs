@@ -44,7 +44,7 @@ fn settled() -> (Compensator<f32>, State<f32>) {
     (compensator, state)
 }
 
-/// What inputs alone raise.
+/// Faults that inputs alone raise.
 const INPUT_FAULTS: [Faults; 3] =
     [Faults::INPUT_NOT_FINITE, Faults::SETPOINT_LIMITED, Faults::MOTOR_ENCODER_JUMP];
 

@@ -71,7 +71,7 @@ fn command(code: &str) -> Option<Vec<&str>> {
     Some(words.split(" #").next().unwrap_or(words).split_whitespace().collect())
 }
 
-/// What `strainwave WORDS` prints.
+/// Output of `strainwave WORDS`.
 fn answer(words: &[&str]) -> String {
     let run = Command::new(env!("CARGO"))
         .args(["run", "--quiet", "--package", "strainwave-cli"])

@@ -232,7 +232,7 @@ fn a_room_imports_only_from_rooms_before_it() {
     assert!(across > 300, "{across}");
 }
 
-/// What a crate of these files would import.
+/// Imports of a crate of these files.
 fn imported(files: &[(&str, &str)]) -> Graph {
     let files = files.iter().map(|(path, text)| (segments(path), code(text)));
     Crate(files.collect()).graph()

@@ -28,7 +28,7 @@ fn a_drive_out_of_range_is_refused_by_key() {
     assert!(line.contains("drive.delay_periods = 99") && line.contains("from 0 to 20"), "{line}");
 }
 
-/// What firmware includes is what the joint file of the default gear holds; the page of figures has the margins.
+/// The source for firmware is that which the joint file of the default gear holds; the page of figures has the margins.
 #[test]
 fn a_joint_file_and_a_page_of_figures_are_written() {
     let bench = Bench::new();

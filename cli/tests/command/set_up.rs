@@ -29,7 +29,7 @@ fn set_up(bench: &Bench, programs: &[(&str, &str)], cache: &str) -> Answer {
     Bench::answer(&mut command)
 }
 
-/// What is announced before stands in lines of its own.
+/// Announcements before it stand in lines of their own.
 fn assert_refused(answer: &Answer, reason: &str) {
     let errors: Vec<_> = answer.error.lines().filter(|line| line.starts_with("error: ")).collect();
     assert_eq!((answer.code, errors.len(), answer.output.as_str()), (Some(2), 1, ""), "{}", answer.error);

@@ -37,7 +37,7 @@ pub const SLOTS: usize = SLOW_PERIODS as usize;
 /// Slot whose reading of the output encoder is used, one slot later.
 const OUTPUT_SLOT: usize = 4;
 /// (s)
-const ROUND: f64 = SLOW_PERIODS as f64 * CONTROL_PERIOD;
+const ROUND_TIME: f64 = SLOW_PERIODS as f64 * CONTROL_PERIOD;
 
 /// Corner of the motor torque's complementary filter (rad/s), as in `src/compensator/sense/motor_torque.rs`.
 const TORQUE_CORNER: f64 = 7.0;
@@ -290,13 +290,13 @@ impl Controller {
 
     /// The slow disturbance estimate.
     fn learn(&self, x: &mut [f64], load: f64) {
-        let slow_gain = fraction(ROUND * self.disturbance.slow_corner);
+        let slow_gain = fraction(ROUND_TIME * self.disturbance.slow_corner);
         x[MEAN] += slow_gain * (load - x[MEAN]);
         x[SLOW] += slow_gain * (self.passes * load - x[SLOW]);
     }
 
     fn plan(&self, x: &mut [f64], motor: f64, output: f64) {
-        let (dt, r, round) = (CONTROL_PERIOD, self.ratio, ROUND);
+        let (dt, r, round) = (CONTROL_PERIOD, self.ratio, ROUND_TIME);
         let compensated = x[SLOW] + self.disturbance.wind_up_fraction * x[FAST];
         let wound = -compensated / self.stiffness;
         let position = x[FLANGE_ERROR] + dt * (x[FLANGE_SPEED] - r * x[MOTOR_SPEED]) + r * x[OFF] + r * motor;

@@ -107,7 +107,7 @@ fn kept_value(line: &str) -> Option<(&str, f64)> {
     Some((name, cells.next()?.parse().ok()?))
 }
 
-/// What the row is to reach.
+/// Bound or target of the row.
 fn target(row: &Bound) -> f64 {
     TARGETS.iter().find(|(name, _)| *name == row.name).map_or(row.value, |(_, target)| *target)
 }

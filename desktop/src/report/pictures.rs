@@ -2,10 +2,10 @@
 
 use maud::Markup;
 
-/// What an SVG file needs that a picture within a page does not.
+/// Attributes of an SVG file that a picture within a page does not have.
 const NAMESPACE: &str = "xmlns=\"http://www.w3.org/2000/svg\"";
 
-/// What the page's style sheet gives the drawings, in its light colours.
+/// Style of the drawings in the light colours of the page's style sheet.
 const STYLE: &str = "svg { background: #fff; font-family: sans-serif; } \
     .link { fill: none; stroke-width: 1.2; stroke-linecap: round; } \
     .stretch { stroke: #0072b2; } .shear { stroke: #d55e00; } .bend { stroke: #009e73; } .back { opacity: 0.25; } \

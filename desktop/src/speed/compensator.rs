@@ -25,7 +25,7 @@ use crate::plant::divergence::RunError;
 /// Control periods of a pass.
 const PERIODS: usize = 4096;
 /// Periods of the observer in a pass, and the speed of its motor (rad/s) and its torque (N m).
-const OBSERVED: usize = 1024;
+const OBSERVER_STEPS: usize = 1024;
 const SPEED: f32 = 20.0;
 const TORQUE: f32 = 0.3;
 /// Largest torque of the plant's motor (N m), and by what its phase advances in a control period: 10 Hz.
@@ -53,8 +53,8 @@ fn observer(joint: &JointParams<f32>) -> Result<Kernel, strainwave::Error> {
     let period = OBSERVER_PERIODS as f32 * joint.dt;
     let mut state = observer.rest();
     let mut motor = Angle::from_radians(0.0);
-    Ok(Kernel::new("observer.step", floor::NAME, OBSERVED, move || {
-        for _ in 0..OBSERVED {
+    Ok(Kernel::new("observer.step", floor::NAME, OBSERVER_STEPS, move || {
+        for _ in 0..OBSERVER_STEPS {
             motor = motor.plus(period * SPEED);
             let measured =
                 Measurement { motor, reads_output: false, period, motor_torque: TORQUE, output_torque: None };
@@ -109,7 +109,7 @@ impl Controller for Kept {
     }
 }
 
-/// What the compensator reads in the middle of S2.
+/// Inputs of the compensator in the middle of S2.
 fn inputs(file: &GearFile, joint: &JointParams<f32>) -> Result<Vec<Input<f32>>, RunError> {
     let mut kept = Kept { compensator: HostCompensator::build(joint)?, inputs: Vec::new() };
     Bench::condensed(file, &Conditions::of(file, 0))?.go(&Scenario::S2, &mut kept, |_, _, _, _| ())?;

@@ -63,10 +63,11 @@ pub struct MeasuredFeedbackState<R> {
     filtered: R,
     /// dq (rad/s).
     velocity: R,
-    /// Half width of the dead zone (rad), the gain from the output's angle to the motor's, and whether the feedback acts.
+    /// Half width of the dead zone (rad); larger than any m where the feedback does not act.
     dead_zone: R,
-    gain: R,
-    acts: bool,
+    /// -P and -D/dt times the gain from the output's angle to the motor's.
+    proportional: R,
+    derivative: R,
 }
 
 /// Measured error in the feed-forward's slot.
@@ -108,12 +109,13 @@ impl<R: Real> MeasuredFeedback<R> {
         velocity: R,
         gain: R,
     ) {
-        state.gain = gain;
-        state.acts = measured.is_some();
+        state.proportional = -gain * self.proportional;
+        state.derivative = -gain * self.derivative;
         state.velocity = velocity;
-        state.dead_zone = if velocity == R::ZERO { self.dead_zone } else { R::ZERO };
+        state.dead_zone = R::MAX;
         if let Some(MeasuredError { phase, error }) = measured {
             (state.phase, state.error) = (phase, error);
+            state.dead_zone = if velocity == R::ZERO { self.dead_zone } else { R::ZERO };
         }
     }
 
@@ -129,9 +131,8 @@ impl<R: Real> MeasuredFeedback<R> {
                 state.error += R::from_i32(counts) * R::lit(RADIANS_PER_COUNT);
             }
         }
-        let felt = if state.acts { state.error.dead_zone(state.dead_zone) } else { R::ZERO };
-        let change = self.low_pass.step(&mut state.filtered, felt);
-        -state.gain * (self.proportional * state.filtered + self.derivative * change)
+        let change = self.low_pass.step(&mut state.filtered, state.error.dead_zone(state.dead_zone));
+        state.proportional * state.filtered + state.derivative * change
     }
 }
 

@@ -243,7 +243,7 @@ mod tests {
         assert!(integrated.abs() < 1e-3 * alone, "{integrated}");
     }
 
-    /// How fast the mode dies away does not depend on an integral whose poles are at the mode.
+    /// The decay of the mode does not depend on an integral whose poles are at the mode.
     #[test]
     fn an_integral_with_its_poles_at_the_mode_takes_no_damping() {
         let frequency = (STIFFNESS / INERTIA).sqrt();

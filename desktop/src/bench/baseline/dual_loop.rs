@@ -58,7 +58,7 @@ pub(super) struct DualLoop {
     /// e, e_f, m_f and z (rad).
     error: f64,
     filtered: f64,
-    felt: f64,
+    beyond_noise: f64,
     summed: f64,
 }
 
@@ -83,7 +83,7 @@ impl DualLoop {
             delay: file.sensors.output_encoder_delay as usize,
             error: 0.0,
             filtered: 0.0,
-            felt: 0.0,
+            beyond_noise: 0.0,
             summed: 0.0,
         })
     }
@@ -97,14 +97,16 @@ impl DualLoop {
             self.error = then.minus(output.angle);
         }
         let count = if commanded.rests() { self.count } else { 0.0 };
-        let before = self.felt;
+        let before = self.beyond_noise;
         self.low_pass.step(&mut self.filtered, self.error);
-        self.low_pass.step(&mut self.felt, self.error.dead_zone(NOISE * count));
+        self.low_pass.step(&mut self.beyond_noise, self.error.dead_zone(NOISE * count));
         if !limited && commanded.velocity.abs() <= self.slow {
             self.summed += self.integral * self.filtered.dead_zone(HIDDEN * count);
             self.summed = self.summed.clamp(-self.bound, self.bound);
         }
-        let shift = self.proportional * self.felt + self.derivative * (self.felt - before) + self.summed;
+        let shift = self.proportional * self.beyond_noise
+            + self.derivative * (self.beyond_noise - before)
+            + self.summed;
         shift.clamp(-self.bound, self.bound)
     }
 
@@ -179,7 +181,7 @@ mod tests {
             held.summed
         };
         assert_eq!(off(&mut held, 0.39, 0.0), 0.0);
-        assert_eq!(held.felt, 0.0);
+        assert_eq!(held.beyond_noise, 0.0);
         assert!(off(&mut held, 0.39, 0.01) > 0.0);
     }
 

@@ -5,7 +5,7 @@
 //! spike of one sample stays visible.
 //!
 //! ```
-//! use strainwave_desktop::plot::{Page, Panel, Series};
+//! use strainwave_desktop::report::plot::{Page, Panel, Series};
 //! let time: Vec<f64> = (0..1000).map(|k| f64::from(k) * 1e-3).collect();
 //! let torsion: Vec<f64> = time.iter().map(|t| 1e-3 * (20.0 * t).sin()).collect();
 //! let panel = Panel::new("time", "s", "torsion", "rad").with(Series::line("model", &time, &torsion));

@@ -1,0 +1,98 @@
+//! Torque command of every control period.
+
+use crate::branch::seldom;
+use crate::compensator::actuate::cascade::CascadeInput;
+use crate::compensator::sense::clock::Elapsed;
+use crate::compensator::sense::encoder::Reading;
+use crate::compensator::{Compensator, Faults, State, Status};
+use crate::real::Real;
+
+impl<R: Real> Compensator<R> {
+    /// Torque in the mode after this step: none where the drive is off or is switched on with this step; then the
+    /// reference begins at the output's angle.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn change_mode(
+        &self,
+        state: &mut State<R>,
+        faults: &mut Faults,
+        status: Status,
+        torque: R,
+    ) -> R {
+        let before = state.mode.mode();
+        let mode = state.mode.step(faults, status);
+        if before.drives() && mode.drives() {
+            return torque;
+        }
+        state.fallback.sent(R::ZERO);
+        state.limited = true;
+        if mode.drives() {
+            state.commander = Default::default();
+            state.feedback = Default::default();
+            state.output_feedback = Default::default();
+            state.measured_feedback = Default::default();
+            state.motor_reference = Default::default();
+        }
+        R::ZERO
+    }
+
+    /// Torque command of the cascade, in every period.
+    #[inline(always)]
+    pub(super) fn drive(
+        &self,
+        state: &mut State<R>,
+        motor: &Reading<R>,
+        elapsed: &Elapsed<R>,
+        faults: &mut Faults,
+    ) -> R {
+        let phase = (state.latch.age == 0).then_some(state.latch.output_phase);
+        let shift = self.measured_feedback.step(&mut state.measured_feedback, phase, elapsed.time);
+        let (reference, wind_up) = (&state.motor_reference, &state.wind_up);
+        let input = CascadeInput {
+            position_error: reference.followed_error(shift, self.rounding),
+            velocity: reference.velocity + wind_up.velocity,
+            acceleration: reference.acceleration_gain * reference.acceleration + wind_up.acceleration,
+        };
+        let held = state.limited || !reference.closed;
+        let feedback = self.feedback.step(&mut state.feedback, motor.moved * elapsed.inverse, &input, held)
+            + wind_up.torque;
+        let closed = if reference.closed {
+            state.guard.gains().feedback * self.taken_over(state, feedback)
+        } else {
+            seldom();
+            let torque = reference.transmission * reference.output_torque.unwrap_or_default();
+            state.motor_reference.switched = false;
+            torque
+        };
+        let torque = self.command(state, state.motor_reference.torque + closed, faults);
+        state.sent = [state.motor_reference.position_error, state.motor_reference.torque];
+        torque
+    }
+
+    /// The feedback, which goes on from the torque (N m) so far when it was switched to.
+    fn taken_over(&self, state: &mut State<R>, feedback: R) -> R {
+        if !state.motor_reference.switched {
+            return feedback;
+        }
+        seldom();
+        state.motor_reference.switched = false;
+        let difference = state.fallback.torque() - state.motor_reference.torque - feedback;
+        feedback + self.feedback.take_over(&mut state.feedback, difference)
+    }
+
+    /// The torque command: `target` (N m) limited to the motor's peak torque and to the gear's rating.
+    fn command(&self, state: &mut State<R>, target: R, faults: &mut Faults) -> R {
+        let limited = target.limit(self.limits.motor_torque);
+        faults.raise_if(limited != target, Faults::TORQUE_LIMITED);
+        let ramped = self.fallback.step(&mut state.fallback, limited, *faults);
+        let torque = self.protection.limit(&state.protection, ramped).limit(self.limits.motor_torque);
+        if torque != ramped {
+            seldom();
+            faults.raise_if(true, Faults::TORQUE_LIMITED);
+            state.fallback.sent(torque);
+        }
+        // The feedback's integral must not run while its torque does not reach the motor.
+        state.limited = torque != target;
+        torque
+    }
+}

@@ -1,0 +1,75 @@
+//! Slots of the observer and of the checks.
+
+use crate::angle::Angle;
+use crate::compensator::estimate::observer::Measurement;
+use crate::compensator::schedule::OBSERVER_PERIODS;
+use crate::compensator::sense::rotor::RotorInput;
+use crate::compensator::{Compensator, Faults, State};
+use crate::real::Real;
+
+impl<R: Real> Compensator<R> {
+    /// The observer's slot.
+    #[inline(never)] // The timing budget counts this slot by its symbol.
+    pub(super) fn observe(&self, state: &mut State<R>, motor: Angle<R>, reads_output: bool) {
+        let mut faults = Faults::NONE;
+        state.rotor.torques += state.latch.motor_torque;
+        state.rotor.time += state.latch.time;
+        let gauge = state.latch.output_torque.take();
+        let measured = Measurement {
+            motor,
+            reads_output,
+            period: state.latch.time,
+            motor_torque: R::lit(1.0 / OBSERVER_PERIODS as f64) * state.latch.motor_torque,
+            output_torque: gauge.filter(|_| !state.disabled_sensors.contains(Faults::TORQUE_SENSOR_OFF)),
+        };
+        (state.latch.motor_torque, state.latch.time) = (R::ZERO, R::ZERO);
+        self.observer.step(
+            &self.gear,
+            &mut state.observer,
+            &measured,
+            &state.gear_correction,
+            state.motor_reference.rests,
+            &mut faults,
+        );
+        state.gear_correction.load += state.load_rate;
+        self.disturbance.step_fast(&mut state.disturbance, state.observer.external_torque());
+        state.wind_up = self.disturbance.wind_up(&state.disturbance);
+        state.faults.observer = faults;
+    }
+
+    /// Compares the balance of the rotor with its reference, the drive and the sensors at the output.
+    #[inline(always)]
+    pub(super) fn check(&self, state: &mut State<R>) {
+        let mut faults = Faults::NONE;
+        self.output_feedback.integrate(&mut state.output_feedback, !state.limited);
+        self.read_output(state, &mut faults);
+        let reference = &state.motor_reference;
+        // With a feedback gain below 1 another controller moves the motor.
+        let controlled = reference.planned && reference.output_torque.is_none();
+        let driven = state.mode.mode().drives() && state.guard.gains().feedback == R::ONE;
+        let input = RotorInput {
+            motor: state.observer.motor(),
+            commanded: state.fallback.torque(),
+            drive_error: state.motor_torque.drive_error(),
+            reference: controlled.then_some([reference.position_error, reference.velocity]),
+            driven,
+        };
+        self.rotor.step(&mut state.rotor, &input, &mut faults);
+        let [torque, rate, friction] = state.rotor.gear();
+        self.protection.follow(&mut state.protection, torque, rate, friction);
+        if state.output_zero.is_some() {
+            if let Some(innovation) = self.observer.output_innovation(&state.observer) {
+                let torsion = state.observer.torsion() - innovation;
+                state.disabled_sensors =
+                    state.disabled_sensors.with(self.rotor.torsion_disagrees(&mut state.rotor, torsion));
+            }
+            faults.raise_if(state.latch.age > self.output_lost, Faults::OUTPUT_ENCODER_LOST);
+        }
+        if let Some(gauge) = state.gauge {
+            state.disabled_sensors =
+                state.disabled_sensors.with(self.rotor.gauge_disagrees(&mut state.rotor, gauge));
+        }
+        state.faults.rotor = faults.with(state.disabled_sensors);
+        state.faults.collect();
+    }
+}

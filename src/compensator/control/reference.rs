@@ -1,0 +1,98 @@
+//! Slots of the feed-forward.
+
+use crate::angle::Angle;
+use crate::branch::seldom;
+use crate::compensator::reference::command::CommandStatus;
+use crate::compensator::reference::measured_feedback::MeasuredError;
+use crate::compensator::reference::motor_reference::MotorReference;
+use crate::compensator::reference::output_feedback::OutputError;
+use crate::compensator::schedule::OBSERVER_PERIODS;
+use crate::compensator::{Compensator, Faults, Input, Setpoint, State};
+use crate::real::{RADIANS_PER_COUNT, Real};
+
+impl<R: Real> Compensator<R> {
+    /// The feed-forward's slot.
+    #[inline(never)] // The timing budget counts this slot by its symbol.
+    pub(super) fn plan(&self, state: &mut State<R>, input: &Input<R>, motor: Angle<R>) {
+        let mut faults = Faults::NONE;
+        let command = self.guard.command(&mut state.guard, &input.command, &mut faults);
+        let status =
+            CommandStatus { age: input.setpoint_age, readable: !faults.contains(Faults::INPUT_NOT_FINITE) };
+        let now = || self.observer.estimate(&state.observer, &state.gear_correction);
+        let target = self.commander.step(&mut state.commander, &command, status, now, &mut faults);
+        state.faults.plan = faults;
+        let setpoint = &target.setpoint;
+        let gains = state.guard.gains();
+        let rests = setpoint.velocity == R::ZERO;
+        let load = self.disturbance.compensated_load(&state.disturbance);
+        let correction = self.learning.correction(&state.learning, load, gains);
+        let demand =
+            self.feed_forward.step(&self.gear, &mut state.feed_forward, setpoint, gains, &correction);
+        let position_error = demand.motor.angle.minus(motor);
+        // Extrapolates the estimate of a period ago. Its speed is that of the middle of the observer's period.
+        let speed_behind = R::lit(1.0 + 0.5 * OBSERVER_PERIODS as f64) * self.dt;
+        let velocity = state.observer.output_velocity() + speed_behind * setpoint.acceleration;
+        let position = demand.link_offset
+            + self.observer.output_offset(&state.observer, &state.gear_correction, position_error, self.dt);
+        let reads = self.observer.output_innovation(&state.observer).is_some();
+        let newest = self.measured_error(state, setpoint).filter(|_| reads);
+        let measured = newest.map(|newest| newest.error);
+        let error = OutputError {
+            position,
+            velocity: velocity - setpoint.velocity,
+            setpoint_velocity: setpoint.velocity,
+            torque: self.observer.transmitted(&state.observer)
+                - state.observer.output_friction()
+                - (demand.accelerating - self.behind * demand.accelerating_rate)
+                + self.disturbance.whole_load(&state.disturbance)
+                + state.learning.gravity_torque(),
+            measured,
+        };
+        let shift = self.output_feedback.step(&mut state.output_feedback, &error);
+        let gain = gains.output_feedback * R::from_i32(self.gear.ratio().n());
+        let followed = newest.filter(|_| self.output_feedback.is_slow(setpoint.velocity));
+        self.measured_feedback.plan(&mut state.measured_feedback, followed, setpoint.velocity, gain);
+        if target.switched {
+            seldom();
+            self.fallback.begin_ramp(&mut state.fallback);
+        }
+        state.motor_reference = MotorReference {
+            position_error: position_error + gain * shift.angle,
+            velocity: demand.motor.velocity + gain * shift.rate,
+            acceleration: demand.acceleration,
+            jerk: demand.jerk,
+            acceleration_gain: gains.wind_up,
+            torque: demand.torque,
+            torque_rate: demand.torque_rate,
+            transmission: demand.transmission,
+            wind_up_compliance: demand.wind_up_compliance,
+            output_torque: target.torque,
+            rests: rests && target.torque.is_none(),
+            switched: target.switched,
+            planned: true,
+            closed: target.torque.is_none(),
+        };
+        self.learning.follow(&mut state.learning, &demand.excitation, measured);
+    }
+
+    /// Output encoder's newest reading less the setpoint of its time, where it is near the last accepted one.
+    #[inline(always)]
+    fn measured_error(&self, state: &State<R>, setpoint: &Setpoint<R>) -> Option<MeasuredError<R>> {
+        let phase = state.latch.output_phase;
+        let zero = state.output_zero.filter(|_| self.output_encoder.is_near(&state.output_encoder, phase))?;
+        let counts = phase.wrapping_sub(zero.phase()).wrapping_sub(setpoint.position.phase()).cast_signed();
+        let late = R::from_i32((state.latch.age + self.observer.output_delay()).cast_signed()) * self.dt;
+        let error = R::from_i32(counts) * R::lit(RADIANS_PER_COUNT) + late * setpoint.velocity;
+        Some(MeasuredError { phase, error })
+    }
+
+    /// The slot of the feed-forward's models.
+    #[inline(always)]
+    pub(super) fn model(&self, state: &mut State<R>, motor: Angle<R>) {
+        let reference = state.motor_reference.reference(motor);
+        let factors = state.learning.applied();
+        self.feed_forward.step_models(&self.gear, &mut state.feed_forward, reference, factors);
+        let (position, gains) = (state.commander.position(), state.guard.gains());
+        self.learning.step_models(&mut state.learning, reference, position, gains);
+    }
+}

@@ -1,0 +1,87 @@
+//! Stages that read the sensors.
+
+use crate::angle::Angle;
+use crate::compensator::estimate::observer::OutputReading;
+use crate::compensator::sense::clock::Elapsed;
+use crate::compensator::sense::encoder::Reading;
+use crate::compensator::{Compensator, Faults, Sensors, State, Status};
+use crate::real::Real;
+
+impl<R: Real> Compensator<R> {
+    /// Reads the sensors, in every period.
+    #[inline(always)]
+    pub(super) fn read(
+        &self,
+        state: &mut State<R>,
+        sensors: &Sensors<R>,
+        status: Status,
+        elapsed: &Elapsed<R>,
+        faults: &mut Faults,
+    ) -> Reading<R> {
+        let sound = !status.contains(Status::MOTOR_ENCODER_INVALID);
+        let (motor, lost) =
+            self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder, sound, elapsed);
+        faults.raise_if(!motor.accepted, Faults::MOTOR_ENCODER_JUMP);
+        faults.raise_if(lost, Faults::MOTOR_ENCODER_LOST);
+        let (commanded, feedback) = (state.fallback.torque(), state.guard.gains().feedback);
+        let latch = &mut state.latch;
+        latch.motor_torque +=
+            self.motor_torque.step(&mut state.motor_torque, commanded, feedback, sensors.motor_torque);
+        latch.time += elapsed.time;
+        if sensors.output_encoder.is_some() && !status.contains(Status::OUTPUT_ENCODER_INVALID) {
+            (latch.output, latch.age) = (sensors.output_encoder, 0);
+            latch.output_phase = sensors.output_encoder.map_or(0, |raw| self.output_encoder.phase(raw));
+        } else {
+            latch.age = latch.age.saturating_add(1);
+        }
+        if sensors.output_torque.is_some() {
+            latch.output_torque = sensors.output_torque;
+            state.gauge = sensors.output_torque;
+        }
+        state.motor_reference.advance(state.wind_up.velocity, elapsed.time);
+        state.motor_reference.position_error -= motor.moved;
+        motor
+    }
+
+    /// Corrects the observer by the output encoder's reading of its last step.
+    #[inline(always)]
+    pub(super) fn read_output(&self, state: &mut State<R>, faults: &mut Faults) {
+        let Some((raw, age)) = state.output_reading.take() else {
+            return;
+        };
+        let Reading { angle, accepted, .. } = self.output_encoder.step::<R>(&mut state.output_encoder, raw);
+        faults.raise_if(!accepted, Faults::OUTPUT_ENCODER_JUMP);
+        state.output_raw = Some(raw);
+        // The two encoders are mounted at any angle to each other: the first readings that are both
+        // accepted are their zero, with the torsion of that moment.
+        if state.output_zero.is_none() && accepted && state.motor_encoder.is_accepted() {
+            let then = self.observer.output_at_reading(&self.gear, &state.observer, age);
+            state.output_zero = then.map(|then| angle.less(then));
+        }
+        let unsound = Faults::OUTPUT_ENCODER_FROZEN.with(Faults::OUTPUT_ENCODER_OFF);
+        let frozen = state.faults.standstill.with(state.disabled_sensors).intersects(unsound);
+        if let Some(zero) = state.output_zero.filter(|_| accepted && !frozen) {
+            let reading = OutputReading { angle: angle.less(zero), age };
+            self.observer.correct_output(&mut state.observer, &reading, &state.gear_correction, faults);
+        }
+    }
+
+    /// Raises the faults of encoders that stand still while a motion is commanded. A joint that a brake holds against
+    /// its load is detected too: the shift of the output feedback is a commanded motion.
+    #[inline(always)]
+    pub(super) fn detect_standstill(&self, state: &mut State<R>, motor: Angle<R>) {
+        let mut faults = Faults::NONE;
+        let velocity = state.motor_reference.commanded_velocity();
+        let stood_still = motor == state.last_motor;
+        state.last_motor = motor;
+        let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, velocity);
+        faults.raise_if(frozen && state.mode.mode().drives(), Faults::MOTOR_ENCODER_FROZEN);
+        if let Some(raw) = state.output_raw.take() {
+            let stood_still = state.last_output.replace(raw) == Some(raw);
+            self.frozen_output.step(&mut state.frozen_output_path, stood_still, velocity);
+        }
+        faults
+            .raise_if(self.frozen_output.is_frozen(state.frozen_output_path), Faults::OUTPUT_ENCODER_FROZEN);
+        state.faults.standstill = faults;
+    }
+}
