@@ -5,8 +5,9 @@
 use strainwave::Error;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::friction::{
-    ArmstrongParams, BlimanSorine, BristleParams, CoulombParams, DahlParams, FrictionModel, KarnoppParams,
-    LuGreParams, LubricatedContactParams, ResetIntegratorParams, Slip, StaticParams, StribeckParams,
+    ArmstrongParams, BlimanSorine, BristleParams, CoulombParams, DahlParams, FrictionModel, FrictionParams,
+    KarnoppParams, LuGreParams, LubricatedContactParams, ResetIntegratorParams, Slip, StaticParams,
+    StribeckParams,
 };
 
 const COULOMB: f64 = 0.035; // N m

@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use proptest::prelude::*;
+use strainwave::friction::ModelName;
 use strainwave_desktop::GearFile;
 use strainwave_desktop::design::joint::firmware_gear_params;
-use strainwave_desktop::io::gear_file::{Backward, DEFAULT, Friction, FrictionModel};
+use strainwave_desktop::io::gear_file::{Backward, DEFAULT, Friction};
 use strainwave_desktop::io::log::{OpenLoop, OpenLoopRow};
 use strainwave_desktop::plant::Plant;
 use strainwave_desktop::plant::two_port::{self, Build};
@@ -119,7 +120,7 @@ fn friction_follows_direction_and_angle_from_any_start() {
     let mut gear = GearFile::default_gear();
     let mut frictionless = gear.clone();
     frictionless.friction.input =
-        Friction { model: FrictionModel::Viscous, viscous: Some(0.0), ..gear.friction.input.clone() };
+        Friction { model: ModelName::Viscous, viscous: Some(0.0), ..gear.friction.input.clone() };
     let side = &mut gear.friction.input;
     side.presliding = Some(2e-3);
     side.ripple_cosines = Some(vec![0.3, 0.1]);

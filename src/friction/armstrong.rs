@@ -35,7 +35,9 @@
 //! compensation methods for the control of machines with friction", Automatica 30 (1994); H. Olsson et al.,
 //! European Journal of Control 4 (1998).
 
-use super::{FrictionModel, Slip, require_divisor, require_level};
+use super::data::{FrictionData, LEVELS, PRESLIDING};
+use super::registered::{ClosedMotionTest, Registered, Standstill};
+use super::{FrictionModel, FrictionParams, Slip, require_divisor, require_level};
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -58,12 +60,12 @@ pub struct ArmstrongParams<R> {
     pub dwell: R,
 }
 
-impl<R: Real> ArmstrongParams<R> {
-    /// Checks and precomputes.
-    ///
+impl<R: Real> FrictionParams<R> for ArmstrongParams<R> {
+    type Model = Armstrong<R>;
+
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the field.
-    pub fn build(&self) -> Result<Armstrong<R>, Error> {
+    fn build(&self) -> Result<Armstrong<R>, Error> {
         require((R::lit(1e-9)..=R::lit(1e12)).contains(&self.stiffness), "stiffness")?;
         require_level(self.coulomb, "coulomb")?;
         require_level(self.viscous, "viscous")?;
@@ -79,12 +81,40 @@ impl<R: Real> ArmstrongParams<R> {
     }
 }
 
+impl<R: Real> Registered<R> for ArmstrongParams<R> {
+    const NEEDS: &'static [&'static [&'static str]] = &[
+        LEVELS,
+        &["stribeck_rad_per_s", "viscous_nm_s_per_rad"],
+        PRESLIDING,
+        &["frictional_memory_s", "dwell_s"],
+    ];
+    const STANDSTILL: Standstill = Standstill::Presliding;
+    const STICK_SLIP: bool = true;
+
+    /// sigma0 = Fs/eps, F_Sinf = Fs - Fc.
+    fn of_data(data: &FrictionData<R>) -> Self {
+        let FrictionData { forward, presliding, frictional_memory, dwell, .. } = *data;
+        Self {
+            stiffness: forward.static_level / presliding,
+            coulomb: forward.coulomb,
+            viscous: forward.viscous,
+            stribeck: forward.static_level - forward.coulomb,
+            stribeck_velocity: forward.stribeck_velocity,
+            memory: frictional_memory,
+            dwell,
+        }
+    }
+
+    /// None: the force breaks away wherever its dwell puts it, so that no pieces of a path are known on which it is smooth.
+    fn closed_motions(_: f64, _: f64, _: &mut impl ClosedMotionTest<R>) {}
+}
+
 /// Built model.
 ///
 /// Static friction rises with the time at rest: after 1 s more is needed to break away than after 10 ms.
 ///
 /// ```
-/// use strainwave::friction::{ArmstrongParams, FrictionModel, Slip};
+/// use strainwave::friction::{ArmstrongParams, FrictionModel, FrictionParams, Slip};
 ///
 /// let params = ArmstrongParams {
 ///     stiffness: 1e4, coulomb: 1.0, viscous: 0.0, stribeck: 0.5, stribeck_velocity: 0.01, memory: 1e-3, dwell: 0.1,
@@ -208,6 +238,24 @@ impl<R: Real> FrictionModel<R> for Armstrong<R> {
 mod tests {
     use super::*;
     use crate::compensator::schedule::CONTROL_PERIOD;
+    use crate::friction::tests::Extremes;
+    use std::vec;
+    use std::vec::Vec;
+
+    impl<R: Real> Extremes<R> for ArmstrongParams<R> {
+        fn extremes() -> Vec<Self> {
+            let lit = R::lit;
+            vec![Self {
+                stiffness: lit(1e9),
+                coulomb: lit(0.035),
+                viscous: lit(1e6),
+                stribeck: lit(0.015),
+                stribeck_velocity: lit(1e-9),
+                memory: lit(1e-9),
+                dwell: lit(1e6),
+            }]
+        }
+    }
 
     const PARAMS: ArmstrongParams<f64> = ArmstrongParams {
         stiffness: 1e3,

@@ -187,6 +187,7 @@ impl<R: Real, const P: usize> BlimanSorine<R, P> {
 
 impl<R: Real, const P: usize> FrictionModel<R> for BlimanSorine<R, P> {
     type State = BlimanSorineState<R, P>;
+    const RATE_INDEPENDENT: bool = true;
 
     #[inline(always)]
     fn force(&self, state: &Self::State) -> R {

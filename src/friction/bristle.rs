@@ -29,9 +29,14 @@
 //! D. A. Haessig, B. Friedland, "On the modeling and simulation of friction", Journal of Dynamic Systems,
 //! Measurement, and Control 113 (1991); H. Olsson et al., European Journal of Control 4 (1998).
 
-use super::{FrictionModel, GREATEST, Slip, require_divisor};
+use super::data::{COULOMB, FrictionData, PRESLIDING};
+use super::registered::{ClosedMotionTest, ForceOverPath, Registered, Standstill};
+use super::{FrictionModel, FrictionParams, GREATEST, Slip, require_divisor};
 use crate::error::{Error, require};
 use crate::real::Real;
+
+/// Bonds of the registered model.
+pub const BRISTLES: usize = 20;
 
 /// Stiffness and reach of one bond of `B`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,16 +52,36 @@ impl<R: Real, const B: usize> BristleParams<R, B> {
     pub fn of_level(coulomb: R, reach: R) -> Self {
         Self { stiffness: R::lit(2.0 / B as f64) * coulomb / reach, reach }
     }
+}
 
-    /// Checks and precomputes.
-    ///
+impl<R: Real, const B: usize> FrictionParams<R> for BristleParams<R, B> {
+    type Model = Bristle<R, B>;
+
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the field, or `bristles` when `B` is not in 1..=1000.
-    pub fn build(&self) -> Result<Bristle<R, B>, Error> {
+    fn build(&self) -> Result<Bristle<R, B>, Error> {
         require((1..=1000).contains(&B), "bristles")?;
         require((R::ZERO..=R::lit(GREATEST * GREATEST)).contains(&self.stiffness), "stiffness")?;
         require_divisor(self.reach, "reach")?;
         Ok(Bristle { greatest: self.stiffness * self.reach, rate: R::ONE / self.reach })
+    }
+}
+
+impl<R: Real> Registered<R> for BristleParams<R, BRISTLES> {
+    const NEEDS: &'static [&'static [&'static str]] = &[COULOMB, PRESLIDING];
+    const STANDSTILL: Standstill = Standstill::Presliding;
+    const STICK_SLIP: bool = false;
+
+    /// [`BRISTLES`] bonds of delta_s = 2*eps, which slide at Fc.
+    fn of_data(data: &FrictionData<R>) -> Self {
+        let FrictionData { forward, presliding, .. } = *data;
+        Self::of_level(forward.coulomb, presliding + presliding)
+    }
+
+    /// Four bonds: those of [`BRISTLES`] snap at places that are no binary fractions of the distance.
+    fn closed_motions(level: f64, distance: f64, test: &mut impl ClosedMotionTest<R>) {
+        let bonds = BristleParams::<R, 4>::of_level(R::lit(level), R::lit(distance));
+        test.run(bonds.build(), ForceOverPath::Straight);
     }
 }
 
@@ -77,7 +102,7 @@ impl<R: Real, const B: usize> Default for BristleState<R, B> {
 /// Twenty bonds slide at the level that they were made for, and turn all work into heat:
 ///
 /// ```
-/// use strainwave::friction::{BristleParams, FrictionModel, Slip};
+/// use strainwave::friction::{BristleParams, FrictionModel, FrictionParams, Slip};
 ///
 /// let (level, reach) = (1.0_f64, 1e-3);
 /// let friction = BristleParams::<f64, 20>::of_level(level, reach).build()?;
@@ -134,7 +159,16 @@ impl<R: Real, const B: usize> FrictionModel<R> for Bristle<R, B> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::tests::Extremes;
     use proptest::prelude::*;
+    use std::vec;
+    use std::vec::Vec;
+
+    impl<R: Real> Extremes<R> for BristleParams<R, BRISTLES> {
+        fn extremes() -> Vec<Self> {
+            vec![Self::of_level(R::lit(0.035), R::lit(1e-9))]
+        }
+    }
 
     const BONDS: usize = 16;
     const LEVEL: f64 = 2.0;

@@ -13,7 +13,9 @@
 //! C. A. Coulomb, "Théorie des machines simples", 1785; H. Olsson et al., "Friction models and friction
 //! compensation", European Journal of Control 4 (1998), eq. (1).
 
-use super::{FrictionModel, LastForce, Slip, require_level};
+use super::data::{COULOMB, FrictionData};
+use super::registered::{Registered, Standstill};
+use super::{FrictionModel, FrictionParams, LastForce, Slip, require_level};
 use crate::error::Error;
 use crate::real::Real;
 
@@ -24,14 +26,24 @@ pub struct CoulombParams<R> {
     pub coulomb: R,
 }
 
-impl<R: Real> CoulombParams<R> {
-    /// Checks.
-    ///
+impl<R: Real> FrictionParams<R> for CoulombParams<R> {
+    type Model = Coulomb<R>;
+
     /// # Errors
     /// [`Error::OutOfRange`] `coulomb`.
-    pub fn build(&self) -> Result<Coulomb<R>, Error> {
+    fn build(&self) -> Result<Coulomb<R>, Error> {
         require_level(self.coulomb, "coulomb")?;
         Ok(Coulomb { coulomb: self.coulomb })
+    }
+}
+
+impl<R: Real> Registered<R> for CoulombParams<R> {
+    const NEEDS: &'static [&'static [&'static str]] = &[COULOMB];
+    const STANDSTILL: Standstill = Standstill::Jump;
+    const STICK_SLIP: bool = false;
+
+    fn of_data(data: &FrictionData<R>) -> Self {
+        Self { coulomb: data.forward.coulomb }
     }
 }
 
@@ -40,7 +52,7 @@ impl<R: Real> CoulombParams<R> {
 /// A body of mass m that slides at v stops after the way m*v^2/(2*Fc):
 ///
 /// ```
-/// use strainwave::friction::{CoulombParams, FrictionModel, LastForce, Slip};
+/// use strainwave::friction::{CoulombParams, FrictionModel, FrictionParams, LastForce, Slip};
 ///
 /// let (friction, mut state) = (CoulombParams { coulomb: 2.0 }.build()?, LastForce::default());
 /// let (mass, dt, mut velocity, mut way) = (1.0_f64, 1e-4, 1.0, 0.0);
@@ -71,6 +83,15 @@ impl<R: Real> FrictionModel<R> for Coulomb<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::tests::Extremes;
+    use std::vec;
+    use std::vec::Vec;
+
+    impl<R: Real> Extremes<R> for CoulombParams<R> {
+        fn extremes() -> Vec<Self> {
+            vec![Self { coulomb: R::lit(0.035) }]
+        }
+    }
 
     #[test]
     fn it_has_the_sign_of_the_velocity_and_one_level() {

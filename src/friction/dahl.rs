@@ -26,7 +26,9 @@
 //! P. Dahl, "A solid friction model", Aerospace Corporation TOR-0158(3107-18)-1, 1968; H. Olsson et al.,
 //! European Journal of Control 4 (1998).
 
-use super::{FrictionModel, GREATEST, LEAST, Slip, require_divisor};
+use super::data::{COULOMB, FrictionData, PRESLIDING};
+use super::registered::{ClosedMotionTest, ForceOverPath, Registered, Standstill};
+use super::{FrictionModel, FrictionParams, GREATEST, LEAST, Slip, require_divisor};
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -41,12 +43,12 @@ pub struct DahlParams<R> {
     pub exponent: R,
 }
 
-impl<R: Real> DahlParams<R> {
-    /// Checks and precomputes.
-    ///
+impl<R: Real> FrictionParams<R> for DahlParams<R> {
+    type Model = Dahl<R>;
+
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the field.
-    pub fn build(&self) -> Result<Dahl<R>, Error> {
+    fn build(&self) -> Result<Dahl<R>, Error> {
         require_divisor(self.coulomb, "coulomb")?;
         let stiffest = R::lit(GREATEST * GREATEST);
         require((R::lit(LEAST)..=stiffest).contains(&self.stiffness), "stiffness")?;
@@ -57,6 +59,29 @@ impl<R: Real> DahlParams<R> {
             _ => return Err(Error::OutOfRange("exponent")),
         };
         Ok(Dahl { coulomb: self.coulomb, rate: self.stiffness / self.coulomb, shape })
+    }
+}
+
+impl<R: Real> Registered<R> for DahlParams<R> {
+    const NEEDS: &'static [&'static [&'static str]] = &[COULOMB, PRESLIDING];
+    const MAY_HAVE: &'static [&'static str] = &["dahl_exponent"];
+    const STANDSTILL: Standstill = Standstill::Presliding;
+    const STICK_SLIP: bool = false;
+
+    /// sigma = Fc/eps.
+    fn of_data(data: &FrictionData<R>) -> Self {
+        let coulomb = data.forward.coulomb;
+        Self { coulomb, stiffness: coulomb / data.presliding, exponent: data.dahl_exponent }
+    }
+
+    /// Each exponent; that of 0 yields all at once.
+    fn closed_motions(level: f64, distance: f64, test: &mut impl ClosedMotionTest<R>) {
+        for (exponent, force) in
+            [(0.0, ForceOverPath::Straight), (1.0, ForceOverPath::Smooth), (2.0, ForceOverPath::Smooth)]
+        {
+            let [coulomb, stiffness, exponent] = [level, level / distance, exponent].map(R::lit);
+            test.run(Self { coulomb, stiffness, exponent }.build(), force);
+        }
     }
 }
 
@@ -80,7 +105,7 @@ pub struct DahlState<R> {
 /// level:
 ///
 /// ```
-/// use strainwave::friction::{DahlParams, FrictionModel, Slip};
+/// use strainwave::friction::{DahlParams, FrictionModel, FrictionParams, Slip};
 ///
 /// let friction = DahlParams { coulomb: 1.0, stiffness: 1e3, exponent: 1.0 }.build()?;
 /// let after_1_mm_at = |velocity: f64| {
@@ -102,6 +127,7 @@ pub struct Dahl<R> {
 
 impl<R: Real> FrictionModel<R> for Dahl<R> {
     type State = DahlState<R>;
+    const RATE_INDEPENDENT: bool = true;
 
     #[inline(always)]
     fn force(&self, state: &Self::State) -> R {
@@ -128,7 +154,20 @@ impl<R: Real> FrictionModel<R> for Dahl<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::tests::Extremes;
     use proptest::prelude::*;
+    use std::vec::Vec;
+
+    impl<R: Real> Extremes<R> for DahlParams<R> {
+        fn extremes() -> Vec<Self> {
+            let params = |exponent| Self {
+                coulomb: R::lit(1e-9),
+                stiffness: R::lit(1e12),
+                exponent: R::lit(exponent),
+            };
+            [0.0, 1.0, 2.0].map(params).to_vec()
+        }
+    }
 
     const LEVEL: f64 = 2.0;
     const STIFFNESS: f64 = 100.0;

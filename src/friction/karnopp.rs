@@ -18,8 +18,10 @@
 //! D. Karnopp, "Computer simulation of stick-slip friction in mechanical dynamic systems", Journal of Dynamic
 //! Systems, Measurement, and Control 107 (1985); H. Olsson et al., European Journal of Control 4 (1998).
 
+use super::data::{CURVE, FrictionData};
 use super::lubricated_contact::{LubricatedContact, LubricatedContactParams};
-use super::{FrictionModel, LastForce, Slip, require_divisor};
+use super::registered::{Registered, Standstill};
+use super::{FrictionModel, FrictionParams, LastForce, Slip, require_divisor};
 use crate::error::Error;
 use crate::real::Real;
 
@@ -32,14 +34,24 @@ pub struct KarnoppParams<R> {
     pub dead_band: R,
 }
 
-impl<R: Real> KarnoppParams<R> {
-    /// Checks and precomputes.
-    ///
+impl<R: Real> FrictionParams<R> for KarnoppParams<R> {
+    type Model = Karnopp<R>;
+
     /// # Errors
     /// [`Error::OutOfRange`] `dead_band` or the name of the contact's field.
-    pub fn build(&self) -> Result<Karnopp<R>, Error> {
+    fn build(&self) -> Result<Karnopp<R>, Error> {
         require_divisor(self.dead_band, "dead_band")?;
         Ok(Karnopp { contact: self.contact.build()?, dead_band: self.dead_band })
+    }
+}
+
+impl<R: Real> Registered<R> for KarnoppParams<R> {
+    const NEEDS: &'static [&'static [&'static str]] = &[CURVE, &["dead_band_rad_per_s"]];
+    const STANDSTILL: Standstill = Standstill::Static;
+    const STICK_SLIP: bool = true;
+
+    fn of_data(data: &FrictionData<R>) -> Self {
+        Self { contact: LubricatedContactParams::of_data(data), dead_band: data.dead_band }
     }
 }
 
@@ -48,7 +60,7 @@ impl<R: Real> KarnoppParams<R> {
 /// Within the dead band the body is in equilibrium although its velocity is not exactly 0:
 ///
 /// ```
-/// use strainwave::friction::{FrictionModel, KarnoppParams, LastForce, LubricatedContactParams, Slip};
+/// use strainwave::friction::{FrictionModel, FrictionParams, KarnoppParams, LastForce, LubricatedContactParams, Slip};
 ///
 /// let contact = LubricatedContactParams {
 ///     coulomb: 1.0, static_level: 1.3, stribeck_velocity: 0.02, stribeck_exponent: 1.0, viscous: 4.0,
@@ -84,6 +96,15 @@ impl<R: Real> FrictionModel<R> for Karnopp<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::tests::{Extremes, contact};
+    use std::vec;
+    use std::vec::Vec;
+
+    impl<R: Real> Extremes<R> for KarnoppParams<R> {
+        fn extremes() -> Vec<Self> {
+            vec![Self { contact: contact(), dead_band: R::lit(0.01) }]
+        }
+    }
 
     #[test]
     fn the_band_holds_what_is_applied_and_beyond_it_the_body_slides() {

@@ -17,7 +17,9 @@
 //! H. Olsson et al., "Friction models and friction compensation", European Journal of Control 4
 //! (1998), eq. (5).
 
-use super::{FrictionModel, GREATEST, LastForce, Slip};
+use super::data::{CURVE, FrictionData, Sliding};
+use super::registered::{Registered, Standstill};
+use super::{FrictionModel, FrictionParams, GREATEST, LastForce, Slip};
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -36,12 +38,12 @@ pub struct LubricatedContactParams<R> {
     pub viscous: R,
 }
 
-impl<R: Real> LubricatedContactParams<R> {
-    /// Checks and precomputes.
-    ///
+impl<R: Real> FrictionParams<R> for LubricatedContactParams<R> {
+    type Model = LubricatedContact<R>;
+
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the field.
-    pub fn build(&self) -> Result<LubricatedContact<R>, Error> {
+    fn build(&self) -> Result<LubricatedContact<R>, Error> {
         let (least, greatest) = (R::lit(1e-9), R::lit(GREATEST));
         let squared = self.stribeck_exponent == R::lit(2.0);
         require((R::ZERO..=greatest).contains(&self.coulomb), "coulomb")?;
@@ -59,13 +61,36 @@ impl<R: Real> LubricatedContactParams<R> {
     }
 }
 
+impl<R: Real> LubricatedContactParams<R> {
+    /// Curve of one direction.
+    pub(super) fn of_sliding(sliding: &Sliding<R>) -> Self {
+        Self {
+            coulomb: sliding.coulomb,
+            static_level: sliding.static_level,
+            stribeck_velocity: sliding.stribeck_velocity,
+            stribeck_exponent: sliding.stribeck_exponent,
+            viscous: sliding.viscous,
+        }
+    }
+}
+
+impl<R: Real> Registered<R> for LubricatedContactParams<R> {
+    const NEEDS: &'static [&'static [&'static str]] = &[CURVE];
+    const STANDSTILL: Standstill = Standstill::Jump;
+    const STICK_SLIP: bool = true;
+
+    fn of_data(data: &FrictionData<R>) -> Self {
+        Self::of_sliding(&data.forward)
+    }
+}
+
 /// Built model.
 ///
 /// The level is Fs at standstill and Fc in fast sliding; between them the curve has the slope -(Fs - Fc)/vs at v = 0,
 /// which is negative damping:
 ///
 /// ```
-/// use strainwave::friction::LubricatedContactParams;
+/// use strainwave::friction::{FrictionParams, LubricatedContactParams};
 ///
 /// let params = LubricatedContactParams {
 ///     coulomb: 1.0_f64, static_level: 1.3, stribeck_velocity: 0.02, stribeck_exponent: 1.0, viscous: 4.0,
@@ -130,7 +155,16 @@ impl<R: Real> FrictionModel<R> for LubricatedContact<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::tests::{Extremes, contact};
     use proptest::prelude::*;
+    use std::vec;
+    use std::vec::Vec;
+
+    impl<R: Real> Extremes<R> for LubricatedContactParams<R> {
+        fn extremes() -> Vec<Self> {
+            vec![contact()]
+        }
+    }
 
     fn params(stribeck_exponent: f64) -> LubricatedContactParams<f64> {
         LubricatedContactParams {

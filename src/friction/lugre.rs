@@ -31,8 +31,10 @@
 //! friction", IEEE Transactions on Automatic Control 40 (1995); H. Olsson, "Control systems with friction",
 //! thesis, Lund 1996.
 
+use super::data::{CURVE, FrictionData, PRESLIDING};
 use super::lubricated_contact::{LubricatedContact, LubricatedContactParams};
-use super::{FrictionModel, GREATEST, LEAST, Slip, require_divisor, require_level};
+use super::registered::{Registered, Standstill};
+use super::{FrictionModel, FrictionParams, GREATEST, LEAST, Slip, require_divisor, require_level};
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -47,17 +49,33 @@ pub struct LuGreParams<R> {
     pub damping: R,
 }
 
-impl<R: Real> LuGreParams<R> {
-    /// Checks and precomputes.
-    ///
+impl<R: Real> FrictionParams<R> for LuGreParams<R> {
+    type Model = LuGre<R>;
+
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the field, the contact's too.
-    pub fn build(&self) -> Result<LuGre<R>, Error> {
+    fn build(&self) -> Result<LuGre<R>, Error> {
         let contact = self.contact.build()?;
         require_divisor(self.contact.coulomb, "coulomb")?;
         require((R::lit(LEAST)..=R::lit(1e3 * GREATEST)).contains(&self.stiffness), "stiffness")?;
         require_level(self.damping, "damping")?;
         Ok(LuGre { contact, stiffness: self.stiffness, damping: self.damping })
+    }
+}
+
+impl<R: Real> Registered<R> for LuGreParams<R> {
+    const NEEDS: &'static [&'static [&'static str]] = &[CURVE, PRESLIDING];
+    const MAY_HAVE: &'static [&'static str] = &["micro_damping_nm_s_per_rad"];
+    const STANDSTILL: Standstill = Standstill::Presliding;
+    const STICK_SLIP: bool = true;
+
+    /// sigma0 = Fs/eps: without sigma1 it is Bliman and Sorine's order 1 at the level g.
+    fn of_data(data: &FrictionData<R>) -> Self {
+        Self {
+            contact: LubricatedContactParams::of_data(data),
+            stiffness: data.forward.static_level / data.presliding,
+            damping: data.micro_damping,
+        }
     }
 }
 
@@ -73,7 +91,7 @@ pub struct LuGreState<R> {
 /// In steady sliding it lies on the curve of the lubricated contact:
 ///
 /// ```
-/// use strainwave::friction::{FrictionModel, LuGreParams, LubricatedContactParams, Slip};
+/// use strainwave::friction::{FrictionModel, FrictionParams, LuGreParams, LubricatedContactParams, Slip};
 ///
 /// let contact = LubricatedContactParams {
 ///     coulomb: 1.0_f64, static_level: 1.5, stribeck_velocity: 1e-3, stribeck_exponent: 2.0, viscous: 0.4,
@@ -120,6 +138,17 @@ impl<R: Real> FrictionModel<R> for LuGre<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::tests::{Extremes, contact};
+    use std::vec;
+    use std::vec::Vec;
+
+    impl<R: Real> Extremes<R> for LuGreParams<R> {
+        fn extremes() -> Vec<Self> {
+            let extreme =
+                LubricatedContactParams { coulomb: R::lit(1e-9), static_level: R::lit(1e6), ..contact() };
+            vec![Self { contact: extreme, stiffness: R::lit(1e9), damping: R::lit(1e6) }]
+        }
+    }
 
     fn params<R: Real>() -> LuGreParams<R> {
         let contact = LubricatedContactParams {

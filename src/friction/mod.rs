@@ -4,32 +4,51 @@
 //! motion subtracts it and `force * velocity` is the power lost. "Force" is N over m or N m over
 //! rad; the equations are the same.
 //!
-//! | model | remembers | needs the applied force | loses work over any closed motion |
-//! | --- | --- | --- | --- |
-//! | [`Coulomb`], [`Viscous`], [`LubricatedContact`] | nothing | no | yes |
-//! | [`Static`], [`Stribeck`] | nothing | at v = 0 | yes |
-//! | [`Karnopp`] | nothing | in its dead band | no: the band's force is not bound to oppose v |
-//! | [`Armstrong`] | deflection, dwell, lagged velocity | no | yes |
-//! | [`Dahl`] | deflection | no | yes |
-//! | [`Bristle`] | a deflection each | no | yes |
-//! | [`ResetIntegrator`] | deflection | no | yes |
-//! | [`BlimanSorine`], [`StateSpace`] | P forces over the path | no | yes: checked at build |
-//! | [`LuGre`] | deflection | no | where sigma1 is small enough, see there |
-//! | [`JointFriction`] | 2 forces over the path | no | yes |
+//! All are one [`FrictionModel`]: built once, then stepped by a [`Slip`]. They lose work over any closed motion, but for
+//! [`Karnopp`], whose dead band is not bound to oppose v, and [`LuGre`] with too much damping of its bristles.
 //!
-//! All are one [`FrictionModel`]: built once, then stepped by a [`Slip`].
+//! The registry, which opens this file, names the models that a program may choose when it runs ([`any`]). All else about a
+//! model is in its own file, as [`Registered`]: the data of a contact that it needs and how its parameters follow from them, its
+//! friction at standstill, and the parameters at which the laws of all models are tested.
 
+/// Hands the registry of the friction models to the macro `$then`: name, word in a gear file, parameters, and what it is.
+macro_rules! friction_models {
+    ($then:ident) => {
+        $then! {
+            Coulomb = "coulomb", CoulombParams<R>, "One level.";
+            Viscous = "viscous", ViscousParams<R>, "In proportion to the speed.";
+            Static = "static", StaticParams<R>, "Holds at standstill, Coulomb's in motion.";
+            Stribeck = "stribeck", StribeckParams<R>, "Holds at standstill, the lubricated contact's in motion.";
+            Karnopp = "karnopp", KarnoppParams<R>, "A dead band of speed in which it holds.";
+            Armstrong = "armstrong", ArmstrongParams<R>, "Presliding, Stribeck effect with memory, and dwell.";
+            Dahl = "dahl", DahlParams<R>, "A spring that yields.";
+            Bristle = "bristle", BristleParams<R, BRISTLES>, "Bonds that snap.";
+            ResetIntegrator = "reset_integrator", ResetIntegratorParams<R>, "A bond that holds at its end.";
+            BlimanSorine1 = "bliman_sorine_1", JointFrictionOfOrder<R, 1>, "The gear's block of order 1.";
+            BlimanSorine2 = "bliman_sorine_2", JointFrictionOfOrder<R, 2>, "The gear's block of order 2.";
+            LubricatedContact = "lubricated_contact", LubricatedContactParams<R>, "A level that falls with speed.";
+            LuGre = "lugre", LuGreParams<R>, "The mean deflection of bristles.";
+            StateSpace = "state_space", AnyStateSpaceParams<R>, "Eq. (8) with general A, B, C.";
+        }
+    };
+}
+
+pub mod any;
+mod any_model;
+pub mod any_state_space;
 pub mod armstrong;
 pub mod bliman_sorine;
 pub mod bristle;
 pub mod coulomb;
 pub mod dahl;
+pub mod data;
 pub mod joint_friction;
 pub mod karnopp;
 pub mod load_dependence;
 pub mod lubricated_contact;
 pub mod lugre;
 pub mod positive_real;
+pub mod registered;
 pub mod reset_integrator;
 pub mod ripple;
 pub mod state_space;
@@ -37,18 +56,24 @@ pub mod stiction;
 pub mod stribeck;
 pub mod viscous;
 
+pub use any::{AnyFriction, AnyFrictionParams, AnyFrictionState, ModelName};
+pub use any_state_space::{AnyStateSpace, AnyStateSpaceParams, AnyStateSpaceState};
 pub use armstrong::{Armstrong, ArmstrongParams};
 pub use bliman_sorine::BlimanSorine;
-pub use bristle::{Bristle, BristleParams};
+pub use bristle::{BRISTLES, Bristle, BristleParams};
 pub use coulomb::{Coulomb, CoulombParams};
 pub use dahl::{Dahl, DahlParams};
-pub use joint_friction::{JointFriction, JointFrictionParams, JointFrictionState, Order, RIPPLE_ORDERS};
+pub use data::FrictionData;
+pub use joint_friction::{
+    JointFriction, JointFrictionOfOrder, JointFrictionParams, JointFrictionState, Order,
+};
 pub use karnopp::{Karnopp, KarnoppParams};
 pub use load_dependence::{LoadDependence, LoadDependenceParams, LoadFactors, LoadedLevel};
 pub use lubricated_contact::{LubricatedContact, LubricatedContactParams};
 pub use lugre::{LuGre, LuGreParams};
+pub use registered::{ClosedMotionTest, ForceOverPath, Registered, Standstill};
 pub use reset_integrator::{ResetIntegrator, ResetIntegratorParams};
-pub use ripple::{Harmonics, Ripple, RippleParams};
+pub use ripple::{Harmonics, RIPPLE_ORDERS, Ripple, RippleParams};
 pub use state_space::{StateSpace, StateSpaceParams};
 pub use stiction::{Static, StaticParams};
 pub use stribeck::{Stribeck, StribeckParams};
@@ -165,6 +190,8 @@ pub trait FrictionModel<R: Real> {
 
     /// The model reads [`Slip::applied`]. What it does not read may be anything.
     const READS_APPLIED: bool = false;
+    /// The force depends on the path alone, not on the speed.
+    const RATE_INDEPENDENT: bool = false;
 
     /// Force after the last step (N) or (N m).
     fn force(&self, state: &Self::State) -> R;

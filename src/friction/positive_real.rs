@@ -16,7 +16,7 @@
 //! system that just touches zero passes; what is certified is therefore Re G >= 0 to that fraction of
 //! rounding. All in f64.
 
-/// Share of the magnitude of a coefficient's terms that is taken for rounding.
+/// Fraction of the magnitude of a coefficient's terms that is taken for rounding.
 pub const TOLERANCE: f64 = 1e-9;
 /// Most intervals that are looked at.
 const INTERVALS: usize = 10_000;

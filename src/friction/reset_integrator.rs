@@ -20,7 +20,9 @@
 //! D. A. Haessig, B. Friedland, "On the modeling and simulation of friction", Journal of Dynamic Systems,
 //! Measurement, and Control 113 (1991); H. Olsson et al., European Journal of Control 4 (1998).
 
-use super::{FrictionModel, Slip, require_divisor, require_level};
+use super::data::{FrictionData, LEVELS, PRESLIDING};
+use super::registered::{ClosedMotionTest, ForceOverPath, Registered, Standstill};
+use super::{FrictionModel, FrictionParams, Slip, require_divisor, require_level};
 use crate::error::Error;
 use crate::real::Real;
 
@@ -37,12 +39,12 @@ pub struct ResetIntegratorParams<R> {
     pub reach: R,
 }
 
-impl<R: Real> ResetIntegratorParams<R> {
-    /// Checks.
-    ///
+impl<R: Real> FrictionParams<R> for ResetIntegratorParams<R> {
+    type Model = ResetIntegrator<R>;
+
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the field.
-    pub fn build(&self) -> Result<ResetIntegrator<R>, Error> {
+    fn build(&self) -> Result<ResetIntegrator<R>, Error> {
         require_level(self.stiffness, "stiffness")?;
         require_level(self.stick_gain, "stick_gain")?;
         require_level(self.damping, "damping")?;
@@ -53,6 +55,30 @@ impl<R: Real> ResetIntegratorParams<R> {
             damping: self.damping,
             reach: self.reach,
         })
+    }
+}
+
+impl<R: Real> Registered<R> for ResetIntegratorParams<R> {
+    const NEEDS: &'static [&'static [&'static str]] = &[LEVELS, PRESLIDING];
+    const MAY_HAVE: &'static [&'static str] = &["micro_damping_nm_s_per_rad"];
+    const STANDSTILL: Standstill = Standstill::Presliding;
+    const STICK_SLIP: bool = true;
+
+    /// z0 = eps, sigma0 = Fc/eps, a = Fs/Fc - 1: static friction peaks at Fs.
+    fn of_data(data: &FrictionData<R>) -> Self {
+        let FrictionData { forward, presliding, micro_damping, .. } = *data;
+        Self {
+            stiffness: forward.coulomb / presliding,
+            stick_gain: forward.static_level / forward.coulomb - R::ONE,
+            damping: micro_damping,
+            reach: presliding,
+        }
+    }
+
+    /// Without sigma1, whose force depends on the speed.
+    fn closed_motions(level: f64, distance: f64, test: &mut impl ClosedMotionTest<R>) {
+        let [stiffness, stick_gain, damping, reach] = [level / distance, 0.5, 0.0, distance].map(R::lit);
+        test.run(Self { stiffness, stick_gain, damping, reach }.build(), ForceOverPath::Straight);
     }
 }
 
@@ -68,7 +94,7 @@ pub struct ResetIntegratorState<R> {
 /// The bond breaks at (1 + a)*sigma0*z0 and then slides at sigma0*z0:
 ///
 /// ```
-/// use strainwave::friction::{FrictionModel, ResetIntegratorParams, Slip};
+/// use strainwave::friction::{FrictionModel, FrictionParams, ResetIntegratorParams, Slip};
 ///
 /// let params = ResetIntegratorParams { stiffness: 1e4, stick_gain: 0.3, damping: 0.0, reach: 1e-4 };
 /// let (friction, mut state) = (params.build()?, Default::default());
@@ -110,6 +136,16 @@ impl<R: Real> FrictionModel<R> for ResetIntegrator<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::tests::Extremes;
+    use std::vec;
+    use std::vec::Vec;
+
+    impl<R: Real> Extremes<R> for ResetIntegratorParams<R> {
+        fn extremes() -> Vec<Self> {
+            let [stiffness, stick_gain, damping, reach] = [1e6, 0.5, 1e6, 1e-9].map(R::lit);
+            vec![Self { stiffness, stick_gain, damping, reach }]
+        }
+    }
 
     #[test]
     fn it_sticks_higher_than_it_slides_and_jumps_back_at_a_reversal() {

@@ -20,6 +20,8 @@ use crate::angle::Heading;
 use crate::error::{Error, require};
 use crate::real::Real;
 
+/// Orders of the gear's ripple, 1..=2 a revolution of the wave generator.
+pub const RIPPLE_ORDERS: usize = 2;
 /// Greatest sum of the amplitudes over the mean, and what rounding may add to it.
 const GREATEST_SHARE: f64 = 0.99 + 1e-6;
 
@@ -35,6 +37,9 @@ pub struct Harmonics<R, const K: usize> {
 }
 
 impl<R: Real, const K: usize> Harmonics<R, K> {
+    /// No ripple, of a mean of 1.
+    pub const NONE: Self = Self { mean: R::ONE, cosines: [R::ZERO; K], sines: [R::ZERO; K] };
+
     fn check(&self, name: &'static str) -> Result<(), Error> {
         require_divisor(self.mean, name)?;
         let orders = self.cosines.iter().zip(&self.sines);
@@ -90,10 +95,7 @@ impl<R: Real, const K: usize> RippleParams<R, K> {
     }
 
     /// No ripple.
-    pub const NONE: Self = {
-        let level = Harmonics { mean: R::ONE, cosines: [R::ZERO; K], sines: [R::ZERO; K] };
-        Self { forward: level, backward: level }
-    };
+    pub const NONE: Self = Self { forward: Harmonics::NONE, backward: Harmonics::NONE };
 }
 
 /// Built model.

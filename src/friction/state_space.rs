@@ -36,7 +36,7 @@
 //! matrix", SIAM Review 45 (2003).
 
 use super::positive_real::{self, Matrix};
-use super::{FrictionModel, GREATEST, LEAST, Slip};
+use super::{FrictionModel, FrictionParams, GREATEST, LEAST, Slip};
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -58,13 +58,15 @@ pub struct StateSpaceParams<R, const P: usize> {
     pub c: [R; P],
 }
 
-impl<R: Real, const P: usize> StateSpaceParams<R, P> {
+impl<R: Real, const P: usize> FrictionParams<R> for StateSpaceParams<R, P> {
+    type Model = StateSpace<R, P>;
+
     /// Checks and precomputes, in f64.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `a` when it is not stable, `b`, `c`; `dissipative` when the transfer function
     /// is not positive real.
-    pub fn build(&self) -> Result<StateSpace<R, P>, Error> {
+    fn build(&self) -> Result<StateSpace<R, P>, Error> {
         let a = self.a.map(|row| row.map(Real::to_f64));
         let (b, c) = (self.b.map(Real::to_f64), self.c.map(Real::to_f64));
         let largest = GREATEST * GREATEST;
@@ -151,7 +153,7 @@ impl<R: Real, const P: usize> Default for StateSpaceState<R, P> {
 ///
 /// ```
 /// use strainwave::Error;
-/// use strainwave::friction::{BlimanSorine, FrictionModel, Slip, StateSpaceParams};
+/// use strainwave::friction::{BlimanSorine, FrictionModel, FrictionParams, Slip, StateSpaceParams};
 ///
 /// let (f1, f2, eps, eta) = (1.5_f64, 0.5, 2e-4, 0.3);
 /// let mut params = StateSpaceParams {
@@ -238,6 +240,7 @@ impl<R: Real, const P: usize> StateSpace<R, P> {
 
 impl<R: Real, const P: usize> FrictionModel<R> for StateSpace<R, P> {
     type State = StateSpaceState<R, P>;
+    const RATE_INDEPENDENT: bool = true;
 
     #[inline(always)]
     fn force(&self, state: &Self::State) -> R {

@@ -17,7 +17,9 @@
 //! A. Morin, "New friction experiments carried out at Metz in 1831-1833", 1833; H. Olsson et al., "Friction
 //! models and friction compensation", European Journal of Control 4 (1998), eq. (3).
 
-use super::{FrictionModel, LastForce, Slip, require_level};
+use super::data::{FrictionData, LEVELS};
+use super::registered::{Registered, Standstill};
+use super::{FrictionModel, FrictionParams, LastForce, Slip, require_level};
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -30,16 +32,26 @@ pub struct StaticParams<R> {
     pub static_level: R,
 }
 
-impl<R: Real> StaticParams<R> {
-    /// Checks.
-    ///
+impl<R: Real> FrictionParams<R> for StaticParams<R> {
+    type Model = Static<R>;
+
     /// # Errors
     /// [`Error::OutOfRange`] `coulomb` or `static_level`.
-    pub fn build(&self) -> Result<Static<R>, Error> {
+    fn build(&self) -> Result<Static<R>, Error> {
         require_level(self.coulomb, "coulomb")?;
         require_level(self.static_level, "static_level")?;
         require(self.static_level >= self.coulomb, "static_level")?;
         Ok(Static { coulomb: self.coulomb, static_level: self.static_level })
+    }
+}
+
+impl<R: Real> Registered<R> for StaticParams<R> {
+    const NEEDS: &'static [&'static [&'static str]] = &[LEVELS];
+    const STANDSTILL: Standstill = Standstill::Static;
+    const STICK_SLIP: bool = true;
+
+    fn of_data(data: &FrictionData<R>) -> Self {
+        Self { coulomb: data.forward.coulomb, static_level: data.forward.static_level }
     }
 }
 
@@ -48,7 +60,7 @@ impl<R: Real> StaticParams<R> {
 /// It holds up to Fs, and slides at Fc:
 ///
 /// ```
-/// use strainwave::friction::{FrictionModel, LastForce, Slip, StaticParams};
+/// use strainwave::friction::{FrictionModel, FrictionParams, LastForce, Slip, StaticParams};
 ///
 /// let friction = StaticParams { coulomb: 1.0, static_level: 1.3 }.build()?;
 /// let mut state = LastForce::default();
@@ -84,6 +96,15 @@ impl<R: Real> FrictionModel<R> for Static<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::tests::Extremes;
+    use std::vec;
+    use std::vec::Vec;
+
+    impl<R: Real> Extremes<R> for StaticParams<R> {
+        fn extremes() -> Vec<Self> {
+            vec![Self { coulomb: R::lit(0.035), static_level: R::lit(0.05) }]
+        }
+    }
 
     #[test]
     fn it_holds_up_to_its_level_and_slides_below_it() {

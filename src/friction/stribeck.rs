@@ -18,8 +18,10 @@
 //! H. Olsson et al., "Friction models and friction compensation", European Journal of Control 4 (1998),
 //! eqs. (4), (5).
 
+use super::data::{CURVE, FrictionData};
 use super::lubricated_contact::{LubricatedContact, LubricatedContactParams};
-use super::{FrictionModel, LastForce, Slip};
+use super::registered::{Registered, Standstill};
+use super::{FrictionModel, FrictionParams, LastForce, Slip};
 use crate::error::Error;
 use crate::real::Real;
 
@@ -30,13 +32,23 @@ pub struct StribeckParams<R> {
     pub contact: LubricatedContactParams<R>,
 }
 
-impl<R: Real> StribeckParams<R> {
-    /// Checks and precomputes.
-    ///
+impl<R: Real> FrictionParams<R> for StribeckParams<R> {
+    type Model = Stribeck<R>;
+
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the contact's field.
-    pub fn build(&self) -> Result<Stribeck<R>, Error> {
+    fn build(&self) -> Result<Stribeck<R>, Error> {
         Ok(Stribeck { contact: self.contact.build()? })
+    }
+}
+
+impl<R: Real> Registered<R> for StribeckParams<R> {
+    const NEEDS: &'static [&'static [&'static str]] = &[CURVE];
+    const STANDSTILL: Standstill = Standstill::Static;
+    const STICK_SLIP: bool = true;
+
+    fn of_data(data: &FrictionData<R>) -> Self {
+        Self { contact: LubricatedContactParams::of_data(data) }
     }
 }
 
@@ -46,7 +58,7 @@ impl<R: Real> StribeckParams<R> {
 /// the viscous part prevails:
 ///
 /// ```
-/// use strainwave::friction::{FrictionModel, LastForce, LubricatedContactParams, Slip, StribeckParams};
+/// use strainwave::friction::{FrictionModel, FrictionParams, LastForce, LubricatedContactParams, Slip, StribeckParams};
 ///
 /// let contact = LubricatedContactParams {
 ///     coulomb: 0.035, static_level: 0.050, stribeck_velocity: 2.0, stribeck_exponent: 1.0, viscous: 1.2e-4,
@@ -80,6 +92,15 @@ impl<R: Real> FrictionModel<R> for Stribeck<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::tests::{Extremes, contact};
+    use std::vec;
+    use std::vec::Vec;
+
+    impl<R: Real> Extremes<R> for StribeckParams<R> {
+        fn extremes() -> Vec<Self> {
+            vec![Self { contact: contact() }]
+        }
+    }
 
     #[test]
     fn standstill_holds_what_is_applied_and_sliding_falls_with_speed() {

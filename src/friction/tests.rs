@@ -1,7 +1,6 @@
 //! Laws that every friction model obeys.
 
 use super::*;
-use crate::friction::state_space::StateSpaceParams;
 use proptest::prelude::*;
 use std::fmt::Debug;
 use std::vec::Vec;
@@ -17,14 +16,9 @@ pub(super) fn contact<R: Real>() -> LubricatedContactParams<R> {
     }
 }
 
-fn joint<R: Real>() -> JointFrictionParams<R> {
-    let contact = LubricatedContactParams { stribeck_exponent: R::lit(2.0), ..contact() };
-    let harmonics = Harmonics { mean: R::ONE, cosines: [R::lit(0.3); 2], sines: [R::lit(0.1); 2] };
-    JointFrictionParams {
-        load: LoadFactors { driving: R::lit(10.0), driven: R::lit(0.1) },
-        ripple: RippleParams { forward: harmonics, backward: harmonics },
-        ..JointFrictionParams::symmetric(Order::Two, contact, R::lit(1e-9), R::lit(0.01))
-    }
+/// Parameters of a registered model at the ends of what it can be built from, and of each of its forms.
+pub(super) trait Extremes<R: Real>: Registered<R> {
+    fn extremes() -> Vec<Self>;
 }
 
 /// Task that is run with each model.
@@ -33,46 +27,17 @@ trait Task<R: Real> {
 }
 
 fn for_every_model<R: Real>(task: &impl Task<R>) {
-    let lit = R::lit;
-    task.run("coulomb", &CoulombParams { coulomb: lit(0.035) }.build().unwrap());
-    task.run("viscous", &ViscousParams { viscous: lit(0.5) }.build().unwrap());
-    task.run("static", &StaticParams { coulomb: lit(0.035), static_level: lit(0.05) }.build().unwrap());
-    task.run("lubricated contact", &contact::<R>().build().unwrap());
-    task.run("stribeck", &StribeckParams { contact: contact::<R>() }.build().unwrap());
-    task.run("karnopp", &KarnoppParams { contact: contact::<R>(), dead_band: lit(0.01) }.build().unwrap());
-    let armstrong = ArmstrongParams {
-        stiffness: lit(1e9),
-        coulomb: lit(0.035),
-        viscous: lit(1e6),
-        stribeck: lit(0.015),
-        stribeck_velocity: lit(1e-9),
-        memory: lit(1e-9),
-        dwell: lit(1e6),
-    };
-    task.run("armstrong", &armstrong.build().unwrap());
-    for exponent in [0.0, 1.0, 2.0] {
-        let dahl = DahlParams { coulomb: lit(1e-9), stiffness: lit(1e12), exponent: lit(exponent) };
-        task.run("dahl", &dahl.build().unwrap());
+    macro_rules! run {
+        ($($name:ident = $word:literal, $params:ty, $what:literal;)*) => {
+            $(for params in <$params as Extremes<R>>::extremes() {
+                task.run($word, &params.build().unwrap());
+            })*
+        };
     }
-    task.run("bristle", &BristleParams::<R, 20>::of_level(lit(0.035), lit(1e-9)).build().unwrap());
-    let reset = ResetIntegratorParams {
-        stiffness: lit(1e6),
-        stick_gain: lit(0.5),
-        damping: lit(1e6),
-        reach: lit(1e-9),
-    };
-    task.run("reset integrator", &reset.build().unwrap());
-    task.run("bliman-sorine", &BlimanSorine::order_2(lit(1.5), lit(0.5), lit(1e-9), lit(0.3)).unwrap());
-    let matrices = StateSpaceParams {
-        a: [[lit(-1e9), lit(4e11)], [lit(-4e11), lit(-2e9)]],
-        b: [lit(1e9), lit(0.5e9)],
-        c: [R::ONE, lit(0.5)],
-    };
-    task.run("state space", &matrices.build().unwrap());
-    let extreme = LubricatedContactParams { coulomb: lit(1e-9), static_level: lit(1e6), ..contact() };
-    let lugre = LuGreParams { contact: extreme, stiffness: lit(1e9), damping: lit(1e6) };
-    task.run("lugre", &lugre.build().unwrap());
-    task.run("joint", &joint::<R>().build().unwrap());
+    friction_models!(run);
+    // The presliding of the gear's block alone has no name in the registry.
+    let [f1, f2, eps, eta] = [1.5, 0.5, 1e-9, 0.3].map(R::lit);
+    task.run("bliman-sorine", &BlimanSorine::order_2(f1, f2, eps, eta).unwrap());
 }
 
 struct AnyBits(Vec<[u32; 5]>);

@@ -13,7 +13,9 @@
 //! O. Reynolds, "On the theory of lubrication", 1886; H. Olsson et al., "Friction models and friction
 //! compensation", European Journal of Control 4 (1998), eq. (2).
 
-use super::{FrictionModel, LastForce, Slip, require_level};
+use super::data::FrictionData;
+use super::registered::{Registered, Standstill};
+use super::{FrictionModel, FrictionParams, LastForce, Slip, require_level};
 use crate::error::Error;
 use crate::real::Real;
 
@@ -24,14 +26,24 @@ pub struct ViscousParams<R> {
     pub viscous: R,
 }
 
-impl<R: Real> ViscousParams<R> {
-    /// Checks.
-    ///
+impl<R: Real> FrictionParams<R> for ViscousParams<R> {
+    type Model = Viscous<R>;
+
     /// # Errors
     /// [`Error::OutOfRange`] `viscous`.
-    pub fn build(&self) -> Result<Viscous<R>, Error> {
+    fn build(&self) -> Result<Viscous<R>, Error> {
         require_level(self.viscous, "viscous")?;
         Ok(Viscous { viscous: self.viscous })
+    }
+}
+
+impl<R: Real> Registered<R> for ViscousParams<R> {
+    const NEEDS: &'static [&'static [&'static str]] = &[&["viscous_nm_s_per_rad"]];
+    const STANDSTILL: Standstill = Standstill::Free;
+    const STICK_SLIP: bool = false;
+
+    fn of_data(data: &FrictionData<R>) -> Self {
+        Self { viscous: data.forward.viscous }
     }
 }
 
@@ -40,7 +52,7 @@ impl<R: Real> ViscousParams<R> {
 /// Speed decays by the factor e in the time m/Fv:
 ///
 /// ```
-/// use strainwave::friction::{FrictionModel, LastForce, Slip, ViscousParams};
+/// use strainwave::friction::{FrictionModel, FrictionParams, LastForce, Slip, ViscousParams};
 ///
 /// let (friction, mut state) = (ViscousParams { viscous: 4.0 }.build()?, LastForce::default());
 /// let (mass, dt, mut velocity) = (2.0_f64, 1e-4, 1.0);
@@ -70,6 +82,15 @@ impl<R: Real> FrictionModel<R> for Viscous<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::tests::Extremes;
+    use std::vec;
+    use std::vec::Vec;
+
+    impl<R: Real> Extremes<R> for ViscousParams<R> {
+        fn extremes() -> Vec<Self> {
+            vec![Self { viscous: R::lit(0.5) }]
+        }
+    }
 
     #[test]
     fn it_is_proportional_to_the_velocity() {

@@ -1,7 +1,8 @@
 //! The command when all is well: outputs, help and exit codes.
 
+use strainwave::friction::{ModelName, Standstill};
 use strainwave_desktop::GearFile;
-use strainwave_desktop::io::gear_file::{Friction, FrictionModel, StateRow};
+use strainwave_desktop::io::gear_file::{Friction, StateRow};
 use strainwave_desktop::plant::STEP_SHARE;
 use strainwave_desktop::plant::mesh_size::MeshSize;
 
@@ -54,7 +55,7 @@ fn meshes_steps_and_gauges_are_of_choice() {
 }
 
 /// The default gear with a friction model on both sides, and the keys that one or the other needs besides.
-fn gear_with(model: FrictionModel) -> String {
+fn gear_with(model: ModelName) -> String {
     let mut gear = GearFile::default_gear();
     for side in [&mut gear.friction.input, &mut gear.friction.output] {
         let rate = 1.0 / side.presliding.unwrap();
@@ -80,23 +81,23 @@ fn sim_runs_with_every_friction_model_and_each_is_another() {
     let bench = Bench::new();
     let mut seen: Vec<(&str, Vec<Vec<f64>>)> = Vec::new();
     bench.write("in.csv", "t_s,theta_wg_rad,tau_load_nm\n0,0,0\n0.01,0.1,-5\n0.02,0.1,-5\n0.03,0.099,5\n");
-    for model in FrictionModel::ALL {
+    for model in ModelName::ALL {
         bench.write("g.toml", gear_with(*model));
         for build in ["realtime", "reference"] {
             let answer = bench.run(&format!("{SIM} {build}"));
-            assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""), "{}", model.name());
+            assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""), "{}", model.word());
             let rows = rows(&bench, HEADER);
             assert_eq!(rows.len(), 301);
-            assert!(rows.iter().flatten().all(|number| number.is_finite()), "{}", model.name());
+            assert!(rows.iter().flatten().all(|number| number.is_finite()), "{}", model.word());
             for (name, others) in &seen {
-                assert!(*others != rows, "{name} and {} are one", model.name());
+                assert!(*others != rows, "{name} and {} are one", model.word());
             }
-            seen.push((model.name(), rows));
+            seen.push((model.word(), rows));
         }
         // The builds tell the same.
         let [(_, real_time), (_, reference)] = &seen[seen.len() - 2..] else { unreachable!() };
         for (one, other) in real_time.iter().zip(reference) {
-            assert!((one[4] - other[4]).abs() < 2e-6, "{}: {} {}", model.name(), one[4], other[4]);
+            assert!((one[4] - other[4]).abs() < 2e-6, "{}: {} {}", model.word(), one[4], other[4]);
         }
     }
 }
@@ -104,21 +105,20 @@ fn sim_runs_with_every_friction_model_and_each_is_another() {
 /// Half a newton metre on an output that breaks away at 1 (Coulomb) or 1.3 (static).
 #[test]
 fn static_friction_holds_at_rest_presliding_gives_way_and_the_rest_slides() {
-    use FrictionModel::{Coulomb, Karnopp, LubricatedContact, Static, Stribeck, Viscous};
     let bench = Bench::new();
     bench.write("in.csv", "t_s,theta_wg_rad,tau_load_nm\n0,0,0.5\n0.02,0,0.5\n");
-    for model in FrictionModel::ALL {
+    for model in ModelName::ALL {
         bench.write("g.toml", gear_with(*model));
         let answer = bench.run(&format!("{SIM} realtime"));
-        assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""), "{}", model.name());
+        assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""), "{}", model.word());
         let moved = rows(&bench, HEADER).iter().map(|row| row[1].abs()).fold(0.0, f64::max);
-        let name = model.name();
-        match model {
-            Static | Stribeck | Karnopp => assert!(moved == 0.0, "{name} held: {moved}"),
-            Coulomb | LubricatedContact => assert!(moved > 0.0, "{name} chatters: {moved}"),
+        let name = model.word();
+        match model.standstill() {
+            Standstill::Static => assert!(moved == 0.0, "{name} held: {moved}"),
+            Standstill::Jump => assert!(moved > 0.0, "{name} chatters: {moved}"),
             // The spring of the gear alone.
-            Viscous => assert!(moved > 2.5e-5, "{name} let go: {moved}"),
-            _ => assert!(moved > 1e-5 && moved < 2.5e-5, "{name} gave way: {moved}"),
+            Standstill::Free => assert!(moved > 2.5e-5, "{name} let go: {moved}"),
+            Standstill::Presliding => assert!(moved > 1e-5 && moved < 2.5e-5, "{name} gave way: {moved}"),
         }
     }
 }
@@ -145,7 +145,7 @@ fn the_report_is_one_page_that_needs_nothing_else() {
     ] {
         assert!(page.contains(&format!("<h3>{title}")), "{title}");
     }
-    for model in FrictionModel::NAMES {
+    for model in ModelName::WORDS {
         assert!(
             page.matches(&format!("\n{model}\n</text>")).count() >= 2,
             "{model} is drawn on both motions"

@@ -20,6 +20,7 @@ use strainwave::compensator::estimate::observer::{GainSets, Gains};
 use strainwave::compensator::reference::measured_feedback::MeasuredFeedbackParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
+use strainwave::friction::ModelName;
 
 use super::mode::Mode;
 use super::parts::Parts;
@@ -103,8 +104,8 @@ pub struct Controller {
 pub fn bristle_stiffness(side: &Friction) -> f64 {
     let level = side.static_level.or(side.coulomb).unwrap_or_default();
     let distance = side.presliding.unwrap_or(f64::INFINITY);
-    match side.model.name() {
-        "bliman_sorine_2" => {
+    match side.model {
+        ModelName::BlimanSorine2 => {
             let eta = side.presliding_ratio.unwrap_or(1.0);
             level * (1.0 + eta) / (eta * distance)
         }

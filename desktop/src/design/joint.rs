@@ -7,6 +7,7 @@ use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::{JointParams, Limits};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
 use strainwave::flexspline::{Bend, Cup, FlexsplineParams};
+use strainwave::friction::AnyFrictionParams;
 use strainwave::gear::{GearParams, KINEMATIC_TERMS};
 use strainwave::kinematic_error::{KinematicErrorParams, Term};
 use strainwave::{Error, Real};
@@ -14,7 +15,6 @@ use strainwave::{Error, Real};
 use crate::design::dense::dense;
 use crate::design::feedback::feedback_params;
 use crate::design::{compensation, observer_design};
-use crate::io::gear_file::friction_params::AnyFrictionParams;
 use crate::io::gear_file::friction_params::{friction_params, joint_friction_params};
 use crate::io::gear_file::{GearFile, Harmonic};
 

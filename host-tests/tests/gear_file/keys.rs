@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use strainwave_desktop::io::gear_file::friction::FrictionModel;
+use strainwave::friction::ModelName;
 use strainwave_desktop::io::gear_file::{Allowed, KEYS, RELATIONS};
 use toml::{Table, Value};
 
@@ -62,9 +62,9 @@ fn every_key_but_the_optional_ones_is_required() {
 
 /// The full gear's friction model, when it needs the key of a side.
 fn needs(path: &str) -> Option<&'static str> {
-    let model = FrictionModel::BlimanSorine2;
+    let model = ModelName::BlimanSorine2;
     let (_, name) = path.strip_prefix("friction.")?.split_once('.')?;
-    model.needs().any(|needed| needed == name).then(|| model.name())
+    model.needs().any(|needed| needed == name).then(|| model.word())
 }
 
 #[test]

@@ -40,14 +40,16 @@
 mod params;
 #[cfg(test)]
 mod passivity;
+mod registered;
 #[cfg(test)]
 mod tests;
 
-pub use self::params::{JointFrictionParams, Order, RIPPLE_ORDERS};
+pub use self::params::{JointFrictionParams, Order};
+pub use self::registered::JointFrictionOfOrder;
 use super::bliman_sorine::{BlimanSorine, BlimanSorineState};
 use super::load_dependence::DirectedLoad;
 use super::lubricated_contact::LubricatedContact;
-use super::ripple::Harmonics;
+use super::ripple::{Harmonics, RIPPLE_ORDERS};
 use super::{Friction, FrictionModel, LIMIT, Slip, StepTime};
 use crate::angle::Heading;
 use crate::real::Real;

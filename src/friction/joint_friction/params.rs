@@ -6,11 +6,8 @@ use crate::friction::FrictionParams;
 use crate::friction::bliman_sorine::{BlimanSorine, BlimanSorineParams};
 use crate::friction::load_dependence::LoadFactors;
 use crate::friction::lubricated_contact::LubricatedContactParams;
-use crate::friction::ripple::RippleParams;
+use crate::friction::ripple::{RIPPLE_ORDERS, RippleParams};
 use crate::real::Real;
-
-/// Orders of the ripple, 1..=2 a revolution of the wave generator.
-pub const RIPPLE_ORDERS: usize = 2;
 
 /// Levels below this count as this (N m): a level divides.
 pub(super) const LEAST_LEVEL: f64 = 1e-9;
@@ -40,7 +37,7 @@ pub struct JointFrictionParams<R> {
     pub presliding_ratio: R,
     /// Part of the level by the torque through the contact.
     pub load: LoadFactors<R>,
-    /// Share of the level over the wave generator's angle.
+    /// Fraction of the level over the wave generator's angle.
     pub ripple: RippleParams<R, RIPPLE_ORDERS>,
 }
 

@@ -2,9 +2,10 @@
 
 use toml::{Table, Value};
 
+use strainwave::friction::ModelName;
+use strainwave::friction::data::MOST_STATES;
 use strainwave::hysteresis::table::TABLE_LEVELS;
 
-use super::friction::{FrictionModel, MOST_STATES};
 use super::keys::{Allowed, KEYS, Key, LONGEST_TEXT, MOST_ORDERS, RELATIONS};
 
 /// Unknown keys first, since a misspelt key is also a missing one; then every key in the table's
@@ -25,20 +26,19 @@ pub(super) fn check(file: &Table) -> Result<(), String> {
 /// The keys that the friction model of a side needs are there.
 fn check_needs(file: &Table, side: &str) -> Result<(), String> {
     let friction = &file["friction"][side];
-    let word = friction["model"].as_str();
-    let model = FrictionModel::ALL.iter().find(|model| Some(model.name()) == word);
+    let model = friction["model"].as_str().and_then(ModelName::of_word);
     let missing = model.and_then(|model| model.needs().find(|name| friction.get(name).is_none()));
     match (model, missing) {
-        (Some(model), Some(name)) => Err(needed(&format!("friction.{side}.{name}"), side, *model)),
+        (Some(model), Some(name)) => Err(needed(&format!("friction.{side}.{name}"), side, model)),
         _ => Ok(()),
     }
 }
 
 /// A key, or the list of its table's entries.
-fn needed(path: &str, side: &str, model: FrictionModel) -> String {
+fn needed(path: &str, side: &str, model: ModelName) -> String {
     let allowed = KEYS.iter().find(|key| key.path == path).map(|key| key.allowed.to_string());
     let allowed = allowed.unwrap_or_else(|| format!("a list of 1 to {MOST_STATES} tables"));
-    format!("missing key {path}, which friction.{side}.model = {:?} needs; allowed: {allowed}", model.name())
+    format!("missing key {path}, which friction.{side}.model = {:?} needs; allowed: {allowed}", model.word())
 }
 
 /// `known` is the table's path as [`KEYS`] writes it, `shown` as the message does (`[]` is `[2]` there).

@@ -1,48 +1,21 @@
 //! `[friction.input]` and `[friction.output]`: one vocabulary of keys for every friction model of the library.
 //!
-//! `model` chooses, each side for itself. A model needs the keys in the middle column; the others may stay in the
-//! file, so that one changed word compares two models. Every key that stands there is checked, read or not.
-//!
-//! | `model` | needs | may have |
-//! | --- | --- | --- |
-//! | `coulomb` | `coulomb_nm` Fc | |
-//! | `viscous` | `viscous_nm_s_per_rad` Fv | |
-//! | `static` | Fc, `static_nm` Fs | |
-//! | `stribeck`, `lubricated_contact` | Fc, Fs, `stribeck_rad_per_s` vs, `stribeck_exponent` delta, Fv: the curve | |
-//! | `karnopp` | the curve, `dead_band_rad_per_s` DV | |
-//! | `armstrong` | Fc, Fs, vs, Fv, `presliding_rad` eps, `frictional_memory_s` tau_L, `dwell_s` gamma | |
-//! | `dahl` | Fc, eps | `dahl_exponent` i, 0 to 2: 1 |
-//! | `bristle` | Fc, eps | |
-//! | `reset_integrator` | Fc, Fs, eps | `micro_damping_nm_s_per_rad` sigma1: 0 |
-//! | `bliman_sorine_1` | the curve, eps | `load_driving`, `load_driven`: 0; `ripple_cosines`, `ripple_sines`: none; `[.backward]`: as forwards |
-//! | `bliman_sorine_2` | the curve, eps, `presliding_ratio` eta | the same |
-//! | `lugre` | the curve, eps | `micro_damping_nm_s_per_rad` sigma1: 0 |
-//! | `state_space` | `[[.state_space]]` | |
-//!
-//! After the colon: what a key that is left out counts as. Symbols are those of [`strainwave::friction`]. eps is the
-//! distance over which friction builds up from rest, and the level over eps the stiffness there:
-//!
-//! - Armstrong, LuGre: sigma0 = Fs/eps; so LuGre without micro-damping is `bliman_sorine_1`. Dahl: sigma = Fc/eps.
-//! - Reset integrator: z0 = eps, sigma0 = Fc/eps, a = Fs/Fc - 1. Its static friction peaks at Fs.
-//! - Bristle: [`BRISTLES`] bonds of delta_s = 2*eps. They slide at Fc.
-//! - Armstrong's F_Sinf is Fs - Fc.
+//! `model` chooses, each side for itself. [`ModelName::needs`] tells which keys a model needs, [`ModelName::may_have`] which
+//! others it reads; `strainwave report` has both as a table. All other keys may stay in the file, so that one changed word
+//! compares two models. Every key in the file is checked, read or not. [`strainwave::friction::data`] has the symbols, and the
+//! value that a key has when it is left out.
 //!
 //! `load_driving` and `load_driven` are the level that each N m through the contact adds while the motor drives the load,
 //! and while the load drives the motor. `ripple_cosines` and `ripple_sines` are fractions of the level, of orders 1 and 2 a revolution
-//! of the wave generator. `[friction.*.backward]` has `coulomb_nm`, `static_nm`, `stribeck_rad_per_s`,
+//! of the wave generator. What `[friction.*.backward]` leaves out is as forwards; it has `coulomb_nm`, `static_nm`, `stribeck_rad_per_s`,
 //! `viscous_nm_s_per_rad`, `ripple_cosines` and `ripple_sines` of motion backwards.
 //!
 //! `state_space` is Bliman and Sorine's eq. (8) with general A, B, C: an entry of the list for each of 1 to
-//! [`MOST_STATES`] states, with its row of A and its entries of B and C.
+//! [`strainwave::friction::data::MOST_STATES`] states, with its row of A and its entries of B and C.
 
-use serde::{Deserialize, Serialize};
-
-use super::friction_models::friction_models;
-
-/// Bonds of the bristle model.
-pub const BRISTLES: usize = 20;
-/// Greatest order of a state space.
-pub const MOST_STATES: usize = 4;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use strainwave::friction::ModelName;
 
 /// `[friction.input]` and `[friction.output]`
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,56 +27,13 @@ pub struct BothFrictions {
     pub output: Friction,
 }
 
-const LEVELS: &[&str] = &["coulomb_nm", "static_nm"];
-const CURVE: &[&str] =
-    &["coulomb_nm", "static_nm", "stribeck_rad_per_s", "stribeck_exponent", "viscous_nm_s_per_rad"];
-const PRESLIDING: &[&str] = &["presliding_rad"];
-
-macro_rules! words {
-    ($($(#[$doc:meta])* $name:ident = $word:literal needs $needs:expr, $params:ty => $model:ty, |$side:ident| $of:expr;)*) => {
-        /// Which friction model.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-        pub enum FrictionModel {
-            $($(#[$doc])* #[serde(rename = $word)] $name,)*
-        }
-
-        impl FrictionModel {
-            /// Every model.
-            pub const ALL: &[Self] = &[$(Self::$name),*];
-            /// Their names in a gear file.
-            pub const NAMES: &[&str] = &[$($word),*];
-
-            /// Its name in a gear file.
-            pub fn name(self) -> &'static str {
-                match self {
-                    $(Self::$name => $word,)*
-                }
-            }
-
-            /// The keys without which it cannot be.
-            pub fn needs(self) -> impl Iterator<Item = &'static str> {
-                let needs: &[&[&str]] = match self {
-                    $(Self::$name => &$needs,)*
-                };
-                needs.iter().copied().flatten().copied()
-            }
-        }
-    };
-}
-
-friction_models!(words);
-
-impl FrictionModel {
-    /// Those that the firmware has.
-    pub const IN_FIRMWARE: [Self; 2] = [Self::BlimanSorine1, Self::BlimanSorine2];
-}
-
 /// Friction of one side.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Friction {
     /// Which model.
-    pub model: FrictionModel,
+    #[serde(serialize_with = "serialize_name", deserialize_with = "deserialize_name")]
+    pub model: ModelName,
     /// Fc (N m).
     #[serde(rename = "coulomb_nm", skip_serializing_if = "Option::is_none")]
     pub coulomb: Option<f64>,
@@ -146,10 +76,10 @@ pub struct Friction {
     /// Level over torque while the load drives the motor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub load_driven: Option<f64>,
-    /// Shares a_1, a_2 of the level.
+    /// Fractions a_1, a_2 of the level.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ripple_cosines: Option<Vec<f64>>,
-    /// Shares b_1, b_2 of the level.
+    /// Fractions b_1, b_2 of the level.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ripple_sines: Option<Vec<f64>>,
     /// Parameters of backward motion where they differ.
@@ -176,10 +106,10 @@ pub struct Backward {
     /// Fv (N m s/rad).
     #[serde(rename = "viscous_nm_s_per_rad", skip_serializing_if = "Option::is_none")]
     pub viscous: Option<f64>,
-    /// Shares a_1, a_2 of the level.
+    /// Fractions a_1, a_2 of the level.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ripple_cosines: Option<Vec<f64>>,
-    /// Shares b_1, b_2 of the level.
+    /// Fractions b_1, b_2 of the level.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ripple_sines: Option<Vec<f64>>,
 }
@@ -197,6 +127,15 @@ pub struct StateRow {
     /// Entry of C (N m).
     #[serde(rename = "c_nm")]
     pub c: f64,
+}
+
+fn serialize_name<S: Serializer>(name: &ModelName, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(name.word())
+}
+
+fn deserialize_name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ModelName, D::Error> {
+    let word = String::deserialize(deserializer)?;
+    ModelName::of_word(&word).ok_or_else(|| D::Error::unknown_variant(&word, ModelName::WORDS))
 }
 
 impl Friction {

@@ -8,10 +8,9 @@ use strainwave::compensator::adapt::ripple::RIPPLE_ORDERS as RIPPLE_MAP;
 use strainwave::compensator::estimate::observer::LONGEST_PERIOD;
 use strainwave::compensator::estimate::observer::past::LONGEST_DELAY;
 use strainwave::flexspline::shell::link_law::VALID_STRAIN;
-use strainwave::friction::RIPPLE_ORDERS;
+use strainwave::friction::data::MOST_STATES;
+use strainwave::friction::{ModelName, RIPPLE_ORDERS};
 use strainwave::hysteresis::table::TABLE_LEVELS;
-
-use super::friction::{FrictionModel, MOST_STATES};
 
 /// Allowed values of a key.
 #[derive(Clone, Copy, Debug)]
@@ -124,11 +123,11 @@ const GEAR: &[Key] = &[
 ];
 
 /// The keys of one side's friction: greatest level (N m), Stribeck speed (rad/s), viscous friction (N m s/rad) and
-/// presliding distance (rad). All but the model are optional; [`FrictionModel::needs`] says which a model needs.
+/// presliding distance (rad). All but the model are optional; [`ModelName::needs`] says which a model needs.
 macro_rules! friction {
     ($side:literal, $level:literal, $speed:literal, $viscous:literal, $presliding:literal) => {
         keys_of! { $side:
-            key "model" Allowed::Word(FrictionModel::NAMES),
+            key "model" Allowed::Word(ModelName::WORDS),
             optional "coulomb_nm" within(0.0, $level, "N m"),
             optional "static_nm" within(0.0, $level, "N m"),
             optional "stribeck_rad_per_s" within(1e-9, $speed, "rad/s"),

@@ -11,12 +11,10 @@
 //! the flexspline fixed (then the output is the circular spline).
 
 mod aliases;
-mod any_friction;
 mod baselines;
 mod check;
 pub(crate) mod drive;
 pub mod friction;
-mod friction_models;
 pub mod friction_params;
 mod gains;
 mod keys;
@@ -26,12 +24,13 @@ mod sensor_set;
 mod text;
 
 use serde::{Deserialize, Serialize};
+use strainwave::friction::ModelName;
 use strainwave::hysteresis::HysteresisTable;
 use strainwave::{Ratio, Real};
 
 pub use baselines::Baselines;
 pub use drive::{Drive, Tolerances};
-pub use friction::{Backward, BothFrictions, Friction, FrictionModel, StateRow};
+pub use friction::{Backward, BothFrictions, Friction, StateRow};
 pub use gains::{BaselineGains, GAINS, Gain, Kind, StoredGains};
 pub use keys::{Allowed, KEYS, Key, RELATIONS, Relation};
 pub use learnt::Learnt;
@@ -383,11 +382,11 @@ impl GearFile {
     /// One line that names the key, the model and what is allowed.
     pub fn require_firmware_friction(&self) -> Result<(), String> {
         for (side, friction) in [("input", &self.friction.input), ("output", &self.friction.output)] {
-            if !FrictionModel::IN_FIRMWARE.contains(&friction.model) {
-                let [one, two] = FrictionModel::IN_FIRMWARE.map(FrictionModel::name);
+            if !ModelName::IN_FIRMWARE.contains(&friction.model) {
+                let [one, two] = ModelName::IN_FIRMWARE.map(ModelName::word);
                 return Err(format!(
                     "friction.{side}.model = {:?} is not in the firmware; allowed there: {one:?} or {two:?}",
-                    friction.model.name()
+                    friction.model.word()
                 ));
             }
         }

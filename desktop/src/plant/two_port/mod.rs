@@ -30,12 +30,13 @@ use std::f64::consts::TAU;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY, MESH, RealTimeFlexspline};
 use strainwave::flexspline::{FlexsplineParams, Mesh};
-use strainwave::friction::{FrictionModel, FrictionParams, Harmonics, JointFrictionParams};
+use strainwave::friction::{
+    AnyFrictionParams, FrictionModel, FrictionParams, Harmonics, JointFrictionOfOrder, JointFrictionParams,
+};
 use strainwave::gear::{Applied, Gear, GearParams, GearState, Motion, Torques};
 use strainwave::{Angle, Error, Real};
 
 use crate::design::joint::gear_params;
-use crate::io::gear_file::friction_params::AnyFrictionParams;
 use crate::io::gear_file::{GearFile, Harmonic};
 use crate::io::log::{Drive, Instant, OpenLoop, OpenLoopRow};
 use crate::plant::divergence::{Diverged, RunError, may_go_on};
@@ -160,8 +161,12 @@ fn counted_from<R: Real>(file: &GearFile, start: f64) -> GearParams<R, AnyFricti
     advance(&mut counted.kinematic_error.flexspline, (1.0 - r) * start);
     let mut params = gear_params(&counted);
     for side in [&mut params.input_friction, &mut params.output_friction] {
-        if let AnyFrictionParams::BlimanSorine1(JointFrictionParams { ripple, .. })
-        | AnyFrictionParams::BlimanSorine2(JointFrictionParams { ripple, .. }) = side
+        if let AnyFrictionParams::BlimanSorine1(JointFrictionOfOrder(JointFrictionParams {
+            ripple, ..
+        }))
+        | AnyFrictionParams::BlimanSorine2(JointFrictionOfOrder(JointFrictionParams {
+            ripple, ..
+        })) = side
         {
             advance_ripple(&mut ripple.forward, start);
             advance_ripple(&mut ripple.backward, start);

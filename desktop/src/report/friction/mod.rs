@@ -6,10 +6,11 @@ mod presliding;
 mod stick_slip;
 
 use maud::{Markup, html};
+use strainwave::friction::ModelName;
 
 use super::{Chapter, figure_table, table};
 use crate::io::file::BadInput;
-use crate::io::gear_file::{FrictionModel, GearFile};
+use crate::io::gear_file::GearFile;
 use crate::report::plot::{Panel, Series};
 use crate::verify::Part;
 use models::{Models, Numbers};
@@ -37,21 +38,22 @@ pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<
 }
 
 fn introduction(gear: &GearFile, numbers: &Numbers, models: &Models) -> Markup {
-    let rows: Vec<_> = FrictionModel::ALL.iter().map(|model| [model.name().into(), needs(*model)]).collect();
+    let row = |name: &ModelName| [name.word().into(), needs(*name), name.may_have().join(", ")];
+    let rows: Vec<_> = ModelName::ALL.iter().map(row).collect();
     html! {
         p {
             "Every model of the library, as " code { "model" } " under " code { "[friction.input]" } " and "
             code { "[friction.output]" } " of a gear file names it, computed by the library and with the numbers of this "
-            "gear's wave generator, whose model is " code { (gear.friction.input.model.name()) } ": "
+            "gear's wave generator, whose model is " code { (gear.friction.input.model.word()) } ": "
             (numbers.levels()) ". " (numbers.taken())
         }
         @for note in &models.left_out { p { (note) } }
-        div.words { (table(["model", "keys that it needs"], &rows)) }
+        div.words { (table(["model", "keys that it needs", "keys that it may have"], &rows)) }
     }
 }
 
-fn needs(model: FrictionModel) -> String {
-    model.needs().collect::<Vec<_>>().join(", ")
+fn needs(name: ModelName) -> String {
+    name.needs().collect::<Vec<_>>().join(", ")
 }
 
 /// A model's curve, and dashed lines of (x, level) beside it; forces in mN m.

@@ -2,12 +2,13 @@
 //!
 //! Parameters that the gear's file lacks are derived from those that it has, so that all models can be compared.
 
-use strainwave::friction::{FrictionModel as _, FrictionParams, Slip};
+use strainwave::friction::{
+    AnyFriction, AnyFrictionState, FrictionModel as _, FrictionParams, ModelName, Slip,
+};
 
 use crate::io::figure::number;
 use crate::io::gear_file::friction_params::friction_params;
-use crate::io::gear_file::friction_params::{AnyFriction, AnyFrictionState};
-use crate::io::gear_file::{Friction, FrictionModel, GearFile, StateRow};
+use crate::io::gear_file::{Friction, GearFile, StateRow};
 
 /// Fc over Fs where the file has one of them only.
 const KINETIC_SHARE: f64 = 0.7;
@@ -127,8 +128,8 @@ pub(super) struct Models {
 impl Models {
     pub fn build(numbers: &Numbers) -> Self {
         let (mut drawn, mut left_out) = (Vec::new(), Vec::new());
-        for model in FrictionModel::ALL {
-            let name = model.name();
+        for model in ModelName::ALL {
+            let name = model.word();
             match friction_params::<f64>(&Friction { model: *model, ..numbers.side.clone() }).build() {
                 Ok(built) => drawn.push(Model { name, built }),
                 Err(error) => {
@@ -148,10 +149,10 @@ mod tests {
     fn every_model_is_drawn_for_the_default_gear_and_for_one_with_a_single_number() {
         let mut side = GearFile::default_gear().friction.input;
         let models = Models::build(&Numbers::of(&side));
-        assert_eq!((models.drawn.len(), models.left_out.len()), (FrictionModel::ALL.len(), 0));
-        side = Friction { model: FrictionModel::Coulomb, coulomb: Some(3.0), ..blank(side) };
+        assert_eq!((models.drawn.len(), models.left_out.len()), (ModelName::ALL.len(), 0));
+        side = Friction { model: ModelName::Coulomb, coulomb: Some(3.0), ..blank(side) };
         let numbers = Numbers::of(&side);
-        assert_eq!(Models::build(&numbers).drawn.len(), FrictionModel::ALL.len());
+        assert_eq!(Models::build(&numbers).drawn.len(), ModelName::ALL.len());
         assert_eq!(numbers.coulomb, 3.0);
         side.coulomb = Some(0.0);
         let models = Models::build(&Numbers::of(&side));

@@ -90,6 +90,7 @@ pub(super) fn section(numbers: &Numbers, models: &Models) -> Markup {
 mod tests {
     use super::*;
     use crate::io::gear_file::GearFile;
+    use strainwave::friction::ModelName;
 
     /// By how much the spring's torque swings in the last third, in Fs - Fc.
     fn swing(name: &str) -> f64 {
@@ -106,21 +107,10 @@ mod tests {
     /// A slip takes the spring about as far below the sliding friction as it was above.
     #[test]
     fn what_falls_with_speed_or_way_sticks_and_slips_and_a_level_does_not() {
-        for name in [
-            "static",
-            "stribeck",
-            "karnopp",
-            "armstrong",
-            "reset_integrator",
-            "bliman_sorine_1",
-            "bliman_sorine_2",
-            "lubricated_contact",
-            "lugre",
-        ] {
-            assert!((1.2..2.5).contains(&swing(name)), "{name}: {}", swing(name));
-        }
-        for name in ["coulomb", "viscous", "dahl", "bristle", "state_space"] {
-            assert!(swing(name) < 0.1, "{name}: {}", swing(name));
+        for name in ModelName::ALL {
+            let swing = swing(name.word());
+            let holds = if name.sticks_and_slips() { (1.2..2.5).contains(&swing) } else { swing < 0.1 };
+            assert!(holds, "{}: {swing}", name.word());
         }
     }
 }

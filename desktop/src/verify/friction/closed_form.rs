@@ -56,11 +56,11 @@ fn after<const P: usize>(model: &BlimanSorine<f64, P>, s: f64) -> f64 {
 
 fn worst_over_the_path() -> f64 {
     let model = order_2();
-    largest(STEPS.map(|share| {
+    largest(STEPS.map(|fraction| {
         let mut state = BlimanSorineState::default();
         largest((1..=COUNT).map(|k| {
-            model.slide(&mut state, share * EPS);
-            off(state.force(), closed(f64::from(k) * share * EPS))
+            model.slide(&mut state, fraction * EPS);
+            off(state.force(), closed(f64::from(k) * fraction * EPS))
         }))
     }))
 }

@@ -2,8 +2,10 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use strainwave::Error;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
-use strainwave::friction::{BlimanSorine, DahlParams, FrictionModel, Slip, StateSpaceParams};
+use strainwave::friction::any::closed_motions;
+use strainwave::friction::{ClosedMotionTest, ForceOverPath, FrictionModel, Slip};
 
 use crate::io::figure::Figure;
 use crate::verify::bounds;
@@ -15,8 +17,20 @@ const EPS: f64 = 0.02;
 const STEPS: usize = 100_000;
 
 pub(super) fn measure() -> Vec<Figure> {
-    let off = largest([dahl_off_rate(), order_2_off_rate(), general_off_rate()]);
-    vec![bounds::figure("friction.rate_independence", off)]
+    let mut worst = OffRate(0.0);
+    closed_motions(LEVEL, EPS, &mut worst);
+    vec![bounds::figure("friction.rate_independence", worst.0)]
+}
+
+/// Largest effect of the rate on a registered model whose force depends on the path alone.
+struct OffRate(f64);
+
+impl ClosedMotionTest<f64> for OffRate {
+    fn run<M: FrictionModel<f64>>(&mut self, model: Result<M, Error>, _: ForceOverPath) {
+        if M::RATE_INDEPENDENT {
+            self.0 = largest([self.0, off_rate(&model.expect("its parameters are in range"))]);
+        }
+    }
 }
 
 /// A random motion whose steps are from 1e-6 to 10 eps long.
@@ -45,21 +59,4 @@ fn off_rate(model: &impl FrictionModel<f64>) -> f64 {
         let faster = |slip: &Slip<f64>| Slip::new(slip.velocity * rate, slip.duration.seconds() / rate);
         difference(model, &motion, &motion.iter().map(faster).collect::<Vec<_>>())
     }))
-}
-
-fn dahl_off_rate() -> f64 {
-    let shapes =
-        [0.0, 1.0, 2.0].map(|exponent| DahlParams { coulomb: LEVEL, stiffness: LEVEL / EPS, exponent });
-    largest(shapes.map(|dahl| off_rate(&dahl.build().expect("the level is in range"))))
-}
-
-fn order_2_off_rate() -> f64 {
-    off_rate(&BlimanSorine::order_2(1.5 * LEVEL, 0.5 * LEVEL, EPS, 0.3).expect("the levels are in range"))
-}
-
-fn general_off_rate() -> f64 {
-    let rate = 1.0 / EPS;
-    let a = [[-rate, 4.0 * rate], [-4.0 * rate, -2.0 * rate]];
-    let params = StateSpaceParams { a, b: [rate, 0.5 * rate], c: [4.5 * LEVEL, 2.25 * LEVEL] };
-    off_rate(&params.build().expect("the system is stable and dissipative"))
 }

@@ -58,7 +58,7 @@ impl Identified {
     }
 
     /// w(v): 0 for a model without Stribeck effect.
-    fn share(&self, speed: f64) -> f64 {
+    fn stribeck_weight(&self, speed: f64) -> f64 {
         if self.dtheta_stribeck > 0.0 {
             (-(speed / self.dtheta_stribeck).powf(self.alpha)).exp()
         } else {
@@ -69,7 +69,8 @@ impl Identified {
     /// Largest distance from these values at [`POINTS`] (N m).
     fn distance(&self, expected: &[f64; 4]) -> Result<f64, strainwave::Error> {
         let model = self.params().build()?;
-        let levels = POINTS.map(|(motor, external, speed)| model.level(motor, external, self.share(speed)));
+        let levels =
+            POINTS.map(|(motor, external, speed)| model.level(motor, external, self.stribeck_weight(speed)));
         Ok(largest(levels.iter().zip(expected).map(|(level, expected)| (level - expected).abs())))
     }
 }

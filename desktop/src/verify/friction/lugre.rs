@@ -6,7 +6,9 @@
 
 use serde::Deserialize;
 use strainwave::friction::lugre::LuGreState;
-use strainwave::friction::{FrictionModel, LuGre, LuGreParams, LubricatedContactParams, Slip};
+use strainwave::friction::{
+    FrictionModel, FrictionParams, LuGre, LuGreParams, LubricatedContactParams, Slip,
+};
 
 use crate::io::figure::Figure;
 use crate::verify::bounds;

@@ -4,9 +4,8 @@
 //! Systems, strokes and scipy's forces are `desktop/oracle/friction/bliman_sorine.toml`.
 
 use serde::Deserialize;
-use strainwave::friction::FrictionModel;
-use strainwave::friction::StateSpaceParams;
 use strainwave::friction::state_space::StateSpaceState;
+use strainwave::friction::{FrictionModel, FrictionParams, StateSpaceParams};
 
 use crate::io::figure::Figure;
 use crate::verify::bounds;

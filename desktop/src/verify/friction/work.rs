@@ -1,4 +1,4 @@
-//! Work that friction gives over closed random motion, for every model with memory that cannot give any by
+//! Work that friction gives over closed random motion, for every registered model with presliding that cannot give any by
 //! construction.
 //!
 //! A trajectory: strokes at a speed each, the last one back to the start, from rest. The work of a stroke
@@ -11,25 +11,21 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use strainwave::friction::{
-    BlimanSorine, BristleParams, DahlParams, FrictionModel, FrictionParams, Harmonics, JointFrictionParams,
-    LoadFactors, LuGreParams, LubricatedContactParams, Order, ResetIntegratorParams, RippleParams, Slip,
-    StateSpaceParams,
-};
-use strainwave::{Heading, Real};
+use strainwave::friction::any::closed_motions;
+use strainwave::friction::{ClosedMotionTest, ForceOverPath, FrictionModel, Slip};
+use strainwave::{Error, Heading, Real};
 
 use crate::io::figure::Figure;
 use crate::verify::bounds;
 use crate::verify::largest;
 
-/// Trajectories of each of the nine models: 10^6 in all, in either precision.
+/// Trajectories of each model: above 10^6 in all, in either precision.
 const TRAJECTORIES: usize = 112_000;
 /// Strokes before the one that closes the path.
 const STROKES: usize = 4;
 /// Level (N) and presliding length (m); what the kinks lie on is a power of two.
 const LEVEL: f64 = 1.0;
 const EPS: f64 = 0.015_625;
-const ETA: f64 = 0.3;
 /// Kinks of the models that have some lie on multiples of this (m).
 const UNIT: f64 = EPS / 8.0;
 
@@ -73,71 +69,23 @@ impl Stroke {
     }
 }
 
+/// Largest work given by a registered model that is built not to give any.
+struct Worst(f64);
+
+impl<R: Real> ClosedMotionTest<R> for Worst {
+    fn run<M: FrictionModel<R>>(&mut self, model: Result<M, Error>, force: ForceOverPath) {
+        let strokes = match force {
+            ForceOverPath::Smooth => smooth,
+            ForceOverPath::Straight => on_units,
+        };
+        self.0 = largest([self.0, worst(&model.expect("its parameters are in range"), strokes)]);
+    }
+}
+
 fn worst_of_all<R: Real>() -> f64 {
-    let lit = R::lit;
-    let dahl = |exponent| {
-        let params = DahlParams { coulomb: lit(LEVEL), stiffness: lit(LEVEL / EPS), exponent: lit(exponent) };
-        params.build().expect("the level is in range")
-    };
-    let order_2 = BlimanSorine::order_2(lit(1.5 * LEVEL), lit(0.5 * LEVEL), lit(EPS), lit(ETA));
-    largest([
-        worst(&dahl(1.0), smooth),
-        worst(&dahl(2.0), smooth),
-        worst(&dahl(0.0), on_units),
-        worst(&order_2.expect("the levels are in range"), smooth),
-        worst(&resonant::<R>().build().expect("the system is stable and dissipative"), smooth),
-        worst(&lugre::<R>().build().expect("the levels are in range"), smooth),
-        worst(&joint::<R>().build().expect("the levels are in range"), smooth),
-        worst(&BristleParams::<R, 4>::of_level(lit(LEVEL), lit(EPS)).build().expect("in range"), on_units),
-        worst(&reset_integrator::<R>().build().expect("the levels are in range"), on_units),
-    ])
-}
-
-/// Complex modes, a quarter of eps long.
-fn resonant<R: Real>() -> StateSpaceParams<R, 2> {
-    let rate = 1.0 / EPS;
-    let [a, b, c, d] = [-rate, 4.0 * rate, -4.0 * rate, -2.0 * rate].map(R::lit);
-    let [b_1, b_2] = [rate, 0.5 * rate].map(R::lit);
-    StateSpaceParams { a: [[a, b], [c, d]], b: [b_1, b_2], c: [R::lit(4.5 * LEVEL), R::lit(2.25 * LEVEL)] }
-}
-
-/// Fs = 1.5 Fc, without sigma1: with it LuGre may give work.
-fn lugre<R: Real>() -> LuGreParams<R> {
-    let contact = LubricatedContactParams {
-        coulomb: R::lit(LEVEL / 1.5),
-        static_level: R::lit(LEVEL),
-        stribeck_velocity: R::lit(0.1),
-        stribeck_exponent: R::lit(2.0),
-        viscous: R::ZERO,
-    };
-    LuGreParams { contact, stiffness: R::lit(LEVEL / EPS), damping: R::ZERO }
-}
-
-/// The gear's block, its level moving with speed, direction, load and angle.
-fn joint<R: Real>() -> JointFrictionParams<R> {
-    let contact = LubricatedContactParams {
-        coulomb: R::lit(LEVEL / 1.5),
-        static_level: R::lit(LEVEL),
-        stribeck_velocity: R::lit(0.1),
-        stribeck_exponent: R::ONE,
-        viscous: R::ZERO,
-    };
-    let harmonics = Harmonics { mean: R::ONE, cosines: [R::lit(0.3), R::lit(-0.1)], sines: [R::lit(0.2); 2] };
-    JointFrictionParams {
-        backward: LubricatedContactParams { coulomb: R::lit(LEVEL), ..contact },
-        load: LoadFactors { driving: R::lit(0.2), driven: R::lit(0.4) },
-        ripple: RippleParams { forward: harmonics, ..RippleParams::NONE },
-        ..JointFrictionParams::symmetric(Order::Two, contact, R::lit(EPS), R::lit(ETA))
-    }
-}
-
-fn reset_integrator<R: Real>() -> ResetIntegratorParams<R> {
-    ResetIntegratorParams {
-        stiffness: R::lit(LEVEL / EPS),
-        stick_gain: R::lit(0.5),
-        damping: R::ZERO,
-        reach: R::lit(EPS),
-    }
+    let mut all = Worst(0.0);
+    closed_motions::<R>(LEVEL, EPS, &mut all);
+    all.0
 }
 
 /// Strokes from 1e-6 to 1 eps, from far below vs to far above it.
@@ -185,9 +133,9 @@ fn gain<R: Real>(model: &impl FrictionModel<R>, strokes: impl Iterator<Item = St
 /// Work lost over a piece of a stroke, and the state moved to its end.
 fn work<R: Real, M: FrictionModel<R>>(model: &M, state: &mut M::State, piece: Stroke) -> f64 {
     let Stroke { way, speed, load, phase } = piece;
-    let slip = |share: f64| Slip {
+    let slip = |fraction: f64| Slip {
         wave_generator: Heading::of_phase(phase),
-        ..Slip::new(R::lit(speed.copysign(way)), R::lit(share * way.abs() / speed))
+        ..Slip::new(R::lit(speed.copysign(way)), R::lit(fraction * way.abs() / speed))
             .under(R::ZERO, R::lit(load))
     };
     let mean: f64 = GAUSS
@@ -201,8 +149,8 @@ fn work<R: Real, M: FrictionModel<R>>(model: &M, state: &mut M::State, piece: St
 #[cfg(test)]
 mod tests {
     use super::*;
-    use strainwave::friction::LubricatedContact;
     use strainwave::friction::bliman_sorine::BlimanSorineState;
+    use strainwave::friction::{BlimanSorine, FrictionParams, JointFrictionOfOrder, LubricatedContact};
 
     /// The product of a level and of a presliding force that knows nothing of it.
     struct Product {
@@ -236,7 +184,7 @@ mod tests {
     /// Sensitivity of the measurement: it finds the work by the product of level and presliding force.
     #[test]
     fn a_form_that_gives_work_is_found() {
-        let params = JointFrictionParams { order: Order::One, ..joint::<f64>() };
+        let JointFrictionOfOrder(params) = JointFrictionOfOrder::<f64, 1>::varying(LEVEL, EPS);
         let product = Product {
             presliding: BlimanSorine::order_1(1.0, EPS).unwrap(),
             contact: params.forward.build().unwrap(),

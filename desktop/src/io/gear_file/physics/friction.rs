@@ -2,10 +2,11 @@
 
 use strainwave::Error;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
-use strainwave::friction::{FrictionParams, RIPPLE_ORDERS};
+use strainwave::friction::data::MOST_STATES;
+use strainwave::friction::{FrictionParams, ModelName, RIPPLE_ORDERS};
 
 use crate::io::gear_file::GearFile;
-use crate::io::gear_file::friction::{Friction, FrictionModel, MOST_STATES};
+use crate::io::gear_file::friction::Friction;
 use crate::io::gear_file::friction_params::friction_params;
 
 pub(super) fn check(gear: &GearFile) -> Result<(), String> {
@@ -55,7 +56,7 @@ fn built(side: &Friction) -> Result<(), Refused> {
 
 /// The key behind the field that a model refuses, each key being in its own range.
 fn blame(side: &Friction, field: &str) -> Refused {
-    let model = side.model.name();
+    let model = side.model.word();
     let (key, value, allowed) = match field {
         "coulomb" => ("coulomb_nm", side.coulomb, format!("at least 1e-9 N m with model = {model:?}")),
         "stick_gain" => ("coulomb_nm", side.coulomb, format!("above 1e-6 static_nm with model = {model:?}")),
@@ -72,15 +73,15 @@ fn blame(side: &Friction, field: &str) -> Refused {
     Refused { key, value, allowed }
 }
 
-fn stiffness(model: FrictionModel) -> String {
+fn stiffness(model: ModelName) -> String {
     let (level, range) = match model {
-        FrictionModel::LuGre => ("static_nm", "1e-9 to 1e9"),
-        FrictionModel::Armstrong => ("static_nm", "1e-9 to 1e12"),
-        FrictionModel::ResetIntegrator => ("coulomb_nm", "0 to 1e6"),
-        FrictionModel::Bristle => ("coulomb_nm", "0 to 1e13"),
+        ModelName::LuGre => ("static_nm", "1e-9 to 1e9"),
+        ModelName::Armstrong => ("static_nm", "1e-9 to 1e12"),
+        ModelName::ResetIntegrator => ("coulomb_nm", "0 to 1e6"),
+        ModelName::Bristle => ("coulomb_nm", "0 to 1e13"),
         _ => ("coulomb_nm", "1e-9 to 1e12"),
     };
-    format!("{level}/presliding_rad from {range} N m/rad with model = {:?}", model.name())
+    format!("{level}/presliding_rad from {range} N m/rad with model = {:?}", model.word())
 }
 
 fn ripple(side: &Friction) -> String {
