@@ -12,8 +12,7 @@ impl<R: Real> Compensator<R> {
     #[inline(never)] // The timing budget counts this slot by its symbol.
     pub(super) fn observe(&self, state: &mut State<R>, motor: Angle<R>, reads_output: bool) {
         let mut faults = Faults::NONE;
-        state.rotor.torques += state.latch.motor_torque;
-        state.rotor.time += state.latch.time;
+        state.rotor.add(state.latch.motor_torque, state.latch.time, motor);
         let gauge = state.latch.output_torque.take();
         let measured = Measurement {
             motor,

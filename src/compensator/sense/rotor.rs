@@ -21,7 +21,7 @@
 //! | fault | raised when |
 //! | --- | --- |
 //! | gear overload | abs T_g > 1.25*tau_p at the end of a round: no command takes it there ([`crate::compensator::actuate::protection`]), so that it is a blow, or a sign or size of torque or angle that is wrong |
-//! | frozen, standing | the count is the same for two rounds or more, and tau has changed by more than 2.5*tau_s + 0.01*tau_max + 2*count*K/n^2 + 8*J_wg*count/h^2 since: static friction gives way at 2*tau_s at most, and then the last of it moves the rotor by two counts within half a round |
+//! | frozen, standing | the count is the same at every observer step of two rounds or more, and tau has changed by more than 2.5*tau_s + 0.01*tau_max + 2*count*K/n^2 + 8*J_wg*count/h^2 since: static friction gives way at 2*tau_s at most, and then the last of it moves the rotor by two counts within half a round |
 //! | frozen, loaded | it stands, and the torque on it, that of the gear by the torque sensor included, has changed by more than that; by the output encoder, by 0.05*tau_p/n more |
 //! | frozen, moving | the count stands still at once, though 1.25*(abs tau + abs T_g/n + tau_s) + tau_p/(4*n) + 3*J_wg*count/h^2, the last for what rounding makes of two speeds, could not stop the rotor in the time |
 //! | overspeed | abs omega > the speed limit |
@@ -95,9 +95,11 @@ pub struct Rotor<R> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RotorState<R> {
     /// Sum of the motor's torques (N m) of the control periods since the last round, and the time since (s).
-    pub(in crate::compensator) torques: R,
-    pub(in crate::compensator) time: R,
+    torques: R,
+    time: R,
+    /// Angle of the motor at the end of the last round, and that it has been at another one since.
     motor: Angle<R>,
+    moves: bool,
     speed: R,
     /// tau of the last round (N m).
     applied: R,
@@ -140,6 +142,14 @@ pub struct RotorInput<R> {
 }
 
 impl<R: Real> RotorState<R> {
+    /// Adds the sum of the motor's torques (N m) of control periods that took `time` (s) and ended at the angle `motor`.
+    #[inline(always)]
+    pub fn add(&mut self, torques: R, time: R, motor: Angle<R>) {
+        self.torques += torques;
+        self.time += time;
+        self.moves |= motor != self.motor;
+    }
+
     /// Torque through the gear (N m), its rate (N m/s), and the rotor's friction (N m).
     #[inline(always)]
     pub fn gear(&self) -> [R; 3] {
@@ -221,7 +231,8 @@ impl<R: Real> Rotor<R> {
         };
         let torque = R::lit(1.0 / SLOW_PERIODS as f64) * torques;
         let moved = input.motor.since(state.motor);
-        state.motor = input.motor;
+        let stands = moved == R::ZERO && !state.moves;
+        (state.motor, state.moves) = (input.motor, false);
         let speed = moved * inverse;
         let before = state.speed;
         let inertial = self.inertia * (speed - before) * inverse;
@@ -254,7 +265,7 @@ impl<R: Real> Rotor<R> {
             faults.raise_if(!speed.is_within(self.speed_limit), Faults::OVERSPEED);
             return;
         }
-        if moved == R::ZERO {
+        if stands {
             let stopped = state.still == 0 && !inertial.is_within(stopping);
             state.still = state.still.saturating_add(1);
             (state.least, state.most) = (state.least.min(torque), state.most.max(torque));
@@ -344,4 +355,40 @@ impl<R: Real> Rotor<R> {
 fn lasting(holds: bool, rounds: &mut u32, most: u32) -> bool {
     *rounds = if holds { (*rounds + 1).min(most) } else { rounds.saturating_sub(1) };
     *rounds >= most
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compensator::schedule::{CONTROL_PERIOD, OBSERVER_PERIODS};
+
+    /// Faults of a motor that ends every round at the same count, after an `excursion` (counts) within it, under a torque
+    /// that alternates between +-0.2 N m, more than friction holds, from round to round.
+    fn faults(excursion: i64) -> Faults {
+        let gear = crate::gear::tests::params();
+        let limits = Limits { motor_torque: 2.4, motor_speed: 586.0, output_torque: 157.0 };
+        let rotor: Rotor<f64> = Rotor::build(&gear, &limits, 19, 141.0, CONTROL_PERIOD).unwrap();
+        let (mut state, mut faults) = (RotorState::default(), Faults::NONE);
+        let steps = SLOW_PERIODS / OBSERVER_PERIODS;
+        for round in 0..20 {
+            let torque = if round % 2 == 0 { 0.2 } else { -0.2 };
+            for step in 1..=steps {
+                let counts = if step < steps { excursion << (32 - 19) } else { 0 };
+                let periods = f64::from(OBSERVER_PERIODS);
+                state.add(periods * torque, periods * CONTROL_PERIOD, Angle::from_counts(counts));
+            }
+            let motor = Angle::default();
+            let input =
+                RotorInput { motor, commanded: torque, drive_error: 0.0, reference: None, driven: true };
+            rotor.step(&mut state, &input, &mut faults);
+        }
+        faults
+    }
+
+    /// Torque that friction could not hold means that the encoder is frozen; but not where the motor vibrates about a count.
+    #[test]
+    fn a_count_is_frozen_that_stands_still_within_the_round_too() {
+        assert_eq!(faults(0), Faults::MOTOR_ENCODER_FROZEN);
+        assert_eq!(faults(10), Faults::NONE);
+    }
 }
