@@ -108,7 +108,7 @@ impl<R: Real> JointParams<R> {
                 self.feedback.position_gain,
                 self.dt,
             )?,
-            protection: Protection::build(&self.gear, limits),
+            protection: Protection::build(&self.gear, limits, self.dt),
             fallback: Fallback::build(self.limits.motor_torque, self.dt),
             limits: self.limits,
             dt: self.dt,

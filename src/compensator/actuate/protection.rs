@@ -9,12 +9,14 @@
 //! T is the torque through the gear by the balance of the rotor ([`crate::compensator::sense::rotor`]): it depends on
 //! neither the observer nor a sensor at the output. With an output that is held, K*(Q - T)/J is T's second derivative, so that at
 //! the bound `T'' = omega^2*(L - T) - 2*omega*T'`: T approaches L critically damped and never passes it, whatever is
-//! commanded. An output that is free accelerates and T stays further below. K is the stiffest slope of the line, so that
+//! commanded. An output that is free accelerates and T stays further below; so it does with a J_fs that counts as larger than it
+//! is, because its mode is too fast for the round ([`output_inertia`]). K is the stiffest slope of the line, so that
 //! omega is not below that of the gear. The margin of L covers 10 % of the torque constant and the time from T to the
 //! command. Units: N m at the motor's shaft.
 
 use crate::branch::seldom;
 use crate::compensator::Limits;
+use crate::compensator::sense::rotor::output_inertia;
 use crate::gear::GearParams;
 use crate::real::Real;
 
@@ -38,11 +40,11 @@ pub struct ProtectionState<R> {
 }
 
 impl<R: Real> Protection<R> {
-    /// For a gear that was checked.
-    pub fn build(gear: &GearParams<R>, limits: &Limits<R>) -> Self {
+    /// For a gear that was checked, and the control period dt (s).
+    pub fn build(gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Self {
         let n = R::from_i32(gear.ratio);
         let rotor = n * n * gear.wave_generator_inertia;
-        let c = R::ONE + rotor / gear.flexspline_inertia;
+        let c = R::ONE + rotor / output_inertia(gear, dt);
         let omega = (c * gear.flexspline.line.stiffness[2] / rotor).sqrt();
         Self {
             half: c * R::lit(BOUND) * limits.output_torque / n.abs(),

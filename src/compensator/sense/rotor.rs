@@ -16,7 +16,8 @@
 //! The third line is for the protection of the gear ([`crate::compensator::actuate::protection`]), which needs the rate
 //! dT too: X alone, differentiated, is noise. K is the middle slope of the stiffness line, v the output's speed, a its
 //! acceleration by load, friction and an inertia error (without it dT would be wrong by 1.4*b*20 N m/s), b =
-//! sqrt(g)*min(omega_0, 1/(4*h)), omega_0 the natural frequency of gear and load on a free motor, h the round.
+//! sqrt(g)*min(omega_0, 1/(4*h)), omega_0 the natural frequency of gear and load on a free motor, h the round. J_fs counts as
+//! at least K_3*(2*h)^2 ([`output_inertia`]).
 //!
 //! | fault | raised when |
 //! | --- | --- |
@@ -141,6 +142,17 @@ pub struct RotorInput<R> {
     pub driven: bool,
 }
 
+/// Inertia of the output in the balance of the rotor, and in the protection that relies on it (kg m^2): that of the gear,
+/// and at least K_3*(2*h)^2, with the stiffest slope K_3 of the line and the round h (s).
+///
+/// A mode of the output that goes through more than half a radian in a round cannot be followed by one value a round. A
+/// lighter output counts as one whose mode can be, which the protection takes for one that is nearer to being held.
+pub fn output_inertia<R: Real>(gear: &GearParams<R>, dt: R) -> R {
+    let round = R::from_i32(SLOW_PERIODS as i32) * dt;
+    let [_, _, stiffest] = gear.flexspline.line.stiffness;
+    gear.flexspline_inertia.max(R::lit(4.0) * stiffest * round * round)
+}
+
 impl<R: Real> RotorState<R> {
     /// Adds the sum of the motor's torques (N m) of control periods that took `time` (s) and ended at the angle `motor`.
     #[inline(always)]
@@ -177,7 +189,8 @@ impl<R: Real> Rotor<R> {
         let stiffest = gear.flexspline.line.stiffness[2];
         let gain = R::ONE.min(R::lit(0.05) * peak / noise);
         let [_, stiffness, _] = gear.flexspline.line.stiffness;
-        let both = R::ONE / gear.flexspline_inertia + R::ONE / (n * n * gear.wave_generator_inertia);
+        let output = output_inertia(gear, dt);
+        let both = R::ONE / output + R::ONE / (n * n * gear.wave_generator_inertia);
         let corner = gain.sqrt() * (stiffness * both).sqrt().min(R::lit(0.25) / round);
         let grip = R::lit(2.5) * static_level
             + R::lit(0.01) * limits.motor_torque
@@ -192,7 +205,7 @@ impl<R: Real> Rotor<R> {
             viscous: larger(sides.map(|side| side.viscous)),
             n,
             stiffness,
-            load_gain: round / gear.flexspline_inertia,
+            load_gain: round / output,
             gains: [
                 R::lit(3.0) * corner * round,
                 R::lit(3.0) * corner * corner * round / stiffness,
