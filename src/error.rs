@@ -11,7 +11,7 @@ use core::fmt;
 ///
 /// ```
 /// use strainwave::Error;
-/// use strainwave::friction::DahlParams;
+/// use strainwave::friction::{DahlParams, FrictionParams};
 ///
 /// let too_soft = DahlParams { coulomb: 1.0, stiffness: 0.0, exponent: 1.0 };
 /// assert_eq!(too_soft.build().err(), Some(Error::OutOfRange("stiffness")));

@@ -66,7 +66,7 @@ impl Joint {
             motor_encoder: count(&self.motor, self.params.motor_encoder_bits),
             output_encoder: Some(count(&self.flange, self.params.output_encoder_bits)),
             motor_torque: self.torque,
-            output_torque: None,
+            ..Sensors::default()
         }
     }
 

@@ -58,7 +58,7 @@ fn any_float() -> impl Strategy<Value = f32> {
 }
 
 prop_compose! {
-    fn any_shares()(
+    fn any_gains()(
         [feedback, inertia, friction, wind_up, kinematic_error, output_feedback, adaptation, ripple]
             in prop::array::uniform8(any_float()),
     ) -> CompensationGains<f32> {
@@ -81,8 +81,8 @@ prop_compose! {
         rest in any_float(),
         [velocity, acceleration, jerk, snap] in prop::array::uniform4(any_float()),
         kind in 0..3u8,
-        forward in any_shares(),
-        backward in any_shares(),
+        forward in any_gains(),
+        backward in any_gains(),
     ) -> Input<f32> {
         Input {
             sensors: Sensors {
