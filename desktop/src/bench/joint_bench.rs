@@ -137,7 +137,7 @@ pub struct Bench<F: Flexspline<f64> = PlantMesh> {
     sensors: SensorModel,
     clock: Clock,
     /// Micro-steps by which the plant is off the clock's whole periods.
-    off: i64,
+    offset: i64,
     gains: CompensationGains<f32>,
     capability: Capability,
     last: Output<f32>,
@@ -202,7 +202,7 @@ impl<F: Flexspline<f64>> Bench<F> {
             plant,
             sensors: SensorModel::new(file, conditions, errors),
             clock: Clock::new(clock, random(conditions.seed, conditions.realisation, Purpose::Clock)),
-            off: 0,
+            offset: 0,
             gains: all_gains(file),
             capability: Capability::of(file),
             last: Output::default(),
@@ -233,9 +233,9 @@ impl<F: Flexspline<f64>> Bench<F> {
             let time = k as f64 * CONTROL_PERIOD;
             let tick = self.clock.tick();
             // By so much the step is after the plant's last micro-step.
-            let advance = tick.off - self.off as f64 * dt;
+            let advance = tick.offset - self.offset as f64 * dt;
             if let Some(elapsed) = tick.elapsed {
-                let demand = task.at(time + tick.off, &self.capability);
+                let demand = task.at(time + tick.offset, &self.capability);
                 let input = Input {
                     sensors: self.sensors.read(&self.plant, advance),
                     command: demand.setpoint().into(),
@@ -246,7 +246,7 @@ impl<F: Flexspline<f64>> Bench<F> {
                 };
                 self.last = controller.step(&input)?;
             }
-            let demand = task.at(time + self.off as f64 * dt, &self.capability);
+            let demand = task.at(time + self.offset as f64 * dt, &self.capability);
             visit(k, demand, &self.plant, self.last);
             if tick.elapsed.is_some() && !task.blocked() {
                 self.plant.command(f64::from(self.last.motor_torque), advance / dt);
@@ -262,8 +262,8 @@ impl<F: Flexspline<f64>> Bench<F> {
         if blocked {
             return self.plant.step_blocked(load);
         }
-        let steps = self.plant.micro_steps().cast_signed() as i64 + next - self.off;
-        self.off = next;
+        let steps = self.plant.micro_steps().cast_signed() as i64 + next - self.offset;
+        self.offset = next;
         self.plant.go_on(steps.unsigned_abs() as usize, load)
     }
 }
@@ -358,8 +358,8 @@ mod tests {
             let elapsed: f64 = watch.1.iter().sum();
             assert!((elapsed - Scenario::S3.duration()).abs() < 3.0 * CONTROL_PERIOD, "{row}: {elapsed}");
             assert!(watch.1.iter().any(|elapsed| (elapsed - CONTROL_PERIOD).abs() > 1e-5));
-            let off = exact.iter().zip(&moved).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f64::max);
-            assert!(off > 0.0 && off < 1e-3, "{row}: {off}");
+            let offset = exact.iter().zip(&moved).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f64::max);
+            assert!(offset > 0.0 && offset < 1e-3, "{row}: {offset}");
         }
     }
 

@@ -46,7 +46,7 @@ const TORQUE_CORNER: f64 = 7.0;
 // Places in the state.
 const MOTOR: usize = 0;
 const TORQUE: usize = 1;
-const TORQUE_OFF: usize = 2;
+const TORQUE_ERROR: usize = 2;
 const IMPULSE: usize = 3;
 const MOTOR_ERROR: usize = 4;
 const REFERENCE_SPEED: usize = 5;
@@ -56,7 +56,7 @@ const WIND_TORQUE: usize = 8;
 const SPEED: usize = 9;
 const INTEGRAL: usize = 10;
 const SEEN_MOTOR: usize = 11;
-const OFF: usize = 12;
+const MOTOR_RESIDUAL: usize = 12;
 const MOTOR_SPEED: usize = 13;
 const FLANGE_ERROR: usize = 14;
 const FLANGE_SPEED: usize = 15;
@@ -171,10 +171,10 @@ impl Controller {
         let (n, omega, torque) = (1.0 / self.ratio.abs(), self.reference_frequency, self.stiffness);
         let mut units = [1.0; STATES];
         let mut set = |places: &[usize], unit: f64| places.iter().for_each(|place| units[*place] = unit);
-        set(&[MOTOR, MOTOR_ERROR, SEEN_MOTOR, OFF, DEFLECTION[0]], n);
+        set(&[MOTOR, MOTOR_ERROR, SEEN_MOTOR, MOTOR_RESIDUAL, DEFLECTION[0]], n);
         set(&[REFERENCE_SPEED, WIND_SPEED, SPEED, MOTOR_SPEED], n * omega);
         set(&[WIND_ACCELERATION], n * omega * omega);
-        set(&[TORQUE, TORQUE_OFF, WIND_TORQUE, INTEGRAL, LAST_TORQUE, FRICTION[0]], torque / n);
+        set(&[TORQUE, TORQUE_ERROR, WIND_TORQUE, INTEGRAL, LAST_TORQUE, FRICTION[0]], torque / n);
         set(&[IMPULSE], torque / n * 2.0 * CONTROL_PERIOD);
         set(&[FLANGE_SPEED], omega);
         set(&[LOAD, FRICTION[1], TRANSMITTED, SLOW, MEAN, FAST], torque);
@@ -192,8 +192,8 @@ impl Controller {
         let moved = motor - x[MOTOR];
         x[MOTOR] = motor;
         let commanded = x[TORQUE];
-        x[TORQUE_OFF] += fraction(dt * TORQUE_CORNER) * (measured - commanded - x[TORQUE_OFF]);
-        x[IMPULSE] += dt * (commanded + x[TORQUE_OFF]);
+        x[TORQUE_ERROR] += fraction(dt * TORQUE_CORNER) * (measured - commanded - x[TORQUE_ERROR]);
+        x[IMPULSE] += dt * (commanded + x[TORQUE_ERROR]);
         x[MOTOR_ERROR] += dt * (x[REFERENCE_SPEED] + x[WIND_SPEED]) - moved;
         if slot == OUTPUT_SLOT {
             x[READING] = output;
@@ -213,7 +213,7 @@ impl Controller {
     /// The output encoder's reading of the observer's last step.
     fn read_output(&self, x: &mut [f64]) {
         let gains = &self.observer[1 + 2 * usize::from(self.has_gauge)];
-        x[INNOVATION] = x[READING] - self.ratio * (x[SEEN_MOTOR] + x[OFF]) - x[FLANGE_ERROR];
+        x[INNOVATION] = x[READING] - self.ratio * (x[SEEN_MOTOR] + x[MOTOR_RESIDUAL]) - x[FLANGE_ERROR];
         self.correct(x, &gains.output, x[INNOVATION]);
     }
 
@@ -240,12 +240,12 @@ impl Controller {
         x[FLANGE_SPEED] +=
             dt * (transmitted - x[FRICTION[1]] + x[LOAD] + stiffness_torque) / self.inertias[1];
         let way = dt * x[MOTOR_SPEED];
-        x[OFF] += way - (motor - x[SEEN_MOTOR]);
+        x[MOTOR_RESIDUAL] += way - (motor - x[SEEN_MOTOR]);
         x[FLANGE_ERROR] += dt * x[FLANGE_SPEED] - r * way;
         x[SEEN_MOTOR] = motor;
         let reads = slot == OUTPUT_SLOT && self.has_output;
         let gains = &self.observer[usize::from(reads) + 2 * usize::from(self.has_gauge)];
-        self.correct(x, &gains.motor, -x[OFF]);
+        self.correct(x, &gains.motor, -x[MOTOR_RESIDUAL]);
         if self.has_gauge {
             let s = if self.stands { 0.0 } else { x[SIXTH] };
             self.correct(x, &gains.torque, gauge - transmitted - s);
@@ -259,7 +259,7 @@ impl Controller {
 
     fn correct(&self, x: &mut [f64], by: &[f64; 6], innovation: f64) {
         let by_place = [
-            (OFF, by[0]),
+            (MOTOR_RESIDUAL, by[0]),
             (MOTOR_SPEED, by[1]),
             (FLANGE_ERROR, by[2] - self.ratio * by[0]),
             (FLANGE_SPEED, by[3]),
@@ -300,7 +300,8 @@ impl Controller {
         let (dt, r, round) = (CONTROL_PERIOD, self.ratio, ROUND_TIME);
         let compensated = x[SLOW] + self.disturbance.wind_up_fraction * x[FAST];
         let wound = -compensated / self.stiffness;
-        let position = x[FLANGE_ERROR] + dt * (x[FLANGE_SPEED] - r * x[MOTOR_SPEED]) + r * x[OFF] + r * motor;
+        let position =
+            x[FLANGE_ERROR] + dt * (x[FLANGE_SPEED] - r * x[MOTOR_SPEED]) + r * x[MOTOR_RESIDUAL] + r * motor;
         let measured = if self.has_output { output } else { position };
         let gains = &self.output_feedback;
         let whole = x[MEAN] + self.disturbance.wind_up_fraction * x[FAST];

@@ -236,8 +236,8 @@ impl<'a, const L: usize> Task<'a, L> {
         let densities = parameters.weights.iter().zip(&self.unit).map(|(mu, unit)| mu / unit);
         let free = self.logs.len() + 1;
         let x = DVector::from_iterator(self.problem.prior.len(), repeat_n(0.0, free).chain(densities));
-        let off = x - &self.problem.prior;
-        let penalty = off.dot(&(&self.problem.penalty * &off));
+        let difference = x - &self.problem.prior;
+        let penalty = difference.dot(&(&self.problem.penalty * &difference));
         let predicted = self.predicted(parameters, &self.torsions(parameters)?);
         let residual = self.residual(&predicted, |count, _| 0..count).unwrap_or(f64::NAN);
         Ok((residual / self.span).powi(2) + smoothing * penalty)

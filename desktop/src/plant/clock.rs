@@ -27,7 +27,7 @@ pub struct Clock {
     params: ClockParams,
     random: ChaCha8Rng,
     /// j_k (s).
-    off: f64,
+    offset: f64,
     /// Since the last step that was run, without j_k (s).
     waited: f64,
     /// Time error of the last step, if there was one (s).
@@ -38,7 +38,7 @@ pub struct Clock {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick {
     /// j_k (s).
-    pub off: f64,
+    pub offset: f64,
     /// The step is run, and so much time has gone since the one before; 0 of the first (s).
     pub elapsed: Option<f64>,
 }
@@ -46,26 +46,26 @@ pub struct Tick {
 impl Clock {
     /// Its first instant is on time.
     pub fn new(params: ClockParams, random: ChaCha8Rng) -> Self {
-        Self { params, random, off: 0.0, waited: 0.0, last: None }
+        Self { params, random, offset: 0.0, waited: 0.0, last: None }
     }
 
     /// The instant now.
     pub fn tick(&mut self) -> Tick {
-        let off = self.off;
+        let offset = self.offset;
         if self.last.is_some() && self.params.missed > 0.0 && self.random.random_bool(self.params.missed) {
-            return Tick { off, elapsed: None };
+            return Tick { offset, elapsed: None };
         }
-        let elapsed = self.last.map_or(0.0, |last| self.waited + (off - last));
-        (self.last, self.waited) = (Some(off), 0.0);
-        Tick { off, elapsed: Some(elapsed) }
+        let elapsed = self.last.map_or(0.0, |last| self.waited + (offset - last));
+        (self.last, self.waited) = (Some(offset), 0.0);
+        Tick { offset, elapsed: Some(elapsed) }
     }
 
     /// Goes to the next instant; returns its time error (s).
     pub fn advance(&mut self) -> f64 {
         self.waited += CONTROL_PERIOD;
         let jitter = self.params.jitter;
-        self.off = if jitter > 0.0 { self.random.random_range(-jitter..=jitter) } else { 0.0 };
-        self.off
+        self.offset = if jitter > 0.0 { self.random.random_range(-jitter..=jitter) } else { 0.0 };
+        self.offset
     }
 }
 
@@ -82,10 +82,10 @@ mod tests {
     #[test]
     fn an_exact_clock_has_equal_steps() {
         let mut clock = clock(0.0, 0.0);
-        assert_eq!(clock.tick(), Tick { off: 0.0, elapsed: Some(0.0) });
+        assert_eq!(clock.tick(), Tick { offset: 0.0, elapsed: Some(0.0) });
         for _ in 0..10 {
             clock.advance();
-            assert_eq!(clock.tick(), Tick { off: 0.0, elapsed: Some(CONTROL_PERIOD) });
+            assert_eq!(clock.tick(), Tick { offset: 0.0, elapsed: Some(CONTROL_PERIOD) });
         }
     }
 
@@ -93,22 +93,22 @@ mod tests {
     #[test]
     fn jitter_and_missed_steps_keep_the_time() {
         let mut clock = clock(25e-6, 0.01);
-        let (mut sum, mut missed, mut off) = (0.0, 0, 0.0);
+        let (mut sum, mut missed, mut offset) = (0.0, 0, 0.0);
         let count = 100_000;
         for k in 0..count {
             let tick = clock.tick();
-            assert!(tick.off.abs() <= 25e-6);
-            off += tick.off / f64::from(count);
+            assert!(tick.offset.abs() <= 25e-6);
+            offset += tick.offset / f64::from(count);
             match tick.elapsed {
                 Some(elapsed) => {
                     sum += elapsed;
-                    assert!((sum - (f64::from(k) * CONTROL_PERIOD + tick.off)).abs() < 1e-9);
+                    assert!((sum - (f64::from(k) * CONTROL_PERIOD + tick.offset)).abs() < 1e-9);
                 }
                 None => missed += 1,
             }
             clock.advance();
         }
         assert!((900..1100).contains(&missed), "{missed}");
-        assert!(off.abs() < 0.2e-6, "{off}");
+        assert!(offset.abs() < 0.2e-6, "{offset}");
     }
 }

@@ -152,8 +152,8 @@ mod tests {
             let shown = f64::from(count) * TAU / f64::from(1 << 24);
             let error = |x: f64| 1e-3 * (x + 0.3).sin() + 2e-4 * (2.0 * x - 0.8).sin();
             let expected = x + error(x) - error(0.0);
-            let off = (shown - expected) - TAU * ((shown - expected) / TAU).round();
-            assert!(off.abs() < TAU / f64::from(1 << 24), "{k}: {shown} {expected}");
+            let difference = (shown - expected) - TAU * ((shown - expected) / TAU).round();
+            assert!(difference.abs() < TAU / f64::from(1 << 24), "{k}: {shown} {expected}");
             assert_eq!(count, encoder.read(Angle::from_counts(angle.counts + (3 << 32)), &mut random()));
         }
     }

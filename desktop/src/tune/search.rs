@@ -183,10 +183,10 @@ mod tests {
         let start = BaselineGains::untuned(&GearFile::default_gear(), Kind::B1);
         let expected = BaselineGains { position_bandwidth: 30.0, friction_gain: 0.0, ..start };
         let cost = |gains: &BaselineGains, _| {
-            let off = |gain: &Gain| {
+            let difference = |gain: &Gain| {
                 to_coordinate(gain, (gain.get)(gains)) - to_coordinate(gain, (gain.get)(&expected))
             };
-            Kind::B1.gains().map(|gain| off(gain).powi(2)).sum()
+            Kind::B1.gains().map(|gain| difference(gain).powi(2)).sum()
         };
         let found = search(Kind::B1, &start, 600, cost);
         assert!(cost(&found, 0.0) < 1e-4, "{found:?}");

@@ -97,10 +97,13 @@ impl StepResponse {
     fn frequency(&self, step: usize) -> f64 {
         let rows = &self.rows[at(step) + 1..at(step + 1)];
         let end = rows.last().map_or(f64::NAN, |row| row.torsion);
-        let off = |row: &OpenLoopRow| row.torsion - end;
-        let crossings = rows.windows(2).filter(|pair| off(&pair[0]) * off(&pair[1]) < 0.0);
+        let difference = |row: &OpenLoopRow| row.torsion - end;
+        let crossings = rows.windows(2).filter(|pair| difference(&pair[0]) * difference(&pair[1]) < 0.0);
         let times: Vec<_> = crossings
-            .map(|pair| pair[0].time + CONTROL_PERIOD * off(&pair[0]) / (off(&pair[0]) - off(&pair[1])))
+            .map(|pair| {
+                pair[0].time
+                    + CONTROL_PERIOD * difference(&pair[0]) / (difference(&pair[0]) - difference(&pair[1]))
+            })
             .take(2 * PERIODS + 1)
             .collect();
         let last = times.get(2 * PERIODS).copied().unwrap_or(f64::NAN);

@@ -112,8 +112,8 @@ fn count(before: u32, bits: u32, random: &mut ChaCha8Rng) -> u32 {
         return random.random();
     }
     let largest = 1u32 << random.random_range(0..bits);
-    let off = random.random_range(0..=largest);
-    before.wrapping_add(if random.random_bool(0.5) { off } else { off.wrapping_neg() })
+    let difference = random.random_range(0..=largest);
+    before.wrapping_add(if random.random_bool(0.5) { difference } else { difference.wrapping_neg() })
         & (u32::MAX >> (32 - bits))
 }
 

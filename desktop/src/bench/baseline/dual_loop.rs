@@ -169,7 +169,7 @@ mod tests {
     fn a_fraction_of_a_count_moves_nothing_at_rest() {
         let mut held = built(&GearFile::default_gear());
         let count = TAU / f64::from(1 << 19);
-        let off = |held: &mut DualLoop, fraction: f64, velocity| {
+        let shift = |held: &mut DualLoop, fraction: f64, velocity| {
             let commanded = Commanded {
                 position: Angle::from_radians(fraction * count),
                 velocity,
@@ -180,9 +180,9 @@ mod tests {
             }
             held.summed
         };
-        assert_eq!(off(&mut held, 0.39, 0.0), 0.0);
+        assert_eq!(shift(&mut held, 0.39, 0.0), 0.0);
         assert_eq!(held.beyond_noise, 0.0);
-        assert!(off(&mut held, 0.39, 0.01) > 0.0);
+        assert!(shift(&mut held, 0.39, 0.01) > 0.0);
     }
 
     /// A late reading of an output that follows its setpoint shows no error.

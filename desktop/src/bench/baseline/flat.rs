@@ -176,15 +176,15 @@ mod tests {
             .collect();
         let fastest = demands.iter().map(|demand| demand.velocity.abs()).fold(0.0, f64::max);
         let strongest = demands.iter().map(|demand| demand.acceleration.abs()).fold(0.0, f64::max);
-        let (mut off, mut slope) = (0.0, 0.0);
+        let (mut offset, mut slope) = (0.0, 0.0);
         for pair in demands.windows(3) {
             let travelled = pair[2].angle.minus(pair[0].angle) / (2.0 * CONTROL_PERIOD);
-            off = f64::max(off, (travelled - pair[1].velocity).abs());
+            offset = f64::max(offset, (travelled - pair[1].velocity).abs());
             slope +=
                 ((pair[2].velocity - pair[0].velocity) / (2.0 * CONTROL_PERIOD) - pair[1].acceleration).abs();
         }
         // The line's knees, where the compliance jumps, are in it.
-        assert!(off < 0.02 * fastest, "{off} of {fastest}");
+        assert!(offset < 0.02 * fastest, "{offset} of {fastest}");
         assert!(slope / 2500.0 < 0.02 * strongest, "{slope} of {strongest}");
     }
 }

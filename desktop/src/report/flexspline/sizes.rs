@@ -108,9 +108,9 @@ mod tests {
     #[test]
     fn a_finer_mesh_comes_closer_to_the_tubes_torsion() {
         let tube = params().cup.torsion_frequency();
-        let off = |frequencies: Frequencies| (frequencies.torsion / tube - 1.0).abs();
+        let difference = |frequencies: Frequencies| (frequencies.torsion / tube - 1.0).abs();
         let [coarse, fine] =
-            [off(Frequencies::of::<8, 3>(&params())), off(Frequencies::of::<72, 8>(&params()))];
+            [difference(Frequencies::of::<8, 3>(&params())), difference(Frequencies::of::<72, 8>(&params()))];
         assert!(fine < 0.15 && 2.0 * fine < coarse, "{coarse} {fine}");
     }
 

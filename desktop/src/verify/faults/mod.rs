@@ -150,8 +150,9 @@ fn judge(file: &GearFile, fault: Injected, released: Option<usize>, rows: &[Row]
     let watched = released.map_or(rows.len(), |at| (at + periods_of(BRAKE)).min(rows.len()));
     // A joint that stands has not moved, whatever its twin does.
     let from = rows[start].output;
-    let off = |k: usize| (rows[k].output - twin[k].output).abs().min((rows[k].output - from).abs());
-    let motion = if fault.asks_otherwise() { 0.0 } else { (start..watched).map(off).fold(0.0, f64::max) };
+    let difference = |k: usize| (rows[k].output - twin[k].output).abs().min((rows[k].output - from).abs());
+    let motion =
+        if fault.asks_otherwise() { 0.0 } else { (start..watched).map(difference).fold(0.0, f64::max) };
     let full = |rows: &[Row]| longest(rows[start..].iter().map(|row| row.torque.abs() >= FULL.0 * peak));
     let gear = largest(&rows[start..], |row| row.transmitted);
     let known = known(file, &fault, rows, start);

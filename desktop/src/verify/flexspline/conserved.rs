@@ -68,14 +68,14 @@ fn change(shell: &FreeShell, seed: u64) -> [f64; 3] {
     let (mass_moved, mass_turned) = shell.scales(&state);
     let model = shell.shell.model();
     let (momentum, angular) = (model.momentum(&state), model.angular_momentum(&state));
-    let (mut energies, mut off, mut off_angular) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut energies, mut difference, mut angular_difference) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..STEPS / BATCH {
         shell.shell.steps(&mut state, BATCH);
         energies.push(model.scheme_energy(&state));
-        off.push(distance(model.momentum(&state), momentum));
-        off_angular.push(distance(model.angular_momentum(&state), angular));
+        difference.push(distance(model.momentum(&state), momentum));
+        angular_difference.push(distance(model.angular_momentum(&state), angular));
     }
-    [trend(&energies), largest(off) / mass_moved, largest(off_angular) / mass_turned]
+    [trend(&energies), largest(difference) / mass_moved, largest(angular_difference) / mass_turned]
 }
 
 /// The shell, and the masses of its slices' nodes (kg).

@@ -42,10 +42,10 @@ pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, Error> {
     let flexspline = Reduced::build(&params.flexspline, params.rated_torque)?;
     let gear: RealTimeGear<f32> = params.build(flexspline, CONTROL_PERIOD as f32)?;
     let real_time = Mode::of(&gear, CONTROL_PERIOD);
-    let off = |of: fn(&Mode) -> f64| (of(&real_time) / of(&reference) - 1.0).abs();
+    let difference = |of: fn(&Mode) -> f64| (of(&real_time) / of(&reference) - 1.0).abs();
     Ok(vec![
-        bounds::figure("flexspline.torsion_mode.frequency", off(|mode| mode.frequency)),
-        bounds::figure("flexspline.torsion_mode.damping_ratio", off(|mode| mode.damping_ratio)),
+        bounds::figure("flexspline.torsion_mode.frequency", difference(|mode| mode.frequency)),
+        bounds::figure("flexspline.torsion_mode.damping_ratio", difference(|mode| mode.damping_ratio)),
     ])
 }
 

@@ -58,11 +58,11 @@ impl Difference {
         let record = closed_loop::record(file, scenario, NOMINAL, &mut Baseline::b0(file)?)?;
         let reference = two_port::run(file, &record, Build::REFERENCE, &[])?;
         let real_time = two_port::run(file, &record, Build::RealTime, &[])?;
-        let off: Vec<f64> = reference
+        let difference: Vec<f64> = reference
             .zip(real_time)
             .map(|(a, b)| Ok((a?.transmitted_torque - b?.transmitted_torque) / file.gear.rated_torque))
             .collect::<Result<_, RunError>>()?;
-        let squares: f64 = off.iter().map(|off| off * off).sum();
-        Ok(Self { rms: (squares / off.len() as f64).sqrt(), max: largest(off) })
+        let squares: f64 = difference.iter().map(|difference| difference * difference).sum();
+        Ok(Self { rms: (squares / difference.len() as f64).sqrt(), max: largest(difference) })
     }
 }

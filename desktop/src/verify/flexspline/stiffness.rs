@@ -54,6 +54,7 @@ fn worst_off_line<const N: usize, const M: usize>(
     let knees = params.line.knee_torque.into_iter().flat_map(|knee| [-knee, knee]);
     let mut torques: Vec<f64> = grid.chain(knees.filter(|knee| knee.abs() < rated)).collect();
     torques.sort_unstable_by(f64::total_cmp);
-    let off = torques.into_iter().map(|torque| mesh.torque(line.torsion(torque), BETWEEN_NODES) - torque);
-    Ok(largest(off) / rated)
+    let difference =
+        torques.into_iter().map(|torque| mesh.torque(line.torsion(torque), BETWEEN_NODES) - torque);
+    Ok(largest(difference) / rated)
 }

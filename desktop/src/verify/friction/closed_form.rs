@@ -23,8 +23,12 @@ const STEPS: [f64; 8] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0];
 const COUNT: u32 = 1000;
 
 pub(super) fn measure() -> Vec<Figure> {
-    let shape =
-        largest([off(level(), F1 - F2), slope_error(), off(peak_place(), closed_place()), peak_error()]);
+    let shape = largest([
+        relative_error(level(), F1 - F2),
+        slope_error(),
+        relative_error(peak_place(), closed_place()),
+        peak_error(),
+    ]);
     vec![
         bounds::figure("friction.closed_form", worst_over_the_path()),
         bounds::figure("friction.closed_form.shape", shape),
@@ -32,7 +36,7 @@ pub(super) fn measure() -> Vec<Figure> {
 }
 
 /// Relative error.
-fn off(measured: f64, exact: f64) -> f64 {
+fn relative_error(measured: f64, exact: f64) -> f64 {
     (measured / exact - 1.0).abs()
 }
 
@@ -60,7 +64,7 @@ fn worst_over_the_path() -> f64 {
         let mut state = BlimanSorineState::default();
         largest((1..=COUNT).map(|k| {
             model.slide(&mut state, fraction * EPS);
-            off(state.force(), closed(f64::from(k) * fraction * EPS))
+            relative_error(state.force(), closed(f64::from(k) * fraction * EPS))
         }))
     }))
 }
@@ -72,7 +76,7 @@ fn level() -> f64 {
 /// Over a way so short that the curve is straight to rounding.
 fn slope_error() -> f64 {
     let s = 1e-14 * EPS;
-    off(after(&order_2(), s) / s, F1 / (ETA * EPS) - F2 / EPS)
+    relative_error(after(&order_2(), s) / s, F1 / (ETA * EPS) - F2 / EPS)
 }
 
 /// Path at which the two forces, each an order 1 of its own, change equally fast: by bisection.
@@ -89,5 +93,5 @@ fn peak_place() -> f64 {
 }
 
 fn peak_error() -> f64 {
-    off(after(&order_2(), peak_place()), closed(closed_place()))
+    relative_error(after(&order_2(), peak_place()), closed(closed_place()))
 }

@@ -100,10 +100,11 @@ impl StickSlip {
                 }
             }
         }
-        let off = |ours: f64, theirs: f64| (ours / theirs - 1.0).abs();
+        let difference = |ours: f64, theirs: f64| (ours / theirs - 1.0).abs();
         Errors {
-            period: off(mean_interval(&breaks), self.period_s),
-            peak: off(peak_friction, self.peak_friction_n).max(off(peak_spring, self.peak_spring_n)),
+            period: difference(mean_interval(&breaks), self.period_s),
+            peak: difference(peak_friction, self.peak_friction_n)
+                .max(difference(peak_spring, self.peak_spring_n)),
         }
     }
 }

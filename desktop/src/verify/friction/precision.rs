@@ -20,8 +20,8 @@ const STEPS: usize = 10_000_000;
 /// The wave generator's friction along the same motion in both precisions, with everything on, as a fraction of Fc.
 pub(super) fn measure() -> Vec<Figure> {
     let (double, single) = (everything::<f64>(), everything::<f32>());
-    let off = worst(&double.build().expect("in range"), &single.build().expect("in range"));
-    vec![bounds::figure("friction.f32", off / double.forward.coulomb)]
+    let difference = worst(&double.build().expect("in range"), &single.build().expect("in range"));
+    vec![bounds::figure("friction.f32", difference / double.forward.coulomb)]
 }
 
 /// The default gear's, its level moving with load and angle.

@@ -36,7 +36,7 @@ pub(super) fn measure() -> Result<Measured, BadInput> {
         serde_json::from_slice(&file::read(&path, LONGEST)?).map_err(|error| BadInput::new(&path, error))?;
     let model = map.fit::<f32>().build().map_err(|error| BadInput::new(&path, error))?;
     Ok(vec![
-        bounds::figure("friction.ripple.zxf17", map.off(&model)),
+        bounds::figure("friction.ripple.zxf17", map.distance(&model)),
         bounds::figure("friction.ripple.zxf17.published", off_published(&model)),
     ]
     .into())
@@ -51,7 +51,7 @@ impl Map {
     }
 
     /// Largest relative error of the mean and of an order's amplitude, both directions.
-    fn off(&self, model: &Ripple<f32, ORDERS>) -> f64 {
+    fn distance(&self, model: &Ripple<f32, ORDERS>) -> f64 {
         largest([(&self.map_pos, false), (&self.map_neg, true)].map(|(bins, backwards)| {
             let sampled = sample(model, bins.len(), backwards);
             largest(

@@ -40,9 +40,9 @@ fn worst<R: Real>(model: &Model<R>) -> [f64; 2] {
         for _ in 0..PLACES {
             let fraction: f64 = random.random_range(-1.0..1.0);
             let output = |input| model.peek(&state, input).output;
-            let missed = output(inverse.input(&state, R::lit(fraction))) - R::lit(fraction);
+            let residual = output(inverse.input(&state, R::lit(fraction))) - R::lit(fraction);
             let moved = inverse.input(&state, output(R::lit(fraction))) - R::lit(fraction);
-            places.push([0.5 * missed.to_f64(), 0.5 * moved.to_f64()]);
+            places.push([0.5 * residual.to_f64(), 0.5 * moved.to_f64()]);
         }
     }
     [0, 1].map(|k| largest(places.iter().map(|place| place[k])))

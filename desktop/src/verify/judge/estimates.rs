@@ -141,14 +141,14 @@ mod tests {
     use super::*;
 
     /// A row whose estimates have an error of `off` deviations of one.
-    fn row(off: f64) -> Row {
+    fn row(difference: f64) -> Row {
         let mut row =
             Row { output: 0.3, output_velocity: 2.0, torsion: 1e-3, transmitted: 20.0, ..Row::default() };
         row.friction = [0.05, 1.0];
         row.demand.load = 30.0;
         row.answer.observed = true;
         let estimate = &mut row.answer.estimate;
-        estimate.output_position = Angle::from_radians_f64(0.3 + off);
+        estimate.output_position = Angle::from_radians_f64(0.3 + difference);
         for (value, truth) in [
             (&mut estimate.output_velocity, 2.0),
             (&mut estimate.torsion, 1e-3),
@@ -157,7 +157,7 @@ mod tests {
             (&mut estimate.output_friction, 1.0),
             (&mut estimate.external_torque, 30.0),
         ] {
-            *value = (truth + off) as f32;
+            *value = (truth + difference) as f32;
         }
         let deviation = &mut estimate.deviation;
         for value in [
@@ -198,8 +198,8 @@ mod tests {
     /// One estimate with a large error is not hidden by six without.
     #[test]
     fn the_worst_estimate_counts() {
-        let mut off = row(0.0);
-        off.answer.estimate.external_torque += 10.0;
-        assert_eq!(worst_fraction(&[row(0.0), row(0.0), off, row(0.0)]), 0.5);
+        let mut difference = row(0.0);
+        difference.answer.estimate.external_torque += 10.0;
+        assert_eq!(worst_fraction(&[row(0.0), row(0.0), difference, row(0.0)]), 0.5);
     }
 }

@@ -217,12 +217,12 @@ mod tests {
     use crate::io::gear_file::GearFile;
 
     /// A run of a scenario whose output has the error `off` and whose torsion is `torsion`, both of the time.
-    fn rows(scenario: Scenario, off: impl Fn(f64) -> f64, torsion: impl Fn(f64) -> f64) -> Vec<Row> {
+    fn rows(scenario: Scenario, difference: impl Fn(f64) -> f64, torsion: impl Fn(f64) -> f64) -> Vec<Row> {
         let periods = (scenario.duration() / CONTROL_PERIOD).round() as usize;
         let times = (0..periods).map(|k| k as f64 * CONTROL_PERIOD);
         let row = |time| {
             let demand = scenario.at(time, &Capability::default());
-            let (output, motor) = (demand.position + off(time), -100.0 * demand.position);
+            let (output, motor) = (demand.position + difference(time), -100.0 * demand.position);
             Row { time, demand, output, motor, torsion: torsion(time), ..Row::default() }
         };
         times.map(row).collect()
@@ -235,8 +235,9 @@ mod tests {
 
     #[test]
     fn an_output_settles_when_it_stays() {
-        let settling =
-            |off: fn(f64) -> f64| metric(Scenario::S3, &rows(Scenario::S3, off, |_| 0.0), Metric::Settling);
+        let settling = |difference: fn(f64) -> f64| {
+            metric(Scenario::S3, &rows(Scenario::S3, difference, |_| 0.0), Metric::Settling)
+        };
         assert_eq!(settling(|_| 19e-6), CONTROL_PERIOD);
         assert!((settling(|_| -21e-6) - 0.5).abs() < 1e-9);
         // Back within at 0.35 s, but once more beyond at 0.4 s.
@@ -246,8 +247,8 @@ mod tests {
 
     #[test]
     fn a_load_step_is_judged_by_its_peak_and_its_end() {
-        let off = |t: f64| if t < 0.3 { 5e-3 } else { 1e-3 * (-(t - 0.3) / 0.05).exp() - 2e-5 };
-        let rows = rows(Scenario::S5, off, |_| 0.0);
+        let difference = |t: f64| if t < 0.3 { 5e-3 } else { 1e-3 * (-(t - 0.3) / 0.05).exp() - 2e-5 };
+        let rows = rows(Scenario::S5, difference, |_| 0.0);
         assert!((metric(Scenario::S5, &rows, Metric::Peak) - 9.8e-4).abs() < 1e-9);
         assert!((metric(Scenario::S5, &rows, Metric::Steady) - 2e-5).abs() < 1e-7);
     }
@@ -269,11 +270,11 @@ mod tests {
     #[test]
     fn ripple_is_what_has_the_orders_of_the_kinematic_error() {
         let ripple = |order: f64| {
-            let off = |t: f64| {
+            let difference = |t: f64| {
                 let motor = -100.0 * Scenario::S4.at(t, &Capability::default()).position;
                 1e-3 + 1e-4 * t + 3e-5 * (order * motor + 0.3).sin()
             };
-            metric(Scenario::S4, &rows(Scenario::S4, off, |_| 0.0), Metric::Ripple)
+            metric(Scenario::S4, &rows(Scenario::S4, difference, |_| 0.0), Metric::Ripple)
         };
         for order in [2.0, 4.0] {
             assert!((ripple(order) / (3e-5 / 2f64.sqrt()) - 1.0).abs() < 1e-6);
