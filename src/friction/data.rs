@@ -57,7 +57,7 @@ pub struct FrictionData<R> {
     pub frictional_memory: R,
     /// gamma, in which static friction rises by half (s).
     pub dwell: R,
-    /// i, shape of Dahl's yielding.
+    /// i, shape exponent of Dahl's presliding.
     pub dahl_exponent: R,
     /// sigma1 (N s/m) or (N m s/rad).
     pub micro_damping: R,

@@ -39,7 +39,7 @@ pub enum Standstill {
     Presliding,
 }
 
-/// Course of the force over the path from one reversal to the next.
+/// Shape of the force over the path from one reversal to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ForceOverPath {
     /// Every derivative exists.

@@ -64,7 +64,7 @@ pub struct Friction {
     /// gamma, in which static friction rises by half (s).
     #[serde(rename = "dwell_s", skip_serializing_if = "Option::is_none")]
     pub dwell: Option<f64>,
-    /// i, shape of Dahl's yielding; 0, 1 or 2.
+    /// i, shape exponent of Dahl's presliding; 0, 1 or 2.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dahl_exponent: Option<u32>,
     /// sigma1 (N m s/rad).
