@@ -163,7 +163,7 @@ fn both_arrangements_turn_the_right_way() {
 /// The default gear with `factors` on its numbers, one after the other, when that is still a gear.
 fn scaled(factors: &[f64]) -> Option<GearFile> {
     let mut factors = factors.iter();
-    let (gear, _baselines) = DEFAULT.split_once("[baselines").unwrap_or((DEFAULT, ""));
+    let (gear, _baselines) = DEFAULT.split_once("\n[baselines").unwrap_or((DEFAULT, ""));
     let lines = gear.lines().map(|line| match line.split_once(" = ") {
         Some((key, value)) if value.parse::<f64>().is_ok() && value.contains(['.', 'e']) => {
             let factor = factors.next().expect("a factor for every number");
