@@ -404,4 +404,19 @@ mod tests {
         assert_eq!(faults(0), Faults::MOTOR_ENCODER_FROZEN);
         assert_eq!(faults(10), Faults::NONE);
     }
+
+    /// However light the output is, the mode of the balance goes through at most half a radian in a round, and an output
+    /// whose mode is slower keeps its inertia.
+    #[test]
+    fn the_mode_of_the_balance_is_slow_enough_for_the_round() {
+        let gear = crate::gear::tests::params();
+        let round = f64::from(SLOW_PERIODS) * CONTROL_PERIOD;
+        let [_, _, stiffest] = gear.flexspline.line.stiffness;
+        for inertia in [1e-4, 1e-2, 0.1, 0.2, 1.2, 20.0] {
+            let counted = output_inertia(&GearParams { flexspline_inertia: inertia, ..gear }, CONTROL_PERIOD);
+            let rotation = |inertia: f64| (stiffest / inertia).sqrt() * round;
+            assert!(counted >= inertia && rotation(counted) <= 0.5 + 1e-12, "{inertia}: {counted}");
+            assert!(rotation(inertia) > 0.5 || counted == inertia, "{inertia}: {counted}");
+        }
+    }
 }
