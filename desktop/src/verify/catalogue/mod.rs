@@ -123,6 +123,7 @@ struct Run<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use strainwave::compensator::{Faults, Mode};
 
     fn result(metrics: &[f64]) -> Option<RunResult> {
         Some(RunResult { metrics: metrics.to_vec(), ..RunResult::default() })
@@ -152,5 +153,18 @@ mod tests {
         assert_eq!(outcome.joint.seed, 3);
         assert!(outcome.baselines.iter().all(|results| results.iter().all(Option::is_some)));
         assert_eq!(outcome.baselines.len(), if outcome.sensors() == SensorSet::Both { 4 } else { 3 });
+    }
+
+    /// A joint with a tenth of the rotor's reflected inertia, whose torsion mode is too fast for the protection's rate: it
+    /// follows a load step with the drive on, nearer to its setpoint than the cascade.
+    #[test]
+    fn a_light_joint_bears_a_load_step() {
+        let request = Request { set: Set::Training, first: 181, count: 1 };
+        let report = measure(&request, |_| ()).unwrap();
+        let run = report.outcomes[0].run(4);
+        let (ours, b0) = (run.ours.unwrap(), run.b0.unwrap());
+        assert_eq!(ours.mode, Mode::Active);
+        assert!(!ours.faults.contains(Faults::GEAR_OVERLOAD));
+        assert!(ours.metrics[0] < b0.metrics[0], "{:?} {:?}", ours.metrics, b0.metrics);
     }
 }
