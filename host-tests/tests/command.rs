@@ -139,6 +139,30 @@ fn a_velocity_goes_on_from_the_reference_that_is_there() {
     assert!(!outputs[SECOND - 1].faults.contains(Faults::SETPOINT_LIMITED));
 }
 
+/// A sine of 110 rad/s^2 for 0.14 s takes more than the gear's peak rating.
+#[test]
+fn a_move_beyond_the_joint_is_ended_later_without_a_fault_that_switches_off() {
+    let mut joint = Joint::new();
+    let (largest, duration) = (110.0, 0.14);
+    let omega = std::f64::consts::TAU / duration;
+    let setpoint = |k: usize| {
+        let phase = (omega * CONTROL_PERIOD * k as f64).min(std::f64::consts::TAU);
+        let position = largest / (omega * omega) * (phase - phase.sin());
+        Setpoint {
+            position: Angle::from_radians_f64(position),
+            velocity: (largest / omega * (1.0 - phase.cos())) as f32,
+            acceleration: (largest * phase.sin()) as f32,
+            jerk: if phase < std::f64::consts::TAU { (largest * omega * phase.cos()) as f32 } else { 0.0 },
+            ..Setpoint::default()
+        }
+    };
+    let outputs = joint.run(SECOND, |k| setpoint(k).into());
+    let end = setpoint(SECOND).position.to_radians();
+    assert!(outputs.iter().any(|output| output.faults.contains(Faults::SETPOINT_LIMITED)));
+    assert!(outputs.iter().all(|output| output.mode == Mode::Active));
+    assert!((joint.position() - end).abs() < 1e-3, "{} {end}", joint.position());
+}
+
 /// Friction and inertia of the motor are left to the torque's own: with the friction fed forward the output
 /// accelerates as the torque alone would have it, without it by what friction leaves.
 #[test]

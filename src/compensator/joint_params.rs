@@ -72,9 +72,10 @@ impl<R: Real> JointParams<R> {
         // uses.
         let [readings, looks] = [SLOW_PERIODS, 2 * SLOW_PERIODS]
             .map(|least| R::from_i32(self.observer.output_encoder_period.max(least) as i32));
+        let protection = Protection::build(&self.gear, limits, self.dt);
         Ok(Compensator {
             gear: self.gear.build(Reduced::build(&self.gear.flexspline, self.gear.rated_torque)?, self.dt)?,
-            commander: Commander::build(&self.gear, limits, &self.feedback, round)?,
+            commander: Commander::build(&self.gear, limits, &self.feedback, &protection, round)?,
             clock: Clock::build(self.dt)?,
             guard,
             motor_encoder: MotorEncoder::build(self.motor_encoder_bits, &self.gear, limits, self.dt)?,
@@ -108,7 +109,7 @@ impl<R: Real> JointParams<R> {
                 self.feedback.position_gain,
                 self.dt,
             )?,
-            protection: Protection::build(&self.gear, limits, self.dt),
+            protection,
             fallback: Fallback::build(self.limits.motor_torque, self.dt),
             limits: self.limits,
             dt: self.dt,

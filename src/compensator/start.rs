@@ -39,6 +39,7 @@ impl<R: Real> Compensator<R> {
             last_output: None,
             last_motor: Angle::default(),
             commander: CommanderState::default(),
+            since_plan: R::ZERO,
             observer: self.observer.rest(),
             disturbance: DisturbanceState::default(),
             wind_up: WindUpResponse::default(),

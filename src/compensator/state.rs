@@ -41,6 +41,8 @@ pub struct State<R: Real> {
     pub(super) last_output: Option<u32>,
     pub(super) last_motor: Angle<R>,
     pub(super) commander: CommanderState<R>,
+    /// Time of the observer's slots since the plan's last one (s).
+    pub(super) since_plan: R,
     pub(super) observer: ObserverState<R>,
     pub(super) disturbance: DisturbanceState<R>,
     pub(super) wind_up: WindUpResponse<R>,

@@ -26,7 +26,8 @@ const BOUND: f64 = 0.85;
 /// The built protection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Protection<R> {
-    /// c*L/|n| (N m).
+    /// L, and c*L/|n| (N m).
+    torque: R,
     half: R,
     /// (c-1)/n and 2*c/(omega*n).
     by_torque: R,
@@ -46,11 +47,26 @@ impl<R: Real> Protection<R> {
         let rotor = n * n * gear.wave_generator_inertia;
         let c = R::ONE + rotor / output_inertia(gear, dt);
         let omega = (c * gear.flexspline.line.stiffness[2] / rotor).sqrt();
+        let torque = R::lit(BOUND) * limits.output_torque;
         Self {
-            half: c * R::lit(BOUND) * limits.output_torque / n.abs(),
+            torque,
+            half: c * torque / n.abs(),
             by_torque: (c - R::ONE) / n,
             by_rate: R::lit(2.0) * c / (omega * n),
         }
+    }
+
+    /// Constant acceleration of the output (rad/s^2) that the bounds admit where no load and no friction act:
+    /// `(n^2*J_wg + c*J_fs)*a = c*L`.
+    pub fn acceleration(&self, gear: &GearParams<R>) -> R {
+        let n = R::from_i32(gear.ratio);
+        let output = (R::ONE + n * self.by_torque) * gear.flexspline_inertia;
+        self.half * n.abs() / (n * n * gear.wave_generator_inertia + output)
+    }
+
+    /// L (N m).
+    pub fn torque(&self) -> R {
+        self.torque
     }
 
     /// With a new torque through the gear (N m), its rate (N m/s) and the rotor's friction (N m).
@@ -84,6 +100,7 @@ mod tests {
         let rotor = 1e4 * rotor;
         let c = 1.0 + rotor / output;
         Protection {
+            torque: BOUND * PEAK,
             half: c * BOUND * PEAK / 100.0,
             by_torque: (c - 1.0) / -100.0,
             by_rate: 2.0 * c / ((c * STIFFNESS / rotor).sqrt() * -100.0),

@@ -17,6 +17,7 @@ impl<R: Real> Compensator<R> {
             rests: state.commander.velocity() == R::ZERO,
             compliance: state.motor_reference.wind_up_compliance,
             gain: state.guard.gains().wind_up,
+            gravity: state.learning.gravity_torque(),
         };
         let external_torque = state.observer.external_torque();
         self.disturbance.step_slow(&mut state.disturbance, external_torque, &joint);

@@ -13,6 +13,7 @@ impl<R: Real> Compensator<R> {
     pub(super) fn observe(&self, state: &mut State<R>, motor: Angle<R>, reads_output: bool) {
         let mut faults = Faults::NONE;
         state.rotor.add(state.latch.motor_torque, state.latch.time, motor);
+        state.since_plan += state.latch.time;
         let gauge = state.latch.output_torque.take();
         let measured = Measurement {
             motor,

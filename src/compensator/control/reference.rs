@@ -2,12 +2,12 @@
 
 use crate::angle::Angle;
 use crate::branch::seldom;
-use crate::compensator::reference::command::CommandStatus;
+use crate::compensator::reference::command::{CommandStatus, Following};
 use crate::compensator::reference::measured_feedback::MeasuredError;
 use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::reference::output_feedback::OutputError;
 use crate::compensator::schedule::OBSERVER_PERIODS;
-use crate::compensator::{Compensator, Faults, Input, Setpoint, State};
+use crate::compensator::{Compensator, Estimate, Faults, Input, Setpoint, State};
 use crate::real::{RADIANS_PER_COUNT, Real};
 
 impl<R: Real> Compensator<R> {
@@ -16,10 +16,22 @@ impl<R: Real> Compensator<R> {
     pub(super) fn plan(&self, state: &mut State<R>, input: &Input<R>, motor: Angle<R>) {
         let mut faults = Faults::NONE;
         let command = self.guard.command(&mut state.guard, &input.command, &mut faults);
-        let status =
-            CommandStatus { age: input.setpoint_age, readable: !faults.contains(Faults::INPUT_NOT_FINITE) };
-        let now = || self.observer.estimate(&state.observer, &state.gear_correction);
-        let target = self.commander.step(&mut state.commander, &command, status, now, &mut faults);
+        let time = core::mem::take(&mut state.since_plan);
+        let status = CommandStatus {
+            time,
+            age: input.setpoint_age,
+            readable: !faults.contains(Faults::INPUT_NOT_FINITE),
+        };
+        let gravity = state.learning.gravity_torque();
+        let now = || {
+            let estimate = self.observer.estimate(&state.observer, &state.gear_correction);
+            Estimate { external_torque: estimate.external_torque + gravity, ..estimate }
+        };
+        let controlled =
+            state.motor_reference.closed && state.mode.mode().drives() && state.fallback.trusted();
+        let following =
+            Following { error: state.motor_reference.position_error, limited: state.limited && controlled };
+        let target = self.commander.step(&mut state.commander, &command, status, following, now, &mut faults);
         state.faults.plan = faults;
         let setpoint = &target.setpoint;
         let gains = state.guard.gains();
@@ -45,7 +57,7 @@ impl<R: Real> Compensator<R> {
                 - state.observer.output_friction()
                 - (demand.accelerating - self.behind * demand.accelerating_rate)
                 + self.disturbance.whole_load(&state.disturbance)
-                + state.learning.gravity_torque(),
+                + gravity,
             measured,
         };
         let shift = self.output_feedback.step(&mut state.output_feedback, &error);

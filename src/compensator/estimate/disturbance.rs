@@ -91,6 +91,8 @@ pub struct DisturbanceState<R> {
     beyond: R,
     /// That is longer than a load takes to come.
     oscillates: bool,
+    /// A change of d that takes from the compensated load is followed to its end.
+    unloads: bool,
 }
 
 /// Inputs of the path in addition to d.
@@ -104,6 +106,8 @@ pub struct DisturbanceInput<R> {
     pub compliance: R,
     /// Gain of the wind-up compensation, 0..=1.
     pub gain: R,
+    /// g (N m).
+    pub gravity: R,
 }
 
 /// Wind-up response: motion and torque of the motor, added to the feed-forward, that wind the gear up for a load.
@@ -170,14 +174,18 @@ impl<R: Real> Disturbance<R> {
         external_torque: R,
         joint: &DisturbanceInput<R>,
     ) {
-        let DisturbanceInput { motor_torque, rests, compliance, gain } = *joint;
+        let DisturbanceInput { motor_torque, rests, compliance, gain, gravity } = *joint;
         state.by_torque = -compliance * self.motor_wind_up;
         state.torque_ratio = self.ratio * gain;
         state.dead_zone = self.dead_zone + self.tolerance * motor_torque.abs();
         let residual = external_torque - state.mean;
         state.mean += self.slow_gain * residual;
         let change = if rests {
-            (external_torque - state.slow).dead_zone(self.dead_zone)
+            let change = external_torque - state.slow;
+            let beyond = change.dead_zone(self.dead_zone);
+            let takes = change * (gravity + state.slow) < R::ZERO;
+            state.unloads = takes && (state.unloads || beyond != R::ZERO);
+            if state.unloads { change } else { beyond }
         } else {
             external_torque.dead_zone(self.dead_zone) - state.slow
         };
@@ -233,15 +241,20 @@ mod tests {
 
     /// d_c and f after so many seconds under d (N m).
     fn after(seconds: f64, torque: impl Fn(f64) -> f64, motor_torque: f64, rests: bool) -> (f64, f64) {
+        let joint = DisturbanceInput { motor_torque, rests, compliance: 2.5e-5, gain: 1.0, gravity: 0.0 };
+        response(seconds, torque, &joint)
+    }
+
+    /// The same of this joint.
+    fn response(seconds: f64, torque: impl Fn(f64) -> f64, joint: &DisturbanceInput<f64>) -> (f64, f64) {
         let (path, mut state) = (PARAMS.build(&gear(), CONTROL_PERIOD).unwrap(), DisturbanceState::default());
         let round = f64::from(SLOW_PERIODS) * CONTROL_PERIOD;
-        let joint = DisturbanceInput { motor_torque, rests, compliance: 2.5e-5, gain: 1.0 };
         for k in 0..(seconds / round) as usize {
             let d = torque(k as f64 * round);
             for _ in 0..SLOW_PERIODS / OBSERVER_PERIODS {
                 path.step_fast(&mut state, d);
             }
-            path.step_slow(&mut state, d, &joint);
+            path.step_slow(&mut state, d, joint);
         }
         (path.compensated_load(&state), state.fast)
     }
@@ -258,6 +271,19 @@ mod tests {
         assert!((20.0..34.0).contains(&fast), "{fast}");
         let (compensated, _) = after(1.0, |_| 40.0, 0.0, true);
         assert!((compensated - 34.0).abs() < 0.1, "{compensated}");
+    }
+
+    /// What is left of gravity and a load against it is compensated with the sign that it has, or not at all.
+    #[test]
+    fn a_load_that_holds_up_gravity_is_not_compensated_beyond_it() {
+        let joint = DisturbanceInput { rests: true, gravity: -35.0, ..DisturbanceInput::default() };
+        for (load, least, most) in
+            [(38.0, -0.1, 3.1), (33.0, -2.1, 0.1), (60.0, 18.9, 19.1), (5.9, -35.0, -35.0)]
+        {
+            let (compensated, _) = response(2.0, |_| load, &joint);
+            let whole = joint.gravity + compensated;
+            assert!((least..=most).contains(&whole), "{load}: {whole}");
+        }
     }
 
     /// A tolerance of 20 N m at the output for each N m at the motor.

@@ -8,7 +8,8 @@
 //!
 //! tau_c is the torque that the joint gives at its output flange, tau_t less the output's friction. The feed-forward,
 //! which follows the estimated motion, adds the friction of both sides times its gain, s_e is the gain of the kinematic
-//! error. Units: rad, N m, s; signs as in [`crate::gear`]. Velocity is integrated once per round dt.
+//! error. Units: rad, N m, s; signs as in [`crate::gear`]. Velocity is integrated once per round, over the
+//! time dt that it took by the clock ([`crate::compensator::sense::clock`]).
 //!
 //! There is always a reference: before the first command, and after a torque command, it is the output's angle. A
 //! setpoint that the joint can follow passes unchanged. With x the setpoint less the extrapolated last reference, and
@@ -16,15 +17,28 @@
 //!
 //! ```text
 //! |s| > tau_max/(4*k_p*k_v*|n|)   or   |dq - dq_foreseen| > tau_max/(4*k_v*|n|) + a_max*dt
-//! a_max = 0.6*min(tau_p/J_fs, tau_max*|n|/(n^2*J_wg + J_fs))
+//! a_max = min(0.9*a_p, 0.6*tau_max*|n|/(n^2*J_wg + J_fs))
 //! ```
 //!
-//! (dq_foreseen: the extrapolated speed), for that is a step that would take a quarter of the motor's torque. Then the
-//! reference approaches it within the joint's speed (95 %), a_max and a jerk of a_max in 5 ms, until it reaches it:
+//! (dq_foreseen: the extrapolated speed; a_p: what the gear's protection admits,
+//! [`crate::compensator::actuate::protection::Protection::acceleration`]), for that is a step that would take a quarter of
+//! the motor's torque. Then the reference approaches it within the joint's speed (95 %), a and a jerk of a in T_j = 5 ms,
+//! until it reaches it:
 //!
 //! ```text
-//! v = dq + limit(min(k*|e|, sqrt(a_max*|e|)))*sign(e),   ddq -> limit(ddq_c + 4*k*(v - dq), a_max),   k = 25/s
+//! v = dq_c + limit(min(k*|e|, sqrt(max(a - |ddq_c|, 0)*|e|)))*sign(e),   k = 25/s
+//! ddq -> ddq_c + 4*k*(v - dq) in -a_minus..a_plus
+//! a_plus, a_minus = a_max*(1 +- l),   a = min(a_plus, a_minus),   l = limit(tau_ext/min(L, tau_max*|n|), 0.8)
 //! ```
+//!
+//! tau_ext is the estimated external torque: with it the torques L of the gear and tau_max of the motor accelerate
+//! the output more, and against it less. What the setpoint's own acceleration leaves of a catches up with it.
+//!
+//! A setpoint that was followed can still ask for more than a loaded joint can give. While the torque is limited and the
+//! motor is further from its reference than tau_max/(k_p^2*(J_wg + J_fs/n^2)) + |n*dq|/k_p, which a cascade without
+//! feed-forward passes when its motor's largest acceleration is not enough, the joint has lost its reference: that goes on from the estimated motion of the output
+//! and approaches the setpoint from there. The output must move at half of the reference's speed at least: one that is held against its reference, or
+//! falls, stays lost, up to the fault "following error".
 //!
 //! A first setpoint away from the output is not approached: the two controllers may disagree on the zero. The reference
 //! stays at the initial angle of the output, with a fault, until the setpoint comes there.
@@ -36,6 +50,7 @@
 
 use crate::angle::Angle;
 use crate::compensator::actuate::cascade::FeedbackParams;
+use crate::compensator::actuate::protection::Protection;
 use crate::compensator::{Estimate, Faults, Limits, Setpoint};
 use crate::error::Error;
 use crate::gear::GearParams;
@@ -47,8 +62,10 @@ pub const STALE: f64 = 0.02;
 const SLIP_TIME: f64 = 0.02;
 /// k (1/s).
 const APPROACH_RATE: f64 = 25.0;
-/// Time from no acceleration to a_max (s).
+/// T_j, time from no acceleration to a (s).
 const JERK_TIME: f64 = 0.005;
+/// Largest |l|.
+const LARGEST_LOAD: f64 = 0.8;
 /// Speed below which a braked reference rests (rad/s).
 const REST: f64 = 1e-4;
 
@@ -83,13 +100,16 @@ impl<R> From<Setpoint<R>> for Command<R> {
 /// The built generator of the output's reference from a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Commander<R> {
+    /// Nominal time from command to command (s), and its inverse (1/s).
     dt: R,
     inverse_dt: R,
-    /// a_max (rad/s^2), and a_max*dt (rad/s).
+    /// a_max (rad/s^2).
     acceleration: R,
-    velocity_step: R,
-    /// Largest change of an approach's acceleration in dt (rad/s^2).
-    acceleration_step: R,
+    /// 1/min(L, tau_max*|n|) (1/(N m)).
+    by_load: R,
+    /// tau_max/(k_p^2*(J_wg + J_fs/n^2)) (rad), and |n|/k_p (s).
+    lost: R,
+    lag: R,
     velocity: R,
     /// Bounds of s (rad) and of the speed's difference (rad/s) within which a setpoint passes unchanged.
     near: R,
@@ -110,8 +130,9 @@ pub struct CommanderState<R> {
     approaches: bool,
     /// The first setpoint has not come near the output yet.
     waits: bool,
-    /// Time without a readable command (s).
+    /// Time without a readable command, and that since the last one (s).
     unreadable: R,
+    time: R,
 }
 
 /// Which kind a command is.
@@ -126,10 +147,21 @@ enum Kind {
 /// Age and validity of a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CommandStatus<R> {
+    /// Time since the last one was read (s).
+    pub time: R,
     /// Its age (s).
     pub age: R,
     /// All of its values are finite.
     pub readable: bool,
+}
+
+/// How the joint follows the last reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Following<R> {
+    /// Position error of the motor (rad).
+    pub error: R,
+    /// The torque is limited, of a motor whose position is controlled.
+    pub limited: bool,
 }
 
 /// Target of the stages after it.
@@ -139,7 +171,7 @@ pub struct Target<R> {
     pub setpoint: Setpoint<R>,
     /// Torque at the output flange, in place of the feedback (N m).
     pub torque: Option<R>,
-    /// The last command was of another kind.
+    /// The last command was of another kind, or the reference went on from the output.
     pub switched: bool,
 }
 
@@ -165,13 +197,14 @@ impl<R: Real> Commander<R> {
         gear: &GearParams<R>,
         limits: &Limits<R>,
         cascade: &FeedbackParams<R>,
+        protection: &Protection<R>,
         dt: R,
     ) -> Result<Self, Error> {
         limits.check()?;
         let n = R::from_i32(gear.ratio).abs();
         let whole = n * n * gear.wave_generator_inertia + gear.flexspline_inertia;
-        let by_gear = limits.output_torque / gear.flexspline_inertia;
-        let acceleration = R::lit(0.6) * by_gear.min(limits.motor_torque * n / whole);
+        let by_gear = R::lit(0.9) * protection.acceleration(gear);
+        let acceleration = by_gear.min(R::lit(0.6) * limits.motor_torque * n / whole);
         let quarter = R::lit(0.25) * limits.motor_torque / (cascade.velocity_gain * n);
         // Twice the top speed, and what the rounding of a setpoint in f32 may add.
         let counts = R::lit(2.0 / RADIANS_PER_COUNT) * limits.output_speed(gear.ratio) * dt;
@@ -179,9 +212,10 @@ impl<R: Real> Commander<R> {
             dt,
             inverse_dt: R::ONE / dt,
             acceleration,
-            velocity_step: acceleration * dt,
-            acceleration_step: acceleration * dt * R::lit(1.0 / JERK_TIME),
+            by_load: R::ONE / protection.torque().min(limits.motor_torque * n),
+            lost: n * n * limits.motor_torque / (whole * cascade.position_gain * cascade.position_gain),
             velocity: limits.setpoint_speed(gear.ratio),
+            lag: n / cascade.position_gain,
             near: quarter / cascade.position_gain,
             near_velocity: quarter + acceleration * dt,
             keep: (R::ONE - dt * R::lit(1.0 / SLIP_TIME)).max(R::ZERO),
@@ -195,11 +229,16 @@ impl<R: Real> Commander<R> {
         &self,
         state: &mut CommanderState<R>,
         command: &Command<R>,
-        CommandStatus { age, readable }: CommandStatus<R>,
-        estimate: impl FnOnce() -> Estimate<R>,
+        CommandStatus { time, age, readable }: CommandStatus<R>,
+        following: Following<R>,
+        estimate: impl Fn() -> Estimate<R>,
         faults: &mut Faults,
     ) -> Target<R> {
-        state.unreadable = if readable { R::ZERO } else { (state.unreadable + self.dt).min(R::ONE) };
+        state.time = time;
+        let lost = following.limited
+            && !following.error.is_within(self.lost + self.lag * state.velocity().abs())
+            && self.goes_on_from_output(state, &estimate());
+        state.unreadable = if readable { R::ZERO } else { (state.unreadable + time).min(R::ONE) };
         // An age that is not a number is stale.
         let fresh = age <= R::lit(STALE) && state.unreadable <= R::lit(STALE);
         let stale = !fresh;
@@ -210,13 +249,13 @@ impl<R: Real> Commander<R> {
                     state.waits = true;
                     at_rest(&estimate())
                 });
-                let commanded = if readable { setpoint } else { self.extrapolated(&from) };
-                (Kind::Position, self.positioned(state, from, commanded, stale, faults), None)
+                let commanded = if readable { setpoint } else { self.extrapolated(&from, time) };
+                (Kind::Position, self.positioned(state, from, commanded, stale, &estimate, faults), None)
             }
             Command::Velocity { velocity, acceleration } => {
                 let from = state.reference.unwrap_or_else(|| at_rest(&estimate()));
                 let commanded = if stale { [R::ZERO; 2] } else { [velocity, acceleration] };
-                (Kind::Velocity, self.integrated(from, commanded, faults), None)
+                (Kind::Velocity, self.integrated(from, commanded, time, faults), None)
             }
             Command::Torque(torque) => {
                 let estimate = estimate();
@@ -224,16 +263,28 @@ impl<R: Real> Commander<R> {
                 (Kind::Torque, setpoint, Some(if stale { R::ZERO } else { torque }))
             }
         };
-        let switched = state.reference.is_some() && state.kind != kind;
+        let switched = lost || state.reference.is_some() && state.kind != kind;
         (state.reference, state.kind) = (Some(setpoint), kind);
         Target { setpoint, torque, switched }
     }
 
+    /// The reference goes on from the output, where that moves with it.
+    #[cold]
+    fn goes_on_from_output(&self, state: &mut CommanderState<R>, output: &Estimate<R>) -> bool {
+        let velocity = output.output_velocity;
+        let moves = velocity * R::ONE.copysign(state.velocity()) > R::lit(0.5) * state.velocity().abs();
+        if moves {
+            state.reference = Some(Setpoint { velocity, ..at_rest(output) });
+            state.approaches = true;
+        }
+        moves
+    }
+
     /// The reference extrapolated by a round.
     #[cold]
-    fn extrapolated(&self, from: &Setpoint<R>) -> Setpoint<R> {
-        let change = self.dt * from.acceleration;
-        let position = from.position.plus(self.dt * (from.velocity + R::lit(0.5) * change));
+    fn extrapolated(&self, from: &Setpoint<R>, time: R) -> Setpoint<R> {
+        let change = time * from.acceleration;
+        let position = from.position.plus(time * (from.velocity + R::lit(0.5) * change));
         let velocity = (from.velocity + change).limit(self.velocity);
         Setpoint { position, velocity, acceleration: from.acceleration, ..Setpoint::default() }
     }
@@ -245,10 +296,11 @@ impl<R: Real> Commander<R> {
         from: Setpoint<R>,
         commanded: Setpoint<R>,
         stale: bool,
+        estimate: impl Fn() -> Estimate<R>,
         faults: &mut Faults,
     ) -> Setpoint<R> {
-        let change = self.dt * from.acceleration;
-        let step = self.dt * (from.velocity + R::lit(0.5) * change);
+        let change = state.time * from.acceleration;
+        let step = state.time * (from.velocity + R::lit(0.5) * change);
         state.slip = self.keep * state.slip + (commanded.position.minus(from.position) - step);
         let velocity_step = commanded.velocity - from.velocity - change;
         let near = state.slip.is_within(self.near) && velocity_step.is_within(self.near_velocity);
@@ -256,7 +308,7 @@ impl<R: Real> Commander<R> {
             state.waits = false;
             return commanded;
         }
-        self.approach(state, from, commanded, stale, faults)
+        self.approach(state, from, commanded, stale, estimate().external_torque, faults)
     }
 
     #[cold]
@@ -267,6 +319,7 @@ impl<R: Real> Commander<R> {
         from: Setpoint<R>,
         commanded: Setpoint<R>,
         stale: bool,
+        load: R,
         faults: &mut Faults,
     ) -> Setpoint<R> {
         if state.waits && !commanded.position.minus(from.position).is_within(self.near) {
@@ -277,11 +330,14 @@ impl<R: Real> Commander<R> {
         state.waits = false;
         let moved = commanded.position.counts.wrapping_sub(from.position.counts).unsigned_abs();
         faults.raise_if(!state.approaches && !stale && moved > self.farthest, Faults::SETPOINT_STEP);
+        let helped = self.acceleration * (self.by_load * load).limit(R::lit(LARGEST_LOAD));
+        let [down, up] = [helped - self.acceleration, helped + self.acceleration];
+        let most = up.min(-down);
         // A reference is extrapolated by its jerk until the next one.
-        let jerked = self.dt * from.jerk;
-        let present = (from.acceleration + jerked).limit(self.acceleration);
-        let change = self.dt * (present - R::lit(0.5) * jerked);
-        let position = from.position.plus(self.dt * (from.velocity + R::lit(0.5) * change));
+        let jerked = state.time * from.jerk;
+        let present = (from.acceleration + jerked).min(up).max(down);
+        let change = state.time * (present - R::lit(0.5) * jerked);
+        let position = from.position.plus(state.time * (from.velocity + R::lit(0.5) * change));
         let velocity = (from.velocity + change).limit(self.velocity);
         let distance = commanded.position.minus(position);
         let difference = commanded.velocity - velocity;
@@ -296,16 +352,17 @@ impl<R: Real> Commander<R> {
         let (target, along) = if stale {
             (R::ZERO, R::ZERO)
         } else {
-            let room = distance.abs();
-            let speed = (R::lit(APPROACH_RATE) * room).min((self.acceleration * room).sqrt_or_zero());
+            let (room, spare) = (distance.abs(), (most - commanded.acceleration.abs()).max(R::ZERO));
+            let speed = (R::lit(APPROACH_RATE) * room).min((spare * room).sqrt_or_zero());
             ((commanded.velocity + speed.copysign(distance)).limit(self.velocity), commanded.acceleration)
         };
         if stale && velocity.is_within(R::lit(REST)) {
             return Setpoint { position, ..Setpoint::default() };
         }
         let target_acceleration =
-            (along + R::lit(4.0 * APPROACH_RATE) * (target - velocity)).limit(self.acceleration);
-        let change = (target_acceleration - present).limit(self.acceleration_step);
+            (along + R::lit(4.0 * APPROACH_RATE) * (target - velocity)).min(up).max(down);
+        let step = most * self.dt * R::lit(1.0 / JERK_TIME);
+        let change = (target_acceleration - present).limit(step);
         Setpoint { position, velocity, acceleration: present, jerk: change * self.inverse_dt, snap: R::ZERO }
     }
 
@@ -313,13 +370,14 @@ impl<R: Real> Commander<R> {
         &self,
         from: Setpoint<R>,
         [velocity, acceleration]: [R; 2],
+        time: R,
         faults: &mut Faults,
     ) -> Setpoint<R> {
         let change = velocity - from.velocity;
-        let limited = change.limit(self.velocity_step);
+        let limited = change.limit(self.acceleration * time);
         faults.raise_if(limited != change, Faults::SETPOINT_LIMITED);
         let velocity = from.velocity + limited;
-        let position = from.position.plus(velocity * self.dt);
+        let position = from.position.plus(velocity * time);
         Setpoint { position, velocity, acceleration, ..Setpoint::default() }
     }
 }
@@ -327,4 +385,108 @@ impl<R: Real> Commander<R> {
 /// At rest at the output's angle.
 fn at_rest<R: Real>(estimate: &Estimate<R>) -> Setpoint<R> {
     Setpoint { position: estimate.output_position, ..Setpoint::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compensator::schedule::{CONTROL_PERIOD, SLOW_PERIODS};
+
+    const ROUND: f64 = SLOW_PERIODS as f64 * CONTROL_PERIOD;
+    const GOOD: Following<f64> = Following { error: 0.0, limited: false };
+
+    fn commander() -> Commander<f64> {
+        let gear = crate::gear::tests::params();
+        let limits = Limits { motor_torque: 2.4, motor_speed: 586.0, output_torque: 157.0 };
+        let cascade = FeedbackParams {
+            position_gain: 141.0,
+            velocity_gain: 0.068,
+            integral_time: 0.03,
+            filter_corner: 2500.0,
+            torque_limit: 2.4,
+        };
+        let protection = Protection::build(&gear, &limits, CONTROL_PERIOD);
+        Commander::build(&gear, &limits, &cascade, &protection, ROUND).unwrap()
+    }
+
+    fn moving(position: f64, velocity: f64) -> Command<f64> {
+        let position = Angle::from_radians_f64(position);
+        Setpoint { position, velocity, ..Setpoint::default() }.into()
+    }
+
+    /// Faults of a setpoint at 4 rad/s, every seventh of whose rounds takes two control periods more, by a clock that tells
+    /// it or not.
+    fn faults(told: bool) -> Faults {
+        let (commander, mut state, mut faults) = (commander(), CommanderState::default(), Faults::NONE);
+        let mut now = 0.0;
+        for k in 0..200 {
+            let time = if k % 7 == 6 { ROUND + 2.0 * CONTROL_PERIOD } else { ROUND };
+            now += time;
+            // 4 rad/s after 0.1 s.
+            let accelerated = now.min(0.1);
+            let position = 20.0 * accelerated * accelerated + 4.0 * (now - accelerated);
+            let acceleration = if now < 0.1 { 40.0 } else { 0.0 };
+            let position = Angle::from_radians_f64(position);
+            let velocity = 40.0 * accelerated;
+            let command = Setpoint { position, velocity, acceleration, ..Setpoint::default() }.into();
+            let status = CommandStatus { time: if told { time } else { ROUND }, age: 0.0, readable: true };
+            commander.step(&mut state, &command, status, GOOD, Estimate::default, &mut faults);
+        }
+        faults
+    }
+
+    #[test]
+    fn a_round_that_took_longer_is_no_step_of_the_setpoint() {
+        assert_eq!(faults(true), Faults::NONE);
+        assert_eq!(faults(false), Faults::SETPOINT_LIMITED);
+    }
+
+    /// The reference after a round at 4 rad/s that the torque was limited in, of an output that is 0.1 rad behind at the
+    /// speed `velocity` (rad/s).
+    fn reference(error: f64, velocity: f64) -> Target<f64> {
+        let (commander, mut state, mut faults) = (commander(), CommanderState::default(), Faults::NONE);
+        let status = CommandStatus { time: ROUND, age: 0.0, readable: true };
+        let mut target = Target::default();
+        for k in 0..200 {
+            let speed = 4.0 * (f64::from(k) / 100.0).min(1.0);
+            let at = state.position().to_radians() + ROUND * speed;
+            let behind = Estimate {
+                output_position: Angle::from_radians_f64(at - 0.1),
+                output_velocity: velocity,
+                ..Estimate::default()
+            };
+            let following = Following { error, limited: k == 199 };
+            target =
+                commander.step(&mut state, &moving(at, speed), status, following, || behind, &mut faults);
+        }
+        target
+    }
+
+    #[test]
+    fn a_lost_reference_goes_on_from_an_output_that_moves_with_it() {
+        let lost = reference(-10.0, 3.0);
+        assert!(lost.switched && (lost.setpoint.velocity - 3.0).abs() < 0.1, "{lost:?}");
+        // Within what a cascade lags, and at an output that is held.
+        for (error, velocity) in [(-2.0, 3.0), (-10.0, 0.5), (-10.0, -3.0)] {
+            let kept = reference(error, velocity);
+            assert!(!kept.switched && kept.setpoint.velocity == 4.0, "{kept:?}");
+        }
+    }
+
+    #[test]
+    fn a_load_leaves_less_acceleration_against_it() {
+        let largest = |load: f64| {
+            let (commander, mut state, mut faults) = (commander(), CommanderState::default(), Faults::NONE);
+            let status = CommandStatus { time: ROUND, age: 0.0, readable: true };
+            let loaded = || Estimate { external_torque: load, ..Estimate::default() };
+            commander.step(&mut state, &moving(0.0, 0.0), status, GOOD, loaded, &mut faults);
+            let mut step = || {
+                let target = commander.step(&mut state, &moving(0.5, 0.0), status, GOOD, loaded, &mut faults);
+                target.setpoint.acceleration
+            };
+            (0..1000).map(|_| step()).fold(0.0, f64::max)
+        };
+        assert!(largest(-60.0) < 0.6 * largest(0.0), "{} {}", largest(-60.0), largest(0.0));
+        assert!(largest(60.0) > 1.4 * largest(0.0), "{} {}", largest(60.0), largest(0.0));
+    }
 }
