@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
+use serde::Deserialize as _;
 use toml::Table;
+use toml::de::DeTable;
 use toml_edit::{DocumentMut, TomlError};
 
 use super::{Baselines, DEFAULT, GearFile, Learnt, aliases, check, physics};
@@ -34,18 +36,27 @@ impl GearFile {
     /// # Errors
     /// As [`GearFile::read`].
     pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, BadInput> {
-        let refuse = |why: String| BadInput::new(path, why);
-        let text = std::str::from_utf8(bytes).map_err(|error| {
-            let line = line_at(bytes, error.valid_up_to());
-            refuse(format!("line {line}: not TOML: not UTF-8 text"))
-        })?;
-        let mut table: Table = text.parse().map_err(|error| refuse(not_toml(text, &error)))?;
-        aliases::rename(&mut table);
-        check::check(&table).map_err(refuse)?;
-        let gear: Self =
-            table.try_into().map_err(|error: toml::de::Error| refuse(error.message().to_owned()))?;
-        physics::check(&gear).map_err(refuse)?;
-        Ok(gear)
+        checked(bytes).map_err(|faults| {
+            let file = path.display();
+            let first = faults.first().map_or("", String::as_str);
+            match faults.len() {
+                1 => BadInput::new(path, first),
+                count => BadInput::new(
+                    path,
+                    format_args!("{first}; and {} more: strainwave check {file}", count - 1),
+                ),
+            }
+        })
+    }
+
+    /// Everything that is wrong with the gear file `path`, an error each as [`GearFile::read`] has them; none of a file that can
+    /// be read. Conditions between keys are checked where those keys are right by themselves.
+    ///
+    /// # Errors
+    /// The file cannot be opened.
+    pub fn faults(path: &Path) -> Result<Vec<BadInput>, BadInput> {
+        let faults = checked(&file::read(path, LONGEST_FILE)?).err().unwrap_or_default();
+        Ok(faults.iter().map(|why| BadInput::new(path, why)).collect())
     }
 
     /// The file could be written and read again.
@@ -114,6 +125,43 @@ pub(super) fn edited(text: &str, put: impl FnOnce(&mut DocumentMut)) -> Result<S
     let mut document = text.parse()?;
     put(&mut document);
     Ok(document.to_string())
+}
+
+/// The gear file in `bytes`, or everything that is wrong with it, a line each.
+fn checked(bytes: &[u8]) -> Result<GearFile, Vec<String>> {
+    let mut table = table(bytes)?;
+    aliases::rename(&mut table);
+    let faults = check::faults(&table);
+    let damaged: Vec<_> = faults.iter().map(check::Fault::section).collect();
+    let gear =
+        GearFile::deserialize(mended(table, &damaged)).map_err(|error| vec![error.message().to_owned()])?;
+    let conditions = physics::faults(&gear, &damaged);
+    let faults: Vec<_> = faults.into_iter().map(|fault| fault.line).chain(conditions).collect();
+    if faults.is_empty() { Ok(gear) } else { Err(faults) }
+}
+
+/// The table that TOML text describes, or every reason why it is not TOML.
+fn table(bytes: &[u8]) -> Result<Table, Vec<String>> {
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        vec![format!("line {}: not TOML: not UTF-8 text", line_at(bytes, error.valid_up_to()))]
+    })?;
+    text.parse().map_err(|_| {
+        let mut lines: Vec<_> =
+            DeTable::parse_recoverable(text).1.iter().map(|error| not_toml(text, error)).collect();
+        // One slip of the pen may be several errors of a line.
+        lines.dedup_by_key(|line| line.split(": ").next().map(str::to_owned));
+        lines
+    })
+}
+
+/// The file with the default gear's section in the place of each that is damaged, so that the others can be read.
+fn mended(file: Table, damaged: &[&str]) -> Table {
+    if damaged.is_empty() {
+        return file;
+    }
+    let mut whole: Table = DEFAULT.parse().expect("the default gear file is tested");
+    whole.extend(file.into_iter().filter(|(section, _)| !damaged.contains(&section.as_str())));
+    whole
 }
 
 fn not_toml(text: &str, error: &toml::de::Error) -> String {
