@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use strainwave_desktop::design::buildable::buildable;
 use strainwave_desktop::identify::joint::LEVELS;
 use strainwave_desktop::identify::{
     GearLog, GearOptions, IdentifiedGear, LearntGear, Smoothing, identify_gear, learn_gear,
@@ -109,7 +110,7 @@ fn moving(arguments: &Arguments, base: &GearFile) -> Result<Figures, BadInput> {
         let why = format_args!("--moving with {} logs; allowed: one", arguments.logs.len());
         return Err(BadInput::message(why));
     };
-    base.require_firmware_friction().map_err(|why| BadInput::new(&arguments.gear, why))?;
+    buildable(base).map_err(|why| BadInput::new(&arguments.gear, why))?;
     let mut log = MeasuredLog::read(path)?;
     if log.output_position.is_none() {
         return Err(BadInput::new(path, "column theta_out_rad is missing; the kinematic error is its"));

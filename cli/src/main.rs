@@ -6,11 +6,13 @@
 
 mod bench;
 mod budget;
+mod check;
 mod design;
 mod faults;
 mod figures;
 mod files;
 mod identify;
+mod new;
 mod page;
 mod pil;
 mod pil_plots;
@@ -50,9 +52,11 @@ struct Cli {
 enum Command {
     Bench(bench::Arguments),
     Budget(budget::Arguments),
+    Check(check::Arguments),
     Design(design::Arguments),
     Faults(faults::Arguments),
     Identify(identify::Arguments),
+    New(new::Arguments),
     Pil(pil::Arguments),
     Report(report::Arguments),
     Setup(setup::Arguments),
@@ -65,9 +69,11 @@ fn run(command: Command) -> Result<Figures, BadInput> {
     match command {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Budget(arguments) => budget::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
         Command::Design(arguments) => design::run(&arguments),
         Command::Faults(arguments) => faults::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
+        Command::New(arguments) => new::run(&arguments),
         Command::Pil(arguments) => pil::run(&arguments),
         Command::Report(arguments) => report::run(&arguments),
         Command::Setup(arguments) => setup::run(&arguments),

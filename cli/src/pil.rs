@@ -7,6 +7,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use strainwave_desktop::bench::Conditions;
 use strainwave_desktop::bench::closed_loop::Run;
 use strainwave_desktop::bench::scenario::Scenario;
+use strainwave_desktop::design::buildable::buildable;
 use strainwave_desktop::identify::learn_gear;
 use strainwave_desktop::io::gear_file::DEFAULT;
 use strainwave_desktop::io::gear_file::SensorSet;
@@ -156,7 +157,7 @@ fn require_one_picture(arguments: &Arguments) -> Result<(), BadInput> {
 /// A gear that the firmware can be built for, and its text.
 fn firmware_gear(path: &Path) -> Result<(GearFile, String), BadInput> {
     let (gear, text) = GearFile::read_with_text(path)?;
-    gear.require_firmware_friction().map_err(|why| BadInput::new(path, why))?;
+    buildable(&gear).map_err(|why| BadInput::new(path, why))?;
     Ok((gear, text))
 }
 

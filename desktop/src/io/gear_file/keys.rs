@@ -305,6 +305,16 @@ impl Allowed {
             _ => false,
         }
     }
+
+    /// Unit of a number; none of what is no number or has no unit.
+    pub fn unit(self) -> Option<&'static str> {
+        match self {
+            Self::Number(.., unit) | Self::Triangle(_, unit) | Self::Numbers(.., unit) => {
+                Some(unit).filter(|unit| *unit != "1")
+            }
+            _ => None,
+        }
+    }
 }
 
 impl fmt::Display for Allowed {
