@@ -12,7 +12,7 @@ use strainwave_desktop::io::log::{Jitter, MeasuredLog};
 use strainwave_desktop::report::plot::{Page, Panel, Series};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 
-use crate::figures::{Figures, FiguresArguments, say};
+use crate::figures::{Figures, FiguresArguments, tell};
 use crate::files;
 use crate::pil_plots;
 use crate::progress::Progress;
@@ -28,13 +28,13 @@ use crate::progress::Progress;
 /// predicts worse. Where a log does not reach, the weights are those of the base gear.
 #[derive(Args)]
 pub struct Arguments {
-    /// Measured logs of one joint
+    /// Measured logs of one joint; - for the standard input
     #[arg(value_name = "LOG.csv", required = true)]
     logs: Vec<PathBuf>,
     /// Base gear: all that is not identified is taken from it
     #[arg(long, value_name = "G.toml")]
     gear: PathBuf,
-    /// Gear file to write, complete or not at all
+    /// Gear file to write, complete or not at all; - for the standard output
     #[arg(long, value_name = "OUT.toml")]
     output: PathBuf,
     /// Fraction of each log, from its start, that trains; 0.2 to 1
@@ -99,9 +99,9 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     if let Some(path) = &arguments.plot {
         plot(&logs, &found).write(path)?;
     }
-    say(format_args!("{}", describe(&found)));
+    tell(&arguments.output, format_args!("{}", describe(&found)));
     let jitters = jitters.iter().flat_map(Jitter::figures);
-    Ok(Figures::new(jitters.chain(figures(&found)).collect(), &arguments.figures))
+    Ok(Figures::beside(&arguments.output, jitters.chain(figures(&found)).collect(), &arguments.figures))
 }
 
 /// Learns from a moving joint's log.
@@ -132,7 +132,7 @@ fn moving(arguments: &Arguments, base: &GearFile) -> Result<Figures, BadInput> {
         pil_plots::replay(&found.rows, Some(found.learnt)).write(path)?;
     }
     let jitter = log.time.jitter().into_iter().flat_map(|jitter| jitter.figures());
-    Ok(Figures::new(jitter.chain(moving_figures(&found)).collect(), &arguments.figures))
+    Ok(Figures::beside(&arguments.output, jitter.chain(moving_figures(&found)).collect(), &arguments.figures))
 }
 
 fn moving_figures(found: &LearntGear) -> Vec<Figure> {

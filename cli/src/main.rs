@@ -16,6 +16,7 @@ mod new;
 mod page;
 mod pil;
 mod pil_plots;
+mod predict;
 mod progress;
 mod report;
 mod setup;
@@ -58,6 +59,7 @@ enum Command {
     Identify(identify::Arguments),
     New(new::Arguments),
     Pil(pil::Arguments),
+    Predict(predict::Arguments),
     Report(report::Arguments),
     Setup(setup::Arguments),
     Sim(sim::Arguments),
@@ -75,6 +77,7 @@ fn run(command: Command) -> Result<Figures, BadInput> {
         Command::Identify(arguments) => identify::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
         Command::Pil(arguments) => pil::run(&arguments),
+        Command::Predict(arguments) => predict::run(&arguments),
         Command::Report(arguments) => report::run(&arguments),
         Command::Setup(arguments) => setup::run(&arguments),
         Command::Sim(arguments) => sim::run(&arguments),

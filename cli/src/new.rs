@@ -47,12 +47,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     files::require_writable(json)?;
     let text = joint.text();
     file::write(&arguments.output, |out| Ok(out.write_all(text.as_bytes())?))?;
-    let figures = figures(&joint);
-    Ok(if file::is_stream(&arguments.output) {
-        Figures::silent(figures, &arguments.figures)
-    } else {
-        Figures::new(figures, &arguments.figures)
-    })
+    Ok(Figures::beside(&arguments.output, figures(&joint), &arguments.figures))
 }
 
 /// The gear file could be read again, and a compensator built from it; without a load of the user's it always can.

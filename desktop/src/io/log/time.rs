@@ -81,6 +81,11 @@ impl Time {
         Self((0..count).map(|k| k as f64 * interval).collect())
     }
 
+    /// Stamps that were checked in parts.
+    pub(super) fn from_stamps(stamps: impl Iterator<Item = f64>) -> Self {
+        Self(stamps.collect())
+    }
+
     /// The stamps (s).
     pub fn stamps(&self) -> &[f64] {
         &self.0
