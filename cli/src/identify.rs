@@ -8,12 +8,13 @@ use strainwave_desktop::identify::joint::LEVELS;
 use strainwave_desktop::identify::{
     GearLog, GearOptions, IdentifiedGear, LearntGear, Smoothing, identify_gear, learn_gear,
 };
-use strainwave_desktop::io::log::{Jitter, MeasuredLog};
+use strainwave_desktop::io::log::Jitter;
 use strainwave_desktop::report::plot::{Page, Panel, Series};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 
 use crate::figures::{Figures, FiguresArguments, tell};
 use crate::files;
+use crate::logs::Reading;
 use crate::pil_plots;
 use crate::progress::Progress;
 
@@ -50,6 +51,9 @@ pub struct Arguments {
     /// The motor torque counts against the motor angle
     #[arg(long, requires = "moving")]
     reversed_torque: bool,
+    /// Read logs that have other columns, too, without those
+    #[arg(long)]
+    ignore_extra: bool,
     /// Levels of the grid, 6, 8, 12 or 24; chosen by cross-validation when left out
     #[arg(long, value_name = "L")]
     levels: Option<usize>,
@@ -85,7 +89,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     if arguments.moving {
         return moving(arguments, &base);
     }
-    let read = |path: &PathBuf| read(path, &base, &options);
+    let read = |path: &PathBuf| read(path, &base, &options, reading(arguments));
     let (logs, jitters): (Vec<_>, Vec<_>) =
         arguments.logs.iter().map(read).collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
     for path in [Some(arguments.output.as_path()), arguments.plot.as_deref(), json] {
@@ -111,12 +115,9 @@ fn moving(arguments: &Arguments, base: &GearFile) -> Result<Figures, BadInput> {
         return Err(BadInput::message(why));
     };
     buildable(base).map_err(|why| BadInput::new(&arguments.gear, why))?;
-    let mut log = MeasuredLog::read(path)?;
+    let log = reading(arguments).log(path, base)?;
     if log.output_position.is_none() {
         return Err(BadInput::new(path, "column theta_out_rad is missing; the kinematic error is its"));
-    }
-    if arguments.reversed_torque {
-        log = log.with_reversed_torque();
     }
     for path in
         [Some(arguments.output.as_path()), arguments.plot.as_deref(), arguments.figures.json.as_deref()]
@@ -175,9 +176,19 @@ fn options(arguments: &Arguments) -> Result<GearOptions, BadInput> {
     Ok(GearOptions { training: arguments.training, levels: arguments.levels, smoothing })
 }
 
+fn reading(arguments: &Arguments) -> Reading {
+    let Arguments { ignore_extra, reversed_torque, .. } = *arguments;
+    Reading { ignore_extra, reversed_torque }
+}
+
 /// A log that has what the torsion and its torque are.
-fn read(path: &Path, gear: &GearFile, options: &GearOptions) -> Result<(GearLog, Jitter), BadInput> {
-    let log = MeasuredLog::read(path)?;
+fn read(
+    path: &Path,
+    gear: &GearFile,
+    options: &GearOptions,
+    reading: Reading,
+) -> Result<(GearLog, Jitter), BadInput> {
+    let log = reading.log(path, gear)?;
     let missing = match (&log.output_position, &log.output_torque) {
         (None, _) => Some("theta_out_rad"),
         (_, None) => Some("tau_out_nm"),

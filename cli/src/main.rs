@@ -12,6 +12,7 @@ mod faults;
 mod figures;
 mod files;
 mod identify;
+mod logs;
 mod new;
 mod page;
 mod pil;

@@ -6,13 +6,14 @@ use std::str::FromStr;
 
 use clap::Args;
 use strainwave_desktop::design::buildable::buildable;
-use strainwave_desktop::io::log::{MeasuredLog, write_columns};
+use strainwave_desktop::io::log::write_columns;
 use strainwave_desktop::predict::{Deviation, Prediction, Quantity, predict};
 use strainwave_desktop::report::plot::{Page, Panel, Series};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 
 use crate::figures::{Figures, FiguresArguments, columns, tell};
 use crate::files;
+use crate::logs::Reading;
 use crate::progress::Progress;
 
 /// Predict a measured log blind with the real-time model of a gear file, beside a rigid joint
@@ -40,6 +41,9 @@ pub struct Arguments {
     /// The log's motor torque counts against its motor angle
     #[arg(long)]
     reversed_torque: bool,
+    /// Read logs that have other columns, too, without those
+    #[arg(long)]
+    ignore_extra: bool,
     /// Draw measurements, predictions and errors to this file (SVG)
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
@@ -83,7 +87,8 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     ])?;
     let gear = GearFile::read(&arguments.gear)?;
     buildable(&gear).map_err(|why| BadInput::new(&arguments.gear, why))?;
-    let read = |path| read(path, arguments.reversed_torque);
+    let Arguments { ignore_extra, reversed_torque, .. } = *arguments;
+    let read = |path| Reading { ignore_extra, reversed_torque }.log(path, &gear);
     let (log, warming) = (read(&arguments.log)?, before.map(read).transpose()?);
     for path in [Some(arguments.output.as_path()), arguments.plot.as_deref(), json] {
         files::require_writable(path)?;
@@ -98,11 +103,6 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     }
     tell(&arguments.output, format_args!("{}", table(&found)));
     Ok(Figures::silent(figures(&found), &arguments.figures))
-}
-
-fn read(path: &Path, reversed_torque: bool) -> Result<MeasuredLog, BadInput> {
-    let log = MeasuredLog::read(path)?;
-    Ok(if reversed_torque { log.with_reversed_torque() } else { log })
 }
 
 /// What was measured, with the errors of the model and of the rigid joint.

@@ -8,9 +8,11 @@ mod columns;
 mod joined;
 mod measured;
 mod open_loop;
+mod soundness;
 mod time;
 mod written;
 
+pub use columns::Extra;
 pub use measured::MeasuredLog;
 pub use open_loop::{Drive, DriveSample, OpenLoop, OpenLoopRow, write_open_loop};
 pub use time::{GAP_LEAST, GAP_RATIO, Instant, Jitter, LONGEST, Time};
