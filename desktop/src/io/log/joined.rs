@@ -1,7 +1,8 @@
 //! Two logs of one joint, recorded one after the other, as one.
 //!
-//! Between the last row of the first and the first row of the second nothing was recorded: for [`PAUSE`] T the motor is led
-//! from the one to the other by Hermite's cubic through both angles and speeds, and torques and output angle linearly.
+//! Between the last row of the first and the first row of the second nothing was recorded. Where the time stamps go on within
+//! [`PAUSE`] T both have one clock, and that is the time between; else it is T. In it the motor is led from the one to the
+//! other by Hermite's cubic through both angles and speeds, and torques and output angle linearly.
 
 use super::measured::MeasuredLog;
 use super::time::Time;
@@ -59,6 +60,8 @@ fn speeds(log: &MeasuredLog, next: &MeasuredLog) -> [f64; 2] {
 
 /// The rows between two logs.
 struct Bridge {
+    /// Time from the last row before to the first row after (s).
+    pause: f64,
     /// Fractions of the pause at which they are, 0 and 1 left out.
     inner: Vec<f64>,
 }
@@ -66,17 +69,19 @@ struct Bridge {
 impl Bridge {
     fn between(log: &MeasuredLog, next: &MeasuredLog) -> Self {
         let intervals = [log, next].map(|log| log.time.jitter().map_or(INTERVAL, |jitter| jitter.nominal));
-        let rows = (PAUSE / intervals[0].min(intervals[1]).min(INTERVAL)).round();
-        Self { inner: (1..rows as usize).map(|row| row as f64 / rows).collect() }
+        let gap = next.time.stamps()[0] - log.time.stamps()[log.time.stamps().len() - 1];
+        let pause = if gap > 0.0 && gap <= PAUSE { gap } else { PAUSE };
+        let rows = (pause / intervals[0].min(intervals[1]).min(INTERVAL)).round();
+        Self { pause, inner: (1..rows as usize).map(|row| row as f64 / rows).collect() }
     }
 
     fn time(&self, before: &Time, after: &Time) -> Time {
         let (before, after) = (before.stamps(), after.stamps());
         let last = before[before.len() - 1] - before[0];
         let elapsed = before.iter().map(|stamp| stamp - before[0]);
-        let inner = self.inner.iter().map(|x| last + x * PAUSE);
+        let inner = self.inner.iter().map(|x| last + x * self.pause);
         Time::from_stamps(
-            elapsed.chain(inner).chain(after.iter().map(|stamp| last + PAUSE + stamp - after[0])),
+            elapsed.chain(inner).chain(after.iter().map(|stamp| last + self.pause + stamp - after[0])),
         )
     }
 
@@ -91,7 +96,7 @@ impl Bridge {
     }
 
     fn cubic(&self, before: &[f64], after: &[f64], speeds: [f64; 2]) -> Vec<f64> {
-        let [leaving, arriving] = speeds.map(|speed| speed * PAUSE);
+        let [leaving, arriving] = speeds.map(|speed| speed * self.pause);
         self.joined(before, after, |start, end, x| {
             let rise = end - start;
             let (square, cube) = (3.0 * rise - 2.0 * leaving - arriving, leaving + arriving - 2.0 * rise);
@@ -128,6 +133,26 @@ mod tests {
             .map(|(angle, time)| (angle[1] - angle[0]) / (time[1] - time[0]))
             .collect();
         assert!(slopes.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 0.3), "{slopes:?}");
+    }
+
+    /// A log that was cut in two is whole again.
+    #[test]
+    fn one_clock_goes_on() {
+        let mut next = log(0.98 + 0.02, 2.0);
+        next.time = Time::from_stamps((50..100).map(|k| f64::from(k) * 0.01));
+        let (joined, first) = log(0.0, 2.0).followed_by(&next).unwrap();
+        let whole = Time::every(0.01, 100);
+        assert_eq!((first, joined.time.stamps().len()), (52, 102));
+        let expected = |time: f64| 2.0 * time;
+        assert!(
+            joined
+                .time
+                .stamps()
+                .iter()
+                .zip(&joined.motor_position)
+                .all(|(t, a)| (a - expected(*t)).abs() < 1e-9)
+        );
+        assert!((joined.time.stamps()[101] - whole.stamps()[99]).abs() < 1e-9);
     }
 
     #[test]
