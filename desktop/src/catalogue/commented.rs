@@ -102,7 +102,7 @@ impl NewJoint {
     fn load_origin(&self) -> Origin {
         match self.load {
             Some(_) => Origin::Chosen,
-            None => Origin::Scaled(format!("rule of thumb: {NOMINAL_LOAD}*N^2*J_wg, as the default gear's")),
+            None => Origin::Derived(format!("rule of thumb: {NOMINAL_LOAD}*N^2*J_wg, as the default gear's")),
         }
     }
 
@@ -321,7 +321,7 @@ mod tests {
                     !keyed || line.contains("  # ") && line.split("  # ").nth(1).unwrap().contains("; "),
                     "{line}"
                 );
-                // Entries of a list share the comment of the first.
+                // The first entry of a list has the comment of all.
                 let section = after.starts_with('[') && !after.starts_with("[[");
                 assert!(!section || (line.starts_with("# ") && line.len() > 5), "{line}\n{after}");
             }

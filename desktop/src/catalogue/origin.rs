@@ -12,8 +12,8 @@ pub(super) enum Origin {
     Chosen,
     /// Read in a catalogue.
     Catalogue,
-    /// By a law from what was read of another size or ratio.
-    Scaled(String),
+    /// By a law from other figures.
+    Derived(String),
     /// By experience, no catalogue's figure.
     Rule(&'static str),
     /// Of the material or of the gear's kind.
@@ -31,7 +31,7 @@ impl fmt::Display for Origin {
         match self {
             Self::Chosen => formatter.write_str("as chosen"),
             Self::Catalogue => formatter.write_str("catalogue"),
-            Self::Scaled(law) => formatter.write_str(law),
+            Self::Derived(law) => formatter.write_str(law),
             Self::Rule(rule) => write!(formatter, "rule of thumb: {rule}"),
             Self::Fact(fact) => formatter.write_str(fact),
             Self::Default => formatter.write_str("rule of thumb: as the default gear hd25-100"),
@@ -50,9 +50,9 @@ impl Origin {
         }
         let ratio = if row == model.ratio { String::new() } else { format!(" at ratio {row}") };
         match of_size(read, 3) {
-            Self::Scaled(law) => Self::Scaled(law + &ratio),
-            _ if ratio.is_empty() => Self::Scaled("catalogue, the slope that it lacks interpolated".into()),
-            _ => Self::Scaled(format!("interpolated: that of ratio {row}")),
+            Self::Derived(law) => Self::Derived(law + &ratio),
+            _ if ratio.is_empty() => Self::Derived("catalogue, the slope that it lacks interpolated".into()),
+            _ => Self::Derived(format!("interpolated: that of ratio {row}")),
         }
     }
 
@@ -66,17 +66,17 @@ impl Origin {
         let power = "a power of the ratio through those of 50 and 100";
         match (of_size(Read::of(model.size), 3), model.ratio) {
             (origin, 50 | 100..) => origin,
-            (Self::Scaled(law), _) => Self::Scaled(format!("{law}, {power}")),
-            (_, 51..100) => Self::Scaled(format!("interpolated: {power}")),
-            _ => Self::Scaled(format!("extrapolated: {power}")),
+            (Self::Derived(law), _) => Self::Derived(format!("{law}, {power}")),
+            (_, 51..100) => Self::Derived(format!("interpolated: {power}")),
+            _ => Self::Derived(format!("extrapolated: {power}")),
         }
     }
 
     /// Inertia of the wave generator with a rotor.
     pub fn wave_generator(model: Model) -> Self {
         match of_size(Read::of(model.size), 5) {
-            Self::Scaled(law) => {
-                Self::Scaled(format!("wave generator {law}; rule of thumb: a rotor of 0.45 of it"))
+            Self::Derived(law) => {
+                Self::Derived(format!("wave generator {law}; rule of thumb: a rotor of 0.45 of it"))
             }
             _ => Self::Rule("the catalogue's wave generator and a rotor of 0.45 of it"),
         }
@@ -86,9 +86,9 @@ impl Origin {
     pub fn friction(model: Model) -> Self {
         match of_size(Read::friction(model.size), 3) {
             Self::Catalogue if model.ratio == 100 => Self::Catalogue,
-            Self::Catalogue => Self::Scaled("interpolated: that of ratio 100".into()),
-            Self::Scaled(law) if model.ratio != 100 => Self::Scaled(law + " at ratio 100"),
-            scaled => scaled,
+            Self::Catalogue => Self::Derived("interpolated: that of ratio 100".into()),
+            Self::Derived(law) if model.ratio != 100 => Self::Derived(law + " at ratio 100"),
+            origin => origin,
         }
     }
 }
@@ -101,5 +101,5 @@ fn of_size(read: Read, power: u32) -> Origin {
     let size = f64::from(read.size) * read.scale;
     let within = (f64::from(SIZES[0])..=f64::from(SIZES[SIZES.len() - 1])).contains(&size);
     let kind = if within { "interpolated" } else { "extrapolated" };
-    Origin::Scaled(format!("{kind}: size {} times {:.3}^{power}", read.size, read.scale))
+    Origin::Derived(format!("{kind}: size {} times {:.3}^{power}", read.size, read.scale))
 }

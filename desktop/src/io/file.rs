@@ -122,10 +122,12 @@ where
 {
     require_writable(path)?;
     let target = resolve(path);
-    let written = match () {
-        () if is_stream(path) => write_stream(fill),
-        () if is_special(&target) => write_special(&target, fill),
-        () => write_regular(&target, fill),
+    let written = if is_stream(path) {
+        write_stream(fill)
+    } else if is_special(&target) {
+        write_special(&target, fill)
+    } else {
+        write_regular(&target, fill)
     };
     written.map_err(|error| match error {
         WriteError::Io(error) => unwritable(path, &error),

@@ -85,37 +85,50 @@ pub fn predict(
 ) -> Result<Prediction, Error> {
     let joined = before.map(|before| before.followed_by(log)).transpose().map_err(Error::Before)?;
     let (whole, first) = joined.as_ref().map_or((log, 0), |(joined, first)| (joined, *first));
+    // Rows from which the zeros of the angles are taken.
+    let reference = before.map_or(1, |before| before.time.stamps().len());
+    let output = output(file, whole, progress)?.shifted(reference);
+    let mut quantities = vec![output, motor_torque(file, whole)?];
+    quantities.extend(torsion(file, whole)?.map(|torsion| torsion.shifted(reference)));
+    quantities.iter_mut().for_each(|quantity| quantity.drop_first(first));
+    Ok(Prediction { time: log.time.stamps().to_vec(), motor: log.motor_position.clone(), quantities })
+}
+
+/// The control period of each row.
+fn periods(log: &MeasuredLog) -> impl Iterator<Item = usize> {
+    let stamps = log.time.stamps();
+    stamps.iter().map(|stamp| ((stamp - stamps[0]) / CONTROL_PERIOD).round() as usize)
+}
+
+/// A figure of the control period of each row; of the last one where it has ended before.
+fn at_rows<T>(log: &MeasuredLog, steps: &[T], figure: impl Fn(&T) -> f64) -> Vec<f64> {
+    periods(log).map(|period| figure(&steps[period.min(steps.len() - 1)])).collect()
+}
+
+fn output(file: &GearFile, log: &MeasuredLog, progress: impl FnMut(f64)) -> Result<Quantity, Error> {
     let mut controller = HostCompensator::build(&joint_params(file)?)?;
-    let rows = replay(&mut controller, file, whole, f64::INFINITY, progress)
+    let rows = replay(&mut controller, file, log, f64::INFINITY, progress)
         .map_err(|error| Error::Observer(error.to_string()))?;
-    let torque = motor_torque::predict(file, whole)?;
-    let stamps = whole.time.stamps();
-    let period =
-        |row: usize| (((stamps[row] - stamps[0]) / CONTROL_PERIOD).round() as usize).min(rows.len() - 1);
-    let periods: Vec<_> = (0..stamps.len()).map(period).collect();
-    let sampled = |of: &dyn Fn(usize) -> f64| periods.iter().map(|k| of(*k)).collect::<Vec<_>>();
-    let output = Quantity {
+    Ok(Quantity {
         name: "output",
         column: "theta_out",
         unit: "rad",
-        measured: whole.output_position.clone(),
-        predicted: sampled(&|k| rows[k].predicted),
-        rigid: sampled(&|k| rows[k].rigid),
-    };
-    let motor_torque = Quantity {
+        measured: log.output_position.clone(),
+        predicted: at_rows(log, &rows, |row| row.predicted),
+        rigid: at_rows(log, &rows, |row| row.rigid),
+    })
+}
+
+fn motor_torque(file: &GearFile, log: &MeasuredLog) -> Result<Quantity, Error> {
+    let torques = motor_torque::predict(file, log)?;
+    Ok(Quantity {
         name: "motor_torque",
         column: "tau_motor",
         unit: "N m",
-        measured: Some(whole.motor_torque.clone()),
-        predicted: sampled(&|k| torque[k].predicted),
-        rigid: sampled(&|k| torque[k].rigid),
-    };
-    // What the angles' zeros are taken from.
-    let reference = before.map_or(1, |before| before.time.stamps().len());
-    let mut quantities = vec![output.shifted(reference), motor_torque];
-    quantities.extend(torsion(file, whole)?.map(|torsion| torsion.shifted(reference)));
-    quantities.iter_mut().for_each(|quantity| quantity.from_row(first));
-    Ok(Prediction { time: log.time.stamps().to_vec(), motor: log.motor_position.clone(), quantities })
+        measured: Some(log.motor_torque.clone()),
+        predicted: at_rows(log, &torques, |torque| torque.predicted),
+        rigid: at_rows(log, &torques, |torque| torque.rigid),
+    })
 }
 
 /// The gear in its real-time build.
@@ -158,8 +171,8 @@ impl Quantity {
         self
     }
 
-    /// Without the rows before.
-    fn from_row(&mut self, first: usize) {
+    /// Without so many rows before.
+    fn drop_first(&mut self, first: usize) {
         for column in
             [Some(&mut self.predicted), Some(&mut self.rigid), self.measured.as_mut()].into_iter().flatten()
         {

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use csv::{ByteRecord, ReaderBuilder, Trim};
 
+use super::time::TIME;
 use crate::io::file::BadInput;
 
 /// A column that a file may have.
@@ -181,7 +182,7 @@ fn unknown(name: &[u8], schema: Schema) -> String {
 /// The time column by another name.
 fn meant(name: &str) -> Option<&'static str> {
     let time = ["t", "time", "time_s", "timestamp", "timestamp_s", "seconds"];
-    time.contains(&name.to_lowercase().as_str()).then_some("t_s (time in seconds)")
+    time.contains(&name.to_lowercase().as_str()).then_some(TIME.name)
 }
 
 /// A known column of nearly the same name.
@@ -209,7 +210,7 @@ fn check_group(group: &[Column], present: &[Named]) -> Result<(), String> {
 /// An ignored column that is perhaps the one that is missing.
 fn ignored_instead(names: &[&str], present: &[Named]) -> String {
     let meant = |column: &Named| match column {
-        Named::Ignored(name) if meant(name).is_some_and(|time| names.iter().any(|n| time.starts_with(n))) => {
+        Named::Ignored(name) if meant(name).is_some_and(|time| names.contains(&time)) => {
             Some(format!("; {name:?} is perhaps it"))
         }
         _ => None,
