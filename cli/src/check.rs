@@ -28,21 +28,22 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     let json = arguments.figures.json.as_deref();
     files::require_distinct(&[("GEAR.toml", Some(&arguments.gear)), ("--json", json)])?;
     files::require_writable(json)?;
-    let mut faults = GearFile::faults(&arguments.gear)?;
-    // The last one ends the command.
-    if let Some(last) = faults.pop() {
-        faults.iter().for_each(|fault| complain(format_args!("error: {fault}")));
-        return Err(last);
-    }
-    say(format_args!("{}: ok{}", arguments.gear.display(), built(&arguments.gear)?));
+    let gear = GearFile::faultless(&arguments.gear).map_err(all_but_last)?;
+    say(format_args!("{}: ok{}", arguments.gear.display(), limit(&gear, &arguments.gear)?));
     Ok(Figures::silent(vec![Figure::bounded("check.faults", 0.0, "1", 0.0)], &arguments.figures))
 }
 
+/// Tells all faults but the last one, which ends the command.
+fn all_but_last(mut faults: Vec<BadInput>) -> BadInput {
+    let last = faults.pop().expect("a refusal has a reason");
+    faults.iter().for_each(|fault| complain(format_args!("error: {fault}")));
+    last
+}
+
 /// What limits the use of a file that is right.
-fn built(path: &Path) -> Result<String, BadInput> {
-    let gear = GearFile::read(path)?;
+fn limit(gear: &GearFile, path: &Path) -> Result<String, BadInput> {
     match gear.require_firmware_friction() {
         Err(why) => Ok(format!(", for simulation only: {why}")),
-        Ok(()) => buildable(&gear).map(|()| String::new()).map_err(|why| BadInput::new(path, why)),
+        Ok(()) => buildable(gear).map(|()| String::new()).map_err(|why| BadInput::new(path, why)),
     }
 }

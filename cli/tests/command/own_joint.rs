@@ -163,6 +163,10 @@ fn everything_wrong_with_a_file_is_told_at_once() {
     }
     let line = bench.refused("sim --gear wrong.toml --input in.csv --output out.csv");
     assert!(line.ends_with("; and 5 more: strainwave check wrong.toml"), "{line}");
+    bench.write("wrong.toml", "name = \n[gear]\nratio == 100\n[motor\n");
+    let answer = bench.run("check wrong.toml");
+    let at: Vec<_> = answer.error.lines().filter_map(|line| line.split(": not TOML").next()).collect();
+    assert_eq!(at, [1, 3, 4].map(|line| format!("error: wrong.toml: line {line}")), "{}", answer.error);
     // Of a section that is right by itself conditions are checked, too.
     bench.write(
         "wrong.toml",

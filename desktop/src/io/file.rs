@@ -174,8 +174,11 @@ where
     let mut whole = Vec::new();
     fill(&mut whole)?;
     let mut output = io::stdout().lock();
-    output.write_all(&whole)?;
-    Ok(output.flush()?)
+    match output.write_all(&whole).and_then(|()| output.flush()) {
+        // A reader that has seen enough has closed the pipe.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        written => Ok(written?),
+    }
 }
 
 fn fill_buffered<F>(file: &File, fill: F) -> Result<(), WriteError>

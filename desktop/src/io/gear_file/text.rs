@@ -49,14 +49,14 @@ impl GearFile {
         })
     }
 
-    /// Everything that is wrong with the gear file `path`, an error each as [`GearFile::read`] has them; none of a file that can
-    /// be read. Conditions between keys are checked where those keys are right by themselves.
+    /// Reads and checks `path`, and tells everything that is wrong with it. Conditions between keys are checked where their
+    /// sections are right otherwise.
     ///
     /// # Errors
-    /// The file cannot be opened.
-    pub fn faults(path: &Path) -> Result<Vec<BadInput>, BadInput> {
-        let faults = checked(&file::read(path, LONGEST_FILE)?).err().unwrap_or_default();
-        Ok(faults.iter().map(|why| BadInput::new(path, why)).collect())
+    /// An error for each fault, as [`GearFile::read`] has it for the first.
+    pub fn faultless(path: &Path) -> Result<Self, Vec<BadInput>> {
+        let bytes = file::read(path, LONGEST_FILE).map_err(|error| vec![error])?;
+        checked(&bytes).map_err(|faults| faults.iter().map(|why| BadInput::new(path, why)).collect())
     }
 
     /// The file could be written and read again.
@@ -133,11 +133,11 @@ fn checked(bytes: &[u8]) -> Result<GearFile, Vec<String>> {
     aliases::rename(&mut table);
     let faults = check::faults(&table);
     let damaged: Vec<_> = faults.iter().map(check::Fault::section).collect();
-    let gear =
-        GearFile::deserialize(mended(table, &damaged)).map_err(|error| vec![error.message().to_owned()])?;
-    let conditions = physics::faults(&gear, &damaged);
+    let gear = GearFile::deserialize(mended(table, &damaged)).map_err(|error| error.message().to_owned());
+    let conditions =
+        gear.as_ref().map_or_else(|why| vec![why.clone()], |gear| physics::faults(gear, &damaged));
     let faults: Vec<_> = faults.into_iter().map(|fault| fault.line).chain(conditions).collect();
-    if faults.is_empty() { Ok(gear) } else { Err(faults) }
+    gear.ok().filter(|_| faults.is_empty()).ok_or(faults)
 }
 
 /// The table that TOML text describes, or every reason why it is not TOML.
@@ -146,11 +146,11 @@ fn table(bytes: &[u8]) -> Result<Table, Vec<String>> {
         vec![format!("line {}: not TOML: not UTF-8 text", line_at(bytes, error.valid_up_to()))]
     })?;
     text.parse().map_err(|_| {
-        let mut lines: Vec<_> =
-            DeTable::parse_recoverable(text).1.iter().map(|error| not_toml(text, error)).collect();
-        // One slip of the pen may be several errors of a line.
-        lines.dedup_by_key(|line| line.split(": ").next().map(str::to_owned));
-        lines
+        let (_, mut errors) = DeTable::parse_recoverable(text);
+        errors.sort_by_key(|error| error.span().map_or(0, |span| span.start));
+        // One slip may be several errors of a line.
+        errors.dedup_by_key(|error| line_of(text, error));
+        errors.iter().map(|error| not_toml(text, error)).collect()
     })
 }
 
@@ -160,13 +160,17 @@ fn mended(file: Table, damaged: &[&str]) -> Table {
         return file;
     }
     let mut whole: Table = DEFAULT.parse().expect("the default gear file is tested");
-    whole.extend(file.into_iter().filter(|(section, _)| !damaged.contains(&section.as_str())));
+    let sound = |section: &str| check::is_table(section) && !damaged.contains(&section);
+    whole.extend(file.into_iter().filter(|(section, _)| sound(section)));
     whole
 }
 
 fn not_toml(text: &str, error: &toml::de::Error) -> String {
-    let line = line_at(text.as_bytes(), error.span().map_or(0, |span| span.start));
-    format!("line {line}: not TOML: {}", error.message().replace('\n', "; "))
+    format!("line {}: not TOML: {}", line_of(text, error), error.message().replace('\n', "; "))
+}
+
+fn line_of(text: &str, error: &toml::de::Error) -> usize {
+    line_at(text.as_bytes(), error.span().map_or(0, |span| span.start))
 }
 
 /// Line of the byte at `offset`, from 1.

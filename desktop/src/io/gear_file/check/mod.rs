@@ -8,6 +8,7 @@ use strainwave::friction::data::MOST_STATES;
 use toml::{Table, Value};
 
 use super::keys::{KEYS, RELATIONS, Relation};
+pub(super) use unknown::is_table;
 
 /// One thing that is wrong with a gear file.
 #[derive(Clone, Debug, PartialEq)]

@@ -34,7 +34,7 @@ fn in_list(items: &[Value], known: &str, shown: &str, faults: &mut Vec<Fault>) {
 }
 
 /// `path` is a table that holds known keys.
-fn is_table(path: &str) -> bool {
+pub(in crate::io::gear_file) fn is_table(path: &str) -> bool {
     KEYS.iter().any(|key| key.path.strip_prefix(path).is_some_and(|rest| rest.starts_with('.')))
 }
 
