@@ -14,8 +14,8 @@
 //! which passes 0.8 of an acceleration at 60 Hz, and of an encoder's count c makes an acceleration of 2*c/W^2 at most.
 //! Discretisation: steps of the control period; the output starts in the motor's motion, without torsion.
 
-use strainwave::compensator::RealTimeGear;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
+use strainwave::compensator::{HYSTERESIS_MEMORY, RealTimeGear};
 use strainwave::friction::{FrictionModel, JointFrictionState, Slip};
 use strainwave::gear::{GearState, Motion};
 use strainwave::{Angle, Error};
@@ -30,8 +30,6 @@ use crate::plant::two_port::trajectory::Trajectory;
 
 /// W (s), unless the log's intervals are longer.
 const WINDOW: f64 = 0.004;
-/// Turning points of the real-time hysteresis.
-const MEMORY: usize = strainwave::compensator::HYSTERESIS_MEMORY;
 
 /// Torque of a control period (N m).
 #[derive(Clone, Copy, Debug)]
@@ -109,7 +107,7 @@ impl Motor {
 /// The real-time gear and a rigid joint beside it.
 struct Joint {
     gear: RealTimeGear<f32>,
-    state: GearState<f32, (), JointFrictionState<f32>, MEMORY>,
+    state: GearState<f32, (), JointFrictionState<f32>, HYSTERESIS_MEMORY>,
     friction: JointFrictionState<f32>,
     flange: Motion<f32>,
     rigid: RigidBody,
