@@ -8,7 +8,6 @@ use std::path::Path;
 
 use csv::{ByteRecord, ReaderBuilder, Trim};
 
-use super::time::TIME;
 use crate::io::file::BadInput;
 
 /// A column that a file may have.
@@ -18,6 +17,8 @@ pub(super) struct Column {
     pub name: &'static str,
     /// Largest magnitude.
     pub limit: f64,
+    /// Names that other programs give it, in lower case.
+    pub other_names: &'static [&'static str],
 }
 
 /// The columns of one kind of file; any order.
@@ -173,16 +174,17 @@ fn check_header(header: &ByteRecord, schema: Schema, extra: Extra) -> Result<Vec
 
 fn unknown(name: &[u8], schema: Schema) -> String {
     let text = String::from_utf8_lossy(name);
-    let nearest = meant(&text).or_else(|| nearest(&text, schema));
+    let nearest = meant(&text, schema).or_else(|| nearest(&text, schema));
     let hint = nearest.map(|nearest| format!("; meant is perhaps {nearest}")).unwrap_or_default();
     let ignore = if schema.may_ignore { "; --ignore-extra reads the file without it" } else { "" };
     format!("column {}: unknown; known columns are {}{hint}{ignore}", shown(name), schema.known_names())
 }
 
-/// The time column by another name.
-fn meant(name: &str) -> Option<&'static str> {
-    let time = ["t", "time", "time_s", "timestamp", "timestamp_s", "seconds"];
-    time.contains(&name.to_lowercase().as_str()).then_some(TIME.name)
+/// A known column by another program's name.
+fn meant(name: &str, schema: Schema) -> Option<&'static str> {
+    let lower = name.to_lowercase();
+    let column = schema.columns().find(|column| column.other_names.contains(&lower.as_str()));
+    column.map(|column| column.name)
 }
 
 /// A known column of nearly the same name.
@@ -201,16 +203,17 @@ fn check_group(group: &[Column], present: &[Named]) -> Result<(), String> {
         .map(|column| column.name)
         .collect();
     match found.as_slice() {
-        [] => Err(format!("column {}: missing{}", names.join(" or "), ignored_instead(&names, present))),
+        [] => Err(format!("column {}: missing{}", names.join(" or "), ignored_instead(group, present))),
         [_] => Ok(()),
         [_, second, ..] => Err(format!("column {second}: only one of {} is allowed", names.join(" and "))),
     }
 }
 
 /// An ignored column that is perhaps the one that is missing.
-fn ignored_instead(names: &[&str], present: &[Named]) -> String {
+fn ignored_instead(group: &[Column], present: &[Named]) -> String {
+    let is_other_name = |name: &str| group.iter().any(|column| column.other_names.contains(&name));
     let meant = |column: &Named| match column {
-        Named::Ignored(name) if meant(name).is_some_and(|time| names.contains(&time)) => {
+        Named::Ignored(name) if is_other_name(&name.to_lowercase()) => {
             Some(format!("; {name:?} is perhaps it"))
         }
         _ => None,

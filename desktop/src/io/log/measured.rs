@@ -14,11 +14,14 @@ use super::time::{TIME, Time};
 use super::{ANGLE_LIMIT, LONGEST_FILE, TORQUE_LIMIT};
 use crate::io::file::{self, BadInput};
 
-pub(super) const MOTOR_POSITION: Column = Column { name: "theta_motor_rad", limit: ANGLE_LIMIT };
-pub(super) const OUTPUT_POSITION: Column = Column { name: "theta_out_rad", limit: ANGLE_LIMIT };
-pub(super) const MOTOR_TORQUE: Column = Column { name: "tau_motor_nm", limit: TORQUE_LIMIT };
-const OUTPUT_TORQUE: Column = Column { name: "tau_out_nm", limit: TORQUE_LIMIT };
-const MODEL_TORQUE: Column = Column { name: "tau_model_nm", limit: TORQUE_LIMIT };
+pub(super) const MOTOR_POSITION: Column =
+    Column { name: "theta_motor_rad", limit: ANGLE_LIMIT, other_names: &[] };
+pub(super) const OUTPUT_POSITION: Column =
+    Column { name: "theta_out_rad", limit: ANGLE_LIMIT, other_names: &[] };
+pub(super) const MOTOR_TORQUE: Column =
+    Column { name: "tau_motor_nm", limit: TORQUE_LIMIT, other_names: &[] };
+const OUTPUT_TORQUE: Column = Column { name: "tau_out_nm", limit: TORQUE_LIMIT, other_names: &[] };
+const MODEL_TORQUE: Column = Column { name: "tau_model_nm", limit: TORQUE_LIMIT, other_names: &[] };
 const SCHEMA: Schema = Schema {
     one_of: &[&[TIME], &[MOTOR_POSITION], &[MOTOR_TORQUE]],
     optional: &[OUTPUT_POSITION, OUTPUT_TORQUE, MODEL_TORQUE],

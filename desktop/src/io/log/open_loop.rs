@@ -11,9 +11,9 @@ use super::time::{Instant, TIME, Time};
 use super::{ANGLE_LIMIT, LONGEST_FILE, SPEED_LIMIT, TORQUE_LIMIT};
 use crate::io::file::{self, BadInput, WriteError};
 
-const POSITION: Column = Column { name: "theta_wg_rad", limit: ANGLE_LIMIT };
-const VELOCITY: Column = Column { name: "omega_wg_rad_s", limit: SPEED_LIMIT };
-const LOAD: Column = Column { name: "tau_load_nm", limit: TORQUE_LIMIT };
+const POSITION: Column = Column { name: "theta_wg_rad", limit: ANGLE_LIMIT, other_names: &[] };
+const VELOCITY: Column = Column { name: "omega_wg_rad_s", limit: SPEED_LIMIT, other_names: &[] };
+const LOAD: Column = Column { name: "tau_load_nm", limit: TORQUE_LIMIT, other_names: &[] };
 const SCHEMA: Schema =
     Schema { one_of: &[&[TIME], &[POSITION, VELOCITY], &[LOAD]], optional: &[], may_ignore: false };
 
