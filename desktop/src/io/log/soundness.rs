@@ -197,7 +197,7 @@ mod tests {
         });
         assert_eq!(still, "rows 2 to 501, column theta_motor_rad: no motion");
         let jump = refusal(|log| log.motor_position[200..].iter_mut().for_each(|angle| *angle += 6.3));
-        assert!(jump.starts_with("row 202, column theta_motor_rad: jumps by 6.3"), "{jump}");
+        assert!(jump.starts_with("row 202, column theta_motor_rad: jumps by 6.2"), "{jump}");
         let jump =
             refusal(|log| output(log, &|angle| angle[200..].iter_mut().for_each(|angle| *angle += 0.1)));
         assert!(jump.starts_with("row 202, column theta_out_rad: jumps by 0."), "{jump}");
