@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use strainwave_desktop::design::buildable::buildable;
 use strainwave_desktop::design::cascade_rule::{CascadeGains, Required, cascade};
 use strainwave_desktop::design::joint;
 use strainwave_desktop::design::joint::joint_params;
@@ -116,7 +117,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         ("--json", json),
     ])?;
     let file = GearFile::read(&arguments.gear)?;
-    file.require_firmware_friction().map_err(|why| BadInput::new(&arguments.gear, why))?;
+    buildable(&file).map_err(|why| BadInput::new(&arguments.gear, why))?;
     for path in [arguments.joint.as_deref(), json] {
         files::require_writable(path)?;
     }

@@ -26,20 +26,34 @@ pub struct Figures {
     figures: Vec<Figure>,
     #[serde(skip)]
     json: Option<PathBuf>,
-    /// The subcommand has printed a table of its own.
     #[serde(skip)]
-    printed: bool,
+    table: Stream,
+}
+
+/// Where the table of figures goes.
+enum Stream {
+    Output,
+    /// The standard output has a result.
+    Error,
+    /// The subcommand has printed a table of its own.
+    None,
 }
 
 impl Figures {
     /// Figures to be published as `arguments` ask.
     pub fn new(figures: Vec<Figure>, arguments: &FiguresArguments) -> Self {
-        Self { figures, json: arguments.json.clone(), printed: false }
+        Self { figures, json: arguments.json.clone(), table: Stream::Output }
+    }
+
+    /// The same beside a result that goes to the file `output`.
+    pub fn beside(output: &Path, figures: Vec<Figure>, arguments: &FiguresArguments) -> Self {
+        let table = if file::is_stream(output) { Stream::Error } else { Stream::Output };
+        Self { table, ..Self::new(figures, arguments) }
     }
 
     /// The same of a subcommand that prints its figures itself.
     pub fn silent(figures: Vec<Figure>, arguments: &FiguresArguments) -> Self {
-        Self { printed: true, ..Self::new(figures, arguments) }
+        Self { table: Stream::None, ..Self::new(figures, arguments) }
     }
 
     /// Measured figures.
@@ -52,8 +66,10 @@ impl Figures {
         if let Some(path) = &self.json {
             self.write_json(path)?;
         }
-        if !self.printed {
-            say(format_args!("{}", table(&self.figures)));
+        match self.table {
+            Stream::Output => say(format_args!("{}", table(&self.figures))),
+            Stream::Error => complain(format_args!("{}", table(&self.figures))),
+            Stream::None => {}
         }
         Ok(self.figures.iter().all(|figure| figure.holds))
     }
@@ -69,6 +85,11 @@ impl Figures {
 /// A line for people; a reader that has seen enough and closed the pipe changes nothing.
 pub fn say(line: std::fmt::Arguments<'_>) {
     let _ = writeln!(io::stdout(), "{line}");
+}
+
+/// A line for people beside a result that goes to this file: to the error stream when that is standard output.
+pub fn tell(output: &Path, line: std::fmt::Arguments<'_>) {
+    if file::is_stream(output) { complain(line) } else { say(line) }
 }
 
 /// A line about what went wrong; without an error stream there is nobody to tell.

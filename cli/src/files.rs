@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use strainwave_desktop::BadInput;
 use strainwave_desktop::io::file;
 
-/// Refuses two names for one file, of which the one written later would replace the other.
+/// Refuses two names for one file, of which the one written later would replace the other. Standard input and output, `-`, are
+/// two.
 pub fn require_distinct(named: &[(&str, Option<&Path>)]) -> Result<(), BadInput> {
-    let present: Vec<_> =
-        named.iter().filter_map(|(name, path)| Some((name, same(path.as_ref()?)))).collect();
+    let files = named.iter().filter(|(_, path)| path.is_some_and(|path| !file::is_stream(path)));
+    let present: Vec<_> = files.filter_map(|(name, path)| Some((name, same(path.as_ref()?)))).collect();
     for (index, (name, path)) in present.iter().enumerate() {
         if let Some((other, _)) = present[..index].iter().find(|(_, earlier)| earlier == path) {
             return Err(BadInput::new(path, format_args!("{name} and {other} are the same file")));

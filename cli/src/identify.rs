@@ -3,16 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use strainwave_desktop::design::buildable::buildable;
 use strainwave_desktop::identify::joint::LEVELS;
 use strainwave_desktop::identify::{
     GearLog, GearOptions, IdentifiedGear, LearntGear, Smoothing, identify_gear, learn_gear,
 };
-use strainwave_desktop::io::log::{Jitter, MeasuredLog};
+use strainwave_desktop::io::log::Jitter;
 use strainwave_desktop::report::plot::{Page, Panel, Series};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 
-use crate::figures::{Figures, FiguresArguments, say};
+use crate::figures::{Figures, FiguresArguments, tell};
 use crate::files;
+use crate::logs::Reading;
 use crate::pil_plots;
 use crate::progress::Progress;
 
@@ -27,13 +29,13 @@ use crate::progress::Progress;
 /// predicts worse. Where a log does not reach, the weights are those of the base gear.
 #[derive(Args)]
 pub struct Arguments {
-    /// Measured logs of one joint
+    /// Measured logs of one joint; - for the standard input
     #[arg(value_name = "LOG.csv", required = true)]
     logs: Vec<PathBuf>,
     /// Base gear: all that is not identified is taken from it
     #[arg(long, value_name = "G.toml")]
     gear: PathBuf,
-    /// Gear file to write, complete or not at all
+    /// Gear file to write, complete or not at all; - for the standard output
     #[arg(long, value_name = "OUT.toml")]
     output: PathBuf,
     /// Fraction of each log, from its start, that trains; 0.2 to 1
@@ -49,6 +51,9 @@ pub struct Arguments {
     /// The motor torque counts against the motor angle
     #[arg(long, requires = "moving")]
     reversed_torque: bool,
+    /// Read logs that have other columns, too, without those
+    #[arg(long)]
+    ignore_extra: bool,
     /// Levels of the grid, 6, 8, 12 or 24; chosen by cross-validation when left out
     #[arg(long, value_name = "L")]
     levels: Option<usize>,
@@ -84,7 +89,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     if arguments.moving {
         return moving(arguments, &base);
     }
-    let read = |path: &PathBuf| read(path, &base, &options);
+    let read = |path: &PathBuf| read(path, &base, &options, reading(arguments));
     let (logs, jitters): (Vec<_>, Vec<_>) =
         arguments.logs.iter().map(read).collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
     for path in [Some(arguments.output.as_path()), arguments.plot.as_deref(), json] {
@@ -98,9 +103,9 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     if let Some(path) = &arguments.plot {
         plot(&logs, &found).write(path)?;
     }
-    say(format_args!("{}", describe(&found)));
+    tell(&arguments.output, format_args!("{}", describe(&found)));
     let jitters = jitters.iter().flat_map(Jitter::figures);
-    Ok(Figures::new(jitters.chain(figures(&found)).collect(), &arguments.figures))
+    Ok(Figures::beside(&arguments.output, jitters.chain(figures(&found)).collect(), &arguments.figures))
 }
 
 /// Learns from a moving joint's log.
@@ -109,13 +114,10 @@ fn moving(arguments: &Arguments, base: &GearFile) -> Result<Figures, BadInput> {
         let why = format_args!("--moving with {} logs; allowed: one", arguments.logs.len());
         return Err(BadInput::message(why));
     };
-    base.require_firmware_friction().map_err(|why| BadInput::new(&arguments.gear, why))?;
-    let mut log = MeasuredLog::read(path)?;
+    buildable(base).map_err(|why| BadInput::new(&arguments.gear, why))?;
+    let log = reading(arguments).log(path, base)?;
     if log.output_position.is_none() {
         return Err(BadInput::new(path, "column theta_out_rad is missing; the kinematic error is its"));
-    }
-    if arguments.reversed_torque {
-        log = log.with_reversed_torque();
     }
     for path in
         [Some(arguments.output.as_path()), arguments.plot.as_deref(), arguments.figures.json.as_deref()]
@@ -131,7 +133,7 @@ fn moving(arguments: &Arguments, base: &GearFile) -> Result<Figures, BadInput> {
         pil_plots::replay(&found.rows, Some(found.learnt)).write(path)?;
     }
     let jitter = log.time.jitter().into_iter().flat_map(|jitter| jitter.figures());
-    Ok(Figures::new(jitter.chain(moving_figures(&found)).collect(), &arguments.figures))
+    Ok(Figures::beside(&arguments.output, jitter.chain(moving_figures(&found)).collect(), &arguments.figures))
 }
 
 fn moving_figures(found: &LearntGear) -> Vec<Figure> {
@@ -174,9 +176,19 @@ fn options(arguments: &Arguments) -> Result<GearOptions, BadInput> {
     Ok(GearOptions { training: arguments.training, levels: arguments.levels, smoothing })
 }
 
+fn reading(arguments: &Arguments) -> Reading {
+    let Arguments { ignore_extra, reversed_torque, .. } = *arguments;
+    Reading { ignore_extra, reversed_torque }
+}
+
 /// A log that has what the torsion and its torque are.
-fn read(path: &Path, gear: &GearFile, options: &GearOptions) -> Result<(GearLog, Jitter), BadInput> {
-    let log = MeasuredLog::read(path)?;
+fn read(
+    path: &Path,
+    gear: &GearFile,
+    options: &GearOptions,
+    reading: Reading,
+) -> Result<(GearLog, Jitter), BadInput> {
+    let log = reading.log(path, gear)?;
     let missing = match (&log.output_position, &log.output_torque) {
         (None, _) => Some("theta_out_rad"),
         (_, None) => Some("tau_out_nm"),

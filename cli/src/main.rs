@@ -6,14 +6,18 @@
 
 mod bench;
 mod budget;
+mod check;
 mod design;
 mod faults;
 mod figures;
 mod files;
 mod identify;
+mod logs;
+mod new;
 mod page;
 mod pil;
 mod pil_plots;
+mod predict;
 mod progress;
 mod report;
 mod setup;
@@ -50,10 +54,13 @@ struct Cli {
 enum Command {
     Bench(bench::Arguments),
     Budget(budget::Arguments),
+    Check(check::Arguments),
     Design(design::Arguments),
     Faults(faults::Arguments),
     Identify(identify::Arguments),
+    New(new::Arguments),
     Pil(pil::Arguments),
+    Predict(predict::Arguments),
     Report(report::Arguments),
     Setup(setup::Arguments),
     Sim(sim::Arguments),
@@ -65,10 +72,13 @@ fn run(command: Command) -> Result<Figures, BadInput> {
     match command {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Budget(arguments) => budget::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
         Command::Design(arguments) => design::run(&arguments),
         Command::Faults(arguments) => faults::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
+        Command::New(arguments) => new::run(&arguments),
         Command::Pil(arguments) => pil::run(&arguments),
+        Command::Predict(arguments) => predict::run(&arguments),
         Command::Report(arguments) => report::run(&arguments),
         Command::Setup(arguments) => setup::run(&arguments),
         Command::Sim(arguments) => sim::run(&arguments),

@@ -7,6 +7,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use strainwave_desktop::bench::Conditions;
 use strainwave_desktop::bench::closed_loop::Run;
 use strainwave_desktop::bench::scenario::Scenario;
+use strainwave_desktop::design::buildable::buildable;
 use strainwave_desktop::identify::learn_gear;
 use strainwave_desktop::io::gear_file::DEFAULT;
 use strainwave_desktop::io::gear_file::SensorSet;
@@ -19,6 +20,7 @@ use strainwave_emulator::pil::{self, Replay, ScenarioRun, TargetRun, Trial};
 
 use crate::figures::{Figures, FiguresArguments, say};
 use crate::files;
+use crate::logs::Reading;
 use crate::page::PageArguments;
 use crate::pil_plots;
 use crate::progress::Progress;
@@ -57,6 +59,9 @@ pub struct Arguments {
     /// The log's motor torque counts against its motor angle
     #[arg(long, requires = "replay")]
     reversed_torque: bool,
+    /// Read a log that has other columns, too, without those
+    #[arg(long, requires = "replay")]
+    ignore_extra: bool,
     /// Which plant: a sample of the uncertainties; 0 is the nominal plant [default: 1; for all
     /// scenarios the sample that is worst in each]
     #[arg(long, conflicts_with = "replay")]
@@ -126,8 +131,9 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     require_keepable(arguments)?;
     require_one_picture(arguments)?;
     let (mut gear, text) = arguments.gear.as_deref().map_or_else(|| Ok(default_gear()), firmware_gear)?;
-    let log =
-        arguments.replay.as_deref().map(|path| replayable(path, arguments.reversed_torque)).transpose()?;
+    let Arguments { ignore_extra, reversed_torque, .. } = *arguments;
+    let reading = Reading { ignore_extra, reversed_torque };
+    let log = arguments.replay.as_deref().map(|path| replayable(path, &gear, reading)).transpose()?;
     for path in [arguments.keep.as_deref(), picture, json] {
         files::require_writable(path)?;
     }
@@ -156,7 +162,7 @@ fn require_one_picture(arguments: &Arguments) -> Result<(), BadInput> {
 /// A gear that the firmware can be built for, and its text.
 fn firmware_gear(path: &Path) -> Result<(GearFile, String), BadInput> {
     let (gear, text) = GearFile::read_with_text(path)?;
-    gear.require_firmware_friction().map_err(|why| BadInput::new(path, why))?;
+    buildable(&gear).map_err(|why| BadInput::new(path, why))?;
     Ok((gear, text))
 }
 
@@ -179,12 +185,12 @@ fn require_keepable(arguments: &Arguments) -> Result<(), BadInput> {
 }
 
 /// A log that has what a replay compares with.
-fn replayable(path: &Path, reversed_torque: bool) -> Result<MeasuredLog, BadInput> {
-    let log = MeasuredLog::read(path)?;
+fn replayable(path: &Path, gear: &GearFile, reading: Reading) -> Result<MeasuredLog, BadInput> {
+    let log = reading.log(path, gear)?;
     if log.output_position.is_none() {
         return Err(BadInput::new(path, "column theta_out_rad is missing; a replay compares with it"));
     }
-    Ok(if reversed_torque { log.with_reversed_torque() } else { log })
+    Ok(log)
 }
 
 /// Learns the gear from the chosen fraction of the log; the time up to which (s).

@@ -24,10 +24,10 @@ pub struct Arguments {
     /// Gear file
     #[arg(long, value_name = "G.toml")]
     gear: PathBuf,
-    /// Input over time
+    /// Input over time; - for the standard input
     #[arg(long, value_name = "IN.csv")]
     input: PathBuf,
-    /// Output over time; written complete or not at all
+    /// Output over time, complete or not at all; - for the standard output
     #[arg(long, value_name = "OUT.csv")]
     output: PathBuf,
     /// Which build of the models
@@ -91,7 +91,8 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     let columns: Vec<_> = arguments.gauges.iter().map(Gauge::column).collect();
     write_open_loop(&arguments.output, &columns, watched)?;
     let intervals = input.time.jitter().into_iter().flat_map(|jitter| jitter.figures());
-    Ok(Figures::new(intervals.chain(largest.figures()).collect(), &arguments.figures))
+    let figures = intervals.chain(largest.figures()).collect();
+    Ok(Figures::beside(&arguments.output, figures, &arguments.figures))
 }
 
 /// The build that the arguments name.

@@ -6,8 +6,9 @@
 //! | [`design`] | from a gear file to parameters and gains, and their margins |
 //! | [`plant`] | the reference plant and the open-loop two-port |
 //! | [`mod@bench`] | closed loop: tasks, sensors, controllers, baselines |
-//! | [`catalogue`] | gears of sizes 8 to 58, and joints that are built with them |
+//! | [`catalogue`] | gears of sizes 8 to 100, and joints that are built with them |
 //! | [`identify`] | from measurements to parameters |
+//! | [`predict`] | blind predictions of measured logs |
 //! | [`verify`] | claimed figures: metrics, bounds, and what measures them |
 //! | [`speed`] | time that the real-time parts take on this machine |
 //! | [`tune`] | search for a baseline's gains |
@@ -21,6 +22,7 @@ pub mod design;
 pub mod identify;
 pub mod io;
 pub mod plant;
+pub mod predict;
 pub mod report;
 pub mod speed;
 pub mod tune;

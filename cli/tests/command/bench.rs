@@ -11,9 +11,31 @@ pub const GEAR: &str = include_str!("../../../gears/hd25-100.toml");
 /// A short open-loop input.
 pub const INPUT: &str = "t_s,theta_wg_rad,tau_load_nm\n0,0,0\n0.001,0.1,-50\n0.002,0.2,-50\n";
 
-/// A short measured log of a joint at rest.
-pub const LOG: &str =
-    "t_s,theta_motor_rad,tau_motor_nm,theta_out_rad\n0,0.0,0.0,0.0\n0.004,0.0,0.0,0.0\n0.008,0.0,0.0,0.0\n";
+/// A short measured log of a joint that stands, moves there and back, and stands.
+pub const LOG: &str = "t_s,theta_motor_rad,tau_motor_nm,theta_out_rad\n\
+    0,0.0,0.0,0.0\n0.004,0.0,0.0,0.0\n0.008,0.0,0.0,0.0\n\
+    0.012,0.01,0.05,-0.0001\n\
+    0.016,0.02,0.05,-0.0002\n\
+    0.020,0.03,0.05,-0.0003\n\
+    0.024,0.04,0.05,-0.0004\n\
+    0.028,0.05,0.05,-0.0005\n\
+    0.032,0.06,0.05,-0.0006\n\
+    0.036,0.07,0.05,-0.0007\n\
+    0.040,0.08,0.05,-0.0008\n\
+    0.044,0.09,0.05,-0.0009\n\
+    0.048,0.1,0.05,-0.001\n\
+    0.052,0.1,0.05,-0.001\n\
+    0.056,0.09,0.05,-0.0009\n\
+    0.060,0.08,0.05,-0.0008\n\
+    0.064,0.07,0.05,-0.0007\n\
+    0.068,0.06,0.05,-0.0006\n\
+    0.072,0.05,0.05,-0.0005\n\
+    0.076,0.04,0.05,-0.0004\n\
+    0.080,0.03,0.05,-0.0003\n\
+    0.084,0.02,0.05,-0.0002\n\
+    0.088,0.01,0.05,-0.0001\n\
+    0.092,0.0,0.05,-0\n\
+    ";
 
 /// A folder with files, in which the command runs.
 pub struct Bench {

@@ -7,4 +7,5 @@ mod good_input;
 mod identify;
 mod keep;
 mod missed;
+mod own_joint;
 mod set_up;

@@ -1,16 +1,19 @@
 //! Gears of sizes 8 to 58 and ratios 30 to 160, and joints that are built with them.
 //!
 //! [`figures`] has what catalogues say, [`gear`] the gear file that follows, [`load`] the gains of a joint with another
-//! load, [`joints`] a Latin hypercube of joints. The files in `gears/catalogue/` are what [`Model::text`] gives, with the
+//! load, [`commented`] the file of a new joint with its comments, [`joints`] a Latin hypercube of joints. The files in `gears/catalogue/` are what [`Model::text`] gives, with the
 //! `[baselines]` that they were tuned to.
 
+pub mod commented;
 pub mod figures;
 pub mod gear;
 pub mod joints;
 pub mod load;
+mod origin;
 
 use std::path::Path;
 
+pub use commented::NewJoint;
 pub use gear::Model;
 pub use joints::{Joint, Set};
 

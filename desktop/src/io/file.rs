@@ -1,4 +1,4 @@
-//! Whole files: read with a limit, written complete or not at all.
+//! Whole files: read with a limit, written complete or not at all. The path `-` stands for the standard streams.
 
 use std::fmt;
 use std::fs::{File, OpenOptions};
@@ -46,15 +46,21 @@ fn one_line(text: &str) -> String {
     line
 }
 
-/// The bytes of `path`, of which there may be at most `limit`.
+/// `path` stands for standard input or standard output.
+pub fn is_stream(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// The bytes of `path`, of which there may be at most `limit`; of standard input for `-`.
 ///
 /// # Errors
 /// The file cannot be opened or read, or is longer than `limit`.
 pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>, BadInput> {
     let mut bytes = Vec::new();
-    let file = open(path)?;
+    let source: Box<dyn Read> =
+        if is_stream(path) { Box::new(io::stdin().lock()) } else { Box::new(open(path)?) };
     // A device has no length of its own: the limit is kept while reading.
-    file.take(limit + 1).read_to_end(&mut bytes).map_err(|error| unreadable(path, &error))?;
+    source.take(limit + 1).read_to_end(&mut bytes).map_err(|error| unreadable(path, &error))?;
     if bytes.len() as u64 > limit {
         return Err(BadInput::new(path, format_args!("longer than {limit} bytes, the most allowed")));
     }
@@ -85,6 +91,9 @@ fn unwritable(path: &Path, error: &io::Error) -> BadInput {
 /// # Errors
 /// The folder is missing or closed, or `path` is a folder.
 pub fn require_writable(path: &Path) -> Result<(), BadInput> {
+    if is_stream(path) {
+        return Ok(());
+    }
     if path.is_dir() {
         return Err(BadInput::new(path, "cannot be written: it is a folder"));
     }
@@ -102,7 +111,8 @@ pub fn require_writable(path: &Path) -> Result<(), BadInput> {
 }
 
 /// Writes `path` complete or not at all: `fill` writes a temporary file in the same folder, which
-/// then takes the name. A link is followed; a device or pipe, which cannot be replaced, is written to.
+/// then takes the name. A link is followed; a device or pipe, which cannot be replaced, is written to. To standard output,
+/// `-`, goes what is complete, too.
 ///
 /// # Errors
 /// The file cannot be written, or `fill` refuses.
@@ -112,8 +122,13 @@ where
 {
     require_writable(path)?;
     let target = resolve(path);
-    let written =
-        if is_special(&target) { write_special(&target, fill) } else { write_regular(&target, fill) };
+    let written = if is_stream(path) {
+        write_stream(fill)
+    } else if is_special(&target) {
+        write_special(&target, fill)
+    } else {
+        write_regular(&target, fill)
+    };
     written.map_err(|error| match error {
         WriteError::Io(error) => unwritable(path, &error),
         WriteError::Refused(why) => BadInput::new(path, format_args!("not written: {why}")),
@@ -150,6 +165,20 @@ where
     F: FnOnce(&mut dyn Write) -> Result<(), WriteError>,
 {
     fill_buffered(&open_special(target)?, fill)
+}
+
+fn write_stream<F>(fill: F) -> Result<(), WriteError>
+where
+    F: FnOnce(&mut dyn Write) -> Result<(), WriteError>,
+{
+    let mut whole = Vec::new();
+    fill(&mut whole)?;
+    let mut output = io::stdout().lock();
+    match output.write_all(&whole).and_then(|()| output.flush()) {
+        // A reader that has seen enough has closed the pipe.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        written => Ok(written?),
+    }
 }
 
 fn fill_buffered<F>(file: &File, fill: F) -> Result<(), WriteError>

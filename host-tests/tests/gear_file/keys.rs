@@ -132,6 +132,19 @@ fn every_key_refuses_what_is_out_of_range_or_not_finite() {
     }
 }
 
+/// What vanishes in the controller's f32, or overflows, is refused before a joint is built with it.
+#[test]
+fn no_number_is_held_that_single_precision_does_not_hold() {
+    for key in KEYS.iter().filter(|key| matches!(key.allowed, Allowed::Number(..))) {
+        for (value, shown_as) in [(1e-320, "1e-320"), (-1e-320, "-1e-320"), (1e40, "1e40")] {
+            let line = changed(key.path, value).expect_err(key.path);
+            let expected =
+                format!("g.toml: {} = {shown_as} is out of range; allowed: {}", shown(key.path), key.allowed);
+            assert!(line.starts_with(&expected), "{line}\n{expected}");
+        }
+    }
+}
+
 #[test]
 fn open_ends_are_excluded_and_closed_ends_included() {
     assert!(

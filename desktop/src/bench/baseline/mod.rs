@@ -14,7 +14,7 @@ mod cascade;
 mod dual_loop;
 mod flat;
 pub mod gains;
-mod rigid_body;
+pub(crate) mod rigid_body;
 
 use strainwave::compensator::{Command, Input, Output, Setpoint};
 use strainwave::{Angle, Error, Ratio};
@@ -48,16 +48,16 @@ enum Advance {
 
 /// The output's setpoint, in f64.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Commanded {
-    position: Angle<f64>,
+pub(crate) struct Commanded {
+    pub position: Angle<f64>,
     /// (rad/s)
-    velocity: f64,
+    pub velocity: f64,
     /// (rad/s^2)
-    acceleration: f64,
+    pub acceleration: f64,
     /// (rad/s^3)
-    jerk: f64,
+    pub jerk: f64,
     /// (rad/s^4)
-    snap: f64,
+    pub snap: f64,
 }
 
 impl Commanded {

@@ -14,7 +14,7 @@ use super::Commanded;
 
 /// Inertia, Coulomb and viscous friction of a joint without compliance.
 #[derive(Clone)]
-pub(super) struct RigidBody {
+pub(crate) struct RigidBody {
     ratio: Ratio,
     wave_generator_inertia: f64,
     flexspline_inertia: f64,

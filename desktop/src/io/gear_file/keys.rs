@@ -287,17 +287,32 @@ impl fmt::Display for Relation {
     }
 }
 
+/// The controller's f32 has the number, to its precision: it neither vanishes nor overflows.
+pub(super) fn in_single_precision(number: f64) -> bool {
+    number == 0.0 || (number as f32).is_normal()
+}
+
 impl Allowed {
     /// A number that [`Allowed::Number`] or [`Allowed::Whole`] holds, or that may be one of [`Allowed::Numbers`]; NaN and
-    /// infinities never.
+    /// infinities never, nor what vanishes in the controller's f32.
     pub fn holds(self, number: f64) -> bool {
         match self {
-            Self::Number(least, most, _) => (least, most).contains(&number),
-            Self::Numbers(_, end, _) => number.abs() <= end,
+            Self::Number(least, most, _) => (least, most).contains(&number) && in_single_precision(number),
+            Self::Numbers(_, end, _) => number.abs() <= end && in_single_precision(number),
             Self::Whole(least, most) => {
                 number.fract() == 0.0 && number >= least as f64 && number <= most as f64
             }
             _ => false,
+        }
+    }
+
+    /// Unit of a number; none of what is no number or has no unit.
+    pub fn unit(self) -> Option<&'static str> {
+        match self {
+            Self::Number(.., unit) | Self::Triangle(_, unit) | Self::Numbers(.., unit) => {
+                Some(unit).filter(|unit| *unit != "1")
+            }
+            _ => None,
         }
     }
 }

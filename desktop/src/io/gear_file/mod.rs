@@ -3,7 +3,8 @@
 //! Keys carry their unit (`[stiffness] k1_nm_per_rad`); the fields here are the same numbers in the
 //! same SI units, without the suffix. [`KEYS`] lists every key with what it may hold: an unknown or
 //! missing key, a wrong type and a value out of range are refused by one line that names the file,
-//! the key, the value and what is allowed.
+//! the key, the value and what is allowed; so is a number that vanishes or overflows in the controller's f32.
+//! [`GearFile::faultless`] tells everything that is wrong with a file, the other readers the first of it.
 //!
 //! Which keys of `[friction]` a file must have depends on the friction model that it names: see [`friction`].
 //!

@@ -21,31 +21,63 @@ use super::GearFile;
 /// Turning points of a branch that never turns: the fewest that a memory may have.
 const STEPS_BACK: usize = 8;
 
-pub(super) fn check(gear: &GearFile) -> Result<(), String> {
-    let stiffness = &gear.stiffness;
+/// A condition, and the sections whose keys it reads.
+struct Condition {
+    sections: &'static [&'static str],
+    check: fn(&GearFile) -> Result<(), String>,
+}
+
+const CONDITIONS: [Condition; 7] = [
+    Condition { sections: &["stiffness", "flexspline"], check: softer_than_cup },
+    Condition { sections: &["hysteresis", "stiffness", "gear"], check: narrow_loop },
+    Condition { sections: &["hysteresis", "stiffness"], check: check_weights },
+    Condition { sections: &["drive"], check: ordered_current_loop },
+    Condition { sections: &["inertia", "stiffness"], check: slow_mode },
+    Condition { sections: &["friction", "inertia"], check: friction::input },
+    Condition { sections: &["friction", "inertia"], check: friction::output },
+];
+
+/// The conditions that do not hold, of those that read none of the `damaged` sections, a line each.
+pub(super) fn faults(gear: &GearFile, damaged: &[&str]) -> Vec<String> {
+    let sound = |condition: &&Condition| !condition.sections.iter().any(|section| damaged.contains(section));
+    let conditions = CONDITIONS.iter().filter(sound);
+    conditions.filter_map(|condition| (condition.check)(gear).err()).collect()
+}
+
+fn softer_than_cup(gear: &GearFile) -> Result<(), String> {
     let shell = gear.cup_stiffness();
-    if stiffness.k3 >= shell {
-        let allowed = format!("below the cup's own stiffness G*J/l = {shell:.0} N m/rad");
-        return refuse("stiffness.k3_nm_per_rad", stiffness.k3, &allowed);
+    if gear.stiffness.k3 < shell {
+        return Ok(());
     }
+    let allowed = format!("below the cup's own stiffness G*J/l = {shell:.0} N m/rad");
+    refuse("stiffness.k3_nm_per_rad", gear.stiffness.k3, &allowed)
+}
+
+fn narrow_loop(gear: &GearFile) -> Result<(), String> {
     let torsion = rated_torsion(gear)?;
-    if gear.hysteresis.width() >= torsion {
-        let allowed =
-            format!("below the torsion at rated torque = {:.3} arcmin", torsion.to_degrees() * 60.0);
-        return refuse("hysteresis.width_arcmin", gear.hysteresis.width_arcmin, &allowed);
+    if gear.hysteresis.width() < torsion {
+        return Ok(());
     }
-    check_weights(gear)?;
+    let allowed = format!("below the torsion at rated torque = {:.3} arcmin", torsion.to_degrees() * 60.0);
+    refuse("hysteresis.width_arcmin", gear.hysteresis.width_arcmin, &allowed)
+}
+
+fn ordered_current_loop(gear: &GearFile) -> Result<(), String> {
     let drive = &gear.drive;
-    if drive.least_current_loop > drive.largest_current_loop {
-        let allowed = format!("at most drive.current_loop_largest_hz = {} Hz", drive.largest_current_loop);
-        return refuse("drive.current_loop_least_hz", drive.least_current_loop, &allowed);
+    if drive.least_current_loop <= drive.largest_current_loop {
+        return Ok(());
     }
-    let least = 4.0 * CONTROL_PERIOD * CONTROL_PERIOD * stiffness.k3;
-    if gear.inertia.flexspline <= least {
-        let allowed = format!("above 4*dt^2*K3 = {least:.3e} kg m^2, dt = {CONTROL_PERIOD} s");
-        return refuse("inertia.flexspline_kg_m2", gear.inertia.flexspline, &allowed);
+    let allowed = format!("at most drive.current_loop_largest_hz = {} Hz", drive.largest_current_loop);
+    refuse("drive.current_loop_least_hz", drive.least_current_loop, &allowed)
+}
+
+fn slow_mode(gear: &GearFile) -> Result<(), String> {
+    let least = gear.least_flexspline_inertia();
+    if gear.inertia.flexspline > least {
+        return Ok(());
     }
-    friction::check(gear)
+    let allowed = format!("above 4*dt^2*K3 = {least:.3e} kg m^2, dt = {CONTROL_PERIOD} s");
+    refuse("inertia.flexspline_kg_m2", gear.inertia.flexspline, &allowed)
 }
 
 fn check_weights(gear: &GearFile) -> Result<(), String> {
@@ -99,6 +131,11 @@ fn refuse(path: &str, value: f64, allowed: &str) -> Result<(), String> {
 }
 
 impl GearFile {
+    /// Inertia of flexspline and load that a step of the real-time build needs at the stiffness K3, 4*dt^2*K3 (kg m^2).
+    pub fn least_flexspline_inertia(&self) -> f64 {
+        4.0 * CONTROL_PERIOD * CONTROL_PERIOD * self.stiffness.k3
+    }
+
     /// Stiffness of the cup itself, without the teeth, G*J/l (N m/rad).
     pub fn cup_stiffness(&self) -> f64 {
         cup(self).stiffness()

@@ -17,6 +17,8 @@ pub(super) struct Column {
     pub name: &'static str,
     /// Largest magnitude.
     pub limit: f64,
+    /// Names that other programs give it, in lower case.
+    pub other_names: &'static [&'static str],
 }
 
 /// The columns of one kind of file; any order.
@@ -26,6 +28,8 @@ pub(super) struct Schema {
     pub one_of: &'static [&'static [Column]],
     /// These may be there.
     pub optional: &'static [Column],
+    /// The commands that read it have `--ignore-extra`.
+    pub may_ignore: bool,
 }
 
 impl Schema {
@@ -38,12 +42,35 @@ impl Schema {
     }
 }
 
+/// Columns that a file has beyond those of its kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extra {
+    /// They are errors.
+    Refused,
+    /// They are left out.
+    Ignored,
+}
+
 /// The numbers of a file, by column, each a value in every row.
 #[derive(Debug)]
 pub(super) struct Columns {
-    columns: Vec<(Column, Vec<f64>)>,
+    /// In the file's order; one that is ignored has no numbers.
+    columns: Vec<(Named, Vec<f64>)>,
     /// Rows after the header, at least one.
     rows: usize,
+}
+
+/// A column of a header.
+#[derive(Clone, Debug)]
+enum Named {
+    Known(Column),
+    Ignored(String),
+}
+
+impl Named {
+    fn is(&self, column: &Column) -> bool {
+        matches!(self, Self::Known(known) if known.name == column.name)
+    }
 }
 
 /// Row in the file of a sample, from 0.
@@ -59,16 +86,25 @@ impl Columns {
 
     /// The numbers of a column that may be there.
     pub fn take(&mut self, column: Column) -> Option<Vec<f64>> {
-        let found = self.columns.iter_mut().find(|(present, _)| present.name == column.name);
+        let found = self.columns.iter_mut().find(|(present, _)| present.is(&column));
         found.map(|(_, numbers)| std::mem::take(numbers))
     }
 
-    /// The table in `bytes`; `path` is only named in errors.
-    pub fn parse(path: &Path, bytes: &[u8], schema: Schema) -> Result<Self, BadInput> {
-        Self::check(bytes.trim_ascii_end(), schema).map_err(|why| BadInput::new(path, why))
+    /// Names of the columns that are ignored.
+    pub fn ignored(&self) -> Vec<String> {
+        let names = self.columns.iter().filter_map(|(column, _)| match column {
+            Named::Ignored(name) => Some(name.clone()),
+            Named::Known(_) => None,
+        });
+        names.collect()
     }
 
-    fn check(bytes: &[u8], schema: Schema) -> Result<Self, String> {
+    /// The table in `bytes`; `path` is only named in errors.
+    pub fn parse(path: &Path, bytes: &[u8], schema: Schema, extra: Extra) -> Result<Self, BadInput> {
+        Self::check(bytes.trim_ascii_end(), schema, extra).map_err(|why| BadInput::new(path, why))
+    }
+
+    fn check(bytes: &[u8], schema: Schema, extra: Extra) -> Result<Self, String> {
         // The parser skips empty lines without a word, and the row numbers would be off.
         if let Some(line) = bytes.split(|byte| *byte == b'\n').position(|line| line.trim_ascii().is_empty()) {
             return Err(if bytes.is_empty() {
@@ -82,7 +118,7 @@ impl Columns {
             ReaderBuilder::new().flexible(true).has_headers(false).trim(Trim::All).from_reader(bytes);
         let mut records = reader.byte_records();
         let header = records.next().ok_or("empty file")?.map_err(|error| error.to_string())?;
-        let header = check_header(&header, schema).map_err(|why| format!("row 1, {why}"))?;
+        let header = check_header(&header, schema, extra).map_err(|why| format!("row 1, {why}"))?;
         let columns = header.into_iter().map(|column| (column, Vec::new())).collect();
         let mut table = Self { columns, rows: 0 };
         for record in records {
@@ -102,6 +138,7 @@ impl Columns {
             ));
         }
         for (index, (column, numbers)) in self.columns.iter_mut().enumerate() {
+            let Named::Known(column) = column else { continue };
             let number =
                 number(record.get(index), *column).map_err(|why| format!("column {}: {why}", column.name))?;
             numbers.push(number);
@@ -112,16 +149,21 @@ impl Columns {
 }
 
 /// The columns in the file's order.
-fn check_header(header: &ByteRecord, schema: Schema) -> Result<Vec<Column>, String> {
-    let mut present: Vec<Column> = Vec::new();
+fn check_header(header: &ByteRecord, schema: Schema, extra: Extra) -> Result<Vec<Named>, String> {
+    if header.len() == 1 && header.iter().any(|whole| whole.contains(&b';')) {
+        return Err("columns are separated by `;`; allowed: commas, and decimal points in numbers".into());
+    }
+    let mut present: Vec<Named> = Vec::new();
     for name in header {
         let known = schema.columns().find(|column| column.name.as_bytes() == name);
-        let column = known.ok_or_else(|| {
-            format!("column {}: unknown; known columns are {}", shown(name), schema.known_names())
-        })?;
-        if present.iter().any(|other| other.name == column.name) {
-            return Err(format!("column {}: stands there twice", column.name));
-        }
+        let column = match known {
+            Some(column) if present.iter().any(|other| other.is(&column)) => {
+                return Err(format!("column {}: stands there twice", column.name));
+            }
+            Some(column) => Named::Known(column),
+            None if extra == Extra::Ignored => Named::Ignored(String::from_utf8_lossy(name).into_owned()),
+            None => return Err(unknown(name, schema)),
+        };
         present.push(column);
     }
     for group in schema.one_of {
@@ -130,14 +172,53 @@ fn check_header(header: &ByteRecord, schema: Schema) -> Result<Vec<Column>, Stri
     Ok(present)
 }
 
-fn check_group(group: &[Column], present: &[Column]) -> Result<(), String> {
+fn unknown(name: &[u8], schema: Schema) -> String {
+    let text = String::from_utf8_lossy(name);
+    let nearest = meant(&text, schema).or_else(|| nearest(&text, schema));
+    let hint = nearest.map(|nearest| format!("; meant is perhaps {nearest}")).unwrap_or_default();
+    let ignore = if schema.may_ignore { "; --ignore-extra reads the file without it" } else { "" };
+    format!("column {}: unknown; known columns are {}{hint}{ignore}", shown(name), schema.known_names())
+}
+
+/// A known column by another program's name.
+fn meant(name: &str, schema: Schema) -> Option<&'static str> {
+    let lower = name.to_lowercase();
+    let column = schema.columns().find(|column| column.other_names.contains(&lower.as_str()));
+    column.map(|column| column.name)
+}
+
+/// A known column of nearly the same name.
+fn nearest(name: &str, schema: Schema) -> Option<&'static str> {
+    const ALIKE: f64 = 0.85;
+    let likeness = schema.columns().map(|column| (column.name, strsim::jaro_winkler(name, column.name)));
+    let (nearest, alike) = likeness.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (alike >= ALIKE).then_some(nearest)
+}
+
+fn check_group(group: &[Column], present: &[Named]) -> Result<(), String> {
     let names: Vec<_> = group.iter().map(|column| column.name).collect();
-    let found: Vec<_> = names.iter().filter(|name| present.iter().any(|c| c.name == **name)).collect();
+    let found: Vec<_> = group
+        .iter()
+        .filter(|column| present.iter().any(|c| c.is(column)))
+        .map(|column| column.name)
+        .collect();
     match found.as_slice() {
-        [] => Err(format!("column {}: missing", names.join(" or "))),
+        [] => Err(format!("column {}: missing{}", names.join(" or "), ignored_instead(group, present))),
         [_] => Ok(()),
         [_, second, ..] => Err(format!("column {second}: only one of {} is allowed", names.join(" and "))),
     }
+}
+
+/// An ignored column that is perhaps the one that is missing.
+fn ignored_instead(group: &[Column], present: &[Named]) -> String {
+    let is_other_name = |name: &str| group.iter().any(|column| column.other_names.contains(&name));
+    let meant = |column: &Named| match column {
+        Named::Ignored(name) if is_other_name(&name.to_lowercase()) => {
+            Some(format!("; {name:?} is perhaps it"))
+        }
+        _ => None,
+    };
+    present.iter().find_map(meant).unwrap_or_default()
 }
 
 fn number(cell: Option<&[u8]>, column: Column) -> Result<f64, String> {

@@ -5,13 +5,18 @@
 //! any joint, so that a damaged digit is refused where it stands.
 
 mod columns;
+mod joined;
 mod measured;
 mod open_loop;
+mod soundness;
 mod time;
+mod written;
 
+pub use columns::Extra;
 pub use measured::MeasuredLog;
 pub use open_loop::{Drive, DriveSample, OpenLoop, OpenLoopRow, write_open_loop};
 pub use time::{GAP_LEAST, GAP_RATIO, Instant, Jitter, LONGEST, Time};
+pub use written::write_columns;
 
 /// Longest file (bytes).
 const LONGEST_FILE: u64 = 1 << 30;

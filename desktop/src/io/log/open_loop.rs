@@ -6,15 +6,16 @@
 use std::fmt::Display;
 use std::path::Path;
 
-use super::columns::{Column, Columns, Schema};
+use super::columns::{Column, Columns, Extra, Schema};
 use super::time::{Instant, TIME, Time};
 use super::{ANGLE_LIMIT, LONGEST_FILE, SPEED_LIMIT, TORQUE_LIMIT};
 use crate::io::file::{self, BadInput, WriteError};
 
-const POSITION: Column = Column { name: "theta_wg_rad", limit: ANGLE_LIMIT };
-const VELOCITY: Column = Column { name: "omega_wg_rad_s", limit: SPEED_LIMIT };
-const LOAD: Column = Column { name: "tau_load_nm", limit: TORQUE_LIMIT };
-const SCHEMA: Schema = Schema { one_of: &[&[TIME], &[POSITION, VELOCITY], &[LOAD]], optional: &[] };
+const POSITION: Column = Column { name: "theta_wg_rad", limit: ANGLE_LIMIT, other_names: &[] };
+const VELOCITY: Column = Column { name: "omega_wg_rad_s", limit: SPEED_LIMIT, other_names: &[] };
+const LOAD: Column = Column { name: "tau_load_nm", limit: TORQUE_LIMIT, other_names: &[] };
+const SCHEMA: Schema =
+    Schema { one_of: &[&[TIME], &[POSITION, VELOCITY], &[LOAD]], optional: &[], may_ignore: false };
 
 /// Drive of the wave generator.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,7 +70,7 @@ impl OpenLoop {
     /// # Errors
     /// As [`OpenLoop::read`].
     pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, BadInput> {
-        let mut columns = Columns::parse(path, bytes, SCHEMA)?;
+        let mut columns = Columns::parse(path, bytes, SCHEMA, Extra::Refused)?;
         let time = Time::check(columns.require(TIME)).map_err(|why| BadInput::new(path, why))?;
         let drive = match columns.take(POSITION) {
             Some(position) => Drive::Position(position),

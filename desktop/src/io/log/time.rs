@@ -19,7 +19,11 @@ pub const GAP_RATIO: f64 = 10.0;
 pub const GAP_LEAST: f64 = 0.05;
 
 /// The time column. Stamps may count from 1970.
-pub(super) const TIME: Column = Column { name: "t_s", limit: 1e10 };
+pub(super) const TIME: Column = Column {
+    name: "t_s",
+    limit: 1e10,
+    other_names: &["t", "time", "time_s", "timestamp", "timestamp_s", "seconds"],
+};
 
 /// Strictly increasing time stamps (s) without a gap.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,6 +83,11 @@ impl Time {
     /// `count` stamps every `interval` (s), from 0.
     pub fn every(interval: f64, count: usize) -> Self {
         Self((0..count).map(|k| k as f64 * interval).collect())
+    }
+
+    /// Stamps that were checked in parts.
+    pub(super) fn from_stamps(stamps: impl Iterator<Item = f64>) -> Self {
+        Self(stamps.collect())
     }
 
     /// The stamps (s).

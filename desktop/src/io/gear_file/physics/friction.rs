@@ -9,18 +9,20 @@ use crate::io::gear_file::GearFile;
 use crate::io::gear_file::friction::Friction;
 use crate::io::gear_file::friction_params::friction_params;
 
-pub(super) fn check(gear: &GearFile) -> Result<(), String> {
-    for (path, side, inertia) in [
-        ("friction.input", &gear.friction.input, gear.inertia.wave_generator),
-        ("friction.output", &gear.friction.output, gear.inertia.flexspline),
-    ] {
-        let refused = damped(side, inertia).and_then(|()| built(side));
-        refused.map_err(|Refused { key, value, allowed }| {
-            let value = value.map_or(String::new(), |value| format!(" = {value}"));
-            format!("{path}.{key}{value} is out of range; allowed: {allowed}")
-        })?;
-    }
-    Ok(())
+pub(super) fn input(gear: &GearFile) -> Result<(), String> {
+    check("friction.input", &gear.friction.input, gear.inertia.wave_generator)
+}
+
+pub(super) fn output(gear: &GearFile) -> Result<(), String> {
+    check("friction.output", &gear.friction.output, gear.inertia.flexspline)
+}
+
+fn check(path: &str, side: &Friction, inertia: f64) -> Result<(), String> {
+    let refused = damped(side, inertia).and_then(|()| built(side));
+    refused.map_err(|Refused { key, value, allowed }| {
+        let value = value.map_or(String::new(), |value| format!(" = {value}"));
+        format!("{path}.{key}{value} is out of range; allowed: {allowed}")
+    })
 }
 
 /// A key of a side, its value where it is one number, and what is allowed.

@@ -1,0 +1,28 @@
+//! Columns of numbers as a CSV file.
+
+use std::path::Path;
+
+use crate::io::file::{self, BadInput, WriteError};
+
+/// Writes columns of one length with their names, complete or not at all.
+///
+/// # Errors
+/// The file cannot be written, or a value is not finite.
+pub fn write_columns(path: &Path, columns: &[(String, &[f64])]) -> Result<(), BadInput> {
+    file::write(path, |out| {
+        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
+        let failed = |error: csv::Error| WriteError::Io(error.into());
+        writer.serialize(columns.iter().map(|(name, _)| name).collect::<Vec<_>>()).map_err(failed)?;
+        let rows = columns.iter().map(|(_, column)| column.len()).min().unwrap_or(0);
+        for row in 0..rows {
+            let numbers: Vec<_> = columns.iter().map(|(_, column)| column[row]).collect();
+            if let Some(at) = numbers.iter().position(|number| !number.is_finite()) {
+                let why =
+                    format!("column {} of row {} is not finite", columns[at].0, super::columns::row_of(row));
+                return Err(WriteError::Refused(why));
+            }
+            writer.serialize(numbers).map_err(failed)?;
+        }
+        Ok(writer.flush()?)
+    })
+}
