@@ -7,7 +7,7 @@ use crate::compensator::reference::measured_feedback::MeasuredError;
 use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::reference::output_feedback::OutputError;
 use crate::compensator::schedule::OBSERVER_PERIODS;
-use crate::compensator::{Compensator, Estimate, Faults, Input, Setpoint, State};
+use crate::compensator::{Compensator, Faults, Input, Setpoint, State};
 use crate::real::{RADIANS_PER_COUNT, Real};
 
 impl<R: Real> Compensator<R> {
@@ -23,14 +23,15 @@ impl<R: Real> Compensator<R> {
             readable: !faults.contains(Faults::INPUT_NOT_FINITE),
         };
         let gravity = state.learning.gravity_torque();
-        let now = || {
-            let estimate = self.observer.estimate(&state.observer, &state.gear_correction);
-            Estimate { external_torque: estimate.external_torque + gravity, ..estimate }
-        };
+        let now = || self.observer.estimate(&state.observer, &state.gear_correction);
         let controlled =
             state.motor_reference.closed && state.mode.mode().drives() && state.fallback.trusted();
-        let following =
-            Following { error: state.motor_reference.position_error, limited: state.limited && controlled };
+        let following = Following {
+            error: state.motor_reference.position_error,
+            limited: state.limited && controlled,
+            velocity: state.observer.output_velocity(),
+            load: state.observer.external_torque() + gravity,
+        };
         let target = self.commander.step(&mut state.commander, &command, status, following, now, &mut faults);
         state.faults.plan = faults;
         let setpoint = &target.setpoint;

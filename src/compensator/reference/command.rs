@@ -37,7 +37,7 @@
 //! A setpoint that was followed can still ask for more than a loaded joint can give. While the torque is limited and the
 //! motor is further from its reference than tau_max/(k_p^2*(J_wg + J_fs/n^2)) + |n*dq|/k_p, which a cascade without
 //! feed-forward passes when its motor's largest acceleration is not enough, the joint has lost its reference: that goes on from the estimated motion of the output
-//! and approaches the setpoint from there. The output must move at half of the reference's speed at least: one that is held against its reference, or
+//! and approaches the setpoint from there. The output must move at more than half of the reference's speed: one that is held against its reference, or
 //! falls, stays lost, up to the fault "following error".
 //!
 //! A first setpoint away from the output is not approached: the two controllers may disagree on the zero. The reference
@@ -49,6 +49,7 @@
 //! [`crate::compensator::actuate::fallback`].
 
 use crate::angle::Angle;
+use crate::branch::seldom;
 use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::protection::Protection;
 use crate::compensator::{Estimate, Faults, Limits, Setpoint};
@@ -162,6 +163,9 @@ pub struct Following<R> {
     pub error: R,
     /// The torque is limited, of a motor whose position is controlled.
     pub limited: bool,
+    /// Speed of the output (rad/s), and external torque on it (N m), as estimated.
+    pub velocity: R,
+    pub load: R,
 }
 
 /// Target of the stages after it.
@@ -237,7 +241,12 @@ impl<R: Real> Commander<R> {
         state.time = time;
         let lost = following.limited
             && !following.error.is_within(self.lost + self.lag * state.velocity().abs())
-            && self.goes_on_from_output(state, &estimate());
+            && moves_with(following.velocity, state.velocity());
+        if lost {
+            seldom();
+            let reached = Setpoint { velocity: following.velocity, ..at_rest(&estimate()) };
+            (state.reference, state.approaches) = (Some(reached), true);
+        }
         state.unreadable = if readable { R::ZERO } else { (state.unreadable + time).min(R::ONE) };
         // An age that is not a number is stale.
         let fresh = age <= R::lit(STALE) && state.unreadable <= R::lit(STALE);
@@ -250,7 +259,7 @@ impl<R: Real> Commander<R> {
                     at_rest(&estimate())
                 });
                 let commanded = if readable { setpoint } else { self.extrapolated(&from, time) };
-                (Kind::Position, self.positioned(state, from, commanded, stale, &estimate, faults), None)
+                (Kind::Position, self.positioned(state, from, commanded, stale, following.load, faults), None)
             }
             Command::Velocity { velocity, acceleration } => {
                 let from = state.reference.unwrap_or_else(|| at_rest(&estimate()));
@@ -266,18 +275,6 @@ impl<R: Real> Commander<R> {
         let switched = lost || state.reference.is_some() && state.kind != kind;
         (state.reference, state.kind) = (Some(setpoint), kind);
         Target { setpoint, torque, switched }
-    }
-
-    /// The reference goes on from the output, where that moves with it.
-    #[cold]
-    fn goes_on_from_output(&self, state: &mut CommanderState<R>, output: &Estimate<R>) -> bool {
-        let velocity = output.output_velocity;
-        let moves = velocity * R::ONE.copysign(state.velocity()) > R::lit(0.5) * state.velocity().abs();
-        if moves {
-            state.reference = Some(Setpoint { velocity, ..at_rest(output) });
-            state.approaches = true;
-        }
-        moves
     }
 
     /// The reference extrapolated by a round.
@@ -296,7 +293,7 @@ impl<R: Real> Commander<R> {
         from: Setpoint<R>,
         commanded: Setpoint<R>,
         stale: bool,
-        estimate: impl Fn() -> Estimate<R>,
+        load: R,
         faults: &mut Faults,
     ) -> Setpoint<R> {
         let change = state.time * from.acceleration;
@@ -308,7 +305,7 @@ impl<R: Real> Commander<R> {
             state.waits = false;
             return commanded;
         }
-        self.approach(state, from, commanded, stale, estimate().external_torque, faults)
+        self.approach(state, from, commanded, stale, load, faults)
     }
 
     #[cold]
@@ -382,6 +379,11 @@ impl<R: Real> Commander<R> {
     }
 }
 
+/// The reference moves, and the output at more than half of its speed (rad/s).
+fn moves_with<R: Real>(output: R, reference: R) -> bool {
+    reference * (output - R::lit(0.5) * reference) > R::ZERO
+}
+
 /// At rest at the output's angle.
 fn at_rest<R: Real>(estimate: &Estimate<R>) -> Setpoint<R> {
     Setpoint { position: estimate.output_position, ..Setpoint::default() }
@@ -393,7 +395,7 @@ mod tests {
     use crate::compensator::schedule::{CONTROL_PERIOD, SLOW_PERIODS};
 
     const ROUND: f64 = SLOW_PERIODS as f64 * CONTROL_PERIOD;
-    const GOOD: Following<f64> = Following { error: 0.0, limited: false };
+    const GOOD: Following<f64> = Following { error: 0.0, limited: false, velocity: 0.0, load: 0.0 };
 
     fn commander() -> Commander<f64> {
         let gear = crate::gear::tests::params();
@@ -450,12 +452,9 @@ mod tests {
         for k in 0..200 {
             let speed = 4.0 * (f64::from(k) / 100.0).min(1.0);
             let at = state.position().to_radians() + ROUND * speed;
-            let behind = Estimate {
-                output_position: Angle::from_radians_f64(at - 0.1),
-                output_velocity: velocity,
-                ..Estimate::default()
-            };
-            let following = Following { error, limited: k == 199 };
+            let behind =
+                Estimate { output_position: Angle::from_radians_f64(at - 0.1), ..Estimate::default() };
+            let following = Following { error, limited: k == 199, velocity, load: 0.0 };
             target =
                 commander.step(&mut state, &moving(at, speed), status, following, || behind, &mut faults);
         }
@@ -473,15 +472,23 @@ mod tests {
         }
     }
 
+    /// An output that a load pushes away from a reference at rest is not followed.
+    #[test]
+    fn a_reference_at_rest_is_never_lost() {
+        for velocity in [-2.0, 0.0, 2.0] {
+            assert!(!moves_with(velocity, 0.0), "{velocity}");
+        }
+    }
+
     #[test]
     fn a_load_leaves_less_acceleration_against_it() {
         let largest = |load: f64| {
             let (commander, mut state, mut faults) = (commander(), CommanderState::default(), Faults::NONE);
             let status = CommandStatus { time: ROUND, age: 0.0, readable: true };
-            let loaded = || Estimate { external_torque: load, ..Estimate::default() };
-            commander.step(&mut state, &moving(0.0, 0.0), status, GOOD, loaded, &mut faults);
+            let (loaded, rest) = (Following { load, ..GOOD }, Estimate::default);
+            commander.step(&mut state, &moving(0.0, 0.0), status, loaded, rest, &mut faults);
             let mut step = || {
-                let target = commander.step(&mut state, &moving(0.5, 0.0), status, GOOD, loaded, &mut faults);
+                let target = commander.step(&mut state, &moving(0.5, 0.0), status, loaded, rest, &mut faults);
                 target.setpoint.acceleration
             };
             (0..1000).map(|_| step()).fold(0.0, f64::max)
