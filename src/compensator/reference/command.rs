@@ -35,10 +35,11 @@
 //! the output more, and against it less. What the setpoint's own acceleration leaves of a catches up with it.
 //!
 //! A setpoint that was followed can still ask for more than a loaded joint can give. While the torque is limited and the
-//! motor is further from its reference than tau_max/(k_p^2*(J_wg + J_fs/n^2)) + |n*dq|/k_p, which a cascade without
-//! feed-forward passes when its motor's largest acceleration is not enough, the joint has lost its reference: that goes on from the estimated motion of the output
-//! and approaches the setpoint from there. The output must move at more than half of the reference's speed: one that is held against its reference, or
-//! falls, stays lost, up to the fault "following error".
+//! motor is further from its reference than 2*tau_max/(k_p^2*(J_wg + J_fs/n^2)) + |n*dq|/k_p, half of the fault "following
+//! error" ([`crate::compensator::sense::rotor`]) and what a cascade without feed-forward lags, the joint has lost its
+//! reference: that goes on from the estimated motion of the output and approaches the setpoint from there, unless the
+//! model is not trusted ([`crate::compensator::actuate::fallback`]). The output must move at more than half of the
+//! reference's speed: one that is held against its reference, or falls, stays lost, up to the fault.
 //!
 //! A first setpoint away from the output is not approached: the two controllers may disagree on the zero. The reference
 //! stays at the initial angle of the output, with a fault, until the setpoint comes there.
@@ -65,6 +66,8 @@ const SLIP_TIME: f64 = 0.02;
 const APPROACH_RATE: f64 = 25.0;
 /// T_j, time from no acceleration to a (s).
 const JERK_TIME: f64 = 0.005;
+/// Position error of a lost reference, in those of the cascade at the motor's largest acceleration.
+const LOST: f64 = 2.0;
 /// Largest |l|.
 const LARGEST_LOAD: f64 = 0.8;
 /// Speed below which a braked reference rests (rad/s).
@@ -108,7 +111,7 @@ pub struct Commander<R> {
     acceleration: R,
     /// 1/min(L, tau_max*|n|) (1/(N m)).
     by_load: R,
-    /// tau_max/(k_p^2*(J_wg + J_fs/n^2)) (rad), and |n|/k_p (s).
+    /// 2*tau_max/(k_p^2*(J_wg + J_fs/n^2)) (rad), and |n|/k_p (s).
     lost: R,
     lag: R,
     velocity: R,
@@ -217,7 +220,8 @@ impl<R: Real> Commander<R> {
             inverse_dt: R::ONE / dt,
             acceleration,
             by_load: R::ONE / protection.torque().min(limits.motor_torque * n),
-            lost: n * n * limits.motor_torque / (whole * cascade.position_gain * cascade.position_gain),
+            lost: R::lit(LOST) * n * n * limits.motor_torque
+                / (whole * cascade.position_gain * cascade.position_gain),
             velocity: limits.setpoint_speed(gear.ratio),
             lag: n / cascade.position_gain,
             near: quarter / cascade.position_gain,
