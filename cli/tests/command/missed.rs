@@ -6,13 +6,13 @@ use strainwave_emulator::setup::{self, ThisHost};
 
 use crate::bench::Bench;
 
-/// Half a second of an output held against a load of 40 N m that swings three times a second.
+/// Half a second of an output held, but for 0.1 urad, against a load of 40 N m that swings three times a second.
 fn log_of_a_gear_without_torsion() -> String {
     let mut log = String::from("t_s,theta_motor_rad,tau_motor_nm,theta_out_rad,tau_out_nm\n");
     for k in 0..=125 {
         let time = f64::from(k) * 0.004;
-        let torque = 40.0 * (std::f64::consts::TAU * 3.0 * time).sin();
-        let _ = writeln!(log, "{time},0,0,0,{torque}");
+        let swing = (std::f64::consts::TAU * 3.0 * time).sin();
+        let _ = writeln!(log, "{time},0,0,{:e},{}", 1e-7 * swing, 40.0 * swing);
     }
     log
 }

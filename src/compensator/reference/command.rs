@@ -166,8 +166,9 @@ pub struct Following<R> {
     pub error: R,
     /// The torque is limited, of a motor whose position is controlled.
     pub limited: bool,
-    /// Speed of the output (rad/s), and external torque on it (N m), as estimated.
+    /// Estimated speed of the output (rad/s).
     pub velocity: R,
+    /// Estimated external torque on it (N m).
     pub load: R,
 }
 
