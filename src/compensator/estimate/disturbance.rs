@@ -187,6 +187,7 @@ impl<R: Real> Disturbance<R> {
             state.unloads = takes && (state.unloads || beyond != R::ZERO);
             if state.unloads { change } else { beyond }
         } else {
+            state.unloads = false;
             external_torque.dead_zone(self.dead_zone) - state.slow
         };
         state.slow += self.slow_gain * change;

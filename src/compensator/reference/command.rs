@@ -12,27 +12,7 @@
 //! time dt that it took by the clock ([`crate::compensator::sense::clock`]).
 //!
 //! There is always a reference: before the first command, and after a torque command, it is the output's angle. A
-//! setpoint that the joint can follow passes unchanged. With x the setpoint less the extrapolated last reference, and
-//! s <- (1 - dt/T_s)*s + x, the joint cannot follow it when
-//!
-//! ```text
-//! |s| > tau_max/(4*k_p*k_v*|n|)   or   |dq - dq_foreseen| > tau_max/(4*k_v*|n|) + a_max*dt
-//! a_max = min(0.9*a_p, 0.6*tau_max*|n|/(n^2*J_wg + J_fs))
-//! ```
-//!
-//! (dq_foreseen: the extrapolated speed; a_p: what the gear's protection admits,
-//! [`crate::compensator::actuate::protection::Protection::acceleration`]), for that is a step that would take a quarter of
-//! the motor's torque. Then the reference approaches it within the joint's speed (95 %), a and a jerk of a in T_j = 5 ms,
-//! until it reaches it:
-//!
-//! ```text
-//! v = dq_c + limit(min(k*|e|, sqrt(max(a - |ddq_c|, 0)*|e|)))*sign(e),   k = 25/s
-//! ddq -> ddq_c + 4*k*(v - dq) in -a_minus..a_plus
-//! a_plus, a_minus = a_max*(1 +- l),   a = min(a_plus, a_minus),   l = limit(tau_ext/min(L, tau_max*|n|), 0.8)
-//! ```
-//!
-//! tau_ext is the estimated external torque: with it the torques L of the gear and tau_max of the motor accelerate
-//! the output more, and against it less. What the setpoint's own acceleration leaves of a catches up with it.
+//! setpoint that the joint can follow passes unchanged; any other is approached (`approach.rs`).
 //!
 //! A setpoint that was followed can still ask for more than a loaded joint can give. While the torque is limited and the
 //! motor is further from its reference than 2*tau_max/(k_p^2*(J_wg + J_fs/n^2)) + |n*dq|/k_p, half of the fault "following
@@ -53,6 +33,7 @@ use crate::angle::Angle;
 use crate::branch::seldom;
 use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::protection::Protection;
+use crate::compensator::reference::approach::{Approach, Moment};
 use crate::compensator::{Estimate, Faults, Limits, Setpoint};
 use crate::error::Error;
 use crate::gear::GearParams;
@@ -60,18 +41,8 @@ use crate::real::{RADIANS_PER_COUNT, Real};
 
 /// Age at which a setpoint is stale (s): twenty periods of an outer controller of 1 kHz.
 pub const STALE: f64 = 0.02;
-/// T_s (s).
-const SLIP_TIME: f64 = 0.02;
-/// k (1/s).
-const APPROACH_RATE: f64 = 25.0;
-/// T_j, time from no acceleration to a (s).
-const JERK_TIME: f64 = 0.005;
 /// Position error of a lost reference, in those of the cascade at the motor's largest acceleration.
 const LOST: f64 = 2.0;
-/// Largest |l|.
-const LARGEST_LOAD: f64 = 0.8;
-/// Speed below which a braked reference rests (rad/s).
-const REST: f64 = 1e-4;
 
 /// Command of the outer controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,22 +75,10 @@ impl<R> From<Setpoint<R>> for Command<R> {
 /// The built generator of the output's reference from a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Commander<R> {
-    /// Nominal time from command to command (s), and its inverse (1/s).
-    dt: R,
-    inverse_dt: R,
-    /// a_max (rad/s^2).
-    acceleration: R,
-    /// 1/min(L, tau_max*|n|) (1/(N m)).
-    by_load: R,
+    approach: Approach<R>,
     /// 2*tau_max/(k_p^2*(J_wg + J_fs/n^2)) (rad), and |n|/k_p (s).
     lost: R,
     lag: R,
-    velocity: R,
-    /// Bounds of s (rad) and of the speed's difference (rad/s) within which a setpoint passes unchanged.
-    near: R,
-    near_velocity: R,
-    /// 1 - dt/T_s.
-    keep: R,
     /// Farthest step of a position (counts).
     farthest: u64,
 }
@@ -134,9 +93,8 @@ pub struct CommanderState<R> {
     approaches: bool,
     /// The first setpoint has not come near the output yet.
     waits: bool,
-    /// Time without a readable command, and that since the last one (s).
+    /// Time without a readable command (s).
     unreadable: R,
-    time: R,
 }
 
 /// Which kind a command is.
@@ -211,23 +169,13 @@ impl<R: Real> Commander<R> {
         limits.check()?;
         let n = R::from_i32(gear.ratio).abs();
         let whole = n * n * gear.wave_generator_inertia + gear.flexspline_inertia;
-        let by_gear = R::lit(0.9) * protection.acceleration(gear);
-        let acceleration = by_gear.min(R::lit(0.6) * limits.motor_torque * n / whole);
-        let quarter = R::lit(0.25) * limits.motor_torque / (cascade.velocity_gain * n);
         // Twice the top speed, and what the rounding of a setpoint in f32 may add.
         let counts = R::lit(2.0 / RADIANS_PER_COUNT) * limits.output_speed(gear.ratio) * dt;
         Ok(Self {
-            dt,
-            inverse_dt: R::ONE / dt,
-            acceleration,
-            by_load: R::ONE / protection.torque().min(limits.motor_torque * n),
+            approach: Approach::build(gear, limits, cascade, protection, dt),
             lost: R::lit(LOST) * n * n * limits.motor_torque
                 / (whole * cascade.position_gain * cascade.position_gain),
-            velocity: limits.setpoint_speed(gear.ratio),
             lag: n / cascade.position_gain,
-            near: quarter / cascade.position_gain,
-            near_velocity: quarter + acceleration * dt,
-            keep: (R::ONE - dt * R::lit(1.0 / SLIP_TIME)).max(R::ZERO),
             farthest: u64::from(counts.to_i32().unsigned_abs()) + 256,
         })
     }
@@ -243,7 +191,6 @@ impl<R: Real> Commander<R> {
         estimate: impl Fn() -> Estimate<R>,
         faults: &mut Faults,
     ) -> Target<R> {
-        state.time = time;
         let lost = following.limited
             && !following.error.is_within(self.lost + self.lag * state.velocity().abs())
             && moves_with(following.velocity, state.velocity());
@@ -263,8 +210,9 @@ impl<R: Real> Commander<R> {
                     state.waits = true;
                     at_rest(&estimate())
                 });
-                let commanded = if readable { setpoint } else { self.extrapolated(&from, time) };
-                (Kind::Position, self.positioned(state, from, commanded, stale, following.load, faults), None)
+                let commanded = if readable { setpoint } else { self.approach.extrapolated(&from, time) };
+                let moment = Moment { time, stale, load: following.load };
+                (Kind::Position, self.positioned(state, &from, &commanded, &moment, faults), None)
             }
             Command::Velocity { velocity, acceleration } => {
                 let from = state.reference.unwrap_or_else(|| at_rest(&estimate()));
@@ -282,90 +230,46 @@ impl<R: Real> Commander<R> {
         Target { setpoint, torque, switched }
     }
 
-    /// The reference extrapolated by a round.
-    #[cold]
-    fn extrapolated(&self, from: &Setpoint<R>, time: R) -> Setpoint<R> {
-        let change = time * from.acceleration;
-        let position = from.position.plus(time * (from.velocity + R::lit(0.5) * change));
-        let velocity = (from.velocity + change).limit(self.velocity);
-        Setpoint { position, velocity, acceleration: from.acceleration, ..Setpoint::default() }
-    }
-
     #[inline(always)]
     fn positioned(
         &self,
         state: &mut CommanderState<R>,
-        from: Setpoint<R>,
-        commanded: Setpoint<R>,
-        stale: bool,
-        load: R,
+        from: &Setpoint<R>,
+        commanded: &Setpoint<R>,
+        moment: &Moment<R>,
         faults: &mut Faults,
     ) -> Setpoint<R> {
-        let change = state.time * from.acceleration;
-        let step = state.time * (from.velocity + R::lit(0.5) * change);
-        state.slip = self.keep * state.slip + (commanded.position.minus(from.position) - step);
-        let velocity_step = commanded.velocity - from.velocity - change;
-        let near = state.slip.is_within(self.near) && velocity_step.is_within(self.near_velocity);
-        if near && !state.approaches && !stale {
+        let follows = self.approach.can_follow(&mut state.slip, from, commanded, moment.time);
+        if follows && !state.approaches && !moment.stale {
             state.waits = false;
-            return commanded;
+            return *commanded;
         }
-        self.approach(state, from, commanded, stale, load, faults)
+        self.approached(state, from, commanded, moment, faults)
     }
 
     #[cold]
     #[inline(never)]
-    fn approach(
+    fn approached(
         &self,
         state: &mut CommanderState<R>,
-        from: Setpoint<R>,
-        commanded: Setpoint<R>,
-        stale: bool,
-        load: R,
+        from: &Setpoint<R>,
+        commanded: &Setpoint<R>,
+        moment: &Moment<R>,
         faults: &mut Faults,
     ) -> Setpoint<R> {
-        if state.waits && !commanded.position.minus(from.position).is_within(self.near) {
+        state.slip = R::ZERO;
+        if state.waits && !self.approach.is_near(commanded.position.minus(from.position)) {
             faults.raise_if(true, Faults::SETPOINT_STEP);
-            state.slip = R::ZERO;
             return Setpoint { position: from.position, ..Setpoint::default() };
         }
         state.waits = false;
         let moved = commanded.position.counts.wrapping_sub(from.position.counts).unsigned_abs();
-        faults.raise_if(!state.approaches && !stale && moved > self.farthest, Faults::SETPOINT_STEP);
-        let helped = self.acceleration * (self.by_load * load).limit(R::lit(LARGEST_LOAD));
-        let [down, up] = [helped - self.acceleration, helped + self.acceleration];
-        let most = up.min(-down);
-        // A reference is extrapolated by its jerk until the next one.
-        let jerked = state.time * from.jerk;
-        let present = (from.acceleration + jerked).min(up).max(down);
-        let change = state.time * (present - R::lit(0.5) * jerked);
-        let position = from.position.plus(state.time * (from.velocity + R::lit(0.5) * change));
-        let velocity = (from.velocity + change).limit(self.velocity);
-        let distance = commanded.position.minus(position);
-        let difference = commanded.velocity - velocity;
-        let together = distance.is_within(R::lit(0.125) * self.near)
-            && difference.is_within(R::lit(0.25) * self.near_velocity);
-        state.approaches = stale || !together;
-        state.slip = R::ZERO;
-        if !state.approaches {
-            return commanded;
-        }
-        faults.raise_if(!stale, Faults::SETPOINT_LIMITED);
-        let (target, along) = if stale {
-            (R::ZERO, R::ZERO)
-        } else {
-            let (room, spare) = (distance.abs(), (most - commanded.acceleration.abs()).max(R::ZERO));
-            let speed = (R::lit(APPROACH_RATE) * room).min((spare * room).sqrt_or_zero());
-            ((commanded.velocity + speed.copysign(distance)).limit(self.velocity), commanded.acceleration)
-        };
-        if stale && velocity.is_within(R::lit(REST)) {
-            return Setpoint { position, ..Setpoint::default() };
-        }
-        let target_acceleration =
-            (along + R::lit(4.0 * APPROACH_RATE) * (target - velocity)).min(up).max(down);
-        let step = most * self.dt * R::lit(1.0 / JERK_TIME);
-        let change = (target_acceleration - present).limit(step);
-        Setpoint { position, velocity, acceleration: present, jerk: change * self.inverse_dt, snap: R::ZERO }
+        let stepped = moved > self.farthest;
+        faults.raise_if(!state.approaches && !moment.stale && stepped, Faults::SETPOINT_STEP);
+        let next = self.approach.step(from, commanded, moment);
+        state.approaches = next.is_some();
+        faults.raise_if(state.approaches && !moment.stale, Faults::SETPOINT_LIMITED);
+        next.unwrap_or(*commanded)
     }
 
     fn integrated(
@@ -376,7 +280,7 @@ impl<R: Real> Commander<R> {
         faults: &mut Faults,
     ) -> Setpoint<R> {
         let change = velocity - from.velocity;
-        let limited = change.limit(self.acceleration * time);
+        let limited = change.limit(self.approach.acceleration() * time);
         faults.raise_if(limited != change, Faults::SETPOINT_LIMITED);
         let velocity = from.velocity + limited;
         let position = from.position.plus(velocity * time);
@@ -483,22 +387,5 @@ mod tests {
         for velocity in [-2.0, 0.0, 2.0] {
             assert!(!moves_with(velocity, 0.0), "{velocity}");
         }
-    }
-
-    #[test]
-    fn a_load_leaves_less_acceleration_against_it() {
-        let largest = |load: f64| {
-            let (commander, mut state, mut faults) = (commander(), CommanderState::default(), Faults::NONE);
-            let status = CommandStatus { time: ROUND, age: 0.0, readable: true };
-            let (loaded, rest) = (Following { load, ..GOOD }, Estimate::default);
-            commander.step(&mut state, &moving(0.0, 0.0), status, loaded, rest, &mut faults);
-            let mut step = || {
-                let target = commander.step(&mut state, &moving(0.5, 0.0), status, loaded, rest, &mut faults);
-                target.setpoint.acceleration
-            };
-            (0..1000).map(|_| step()).fold(0.0, f64::max)
-        };
-        assert!(largest(-60.0) < 0.6 * largest(0.0), "{} {}", largest(-60.0), largest(0.0));
-        assert!(largest(60.0) > 1.4 * largest(0.0), "{} {}", largest(60.0), largest(0.0));
     }
 }

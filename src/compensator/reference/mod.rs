@@ -1,5 +1,6 @@
 //! From the command to where the motor should be, and with what torque.
 
+mod approach;
 pub mod command;
 pub mod directions;
 pub mod feed_forward;
