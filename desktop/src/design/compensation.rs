@@ -36,18 +36,20 @@ use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Damping ratio that the output feedback adds to the torsion mode, by the estimate.
 const ADDED_DAMPING: f64 = 0.125;
-/// The same by the output encoder.
-const MEASURED_DAMPING: f64 = 0.4;
-/// P.
-const PROPORTIONAL: f64 = 0.4;
+/// The same by the output encoder, in slow motion and at rest, where more of it opposes a load step.
+const MEASURED_DAMPING: [f64; 2] = [0.4, 0.55];
+/// P, alike.
+const PROPORTIONAL: [f64; 2] = [0.4, 0.26];
 /// omega_m as a multiple of omega: a count of the output encoder moves the reference of a joint in slow motion by
 /// P + 2*zeta*omega_m/omega = 4.4 counts.
 const MEASURED_CORNER: f64 = 5.0;
-/// Largest change of the torque by a count of the output encoder, of the motor's peak torque.
+/// Largest change of the torque by a count of the output encoder in slow motion, of the motor's peak torque.
 const COUNT_TORQUE: f64 = 0.05;
-/// k without and with an output encoder, in slow motion and at rest, as fractions of the outer frequency.
+/// Largest torque that P and D ask for at a step of the rated torque, in motor's peak torques: with more, a motor at its
+/// limit no longer damps, and a load far lighter than its rotor is lost.
+const STEP_TORQUE: f64 = 10.0;
+/// k without and with an output encoder, as a fraction of the outer frequency.
 const INTEGRAL: [f64; 2] = [0.0, 0.3];
-const INTEGRAL_AT_REST: [f64; 2] = [0.0, 0.25];
 /// omega_y as a multiple of omega: z takes a damping ratio of 0.03 off the mode, of 0.125 without its poles.
 const FILTER_CORNER: f64 = 1.5;
 /// Outer frequency over the position gain, at most.
@@ -129,17 +131,34 @@ fn estimated_level(file: &GearFile) -> f64 {
     damping_level(file, lateness(&file.drive) + 0.5 * f64::from(SLOW_PERIODS) * CONTROL_PERIOD)
 }
 
-/// Fraction of P and D: also so much that a count of the output encoder changes the torque by no more than
-/// [`COUNT_TORQUE`] of the motor's peak torque.
+/// Fraction of P and D.
 fn measured_level(file: &GearFile) -> f64 {
     let late = f64::from(1 + file.sensors.output_encoder_delay) * CONTROL_PERIOD;
-    let count = TAU / 2f64.powi(file.sensors.output_bits().cast_signed());
+    damping_level(file, late + drive_delay(&file.drive))
+}
+
+/// Torque of the cascade at once for a shift of the output's reference by 1 rad (N m at the motor).
+fn torque_by_shift(file: &GearFile) -> f64 {
     let cascade = feedback_params::<f64>(file);
-    let shift =
-        (PROPORTIONAL + 2.0 * MEASURED_DAMPING * MEASURED_CORNER) * count * f64::from(file.gear.ratio);
-    let by_count = shift * cascade.position_gain * cascade.velocity_gain;
-    let quiet = (COUNT_TORQUE * cascade.torque_limit / by_count).min(1.0);
-    quiet * damping_level(file, late + drive_delay(&file.drive))
+    f64::from(file.gear.ratio) * cascade.position_gain * cascade.velocity_gain
+}
+
+/// Fraction of P and D in slow motion, where nothing hides the encoder's rounding: so much of them that a count changes the
+/// torque by no more than [`COUNT_TORQUE`] of the motor's peak torque.
+fn slow_fraction(file: &GearFile) -> f64 {
+    let count = TAU / 2f64.powi(file.sensors.output_bits().cast_signed());
+    let gain = measured_level(file) * (PROPORTIONAL[0] + 2.0 * MEASURED_DAMPING[0] * MEASURED_CORNER);
+    // P and D of a joint whose torsion mode is too fast for any are 0: no count changes its torque.
+    let by_count = (gain * count * torque_by_shift(file)).max(f64::MIN_POSITIVE);
+    (COUNT_TORQUE * file.motor.peak_torque / by_count).min(1.0)
+}
+
+/// Fraction of P and D at rest: so much of them that a step of the rated torque asks for no more than [`STEP_TORQUE`] of
+/// the motor's peak torque. Its error goes up to 2*T/K1, at a speed of up to omega*T/K1.
+fn rest_fraction(file: &GearFile) -> f64 {
+    let gain = 2.0 * (PROPORTIONAL[1] + MEASURED_DAMPING[1]);
+    let by_step = gain * file.gear.rated_torque / file.stiffness.k1 * torque_by_shift(file);
+    (STEP_TORQUE * file.motor.peak_torque / by_step).min(1.0)
 }
 
 /// The disturbance path, from the uncertainty of the joint.
@@ -168,7 +187,6 @@ pub fn output_feedback_params<R: Real>(file: &GearFile) -> [OutputFeedbackParams
     std::array::from_fn(|k| OutputFeedbackParams {
         damping: R::lit(estimated_level(file) * 2.0 * ADDED_DAMPING / frequency),
         integral: R::lit(INTEGRAL[k] * outer),
-        integral_at_rest: R::lit(INTEGRAL_AT_REST[k] * outer),
         filter_corner: R::lit(FILTER_CORNER * frequency),
     })
 }
@@ -176,9 +194,15 @@ pub fn output_feedback_params<R: Real>(file: &GearFile) -> [OutputFeedbackParams
 /// Gains of the output encoder's angle.
 pub fn measured_feedback_params<R: Real>(file: &GearFile) -> MeasuredFeedbackParams<R> {
     let (frequency, level) = (mode_frequency(file), measured_level(file));
+    let levels = [level * slow_fraction(file), level * rest_fraction(file)];
+    let [proportional, proportional_at_rest] = [0, 1].map(|k: usize| R::lit(levels[k] * PROPORTIONAL[k]));
+    let [derivative, derivative_at_rest] =
+        [0, 1].map(|k: usize| R::lit(levels[k] * 2.0 * MEASURED_DAMPING[k] / frequency));
     MeasuredFeedbackParams {
-        proportional: R::lit(level * PROPORTIONAL),
-        derivative: R::lit(level * 2.0 * MEASURED_DAMPING / frequency),
+        proportional,
+        proportional_at_rest,
+        derivative,
+        derivative_at_rest,
         corner: R::lit(MEASURED_CORNER * frequency),
     }
 }

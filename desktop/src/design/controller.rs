@@ -96,7 +96,9 @@ pub struct Controller {
     disturbance: DisturbanceParams<f64>,
     passes: f64,
     output_feedback: OutputFeedbackParams<f64>,
-    measured_feedback: MeasuredFeedbackParams<f64>,
+    /// P, and D (s), of the output encoder's angle, and omega_m (rad/s).
+    measured_gains: [f64; 2],
+    measured_corner: f64,
     reference_frequency: f64,
 }
 
@@ -118,12 +120,13 @@ fn fraction(x: f64) -> f64 {
     -(-x).exp_m1()
 }
 
-/// The output feedback as it acts where the motor stands, at rest, or moves slowly.
-fn in_mode(gains: &OutputFeedbackParams<f64>, stands: bool) -> OutputFeedbackParams<f64> {
-    if !stands {
-        return *gains;
+/// P and D of the output encoder's angle where the motor stands, at rest, or moves slowly.
+fn in_mode(gains: &MeasuredFeedbackParams<f64>, stands: bool) -> [f64; 2] {
+    if stands {
+        [gains.proportional_at_rest, gains.derivative_at_rest]
+    } else {
+        [gains.proportional, gains.derivative]
     }
-    OutputFeedbackParams { integral: gains.integral_at_rest, ..*gains }
 }
 
 impl Controller {
@@ -141,6 +144,7 @@ impl Controller {
         let has_gauge = file.sensors.output_torque;
         let observer = if stands { parts.observer.standing } else { parts.observer.moving };
         let used = usize::from(has_output) + 2 * usize::from(has_gauge);
+        let measured = &parts.measured_feedback;
         let moves =
             |gains: &Gains<f64>| [gains.motor, gains.torque, gains.output].iter().any(|l| l[5] != 0.0);
         Self {
@@ -160,8 +164,9 @@ impl Controller {
             feedback: parts.feedback,
             disturbance: parts.disturbance,
             passes: f64::from(u8::from(passes)),
-            output_feedback: in_mode(&parts.output_feedback[usize::from(has_output)], stands),
-            measured_feedback: if has_output { parts.measured_feedback } else { Default::default() },
+            output_feedback: parts.output_feedback[usize::from(has_output)],
+            measured_gains: if has_output { in_mode(measured, stands) } else { [0.0; 2] },
+            measured_corner: measured.corner,
             reference_frequency: (file.stiffness.k1 / file.inertia.flexspline).sqrt(),
         }
     }
@@ -320,10 +325,10 @@ impl Controller {
 
     /// Shift of the motor's reference by P and D of the output encoder's angle.
     fn measure(&self, x: &mut [f64], output: f64) -> f64 {
-        let (dt, gains) = (CONTROL_PERIOD, &self.measured_feedback);
-        let change = fraction(dt * gains.corner) * (output - x[MEASURED]);
+        let (dt, [proportional, derivative]) = (CONTROL_PERIOD, self.measured_gains);
+        let change = fraction(dt * self.measured_corner) * (output - x[MEASURED]);
         x[MEASURED] += change;
-        -(gains.proportional * x[MEASURED] + gains.derivative / dt * change) / self.ratio
+        -(proportional * x[MEASURED] + derivative / dt * change) / self.ratio
     }
 
     fn drive(&self, x: &mut [f64], speed: f64, output: f64) -> f64 {

@@ -55,7 +55,9 @@ pub const FUNCTIONS: [Function; 7] = [
         scale: |parts, level| {
             let gains = &mut parts.measured_feedback;
             gains.proportional *= level;
+            gains.proportional_at_rest *= level;
             gains.derivative *= level;
+            gains.derivative_at_rest *= level;
         },
     },
     Function {
@@ -63,9 +65,7 @@ pub const FUNCTIONS: [Function; 7] = [
         sets: &[SensorSet::Both],
         needs: None,
         scale: |parts, level| {
-            let gains = &mut parts.output_feedback[1];
-            gains.integral *= level;
-            gains.integral_at_rest *= level;
+            parts.output_feedback[1].integral *= level;
         },
     },
 ];

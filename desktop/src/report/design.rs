@@ -139,16 +139,17 @@ impl Report {
             let name = |what: &str| format!("output feedback {what} ({})", set.name());
             rows.push(row(&name("b"), b.damping, "s", "level * 2*0.125/sqrt(K1/J_fs)"));
             rows.push(row(&name("k"), b.integral, "1/s", "level * 0.3 omega_o, 0 without output encoder"));
-            rows.push(row(
-                &name("k at rest"),
-                b.integral_at_rest,
-                "1/s",
-                "level * 0.25 omega_o, 0 without output encoder",
-            ));
             rows.push(row(&name("omega_y"), b.filter_corner, "rad/s", "1.5 sqrt(K1/J_fs)"));
         }
         rows.push(row("measured feedback P", m.proportional, "1", "level * 0.4"));
+        rows.push(row("measured feedback P at rest", m.proportional_at_rest, "1", "level * 0.26"));
         rows.push(row("measured feedback D", m.derivative, "s", "level * 2*0.4/sqrt(K1/J_fs)"));
+        rows.push(row(
+            "measured feedback D at rest",
+            m.derivative_at_rest,
+            "s",
+            "level * 2*0.55/sqrt(K1/J_fs)",
+        ));
         rows.push(row("measured feedback omega_m", m.corner, "rad/s", "5 sqrt(K1/J_fs)"));
         rows
     }

@@ -29,10 +29,14 @@ use crate::real::{RADIANS_PER_COUNT, Real};
 /// Gains of the measured angle; all zero for none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeasuredFeedbackParams<R> {
-    /// P, 0..=1.
+    /// P in slow motion, 0..=1.
     pub proportional: R,
-    /// D (s), 0..=1.
+    /// P at rest, 0..=1.
+    pub proportional_at_rest: R,
+    /// D in slow motion (s), 0..=1.
     pub derivative: R,
+    /// D at rest (s), 0..=1.
+    pub derivative_at_rest: R,
     /// omega_m (rad/s), 0..=1e5.
     pub corner: R,
 }
@@ -44,9 +48,9 @@ const NOISE: f64 = 1.5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredFeedback<R> {
     low_pass: LowPass<R>,
-    proportional: R,
-    /// D/dt.
-    derivative: R,
+    /// P and D/dt, in slow motion and at rest.
+    proportional: [R; 2],
+    derivative: [R; 2],
     /// Half width of the dead zone at rest (rad).
     dead_zone: R,
     /// Farthest step of the encoder in a control period, in counts of 2^32 a revolution.
@@ -83,17 +87,19 @@ impl<R: Real> MeasuredFeedback<R> {
     /// From the gains, the output's fastest speed (rad/s), one count of its encoder (rad) and the control period dt (s).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `proportional`, `derivative` or `measured_corner`.
+    /// [`Error::OutOfRange`] `proportional`, `proportional_at_rest`, `derivative`, `derivative_at_rest` or `measured_corner`.
     pub fn build(gains: &MeasuredFeedbackParams<R>, fastest: R, count: R, dt: R) -> Result<Self, Error> {
         let within = |value: R, most: f64| value >= R::ZERO && value <= R::lit(most);
         require(within(gains.proportional, 1.0), "proportional")?;
+        require(within(gains.proportional_at_rest, 1.0), "proportional_at_rest")?;
         require(within(gains.derivative, 1.0), "derivative")?;
+        require(within(gains.derivative_at_rest, 1.0), "derivative_at_rest")?;
         require(within(gains.corner, 1e5), "measured_corner")?;
         let farthest = (fastest * dt + R::lit(2.0) * count) * R::lit(1.0 / RADIANS_PER_COUNT);
         Ok(Self {
             low_pass: LowPass::build(gains.corner, dt),
-            proportional: gains.proportional,
-            derivative: gains.derivative / dt,
+            proportional: [gains.proportional, gains.proportional_at_rest],
+            derivative: [gains.derivative, gains.derivative_at_rest].map(|gain| gain / dt),
             dead_zone: R::lit(NOISE) * count,
             farthest: farthest.to_i32().unsigned_abs(),
         })
@@ -109,13 +115,15 @@ impl<R: Real> MeasuredFeedback<R> {
         velocity: R,
         gain: R,
     ) {
-        state.proportional = -gain * self.proportional;
-        state.derivative = -gain * self.derivative;
+        let rests = velocity == R::ZERO;
+        let set = usize::from(rests);
+        state.proportional = -gain * self.proportional[set];
+        state.derivative = -gain * self.derivative[set];
         state.velocity = velocity;
         state.dead_zone = R::MAX;
         if let Some(MeasuredError { phase, error }) = measured {
             (state.phase, state.error) = (phase, error);
-            state.dead_zone = if velocity == R::ZERO { self.dead_zone } else { R::ZERO };
+            state.dead_zone = if rests { self.dead_zone } else { R::ZERO };
         }
     }
 
@@ -142,8 +150,13 @@ mod tests {
 
     const DT: f64 = 1e-4;
     const COUNT: f64 = 1.2e-5;
-    const GAINS: MeasuredFeedbackParams<f64> =
-        MeasuredFeedbackParams { proportional: 0.4, derivative: 4e-3, corner: 1000.0 };
+    const GAINS: MeasuredFeedbackParams<f64> = MeasuredFeedbackParams {
+        proportional: 0.2,
+        proportional_at_rest: 0.4,
+        derivative: 4e-3,
+        derivative_at_rest: 4e-3,
+        corner: 1000.0,
+    };
 
     fn feedback(gains: MeasuredFeedbackParams<f64>) -> MeasuredFeedback<f64> {
         MeasuredFeedback::build(&gains, 5.86, COUNT, DT).unwrap()
@@ -169,7 +182,7 @@ mod tests {
         feedback.plan(&mut moves, read(1e-4), 0.01, 1.0);
         let follows = |k: i32| phase(1e-4 + 0.01 * DT * f64::from(k + 1));
         let shift = (0..1000).map(|k| feedback.step(&mut moves, Some(follows(k)), DT)).last().unwrap();
-        assert!((shift + 0.4 * 1e-4).abs() < 1e-8, "{shift}");
+        assert!((shift + 0.2 * 1e-4).abs() < 1e-8, "{shift}");
     }
 
     #[test]
@@ -204,7 +217,7 @@ mod tests {
     /// The mode is damped by the ratio D*omega/2, over the root of 1 + P.
     #[test]
     fn the_derivative_damps_the_mode() {
-        let fast = MeasuredFeedbackParams { proportional: 0.0, derivative: 1e-3, corner: 2e4 };
+        let fast = MeasuredFeedbackParams { proportional: 0.0, derivative: 1e-3, corner: 2e4, ..GAINS };
         let ratio = damping_ratio(fast);
         assert!((ratio / (0.5 * 1e-3 * 180.0) - 1.0).abs() < 0.1, "{ratio}");
         let with_both = damping_ratio(MeasuredFeedbackParams { proportional: 0.4, ..fast });
