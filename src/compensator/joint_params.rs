@@ -105,7 +105,7 @@ impl<R: Real> JointParams<R> {
             rotor: Rotor::build(
                 &self.gear,
                 limits,
-                self.motor_encoder_bits,
+                [self.motor_encoder_bits, self.output_encoder_bits],
                 self.feedback.position_gain,
                 self.dt,
             )?,

@@ -23,7 +23,7 @@
 //! | --- | --- |
 //! | gear overload | abs T_g > 1.25*tau_p at the end of a round: no command takes it there ([`crate::compensator::actuate::protection`]), so that it is a blow, or a sign or size of torque or angle that is wrong |
 //! | frozen, standing | the count is the same at every observer step of two rounds or more, and tau has changed by more than 2.5*tau_s + 0.01*tau_max + 2*count*K/n^2 + 8*J_wg*count/h^2 since: static friction gives way at 2*tau_s at most, and then the last of it moves the rotor by two counts within half a round |
-//! | frozen, loaded | it stands, and the torque on it, that of the gear by the torque sensor included, has changed by more than that; by the output encoder, by 0.05*tau_p/n more |
+//! | frozen, loaded | it stands, and the torque on it, that of the gear by the torque sensor included, has changed by more than that; by the output encoder, by 2*count_out*K_3/n and a fifth of the gear's change more |
 //! | frozen, moving | the count stands still at once, though 1.25*(abs tau + abs T_g/n + tau_s) + tau_p/(4*n) + 3*J_wg*count/h^2, the last for what rounding makes of two speeds, could not stop the rotor in the time |
 //! | overspeed | abs omega > the speed limit |
 //! | drive | torque error of the drive above 0.1*tau_max + 0.5*abs tau, the larger of this round and the last, in three rounds, two where it is of the other sign: five times the noise that the filter expects, a drive at 60 % of its limit, longer than four time constants of a 1 kHz drive |
@@ -50,6 +50,8 @@ const LIMITED: f64 = 0.5;
 const OVERLOAD: f64 = 1.25;
 /// Following error, in those of the cascade at the motor's largest acceleration.
 const FOLLOWING: f64 = 4.0;
+/// Uncertainty of a change of the gear's torque by its torsion: 10 % of stiffness, and as much hysteresis.
+const UNSURE: f64 = 0.2;
 /// Time that an overload, or a following error, has to last (s): one round of the default period.
 const OVERLOADED: f64 = 0.8e-3;
 /// The same of a drive that does not follow.
@@ -78,6 +80,8 @@ pub struct Rotor<R> {
     grip: R,
     /// The same with the gear's torque by the encoders and by the torque sensor (N m at the output).
     held: [R; 2],
+    /// Fraction of the gear's torque by the encoders and by the torque sensor that its change may be wrong by.
+    unsure: [R; 2],
     /// Margin added to the torques that stop a rotor (N m).
     surplus: R,
     speed_limit: R,
@@ -124,6 +128,8 @@ pub struct RotorState<R> {
     gauge_rounds: u32,
     /// Torque held by friction when the rotor came to stand, by the encoders and by the torque sensor (N m at the output).
     held: [R; 2],
+    /// Torque of the gear by the same sensors then (N m).
+    borne: [R; 2],
     rounds: u32,
 }
 
@@ -170,20 +176,27 @@ impl<R: Real> RotorState<R> {
 }
 
 impl<R: Real> Rotor<R> {
-    /// For a gear, a motor encoder of 2^bits counts, the position gain k_p (1/s) of the cascade, and the control
+    /// For a gear, encoders of the motor and of the output of 2^bits counts, the position gain k_p (1/s) of the cascade, and the control
     /// period dt (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `encoder_bits` outside 10..=32; as the gear's stiffness line.
-    pub fn build(gear: &GearParams<R>, limits: &Limits<R>, bits: u32, k_p: R, dt: R) -> Result<Self, Error> {
-        require((10..=32).contains(&bits), "encoder_bits")?;
+    pub fn build(
+        gear: &GearParams<R>,
+        limits: &Limits<R>,
+        bits: [u32; 2],
+        k_p: R,
+        dt: R,
+    ) -> Result<Self, Error> {
+        require(bits.iter().all(|bits| (10..=32).contains(bits)), "encoder_bits")?;
         let line = gear.flexspline.line.build()?;
         let round = R::from_i32(SLOW_PERIODS as i32) * dt;
         let (n, peak) = (R::from_i32(gear.ratio), limits.output_torque);
         let sides = [&gear.input_friction.forward, &gear.input_friction.backward];
         let larger = |of: [R; 2]| of[0].max(of[1]);
         let static_level = larger(sides.map(|side| side.static_level.max(side.coulomb)));
-        let count = R::lit(core::f64::consts::TAU) / R::from_i32(1 << bits.min(30));
+        let [count, output_count] =
+            bits.map(|bits| R::lit(core::f64::consts::TAU) / R::from_i32(1 << bits.min(30)));
         let noise = gear.wave_generator_inertia * count / (round * round) * n.abs();
         let inertia = gear.wave_generator_inertia + gear.flexspline_inertia / (n * n);
         let stiffest = gear.flexspline.line.stiffness[2];
@@ -215,7 +228,8 @@ impl<R: Real> Rotor<R> {
             filter: LowPass::of_gain(gain),
             overload: R::lit(OVERLOAD) * peak,
             grip,
-            held: [n.abs() * grip + R::lit(0.05) * peak, n.abs() * grip],
+            held: [n.abs() * grip + R::lit(2.0) * output_count * stiffest, n.abs() * grip],
+            unsure: [R::lit(UNSURE), R::ZERO],
             surplus: R::lit(0.25) * peak / n.abs()
                 + R::lit(1.25) * static_level
                 + R::lit(3.0) * noise / n.abs(),
@@ -351,9 +365,10 @@ impl<R: Real> Rotor<R> {
     fn slips(&self, state: &mut RotorState<R>, torque: R, place: usize) -> bool {
         let held = torque - self.n * state.applied;
         if state.still < 2 {
-            state.held[place] = held;
+            (state.held[place], state.borne[place]) = (held, torque);
         }
-        !(held - state.held[place]).is_within(self.held[place])
+        let unsure = self.unsure[place] * (torque - state.borne[place]).abs();
+        !(held - state.held[place]).is_within(self.held[place] + unsure)
     }
 
     #[inline(always)]
@@ -380,7 +395,7 @@ mod tests {
     fn faults(excursion: i64) -> Faults {
         let gear = crate::gear::tests::params();
         let limits = Limits { motor_torque: 2.4, motor_speed: 586.0, output_torque: 157.0 };
-        let rotor: Rotor<f64> = Rotor::build(&gear, &limits, 19, 141.0, CONTROL_PERIOD).unwrap();
+        let rotor: Rotor<f64> = Rotor::build(&gear, &limits, [19, 19], 141.0, CONTROL_PERIOD).unwrap();
         let (mut state, mut faults) = (RotorState::default(), Faults::NONE);
         let steps = SLOW_PERIODS / OBSERVER_PERIODS;
         for round in 0..20 {

@@ -12,9 +12,10 @@
 //! | gear | the torque through the gear is beyond its peak rating |
 //!
 //! Named is the first fault that the twin has not. A frozen or stuck motor encoder can be known from when torque
-//! exceeds friction: the motor's has changed by more than its static friction, and the motor is 16 counts away. Without
-//! that it cannot be known with the motor's sensors alone: a load that moves a joint whose encoder stands and whose motor
-//! does nothing looks like rest. Everything else can be known from when it is injected.
+//! exceeds friction: that on a motor that stands as its encoder does, of the gear what the sensors see, has changed in a
+//! round's mean by more than static friction holds from one limit to the other, and the motor is 16 counts away. Without
+//! that it cannot be known: a load that moves a joint whose encoder stands and whose motor does nothing looks like rest.
+//! Everything else can be known from when it is injected.
 
 mod injected;
 
@@ -31,13 +32,13 @@ use crate::bench::{Bench, Conditions};
 use crate::design::capability::Capability;
 use crate::design::joint::joint_params;
 use crate::io::figure::Figure;
-use crate::io::gear_file::GearFile;
+use crate::io::gear_file::{GearFile, SensorSet};
 use crate::plant::divergence::RunError;
 use crate::verify::Measured;
 use crate::verify::bounds;
 use crate::verify::compensator::each;
 pub use injected::{Broken, Injected, Kind, periods_of};
-use strainwave::compensator::schedule::CONTROL_PERIOD;
+use strainwave::compensator::schedule::{CONTROL_PERIOD, SLOW_PERIODS};
 
 /// Faults when nothing else is said.
 pub const COUNT: u64 = 2000;
@@ -194,13 +195,46 @@ fn known(file: &GearFile, fault: &Injected, rows: &[Row], start: usize) -> Optio
     if !matches!(fault.kind, Kind::Freeze | Kind::Zeros | Kind::Ones) {
         return Some(start);
     }
-    let friction = file.friction.input.static_level.unwrap_or_default();
+    let n = f64::from(file.gear.signed_ratio().n());
     let far = 16.0 * std::f64::consts::TAU / 2f64.powi(file.sensors.motor_encoder_bits.cast_signed());
-    let from = rows.get(start)?;
-    (start..rows.len()).find(|&k| {
-        let row = &rows[k];
-        (row.motor - from.motor).abs() > far && (row.torque - from.torque).abs() > friction
+    let most = most_held(file, fault);
+    let on_motor = |rows: &[Row]| {
+        let sum: f64 = rows.iter().map(|row| row.torque - seen(file, fault, row) / n).sum();
+        sum / rows.len() as f64
+    };
+    let round = SLOW_PERIODS as usize;
+    let before = on_motor(rows.get(start.checked_sub(round)?..start)?);
+    (start + round..=rows.len()).find(|&k| {
+        let moved = rows[k - 1].motor - rows[start].motor;
+        moved.abs() > far && (on_motor(&rows[k - round..k]) - before).abs() > most
     })
+}
+
+/// Largest change of torque that friction holds on a standing motor (N m), as far as joint file and sensors tell: levels
+/// and torque constant have tolerances, and each of two torques may be four standard deviations or a count off.
+fn most_held(file: &GearFile, fault: &Injected) -> f64 {
+    let (sensors, n) = (&file.sensors, f64::from(file.gear.signed_ratio().n()).abs());
+    let friction = 2.0 * file.friction.input.static_level.unwrap_or_default();
+    let noise = |deviation: f64| 8.0 * deviation / f64::from(SLOW_PERIODS).sqrt();
+    let count = std::f64::consts::TAU / 2f64.powi(sensors.output_bits().cast_signed());
+    let gear = match (fault.gauge, fault.sensors) {
+        (true, _) => noise(sensors.output_torque_noise),
+        (false, SensorSet::Both) => 2.0 * count * file.stiffness.k2,
+        (false, SensorSet::Motor) => 0.0,
+    };
+    friction * (1.0 + file.tolerances.friction) * (1.0 + file.drive.torque_constant)
+        + noise(sensors.motor_torque_noise)
+        + gear / n
+}
+
+/// Torque of the gear that the sensors see on a motor that stands (N m), from any zero; of the stiffness by the encoders the
+/// tolerance is taken off, and as much for the hysteresis.
+fn seen(file: &GearFile, fault: &Injected, row: &Row) -> f64 {
+    match (fault.gauge, fault.sensors) {
+        (true, _) => row.transmitted,
+        (false, SensorSet::Both) => -(1.0 - 2.0 * file.tolerances.stiffness) * file.stiffness.k2 * row.output,
+        (false, SensorSet::Motor) => 0.0,
+    }
 }
 
 /// Everything that came of many faults.
