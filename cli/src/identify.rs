@@ -21,11 +21,10 @@ use crate::progress::Progress;
 /// Identify a gear from measured logs, of the held joint its hysteresis, of a moving one the rest, and write its gear file
 ///
 /// A log has the columns t_s, theta_motor_rad, tau_motor_nm, theta_out_rad and tau_out_nm; SI units. Its torque must
-/// reverse, its motor hold the joint: loops up to rated torque, with smaller ones between, show the most. Each log starts
-/// without memory of earlier loads, and its time stamps are resampled to their median interval. Identified are the
-/// weights of the Preisach operator, torque over torsion, one factor on the stiffness line of the base gear, and the
-/// offset of each log's encoders. The first part of each log trains; how smooth the weights are is chosen by
-/// cross-validation within it. The rest is predicted, and so it is by the base gear: exit code 1 when the identified gear
+/// reverse, its motor hold the joint: loops up to rated torque, with smaller ones between, show the most. Its time stamps are
+/// resampled to their median interval. Identified are one factor on the stiffness line of the base gear, the offset and
+/// the start state of each log, and where the torque of a log goes both ways the weights of the Preisach operator, torque
+/// over torsion. The first part of each log trains; how smooth the weights are is chosen by cross-validation within it. The rest is predicted, and so it is by the base gear: exit code 1 when the identified gear
 /// predicts worse. Where a log does not reach, the weights are those of the base gear.
 #[derive(Args)]
 pub struct Arguments {
@@ -206,26 +205,37 @@ fn read(
 }
 
 fn describe(found: &IdentifiedGear) -> String {
-    format!(
-        "weights on {} levels, smoothness {:e}; the logs moved {:.0} % of the cells, in the others the weights tend to \
-         the base gear's",
-        found.levels,
-        found.smoothing,
-        100.0 * found.excitation.fraction()
-    )
+    match &found.table {
+        Some(table) => format!(
+            "weights on {} levels, smoothness {:e}; the logs moved {:.0} % of the cells, in the others the weights tend to \
+             the base gear's",
+            table.levels,
+            table.smoothing,
+            100.0 * table.excitation.fraction()
+        ),
+        None => {
+            "hysteresis: not identified, the torque does not go both ways far enough; the base gear's stays"
+                .into()
+        }
+    }
 }
 
 fn figures(found: &IdentifiedGear) -> Vec<Figure> {
     let width = found.gear.hysteresis.width();
     let mut figures = vec![
         Figure::reported("identify.stiffness_factor", found.stiffness_factor, "1"),
+        Figure::reported("identify.stiffness_deviation", found.stiffness_deviation, "1"),
         Figure::reported("identify.hysteresis.width", width, "rad"),
-        Figure::reported("identify.hysteresis.levels", found.levels as f64, "1"),
-        Figure::reported("identify.hysteresis.smoothing", found.smoothing, "1"),
-        Figure::reported("identify.hysteresis.excited", found.excitation.fraction(), "1"),
-        Figure::reported("identify.validation.rms", found.validation_rms, "rad"),
-        Figure::reported("identify.training.rms", found.training_rms, "rad"),
     ];
+    if let Some(table) = &found.table {
+        figures.extend([
+            Figure::reported("identify.hysteresis.levels", table.levels as f64, "1"),
+            Figure::reported("identify.hysteresis.smoothing", table.smoothing, "1"),
+            Figure::reported("identify.hysteresis.excited", table.excitation.fraction(), "1"),
+            Figure::reported("identify.validation.rms", table.validation_rms, "rad"),
+        ]);
+    }
+    figures.push(Figure::reported("identify.training.rms", found.training_rms, "rad"));
     if let (Some(rms), Some(base)) = (found.held_out_rms, found.base_held_out_rms) {
         // What predicts worse than the gear that it came from has failed.
         figures.push(Figure::bounded("identify.held_out.rms", rms, "rad", base));

@@ -14,6 +14,8 @@
 //! | `excitation` | which cells the input moved |
 //! | `sequence` | weights of any actuator from its input and output |
 //! | `law` | the gear's torque over torsion, and its inverse |
+//! | `line` | a factor on the stiffness line from a held joint's logs |
+//! | `start` | offset and start state of a held joint's log |
 //! | `gear_log` | a measured log as torque and torsion |
 //! | `joint` | weights of a gear from measured logs: torque over torsion |
 //! | `moving` | friction, kinematic error and stiffness from a moving joint's log |
@@ -30,6 +32,7 @@ mod gear_log;
 pub mod joint;
 pub(crate) mod law;
 mod least_squares;
+mod line;
 pub mod moving;
 pub mod regressors;
 pub mod replay;
@@ -37,14 +40,16 @@ pub mod reversal;
 pub mod ripple_fit;
 mod sequence;
 mod smoothness;
+mod start;
 pub mod torque_loop;
 
 pub use choice::Smoothing;
 pub use excitation::Excitation;
 pub use gear_log::GearLog;
-pub use joint::{GearOptions, IdentifiedGear, identify_gear};
+pub use joint::{GearOptions, IdentifiedGear, IdentifiedTable, identify_gear};
 pub use moving::{LearntGear, learn_gear};
 pub use sequence::{Identified, Options, Sequence, identify};
+pub use start::Start;
 
 /// Why nothing could be identified.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
