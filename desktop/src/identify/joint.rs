@@ -111,6 +111,15 @@ pub struct IdentifiedTable {
     pub excitation: Excitation,
 }
 
+impl IdentifiedGear {
+    /// Key of the stiffness where it ends at a limit of its search; with the factor on the base gear's.
+    pub fn limits(&self) -> Vec<(&'static str, f64)> {
+        let factor = self.stiffness_factor;
+        let ends = LIMITS.contains(&factor.recip());
+        ends.then_some(("stiffness.k1_nm_per_rad", factor)).into_iter().collect()
+    }
+}
+
 /// Identifies a gear's hysteresis, and a factor on its stiffness line; `progress` is called with the fraction done.
 ///
 /// # Errors

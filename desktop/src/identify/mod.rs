@@ -18,7 +18,8 @@
 //! | `start` | offset and start state of a held joint's log |
 //! | `gear_log` | a measured log as torque and torsion |
 //! | `joint` | weights of a gear from measured logs: torque over torsion |
-//! | `moving` | friction, kinematic error and stiffness from a moving joint's log |
+//! | `moving` | friction and kinematic error from a moving joint's log |
+//! | `refusal` | why an identified gear file is not written |
 //!
 //! From a catalogue's figure alone there is nothing to fit: the loss in arc minutes is the gap of the standard
 //! shape ([`strainwave::hysteresis::gap_for_width`], [`strainwave::hysteresis::Weights::uniform`]). The identified
@@ -34,6 +35,7 @@ pub(crate) mod law;
 mod least_squares;
 mod line;
 pub mod moving;
+mod refusal;
 pub mod regressors;
 pub mod replay;
 pub mod reversal;
@@ -48,6 +50,7 @@ pub use excitation::Excitation;
 pub use gear_log::GearLog;
 pub use joint::{GearOptions, IdentifiedGear, IdentifiedTable, identify_gear};
 pub use moving::{LearntGear, learn_gear};
+pub use refusal::Refusal;
 pub use sequence::{Identified, Options, Sequence, identify};
 pub use start::Start;
 
@@ -112,7 +115,7 @@ pub enum Error {
     /// Friction would drive.
     #[error(
         "column tau_motor_nm: with its sign changed it fits the motion {ratio:.1} times as well; allowed: at most {most}, \
-         friction never drives"
+         friction never drives; if the torque counts against the angle, give --reversed-torque"
     )]
     ReversedTorque {
         /// Sum of squares as logged over that with the sign changed.

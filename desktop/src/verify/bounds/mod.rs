@@ -76,10 +76,10 @@ pub const FLOORS: &[Bound] = &[
     design::FLOORS[5],
     Bound {
         name: "compensator.replay.joints_at_half",
-        value: 4.0,
+        value: 3.0,
         unit: "1",
         why: "measured joints of six whose output is predicted from the motor side with at most half of a rigid gear's \
-              error, after the first third of their motion: the model explains most of a real gear's error",
+              error, after the first third of their motion, with the stiffness of the catalogue; target 4",
     },
     Bound {
         name: "flexspline.target.literal_over_reduced",
