@@ -10,6 +10,7 @@ mod faults;
 mod flexspline;
 mod friction;
 mod hysteresis;
+mod identify;
 mod joint;
 mod robustness;
 
@@ -32,7 +33,7 @@ pub struct Bound {
 pub const LOOSE: f64 = 10.0;
 
 /// Every bound, by part.
-pub const BOUNDS: [&[Bound]; 9] = [
+pub const BOUNDS: [&[Bound]; 10] = [
     joint::ROWS,
     catalogue::ROWS,
     compensator::ROWS,
@@ -41,6 +42,7 @@ pub const BOUNDS: [&[Bound]; 9] = [
     flexspline::ROWS,
     friction::ROWS,
     hysteresis::ROWS,
+    identify::ROWS,
     robustness::ROWS,
 ];
 
