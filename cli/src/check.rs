@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use strainwave_desktop::design::buildable::buildable;
+use strainwave_desktop::design::buildable::use_of;
 use strainwave_desktop::{BadInput, GearFile};
 
 use crate::figures::{Figures, FiguresArguments, complain, say};
@@ -42,8 +42,6 @@ fn all_but_last(mut faults: Vec<BadInput>) -> BadInput {
 
 /// What limits the use of a file that is right.
 fn limit(gear: &GearFile, path: &Path) -> Result<String, BadInput> {
-    match gear.require_firmware_friction() {
-        Err(why) => Ok(format!(", for simulation only: {why}")),
-        Ok(()) => buildable(gear).map(|()| String::new()).map_err(|why| BadInput::new(path, why)),
-    }
+    let limit = use_of(gear).map_err(|why| BadInput::new(path, why))?;
+    Ok(limit.map_or_else(String::new, |why| format!(", for simulation only: {why}")))
 }

@@ -6,13 +6,13 @@ use clap::Args;
 use strainwave_desktop::design::buildable::buildable;
 use strainwave_desktop::identify::joint::LEVELS;
 use strainwave_desktop::identify::{
-    GearLog, GearOptions, IdentifiedGear, LearntGear, Smoothing, identify_gear, learn_gear,
+    GearLog, GearOptions, IdentifiedGear, LearntGear, Refusal, Smoothing, identify_gear, learn_gear,
 };
 use strainwave_desktop::io::log::Jitter;
 use strainwave_desktop::report::plot::{Page, Panel, Series};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 
-use crate::figures::{Figures, FiguresArguments, tell};
+use crate::figures::{Figures, FiguresArguments, complain, tell};
 use crate::files;
 use crate::logs::Reading;
 use crate::pil_plots;
@@ -21,12 +21,13 @@ use crate::progress::Progress;
 /// Identify a gear from measured logs, of the held joint its hysteresis, of a moving one the rest, and write its gear file
 ///
 /// A log has the columns t_s, theta_motor_rad, tau_motor_nm, theta_out_rad and tau_out_nm; SI units. Its torque must
-/// reverse, its motor hold the joint: loops up to rated torque, with smaller ones between, show the most. Each log starts
-/// without memory of earlier loads, and its time stamps are resampled to their median interval. Identified are the
-/// weights of the Preisach operator, torque over torsion, one factor on the stiffness line of the base gear, and the
-/// offset of each log's encoders. The first part of each log trains; how smooth the weights are is chosen by
-/// cross-validation within it. The rest is predicted, and so it is by the base gear: exit code 1 when the identified gear
-/// predicts worse. Where a log does not reach, the weights are those of the base gear.
+/// reverse, its motor hold the joint: loops up to rated torque, with smaller ones between, show the most. Its time stamps are
+/// resampled to their median interval. Identified are one factor on the stiffness line of the base gear, the offset and
+/// the start state of each log, and where the torque of a log goes both ways the weights of the Preisach operator, torque
+/// over torsion. The first part of each log trains; how smooth the weights are is chosen by cross-validation within it. Where a log does not
+/// reach, the weights are those of the base gear. The rest is predicted, and so it is by the base gear: a gear file is not
+/// written, and the exit code is 1, where it predicts worse than the base gear, where `strainwave check` would refuse it, or
+/// where a parameter ends at the limit of its search.
 #[derive(Args)]
 pub struct Arguments {
     /// Measured logs of one joint; - for the standard input
@@ -41,16 +42,20 @@ pub struct Arguments {
     /// Fraction of each log, from its start, that trains; 0.2 to 1
     #[arg(long, value_name = "FRACTION", default_value_t = 0.5, allow_hyphen_values = true)]
     training: f64,
-    /// The joint moves: learn friction, kinematic error and stiffness instead, from one log
+    /// The joint moves: learn friction and kinematic error instead, from one log
     ///
     /// Needed are t_s, theta_motor_rad, tau_motor_nm and theta_out_rad. The fraction that trains is that of the motor's path. What
     /// is learnt: levels of the input friction, orders of the kinematic error at the log's motor angle, the error
-    /// of the output encoder's scale, a factor on the stiffness line, and how far the observer trusts the motor torque.
+    /// of the output encoder's scale, and how far the observer trusts the motor torque. The stiffness stays the base
+    /// gear's: a moving joint's log does not tell it from the load.
     #[arg(long, conflicts_with_all = ["levels", "smoothing"])]
     moving: bool,
     /// The motor torque counts against the motor angle
     #[arg(long, requires = "moving")]
     reversed_torque: bool,
+    /// Write a gear file that would not be written, unless it could not be read again
+    #[arg(long)]
+    force: bool,
     /// Read logs that have other columns, too, without those
     #[arg(long)]
     ignore_extra: bool,
@@ -70,6 +75,9 @@ pub struct Arguments {
     figures: FiguresArguments,
 }
 
+/// Logs that show more of a gear.
+const HELD_LOG: &str = "a held log whose torque goes through loops up to rated torque both ways";
+const MOVING_LOG: &str = "a log of slow and medium motion both ways over a turn of the output";
 /// Least factor of the smoothness.
 const LEAST_SMOOTHING: f64 = 1e-12;
 
@@ -99,13 +107,16 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     let found = identify_gear(&base, &logs, &options, |fraction| progress.set((fraction * 1e3) as u64))
         .map_err(BadInput::message)?;
     drop(progress);
-    found.gear.write(&arguments.output)?;
+    let held_out = found.held_out_rms.zip(found.base_held_out_rms);
+    let refusal = Refusal::of(&found.gear, &found.limits(), held_out);
+    let written = write(arguments, &found.gear, refusal, HELD_LOG)?;
     if let Some(path) = &arguments.plot {
         plot(&logs, &found).write(path)?;
     }
     tell(&arguments.output, format_args!("{}", describe(&found)));
     let jitters = jitters.iter().flat_map(Jitter::figures);
-    Ok(Figures::beside(&arguments.output, jitters.chain(figures(&found)).collect(), &arguments.figures))
+    let figures = jitters.chain([written]).chain(figures(&found)).collect();
+    Ok(Figures::beside(&arguments.output, figures, &arguments.figures))
 }
 
 /// Learns from a moving joint's log.
@@ -128,12 +139,55 @@ fn moving(arguments: &Arguments, base: &GearFile) -> Result<Figures, BadInput> {
     let found = learn_gear(base, &log, arguments.training, |fraction| progress.set((fraction * 1e3) as u64))
         .map_err(|why| BadInput::new(path, why))?;
     drop(progress);
-    found.gear.write(&arguments.output)?;
+    let held_out = found.judgement.zip(found.base_judgement).map(|(found, base)| (found.rms, base.rms));
+    let refusal = Refusal::of(&found.gear, &found.friction.limits(), held_out);
+    let written = write(arguments, &found.gear, refusal, MOVING_LOG)?;
     if let Some(path) = &arguments.plot {
         pil_plots::replay(&found.rows, Some(found.learnt)).write(path)?;
     }
+    tell(&arguments.output, format_args!("{}", describe_moving(&found)));
     let jitter = log.time.jitter().into_iter().flat_map(|jitter| jitter.figures());
-    Ok(Figures::beside(&arguments.output, jitter.chain(moving_figures(&found)).collect(), &arguments.figures))
+    let figures = jitter.chain([written]).chain(moving_figures(&found)).collect();
+    Ok(Figures::beside(&arguments.output, figures, &arguments.figures))
+}
+
+/// Writes the gear file, unless it is refused and not forced; one line tells why, and which log would help. The figure tells whether
+/// it was written.
+fn write(
+    arguments: &Arguments,
+    gear: &GearFile,
+    refusal: Option<Refusal>,
+    helps: &str,
+) -> Result<Figure, BadInput> {
+    let output = arguments.output.display();
+    let written = match &refusal {
+        Some(why) if arguments.force && gear.check().is_ok() => {
+            complain(format_args!("{output}: warning: {why}"));
+            true
+        }
+        Some(why) => {
+            complain(format_args!("{output}: not written: {why}; what helps is {helps}"));
+            false
+        }
+        None => true,
+    };
+    if written {
+        gear.write(&arguments.output)?;
+    }
+    Ok(Figure::at_least("identify.written", f64::from(u8::from(written)), "1", 1.0))
+}
+
+/// What the log does not show.
+fn describe_moving(found: &LearntGear) -> String {
+    let stiffness = "stiffness: not identified, a moving joint's log does not tell it from the load; the base gear's stays";
+    let friction = |direction: &str| {
+        format!(
+            "friction {direction}: not identified, the part that trains does not move so; the base gear's stays"
+        )
+    };
+    let directions = found.friction.directions.iter().zip(["forwards", "backwards"]);
+    let kept = directions.filter(|(moved, _)| !**moved).map(|(_, direction)| friction(direction));
+    kept.chain([stiffness.to_owned()]).collect::<Vec<_>>().join("\n")
 }
 
 fn moving_figures(found: &LearntGear) -> Vec<Figure> {
@@ -142,8 +196,8 @@ fn moving_figures(found: &LearntGear) -> Vec<Figure> {
         Figure::reported("identify.training.time", found.learnt, "s"),
         Figure::reported("identify.training.turns", found.revolutions, "1"),
         Figure::reported("identify.training.rms", found.training_rms, "rad"),
-        Figure::reported("identify.friction_factor", found.friction_factor, "1"),
-        Figure::reported("identify.stiffness_factor", found.stiffness_factor, "1"),
+        Figure::reported("identify.friction_factor", found.friction.level, "1"),
+        Figure::reported("identify.viscous_factor", found.friction.viscous, "1"),
         Figure::reported("identify.external_torque_wander", wander, "N m/s^0.5"),
     ];
     for harmonic in &found.gear.kinematic_error.flexspline {
@@ -154,6 +208,9 @@ fn moving_figures(found: &LearntGear) -> Vec<Figure> {
         // What predicts worse than no model at all has failed.
         figures.push(Figure::bounded("identify.held_out.rms", judgement.rms, "rad", judgement.rigid_rms));
         figures.push(Figure::reported("identify.held_out.rigid.rms", judgement.rigid_rms, "rad"));
+    }
+    if let Some(base) = &found.base_judgement {
+        figures.push(Figure::reported("identify.held_out.base.rms", base.rms, "rad"));
     }
     figures
 }
@@ -206,26 +263,37 @@ fn read(
 }
 
 fn describe(found: &IdentifiedGear) -> String {
-    format!(
-        "weights on {} levels, smoothness {:e}; the logs moved {:.0} % of the cells, in the others the weights tend to \
-         the base gear's",
-        found.levels,
-        found.smoothing,
-        100.0 * found.excitation.fraction()
-    )
+    match &found.table {
+        Some(table) => format!(
+            "weights on {} levels, smoothness {:e}; the logs moved {:.0} % of the cells, in the others the weights tend to \
+             the base gear's",
+            table.levels,
+            table.smoothing,
+            100.0 * table.excitation.fraction()
+        ),
+        None => {
+            "hysteresis: not identified, the torque does not go both ways far enough; the base gear's stays"
+                .into()
+        }
+    }
 }
 
 fn figures(found: &IdentifiedGear) -> Vec<Figure> {
     let width = found.gear.hysteresis.width();
     let mut figures = vec![
         Figure::reported("identify.stiffness_factor", found.stiffness_factor, "1"),
+        Figure::reported("identify.stiffness_deviation", found.stiffness_deviation, "1"),
         Figure::reported("identify.hysteresis.width", width, "rad"),
-        Figure::reported("identify.hysteresis.levels", found.levels as f64, "1"),
-        Figure::reported("identify.hysteresis.smoothing", found.smoothing, "1"),
-        Figure::reported("identify.hysteresis.excited", found.excitation.fraction(), "1"),
-        Figure::reported("identify.validation.rms", found.validation_rms, "rad"),
-        Figure::reported("identify.training.rms", found.training_rms, "rad"),
     ];
+    if let Some(table) = &found.table {
+        figures.extend([
+            Figure::reported("identify.hysteresis.levels", table.levels as f64, "1"),
+            Figure::reported("identify.hysteresis.smoothing", table.smoothing, "1"),
+            Figure::reported("identify.hysteresis.excited", table.excitation.fraction(), "1"),
+            Figure::reported("identify.validation.rms", table.validation_rms, "rad"),
+        ]);
+    }
+    figures.push(Figure::reported("identify.training.rms", found.training_rms, "rad"));
     if let (Some(rms), Some(base)) = (found.held_out_rms, found.base_held_out_rms) {
         // What predicts worse than the gear that it came from has failed.
         figures.push(Figure::bounded("identify.held_out.rms", rms, "rad", base));

@@ -10,7 +10,7 @@ use strainwave_desktop::verify::bounds;
 use strainwave_desktop::verify::faults;
 use strainwave_desktop::verify::robustness::Robustness;
 use strainwave_desktop::verify::{self, Measured};
-use strainwave_desktop::verify::{catalogue, compensator, replay, robustness};
+use strainwave_desktop::verify::{catalogue, compensator, identify, replay, robustness};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::rerun;
 use strainwave_emulator::verify::{self as emulated, Parts};
@@ -26,6 +26,8 @@ const FIRMWARE: &str = "firmware";
 const ROBUSTNESS: &str = "robustness";
 /// The part that runs joints all over the catalogue, by itself too.
 const CATALOGUE: &str = "catalogue";
+/// The part that identifies measured joints and predicts what did not train, by itself too: it misses bounds.
+const IDENTIFY: &str = "identify";
 /// The part that injects faults, by itself too.
 const FAULTS: &str = "faults";
 
@@ -35,7 +37,7 @@ const FAULTS: &str = "faults";
 ///
 /// The parts `firmware` and `flexspline` boot the image in the emulator and run S1-S6, both together once; that takes
 /// some minutes; `hysteresis` boots an image of its own. Every figure repeats exactly; times by the clock are `bench`'s. The
-/// parts `robustness` and `catalogue` are measured only when they are named.
+/// parts `robustness`, `catalogue` and `identify` are measured only when they are named.
 #[derive(Args)]
 pub struct Arguments {
     /// Only this part; every part when left out
@@ -91,7 +93,7 @@ fn row_parser() -> impl TypedValueParser<Value = String> {
 
 fn part_parser() -> impl TypedValueParser<Value = String> {
     let names = verify::Part::ALL.map(verify::Part::name);
-    PossibleValuesParser::new(names.into_iter().chain([FIRMWARE, ROBUSTNESS, CATALOGUE, FAULTS]))
+    PossibleValuesParser::new(names.into_iter().chain([FIRMWARE, ROBUSTNESS, CATALOGUE, IDENTIFY, FAULTS]))
         .map(String::from)
 }
 
@@ -116,6 +118,9 @@ fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
     }
     if arguments.part.as_deref() == Some(CATALOGUE) {
         return across_the_catalogue(arguments);
+    }
+    if arguments.part.as_deref() == Some(IDENTIFY) {
+        return identified(arguments);
     }
     if arguments.part.as_deref() == Some(FAULTS) {
         let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
@@ -220,6 +225,17 @@ fn across_the_catalogue(arguments: &Arguments) -> Result<Figures, BadInput> {
     let found = measured.map_err(BadInput::message)?;
     say(format_args!("{}", columns(&found.table())));
     let measured = found.measured(arguments.named);
+    for note in &measured.notes {
+        say(format_args!("{note}"));
+    }
+    Ok(Figures::new(measured.figures, &arguments.figures))
+}
+
+/// On measured joints; what is not judged is noted above the table.
+fn identified(arguments: &Arguments) -> Result<Figures, BadInput> {
+    let mut progress = Progress::new(1000, "identifying joints");
+    let measured = identify::measure(|fraction| progress.set((fraction * 1e3) as u64))?;
+    drop(progress);
     for note in &measured.notes {
         say(format_args!("{note}"));
     }

@@ -181,7 +181,7 @@ fn a_joint_s_loop_and_stiffness_come_back_from_noisy_sensors() {
         assert!((found.stiffness_factor / factor - 1.0).abs() < 0.01, "{}", found.stiffness_factor);
         let error = found.gear.hysteresis.width() / width - 1.0;
         assert!(error.abs() < 0.05, "{error}");
-        assert!((found.offsets[0] - 0.1).abs() < 2e-6);
+        assert!((found.starts[0].offset - 0.1).abs() < 2e-6);
         let (held_out, base) = (found.held_out_rms.unwrap(), found.base_held_out_rms.unwrap());
         assert!(held_out < 2.5e-5 && held_out < 0.5 * base, "{held_out:e} {base:e}");
         let text = found.gear.to_toml();
@@ -235,4 +235,123 @@ fn the_second_half_of_the_measured_log_does_not_train() {
     assert_eq!(found.gear, moved.gear);
     assert!((found.predicted[0][half] - moved.predicted[0][half]).abs() == 0.0);
     assert!(moved.held_out_rms.unwrap() > 9e-4);
+}
+
+/// The way up of a joint's log, eight samples for each of its.
+fn ramp(log: &GearLog, rated: f64) -> GearLog {
+    let peak = log.torque.iter().position(|torque| *torque > 0.95 * rated).unwrap();
+    let back = peak + log.torque[peak..].iter().position(|torque| *torque < 0.9 * rated).unwrap();
+    let finer = |column: &[f64]| {
+        let pairs = column[..=back].windows(2);
+        let between = |pair: &[f64]| {
+            [0, 1, 2, 3, 4, 5, 6, 7].map(|k| pair[0] + (pair[1] - pair[0]) * f64::from(k) / 8.0)
+        };
+        pairs.flat_map(between).collect()
+    };
+    GearLog {
+        time: finer(&log.time),
+        torque: finer(&log.torque),
+        torsion: finer(&log.torsion),
+        ..log.clone()
+    }
+}
+
+/// What differs in the hysteresis of a joint and its base gear counts as stiffness: a single branch does not tell them apart.
+#[test]
+fn a_torque_that_goes_one_way_gives_a_stiffness_and_keeps_the_hysteresis() {
+    for (width, factor, most) in [(0.0, 0.8, 0.02), (0.0, 1.1, 0.02), (1.0, 0.8, 0.12), (1.0, 1.1, 0.12)] {
+        let Joint { mut base, log, .. } = joint(factor, width, [0.2, 2e-6]);
+        base.hysteresis.width_arcmin = width;
+        let log = ramp(&log, base.gear.rated_torque);
+        for levels in [None, Some(6), Some(8)] {
+            let options = GearOptions { levels, training: 1.0, ..GearOptions::default() };
+            let found = identify_gear(&base, std::slice::from_ref(&log), &options, |_| ()).unwrap();
+            let error = found.stiffness_factor / factor - 1.0;
+            assert!(error.abs() < most, "{width} {factor}: {error}");
+            assert!(found.table.is_none() && found.gear.hysteresis == base.hysteresis);
+            found.gear.check().unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_stiffness_beyond_its_search_is_told() {
+    let Joint { mut base, log, .. } = joint(1.0, 0.0, [0.0; 2]);
+    base.hysteresis.width_arcmin = 0.0;
+    let mut log = ramp(&log, base.gear.rated_torque);
+    let limits = |log: &GearLog| {
+        let options = GearOptions { training: 1.0, ..GearOptions::default() };
+        identify_gear(&base, std::slice::from_ref(log), &options, |_| ()).unwrap().limits()
+    };
+    assert_eq!(limits(&log), []);
+    log.torsion.iter_mut().for_each(|torsion| *torsion *= 8.0);
+    assert_eq!(limits(&log), [("stiffness.k1_nm_per_rad", 0.2)]);
+}
+
+/// A joint that was loaded before its log: what it came from is found, not counted as stiffness.
+#[test]
+fn a_log_may_start_from_any_state() {
+    let base = GearFile::default_gear();
+    let mut wide = base.clone();
+    wide.hysteresis.width_arcmin = 2.0;
+    let params = gear_params::<f64>(&wide);
+    let line = params.flexspline.line.build().unwrap();
+    let model: TorsionHysteresis<f64, 24, 64> = params.hysteresis().unwrap();
+    let mut state = TorsionHysteresisState::default();
+    model.step(&mut state, -line.torsion(params.rated_torque));
+    let mut log = GearLog::default();
+    for k in 0..300 {
+        let torsion =
+            line.torsion(0.5 * params.rated_torque) * f64::from(if k < 200 { k } else { 400 - k }) / 200.0;
+        log.time.push(f64::from(k) * 0.01);
+        log.torque.push(line.torque(torsion) + model.step(&mut state, torsion).torque);
+        log.torsion.push(torsion);
+    }
+    let options = GearOptions { training: 1.0, ..GearOptions::default() };
+    let found = identify_gear(&wide, &[log], &options, |_| ()).unwrap();
+    assert!(found.starts[0].extreme_torque < -0.5 * params.rated_torque, "{:?}", found.starts);
+    assert!((found.stiffness_factor - 1.0).abs() < 0.01, "{}", found.stiffness_factor);
+    assert!(found.training_rms < 5e-6, "{:e}", found.training_rms);
+}
+
+/// A torsion that jumps at every reversal, as backlash makes it, asks for a torque that falls.
+#[test]
+fn an_identified_gear_passes_its_own_check() {
+    let Joint { base, mut log, .. } = joint(1.0, 3.0, [0.5, 2e-6]);
+    let mut sign = 0.0;
+    for k in 1..log.torque.len() {
+        let step = log.torque[k] - log.torque[k - 1];
+        sign = if step.abs() > 1.0 { step.signum() } else { sign };
+        log.torsion[k] += 3e-4 * sign;
+    }
+    let options =
+        GearOptions { smoothing: Smoothing::Given(1e-10), levels: Some(24), ..GearOptions::default() };
+    let found = identify_gear(&base, &[log], &options, |_| ()).unwrap();
+    found.gear.check().unwrap();
+}
+
+/// How much of the measured log trains does not matter, nor on which grid.
+#[test]
+fn the_measured_joint_s_stiffness_does_not_depend_on_the_part_that_trains() {
+    let Some(path) = data::find("lara8/joint/jog_j2_mass.j5.csv") else {
+        println!("skipped: no data");
+        return;
+    };
+    let gear = GearFile::parse("g".as_ref(), strainwave_desktop::io::gear_file::LARA8_J5.as_bytes()).unwrap();
+    let log = GearLog::of(&strainwave_desktop::io::log::MeasuredLog::read(&path).unwrap(), &gear).unwrap();
+    let identified = |training: f64, levels: Option<usize>| {
+        let options = GearOptions { training, levels, ..GearOptions::default() };
+        identify_gear(&gear, std::slice::from_ref(&log), &options, |_| ()).unwrap()
+    };
+    let whole = identified(1.0, None);
+    assert!(whole.training_rms < 35e-6, "{:e}", whole.training_rms);
+    for (training, levels) in
+        [(0.3, None), (0.4, None), (0.5, Some(6)), (0.5, Some(8)), (0.7, None), (0.9, None)]
+    {
+        let found = identified(training, levels);
+        let difference = found.stiffness_factor / whole.stiffness_factor - 1.0;
+        assert!(difference.abs() < 0.05, "{training}: {difference}");
+        assert!(found.held_out_rms < found.base_held_out_rms);
+        found.gear.check().unwrap();
+    }
 }

@@ -102,9 +102,27 @@ fn kinematic_error_and_friction_come_back_from_a_third_of_the_motion() {
     assert!((level / LEVEL - 1.0).abs() < 0.15, "{level}");
     let judgement = found.judgement.unwrap();
     assert!(judgement.ratio() < 0.25, "{judgement:?}");
+    assert!(judgement.rms < found.base_judgement.unwrap().rms);
+    assert_eq!(found.gear.stiffness, base().stiffness);
     // The gear file says all of it.
     let again = GearFile::parse("learnt.toml".as_ref(), found.gear.to_toml().as_bytes()).unwrap();
     assert_eq!(again, found.gear);
+}
+
+/// The first third of the path there and back goes one way.
+#[test]
+fn friction_is_learnt_in_the_directions_that_the_motor_moved_in_alone() {
+    let learnt = |training: f64| learn(&log(REVOLUTIONS), training).unwrap();
+    let coulomb = |found: &LearntGear| {
+        let input = &found.gear.friction.input;
+        [input.coulomb.unwrap(), input.backwards().coulomb.unwrap()]
+    };
+    let before = base().friction.input.coulomb.unwrap();
+    let (third, whole) = (learnt(1.0 / 3.0), learnt(1.0));
+    assert_eq!((third.friction.directions, whole.friction.directions), ([true, false], [true, true]));
+    assert_eq!(coulomb(&third), [before * third.friction.level, before]);
+    assert_eq!(coulomb(&whole), [before * whole.friction.level; 2]);
+    assert!(third.friction.level > 1.3 && third.friction.limits().is_empty());
 }
 
 #[test]
@@ -124,7 +142,9 @@ fn what_the_log_does_not_show_is_refused_by_name() {
     let line = learn(&log(0.3), 1.0 / 3.0).unwrap_err().to_string();
     assert!(line.contains("order 2 of the kinematic error needs at least 0.25"), "{line}");
     let reversed = log(REVOLUTIONS).with_reversed_torque();
-    assert!(matches!(learn(&reversed, 0.5), Err(Error::ReversedTorque { .. })));
+    let error = learn(&reversed, 0.5).unwrap_err();
+    assert!(matches!(error, Error::ReversedTorque { .. }));
+    assert!(error.to_string().ends_with("give --reversed-torque"), "{error}");
     assert!(learn(&log(REVOLUTIONS), 0.1).is_err());
 }
 

@@ -130,3 +130,33 @@ fn options_out_of_range_are_refused_by_name() {
         "{line}"
     );
 }
+
+/// In the first half of the log the joint is twice as soft, in the second it is not.
+#[test]
+fn a_gear_that_predicts_worse_than_its_base_is_not_written_unless_forced() {
+    let bench = Bench::new();
+    let log = log();
+    let lines: Vec<&str> = log.lines().collect();
+    let softer = |(row, line): (usize, &&str)| {
+        let (before, torque) = line.rsplit_once(',').unwrap();
+        let (before, output) = before.rsplit_once(',').unwrap();
+        let factor = if row < lines.len() / 2 { 2.0 } else { 1.0 };
+        format!("{before},{},{torque}", factor * output.parse::<f64>().unwrap())
+    };
+    let rows = lines[1..].iter().enumerate().map(softer);
+    bench.write("log.csv", [lines[0].to_owned()].into_iter().chain(rows).collect::<Vec<_>>().join("\n"));
+    let answer = bench.run(IDENTIFY);
+    assert_eq!(answer.code, Some(1), "{}", answer.output);
+    let line = answer.error.trim();
+    assert!(line.starts_with("new.toml: not written: it predicts the part held out to "), "{line}");
+    assert!(line.contains("; what helps is a held log") && line.lines().count() == 1, "{line}");
+    assert!(!bench.path("new.toml").exists());
+    let answer = bench.run(&format!("{IDENTIFY} --force"));
+    assert_eq!(answer.code, Some(1), "{}", answer.output);
+    assert!(
+        answer.error.starts_with("new.toml: warning: it predicts the part held out to"),
+        "{}",
+        answer.error
+    );
+    GearFile::read(&bench.path("new.toml")).unwrap();
+}

@@ -17,6 +17,17 @@ const DECADES: [i32; 6] = [1, 2, 4, 8, 16, 32];
 /// Bisections of the interval between a value that fails and one that does not: to 3 digits.
 const BISECTIONS: u32 = 18;
 
+/// What limits the use of a file: simulation only, for this reason; `None` when nothing does.
+///
+/// # Errors
+/// As [`buildable`], of a file whose friction the firmware has.
+pub fn use_of(file: &GearFile) -> Result<Option<String>, String> {
+    match file.require_firmware_friction() {
+        Err(why) => Ok(Some(why)),
+        Ok(()) => buildable(file).map(|()| None),
+    }
+}
+
 /// The firmware's compensator can be built from this file.
 ///
 /// # Errors

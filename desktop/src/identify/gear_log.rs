@@ -8,6 +8,7 @@
 //! stamps, a long one to fewer samples.
 
 use super::Error;
+use super::reversal::travel;
 use super::sequence::{LEAST_SAMPLES, require_reversal, span};
 use crate::io::gear_file::GearFile;
 use crate::io::log::MeasuredLog;
@@ -17,6 +18,11 @@ use crate::io::log::MeasuredLog;
 const MOST_TRAVEL: f64 = 0.5;
 /// Most samples of a log.
 const MOST_SAMPLES: f64 = 20_000.0;
+/// Fraction of the torque's span below which a way back is noise.
+const NOISE: f64 = 0.02;
+/// Fraction of its span that the torque must go back to show the hysteresis.
+const LOOPING: f64 = 1.0 / 3.0;
+
 /// Torque and torsion at equal intervals.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GearLog {
@@ -45,6 +51,20 @@ impl GearLog {
             found.torsion.push(ratio * (instant.of(motor) - motor[0]) - instant.of(output));
         }
         Some(found)
+    }
+
+    /// The torque of the first `count` samples goes both ways, far enough to show a loop. Where it does not, the one branch that is
+    /// seen is a line as well as a hysteresis.
+    pub(super) fn loops(&self, count: usize) -> bool {
+        let torque = &self.torque[..count];
+        let span = span(torque);
+        let [up, down] = travel(torque, NOISE * span);
+        up.min(down) > LOOPING * span
+    }
+
+    /// From sample to sample (s).
+    pub(super) fn interval(&self) -> f64 {
+        self.time.get(1).map_or(1.0, |second| second - self.time[0])
     }
 
     /// Samples that train, of the chosen fraction.

@@ -8,8 +8,9 @@
 //! The torque tau (N m) drives, the torsion phi (rad) is what is predicted: by the inverse of the gear's own
 //! operator, torque over torsion. The torque regressed on the measured torsion would be simpler, but there
 //! the encoders' noise, and all that the torsion does without the torque having been measured, would be
-//! reversals of the operator's input. Identified are the weights mu, one factor 1/s on K1, K2 and K3 of the
-//! base gear's line (its knee torques stay), and for each log an offset c, as its angles count from arbitrary zeros.
+//! reversals of the operator's input. Identified are one factor 1/s on K1, K2 and K3 of the base gear's line (its knee
+//! torques stay), for each log its start ([`Start`]), and the weights mu. The line comes first (`line.rs`); the weights are
+//! identified only where the torque of a log goes both ways (`gear_log.rs`), else those of the base gear stay.
 //!
 //! The torsion is not linear in them, so Gauss and Newton's steps: at the present phi, with kappa = dtau/dphi along
 //! the branch, the torsion of other parameters is
@@ -19,10 +20,9 @@
 //! ```
 //!
 //! linear in mu' and, around s, in s'. The least squares of that give the next parameters, until the
-//! prediction no longer moves.
+//! prediction no longer moves; no step leads to a gear that its file's own check refuses. The start states are renewed between.
 //!
-//! Every log starts demagnetised, and the joint is held: the kinematic error is part of c. Its first part trains, the rest is
-//! predicted.
+//! The joint is held: the kinematic error is part of c. A log's first part trains, the rest is predicted.
 
 use std::iter::repeat_n;
 use std::ops::Range;
@@ -35,9 +35,11 @@ use super::choice::{Problem, Smoothing};
 use super::gear_log::GearLog;
 use super::law::{Law, OnLaw};
 use super::least_squares::Factor;
+use super::line::{LIMITS, Line};
 use super::regressors::{pairs, regressors, weights_of};
 use super::sequence::{BLOCKS, blocks, rms, span};
 use super::smoothness::{penalty_to_prior, unit_density};
+use super::start::Start;
 use super::{Error, Excitation};
 use crate::design::joint::gear_params;
 use crate::io::gear_file::{GearFile, Hysteresis};
@@ -49,7 +51,9 @@ pub const LEVELS: [usize; 4] = [6, 8, 12, 24];
 const STEPS: usize = 30;
 /// The lambda with which offsets and stiffness are found before the weights: the prior's stay.
 const PRIOR_ALONE: f64 = 1e3;
-/// Halvings of a step that does not lead downhill.
+/// Most times that the start states are renewed.
+const RENEWALS: usize = 4;
+/// Halvings of a step that does not lead downhill, or to a gear that is refused.
 const HALVINGS: i32 = 8;
 /// The steps end when the cost falls by less than this fraction.
 const SETTLED: f64 = 1e-6;
@@ -74,28 +78,46 @@ impl Default for GearOptions {
 /// Identified gear, with its prediction errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IdentifiedGear {
-    /// The base gear with the identified stiffness and hysteresis.
+    /// The base gear with what was identified.
     pub gear: GearFile,
     /// K1, K2, K3 over the base gear's.
     pub stiffness_factor: f64,
-    /// c of each log (rad).
-    pub offsets: Vec<f64>,
+    /// Relative standard error of the stiffness, the hysteresis being that of the base gear.
+    pub stiffness_deviation: f64,
+    /// Offset and start state of each log.
+    pub starts: Vec<Start>,
+    /// The weights; `None` where those of the base gear stay, as the torque of no log goes both ways.
+    pub table: Option<IdentifiedTable>,
+    /// Rms residual of the trained torsions (rad).
+    pub training_rms: f64,
+    /// The same of the torsions held out; `None` without any.
+    pub held_out_rms: Option<f64>,
+    /// Rms error of the base gear on them, its starts fitted to the trained part.
+    pub base_held_out_rms: Option<f64>,
+    /// c + phi at every sample of each log (rad).
+    pub predicted: Vec<Vec<f64>>,
+}
+
+/// How the weights were found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IdentifiedTable {
     /// Rows of the table.
     pub levels: usize,
     /// lambda.
     pub smoothing: f64,
     /// Rms over the pieces that the cross-validation left out (rad).
     pub validation_rms: f64,
-    /// Rms residual of the trained torsions (rad).
-    pub training_rms: f64,
-    /// The same of the torsions held out; `None` without any.
-    pub held_out_rms: Option<f64>,
-    /// Rms error of the base gear on them, its offset fitted to the trained part.
-    pub base_held_out_rms: Option<f64>,
     /// Cells that the trained part moved.
     pub excitation: Excitation,
-    /// c + phi at every sample of each log (rad).
-    pub predicted: Vec<Vec<f64>>,
+}
+
+impl IdentifiedGear {
+    /// Key of the stiffness where it ends at a limit of its search; with the factor on the base gear's.
+    pub fn limits(&self) -> Vec<(&'static str, f64)> {
+        let factor = self.stiffness_factor;
+        let ends = LIMITS.contains(&factor.recip());
+        ends.then_some(("stiffness.k1_nm_per_rad", factor)).into_iter().collect()
+    }
 }
 
 /// Identifies a gear's hysteresis, and a factor on its stiffness line; `progress` is called with the fraction done.
@@ -110,30 +132,133 @@ pub fn identify_gear(
 ) -> Result<IdentifiedGear, Error> {
     let grids: Vec<_> =
         LEVELS.into_iter().filter(|grid| options.levels.is_none_or(|chosen| chosen == *grid)).collect();
-    let mut best: Option<IdentifiedGear> = None;
+    if grids.is_empty() {
+        return Err(strainwave::Error::OutOfRange("levels").into());
+    }
+    let job = Job::of(base, logs, options)?;
+    if !job.loops() {
+        return job.line_alone();
+    }
+    let mut best: Option<(f64, IdentifiedGear)> = None;
     for (done, levels) in grids.iter().enumerate() {
         progress(done as f64 / grids.len() as f64);
-        let found = match levels {
-            6 => Task::<6>::of(base, logs, options)?.run(),
-            8 => Task::<8>::of(base, logs, options)?.run(),
-            12 => Task::<12>::of(base, logs, options)?.run(),
-            _ => Task::<24>::of(base, logs, options)?.run(),
+        let (validation, found) = match levels {
+            6 => Task::<6>::of(&job)?.run(),
+            8 => Task::<8>::of(&job)?.run(),
+            12 => Task::<12>::of(&job)?.run(),
+            _ => Task::<24>::of(&job)?.run(),
         }?;
-        if best.as_ref().is_none_or(|best| found.validation_rms < best.validation_rms) {
-            best = Some(found);
+        if best.as_ref().is_none_or(|(least, _)| validation < *least) {
+            best = Some((validation, found));
         }
     }
-    best.ok_or_else(|| strainwave::Error::OutOfRange("levels").into())
+    best.map_or_else(|| job.line_alone(), |(_, found)| Ok(found))
+}
+
+/// What is identified from, and the line that it gives.
+struct Job<'a> {
+    base: &'a GearFile,
+    logs: &'a [GearLog],
+    options: &'a GearOptions,
+    /// Samples of each log that train.
+    training: Vec<usize>,
+    line: Line,
+}
+
+impl<'a> Job<'a> {
+    fn of(base: &'a GearFile, logs: &'a [GearLog], options: &'a GearOptions) -> Result<Self, Error> {
+        if !(0.2..=1.0).contains(&options.training) {
+            return Err(strainwave::Error::OutOfRange("training").into());
+        }
+        let training =
+            logs.iter().map(|log| log.training(options.training)).collect::<Result<Vec<_>, Error>>()?;
+        let line = Line::identify(base, logs, &training)?;
+        Ok(Self { base, logs, options, training, line })
+    }
+
+    /// The torque of a log goes both ways.
+    fn loops(&self) -> bool {
+        self.logs.iter().zip(&self.training).any(|(log, count)| log.loops(*count))
+    }
+
+    /// The base gear with the factor on its line.
+    fn line_alone(&self) -> Result<IdentifiedGear, Error> {
+        let mut law = Law::<TABLE_LEVELS>::of(&gear_params(self.base))?;
+        law.factor = self.line.factor;
+        let mut gear = self.base.clone();
+        soften(&mut gear, self.line.factor);
+        let predicted = self.predicted(&law, &self.line.starts);
+        self.result(gear, self.line.factor, self.line.starts.clone(), None, predicted)
+    }
+
+    fn result(
+        &self,
+        gear: GearFile,
+        factor: f64,
+        starts: Vec<Start>,
+        table: Option<IdentifiedTable>,
+        predicted: Vec<Vec<f64>>,
+    ) -> Result<IdentifiedGear, Error> {
+        Ok(IdentifiedGear {
+            gear,
+            stiffness_factor: 1.0 / factor,
+            stiffness_deviation: self.line.deviation / self.line.factor,
+            starts,
+            table,
+            training_rms: self.residual(&predicted, |count, _| 0..count).unwrap_or(f64::NAN),
+            held_out_rms: self.residual(&predicted, |count, all| count..all),
+            base_held_out_rms: self.residual(&self.base_predictions()?, |count, all| count..all),
+            predicted,
+        })
+    }
+
+    /// The starts that the trained part of each log fits best.
+    fn starts<const L: usize>(&self, law: &Law<L>) -> Vec<Start> {
+        let logs = self.logs.iter().zip(&self.training);
+        logs.map(|(log, count)| Start::of(law, log, *count, self.base.gear.rated_torque)).collect()
+    }
+
+    /// c + phi of each log.
+    fn predicted<const L: usize>(&self, law: &Law<L>, starts: &[Start]) -> Vec<Vec<f64>> {
+        let predict = |(log, start): (&GearLog, &Start)| {
+            start.predicted(&law.torsions_after(start.extreme_torque, &log.torque))
+        };
+        self.logs.iter().zip(starts).map(predict).collect()
+    }
+
+    /// Torsions of the base gear.
+    fn base_predictions(&self) -> Result<Vec<Vec<f64>>, Error> {
+        let law = Law::<TABLE_LEVELS>::of(&gear_params(self.base))?;
+        Ok(self.predicted(&law, &self.starts(&law)))
+    }
+
+    /// Rms residual of some samples of each log, of its trained and all.
+    fn residual(
+        &self,
+        predicted: &[Vec<f64>],
+        samples: impl Fn(usize, usize) -> Range<usize>,
+    ) -> Option<f64> {
+        let logs = self.logs.iter().zip(predicted).zip(&self.training);
+        let residual: Vec<_> = logs
+            .flat_map(|((log, predicted), count)| {
+                samples(*count, predicted.len()).map(|k| log.torsion[k] - predicted[k])
+            })
+            .collect();
+        rms(&residual)
+    }
+}
+
+/// Divides the stiffness line by `factor`.
+fn soften(gear: &mut GearFile, factor: f64) {
+    for stiffness in [&mut gear.stiffness.k1, &mut gear.stiffness.k2, &mut gear.stiffness.k3] {
+        *stiffness /= factor;
+    }
 }
 
 /// One identification on a grid.
 struct Task<'a, const L: usize> {
-    base: &'a GearFile,
-    logs: &'a [GearLog],
-    options: &'a GearOptions,
+    job: &'a Job<'a>,
     half_range: f64,
-    /// Samples of each log that train.
-    training: Vec<usize>,
     /// Span of the trained torsions (rad).
     span: f64,
     /// mu of each pair at density 1, the rated torque being the total (N m).
@@ -145,7 +270,7 @@ struct Task<'a, const L: usize> {
 /// Parameters of one step.
 #[derive(Clone, Debug, PartialEq)]
 struct Parameters {
-    offsets: Vec<f64>,
+    starts: Vec<Start>,
     /// s
     factor: f64,
     /// mu of each pair (N m).
@@ -153,56 +278,62 @@ struct Parameters {
 }
 
 impl Parameters {
-    /// A fraction of the way to `target`; weights stay within their bounds.
+    /// A fraction of the way to `target`; weights stay within their bounds, start states as they are.
     fn towards(&self, target: &Self, fraction: f64) -> Self {
         let blend = |a: f64, b: f64| a + fraction * (b - a);
-        let blends = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| blend(*a, *b)).collect();
+        let start = |(a, b): (&Start, &Start)| Start { offset: blend(a.offset, b.offset), ..*a };
         Self {
-            offsets: blends(&self.offsets, &target.offsets),
+            starts: self.starts.iter().zip(&target.starts).map(start).collect(),
             factor: blend(self.factor, target.factor),
-            weights: blends(&self.weights, &target.weights),
+            weights: self.weights.iter().zip(&target.weights).map(|(a, b)| blend(*a, *b)).collect(),
         }
     }
 }
 
 impl<'a, const L: usize> Task<'a, L> {
-    fn of(base: &'a GearFile, logs: &'a [GearLog], options: &'a GearOptions) -> Result<Self, Error> {
-        let params = gear_params::<f64>(base);
+    fn of(job: &'a Job) -> Result<Self, Error> {
+        let params = gear_params::<f64>(job.base);
         let (half_range, prior) = params.hysteresis_weights::<L>()?;
         let unit: Vec<_> = pairs::<L>().map(|pair| unit_density::<L>(pair) * params.rated_torque).collect();
         let prior: Vec<_> = pairs::<L>().zip(&unit).map(|((i, j), unit)| prior.at(i, j) / unit).collect();
-        if !(0.2..=1.0).contains(&options.training) {
-            return Err(strainwave::Error::OutOfRange("training").into());
-        }
-        let training =
-            logs.iter().map(|log| log.training(options.training)).collect::<Result<Vec<_>, Error>>()?;
-        let spans = logs.iter().zip(&training).map(|(log, training)| span(&log.torsion[..*training]));
+        let logs = job.logs.len();
+        let spans = job.logs.iter().zip(&job.training).map(|(log, training)| span(&log.torsion[..*training]));
         Ok(Self {
-            base,
-            logs,
-            options,
+            job,
             half_range,
             span: spans.fold(0.0, f64::max),
-            training,
             // s cannot be negative either.
-            problem: Problem {
-                bounded: logs.len(),
-                ..Problem::new(logs.len() + 1, &penalty_to_prior::<L>(), &prior)
-            },
+            problem: Problem { bounded: logs, ..Problem::new(logs + 1, &penalty_to_prior::<L>(), &prior) },
             unit,
         })
     }
 
-    fn run(&self) -> Result<IdentifiedGear, Error> {
-        let prior = self.problem.prior.iter().skip(self.logs.len() + 1);
+    /// With the mean square over the pieces that the cross-validation left out, in spans.
+    fn run(&self) -> Result<(f64, IdentifiedGear), Error> {
+        let prior = self.problem.prior.iter().skip(self.job.logs.len() + 1);
         let prior = Parameters {
-            offsets: vec![0.0; self.logs.len()],
-            factor: 1.0,
+            starts: self.job.line.starts.clone(),
+            factor: self.job.line.factor,
             weights: prior.zip(&self.unit).map(|(density, unit)| density * unit).collect(),
         };
         let line = self.settle(prior, PRIOR_ALONE)?;
-        let (smoothing, validation) = self.problem.choose(&self.pieces(&line)?, self.options.smoothing)?;
-        self.finish(self.settle(line, smoothing)?, smoothing, validation)
+        let (smoothing, validation) =
+            self.problem.choose(&self.pieces(&line)?, self.job.options.smoothing)?;
+        let found = self.renew_starts(self.settle(line, smoothing)?, smoothing)?;
+        let validation_rms = validation.sqrt() * self.span;
+        Ok((validation, self.finish(found, smoothing, validation_rms)?))
+    }
+
+    /// Start states of these parameters, and the parameters for those, until they stay.
+    fn renew_starts(&self, mut now: Parameters, smoothing: f64) -> Result<Parameters, Error> {
+        for _ in 0..RENEWALS {
+            let renewed = Parameters { starts: self.job.starts(&self.law(&now)?), ..now.clone() };
+            if self.cost(&renewed, smoothing)? >= self.cost(&now, smoothing)? * (1.0 - SETTLED) {
+                break;
+            }
+            now = self.settle(renewed, smoothing)?;
+        }
+        Ok(now)
     }
 
     /// Steps downhill until none leads further.
@@ -224,7 +355,8 @@ impl<'a, const L: usize> Task<'a, L> {
         let cost = self.cost(now, smoothing)?;
         for halvings in 0..HALVINGS {
             let next = now.towards(target, 0.5f64.powi(halvings));
-            if self.cost(&next, smoothing)? < cost * (1.0 - SETTLED) {
+            let falls = self.cost(&next, smoothing)? < cost * (1.0 - SETTLED);
+            if falls && self.gear(&next)?.check().is_ok() {
                 return Ok(next);
             }
         }
@@ -234,25 +366,28 @@ impl<'a, const L: usize> Task<'a, L> {
     /// Cost to be minimised, beside the torsions' error.
     fn cost(&self, parameters: &Parameters, smoothing: f64) -> Result<f64, Error> {
         let densities = parameters.weights.iter().zip(&self.unit).map(|(mu, unit)| mu / unit);
-        let free = self.logs.len() + 1;
+        let free = self.job.logs.len() + 1;
         let x = DVector::from_iterator(self.problem.prior.len(), repeat_n(0.0, free).chain(densities));
         let difference = x - &self.problem.prior;
         let penalty = difference.dot(&(&self.problem.penalty * &difference));
-        let predicted = self.predicted(parameters, &self.torsions(parameters)?);
-        let residual = self.residual(&predicted, |count, _| 0..count).unwrap_or(f64::NAN);
+        let predicted = self.job.predicted(&self.law(parameters)?, &parameters.starts);
+        let residual = self.job.residual(&predicted, |count, _| 0..count).unwrap_or(f64::NAN);
         Ok((residual / self.span).powi(2) + smoothing * penalty)
     }
 
     fn law(&self, parameters: &Parameters) -> Result<Law<L>, Error> {
-        let line = gear_params::<f64>(self.base).flexspline.line.build()?;
+        let line = gear_params::<f64>(self.job.base).flexspline.line.build()?;
         let weights = weights_of(&parameters.weights, false)?;
         Ok(Law::build(line, parameters.factor, self.half_range, &weights)?)
     }
 
-    /// Each log's torsions for its torques.
+    /// Each log's torsions for its torques, behind that of the extreme torque that it came from.
     fn torsions(&self, parameters: &Parameters) -> Result<Vec<Vec<OnLaw>>, Error> {
         let law = self.law(parameters)?;
-        Ok(self.logs.iter().map(|log| law.torsions(&log.torque)).collect())
+        let torsions = |(log, start): (&GearLog, &Start)| {
+            law.torsions(&[&[start.extreme_torque], log.torque.as_slice()].concat())
+        };
+        Ok(self.job.logs.iter().zip(&parameters.starts).map(torsions).collect())
     }
 
     /// The linear problem around some parameters, piece by piece of time.
@@ -260,7 +395,7 @@ impl<'a, const L: usize> Task<'a, L> {
         let mut pieces: Vec<Vec<Factor>> = vec![Vec::new(); BLOCKS];
         for (index, points) in self.torsions(now)?.iter().enumerate() {
             let rows = self.rows(now, index, points)?;
-            for (piece, factor) in pieces.iter_mut().zip(blocks(&rows, 0..self.training[index])) {
+            for (piece, factor) in pieces.iter_mut().zip(blocks(&rows, 0..self.job.training[index])) {
                 piece.push(factor);
             }
         }
@@ -269,11 +404,12 @@ impl<'a, const L: usize> Task<'a, L> {
 
     /// The parameters in a solution.
     fn target(&self, now: &Parameters, x: &[f64]) -> Parameters {
-        let logs = self.logs.len();
+        let (logs, [least, most]) = (self.job.logs.len(), LIMITS);
+        let start = |(start, x): (&Start, &f64)| Start { offset: x * self.span, ..*start };
         Parameters {
-            offsets: x[..logs].iter().map(|x| x * self.span).collect(),
+            starts: now.starts.iter().zip(x).map(start).collect(),
             // A step that halves or doubles the stiffness goes too far for what is linear around here.
-            factor: x[logs].clamp(0.5 * now.factor, 2.0 * now.factor),
+            factor: x[logs].clamp(0.5 * now.factor, 2.0 * now.factor).clamp(least, most),
             weights: x[logs + 1..].iter().zip(&self.unit).map(|(x, unit)| x * unit).collect(),
         }
     }
@@ -286,15 +422,15 @@ impl<'a, const L: usize> Task<'a, L> {
             let mut state = TorsionHysteresisState::default();
             Ok(move |torsion| model.step(&mut state, torsion).torque)
         })?;
-        let (logs, measured) = (self.logs.len(), &self.logs[index].torsion);
-        Ok(DMatrix::from_fn(points.len(), logs + 2 + self.unit.len(), |row, column| {
-            let point = &points[row];
+        let (logs, measured) = (self.job.logs.len(), &self.job.logs[index].torsion);
+        Ok(DMatrix::from_fn(measured.len(), logs + 2 + self.unit.len(), |row, column| {
+            let point = &points[row + 1];
             let by_factor = point.line_stiffness * point.torsion / point.stiffness;
             match column.checked_sub(logs) {
                 None => f64::from(column == index),
                 Some(0) => by_factor / now.factor / self.span,
                 Some(pair) if pair <= self.unit.len() => {
-                    -columns[(row, pair - 1)] * self.unit[pair - 1] / point.stiffness / self.span
+                    -columns[(row + 1, pair - 1)] * self.unit[pair - 1] / point.stiffness / self.span
                 }
                 Some(_) => {
                     (measured[row] - point.torsion - point.hysteresis / point.stiffness + by_factor)
@@ -304,63 +440,23 @@ impl<'a, const L: usize> Task<'a, L> {
         }))
     }
 
-    fn finish(&self, found: Parameters, smoothing: f64, validation: f64) -> Result<IdentifiedGear, Error> {
-        let torsions = self.torsions(&found)?;
-        let predicted = self.predicted(&found, &torsions);
-        Ok(IdentifiedGear {
-            gear: self.gear(&found)?,
-            stiffness_factor: 1.0 / found.factor,
-            levels: L,
-            smoothing,
-            validation_rms: validation.sqrt() * self.span,
-            training_rms: self.residual(&predicted, |count, _| 0..count).unwrap_or(f64::NAN),
-            held_out_rms: self.residual(&predicted, |count, all| count..all),
-            base_held_out_rms: self.residual(&self.base_predictions()?, |count, all| count..all),
-            excitation: self.excitation(&torsions)?,
-            offsets: found.offsets,
-            predicted,
-        })
-    }
-
-    /// c + phi.
-    fn predicted(&self, parameters: &Parameters, torsions: &[Vec<OnLaw>]) -> Vec<Vec<f64>> {
-        let logs = torsions.iter().zip(&parameters.offsets);
-        logs.map(|(points, offset)| points.iter().map(|point| point.torsion + offset).collect()).collect()
-    }
-
-    /// Rms residual of some samples of each log, of its trained and all.
-    fn residual(
+    fn finish(
         &self,
-        predicted: &[Vec<f64>],
-        samples: impl Fn(usize, usize) -> Range<usize>,
-    ) -> Option<f64> {
-        let logs = self.logs.iter().zip(predicted).zip(&self.training);
-        let residual: Vec<_> = logs
-            .flat_map(|((log, predicted), count)| {
-                samples(*count, predicted.len()).map(|k| log.torsion[k] - predicted[k])
-            })
-            .collect();
-        rms(&residual)
-    }
-
-    /// Torsions of the base gear, with the offset that the trained part of each log has from it.
-    fn base_predictions(&self) -> Result<Vec<Vec<f64>>, Error> {
-        let law = Law::<TABLE_LEVELS>::of(&gear_params(self.base))?;
-        let predict = |(log, count): (&GearLog, &usize)| {
-            let torsions = law.torsions(&log.torque);
-            let offsets =
-                log.torsion[..*count].iter().zip(&torsions).map(|(measured, on)| measured - on.torsion);
-            let offset = offsets.sum::<f64>() / *count as f64;
-            torsions.iter().map(|on| on.torsion + offset).collect()
-        };
-        Ok(self.logs.iter().zip(&self.training).map(predict).collect())
+        found: Parameters,
+        smoothing: f64,
+        validation_rms: f64,
+    ) -> Result<IdentifiedGear, Error> {
+        let excitation = self.excitation(&self.torsions(&found)?)?;
+        let table = IdentifiedTable { levels: L, smoothing, validation_rms, excitation };
+        let predicted = self.job.predicted(&self.law(&found)?, &found.starts);
+        self.job.result(self.gear(&found)?, found.factor, found.starts, Some(table), predicted)
     }
 
     /// Cells that the trained part of any log moved.
     fn excitation(&self, torsions: &[Vec<OnLaw>]) -> Result<Excitation, Error> {
         let mut whole = Excitation::none(L);
-        for (points, count) in torsions.iter().zip(&self.training) {
-            let inputs: Vec<_> = points[..*count].iter().map(|point| point.torsion).collect();
+        for (points, count) in torsions.iter().zip(&self.job.training) {
+            let inputs: Vec<_> = points[1..=*count].iter().map(|point| point.torsion).collect();
             whole.add(&Excitation::of::<L>(self.half_range, &inputs)?);
         }
         Ok(whole)
@@ -370,10 +466,8 @@ impl<'a, const L: usize> Task<'a, L> {
     fn gear(&self, found: &Parameters) -> Result<GearFile, Error> {
         let weights = weights_of::<L>(&found.weights, false)?;
         let rows = (0..L).map(|i| (0..=i).map(|j| weights.at(i, j)).collect()).collect();
-        let mut gear = self.base.clone();
-        for stiffness in [&mut gear.stiffness.k1, &mut gear.stiffness.k2, &mut gear.stiffness.k3] {
-            *stiffness /= found.factor;
-        }
+        let mut gear = self.job.base.clone();
+        soften(&mut gear, found.factor);
         gear.hysteresis = Hysteresis {
             width_arcmin: self.law(found)?.width(gear.gear.rated_torque).to_degrees() * 60.0,
             half_range: Some(self.half_range),

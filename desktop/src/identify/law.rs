@@ -68,7 +68,13 @@ impl<const L: usize> Law<L> {
 
     /// The torsions of a sequence of torques from the demagnetised state.
     pub fn torsions(&self, torques: &[f64]) -> Vec<OnLaw> {
+        self.torsions_after(0.0, torques)
+    }
+
+    /// The same after one torque `before` from the demagnetised state (N m).
+    pub fn torsions_after(&self, before: f64, torques: &[f64]) -> Vec<OnLaw> {
         let mut state = TorsionHysteresisState::default();
+        self.step(&mut state, before);
         torques.iter().map(|torque| self.step(&mut state, *torque)).collect()
     }
 
@@ -78,7 +84,8 @@ impl<const L: usize> Law<L> {
             torques(&[0.0, 1.0, -1.0, 1.0, 0.0]).map(|fraction| fraction * torque).collect();
         let on = self.torsions(&torques).into_iter().zip(torques);
         let samples: Vec<_> = on.map(|(on, torque)| Sample { torsion: on.torsion, torque }).collect();
-        TorqueLoop::of(&samples).map_or(0.0, |found| found.width)
+        // The branches of a law without hysteresis differ by rounding.
+        TorqueLoop::of(&samples).map_or(0.0, |found| found.width.max(0.0))
     }
 
     fn step(&self, state: &mut TorsionHysteresisState<f64, MEMORY>, torque: f64) -> OnLaw {

@@ -14,9 +14,12 @@
 //! | `excitation` | which cells the input moved |
 //! | `sequence` | weights of any actuator from its input and output |
 //! | `law` | the gear's torque over torsion, and its inverse |
+//! | `line` | a factor on the stiffness line from a held joint's logs |
+//! | `start` | offset and start state of a held joint's log |
 //! | `gear_log` | a measured log as torque and torsion |
 //! | `joint` | weights of a gear from measured logs: torque over torsion |
-//! | `moving` | friction, kinematic error and stiffness from a moving joint's log |
+//! | `moving` | friction and kinematic error from a moving joint's log |
+//! | `refusal` | why an identified gear file is not written |
 //!
 //! From a catalogue's figure alone there is nothing to fit: the loss in arc minutes is the gap of the standard
 //! shape ([`strainwave::hysteresis::gap_for_width`], [`strainwave::hysteresis::Weights::uniform`]). The identified
@@ -30,21 +33,26 @@ mod gear_log;
 pub mod joint;
 pub(crate) mod law;
 mod least_squares;
+mod line;
 pub mod moving;
+mod refusal;
 pub mod regressors;
 pub mod replay;
 pub mod reversal;
 pub mod ripple_fit;
 mod sequence;
 mod smoothness;
+mod start;
 pub mod torque_loop;
 
 pub use choice::Smoothing;
 pub use excitation::Excitation;
 pub use gear_log::GearLog;
-pub use joint::{GearOptions, IdentifiedGear, identify_gear};
+pub use joint::{GearOptions, IdentifiedGear, IdentifiedTable, identify_gear};
 pub use moving::{LearntGear, learn_gear};
+pub use refusal::Refusal;
 pub use sequence::{Identified, Options, Sequence, identify};
+pub use start::Start;
 
 /// Why nothing could be identified.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -107,7 +115,7 @@ pub enum Error {
     /// Friction would drive.
     #[error(
         "column tau_motor_nm: with its sign changed it fits the motion {ratio:.1} times as well; allowed: at most {most}, \
-         friction never drives"
+         friction never drives; if the torque counts against the angle, give --reversed-torque"
     )]
     ReversedTorque {
         /// Sum of squares as logged over that with the sign changed.

@@ -26,6 +26,20 @@ pub fn reversals(input: &[f64], least: f64) -> usize {
     count
 }
 
+/// Paths of `input` upwards and downwards; what is not more than `least` is left out, as noise.
+pub fn travel(input: &[f64], least: f64) -> [f64; 2] {
+    let [mut up, mut down] = [0.0; 2];
+    let mut at = input.first().copied().unwrap_or_default();
+    for &u in input {
+        if (u - at).abs() > least {
+            up += (u - at).max(0.0);
+            down += (at - u).max(0.0);
+            at = u;
+        }
+    }
+    [up, down]
+}
+
 /// First-order reversal curves over +-`half_range` from `levels` edges of the grid, `steps` samples a cell.
 pub fn reversal_curves(half_range: f64, levels: usize, steps: usize) -> Vec<f64> {
     let edge = |k: usize| half_range * (2.0 * k as f64 / levels as f64 - 1.0);
@@ -65,6 +79,14 @@ fn through(half_range: f64, levels: usize, steps: usize, corners: impl Iterator<
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn noise_is_no_path() {
+        let saw = |k: u32| f64::from(k) / 100.0 + if k.is_multiple_of(2) { 0.004 } else { -0.004 };
+        let noisy: Vec<_> = (0..=100).chain((50..100).rev()).map(saw).collect();
+        let [up, down] = travel(&noisy, 0.02);
+        assert!((up - 1.0).abs() < 0.05 && (down - 0.5).abs() < 0.05, "{up} {down}");
+    }
 
     #[test]
     fn a_reversal_is_counted_when_it_is_large_enough() {

@@ -11,6 +11,7 @@ pub mod faults;
 pub mod flexspline;
 pub mod friction;
 pub mod hysteresis;
+pub mod identify;
 pub mod judge;
 pub mod replay;
 pub mod robustness;

@@ -6,8 +6,8 @@
 
 use std::path::Path;
 
-use crate::identify::learn_gear;
 use crate::identify::replay::Judgement;
+use crate::identify::{LearntGear, learn_gear};
 use crate::io::data;
 use crate::io::figure::Figure;
 use crate::io::file::BadInput;
@@ -17,10 +17,10 @@ use crate::verify::Measured;
 use crate::verify::bounds;
 
 /// Fraction of the motor's path that is learnt from.
-const LEARNT: f64 = 1.0 / 3.0;
+pub(super) const LEARNT: f64 = 1.0 / 3.0;
 /// Logs, their joints, and whether the motor torque counts against the angle: the encoders of joints 1, 2 and 6 count against
 /// the joint's angle, in whose direction the controller states torques.
-const LOGS: [(&str, &str, bool); 6] = [
+pub(super) const LOGS: [(&str, &str, bool); 6] = [
     ("jog_j1", "j1", true),
     ("jog_j2_mass", "j2", true),
     ("jog_linear_mass", "j1", true),
@@ -37,7 +37,8 @@ pub fn measure() -> Result<Measured, BadInput> {
     let mut measured = Measured::default();
     let mut at_half = Vec::new();
     for (log, joint, reversed) in LOGS {
-        let Some(judgement) = judge(log, joint, reversed)? else {
+        let found = learnt(log, joint, reversed, LEARNT)?;
+        let Some(judgement) = found.and_then(|found| found.judgement) else {
             measured.notes.push(format!("compensator.replay.{log}_{joint}: skipped: no data (lara8)"));
             continue;
         };
@@ -51,15 +52,28 @@ pub fn measure() -> Result<Measured, BadInput> {
     Ok(measured)
 }
 
-/// `None` without the data.
-fn judge(log: &str, joint: &str, reversed: bool) -> Result<Option<Judgement>, BadInput> {
+/// From the first `training` of a log's path; `None` without the data.
+pub(super) fn learnt(
+    log: &str,
+    joint: &str,
+    reversed: bool,
+    training: f64,
+) -> Result<Option<LearntGear>, BadInput> {
     let Some(path) = data::find(&format!("lara8/joint/{log}.{joint}.csv")) else { return Ok(None) };
+    let (gear, measured) = (shipped_gear(joint)?, read(&path, reversed)?);
+    learn_gear(&gear, &measured, training, |_| ()).map(Some).map_err(|why| BadInput::new(&path, why))
+}
+
+/// The gear file of a measured joint that moves.
+pub(super) fn shipped_gear(joint: &str) -> Result<GearFile, BadInput> {
     let (_, text) = LARA8_MOVING.iter().find(|gear| gear.0 == joint).expect("each joint has a gear file");
-    let gear = GearFile::parse(Path::new(&format!("gears/lara8-{joint}.toml")), text.as_bytes())?;
-    let measured = MeasuredLog::read(&path)?;
-    let measured = if reversed { measured.with_reversed_torque() } else { measured };
-    let found = learn_gear(&gear, &measured, LEARNT, |_| ()).map_err(|why| BadInput::new(&path, why))?;
-    Ok(found.judgement)
+    GearFile::parse(Path::new(&format!("gears/lara8-{joint}.toml")), text.as_bytes())
+}
+
+/// A log whose motor torque counts in the direction of the angle.
+pub(super) fn read(path: &Path, reversed: bool) -> Result<MeasuredLog, BadInput> {
+    let measured = MeasuredLog::read(path)?;
+    Ok(if reversed { measured.with_reversed_torque() } else { measured })
 }
 
 fn figures(name: &str, judgement: &Judgement) -> Vec<Figure> {

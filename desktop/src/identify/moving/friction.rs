@@ -6,8 +6,8 @@
 //! ```
 //!
 //! F, V, M >= 0 are factors on what the base gear says, with the prior 1 +- 1; g0 and g1 (N m, N m/rad) are the load's
-//! weight along the path, free up to the gear's peak torque. F and V are put into the gear; M is not: the load that it
-//! weighs is the base gear's affair. Noise: [`UNKNOWN`] of the Coulomb level, alike over [`ALIKE`].
+//! weight along the path, free up to the gear's peak torque. F and V are put into the gear, in the directions that the motor
+//! moved in; M is not: the load that it weighs is the base gear's affair. Noise: [`UNKNOWN`] of the Coulomb level, alike over [`ALIKE`].
 //!
 //! Motion with the torque's sign the other way round is separated by friction alone, which never drives.
 
@@ -17,7 +17,9 @@ use super::super::Error;
 use super::super::least_squares::Factor;
 use super::EVERY;
 use crate::identify::replay::ReplayRow;
-use crate::io::gear_file::{Friction, GearFile};
+use crate::identify::reversal::travel;
+use crate::io::gear_file::{Backward, Friction, GearFile};
+use crate::io::log::BOTH_DIRECTIONS;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Speed from which on the contact slides (rad/s).
@@ -31,20 +33,68 @@ const HALF_SPAN: f64 = 0.024;
 /// Sum of squares with the torque as logged, over that with its sign changed, from which on the sign is wrong.
 const REVERSED: f64 = 2.0;
 
-/// Puts the learnt levels into the gear; F.
-pub(super) fn learn(gear: &mut GearFile, rows: &[ReplayRow]) -> Result<f64, Error> {
+/// Motor's motion below which a way back is the encoder's noise (rad).
+const NOISE: f64 = 0.02;
+
+/// Factors on the input friction of the base gear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LearntFriction {
+    /// F
+    pub level: f64,
+    /// V
+    pub viscous: f64,
+    /// The motor moved forwards, and backwards; in the other direction the base gear's friction stays.
+    pub directions: [bool; 2],
+}
+
+impl LearntFriction {
+    /// Keys of the gear file whose factor ends at 0, where its search does; with the factor.
+    pub fn limits(&self) -> Vec<(&'static str, f64)> {
+        let factors = [
+            ("friction.input.coulomb_nm", self.level),
+            ("friction.input.viscous_nm_s_per_rad", self.viscous),
+        ];
+        factors.into_iter().filter(|(_, factor)| *factor == 0.0).collect()
+    }
+
+    /// The side with its levels and viscous friction multiplied.
+    fn put_into(&self, side: &mut Friction) {
+        let backwards = side.backwards();
+        let times = |value: Option<f64>, factor: f64, moved: bool| {
+            value.map(|value| if moved { value * factor } else { value })
+        };
+        let [forward, backward] = self.directions;
+        if forward != backward || side.backward.is_some() {
+            side.backward = Some(Backward {
+                coulomb: times(backwards.coulomb, self.level, backward),
+                static_level: times(backwards.static_level, self.level, backward),
+                viscous: times(backwards.viscous, self.viscous, backward),
+                ..side.backward.take().unwrap_or_default()
+            });
+        }
+        side.coulomb = times(side.coulomb, self.level, forward);
+        side.static_level = times(side.static_level, self.level, forward);
+        side.viscous = times(side.viscous, self.viscous, forward);
+    }
+}
+
+/// Puts the learnt friction into the gear.
+pub(super) fn learn(gear: &mut GearFile, rows: &[ReplayRow]) -> Result<LearntFriction, Error> {
     let (factors, squares) = fit(gear, rows, 1.0)?;
     let (_, reversed) = fit(gear, rows, -1.0)?;
     if squares > REVERSED * reversed {
         return Err(Error::ReversedTorque { ratio: squares / reversed, most: REVERSED });
     }
     let [level, viscous, _] = factors;
-    let input = &mut gear.friction.input;
-    for value in [&mut input.coulomb, &mut input.static_level] {
-        *value = value.map(|value| value * level);
-    }
-    input.viscous = input.viscous.map(|value| value * viscous);
-    Ok(level)
+    let found = LearntFriction { level, viscous, directions: directions(rows) };
+    found.put_into(&mut gear.friction.input);
+    Ok(found)
+}
+
+/// The motor moved forwards, and backwards.
+fn directions(rows: &[ReplayRow]) -> [bool; 2] {
+    let path = travel(&rows.iter().map(|row| row.motor).collect::<Vec<_>>(), NOISE);
+    path.map(|one| one >= BOTH_DIRECTIONS * path.iter().sum::<f64>())
 }
 
 /// F, V, M, and the sum of squares with the priors'.

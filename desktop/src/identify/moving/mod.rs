@@ -1,7 +1,7 @@
-//! Identification from a moving joint's log with both encoders: friction, kinematic error, stiffness.
+//! Identification from a moving joint's log with both encoders: friction and kinematic error.
 //!
 //! ```text
-//! theta_out - r*theta_motor = c + e(theta_motor) - s*phi + E(r*theta_motor) + n
+//! theta_out - r*theta_motor = c + e(theta_motor) - phi + E(r*theta_motor) + n
 //! ```
 //!
 //! | unknown | what it is |
@@ -10,13 +10,16 @@
 //! | e | kinematic error, orders [`ORDERS`] of the motor's angle relative to the flexspline, and relative to the case |
 //! | E | error of the output encoder's scale, as eccentricity makes it, orders 1 and 2 a revolution of the output |
 //! | phi | torsion that the observer finds with the base gear's stiffness, from the motor side (rad) |
-//! | s | the base gear's stiffness over the gear's |
 //! | n | what is in no column: noise that is alike over a short path and a short time |
 //!
 //! In this order: friction from the motor's torque over its motion (`friction.rs`); with it, for every observer of
 //! [`WANDERS`], its torsion and the regularised least squares of the above (`residual.rs`); the observer with the least sum of
 //! squares is kept. The wander says how much of the motor torque that friction does not explain winds the gear up: where
 //! friction is not known to a fraction of the rated torque, hardly any.
+//!
+//! The stiffness stays the base gear's. What winds a moving joint up is the load's torque, which is not in the log: stiffness,
+//! the load's inertia and its weight are known only together, and a factor on the stiffness ends wherever its range does. A
+//! held joint's log identifies it.
 //!
 //! The first part of the motor's path trains, the rest is predicted; a path holds few revolutions, so every unknown has a
 //! prior of catalogue size and an order that the path does not show is not learnt. The two kinds of orders beat
@@ -36,6 +39,7 @@ use crate::design::joint::joint_params;
 use crate::identify::replay::{Judgement, ReplayRow, replay, time_of_path};
 use crate::io::gear_file::{GearFile, KinematicError};
 use crate::io::log::MeasuredLog;
+pub use friction::LearntFriction;
 pub use residual::{ORDERS, Residual};
 
 /// Wanders of the external torque that are tried, in rated torques and the square root of a second: an observer's that is
@@ -54,14 +58,14 @@ pub struct LearntGear {
     pub learnt: f64,
     /// Span of the motor's angle until then (revolutions).
     pub revolutions: f64,
-    /// K1, K2, K3 over the base gear's.
-    pub stiffness_factor: f64,
-    /// Levels of the input friction over the base gear's.
-    pub friction_factor: f64,
+    /// The input friction.
+    pub friction: LearntFriction,
     /// Rms residual of the trained rows (rad).
     pub training_rms: f64,
     /// Prediction error on the remainder by the observer in the firmware's precision; `None` without one.
     pub judgement: Option<Judgement>,
+    /// The same of the base gear.
+    pub base_judgement: Option<Judgement>,
     /// The log through the observer of the learnt gear.
     pub rows: Vec<ReplayRow>,
 }
@@ -81,12 +85,10 @@ pub fn learn_gear(
         return Err(ParameterError::OutOfRange("training").into());
     }
     let learnt = time_of_path(log, training);
-    let mut gear = base.clone();
-    gear.kinematic_error = KinematicError::default();
-    gear.sensors.output_encoder_error = Vec::new();
+    let mut gear = without_errors(base);
     let rows = observe(&gear, log, learnt)?;
     let revolutions = residual::require_revolutions(&rows)?;
-    let friction_factor = friction::learn(&mut gear, &rows)?;
+    let friction = friction::learn(&mut gear, &rows)?;
     let mut best: Option<(Residual, GearFile)> = None;
     let observers = observers(&gear);
     for (done, gear) in observers.iter().enumerate() {
@@ -98,34 +100,47 @@ pub fn learn_gear(
     }
     let (found, mut gear) = best.ok_or(ParameterError::OutOfRange("gear"))?;
     found.put_into(&mut gear);
-    let rows = observe(&gear, log, f64::INFINITY)?;
+    let [rows, base_rows] = [observe_log(&gear, log)?, observe_log(base, log)?];
     let rest = rows.last().is_some_and(|last| last.time > learnt);
+    let judge = |rows: &[ReplayRow]| rest.then(|| Judgement::of(rows, learnt));
     Ok(LearntGear {
         learnt,
         revolutions,
-        stiffness_factor: 1.0 / found.compliance_factor,
-        friction_factor,
+        friction,
         training_rms: found.rms,
-        judgement: rest.then(|| Judgement::of(&rows, learnt)),
+        judgement: judge(&rows),
+        base_judgement: judge(&base_rows),
         gear,
         rows,
     })
 }
 
-/// The gear with each of the observers that are tried; those that could not be built once the gear is as stiff as its cup
-/// are left out.
+/// The gear with each of the observers that are tried; those that cannot be built are left out.
 fn observers(gear: &GearFile) -> Vec<GearFile> {
     let with = |wander: f64| {
         let mut one = gear.clone();
         one.compensation.external_torque_wander = Some(wander * gear.gear.rated_torque);
         one
     };
-    WANDERS.map(with).into_iter().filter(|one| is_sound(&residual::stiffest(one))).collect()
+    WANDERS.map(with).into_iter().filter(is_sound).collect()
 }
 
 /// A gear file may say it, and a compensator can be built from it.
 fn is_sound(gear: &GearFile) -> bool {
     gear.check().is_ok() && joint_params::<f32>(gear).is_ok_and(|joint| joint.build().is_ok())
+}
+
+/// The gear of an ideal mesh, its output encoder centred.
+pub(crate) fn without_errors(gear: &GearFile) -> GearFile {
+    let mut ideal = gear.clone();
+    ideal.kinematic_error = KinematicError::default();
+    ideal.sensors.output_encoder_error = Vec::new();
+    ideal
+}
+
+/// A log through the observer of a gear, in the firmware's precision.
+pub(crate) fn observe_log(gear: &GearFile, log: &MeasuredLog) -> Result<Vec<ReplayRow>, Error> {
+    observe(gear, log, f64::INFINITY)
 }
 
 /// The log through the observer in the firmware's precision, up to `until` (s).

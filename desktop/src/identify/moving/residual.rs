@@ -1,4 +1,4 @@
-//! Output encoder against the motor's: offset, kinematic error, scale error and stiffness by regularised least squares.
+//! Output encoder against the motor's: offset, kinematic error and scale error by regularised least squares.
 //!
 //! ```text
 //! min  sum of (what is left of a row - rho*what is left of the row before)^2/(sigma^2 (1 - rho^2) + q^2) + priors
@@ -10,7 +10,7 @@
 //! fraction of a revolution would be taken for thousands of witnesses.
 //!
 //! Priors (standard deviations): an order k of e has [`ORDER_2`]*(2/k)^2, order 1 a quarter of it; order k of E has
-//! [`ECCENTRICITY`]/k^2; s = 1 +- [`COMPLIANCE`]. s > 0 ends where the gear would be stiffer than its own cup.
+//! [`ECCENTRICITY`]/k^2.
 
 use std::f64::consts::TAU;
 
@@ -39,8 +39,6 @@ const ORDER_2: f64 = 8e-5;
 /// Of a sine and of a cosine of order 1 a revolution of the output (rad): 80 seconds of arc, a ring of 100 mm radius that is
 /// mounted 40 um off centre.
 const ECCENTRICITY: f64 = 4e-4;
-/// Of s.
-const COMPLIANCE: f64 = 0.3;
 /// Of c (rad).
 const OFFSET: f64 = 1e-2;
 /// sigma (rad): the size of orders that have no column.
@@ -87,8 +85,6 @@ impl Kind {
 pub struct Residual {
     /// Sum of squares, with those of the priors.
     pub squares: f64,
-    /// s
-    pub compliance_factor: f64,
     /// Rms residual of the rows (rad).
     pub rms: f64,
     terms: Vec<(Kind, Harmonic)>,
@@ -116,17 +112,14 @@ impl Residual {
     /// The least squares of rows that the observer of `gear` was fed with; its kinematic error is none.
     pub(super) fn solve(gear: &GearFile, rows: &[ReplayRow]) -> Result<Self, Error> {
         let rows: Vec<_> = rows.iter().step_by(EVERY).copied().collect();
-        let problem = Problem { columns: columns(gear, revolutions(&rows)), least: least_compliance(gear) };
+        let problem = Problem { columns: columns(gear, revolutions(&rows)) };
         let (unknowns, equations) = (problem.unknowns(), problem.equations(&rows));
         let factor = Factor::of(whitened(&equations, &rows));
-        let mut prior = DVector::zeros(unknowns);
-        prior[unknowns - 1] = (1.0 - problem.least) / COMPLIANCE;
-        let x = factor.solve(&DMatrix::identity(unknowns, unknowns), &prior, unknowns - 1)?;
+        let x = factor.solve(&DMatrix::identity(unknowns, unknowns), &DVector::zeros(unknowns), unknowns)?;
         let x = DVector::from_vec(x);
         let left = equations.columns(0, unknowns) * &x - equations.column(unknowns);
         Ok(Self {
-            squares: factor.squares(x.as_slice()) + (&x - &prior).norm_squared(),
-            compliance_factor: problem.least + COMPLIANCE * x[unknowns - 1],
+            squares: factor.squares(x.as_slice()) + x.norm_squared(),
             rms: (left.norm_squared() / rows.len() as f64).sqrt(),
             terms: problem.terms(&x),
         })
@@ -134,7 +127,6 @@ impl Residual {
 
     /// Into the gear that the observer had.
     pub(super) fn put_into(&self, gear: &mut GearFile) {
-        soften(gear, self.compliance_factor);
         let of = |kind| self.terms.iter().filter(|term| term.0 == kind).map(|term| term.1).collect();
         gear.kinematic_error.wave_generator = of(Kind::Case);
         gear.kinematic_error.flexspline = of(Kind::Flexspline);
@@ -151,47 +143,25 @@ fn columns(gear: &GearFile, revolutions: f64) -> Vec<(Kind, u32)> {
     scale.chain(flexspline).chain(shown.filter(|_| apart).map(|order| (Kind::Case, order))).collect()
 }
 
-fn soften(gear: &mut GearFile, factor: f64) {
-    for stiffness in [&mut gear.stiffness.k1, &mut gear.stiffness.k2, &mut gear.stiffness.k3] {
-        *stiffness /= factor;
-    }
-}
-
-/// The gear with the stiffness that s ends at.
-pub(super) fn stiffest(gear: &GearFile) -> GearFile {
-    let mut stiffest = gear.clone();
-    soften(&mut stiffest, least_compliance(gear));
-    stiffest
-}
-
-/// s of a gear nearly as stiff as its cup.
-fn least_compliance(gear: &GearFile) -> f64 {
-    1.05 * gear.stiffness.k3 / gear.cup_stiffness()
-}
-
-/// Unknowns: c, sine and cosine of each column, s from its least on; each in units of its prior.
+/// Unknowns: c, sine and cosine of each column; each in units of its prior.
 struct Problem {
     columns: Vec<(Kind, u32)>,
-    /// Least s.
-    least: f64,
 }
 
 impl Problem {
     fn unknowns(&self) -> usize {
-        2 + 2 * self.columns.len()
+        1 + 2 * self.columns.len()
     }
 
-    /// Rows [unknowns | theta_out - r*theta_motor] (rad).
+    /// Rows [unknowns | theta_out - r*theta_motor + phi] (rad).
     fn equations(&self, rows: &[ReplayRow]) -> DMatrix<f64> {
-        let last = self.unknowns() - 1;
-        DMatrix::from_fn(rows.len(), last + 2, |row, column| {
+        let unknowns = self.unknowns();
+        DMatrix::from_fn(rows.len(), unknowns + 1, |row, column| {
             let row = &rows[row];
-            let torsion = row.rigid - row.predicted;
             match column {
                 0 => OFFSET,
-                k if k < last => self.sine_or_cosine(k - 1, row),
-                k if k == last => -torsion * COMPLIANCE,
-                _ => row.measured - row.rigid + self.least * torsion,
+                k if k < unknowns => self.sine_or_cosine(k - 1, row),
+                _ => row.measured - row.predicted,
             }
         })
     }

@@ -15,6 +15,7 @@ mod written;
 pub use columns::Extra;
 pub use measured::MeasuredLog;
 pub use open_loop::{Drive, DriveSample, OpenLoop, OpenLoopRow, write_open_loop};
+pub(crate) use soundness::BOTH_DIRECTIONS;
 pub use time::{GAP_LEAST, GAP_RATIO, Instant, Jitter, LONGEST, Time};
 pub use written::write_columns;
 

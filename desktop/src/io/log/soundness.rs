@@ -25,7 +25,7 @@ const FINE: usize = 50;
 /// Motion of the motor in which a torque changes (rad).
 const MOVING: f64 = 1e-3;
 /// Fraction of the path that has to be in the other direction.
-const BOTH: f64 = 0.02;
+pub(crate) const BOTH_DIRECTIONS: f64 = 0.02;
 /// Wind-up that a gear never reaches, over that of its peak torque at K1.
 const WIND_UP: f64 = 4.0;
 /// Room of speed and acceleration beyond the motor's limits.
@@ -65,7 +65,7 @@ impl MeasuredLog {
         let steps = || self.motor_position.windows(2).map(|pair| pair[1] - pair[0]);
         let path = |sign: f64| steps().map(|step| (sign * step).max(0.0)).sum::<f64>();
         let [forward, backward] = [1.0, -1.0].map(path);
-        let one_way = forward.min(backward) < BOTH * (forward + backward);
+        let one_way = forward.min(backward) < BOTH_DIRECTIONS * (forward + backward);
         let line = format!(
             "column {}: moves in one direction only; friction of the other and hysteresis do not show",
             MOTOR_POSITION.name

@@ -165,8 +165,7 @@ pub(super) const ROWS: &[Bound] = &[
         name: "hysteresis.identification.size_17",
         value: 2.5e-5,
         unit: "rad",
-        why: "torsion of a measured gear over the second half of its log, rms, offset included; offset, one factor on \
-              the catalogue's line, weights and smoothness are from the first half alone: two counts of \
-              a 19-bit encoder",
+        why: "torsion of a measured gear over the second half of its log, rms, offset included; offset and one factor on \
+              the catalogue's line are from the first half alone: two counts of a 19-bit encoder",
     },
 ];

@@ -69,8 +69,8 @@ fn outputs(weights: &Weights<f64, LEVELS>, inputs: &[f64]) -> Result<Vec<f64>, E
     Ok(inputs.iter().map(|input| model.step(&mut state, *input).output).collect())
 }
 
-/// The torsion of a held joint over the second half of its log: offset, one factor on the catalogue's line, and
-/// weights from the first half alone.
+/// The torsion of a held joint over the second half of its log: offset and one factor on the catalogue's line from the first
+/// half alone.
 fn size_17() -> Result<Measured, BadInput> {
     let Some(path) = data::find(LOG) else {
         return Ok(Measured::skipped(format!("hysteresis.identification.size_17: skipped: no data ({LOG})")));

@@ -1,0 +1,38 @@
+//! Bounds of `verify identify`: what is predicted of logs and motions that did not train.
+
+use super::Bound;
+
+pub(super) const ROWS: &[Bound] = &[
+    Bound {
+        name: "identify.held.stiffness",
+        value: 0.05,
+        unit: "1",
+        why: "stiffness from the first 0.3 to 0.9 of a held joint's log against that of all of it, the largest relative \
+              difference",
+    },
+    Bound {
+        name: "identify.held.in_sample",
+        value: 35e-6,
+        unit: "rad",
+        why: "rms of the same joint's torsion, all of the log training; a stiffness line with Dahl's hysteresis leaves 39 urad",
+    },
+    Bound {
+        name: "identify.pairs.worst_over_untrained",
+        value: 1.0,
+        unit: "1",
+        why: "one log of a measured joint trains, another is predicted: error over that of the gear file that it started \
+              from, the worst pair; training never hurts",
+    },
+    Bound {
+        name: "identify.pairs.median_over_rigid",
+        value: 0.35,
+        unit: "1",
+        why: "the same error over the rigid gear's, median of all pairs",
+    },
+    Bound {
+        name: "identify.moving.over_rigid",
+        value: 0.5,
+        unit: "1",
+        why: "output error of a measured joint after the first third of its motion over the rigid gear's",
+    },
+];
