@@ -355,8 +355,18 @@ pub const JOINT: JointParams<f32> = JointParams {
         torque_limit: 2.4,
     },
     output_feedback: [
-        OutputFeedbackParams { damping: 0.0015554276, integral: 0.0, filter_corner: 241.09126 },
-        OutputFeedbackParams { damping: 0.0015554276, integral: 48.218254, filter_corner: 241.09126 },
+        OutputFeedbackParams {
+            damping: 0.0015554276,
+            integral: 0.0,
+            integral_at_rest: 0.0,
+            filter_corner: 241.09126,
+        },
+        OutputFeedbackParams {
+            damping: 0.0015554276,
+            integral: 48.218254,
+            integral_at_rest: 40.181877,
+            filter_corner: 241.09126,
+        },
     ],
     measured_feedback: MeasuredFeedbackParams {
         proportional: 0.4,

@@ -46,10 +46,11 @@ const MEASURED_CORNER: f64 = 5.0;
 /// Largest change of the torque by a count of the output encoder in slow motion, of the motor's peak torque.
 const COUNT_TORQUE: f64 = 0.05;
 /// Largest torque that P and D ask for at a step of the rated torque, in motor's peak torques: with more, a motor at its
-/// limit no longer damps, and a load far lighter than its rotor is lost.
-const STEP_TORQUE: f64 = 10.0;
-/// k without and with an output encoder, as a fraction of the outer frequency.
+/// limit no longer damps, and a load far lighter than its rotor is lost. Chosen on training joints.
+const STEP_TORQUE: f64 = 5.0;
+/// k without and with an output encoder, in slow motion and at rest, as fractions of the outer frequency.
 const INTEGRAL: [f64; 2] = [0.0, 0.3];
+const INTEGRAL_AT_REST: [f64; 2] = [0.0, 0.25];
 /// omega_y as a multiple of omega: z takes a damping ratio of 0.03 off the mode, of 0.125 without its poles.
 const FILTER_CORNER: f64 = 1.5;
 /// Outer frequency over the position gain, at most.
@@ -187,6 +188,7 @@ pub fn output_feedback_params<R: Real>(file: &GearFile) -> [OutputFeedbackParams
     std::array::from_fn(|k| OutputFeedbackParams {
         damping: R::lit(estimated_level(file) * 2.0 * ADDED_DAMPING / frequency),
         integral: R::lit(INTEGRAL[k] * outer),
+        integral_at_rest: R::lit(INTEGRAL_AT_REST[k] * outer),
         filter_corner: R::lit(FILTER_CORNER * frequency),
     })
 }

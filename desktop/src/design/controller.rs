@@ -120,6 +120,14 @@ fn fraction(x: f64) -> f64 {
     -(-x).exp_m1()
 }
 
+/// The output feedback as it acts where the motor stands, at rest, or moves slowly.
+fn standing(gains: &OutputFeedbackParams<f64>, stands: bool) -> OutputFeedbackParams<f64> {
+    if !stands {
+        return *gains;
+    }
+    OutputFeedbackParams { integral: gains.integral_at_rest, ..*gains }
+}
+
 /// P and D of the output encoder's angle where the motor stands, at rest, or moves slowly.
 fn in_mode(gains: &MeasuredFeedbackParams<f64>, stands: bool) -> [f64; 2] {
     if stands {
@@ -164,7 +172,7 @@ impl Controller {
             feedback: parts.feedback,
             disturbance: parts.disturbance,
             passes: f64::from(u8::from(passes)),
-            output_feedback: parts.output_feedback[usize::from(has_output)],
+            output_feedback: standing(&parts.output_feedback[usize::from(has_output)], stands),
             measured_gains: if has_output { in_mode(measured, stands) } else { [0.0; 2] },
             measured_corner: measured.corner,
             reference_frequency: (file.stiffness.k1 / file.inertia.flexspline).sqrt(),

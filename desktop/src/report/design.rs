@@ -139,6 +139,12 @@ impl Report {
             let name = |what: &str| format!("output feedback {what} ({})", set.name());
             rows.push(row(&name("b"), b.damping, "s", "level * 2*0.125/sqrt(K1/J_fs)"));
             rows.push(row(&name("k"), b.integral, "1/s", "level * 0.3 omega_o, 0 without output encoder"));
+            rows.push(row(
+                &name("k at rest"),
+                b.integral_at_rest,
+                "1/s",
+                "level * 0.25 omega_o, 0 without output encoder",
+            ));
             rows.push(row(&name("omega_y"), b.filter_corner, "rad/s", "1.5 sqrt(K1/J_fs)"));
         }
         rows.push(row("measured feedback P", m.proportional, "1", "level * 0.4"));

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! T_d is by how much the reading is late; between two readings m is extrapolated by -dq. The shift, at the motor, is
-//! added to its position error, not to the speed of its reference.
+//! added to its position error, not to the speed of its reference. P and D have gains of their own at rest.
 //!
 //! With a motor that follows, the load on its spring obeys J_fs*e'' = K*(shift - e): P stiffens the joint by 1 + P, D damps
 //! the torsion mode of frequency omega = sqrt(K/J_fs) by the ratio D*omega/2. Through a motor with a delay T, P is a

@@ -37,8 +37,10 @@ use crate::real::Real;
 pub struct OutputFeedbackParams<R> {
     /// b (s), 0..=1.
     pub damping: R,
-    /// k (1/s), 0..=1000.
+    /// k in slow motion (1/s), 0..=1000.
     pub integral: R,
+    /// k at rest (1/s), 0..=1000.
+    pub integral_at_rest: R,
     /// omega_y (rad/s), 0..=1e5.
     pub filter_corner: R,
 }
@@ -121,6 +123,7 @@ impl<R: Real> OutputFeedback<R> {
         for set in gains {
             require(within(set.damping, 1.0), "damping")?;
             require(within(set.integral, 1000.0), "integral")?;
+            require(within(set.integral_at_rest, 1000.0), "integral_at_rest")?;
             require(within(set.filter_corner, 1e5), "filter_corner")?;
         }
         require(flexspline_inertia > R::ZERO, "flexspline_inertia")?;
@@ -163,7 +166,8 @@ impl<R: Real> OutputFeedback<R> {
         let dead_zone = if state.measures && state.rests { self.dead_zone } else { R::ZERO };
         filter.step(&mut state.first_pole, state.error.dead_zone(dead_zone));
         filter.step(&mut state.filtered, state.first_pole);
-        state.integral_rate = gains.integral * state.filtered;
+        let gain = if state.rests { gains.integral_at_rest } else { gains.integral };
+        state.integral_rate = gain * state.filtered;
         if runs {
             state.integral = (state.integral + self.dt * state.integral_rate).limit(R::lit(LARGEST));
         }
@@ -178,7 +182,7 @@ mod tests {
     const INERTIA: f64 = 1.2;
     const STIFFNESS: f64 = 4e4;
     const GAINS: OutputFeedbackParams<f64> =
-        OutputFeedbackParams { damping: 1.4e-3, integral: 0.0, filter_corner: 60.0 };
+        OutputFeedbackParams { damping: 1.4e-3, integral: 0.0, integral_at_rest: 0.0, filter_corner: 60.0 };
 
     fn feedback(gains: OutputFeedbackParams<f64>) -> OutputFeedback<f64> {
         OutputFeedback::build(&[gains; 2], INERTIA, 5.86, 1.2e-5, DT).unwrap()
@@ -235,7 +239,7 @@ mod tests {
         let alone = 40.0 / STIFFNESS;
         let (_, damped) = decay(GAINS, 40.0, 2.0);
         assert!((damped - alone).abs() < 1e-3 * alone, "{damped}");
-        let (_, integrated) = decay(OutputFeedbackParams { integral: 20.0, ..GAINS }, 40.0, 2.0);
+        let (_, integrated) = decay(OutputFeedbackParams { integral_at_rest: 20.0, ..GAINS }, 40.0, 2.0);
         assert!(integrated.abs() < 1e-3 * alone, "{integrated}");
     }
 
@@ -243,8 +247,8 @@ mod tests {
     #[test]
     fn an_integral_with_its_poles_at_the_mode_takes_no_damping() {
         let frequency = (STIFFNESS / INERTIA).sqrt();
-        let decayed = |integral, filter_corner| {
-            decay(OutputFeedbackParams { integral, filter_corner, ..GAINS }, 0.0, 0.5).0
+        let decayed = |integral_at_rest, filter_corner| {
+            decay(OutputFeedbackParams { integral_at_rest, filter_corner, ..GAINS }, 0.0, 0.5).0
         };
         let (without, at_the_mode) = (decayed(0.0, frequency), decayed(0.2 * frequency, frequency));
         let far_above = decayed(0.2 * frequency, 10.0 * frequency);
@@ -256,7 +260,7 @@ mod tests {
 
     #[test]
     fn the_shift_is_bounded_and_the_integral_waits() {
-        let feedback = feedback(OutputFeedbackParams { integral: 30.0, ..GAINS });
+        let feedback = feedback(OutputFeedbackParams { integral: 30.0, integral_at_rest: 30.0, ..GAINS });
         let far = OutputError { position: 1e3, velocity: 1e3, ..OutputError::default() };
         let mut state = OutputFeedbackState::default();
         for _ in 0..10_000 {
@@ -273,7 +277,7 @@ mod tests {
 
     #[test]
     fn at_rest_the_rounding_of_the_encoder_is_not_integrated() {
-        let feedback = feedback(OutputFeedbackParams { integral: 30.0, ..GAINS });
+        let feedback = feedback(OutputFeedbackParams { integral: 30.0, integral_at_rest: 30.0, ..GAINS });
         let integral = |position, setpoint_velocity| {
             let mut state = OutputFeedbackState::default();
             let error = OutputError { measured: Some(position), setpoint_velocity, ..OutputError::default() };

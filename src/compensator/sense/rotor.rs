@@ -176,8 +176,8 @@ impl<R: Real> RotorState<R> {
 }
 
 impl<R: Real> Rotor<R> {
-    /// For a gear, encoders of the motor and of the output of 2^bits counts, the position gain k_p (1/s) of the cascade, and the control
-    /// period dt (s).
+    /// For a gear, encoders of the motor and of the output of 2^bits counts, the position gain k_p (1/s) of the cascade,
+    /// and the control period dt (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `encoder_bits` outside 10..=32; as the gear's stiffness line.
