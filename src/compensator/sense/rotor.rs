@@ -23,7 +23,7 @@
 //! | --- | --- |
 //! | gear overload | abs T_g > 1.25*tau_p at the end of a round: no command takes it there ([`crate::compensator::actuate::protection`]), so that it is a blow, or a sign or size of torque or angle that is wrong |
 //! | frozen, standing | the count is the same at every observer step of two rounds or more, and tau has changed by more than 2.5*tau_s + 0.01*tau_max + 2*count*K/n^2 + 8*J_wg*count/h^2 since: static friction gives way at 2*tau_s at most, and then the last of it moves the rotor by two counts within half a round |
-//! | frozen, loaded | it stands, and the torque on it, that of the gear by the torque sensor included, has changed by more than that; by the output encoder, by 2*count_out*K_3/n and a fifth of the gear's change more |
+//! | frozen, loaded | it stands, and the torque on it, that of the gear by the torque sensor included, has changed by more than that and 0.1 of the gear's change; by the output encoder, than that, 2*count_out*K_3/n and 0.3 of the change |
 //! | frozen, moving | the count stands still at once, though 1.25*(abs tau + abs T_g/n + tau_s) + tau_p/(4*n) + 3*J_wg*count/h^2, the last for what rounding makes of two speeds, could not stop the rotor in the time |
 //! | overspeed | abs omega > the speed limit |
 //! | drive | torque error of the drive above 0.1*tau_max + 0.5*abs tau, the larger of this round and the last, in three rounds, two where it is of the other sign: five times the noise that the filter expects, a drive at 60 % of its limit, longer than four time constants of a 1 kHz drive |
@@ -50,8 +50,9 @@ const LIMITED: f64 = 0.5;
 const OVERLOAD: f64 = 1.25;
 /// Following error, in those of the cascade at the motor's largest acceleration.
 const FOLLOWING: f64 = 4.0;
-/// Uncertainty of a change of the gear's torque by its torsion: 10 % of stiffness, and as much hysteresis.
-const UNSURE: f64 = 0.2;
+/// Uncertainty of a change of the gear's torque against the motor's, by the encoders and by the torque sensor: 10 % of the
+/// torque constant; of the torsion 10 % of stiffness, and as much hysteresis, too.
+const UNSURE: [f64; 2] = [0.3, 0.1];
 /// Time that an overload, or a following error, has to last (s): one round of the default period.
 const OVERLOADED: f64 = 0.8e-3;
 /// The same of a drive that does not follow.
@@ -229,7 +230,7 @@ impl<R: Real> Rotor<R> {
             overload: R::lit(OVERLOAD) * peak,
             grip,
             held: [n.abs() * grip + R::lit(2.0) * output_count * stiffest, n.abs() * grip],
-            unsure: [R::lit(UNSURE), R::ZERO],
+            unsure: UNSURE.map(R::lit),
             surplus: R::lit(0.25) * peak / n.abs()
                 + R::lit(1.25) * static_level
                 + R::lit(3.0) * noise / n.abs(),

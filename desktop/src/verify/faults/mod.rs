@@ -227,12 +227,13 @@ fn most_held(file: &GearFile, fault: &Injected) -> f64 {
         + gear / n
 }
 
-/// Torque of the gear that the sensors see on a motor that stands (N m), from any zero; of the stiffness by the encoders the
-/// tolerance is taken off, and as much for the hysteresis.
+/// Torque of the gear that the sensors see on a motor that stands (N m), from any zero, less the torque constant's tolerance;
+/// by the encoders less that of the stiffness, and as much for the hysteresis, too.
 fn seen(file: &GearFile, fault: &Injected, row: &Row) -> f64 {
+    let (constant, stiffness) = (file.drive.torque_constant, file.tolerances.stiffness);
     match (fault.gauge, fault.sensors) {
-        (true, _) => row.transmitted,
-        (false, SensorSet::Both) => -(1.0 - 2.0 * file.tolerances.stiffness) * file.stiffness.k2 * row.output,
+        (true, _) => (1.0 - constant) * row.transmitted,
+        (false, SensorSet::Both) => -(1.0 - constant - 2.0 * stiffness) * file.stiffness.k2 * row.output,
         (false, SensorSet::Motor) => 0.0,
     }
 }
