@@ -22,7 +22,7 @@
 //! | fault | raised when |
 //! | --- | --- |
 //! | gear overload | abs T_g > 1.25*tau_p at the end of a round: no command takes it there ([`crate::compensator::actuate::protection`]), so that it is a blow, or a sign or size of torque or angle that is wrong |
-//! | frozen, standing | the count is the same at every observer step of two rounds or more, and tau has changed by more than 2.5*tau_s + 0.01*tau_max + 2*count*K/n^2 + 8*J_wg*count/h^2 since: static friction gives way at 2*tau_s at most, and then the last of it moves the rotor by two counts within half a round |
+//! | frozen, standing | the count is the same at every observer step of two rounds or more, and tau had changed a round ago by more than 2.5*tau_s + 0.01*tau_max + 2*count*K/n^2 + 8*J_wg*count/h^2: static friction gives way at 2*tau_s at most, and then the last of it moves the rotor by two counts within half a round |
 //! | frozen, loaded | it stands, and the torque on it, that of the gear by the torque sensor included, has changed by more than that and 0.1 of the gear's change; by the output encoder, than that, 2*count_out*K_3/n and 0.3 of the change |
 //! | frozen, moving | the count stands still at once, though 1.25*(abs tau + abs T_g/n + tau_s) + tau_p/(4*n) + 3*J_wg*count/h^2, the last for what rounding makes of two speeds, could not stop the rotor in the time |
 //! | overspeed | abs omega > the speed limit |
@@ -267,8 +267,8 @@ impl<R: Real> Rotor<R> {
         state.speed = speed;
         let kinetic = if moved == R::ZERO { R::ZERO } else { self.coulomb.copysign(moved) };
         state.friction = kinetic + self.viscous * speed;
-        let mean = R::lit(0.5) * (torque + state.applied);
-        state.applied = torque;
+        let applied_before = core::mem::replace(&mut state.applied, torque);
+        let mean = R::lit(0.5) * (torque + applied_before);
         let balance = self.n * (mean - inertial - state.friction);
         if state.rounds < 2 {
             // Two speeds make an acceleration.
@@ -296,7 +296,8 @@ impl<R: Real> Rotor<R> {
         if stands {
             let stopped = state.still == 0 && !inertial.is_within(stopping);
             state.still = state.still.saturating_add(1);
-            (state.least, state.most) = (state.least.min(torque), state.most.max(torque));
+            // The torque of this round may have come at its end, too late to be seen in the motion.
+            (state.least, state.most) = (state.least.min(applied_before), state.most.max(applied_before));
             let slipped = state.still > 1 && state.most - state.least > self.grip;
             faults.raise_if(stopped | slipped, Faults::MOTOR_ENCODER_FROZEN);
         } else {
