@@ -298,15 +298,29 @@ mod tests {
             let levels = [1.0, 0.3, 0.2, 0.1, 0.05].map(|factor| level(&with_load(factor)));
             assert!(levels.is_sorted_by(|lighter, heavier| lighter >= heavier), "{levels:?}");
         }
-        // A count of a coarse encoder would be a pulse of torque.
+        // What is read acts sooner than what is estimated.
+        assert!(measured_level(&with_load(0.1)) > estimated_level(&with_load(0.1)));
+    }
+
+    /// A count of a coarse encoder would be a pulse of torque.
+    #[test]
+    fn coarse_counts_act_less_in_slow_motion() {
         let coarse = |bits| {
             let mut file = GearFile::default_gear();
             file.sensors.output_encoder_bits = Some(bits);
-            measured_level(&file)
+            slow_fraction(&file)
         };
         assert!(coarse(19) == 1.0 && coarse(15) < 0.5 && coarse(14) < 0.6 * coarse(15));
-        // What is read acts sooner than what is estimated.
-        assert!(measured_level(&with_load(0.1)) > estimated_level(&with_load(0.1)));
+    }
+
+    #[test]
+    fn a_weak_motor_is_not_asked_for_more_than_its_limit_bears() {
+        let weak = |factor: f64| {
+            let mut file = GearFile::default_gear();
+            file.motor.peak_torque *= factor;
+            rest_fraction(&file)
+        };
+        assert!(weak(1.0) == 1.0 && weak(0.1) < 0.5 && (weak(0.05) / weak(0.1) - 0.5).abs() < 1e-9);
     }
 
     /// A heavier load slows the integrals down; a lighter one makes them no faster than the position loop bears.
