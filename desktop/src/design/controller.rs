@@ -121,7 +121,7 @@ fn fraction(x: f64) -> f64 {
 }
 
 /// The output feedback as it acts where the motor stands, at rest, or moves slowly.
-fn standing(gains: &OutputFeedbackParams<f64>, stands: bool) -> OutputFeedbackParams<f64> {
+fn output_feedback_in_mode(gains: &OutputFeedbackParams<f64>, stands: bool) -> OutputFeedbackParams<f64> {
     if !stands {
         return *gains;
     }
@@ -129,7 +129,7 @@ fn standing(gains: &OutputFeedbackParams<f64>, stands: bool) -> OutputFeedbackPa
 }
 
 /// P and D of the output encoder's angle where the motor stands, at rest, or moves slowly.
-fn in_mode(gains: &MeasuredFeedbackParams<f64>, stands: bool) -> [f64; 2] {
+fn measured_gains_in_mode(gains: &MeasuredFeedbackParams<f64>, stands: bool) -> [f64; 2] {
     if stands {
         [gains.proportional_at_rest, gains.derivative_at_rest]
     } else {
@@ -172,8 +172,8 @@ impl Controller {
             feedback: parts.feedback,
             disturbance: parts.disturbance,
             passes: f64::from(u8::from(passes)),
-            output_feedback: standing(&parts.output_feedback[usize::from(has_output)], stands),
-            measured_gains: if has_output { in_mode(measured, stands) } else { [0.0; 2] },
+            output_feedback: output_feedback_in_mode(&parts.output_feedback[usize::from(has_output)], stands),
+            measured_gains: if has_output { measured_gains_in_mode(measured, stands) } else { [0.0; 2] },
             measured_corner: measured.corner,
             reference_frequency: (file.stiffness.k1 / file.inertia.flexspline).sqrt(),
         }

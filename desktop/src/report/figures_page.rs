@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::fmt::Write;
 
 use crate::io::figure::{Figure, number};
-use crate::verify::bounds::{BOUNDS, Bound, FLOORS, TARGETS};
+use crate::verify::bounds::{BOUNDS, Bound, FLOORS, TARGETS, is_floor};
 
 /// The line before what is generated.
 pub const BEGIN: &str = "<!-- figures: begin -->";
@@ -92,13 +92,9 @@ fn rows() -> impl Iterator<Item = &'static Bound> {
     BOUNDS.into_iter().flatten().chain(FLOORS)
 }
 
-fn is_floor(row: &Bound) -> bool {
-    FLOORS.iter().any(|floor| floor.name == row.name)
-}
-
 /// NaN is worse than any number.
 fn is_worse(row: &Bound, a: f64, b: f64) -> bool {
-    a.is_nan() || if is_floor(row) { a < b } else { a > b }
+    a.is_nan() || if is_floor(row.name) { a < b } else { a > b }
 }
 
 /// Name and value of a generated line.
@@ -115,7 +111,7 @@ fn target(row: &Bound) -> f64 {
 
 fn verdict(row: &Bound, value: Option<f64>) -> &'static str {
     let Some(value) = value else { return "not measured" };
-    let keeps = |limit: f64| if is_floor(row) { value >= limit } else { value <= limit };
+    let keeps = |limit: f64| if is_floor(row.name) { value >= limit } else { value <= limit };
     match (keeps(target(row)), keeps(row.value)) {
         (true, _) => "met",
         (false, true) => "**missed**",
@@ -146,7 +142,7 @@ fn tables(values: &HashMap<&str, f64>) -> String {
 }
 
 fn line(row: &Bound, value: Option<f64>) -> String {
-    let sense = if is_floor(row) { ">= " } else { "" };
+    let sense = if is_floor(row.name) { ">= " } else { "" };
     let shown = value.map_or_else(|| "-".into(), number);
     let [target, bound] = [target(row), row.value].map(|limit| format!("{sense}{}", number(limit)));
     let why = row.why.replace('|', "\\|");

@@ -173,14 +173,15 @@ impl<R: Real> Approach<R> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::angle::Angle;
     use crate::compensator::schedule::{CONTROL_PERIOD, SLOW_PERIODS};
 
-    const ROUND: f64 = SLOW_PERIODS as f64 * CONTROL_PERIOD;
+    pub const ROUND: f64 = SLOW_PERIODS as f64 * CONTROL_PERIOD;
 
-    fn approach() -> Approach<f64> {
+    /// Gear, limits, cascade and protection of a joint.
+    pub fn joint() -> (GearParams<f64>, Limits<f64>, FeedbackParams<f64>, Protection<f64>) {
         let gear = crate::gear::tests::params();
         let limits = Limits { motor_torque: 2.4, motor_speed: 586.0, output_torque: 157.0 };
         let cascade = FeedbackParams {
@@ -191,6 +192,11 @@ mod tests {
             torque_limit: 2.4,
         };
         let protection = Protection::build(&gear, &limits, CONTROL_PERIOD);
+        (gear, limits, cascade, protection)
+    }
+
+    fn approach() -> Approach<f64> {
+        let (gear, limits, cascade, protection) = joint();
         Approach::build(&gear, &limits, &cascade, &protection, ROUND)
     }
 

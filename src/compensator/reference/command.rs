@@ -301,22 +301,13 @@ fn at_rest<R: Real>(estimate: &Estimate<R>) -> Setpoint<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compensator::schedule::{CONTROL_PERIOD, SLOW_PERIODS};
+    use crate::compensator::reference::approach::tests::{ROUND, joint};
+    use crate::compensator::schedule::CONTROL_PERIOD;
 
-    const ROUND: f64 = SLOW_PERIODS as f64 * CONTROL_PERIOD;
     const GOOD: Following<f64> = Following { error: 0.0, limited: false, velocity: 0.0, load: 0.0 };
 
     fn commander() -> Commander<f64> {
-        let gear = crate::gear::tests::params();
-        let limits = Limits { motor_torque: 2.4, motor_speed: 586.0, output_torque: 157.0 };
-        let cascade = FeedbackParams {
-            position_gain: 141.0,
-            velocity_gain: 0.068,
-            integral_time: 0.03,
-            filter_corner: 2500.0,
-            torque_limit: 2.4,
-        };
-        let protection = Protection::build(&gear, &limits, CONTROL_PERIOD);
+        let (gear, limits, cascade, protection) = joint();
         Commander::build(&gear, &limits, &cascade, &protection, ROUND).unwrap()
     }
 

@@ -52,7 +52,7 @@ const OVERLOAD: f64 = 1.25;
 const FOLLOWING: f64 = 4.0;
 /// Uncertainty of a change of the gear's torque against the motor's, by the encoders and by the torque sensor: 10 % of the
 /// torque constant; of the torsion 10 % of stiffness, and as much hysteresis, too.
-const UNSURE: [f64; 2] = [0.3, 0.1];
+const UNCERTAINTY: [f64; 2] = [0.3, 0.1];
 /// Time that an overload, or a following error, has to last (s): one round of the default period.
 const OVERLOADED: f64 = 0.8e-3;
 /// The same of a drive that does not follow.
@@ -81,8 +81,8 @@ pub struct Rotor<R> {
     grip: R,
     /// The same with the gear's torque by the encoders and by the torque sensor (N m at the output).
     held: [R; 2],
-    /// Fraction of the gear's torque by the encoders and by the torque sensor that its change may be wrong by.
-    unsure: [R; 2],
+    /// Fraction of a change of the gear's torque, by the encoders and by the torque sensor, that is uncertain.
+    uncertainty: [R; 2],
     /// Margin added to the torques that stop a rotor (N m).
     surplus: R,
     speed_limit: R,
@@ -130,7 +130,7 @@ pub struct RotorState<R> {
     /// Torque held by friction when the rotor came to stand, by the encoders and by the torque sensor (N m at the output).
     held: [R; 2],
     /// Torque of the gear by the same sensors then (N m).
-    borne: [R; 2],
+    gear_torque_then: [R; 2],
     rounds: u32,
 }
 
@@ -230,7 +230,7 @@ impl<R: Real> Rotor<R> {
             overload: R::lit(OVERLOAD) * peak,
             grip,
             held: [n.abs() * grip + R::lit(2.0) * output_count * stiffest, n.abs() * grip],
-            unsure: UNSURE.map(R::lit),
+            uncertainty: UNCERTAINTY.map(R::lit),
             surplus: R::lit(0.25) * peak / n.abs()
                 + R::lit(1.25) * static_level
                 + R::lit(3.0) * noise / n.abs(),
@@ -367,10 +367,10 @@ impl<R: Real> Rotor<R> {
     fn slips(&self, state: &mut RotorState<R>, torque: R, place: usize) -> bool {
         let held = torque - self.n * state.applied;
         if state.still < 2 {
-            (state.held[place], state.borne[place]) = (held, torque);
+            (state.held[place], state.gear_torque_then[place]) = (held, torque);
         }
-        let unsure = self.unsure[place] * (torque - state.borne[place]).abs();
-        !(held - state.held[place]).is_within(self.held[place] + unsure)
+        let uncertain = self.uncertainty[place] * (torque - state.gear_torque_then[place]).abs();
+        !(held - state.held[place]).is_within(self.held[place] + uncertain)
     }
 
     #[inline(always)]
@@ -392,27 +392,36 @@ mod tests {
     use super::*;
     use crate::compensator::schedule::{CONTROL_PERIOD, OBSERVER_PERIODS};
 
+    fn rotor() -> Rotor<f64> {
+        let gear = crate::gear::tests::params();
+        let limits = Limits { motor_torque: 2.4, motor_speed: 586.0, output_torque: 157.0 };
+        Rotor::build(&gear, &limits, [19, 19], 141.0, CONTROL_PERIOD).unwrap()
+    }
+
+    /// Faults of one more round under `torque` (N m), at `within` (counts) during the round and at `end` at its end.
+    fn round(rotor: &Rotor<f64>, state: &mut RotorState<f64>, torque: f64, within: i64, end: i64) -> Faults {
+        let angle = |counts: i64| Angle::from_counts(counts << (32 - 19));
+        let steps = SLOW_PERIODS / OBSERVER_PERIODS;
+        for step in 1..=steps {
+            let periods = f64::from(OBSERVER_PERIODS);
+            let motor = angle(if step < steps { within } else { end });
+            state.add(periods * torque, periods * CONTROL_PERIOD, motor);
+        }
+        let motor = angle(end);
+        let input = RotorInput { motor, commanded: torque, drive_error: 0.0, reference: None, driven: true };
+        let mut faults = Faults::NONE;
+        rotor.step(state, &input, &mut faults);
+        faults
+    }
+
     /// Faults of a motor that ends every round at the same count, after an `excursion` (counts) within it, under a torque
     /// that alternates between +-0.2 N m, more than friction holds, from round to round.
     fn faults(excursion: i64) -> Faults {
-        let gear = crate::gear::tests::params();
-        let limits = Limits { motor_torque: 2.4, motor_speed: 586.0, output_torque: 157.0 };
-        let rotor: Rotor<f64> = Rotor::build(&gear, &limits, [19, 19], 141.0, CONTROL_PERIOD).unwrap();
-        let (mut state, mut faults) = (RotorState::default(), Faults::NONE);
-        let steps = SLOW_PERIODS / OBSERVER_PERIODS;
-        for round in 0..20 {
-            let torque = if round % 2 == 0 { 0.2 } else { -0.2 };
-            for step in 1..=steps {
-                let counts = if step < steps { excursion << (32 - 19) } else { 0 };
-                let periods = f64::from(OBSERVER_PERIODS);
-                state.add(periods * torque, periods * CONTROL_PERIOD, Angle::from_counts(counts));
-            }
-            let motor = Angle::default();
-            let input =
-                RotorInput { motor, commanded: torque, drive_error: 0.0, reference: None, driven: true };
-            rotor.step(&mut state, &input, &mut faults);
-        }
-        faults
+        let (rotor, mut state) = (rotor(), RotorState::default());
+        (0..20).fold(Faults::NONE, |faults, index| {
+            let torque = if index % 2 == 0 { 0.2 } else { -0.2 };
+            faults.with(round(&rotor, &mut state, torque, excursion, 0))
+        })
     }
 
     /// Torque that friction could not hold means that the encoder is frozen; but not where the motor vibrates about a count.
@@ -420,6 +429,38 @@ mod tests {
     fn a_count_is_frozen_that_stands_still_within_the_round_too() {
         assert_eq!(faults(0), Faults::MOTOR_ENCODER_FROZEN);
         assert_eq!(faults(10), Faults::NONE);
+    }
+
+    /// A torque that friction cannot hold may have come at the end of its round: the motor has one round more to move.
+    #[test]
+    fn a_motor_has_a_round_to_follow_its_torque() {
+        let rotor = rotor();
+        for (after, expected) in [(0, Faults::MOTOR_ENCODER_FROZEN), (5, Faults::NONE)] {
+            let mut state = RotorState::default();
+            for _ in 0..6 {
+                assert_eq!(round(&rotor, &mut state, 0.0, 0, 0), Faults::NONE);
+            }
+            assert_eq!(round(&rotor, &mut state, 2.0 * rotor.grip, 0, 0), Faults::NONE);
+            assert_eq!(round(&rotor, &mut state, 2.0 * rotor.grip, after, after), expected);
+        }
+    }
+
+    /// A gear's torque that friction cannot hold on a motor at a constant torque is seen by both sensors; what the sensor's
+    /// uncertainty or the motor's own torque explains is not.
+    #[test]
+    fn a_gear_torque_that_friction_cannot_hold_is_seen() {
+        let rotor = rotor();
+        for place in 0..2 {
+            let mut state = RotorState { still: 1, ..RotorState::default() };
+            assert!(!rotor.slips(&mut state, 10.0, place));
+            state.still = 5;
+            let held = rotor.held[place] / (1.0 - rotor.uncertainty[place]);
+            assert!(!rotor.slips(&mut state, 10.0 + 0.99 * held, place));
+            assert!(rotor.slips(&mut state, 10.0 + 1.01 * held, place));
+            assert!(rotor.slips(&mut state, 10.0 - 1.01 * held, place));
+            state.applied = held / rotor.n;
+            assert!(!rotor.slips(&mut state, 10.0 + held, place), "the motor's torque balances it");
+        }
     }
 
     /// However light the output is, the mode of the balance goes through at most half a radian in a round, and an output

@@ -59,13 +59,14 @@ pub const TARGETS: &[(&str, f64)] = &[
     ("compensator.motor.s5.peak_to_b0", 0.6),
     ("compensator.both.s5.peak_to_b0", 0.55),
     ("compensator.motor.s5.steady_to_b0", 0.2),
+    ("compensator.replay.joints_at_half", 6.0),
 ];
 
 /// Line for a figure that misses its target.
 pub fn misses_target(figure: &Figure) -> Option<String> {
     let (name, target) = TARGETS.iter().find(|(name, _)| *name == figure.name)?;
-    let missed = figure.value.is_nan() || figure.value > *target;
-    missed.then(|| format!("{name} is {:.4}: target {target}, missed", figure.value))
+    let met = if is_floor(name) { figure.value >= *target } else { figure.value <= *target };
+    (!met).then(|| format!("{name} is {:.4}: target {target}, missed", figure.value))
 }
 
 /// Smallest allowed values, by name.
@@ -81,7 +82,7 @@ pub const FLOORS: &[Bound] = &[
         value: 3.0,
         unit: "1",
         why: "measured joints of six whose output is predicted from the motor side with at most half of a rigid gear's \
-              error, after the first third of their motion, with the stiffness of the catalogue; target 4",
+              error, after the first third of their motion, with the stiffness of the catalogue; target 6, all of them",
     },
     Bound {
         name: "flexspline.target.literal_over_reduced",
@@ -108,7 +109,12 @@ impl Bound {
     }
 }
 
-/// The row of a name.
+/// The row of that name is a lower bound.
+pub fn is_floor(name: &str) -> bool {
+    FLOORS.iter().any(|floor| floor.name == name)
+}
+
+/// The row of a name, an upper bound.
 pub fn find(name: &str) -> Option<&'static Bound> {
     BOUNDS.into_iter().flatten().find(|bound| bound.name == name)
 }
