@@ -221,7 +221,8 @@ impl<R: Real> Learning<R> {
     #[inline(always)]
     pub fn learn_ripple(&self, state: &mut LearningState<R>) {
         let torque = -self.ratio * state.residual;
-        let sample = RippleSample { speed: state.speed, position: state.position, torque };
-        self.ripple.learn(&mut state.map, &state.now, &sample);
+        let acceleration = state.excitation.acceleration * self.inverse_ratio;
+        let sample = RippleSample { speed: state.speed, acceleration, position: state.position, torque };
+        self.ripple.learn(&mut state.map, &mut state.now, &sample);
     }
 }

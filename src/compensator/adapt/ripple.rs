@@ -15,8 +15,11 @@
 //! noise: the law is the gradient of m^2. The loop around it must respond within a quarter period, so that it only
 //! learns where k*|omega_wg| is below a corner, and only in motion: at rest a ripple cannot be separated from any
 //! constant. Nor can it within a part of its period: a constant m would move the coefficients there and back by m*g over
-//! k*|omega_wg|. So g is at most [`PER_RADIAN`]*k*|omega_wg|: a constant moves them by that fraction of it at any speed. A position error far beyond a ripple is that of a load that swings, not a ripple: it counts for no more than an
-//! eighth of the largest ripple does.
+//! k*|omega_wg|. So g is at most [`PER_RADIAN`]*k*|omega_wg|: a constant moves them by that fraction of it at any speed.
+//! A position error far beyond a ripple is that of a load that swings, not a ripple: it counts for no more than an eighth
+//! of the largest ripple does. Errors of inertia and friction, and the vibration that they leave, change with the speed as
+//! fast as a ripple does where the speed changes within a part of its period: it learns once the speed has been steady,
+//! abs domega_wg/dt <= [`STEADY`]*omega_wg^2, over a radian of the wave generator.
 //!
 //! Discretisation: one order is evaluated in each slot, the others are held: each is evaluated at the middle of the
 //! [`RIPPLE_ORDERS`] slots that it is held for, T = [`RIPPLE_ORDERS`]*dt, and learnt by explicit Euler over 2*T, position
@@ -35,6 +38,9 @@ const LARGEST_SAMPLE: f64 = 0.125;
 
 /// Largest rate of a coefficient over the angular frequency of its wave.
 pub const PER_RADIAN: f64 = 0.2;
+
+/// Largest relative change of a steady speed per radian of the wave generator.
+pub const STEADY: f64 = 0.25;
 
 /// Number of learnt orders.
 pub const RIPPLE_ORDERS: usize = 4;
@@ -94,6 +100,7 @@ pub struct LearntRipple<R> {
     by_speed: [[R; 2]; RIPPLE_ORDERS],
     /// Phase advance per speed to the middle of the slots that a wave is held for (counts of 2^32 a revolution, s).
     phase_advance: R,
+    dt: R,
 }
 
 /// The ripple, each order as of its last slot.
@@ -108,6 +115,8 @@ pub struct RippleNow<R> {
     /// The last slot: its order is the remainder of [`RIPPLE_ORDERS`], and the cosine and sine of that one's angle.
     slot: usize,
     basis: [R; 2],
+    /// Angle of the wave generator since its speed is steady, up to 1 (rad).
+    steady: R,
 }
 
 /// Sample of the ripple's residual in one slot.
@@ -115,6 +124,8 @@ pub struct RippleNow<R> {
 pub struct RippleSample<R> {
     /// Speed of the motor's reference (rad/s).
     pub speed: R,
+    /// Its acceleration (rad/s^2).
+    pub acceleration: R,
     /// Measured output less setpoint (rad), where there is an output encoder.
     pub position: Option<R>,
     /// Residual torque at the motor (N m).
@@ -153,6 +164,7 @@ impl<R: Real> LearntRippleParams<R> {
                     .map(|rate| if rate > R::ZERO { frequency / rate } else { R::ZERO })
             }),
             phase_advance: R::lit(0.5 / RADIANS_PER_COUNT) * (round - dt),
+            dt,
         })
     }
 }
@@ -202,11 +214,13 @@ impl<R: Real> LearntRipple<R> {
         now.torque = (first[1] + second[1]) + (third[1] + fourth[1]);
     }
 
-    /// The order of the last slot learns from the sample: its position and its torque alternating.
+    /// The order of the last slot learns from the sample, once a slot: its position and its torque alternating.
     #[inline(always)]
-    pub fn learn(&self, map: &mut RippleMap<R>, now: &RippleNow<R>, sample: &RippleSample<R>) {
+    pub fn learn(&self, map: &mut RippleMap<R>, now: &mut RippleNow<R>, sample: &RippleSample<R>) {
         let (speed, order) = (sample.speed.abs(), now.slot % RIPPLE_ORDERS);
-        if speed < self.least_speed || speed >= self.fastest[order] {
+        let is_steady = sample.acceleration.abs() <= R::lit(STEADY) * speed * speed;
+        now.steady = if is_steady { (now.steady + self.dt * speed).min(R::ONE) } else { R::ZERO };
+        if now.steady < R::ONE || speed < self.least_speed || speed >= self.fastest[order] {
             return;
         }
         let [cosine, sine] = now.basis;
@@ -261,10 +275,11 @@ mod tests {
             ripple.evaluate_next(&TRUTH, &mut there, theta, ratio.apply(theta), speed);
             let sample = RippleSample {
                 speed,
+                acceleration: 0.0,
                 position: Some(there.position - now.position),
                 torque: there.torque - now.torque,
             };
-            ripple.learn(&mut map, &now, &sample);
+            ripple.learn(&mut map, &mut now, &sample);
         }
         map
     }
@@ -289,17 +304,31 @@ mod tests {
         assert_eq!(learnt(70.0, 1.0), RippleMap::default());
     }
 
+    /// A radian at a steady speed comes before the first thing learnt, and after every change of speed.
+    #[test]
+    fn it_learns_at_a_steady_speed() {
+        let ripple = params().build(CONTROL_PERIOD).unwrap();
+        let mut now = RippleNow { basis: [1.0, 0.0], ..RippleNow::default() };
+        let mut learns = |acceleration| {
+            let sample =
+                RippleSample { speed: 10.0, acceleration, position: Some(1e-5), ..RippleSample::default() };
+            let mut map = RippleMap::default();
+            ripple.learn(&mut map, &mut now, &sample);
+            map != RippleMap::default()
+        };
+        let radian = (0.1 / CONTROL_PERIOD) as usize;
+        assert!((0..radian - 1).all(|_| !learns(24.0)) && learns(24.0) && learns(-24.0));
+        assert!(!learns(26.0) && (0..radian - 1).all(|_| !learns(0.0)) && learns(0.0));
+    }
+
     #[test]
     fn an_error_beyond_a_ripple_counts_for_an_eighth_of_the_largest() {
         let ripple = params().build(CONTROL_PERIOD).unwrap();
         let learnt_from = |position| {
-            let (mut map, now) =
-                (RippleMap::default(), RippleNow { basis: [1.0, 0.0], ..RippleNow::default() });
-            ripple.learn(
-                &mut map,
-                &now,
-                &RippleSample { speed: 10.0, position: Some(position), torque: 0.0 },
-            );
+            let now = RippleNow { basis: [1.0, 0.0], steady: 1.0, ..RippleNow::default() };
+            let sample = RippleSample { speed: 10.0, position: Some(position), ..RippleSample::default() };
+            let mut map = RippleMap::default();
+            ripple.learn(&mut map, &mut { now }, &sample);
             map
         };
         let bound = params().position_bound / 8.0;
