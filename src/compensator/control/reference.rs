@@ -49,7 +49,8 @@ impl<R: Real> Compensator<R> {
             + self.observer.output_offset(&state.observer, &state.gear_correction, position_error, self.dt);
         let reads = self.observer.output_innovation(&state.observer).is_some();
         let newest = self.measured_error(state, setpoint).filter(|_| reads);
-        let measured = newest.map(|newest| newest.error);
+        let mean = self.measured_feedback.mean(&state.measured_feedback);
+        let measured = newest.map(|newest| mean.unwrap_or(newest.error));
         let error = OutputError {
             position,
             velocity: velocity - setpoint.velocity,

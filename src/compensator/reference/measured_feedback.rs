@@ -16,12 +16,16 @@
 //! not depend on the model. At rest they do not act on the rounding and a count of noise, which they would convert to
 //! torque, nor in a fast move, where they would excite the flexible mode of a load.
 //!
+//! The mean of m over a round is for who integrates it ([`super::output_feedback`]): one reading of each round, at a speed
+//! that is a multiple of a count a round, would be off by the same part of a count each time.
+//!
 //! A count further from the last one than the fastest joint moves in a period is refused; m is held, and the next slot of the
 //! feed-forward starts from the last accepted reading. Discretisation: the pole exactly for an m that is constant over a
 //! control period, dm_f/dt by backward differences. Units: rad, s; signs as in [`crate::gear`].
 //!
 //! A. De Luca, W. Book, "Robots with flexible elements", Springer Handbook of Robotics (2016), chapter 11.
 
+use crate::compensator::schedule::SLOW_PERIODS;
 use crate::error::{Error, require};
 use crate::low_pass::LowPass;
 use crate::real::{RADIANS_PER_COUNT, Real};
@@ -55,6 +59,7 @@ pub struct MeasuredFeedback<R> {
     dead_zone: R,
     /// Farthest step of the encoder in a control period, in counts of 2^32 a revolution.
     farthest: u32,
+    dt: R,
 }
 
 /// m, m_f, and the reading that m is continued from.
@@ -72,6 +77,9 @@ pub struct MeasuredFeedbackState<R> {
     /// -P and -D/dt times the gain from the output's angle to the motor's.
     proportional: R,
     derivative: R,
+    /// Sum of m over the control periods of the round (rad), and their number.
+    sum: R,
+    periods: u32,
 }
 
 /// Measured error in the feed-forward's slot.
@@ -102,10 +110,11 @@ impl<R: Real> MeasuredFeedback<R> {
             derivative: [gains.derivative, gains.derivative_at_rest].map(|gain| gain / dt),
             dead_zone: R::lit(NOISE) * count,
             farthest: farthest.to_i32().unsigned_abs(),
+            dt,
         })
     }
 
-    /// Sets m in the feed-forward's slot, for a setpoint that moves at `velocity` (rad/s), and the `gain` from the output's
+    /// Sets m in the feed-forward's slot, before the step of that period, for a setpoint that moves at `velocity` (rad/s), and the `gain` from the output's
     /// angle to the motor's. Without a measured error the shift dies away with omega_m.
     #[inline(always)]
     pub fn plan(
@@ -121,10 +130,19 @@ impl<R: Real> MeasuredFeedback<R> {
         state.derivative = -gain * self.derivative[set];
         state.velocity = velocity;
         state.dead_zone = R::MAX;
+        (state.sum, state.periods) = (R::ZERO, 0);
         if let Some(MeasuredError { phase, error }) = measured {
-            (state.phase, state.error) = (phase, error);
+            // The step of this same period takes q from a reading that is not new to it.
+            (state.phase, state.error) = (phase, error + self.dt * velocity);
             state.dead_zone = if rests { self.dead_zone } else { R::ZERO };
         }
+    }
+
+    /// Mean of m over the round that ends (rad), where the feedback acted in all of its periods.
+    #[inline(always)]
+    pub fn mean(&self, state: &MeasuredFeedbackState<R>) -> Option<R> {
+        let whole = state.periods == SLOW_PERIODS && state.dead_zone < R::MAX;
+        whole.then(|| R::lit(1.0 / SLOW_PERIODS as f64) * state.sum)
     }
 
     /// Shift of the motor's reference (rad at the motor) after a control period of `elapsed` (s), with the output
@@ -139,6 +157,8 @@ impl<R: Real> MeasuredFeedback<R> {
                 state.error += R::from_i32(counts) * R::lit(RADIANS_PER_COUNT);
             }
         }
+        state.sum += state.error;
+        state.periods += 1;
         let change = self.low_pass.step(&mut state.filtered, state.error.dead_zone(state.dead_zone));
         state.proportional * state.filtered + state.derivative * change
     }
@@ -180,7 +200,7 @@ mod tests {
         assert!((shift + 0.4 * (1e-4 - 1.5 * COUNT)).abs() < 1e-9, "{shift}");
         let mut moves = MeasuredFeedbackState::default();
         feedback.plan(&mut moves, read(1e-4), 0.01, 1.0);
-        let follows = |k: i32| phase(1e-4 + 0.01 * DT * f64::from(k + 1));
+        let follows = |k: i32| phase(1e-4 + 0.01 * DT * f64::from(k));
         let shift = (0..1000).map(|k| feedback.step(&mut moves, Some(follows(k)), DT)).last().unwrap();
         assert!((shift + 0.2 * 1e-4).abs() < 1e-8, "{shift}");
     }
@@ -193,6 +213,32 @@ mod tests {
             let angle = if k % 2 == 0 { 1.4 * COUNT } else { -1.4 * COUNT };
             assert_eq!(feedback.step(&mut state, Some(phase(angle)), DT), 0.0);
         }
+    }
+
+    /// At a count of the encoder a round a reading of each round has the same rounding error, of which little is left in
+    /// the mean; it is that of the error, and there is none without the feedback or in a round that is not whole.
+    #[test]
+    fn the_mean_of_a_round_is_nearly_free_of_rounding() {
+        const ERROR: f64 = 3e-4;
+        let (feedback, mut state) = (feedback(GAINS), MeasuredFeedbackState::default());
+        let speed = COUNT / (DT * f64::from(SLOW_PERIODS));
+        assert_eq!(feedback.mean(&state), None);
+        for place in 0..10 {
+            let start = f64::from(place) / 10.0;
+            let counts = |k: u32| (start + f64::from(k) / f64::from(SLOW_PERIODS)).floor() + 0.5 - start;
+            let read = |k: u32| phase(ERROR + COUNT * counts(k));
+            let first = MeasuredError { phase: read(0), error: ERROR + COUNT * counts(0) };
+            feedback.plan(&mut state, Some(first), speed, 1.0);
+            assert_eq!(feedback.mean(&state), None);
+            for k in 0..SLOW_PERIODS {
+                feedback.step(&mut state, Some(read(k)), DT);
+            }
+            let mean = feedback.mean(&state).unwrap();
+            assert!((mean - ERROR).abs() <= (0.5 / f64::from(SLOW_PERIODS) + 0.01) * COUNT, "{mean}");
+        }
+        feedback.plan(&mut state, None, speed, 1.0);
+        (0..SLOW_PERIODS).for_each(|_| _ = feedback.step(&mut state, None, DT));
+        assert_eq!(feedback.mean(&state), None);
     }
 
     /// Damping ratio of a load on its spring, whose motor follows at once, from the decay of its energy; zero without D.
