@@ -86,7 +86,8 @@ impl<R: Real> Compensator<R> {
             planned: true,
             closed: target.torque.is_none(),
         };
-        self.learning.follow(&mut state.learning, &demand.excitation, measured);
+        let position = newest.map(|newest| newest.error);
+        self.learning.follow(&mut state.learning, &demand.excitation, position);
     }
 
     /// Output encoder's newest reading less the setpoint of its time, where it is near the last accepted one.
