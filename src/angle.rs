@@ -17,6 +17,7 @@
 //! Turning back, n is an integer: no count is rounded, only the fraction of one.
 
 use crate::branch::seldom;
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::{RADIANS_PER_COUNT, Real};
 
@@ -162,6 +163,7 @@ fn rounded<R: Real>(counts: i64) -> R {
 /// assert!(gear.apply(gear.to_motor(output)).minus(output).abs() < 1e-12); // rad
 /// # Ok::<(), strainwave::Error>(())
 /// ```
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ratio {
     n: i32,

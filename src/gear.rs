@@ -17,6 +17,7 @@
 //! the ellipse adds its reaction to tau_wg; the condensed flexspline has neither.
 
 use crate::angle::{Angle, Heading, Ratio};
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::flexspline::{Ends, Flexspline, FlexsplineParams, Reaction};
 use crate::friction::{FrictionModel, FrictionParams, JointFrictionParams, Slip, StepTime};
@@ -100,17 +101,18 @@ impl<R: Real> Motion<R> {
 /// assert!(output.velocity.abs() < 1e-3); // and is at rest after 2 s
 /// # Ok::<(), strainwave::Error>(())
 /// ```
-#[derive(Clone, Debug)]
+#[constants]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Gear<R: Real, F, C, const L: usize, const MEMORY: usize> {
     ratio: Ratio,
     ratio_value: R,
-    kinematic_error: KinematicError<R, KINEMATIC_TERMS>,
-    flexspline: F,
-    hysteresis: TorsionHysteresis<R, L, MEMORY>,
-    input_friction: C,
-    output_friction: C,
     inverse_flexspline_inertia: R,
     dt: StepTime<R>,
+    input_friction: C,
+    output_friction: C,
+    flexspline: F,
+    hysteresis: TorsionHysteresis<R, L, MEMORY>,
+    kinematic_error: KinematicError<R, KINEMATIC_TERMS>,
 }
 
 /// Internal state of a gear, without the motion of its ends.

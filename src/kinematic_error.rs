@@ -26,6 +26,7 @@
 //! Mechanical Design 123 (2001).
 
 use crate::angle::{Angle, Heading, Ratio};
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -80,6 +81,7 @@ impl<R: Real> Term<R> {
 }
 
 /// A term as the step needs it; several of one order are one.
+#[constants]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Sine<R> {
     order: u32,
@@ -113,16 +115,17 @@ impl<R: Real> Sine<R> {
 
 /// Sines of one angle. The first are a ladder, every multiple of 1 or 2 up to some order: the heading of each
 /// rung is the one below it turned on. The rest are apart, each with a sine and cosine of its own.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Series<R, const K: usize> {
+    above: u32,
+    len: u32,
+    /// Orders from rung to rung are 2, not 1.
+    even: bool,
     /// The lowest rung, of amplitude 0 where there is no ladder.
     first: Sine<R>,
     /// The rungs above it, then those apart.
     sines: [Sine<R>; K],
-    above: usize,
-    len: usize,
-    /// Orders from rung to rung are 2, not 1.
-    even: bool,
 }
 
 /// A sine and cosine cost as much as so many rungs of a ladder.
@@ -134,7 +137,7 @@ impl<R: Real, const K: usize> Series<R, K> {
         let even = present().all(|term| term.order % 2 == 0);
         let rung = |term: &Term<R>| (term.order >> u32::from(even)) as usize;
         let on = |rungs| present().filter(|term| (1..=rungs).contains(&rung(term))).count();
-        let above = ladder::<K>(present().count(), on) - 1;
+        let above = (ladder::<K>(present().count(), on) - 1) as u32;
         let mut series =
             Self { first: Sine::default(), sines: [Sine::default(); K], above, len: above, even };
         for term in present() {
@@ -149,10 +152,10 @@ impl<R: Real, const K: usize> Series<R, K> {
     fn place(&mut self, rung: usize) -> Option<&mut Sine<R>> {
         let place = match rung.wrapping_sub(2) {
             usize::MAX => return Some(&mut self.first),
-            above if above < self.above => above,
-            _ => self.len,
+            above if above < self.above as usize => above,
+            _ => self.len as usize,
         };
-        self.len = self.len.max(place + 1);
+        self.len = self.len.max(place as u32 + 1);
         self.sines.get_mut(place)
     }
 
@@ -166,7 +169,7 @@ impl<R: Real, const K: usize> Series<R, K> {
         let stride = if self.even { heading.plus(heading) } else { heading };
         let (mut at, mut sum) = (stride, self.first.at(stride));
         for (rung, sine) in self.sines.iter().enumerate() {
-            if rung >= self.above {
+            if rung >= self.above as usize {
                 break;
             }
             at = at.plus(stride);
@@ -177,7 +180,7 @@ impl<R: Real, const K: usize> Series<R, K> {
 
     /// Sum of the rest.
     fn apart(&self, phase: u32) -> ErrorAndSlope<R> {
-        let sines = self.sines.iter().take(self.len).skip(self.above);
+        let sines = self.sines.iter().take(self.len as usize).skip(self.above as usize);
         sines.fold(ErrorAndSlope::default(), |sum, sine| {
             sum.plus(sine.at(Heading::of_phase(sine.order.wrapping_mul(phase))))
         })
@@ -231,13 +234,14 @@ impl<R: Real> ErrorAndSlope<R> {
 /// assert!(amplitude(0.0) > 1.9e-4 && amplitude(24.5) < 0.2e-4); // in phase, and a quarter turn of the output later
 /// # Ok::<(), strainwave::Error>(())
 /// ```
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KinematicError<R, const K: usize> {
-    case: Series<R, K>,
-    flexspline: Series<R, K>,
     ratio: Ratio,
     /// There is more than the ladder of the case.
     more: bool,
+    case: Series<R, K>,
+    flexspline: Series<R, K>,
 }
 
 impl<R: Real, const K: usize> KinematicError<R, K> {

@@ -18,7 +18,8 @@
 //! # Quick start
 //!
 //! `JOINT` is a joint's parameters as Rust source, generated from its gear file; `examples/joint/hd25_100.rs` is that of a
-//! gear of size 25 with the ratio 100. Below, the model of the gear takes the place of motor and gear. A load of 20 N m
+//! gear of size 25 with the ratio 100. (Firmware reads a compensator that the host has built, in place:
+//! [`compensator::Compensator::from_words`].) Below, the model of the gear takes the place of motor and gear. A load of 20 N m
 //! pushes against the output; the output reaches its target to 50 urad.
 //!
 //! ```
@@ -102,6 +103,7 @@ extern crate std;
 pub mod angle;
 mod branch;
 pub mod compensator;
+mod constants;
 pub mod error;
 mod exponential;
 pub mod fixed;

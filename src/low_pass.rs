@@ -4,9 +4,11 @@
 //! y += g*(x - y),   g = 1 - e^(-omega*dt)        corner omega (rad/s), one step every dt (s)
 //! ```
 
+use crate::constants::constants;
 use crate::real::Real;
 
 /// Low-pass filter of one pole; its state is its output.
+#[constants]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LowPass<R> {
     gain: R,

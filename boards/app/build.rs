@@ -17,7 +17,10 @@ fn main() {
 /// The absolute path: `include!` would take a relative one from this crate's folder.
 fn checked(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|error| {
-        eprintln!("STRAINWAVE_JOINT {}: {error}, a generated joint file is needed", path.display());
+        eprintln!(
+            "STRAINWAVE_JOINT {}: {error}, a file of `strainwave export --rust` is needed",
+            path.display()
+        );
         process::exit(2)
     })
 }

@@ -69,11 +69,11 @@ fn judge(board: &str, overwrite: bool) -> Result<Vec<Figure>, BadInput> {
     })
     .map_err(BadInput::message)?;
     if let Some(mesh) = budget.literal_mesh.as_ref().filter(|_| budget.emulated) {
-        let program = pil::build_program(board, &mesh.program, &gear).map_err(BadInput::message)?;
+        let program = firmware::build_program(board, &mesh.program).map_err(BadInput::message)?;
         mesh.measure(&program.elf, &mut measured).map_err(BadInput::message)?;
     }
     if let Some(worst) = budget.worst_case.as_ref().filter(|_| budget.emulated) {
-        let program = pil::build_program(board, &worst.program, &gear).map_err(BadInput::message)?;
+        let program = firmware::build_program(board, &worst.program).map_err(BadInput::message)?;
         worst.measure(&program.elf, &mut measured).map_err(BadInput::message)?;
     }
     if budget.any_input.is_some() && budget.emulated {

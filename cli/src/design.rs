@@ -51,8 +51,8 @@ pub struct Arguments {
     /// Also measure |L| in the loop of the real code and print it next to the linear one
     #[arg(long)]
     sweep: bool,
-    /// Also write the joint's parameters as Rust source, for firmware: those that the gear file gives, whatever --cascade and
-    /// --functions are
+    /// Also write the joint's parameters as Rust source, for programs that build the compensator themselves: those that the gear
+    /// file gives, whatever --cascade and --functions are
     #[arg(long, value_name = "JOINT.rs")]
     joint: Option<PathBuf>,
     #[command(flatten)]

@@ -8,6 +8,7 @@ mod bench;
 mod budget;
 mod check;
 mod design;
+mod export;
 mod faults;
 mod figures;
 mod files;
@@ -56,6 +57,7 @@ enum Command {
     Budget(budget::Arguments),
     Check(check::Arguments),
     Design(design::Arguments),
+    Export(export::Arguments),
     Faults(faults::Arguments),
     Identify(identify::Arguments),
     New(new::Arguments),
@@ -74,6 +76,7 @@ fn run(command: Command) -> Result<Figures, BadInput> {
         Command::Budget(arguments) => budget::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Design(arguments) => design::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::Faults(arguments) => faults::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::New(arguments) => new::run(&arguments),

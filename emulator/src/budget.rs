@@ -43,16 +43,33 @@ pub struct Block {
     pub fixed: bool,
 }
 
-/// Bounds of the image.
+/// Bounds or targets of the image, in bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct ImageBounds {
-    /// Flash, in bytes.
+pub struct ImageSizes {
+    /// Flash.
     pub flash: Option<u64>,
-    /// RAM without stack, in bytes.
+    /// RAM without stack.
     pub ram: Option<u64>,
-    /// Stack, in bytes.
+    /// Stack: the two below.
     pub stack: Option<u64>,
+    /// Stack outside of handlers: start-up and idle loop.
+    pub thread_stack: Option<u64>,
+    /// Stack of all handlers on top of each other, with their exception frames.
+    pub interrupt_stack: Option<u64>,
+}
+
+impl ImageSizes {
+    /// Each with its name.
+    pub fn named(&self) -> [(&'static str, Option<u64>); 5] {
+        [
+            ("flash", self.flash),
+            ("ram", self.ram),
+            ("stack", self.stack),
+            ("thread_stack", self.thread_stack),
+            ("interrupt_stack", self.interrupt_stack),
+        ]
+    }
 }
 
 /// Bounds of the control step on any input; never overwritten.
@@ -83,7 +100,10 @@ pub struct Budget {
     pub emulated: bool,
     /// Bounds of the image.
     #[serde(default)]
-    pub image: ImageBounds,
+    pub image: ImageSizes,
+    /// Its targets; never overwritten. The table reports those that are missed.
+    #[serde(default)]
+    pub image_target: ImageSizes,
     /// The control step.
     pub control_step: Block,
     /// Its parts, by name.
@@ -166,9 +186,9 @@ impl Budget {
     fn update(&self, document: &mut DocumentMut, measured: &Measurement) {
         set(document, "compiler", value(measured.compiler.as_str()));
         let image = table(document, "image");
-        set(image, "flash", self.bound(u64::from(measured.sizes.flash)));
-        set(image, "ram", self.bound(u64::from(measured.sizes.ram)));
-        set(image, "stack", self.bound(u64::from(measured.stack.total)));
+        for (name, size) in measured.image_sizes().named() {
+            size.into_iter().for_each(|size| set(image, name, self.bound(size)));
+        }
         let fixed = |name: &str| self.rows().any(|(row, block)| row == name && block.fixed);
         for (name, counts) in measured.counts.iter().filter(|(name, _)| !fixed(name)) {
             let block = match name.as_str() {
@@ -324,6 +344,8 @@ pub(crate) mod tests {
             "instructions = 44",
             "flash = 1100",
             "stack = 330",
+            "thread_stack = 110",
+            "interrupt_stack = 220",
             "at_least = 300 # times",
             "instructions = 13588",
         ] {
@@ -395,6 +417,8 @@ pub(crate) mod tests {
             "budget.b.flash",
             "budget.b.ram",
             "budget.b.stack",
+            "budget.b.thread_stack",
+            "budget.b.interrupt_stack",
             "budget.b.stack_mark",
             "budget.b.panics",
             "budget.b.allocators",

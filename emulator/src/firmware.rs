@@ -74,12 +74,12 @@ pub fn boards() -> io::Result<Vec<String>> {
     Ok(boards)
 }
 
-/// Builds the firmware of `board` for the default joint, or for the one in a generated file.
+/// Builds the firmware of `board` for the default joint, or for the one in a file of `strainwave export`.
 ///
 /// # Errors
 /// [`Error::UnknownBoard`], [`Error::Joint`], [`Error::Setup`], or [`Error::Build`].
 pub fn build(board: &str, joint: Option<&Path>) -> Result<Firmware, Error> {
-    build_program(board, &control(board), joint)
+    link(board, &control(board), joint.map(Joint::read).transpose()?.as_ref())
 }
 
 /// The program of a board that controls the joint.
@@ -87,13 +87,16 @@ pub fn control(board: &str) -> String {
     format!("strainwave-{board}")
 }
 
-/// Builds one of the programs of `board`; all else as [`build`].
+/// Builds one of the programs of `board` that control no joint.
 ///
 /// # Errors
 /// As [`build`].
-pub fn build_program(board: &str, program: &str, joint: Option<&Path>) -> Result<Firmware, Error> {
+pub fn build_program(board: &str, program: &str) -> Result<Firmware, Error> {
+    link(board, program, None)
+}
+
+fn link(board: &str, program: &str, joint: Option<&Joint>) -> Result<Firmware, Error> {
     require_known(board)?;
-    let joint = joint.map(Joint::read).transpose()?;
     let compiler = setup::compiler(&setup::ThisHost)?;
     let target = folder().join("target");
     let images = target.join("images");
@@ -101,10 +104,10 @@ pub fn build_program(board: &str, program: &str, joint: Option<&Path>) -> Result
     // Two joints share one cargo output: it is locked from the build until the image is out of its way.
     let lock = File::create(images.join("lock"))?;
     lock.lock()?;
-    let joint_file = joint.as_ref().map(|joint| joint.keep(&images)).transpose()?;
+    let joint_file = joint.map(|joint| joint.keep(&images)).transpose()?;
     run(&compiler, board, program, joint_file.as_deref(), &target)?;
     let built = target.join(setup::TARGET).join("release").join(program);
-    let elf = images.join(match &joint {
+    let elf = images.join(match joint {
         Some(joint) => format!("{program}-{:016x}.elf", joint.digest),
         None => format!("{program}.elf"),
     });

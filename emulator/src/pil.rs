@@ -13,7 +13,8 @@ use strainwave_desktop::bench::scenario::Scenario;
 use strainwave_desktop::bench::task::Task;
 use strainwave_desktop::bench::working_motion::WorkingMotion;
 use strainwave_desktop::bench::{Bench, Conditions, periods};
-use strainwave_desktop::design::joint::{joint_params, source};
+use strainwave_desktop::design::export::Export;
+use strainwave_desktop::design::joint::joint_params;
 use strainwave_desktop::identify::replay::{self, Judgement, ReplayRow};
 use strainwave_desktop::identify::torque_loop::{Sample, TorqueLoop};
 use strainwave_desktop::io::gear_file::SensorSet;
@@ -247,19 +248,11 @@ fn require_emulated(board: &str) -> Result<(), Error> {
 /// # Errors
 /// As [`firmware::build`]; a gear that no compensator can be built from.
 pub fn build(board: &str, file: &GearFile) -> Result<Firmware, firmware::Error> {
-    build_program(board, &firmware::control(board), file)
-}
-
-/// Builds one of a board's programs for the joint of a gear file.
-///
-/// # Errors
-/// As [`build`].
-pub fn build_program(board: &str, program: &str, file: &GearFile) -> Result<Firmware, firmware::Error> {
-    let joint = joint_params(file).map_err(std::io::Error::other)?;
+    let export = Export::of(file).map_err(std::io::Error::other)?;
     let folder = Scratch::new("joint")?;
     let generated = folder.path().join("joint.rs");
-    std::fs::write(&generated, source(&joint, &file.gear.name))?;
-    firmware::build_program(board, program, Some(&generated))
+    std::fs::write(&generated, export.rust())?;
+    firmware::build(board, Some(&generated))
 }
 
 /// Runs a trial with the firmware and, from rest, every baseline that its sensors allow side by side, and counts what the control step costs

@@ -101,7 +101,7 @@ fn flexspline(
     let budget = Budget::read(BOARD)?;
     let mut measured = budget::measure(&budget, elf, |arguments| Ok(workload(arguments).map(|()| None)?))?;
     if let Some(mesh) = &budget.literal_mesh {
-        let program = pil::build_program(BOARD, &mesh.program, &GearFile::default_gear())?;
+        let program = firmware::build_program(BOARD, &mesh.program)?;
         mesh.measure(&program.elf, &mut measured)?;
     }
     let cycles = measured.counts_of(FLEXSPLINE).map(|counts| counts.cycles.max);
@@ -138,7 +138,7 @@ pub fn hysteresis() -> Result<Measured, Error> {
         bounds::figure("hysteresis.state.bytes", size_of::<RealTimeHysteresisState>() as f64),
     ];
     let Some(worst) = &budget.worst_case else { return Ok(figures.into()) };
-    let elf = pil::build_program(BOARD, &worst.program, &GearFile::default_gear())?.elf;
+    let elf = firmware::build_program(BOARD, &worst.program)?.elf;
     let mut measured = budget::inspect(&budget, &pil::build(BOARD, &GearFile::default_gear())?.elf)?;
     worst.measure(&elf, &mut measured)?;
     for (name, block) in [

@@ -4,11 +4,9 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use strainwave::compensator::{CompensationGains, Input, Sensors};
-use strainwave_app::JOINT;
 use strainwave_app::frame::encode_input;
 use strainwave_app::literal_mesh::PERIODS;
-use strainwave_desktop::design::joint;
-use strainwave_emulator::artifact::{CallGraph, Image};
+use strainwave_emulator::artifact::{CONTROL_STEP, CallGraph, Image, proofs};
 use strainwave_emulator::budget::{self, Budget, LiteralMesh};
 use strainwave_emulator::counting::{Counting, Outcome};
 use strainwave_emulator::{Machine, firmware, setup};
@@ -42,6 +40,29 @@ fn every_boards_image_is_within_its_budget_without_panic_allocator_or_doubles() 
         let figures = measured.figures(&budget);
         assert!(figures.iter().all(|f| f.holds), "{}", measured.table(&budget));
         assert!(figures.iter().filter(|f| f.bound.is_some()).count() >= 6, "{}", measured.table(&budget));
+    }
+}
+
+/// The function is of a gear or its compensator, and only a `build` needs it.
+fn computes(symbol: &str) -> bool {
+    let modules = ["compensator", "gear", "friction", "flexspline", "hysteresis", "kinematic_error"];
+    modules.iter().any(|name| symbol.starts_with(&format!("strainwave::{name}::")))
+        && ["build", "weights", "condense", "settled", "rounded"].iter().any(|name| symbol.contains(name))
+}
+
+/// Nothing of a compensator is computed on the target: neither the parameters' `build` nor what it alone calls, should it have
+/// been inlined, nor the double precision that it computes in.
+#[test]
+fn no_boards_image_builds_a_compensator() {
+    for board in firmware::boards().expect("the boards are there") {
+        let Some(elf) = image(&board) else { return };
+        let image = Image::read(&elf).expect("is readable");
+        assert!(image.find(CONTROL_STEP).is_ok());
+        let found: Vec<_> = image.symbols().iter().filter(|symbol| computes(symbol)).collect();
+        assert!(found.is_empty(), "{board}: {found:?}");
+        let graph = CallGraph::of(&image, &image.vectors().expect("has vectors"), &[]).expect("is closed");
+        let everything: Vec<_> = (0..graph.nodes().len()).collect();
+        assert_eq!(proofs::doubles(&graph, &everything), [], "{board}");
     }
 }
 
@@ -101,7 +122,7 @@ fn the_literal_mesh_costs_hundreds_of_times_its_reduction() {
     let Some(control) = runnable() else { return };
     let mut budget = Budget::read(BOARD).expect("the budget is sound");
     let mesh = budget.literal_mesh.clone().expect("the board has a literal mesh");
-    let elf = firmware::build_program(BOARD, &mesh.program, None).expect("the program builds").elf;
+    let elf = firmware::build_program(BOARD, &mesh.program).expect("the program builds").elf;
     let mut measured = budget::inspect(&budget, &control).expect("the image can be judged");
     let image = Image::read(&control).expect("is readable");
     let reduced = image.find(&budget.blocks[&mesh.reduced].symbol).expect("is linked");
@@ -121,27 +142,6 @@ fn the_literal_mesh_costs_hundreds_of_times_its_reduction() {
     let figures = measured.figures(&budget);
     let missed: Vec<_> = figures.iter().filter(|f| !f.holds).map(|f| f.name.as_str()).collect();
     assert_eq!(missed, ["budget.mps2-an386.literal_over_reduced"]);
-}
-
-/// An ellipse that strains the coarse mesh so much that it is no longer the catalogue's gear.
-#[test]
-fn a_literal_mesh_unlike_its_reduction_is_not_counted() {
-    if runnable().is_none() {
-        return;
-    }
-    let mut joint = JOINT;
-    joint.gear.flexspline.cup.ellipse = 2.9e-3;
-    let folder = tempfile::tempdir().expect("a temporary directory");
-    let file = folder.path().join("joint.rs");
-    std::fs::write(&file, joint::source(&joint, "strained")).expect("is written");
-    let budget = Budget::read(BOARD).expect("the budget is sound");
-    let mesh = budget.literal_mesh.as_ref().expect("the board has a literal mesh");
-    let elf = firmware::build_program(BOARD, &mesh.program, Some(&file)).expect("the program builds").elf;
-    let mut measured = budget::inspect(&budget, &image(BOARD).expect("builds")).expect("can be judged");
-    let error = mesh.measure(&elf, &mut measured).expect_err("is no such gear").to_string();
-    let expected = "the emulator ended with exit status: 1: last telemetry: literal mesh 62.";
-    assert!(error.starts_with(expected), "{error}");
-    assert!(measured.counts.is_empty());
 }
 
 /// QEMU's own log of every instruction executed, as its switches are called in this version.

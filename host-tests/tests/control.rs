@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use strainwave::compensator::{CompensationGains, Input, Output, Setpoint};
 use strainwave_app::telemetry::CAPACITY;
-use strainwave_app::{Board, Control, JOINT, Log, Telemetry, control_step};
+use strainwave_app::{Board, Compensator, Control, Log, Telemetry, control_step, joint};
 
 /// Events on the board, in order.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,7 +49,11 @@ impl Board for Played {
 fn control(board: &Played) -> (Control<Played>, Log) {
     // The queue lives as long as a firmware's would.
     let (sender, log) = Box::leak(Box::new(Telemetry::new())).split();
-    (Control::new(board.clone(), sender).expect("the default joint is sound"), log)
+    (Control::new(board.clone(), compensator(), sender), log)
+}
+
+fn compensator() -> &'static Compensator {
+    Compensator::from_words(&joint::WORDS).expect("the default joint is sound")
 }
 
 fn input(encoder: u32) -> Input<f32> {
@@ -64,12 +68,12 @@ fn input(encoder: u32) -> Input<f32> {
 fn a_period_is_fetch_step_store_then_the_watchdog() {
     let board = Played::default();
     let (mut control, _log) = control(&board);
-    let compensator = JOINT.build().expect("the default joint is sound");
+    let compensator = compensator();
     let mut state = compensator.rest();
     for encoder in [0, 5_000, 9_000, 12_000] {
         board.inputs.borrow_mut().push(Some(input(encoder)));
         control.tick();
-        let torque = control_step(&compensator, &mut state, &input(encoder)).motor_torque;
+        let torque = control_step(compensator, &mut state, &input(encoder)).motor_torque;
         let expected = compensator.output(&state);
         let events = std::mem::take(&mut *board.events.borrow_mut());
         assert_eq!(events, [Event::Commanded(torque), Event::Reported(expected), Event::Fed]);

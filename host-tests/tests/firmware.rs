@@ -10,8 +10,10 @@ use strainwave::compensator::{
     Command as JointCommand, CompensationGains, Directions, Input, Sensors, Setpoint,
 };
 use strainwave_app::frame::{INPUT_BYTES, decode_input, encode_input, encode_output};
-use strainwave_app::{JOINT, control_step};
-use strainwave_desktop::design::joint;
+use strainwave_app::{Compensator, control_step, joint};
+use strainwave_desktop::GearFile;
+use strainwave_desktop::design::export::Export;
+use strainwave_desktop::design::joint::joint_params;
 use strainwave_emulator::machine::{Error, Options};
 use strainwave_emulator::{Machine, firmware, setup};
 
@@ -106,21 +108,48 @@ fn every_board_links_and_none_can_panic() {
     }
 }
 
+fn default_joint() -> &'static Compensator {
+    Compensator::from_words(&joint::WORDS).expect("the default joint is sound")
+}
+
+/// The image with this file of a joint.
+fn image_with(source: &str) -> PathBuf {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let path = folder.path().join("joint.rs");
+    std::fs::write(&path, source).expect("is written");
+    firmware::build(BOARD, Some(&path)).expect("builds").elf
+}
+
+#[test]
+fn a_joint_with_a_flipped_bit_or_of_another_layout_is_refused_by_name() {
+    if image().is_none() {
+        return;
+    }
+    let sound = Export::of(&GearFile::default_gear()).expect("is built").rust();
+    for (word, reason) in [(0, "layout of another version"), (500, "wrong checksum")] {
+        let [old, new] = [joint::WORDS[word], joint::WORDS[word] ^ 1].map(|word| format!("{word:#010x},"));
+        let (before, array) = sound.split_once("= [\n").expect("has an array");
+        let mut words: Vec<_> = array.split_inclusive(',').map(str::to_owned).collect();
+        words[word] = words[word].replace(&old, &new);
+        let elf = image_with(&format!("{before}= [\n{}", words.concat()));
+        let mut machine = Machine::boot(&elf, &[]).expect("boots");
+        let error = machine.exchange(&encode_input(&Input::default())).expect_err("is refused").to_string();
+        assert!(error.contains(&format!("joint hd25-100: {reason}")), "{error}");
+    }
+}
+
 #[test]
 fn another_joint_is_another_image() {
     let Some(elf) = image() else { return };
-    let mut params = JOINT;
-    params.limits.motor_torque = 0.25;
-    let folder = tempfile::tempdir().expect("a temporary directory");
-    let path = folder.path().join("joint.rs");
-    std::fs::write(&path, joint::source(&params, "weak")).expect("is written");
-    let weak = firmware::build(BOARD, Some(&path)).expect("builds").elf;
+    let mut gear = GearFile::default_gear();
+    gear.motor.peak_torque = 0.25;
+    let weak = image_with(&Export::of(&gear).expect("is built").rust());
     assert_ne!(weak, elf);
     let mut machine = Machine::boot(&weak, &[]).expect("boots");
-    let compensator = params.build().expect("is sound");
+    let compensator = joint_params(&gear).and_then(|joint| joint.build()).expect("is sound");
     let mut state = compensator.rest();
     let mut sequence = Sequence(2);
-    let strong = JOINT.build().expect("is sound");
+    let strong = default_joint();
     let (mut beside, mut differs) = (strong.rest(), false);
     for period in 0..300 {
         let input = if period < 200 { plausible(&mut sequence, period) } else { out_of_reach() };
@@ -137,13 +166,13 @@ fn another_joint_is_another_image() {
 fn the_image_answers_as_the_host_does_bit_for_bit() {
     let Some(elf) = image() else { return };
     let mut machine = Machine::boot(&elf, &[]).expect("boots");
-    let compensator = JOINT.build().expect("the default joint is sound");
+    let compensator = default_joint();
     let mut state = compensator.rest();
     let mut sequence = Sequence(1);
     let mut moved = false;
     for period in 0..1200 {
         let input = if period < 1000 { plausible(&mut sequence, period) } else { arbitrary(&mut sequence) };
-        control_step(&compensator, &mut state, &input);
+        control_step(compensator, &mut state, &input);
         let expected = compensator.output(&state);
         let answer = machine.exchange(&encode_input(&input)).expect("answers");
         assert_eq!(answer, encode_output(&expected), "period {period}: {input:?} -> {expected:?}");

@@ -1,23 +1,34 @@
-//! The joint that firmware is built with by default is what the default gear file gives.
+//! The generated files are what the default gear file gives: the compensator that the boards are built with by default, and
+//! the parameters that the library's examples use.
 //!
-//! After a change of the gear file or of the parameters: `STRAINWAVE_OVERWRITE=1 cargo test -p
+//! After a change of the gear file, of the parameters or of the built compensator: `STRAINWAVE_OVERWRITE=1 cargo test -p
 //! strainwave-host-tests --test joint_file`, and review the difference.
 
 use std::path::Path;
 
 use strainwave_desktop::GearFile;
+use strainwave_desktop::design::export::Export;
 use strainwave_desktop::design::joint::{joint_params, source};
 
-#[test]
-fn the_checked_in_joint_is_the_default_gear() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../boards/app/src/joint.rs");
-    let file = GearFile::default_gear();
-    let generated = source(&joint_params(&file).unwrap(), &file.gear.name);
+/// The file below the repository's root holds this text; written first where that is asked for.
+fn assert_kept(path: &str, generated: &str) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path);
     if std::env::var_os("STRAINWAVE_OVERWRITE").is_some() {
-        std::fs::write(&path, &generated).unwrap();
+        std::fs::write(&file, generated).unwrap();
     }
-    let kept = std::fs::read_to_string(&path).unwrap();
-    assert!(kept == generated, "boards/app/src/joint.rs is not what gears/hd25-100.toml gives today");
+    let kept = std::fs::read_to_string(&file).unwrap();
+    assert!(kept == generated, "{path} is not what gears/hd25-100.toml gives today");
+}
+
+#[test]
+fn the_checked_in_compensator_is_the_default_gears() {
+    assert_kept("boards/app/src/joint.rs", &Export::of(&GearFile::default_gear()).unwrap().rust());
+}
+
+#[test]
+fn the_checked_in_parameters_are_the_default_gears() {
+    let file = GearFile::default_gear();
+    assert_kept("examples/joint/hd25_100.rs", &source(&joint_params(&file).unwrap(), &file.gear.name));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The coarse mesh in f32 as the target steps it, on the host.
 
 use strainwave::flexspline::FlexsplineParams;
-use strainwave_app::JOINT;
+use strainwave_app::literal_mesh::default_gear::JOINT;
 use strainwave_app::literal_mesh::{STEP_SHARE, WindUp, wind_up};
 use strainwave_desktop::design::joint;
 use strainwave_desktop::{GearFile, plant};

@@ -27,6 +27,8 @@ use crate::gear::GearParams;
 use crate::real::Real;
 
 /// Everything that a joint's compensator is built from; generated from a gear file.
+///
+/// `strainwave export` builds it on the host; firmware reads the result by [`Compensator::from_words`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointParams<R: Real> {
     /// Control period (s).

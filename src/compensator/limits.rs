@@ -1,9 +1,11 @@
 //! Limits of a joint: the bounds of every output.
 
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::Real;
 
 /// Limits of a joint.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits<R> {
     /// Peak torque of the motor at its shaft, > 0 (N m).

@@ -12,13 +12,15 @@
 //! | [`adapt`] | parameter factors, ripple |
 //! | [`actuate`] | cascade, fallback, mode, protection of the gear |
 //! | `control`, [`schedule`] | the step, and the multi-rate schedule of its stages |
+//! | [`words`] | the built compensator as constants of an image |
 //!
 //! The model runs by a multi-rate [`schedule`], so that no control period takes the time of the whole of it. From one
 //! plan of the feed-forward to the next the motor reference is extrapolated by the planned acceleration and jerk: it is
 //! smooth to the third order. Angles that are compared in every period are kept relative to the motor's encoder: small
 //! numbers, which an f32 resolves.
 //!
-//! In the examples `JOINT` is a [`JointParams`], as it is generated from a gear file: `examples/joint/hd25_100.rs`.
+//! Firmware reads a compensator that the host has built: [`Compensator::from_words`]. In the examples `JOINT` is a
+//! [`JointParams`], as it is generated from a gear file: `examples/joint/hd25_100.rs`.
 //!
 //! [`Compensator::control`] is total: for any input bits every output is finite and bounded, and faults are reported
 //! as [`Faults`] by name. Units: rad, rad/s, N m; signs as in [`crate::gear`].
@@ -38,6 +40,7 @@ pub mod sense;
 mod signals;
 mod start;
 mod state;
+pub mod words;
 
 pub use actuate::mode::Mode;
 pub use control::Compensator;

@@ -1,6 +1,7 @@
 //! Signals of the control step: what its inputs and outputs are made of.
 
 use crate::angle::Angle;
+use crate::constants::constants;
 use crate::real::Real;
 
 /// Setpoint of the output, with the derivatives that the feed-forward uses.
@@ -107,6 +108,7 @@ pub struct Estimate<R> {
 }
 
 /// Standard deviations of an [`Estimate`], as [`super::estimate::observer::deviation`] declares them.
+#[constants]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EstimateDeviation<R> {
     /// Of the output angle (rad).

@@ -1,6 +1,7 @@
 //! The cup of a flexspline, and the links of a mesh over it.
 
 use crate::angle::Angle;
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -8,6 +9,7 @@ use crate::real::Real;
 pub const DIRECTIONS: [(i32, usize); 8] = [(1, 0), (0, 1), (1, 1), (-1, 1), (2, 0), (0, 2), (2, 2), (-2, 2)];
 
 /// The flexspline's cup.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cup<R> {
     /// Mean radius R (m).

@@ -49,6 +49,7 @@
 //! monotone, hence `limit(line + c*dphi) - limit(line)` never has the sign against dphi.
 
 use crate::angle::Angle;
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::flexspline::calibration::FlexsplineParams;
 use crate::flexspline::condensation::{Displacement, Link, Shape, settled};
@@ -92,6 +93,7 @@ pub type Direction = (i32, i32);
 /// assert!((rim * params.cup.stiffness() - 1.0).abs() < 1e-4);
 /// # Ok::<(), strainwave::Error>(())
 /// ```
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reduced<R, const N: usize, const M: usize> {
     line: StiffnessLine<R>,

@@ -9,6 +9,7 @@
 //! inverse has the same form with compliances over torques. Reference: the gear makers' definition
 //! of K1, K2, K3, T1, T2 (e.g. Harmonic Drive HFUS-2A manual, "torsional stiffness").
 
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -39,6 +40,7 @@ pub struct StiffnessLineParams<R> {
 /// assert!((work - line.energy(rated)).abs() < 1e-9);
 /// # Ok::<(), strainwave::Error>(())
 /// ```
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StiffnessLine<R> {
     by_torsion: Pieces<R>,
@@ -46,6 +48,7 @@ pub struct StiffnessLine<R> {
 }
 
 /// Odd and continuous in x: `slope*x + offset*sign(x)` on each piece.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Pieces<R> {
     pieces: [Piece<R>; 3],
@@ -53,6 +56,7 @@ struct Pieces<R> {
     knee: [R; 2],
 }
 
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Piece<R> {
     slope: R,

@@ -36,6 +36,7 @@
 
 use super::positive_real::is_positive_real;
 use super::{FrictionModel, Slip};
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -125,6 +126,7 @@ impl<R: Real, const P: usize> BlimanSorineState<R, P> {
 /// assert!((after(100.0 * eps, 1) - (f1 - f2)).abs() < 1e-13);
 /// # Ok::<(), strainwave::Error>(())
 /// ```
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlimanSorine<R, const P: usize> {
     levels: [R; P],

@@ -32,6 +32,7 @@
 //! servo actuators", IEEE International Conference on Robotics and Automation, 2025.
 
 use super::{LIMIT, require_level};
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -91,6 +92,7 @@ impl<R: Real> LoadFactors<R> {
 }
 
 /// [`LoadFactors`] in one direction of motion, without a comparison: half their sum, and half their difference.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct DirectedLoad<R> {
     even: R,

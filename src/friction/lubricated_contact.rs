@@ -20,6 +20,7 @@
 use super::data::{CURVE, FrictionData, Sliding};
 use super::registered::{Registered, Standstill};
 use super::{FrictionModel, FrictionParams, GREATEST, LastForce, Slip};
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -102,6 +103,7 @@ impl<R: Real> Registered<R> for LubricatedContactParams<R> {
 /// assert!((slope + 0.3 / 0.02).abs() < 1e-2);
 /// # Ok::<(), strainwave::Error>(())
 /// ```
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LubricatedContact<R> {
     coulomb: R,

@@ -80,6 +80,7 @@ pub use stribeck::{Stribeck, StribeckParams};
 pub use viscous::{Viscous, ViscousParams};
 
 use crate::angle::Heading;
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -91,6 +92,7 @@ const LEAST: f64 = 1e-9;
 const LIMIT: f64 = 1e9;
 
 /// Time that a step takes (s), 0..=1: checked once, where it is made.
+#[constants]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepTime<R>(R);
 

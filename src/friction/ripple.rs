@@ -17,6 +17,7 @@
 
 use super::require_divisor;
 use crate::angle::Heading;
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -26,6 +27,7 @@ pub const RIPPLE_ORDERS: usize = 2;
 const GREATEST_SHARE: f64 = 0.99 + 1e-6;
 
 /// Mean and orders of one direction.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Harmonics<R, const K: usize> {
     /// Mean level (N) or (N m); 1e-9..=1e6.

@@ -22,12 +22,13 @@
 use super::memory::TurningPoint;
 use super::weights::Weights;
 use crate::branch::cheaper;
+use crate::constants::constants;
 use crate::fixed::Fixed;
 use crate::real::Real;
 
 /// Table for `L` levels.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
 pub struct Everett<R: Real, const L: usize> {
     /// One quantum of an output.
     quantum: R,

@@ -36,6 +36,7 @@ use super::everett::Everett;
 use super::inverse::TorsionInverse;
 use super::staircase::{Response, Staircase, StaircaseState};
 use super::weights::Weights;
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::flexspline::stiffness_line::StiffnessLine;
 use crate::real::Real;
@@ -111,6 +112,7 @@ pub type TorsionHysteresisState<R, const MEMORY: usize> = StaircaseState<R, MEMO
 /// assert!((work - 4.0 / 3.0 * gap * half_range).abs() < 0.01 * work);
 /// # Ok::<(), strainwave::Error>(())
 /// ```
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorsionHysteresis<R: Real, const L: usize, const MEMORY: usize> {
     staircase: Staircase<R, L, MEMORY>,

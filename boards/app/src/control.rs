@@ -1,8 +1,7 @@
 //! One control period: fetch, one call, store.
 
 use crate::telemetry::{Record, Sender};
-use crate::{Compensator, JOINT, State};
-use strainwave::Error;
+use crate::{Compensator, State};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::{Commanded, Input, Output, Status};
 
@@ -39,7 +38,7 @@ pub trait Board {
 /// Everything the control interrupt owns.
 pub struct Control<B> {
     board: B,
-    compensator: Compensator,
+    compensator: &'static Compensator,
     state: State,
     sender: Sender,
     periods: u32,
@@ -51,15 +50,20 @@ pub struct Control<B> {
 }
 
 impl<B: Board> Control<B> {
-    /// The control of the joint that is built in.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] with the name of a constant that the joint's file has wrong.
-    pub fn new(board: B, sender: Sender) -> Result<Self, Error> {
-        let compensator = JOINT.build()?;
-        let state = compensator.rest();
+    /// The control of a joint at rest. Inlined, so that it is made where it stays and not on the stack.
+    #[inline(always)]
+    pub fn new(board: B, compensator: &'static Compensator, sender: Sender) -> Self {
         let status = if board.restarted() { Status::RESTARTED } else { Status::FINE };
-        Ok(Self { board, compensator, state, sender, periods: 0, overruns: 0, status, missed: 0 })
+        Self {
+            board,
+            compensator,
+            state: compensator.rest(),
+            sender,
+            periods: 0,
+            overruns: 0,
+            status,
+            missed: 0,
+        }
     }
 
     /// One period: called from the board's control interrupt, never blocks on telemetry.
@@ -84,10 +88,10 @@ impl<B: Board> Control<B> {
         input.status = input.status.with(self.status);
         if self.missed > 0 && input.elapsed == 0.0 {
             // Up to a second: far beyond what the control goes on from.
-            input.elapsed = JOINT.dt * (self.missed.min(RATE) + 1) as f32;
+            input.elapsed = CONTROL_PERIOD as f32 * (self.missed.min(RATE) + 1) as f32;
         }
         self.missed = 0;
-        let commanded = control_step(&self.compensator, &mut self.state, &input);
+        let commanded = control_step(self.compensator, &mut self.state, &input);
         if commanded.mode.drives() {
             self.board.command(commanded.motor_torque);
         } else {

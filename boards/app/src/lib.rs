@@ -17,13 +17,12 @@ pub mod slot;
 pub mod telemetry;
 pub mod worst_case;
 
-/// Constants of the joint, generated from its gear file.
+/// The joint that this firmware controls: `strainwave export` has built its compensator.
 pub mod joint {
     include!(env!("STRAINWAVE_JOINT_FILE"));
 }
 
 pub use control::{Board, Control, control_step};
-pub use joint::JOINT;
 pub use strainwave::Error;
 pub use strainwave::compensator::{self, Input, Output};
 

@@ -14,6 +14,11 @@ use strainwave::compensator::{JointParams, RealTimeFlexspline};
 use strainwave::flexspline::{Ends, Flexspline, FlexsplineParams, Mesh};
 use strainwave::{Angle, Error, Ratio};
 
+/// Parameters of the default gear.
+pub mod default_gear {
+    include!("../../../examples/joint/hd25_100.rs");
+}
+
 /// The coarsest mesh that is calibrated: 8 nodes around, 3 along the axis.
 type CoarseMesh = Mesh<f32, 8, 3>;
 

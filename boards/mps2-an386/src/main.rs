@@ -1,4 +1,6 @@
 //! The joint controller on Arm's MPS2+ AN386, emulated by QEMU. Wiring only.
+//!
+//! The joint's constants are read in flash, which has no wait states here: they take no RAM.
 #![no_std]
 #![no_main]
 
@@ -14,7 +16,8 @@ mod watchdog;
 
 use link::{Board, Link};
 use static_cell::StaticCell;
-use strainwave_app::{Control, Error, Log, Slot, Telemetry};
+use strainwave_app::telemetry::Sender;
+use strainwave_app::{Compensator, Control, Log, Slot, Telemetry, joint};
 
 static CONTROL: StaticCell<Control<Board>> = StaticCell::new();
 static SLOT: Slot<Board> = Slot::new();
@@ -28,17 +31,17 @@ fn main() -> ! {
         defmt::error!("sensors.fifo or command.fifo does not open");
         fault::fail();
     };
-    match Control::new(Board::new(link), sender) {
-        Ok(control) => run(control, log),
-        Err(Error::OutOfRange(name)) => defmt::error!("joint: {=str} is out of range", name),
+    match Compensator::from_words(&joint::WORDS) {
+        Ok(compensator) => run(Board::new(link), compensator, sender, log),
+        Err(bad) => defmt::error!("joint {=str}: {=str}", joint::GEAR, bad.reason()),
     }
     fault::fail()
 }
 
 /// Hands the control to its interrupt, then reports from the idle loop until the host closes the link.
-fn run(control: Control<Board>, mut log: Log) -> ! {
+fn run(board: Board, compensator: &'static Compensator, sender: Sender, mut log: Log) -> ! {
     if let Some(place) = CONTROL.try_uninit() {
-        SLOT.put(place.write(control));
+        SLOT.put(place.write(Control::new(board, compensator, sender)));
     }
     watchdog::start();
     timer::start();

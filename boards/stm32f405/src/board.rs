@@ -2,14 +2,15 @@
 
 use crate::drive::Drive;
 use crate::encoder::MotorEncoder;
-use crate::{clock, serial, timer, watchdog};
+use crate::{clock, joint, serial, timer, watchdog};
 use cortex_m::peripheral::NVIC;
 use stm32f4xx_hal::gpio::GpioExt;
 use stm32f4xx_hal::pac::{IWDG, Peripherals, TIM2};
 use stm32f4xx_hal::rcc::{Enable, Rcc, RccExt};
+use strainwave_app::compensator::schedule::CONTROL_PERIOD;
 use strainwave_app::compensator::{CompensationGains, Sensors, Setpoint};
 use strainwave_app::jog::{Jog, LIMITS, Trajectory};
-use strainwave_app::{Input, JOINT, Output};
+use strainwave_app::{Compensator, Input, Output};
 
 /// Gains once the joint holds: all 1, but the friction's below that which could drive it.
 const GAINS: CompensationGains<f32> = CompensationGains { friction: 0.8, ..CompensationGains::ALL };
@@ -25,7 +26,7 @@ pub struct Hardware {
 }
 
 /// Brings the board up; `None`, after saying why, when it is not fit to control a joint.
-pub fn start() -> Option<(Board, Hardware)> {
+pub fn start() -> Option<(Board, &'static Compensator, Hardware)> {
     let device = Peripherals::take()?;
     let core = cortex_m::Peripherals::take()?;
     let mut rcc = device.RCC.constrain();
@@ -38,9 +39,16 @@ pub fn start() -> Option<(Board, Hardware)> {
         defmt::error!("no 8 MHz crystal: the control does not fit into its period");
         return None;
     }
-    let drive = Drive::new(device.DAC, a.pa4, b.pb0, &mut rcc);
-    let encoder = MotorEncoder::new(device.SPI1, (a.pa5, a.pa6, a.pa7), b.pb6, &mut rcc)?;
-    let Ok(trajectory) = LIMITS.build(JOINT.dt) else {
+    let compensator = joint::compensator()?;
+    let drive = Drive::new(device.DAC, a.pa4, b.pb0, compensator.limits().motor_torque, &mut rcc);
+    let encoder = MotorEncoder::new(
+        device.SPI1,
+        (a.pa5, a.pa6, a.pa7),
+        b.pb6,
+        compensator.motor_encoder_bits(),
+        &mut rcc,
+    )?;
+    let Ok(trajectory) = LIMITS.build(CONTROL_PERIOD as f32) else {
         defmt::error!("no moves can be planned with the joint's control period");
         return None;
     };
@@ -55,7 +63,7 @@ pub fn start() -> Option<(Board, Hardware)> {
         here: Setpoint::default(),
         jog: None,
     };
-    Some((board, Hardware { interrupts: core.NVIC, timer: device.TIM2, watchdog: device.IWDG }))
+    Some((board, compensator, Hardware { interrupts: core.NVIC, timer: device.TIM2, watchdog: device.IWDG }))
 }
 
 /// Whether a watchdog or the firmware itself has reset the chip: then nobody has looked after the cause. Power and the

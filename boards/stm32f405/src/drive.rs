@@ -8,7 +8,6 @@ use stm32f4xx_hal::dac::{C1, DacExt, DacOut, DacPin};
 use stm32f4xx_hal::gpio::{Output, PA4, PB0};
 use stm32f4xx_hal::pac::DAC;
 use stm32f4xx_hal::rcc::Rcc;
-use strainwave_app::JOINT;
 
 /// The code of no torque.
 const NEUTRAL: i32 = 2048;
@@ -19,14 +18,16 @@ const SPAN: i32 = 2047;
 pub struct Drive {
     torque: C1,
     enable: PB0<Output>,
+    /// Steps of the code per torque (1/(N m)).
+    scale: f32,
 }
 
 impl Drive {
-    /// Disabled, without torque.
-    pub fn new(dac: DAC, torque: PA4, enable: PB0, rcc: &mut Rcc) -> Self {
+    /// Disabled, without torque; at the rails of its input the drive gives `peak_torque` (N m).
+    pub fn new(dac: DAC, torque: PA4, enable: PB0, peak_torque: f32, rcc: &mut Rcc) -> Self {
         let enable = enable.into_push_pull_output();
         let torque = dac.constrain(torque.into_analog(), rcc);
-        let mut drive = Self { torque, enable };
+        let mut drive = Self { torque, enable, scale: SPAN as f32 / peak_torque };
         drive.release();
         drive.torque.enable();
         drive
@@ -35,7 +36,7 @@ impl Drive {
     /// Commands a torque at the motor's shaft (N m).
     pub fn command(&mut self, torque: f32) {
         // The conversion to an integer saturates, and takes NaN as 0.
-        let steps = (torque * (SPAN as f32 / JOINT.limits.motor_torque)) as i32;
+        let steps = (torque * self.scale) as i32;
         self.torque.set_value((NEUTRAL + steps.clamp(-SPAN, SPAN)) as u16);
         self.enable.set_high();
     }

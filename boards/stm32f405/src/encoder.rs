@@ -8,7 +8,6 @@ use stm32f4xx_hal::pac::SPI1;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::spi::Spi;
 use stm32f4xx_hal::time::Hertz;
-use strainwave_app::JOINT;
 use strainwave_drivers::as5047p::{As5047p, BITS, FASTEST, MODE};
 
 use crate::clock::{FULL, INTERNAL, PERIPHERAL_DIVISOR};
@@ -32,13 +31,16 @@ type Device = ExclusiveDevice<Spi<SPI1>, PB6<Output>, CycleDelay>;
 /// The encoder and its last good reading.
 pub struct MotorEncoder {
     encoder: As5047p<Device, CycleDelay>,
+    /// Resolution that the control expects, 2^bits counts a revolution.
+    bits: u32,
     count: u32,
     missed: u32,
 }
 
 impl MotorEncoder {
-    /// The encoder, if it answers and its magnet is where it should be; else says what is wrong.
-    pub fn new(spi: SPI1, pins: (PA5, PA6, PA7), select: PB6, rcc: &mut Rcc) -> Option<Self> {
+    /// The encoder, read in 2^bits counts a revolution, if it answers and its magnet is where it should be; else says what is
+    /// wrong.
+    pub fn new(spi: SPI1, pins: (PA5, PA6, PA7), select: PB6, bits: u32, rcc: &mut Rcc) -> Option<Self> {
         let select = select.into_push_pull_output_in_state(stm32f4xx_hal::gpio::PinState::High);
         let (clock, miso, mosi) = pins;
         let clock = clock.into_alternate().speed(Speed::High);
@@ -51,8 +53,8 @@ impl MotorEncoder {
         let mut encoder = As5047p::new(device, CycleDelay);
         match encoder.diagnosis() {
             Ok(diagnosis) if diagnosis.sound() => {
-                let count = scaled(encoder.angle().ok()?);
-                return Some(Self { encoder, count, missed: 0 });
+                let count = scaled(encoder.angle().ok()?, bits);
+                return Some(Self { encoder, bits, count, missed: 0 });
             }
             Ok(diagnosis) => defmt::error!(
                 "motor encoder: no sound angle (ready {=bool}, overflow {=bool}, field too high {=bool}, too low {=bool})",
@@ -74,7 +76,7 @@ impl MotorEncoder {
         match self.encoder.angle() {
             Ok(angle) => {
                 self.missed = 0;
-                self.count = scaled(angle);
+                self.count = scaled(angle, self.bits);
             }
             Err(_) => self.missed += 1,
         }
@@ -86,13 +88,9 @@ impl MotorEncoder {
     }
 }
 
-/// From this encoder's resolution to the one that the joint's file gives.
-fn scaled(angle: u16) -> u32 {
-    if JOINT.motor_encoder_bits >= BITS {
-        u32::from(angle) << (JOINT.motor_encoder_bits - BITS)
-    } else {
-        u32::from(angle) >> (BITS - JOINT.motor_encoder_bits)
-    }
+/// From this encoder's resolution to one of 2^bits counts.
+fn scaled(angle: u16, bits: u32) -> u32 {
+    if bits >= BITS { u32::from(angle) << (bits - BITS) } else { u32::from(angle) >> (BITS - bits) }
 }
 
 /// Waits by counting cycles of the core at its full clock.

@@ -19,6 +19,7 @@ mod clock;
 mod drive;
 mod encoder;
 mod fault;
+mod joint;
 mod logger;
 mod serial;
 mod timer;
@@ -27,7 +28,8 @@ mod watchdog;
 use board::{Board, Hardware};
 use static_cell::StaticCell;
 use stm32f4xx_hal::pac::interrupt;
-use strainwave_app::{Control, Error, Log, Slot, Telemetry};
+use strainwave_app::telemetry::Sender;
+use strainwave_app::{Compensator, Control, Log, Slot, Telemetry};
 
 static CONTROL: StaticCell<Control<Board>> = StaticCell::new();
 static SLOT: Slot<Board> = Slot::new();
@@ -36,18 +38,22 @@ static SLOT: Slot<Board> = Slot::new();
 fn main() -> ! {
     static mut TELEMETRY: Telemetry = Telemetry::new();
     let (sender, log) = TELEMETRY.split();
-    let Some((board, hardware)) = board::start() else { fault::halt() };
-    match Control::new(board, sender) {
-        Ok(control) => run(control, hardware, log),
-        Err(Error::OutOfRange(name)) => defmt::error!("joint: {=str} is out of range", name),
+    match board::start() {
+        Some((board, compensator, hardware)) => run(board, compensator, hardware, sender, log),
+        None => fault::halt(),
     }
-    fault::halt()
 }
 
 /// Hands the control to its interrupt, then reports from the idle loop.
-fn run(control: Control<Board>, mut hardware: Hardware, mut log: Log) -> ! {
+fn run(
+    board: Board,
+    compensator: &'static Compensator,
+    mut hardware: Hardware,
+    sender: Sender,
+    mut log: Log,
+) -> ! {
     if let Some(place) = CONTROL.try_uninit() {
-        SLOT.put(place.write(control));
+        SLOT.put(place.write(Control::new(board, compensator, sender)));
     }
     serial::listen(&mut hardware.interrupts);
     watchdog::start(&hardware.watchdog);

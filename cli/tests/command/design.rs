@@ -28,13 +28,13 @@ fn a_drive_out_of_range_is_refused_by_key() {
     assert!(line.contains("drive.delay_periods = 99") && line.contains("from 0 to 20"), "{line}");
 }
 
-/// The source for firmware is that which the joint file of the default gear holds; the page of figures has the margins.
+/// The parameters are those that the library's examples use; the page of figures has the margins.
 #[test]
 fn a_joint_file_and_a_page_of_figures_are_written() {
     let bench = Bench::new();
     bench.run("design g.toml --functions none --joint joint.rs --markdown figures.md");
     let joint = std::fs::read_to_string(bench.path("joint.rs")).unwrap();
-    assert!(joint == include_str!("../../../boards/app/src/joint.rs"), "{joint}");
+    assert!(joint == include_str!("../../../examples/joint/hd25_100.rs"), "{joint}");
     let page = std::fs::read_to_string(bench.path("figures.md")).unwrap();
     let line = page.lines().find(|line| line.starts_with("| `design.motor.torque.phase`")).unwrap();
     assert!(line.contains("| >= 35 | >= 35 | **missed, beyond its bound** |"), "{line}");

@@ -3,6 +3,7 @@
 mod bad_input;
 mod bench;
 mod design;
+mod export;
 mod good_input;
 mod identify;
 mod keep;

@@ -129,9 +129,9 @@ fn a_joint_goes_from_the_catalogue_to_firmware() {
                   tau_motor_predicted_nm,tau_motor_rigid_nm";
     assert_eq!((predicted.lines().next(), predicted.lines().count()), (Some(header), lines.len() - 400));
 
-    run("design identified.toml --joint joint.rs");
+    run("export identified.toml --rust joint.rs");
     let source = std::fs::read_to_string(bench.path("joint.rs")).unwrap();
-    assert!(source.contains("pub const JOINT: JointParams<f32>"));
+    assert!(source.contains("pub static WORDS: [u32; "), "{source}");
 }
 
 #[test]

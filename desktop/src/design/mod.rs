@@ -17,6 +17,7 @@ pub mod compensation;
 pub mod controller;
 pub mod corners;
 mod dense;
+pub mod export;
 pub mod feedback;
 pub mod joint;
 pub mod judge;

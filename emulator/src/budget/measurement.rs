@@ -8,7 +8,7 @@ use strainwave_desktop::Figure;
 use strainwave_desktop::verify::bounds;
 
 use super::error::Failure;
-use super::{Block, Budget, Error, LITERAL_MESH};
+use super::{Block, Budget, Error, ImageSizes, LITERAL_MESH};
 use crate::any_input::AnyInput;
 use crate::artifact::{CONTROL_STEP, CallGraph, Image, Sizes, StackBound, Violation, proofs};
 use crate::counting::{Counting, Counts, Outcome, merge};
@@ -219,16 +219,26 @@ impl Measurement {
         Some(Figure::at_least(name, self.literal_over_reduced(budget)? as f64, "1", least as f64))
     }
 
+    /// Flash, RAM and stack of the image.
+    pub fn image_sizes(&self) -> ImageSizes {
+        let bytes = |value: u32| Some(u64::from(value));
+        ImageSizes {
+            flash: bytes(self.sizes.flash),
+            ram: bytes(self.sizes.ram),
+            stack: bytes(self.stack.total),
+            thread_stack: bytes(self.stack.thread.depth),
+            interrupt_stack: bytes(self.stack.total - self.stack.thread.depth),
+        }
+    }
+
     fn image_figures(&self, budget: &Budget) -> Vec<Figure> {
-        let byte = |name, value: u32, bound| budget.figure(name, f64::from(value), "byte", bound);
-        let mut figures = vec![
-            byte("flash", self.sizes.flash, budget.image.flash),
-            byte("ram", self.sizes.ram, budget.image.ram),
-            byte("stack", self.stack.total, budget.image.stack),
-        ];
+        let byte = |name, value: u64, bound| budget.figure(name, value as f64, "byte", bound);
+        let sizes = self.image_sizes().named().into_iter().zip(budget.image.named());
+        let mut figures: Vec<_> =
+            sizes.filter_map(|((name, size), (_, bound))| Some(byte(name, size?, bound))).collect();
         // What a run has seen must not be deeper than what no run can exceed.
         let bound = Some(u64::from(self.stack.total));
-        figures.extend(self.stack_mark.map(|mark| byte("stack_mark", mark, bound)));
+        figures.extend(self.stack_mark.map(|mark| byte("stack_mark", mark.into(), bound)));
         figures.extend(self.proof_figures(budget));
         figures
     }

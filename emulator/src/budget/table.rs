@@ -26,6 +26,7 @@ fn print(measured: &Measurement, budget: &Budget) -> String {
         let _ = writeln!(text, "{}\n", counts(measured, budget, &figures));
     }
     let _ = writeln!(text, "{}", image(budget, &figures));
+    text += &missed_targets(measured, budget);
     text.extend(measured.any_input.as_ref().map(|found| any_input(found, budget, &figures)));
     for (name, found) in measured.proofs() {
         for violation in found {
@@ -129,6 +130,16 @@ fn image(budget: &Budget, figures: &[Figure]) -> Table {
     rows("image", &format!("budget.{}.", budget.board), of_image)
 }
 
+/// A line for each size of the image that is above its target.
+fn missed_targets(measured: &Measurement, budget: &Budget) -> String {
+    let sizes = measured.image_sizes().named().into_iter().zip(budget.image_target.named());
+    let missed = sizes.filter_map(|((name, size), (_, target))| Some((name, size?, target?)));
+    missed
+        .filter(|(_, size, target)| size > target)
+        .map(|(name, size, target)| format!("{name} is {size}: target {target}, missed\n"))
+        .collect()
+}
+
 /// The figures whose names begin with `prefix`, a row each, named by the rest.
 fn rows<'f>(header: &str, prefix: &str, figures: impl IntoIterator<Item = &'f Figure>) -> Table {
     let mut table = empty();
@@ -153,6 +164,7 @@ fn yes(holds: bool) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::ImageSizes;
     use super::super::tests::{budget, measurement};
     use super::*;
     use crate::any_input::SLOTS;
@@ -203,6 +215,13 @@ mod tests {
         let row =
             |name: &str| text.lines().map(str::trim).find(|line| line.starts_with(name)).unwrap().to_owned();
         assert!(row("cycles").ends_with("yes") && row("steps_unbounded").ends_with("NO"), "{text}");
+    }
+
+    #[test]
+    fn a_missed_target_of_the_image_is_told() {
+        let image_target = ImageSizes { flash: Some(999), ram: Some(200), ..ImageSizes::default() };
+        let text = print(&measurement(), &Budget { image_target, ..budget() });
+        assert!(text.contains("flash is 1000: target 999, missed\n") && !text.contains("ram is"), "{text}");
     }
 
     #[test]

@@ -16,6 +16,7 @@
 //! Baselines and compensated runs share this cascade. The compensator alone leaves the rounding of the encoder out of the
 //! position error of a motor at rest (`motor_reference.rs`): its reference lies anywhere within a count, theirs on one.
 
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::low_pass::LowPass;
 use crate::real::Real;
@@ -36,6 +37,7 @@ pub struct FeedbackParams<R> {
 }
 
 /// The built cascade.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feedback<R> {
     position_gain: R,

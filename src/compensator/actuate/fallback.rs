@@ -14,6 +14,7 @@
 //! Faults without which no control is possible switch the drive off instead ([`crate::compensator::actuate::mode`]).
 
 use crate::compensator::Faults;
+use crate::constants::constants;
 use crate::real::Real;
 
 /// T_q (s): time without a fault after which the model is trusted again.
@@ -30,6 +31,7 @@ pub const UNTRUSTED: Faults = Faults::INPUT_NOT_FINITE
     .with(Faults::TORSION_BEYOND_RANGE);
 
 /// The built fallback.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fallback<R> {
     /// T_q/dt.

@@ -17,6 +17,7 @@
 use crate::branch::seldom;
 use crate::compensator::Limits;
 use crate::compensator::sense::rotor::output_inertia;
+use crate::constants::constants;
 use crate::gear::GearParams;
 use crate::real::Real;
 
@@ -24,6 +25,7 @@ use crate::real::Real;
 const BOUND: f64 = 0.85;
 
 /// The built protection.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Protection<R> {
     /// L, and c*L/|n| (N m).

@@ -14,6 +14,7 @@
 //! no longer learn from it. Explicit Euler. Units: rad, N m.
 
 use crate::angle::Heading;
+use crate::constants::constants;
 use crate::real::Real;
 
 /// gamma_c and gamma_s (1/s): a joint moves within a part of a revolution, in which the sine is less excited than the
@@ -23,6 +24,7 @@ const RATES: [f64; 2] = [2.0, 8.0];
 const LARGEST: f64 = 1.0;
 
 /// The built law.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gravity<R> {
     /// dt*gamma_c, dt*gamma_s.

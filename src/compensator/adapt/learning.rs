@@ -12,6 +12,8 @@
 //! Both are slow ([`crate::compensator::schedule`]): the factors are learnt in every second round, with a step of two
 //! rounds (in every third while a gain is ramped: as if slower by half), and of the ripple one order in each round.
 
+use zerocopy::KnownLayout;
+
 use crate::angle::{Angle, Heading, Ratio};
 use crate::compensator::adapt::gravity::{Gravity, GravityState};
 use crate::compensator::adapt::parameters::{
@@ -24,6 +26,7 @@ use crate::compensator::estimate::observer::GearCorrection;
 use crate::compensator::reference::feed_forward::ModelCorrection;
 use crate::compensator::schedule::{OBSERVER_PERIODS, PLAN_TO_LEARN, SLOW_PERIODS};
 use crate::compensator::{CompensationGains, Limits};
+use crate::constants::constants;
 use crate::error::Error;
 use crate::gear::GearParams;
 use crate::real::Real;
@@ -32,7 +35,8 @@ use crate::real::Real;
 const STEPS_TO_LEARN: i32 = (PLAN_TO_LEARN / OBSERVER_PERIODS) as i32;
 
 /// Learnt factors and ripple, as stored in a file.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[constants]
+#[derive(Clone, Copy, Debug, Default, PartialEq, KnownLayout)]
 pub struct Learnt<R: Real> {
     /// Factors on the gear's parameters.
     pub factors: Factors<R>,
@@ -50,6 +54,7 @@ pub struct LearningParams<R> {
 }
 
 /// The built learning.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Learning<R> {
     adaptation: Adaptation<R>,

@@ -29,7 +29,10 @@
 //! M. Bodson, A. Sacks, P. Khosla, "Harmonic generation in adaptive feedforward cancellation schemes", IEEE
 //! Transactions on Automatic Control 39 (1994).
 
+use zerocopy::KnownLayout;
+
 use crate::angle::Angle;
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::{RADIANS_PER_COUNT, Real};
 
@@ -46,6 +49,7 @@ pub const STEADY: f64 = 0.25;
 pub const RIPPLE_ORDERS: usize = 4;
 
 /// An order of the ripple.
+#[constants]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RippleOrder {
     /// k, periods per revolution of the wave generator, 1..=1000; 0 leaves the place unused.
@@ -58,7 +62,8 @@ pub struct RippleOrder {
 pub type Coefficients<R> = [[R; 2]; RIPPLE_ORDERS];
 
 /// Learnt map, as stored in a file.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[constants]
+#[derive(Clone, Copy, Debug, Default, PartialEq, KnownLayout)]
 pub struct RippleMap<R> {
     /// Of the position (rad at the output).
     pub position: Coefficients<R>,
@@ -84,6 +89,7 @@ pub struct LearntRippleParams<R> {
 }
 
 /// The built ripple.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LearntRipple<R> {
     orders: [RippleOrder; RIPPLE_ORDERS],

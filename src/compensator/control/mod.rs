@@ -6,6 +6,8 @@ mod estimate;
 mod reference;
 mod sense;
 
+use zerocopy::KnownLayout;
+
 use crate::compensator::actuate::cascade::Feedback;
 use crate::compensator::actuate::fallback::Fallback;
 use crate::compensator::actuate::protection::Protection;
@@ -24,6 +26,7 @@ use crate::compensator::sense::motor_torque::MotorTorque;
 use crate::compensator::sense::rotor::Rotor;
 use crate::compensator::sense::validation::{FrozenEncoder, InputGuard};
 use crate::compensator::{Commanded, Faults, Input, Limits, Output, RealTimeGear, State};
+use crate::constants::constants;
 use crate::real::Real;
 
 /// The built compensator of a joint.
@@ -65,43 +68,55 @@ use crate::real::Real;
 /// assert_eq!(state.mode(), Mode::Ready);
 /// # Ok::<(), strainwave::Error>(())
 /// ```
-#[derive(Clone, Debug)]
+#[constants]
+#[derive(Clone, Debug, PartialEq, KnownLayout)]
 pub struct Compensator<R: Real> {
-    pub(super) gear: RealTimeGear<R>,
+    // First what every step reads: a Cortex-M4F loads a float within 1020 bytes of an address by one instruction.
+    pub(super) dt: R,
+    /// Time from the observer's torques to the plan (s).
+    pub(super) behind: R,
+    /// Half a count of the motor's encoder (rad).
+    pub(super) rounding: R,
+    /// Control periods without a reading after which the output encoder is lost.
+    pub(super) output_lost: u32,
     pub(super) clock: Clock<R>,
     pub(super) guard: InputGuard<R>,
     pub(super) motor_encoder: MotorEncoder<R>,
     pub(super) output_encoder: Encoder,
     pub(super) frozen_encoder: FrozenEncoder<R>,
     pub(super) frozen_output: FrozenEncoder<R>,
-    pub(super) commander: Commander<R>,
-    pub(super) observer: Observer<R>,
-    pub(super) disturbance: Disturbance<R>,
-    pub(super) feed_forward: FeedForward<R>,
+    pub(super) fallback: Fallback<R>,
     pub(super) feedback: Feedback<R>,
+    pub(super) motor_torque: MotorTorque<R>,
+    pub(super) limits: Limits<R>,
+    pub(super) protection: Protection<R>,
+    pub(super) rotor: Rotor<R>,
+    pub(super) disturbance: Disturbance<R>,
     pub(super) output_feedback: OutputFeedback<R>,
     pub(super) measured_feedback: MeasuredFeedback<R>,
+    pub(super) feed_forward: FeedForward<R>,
+    pub(super) commander: Commander<R>,
     pub(super) learning: Learning<R>,
+    pub(super) observer: Observer<R>,
+    pub(super) gear: RealTimeGear<R>,
     /// Stored factors and ripple that the state starts from.
     pub(super) learnt: Learnt<R>,
-    pub(super) motor_torque: MotorTorque<R>,
-    pub(super) rotor: Rotor<R>,
-    pub(super) protection: Protection<R>,
-    pub(super) fallback: Fallback<R>,
-    pub(super) limits: Limits<R>,
-    pub(super) dt: R,
-    /// Control periods without a reading after which the output encoder is lost.
-    pub(super) output_lost: u32,
-    /// Time from the observer's torques to the plan (s).
-    pub(super) behind: R,
-    /// Half a count of the motor's encoder (rad).
-    pub(super) rounding: R,
 }
 
 impl<R: Real> Compensator<R> {
     /// Learnt factors and ripple, to be stored.
     pub fn learnt(&self, state: &State<R>) -> Learnt<R> {
         state.learning.learnt()
+    }
+
+    /// Limits of motor and gear.
+    pub fn limits(&self) -> &Limits<R> {
+        &self.limits
+    }
+
+    /// Resolution of the motor encoder, 2^bits counts a revolution.
+    pub fn motor_encoder_bits(&self) -> u32 {
+        self.motor_encoder.bits()
     }
 
     /// One control step with all of its outputs: [`Self::control`] and [`Self::output`].

@@ -28,6 +28,7 @@
 
 use crate::angle::Ratio;
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::Real;
@@ -52,6 +53,7 @@ const LONGEST_LOAD: f64 = 0.15;
 const RECOVERY: f64 = 0.1;
 
 /// The built disturbance path.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disturbance<R> {
     /// 1 - e^(-omega_l*dt) of the low pass l in a slow period.

@@ -29,6 +29,7 @@
 use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::protection::Protection;
 use crate::compensator::{Limits, Setpoint};
+use crate::constants::constants;
 use crate::gear::GearParams;
 use crate::real::Real;
 
@@ -44,6 +45,7 @@ const LARGEST_LOAD: f64 = 0.8;
 const REST: f64 = 1e-4;
 
 /// The built approach.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Approach<R> {
     /// h (s), and its inverse (1/s).

@@ -35,6 +35,7 @@ use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::protection::Protection;
 use crate::compensator::reference::approach::{Approach, Moment};
 use crate::compensator::{Estimate, Faults, Limits, Setpoint};
+use crate::constants::constants;
 use crate::error::Error;
 use crate::gear::GearParams;
 use crate::real::{RADIANS_PER_COUNT, Real};
@@ -73,6 +74,7 @@ impl<R> From<Setpoint<R>> for Command<R> {
 }
 
 /// The built generator of the output's reference from a command.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Commander<R> {
     approach: Approach<R>,
@@ -80,7 +82,7 @@ pub struct Commander<R> {
     lost: R,
     lag: R,
     /// Farthest step of a position (counts).
-    farthest: u64,
+    farthest: u32,
 }
 
 /// The last reference, and what it came from.
@@ -176,7 +178,7 @@ impl<R: Real> Commander<R> {
             lost: R::lit(LOST) * n * n * limits.motor_torque
                 / (whole * cascade.position_gain * cascade.position_gain),
             lag: n / cascade.position_gain,
-            farthest: u64::from(counts.to_i32().unsigned_abs()) + 256,
+            farthest: counts.to_i32().unsigned_abs() + 256,
         })
     }
 
@@ -264,7 +266,7 @@ impl<R: Real> Commander<R> {
         }
         state.waits = false;
         let moved = commanded.position.counts.wrapping_sub(from.position.counts).unsigned_abs();
-        let stepped = moved > self.farthest;
+        let stepped = moved > u64::from(self.farthest);
         faults.raise_if(!state.approaches && !moment.stale && stepped, Faults::SETPOINT_STEP);
         let next = self.approach.step(from, commanded, moment);
         state.approaches = next.is_some();

@@ -8,6 +8,7 @@
 //! v_0 they are interpolated, so that no gain steps where the motion reverses.
 
 use crate::compensator::CompensationGains;
+use crate::constants::constants;
 use crate::real::Real;
 
 /// v_0 over the output's top speed.
@@ -29,6 +30,7 @@ impl<R: Real> From<CompensationGains<R>> for Directions<R> {
 }
 
 /// The built crossover.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossover<R> {
     /// 1/(2*v_0) (s/rad).

@@ -57,6 +57,7 @@ use crate::angle::{Angle, Heading, Ratio};
 use crate::compensator::adapt::parameters::{Excitation, Factors};
 use crate::compensator::schedule::{MODELS_TO_PLAN, PLAN_TO_LEARN, PLAN_TO_MODELS, SLOW_PERIODS};
 use crate::compensator::{CompensationGains, HYSTERESIS_MEMORY, RealTimeGear, Setpoint};
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::friction::{FrictionModel, JointFrictionState, Slip, StepTime};
 use crate::gear::{GearParams, Motion};
@@ -108,6 +109,7 @@ const FADING_TIME: f64 = 0.5;
 /// assert!((accelerating.torque - expected).abs() < 1e-4, "{} N m", accelerating.torque);
 /// # Ok::<(), strainwave::Error>(())
 /// ```
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeedForward<R> {
     wave_generator_inertia: R,

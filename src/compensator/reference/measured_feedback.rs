@@ -26,6 +26,7 @@
 //! A. De Luca, W. Book, "Robots with flexible elements", Springer Handbook of Robotics (2016), chapter 11.
 
 use crate::compensator::schedule::SLOW_PERIODS;
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::low_pass::LowPass;
 use crate::real::{RADIANS_PER_COUNT, Real};
@@ -49,6 +50,7 @@ pub struct MeasuredFeedbackParams<R> {
 const NOISE: f64 = 1.5;
 
 /// The built feedback.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredFeedback<R> {
     low_pass: LowPass<R>,

@@ -28,11 +28,13 @@
 //! A. De Luca, W. Book, "Robots with flexible elements", Springer Handbook of Robotics (2016), chapter 11: damping by
 //! link-side velocity, and the effect of the motor's lag on it.
 
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::low_pass::LowPass;
 use crate::real::Real;
 
 /// Gains of the output feedback for one set of sensors; all zero for none.
+#[constants]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OutputFeedbackParams<R> {
     /// b (s), 0..=1.
@@ -54,6 +56,7 @@ const SLOW: f64 = 0.05;
 const DEAD_ZONE: f64 = 0.5;
 
 /// The built output feedback.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutputFeedback<R> {
     /// Without and with an output encoder.

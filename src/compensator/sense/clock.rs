@@ -10,6 +10,7 @@
 
 use crate::branch::seldom;
 use crate::compensator::Faults;
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -17,6 +18,7 @@ use crate::real::Real;
 const RANGE: [f64; 2] = [0.25, 16.0];
 
 /// The built clock.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock<R> {
     dt: R,

@@ -5,6 +5,7 @@
 //! reading grows with every refused one.
 
 use crate::angle::Angle;
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::{RADIANS_PER_COUNT, Real};
 
@@ -18,6 +19,7 @@ pub struct EncoderParams<R> {
 }
 
 /// A built encoder.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Encoder {
     /// From raw counts to counts of 2^32 a revolution.

@@ -18,6 +18,7 @@ use crate::angle::Angle;
 use crate::compensator::Limits;
 use crate::compensator::sense::clock::Elapsed;
 use crate::compensator::sense::encoder::Reading;
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::{RADIANS_PER_COUNT, Real};
@@ -33,6 +34,7 @@ const MARGIN: f64 = 1.5;
 const NOISE: u32 = 4;
 
 /// The built encoder.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorEncoder<R> {
     /// From raw counts to counts of 2^32 a revolution.
@@ -84,6 +86,11 @@ impl<R: Real> MotorEncoder<R> {
         let reach = (acceleration * dt * dt * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs();
         let shift = 32 - bits;
         Ok(Self { shift, reach, noise: NOISE << shift, dt, inverse_dt: R::ONE / dt })
+    }
+
+    /// Resolution: 2^bits counts a revolution.
+    pub fn bits(&self) -> u32 {
+        32 - self.shift
     }
 
     /// Takes a raw count whose frame was `valid`; the second value: the angle is lost.

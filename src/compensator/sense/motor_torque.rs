@@ -13,6 +13,7 @@
 //! decay in y with a time constant of a seventh of a second each. Units: N m at the motor's shaft, rad/s. Exact for inputs
 //! that are held.
 
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::Real;
 
@@ -25,6 +26,7 @@ const ALONE: f64 = 100.0;
 const GROSS: f64 = 0.05;
 
 /// The built filter.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorTorque<R> {
     /// g without a command, and its change by a command.

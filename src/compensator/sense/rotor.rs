@@ -38,6 +38,7 @@ use crate::angle::Angle;
 use crate::branch::seldom;
 use crate::compensator::schedule::SLOW_PERIODS;
 use crate::compensator::{Faults, Limits};
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::flexspline::stiffness_line::StiffnessLine;
 use crate::gear::GearParams;
@@ -61,6 +62,7 @@ const NOT_FOLLOWING: f64 = 2.4e-3;
 const DISAGREEING: f64 = 8e-3;
 
 /// The built balance of the rotor.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rotor<R> {
     round: R,

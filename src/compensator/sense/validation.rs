@@ -22,6 +22,7 @@ use crate::compensator::faults::Faults;
 use crate::compensator::reference::directions::Crossover;
 use crate::compensator::schedule::{SLOW_PERIODS, SLOW_SLOTS};
 use crate::compensator::{Command, CompensationGains, Directions, Limits, Sensors, Setpoint};
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::Real;
@@ -30,6 +31,7 @@ use crate::real::Real;
 const GAIN_RAMP_TIME: f64 = 0.02;
 
 /// The built guard.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InputGuard<R> {
     velocity: R,
@@ -240,6 +242,7 @@ const MOTOR_PATH: f64 = 0.5;
 const OUTPUT_PATH: f64 = 2.0;
 
 /// Detector of an encoder that stands still while a motion of the motor is commanded.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrozenEncoder<R> {
     dt: R,

@@ -52,6 +52,7 @@ use super::lubricated_contact::LubricatedContact;
 use super::ripple::{Harmonics, RIPPLE_ORDERS};
 use super::{Friction, FrictionModel, LIMIT, Slip, StepTime};
 use crate::angle::Heading;
+use crate::constants::constants;
 use crate::real::Real;
 
 /// Presliding forces and the last torque.
@@ -107,6 +108,7 @@ impl<R: Real> Default for JointFrictionState<R> {
 /// assert!(work > 0.0);
 /// # Ok::<(), strainwave::Error>(())
 /// ```
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointFriction<R> {
     forward: Side<R>,
@@ -116,6 +118,7 @@ pub struct JointFriction<R> {
 }
 
 /// One direction of motion.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Side<R> {
     contact: LubricatedContact<R>,

@@ -25,6 +25,7 @@ pub use super::memory::StaircaseState;
 use super::memory::{Position, TurningPoint};
 use super::weights::Weights;
 use crate::branch::cheaper;
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::fixed::Fixed;
 use crate::real::Real;
@@ -58,7 +59,7 @@ pub struct Response<R> {
 /// assert!(through(&[1.0, 0.0]) > through(&[-1.0, 0.0]) + 0.9); // the output lags: it depends on the past
 /// # Ok::<(), strainwave::Error>(())
 /// ```
-#[repr(C)]
+#[constants]
 pub struct Staircase<R: Real, const L: usize, const MEMORY: usize> {
     /// From an input to what [`Fixed::position`] takes.
     scale: R,

@@ -5,8 +5,8 @@
 #[path = "../counted.rs"]
 mod counted;
 
-use strainwave_app::literal_mesh::{AGREEMENT, wind_up};
-use strainwave_app::{Error, JOINT};
+use strainwave_app::Error;
+use strainwave_app::literal_mesh::{AGREEMENT, default_gear, wind_up};
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
@@ -14,7 +14,7 @@ fn main() -> ! {
 }
 
 fn agrees() -> Result<bool, Error> {
-    let end = wind_up(&JOINT)?;
+    let end = wind_up(&default_gear::JOINT)?;
     defmt::info!(
         "literal mesh {=f32} N m, reduced {=f32} N m, allowed: {=f32} of it apart",
         end.literal,

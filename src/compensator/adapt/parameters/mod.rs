@@ -58,11 +58,13 @@
 //! K. Narendra, A. Annaswamy, "Stable Adaptive Systems", 1989, chapters 3 (series-parallel models) and 8 (dead zone,
 //! projection); P. Ioannou, J. Sun, "Robust Adaptive Control", 1996, section 4.4.
 
+use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::low_pass::LowPass;
 use crate::real::Real;
 
 /// Factors on the nominal gear's parameters; 1 is the nominal gear.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Factors<R> {
     /// On J_fs.
@@ -117,6 +119,7 @@ pub struct AdaptationParams<R> {
 }
 
 /// The built adaptation.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adaptation<R> {
     bounds: Factors<R>,

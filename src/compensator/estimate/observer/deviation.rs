@@ -26,6 +26,7 @@
 
 use crate::compensator::EstimateDeviation;
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
+use crate::constants::constants;
 use crate::real::Real;
 
 /// Periods of the observer from one evaluation to the next.
@@ -38,6 +39,7 @@ const STEP: f64 = PERIODS as f64;
 const FILTER: f64 = 16.0;
 
 /// Uncertainty of the model: standard deviations relative to the parameter.
+#[constants]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Uncertainty<R> {
     /// u_F, of the friction of either side.
@@ -49,6 +51,7 @@ pub struct Uncertainty<R> {
 }
 
 /// Coefficients of the standard deviations for one set of sensors.
+#[constants]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread<R> {
     /// b.

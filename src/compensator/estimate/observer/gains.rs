@@ -5,6 +5,7 @@
 
 use crate::compensator::estimate::observer::deviation::Spread;
 use crate::compensator::estimate::observer::past::STEPS;
+use crate::constants::constants;
 use crate::real::Real;
 
 /// Number of observed states: the sixth is s where the motor moves, b where it stands.
@@ -14,6 +15,7 @@ pub const STATES: usize = 6;
 pub type Correction<R> = [R; STATES];
 
 /// Gains for one combination of sensors; those of an absent sensor are zero.
+#[constants]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gains<R> {
     /// l_m, per rad of the motor encoder.

@@ -63,6 +63,7 @@ use crate::angle::{Angle, Ratio};
 use crate::branch::seldom;
 use crate::compensator::faults::Faults;
 use crate::compensator::{Estimate, RealTimeGear};
+use crate::constants::constants;
 use crate::real::{RADIANS_PER_COUNT, Real};
 use deviation::{Magnitudes, Uncertainty};
 use gains::set;
@@ -114,16 +115,15 @@ use range::Range;
 /// assert_eq!(faults, Faults::NONE);
 /// # Ok::<(), strainwave::Error>(())
 /// ```
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observer<R> {
-    moving: GainSets<R>,
-    standing: GainSets<R>,
     /// Motion threshold of the motor: counts of 2^32 a revolution, and as an angle (rad).
     motion_threshold: u32,
     motion_threshold_angle: R,
     /// Delay of a reading in control periods, and in periods of the observer.
-    late: usize,
-    delay: usize,
+    late: u32,
+    delay: u32,
     /// Readings may be delayed.
     looks_back: bool,
     ratio: Ratio,
@@ -134,6 +134,8 @@ pub struct Observer<R> {
     inverse_wave_generator_inertia: R,
     inverse_flexspline_inertia: R,
     multi_rate: MultiRate<R>,
+    moving: GainSets<R>,
+    standing: GainSets<R>,
 }
 
 /// Sensor readings of one step of the observer, already checked.
@@ -172,7 +174,7 @@ impl<R: Real> Observer<R> {
         if !self.looks_back {
             return Some(gear.drive(state.motor));
         }
-        state.past.before(self.late + age as usize).map(|phase| Angle::from_counts(phase.into()))
+        state.past.before(self.late as usize + age as usize).map(|phase| Angle::from_counts(phase.into()))
     }
 
     /// Measured less estimated output angle at the last reading (rad), where there is one within its period.
@@ -191,7 +193,7 @@ impl<R: Real> Observer<R> {
     /// By how much the output encoder's reading is late (control periods).
     #[inline(always)]
     pub fn output_delay(&self) -> u32 {
-        self.late as u32
+        self.late
     }
 
     /// Readings may be delayed: they are late, or do not come in every control period.
@@ -273,7 +275,7 @@ impl<R: Real> Observer<R> {
         let innovation = if moved { innovation } else { innovation.dead_zone(self.output_count) };
         state.correct(&gains.output, innovation, moved);
         if self.looks_back {
-            state.past.correct(self.delay, &gains.past, innovation);
+            state.past.correct(self.delay as usize, &gains.past, innovation);
         }
         self.limits.keep_motion(state, faults);
         state.magnitudes.load_correction += state.external_torque - before;
@@ -425,7 +427,7 @@ impl<R: Real> Observer<R> {
             );
         }
         seldom();
-        let then = state.past.before(self.late + age as usize)?;
+        let then = state.past.before(self.late as usize + age as usize)?;
         let counts = angle.phase().wrapping_sub(then).cast_signed();
         Some(R::from_i32(counts) * R::lit(RADIANS_PER_COUNT) - gear_correction.position)
     }

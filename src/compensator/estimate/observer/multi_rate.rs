@@ -16,6 +16,7 @@
 
 use crate::angle::{Angle, Heading};
 use crate::compensator::{HYSTERESIS_MEMORY, RealTimeGear};
+use crate::constants::constants;
 use crate::friction::{FrictionModel, JointFrictionState, Slip, StepTime};
 use crate::hysteresis::torsion::TorsionHysteresisState;
 use crate::kinematic_error::ErrorAndSlope;
@@ -84,6 +85,7 @@ pub struct Torques<R> {
 }
 
 /// Ratio and periods of the multi-rate model.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MultiRate<R> {
     ratio: R,

@@ -51,8 +51,8 @@ impl<R: Real> ObserverParams<R> {
         require(sets().all(|gains| gains.spread.is_finite()), "deviation")?;
         require(self.motion_threshold >= R::ZERO && self.motion_threshold <= R::ONE, "motion_threshold")?;
         require(self.output_count >= R::ZERO && self.output_count <= R::ONE, "output_count")?;
-        let delay = self.output_encoder_delay as usize;
-        require(delay <= LONGEST_DELAY, "output_encoder_delay")?;
+        let delay = self.output_encoder_delay;
+        require(delay as usize <= LONGEST_DELAY, "output_encoder_delay")?;
         require((1..=LONGEST_PERIOD).contains(&self.output_encoder_period), "output_encoder_period")?;
         limits.check()?;
         let dt = R::from_i32(OBSERVER_PERIODS as i32) * dt;
@@ -69,7 +69,7 @@ impl<R: Real> ObserverParams<R> {
             late: delay,
             looks_back: delay > 0 || self.output_encoder_period > 1,
             ratio,
-            delay: delay.div_ceil(OBSERVER_PERIODS as usize),
+            delay: delay.div_ceil(OBSERVER_PERIODS),
             period: self.output_encoder_period.div_ceil(SLOW_PERIODS) * (SLOW_PERIODS / OBSERVER_PERIODS),
             output_count: self.output_count,
             uncertainty: self.uncertainty,

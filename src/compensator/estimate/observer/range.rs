@@ -14,6 +14,7 @@ use crate::compensator::Limits;
 use crate::compensator::estimate::observer::multi_rate::Torques;
 use crate::compensator::estimate::observer::state::ObserverState;
 use crate::compensator::faults::Faults;
+use crate::constants::constants;
 use crate::error::Error;
 use crate::gear::GearParams;
 use crate::real::Real;
@@ -23,6 +24,7 @@ const LEAST_STIFFNESS_TORQUE: f64 = 0.03;
 
 /// Bounds of the observer's states: twice the joint's speeds, its peak torque, and the torsion of four times the peak
 /// torque, far beyond ratcheting of the teeth.
+#[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Range<R> {
     motor_speed: R,

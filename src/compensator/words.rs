@@ -1,0 +1,105 @@
+//! The built compensator as the words of an image: a host builds it, firmware reads it in place.
+//!
+//! | word | contents |
+//! | --- | --- |
+//! | 0 | layout: fingerprint of the names and types of all fields, and of this library's version |
+//! | 1 | number of words behind the checksum |
+//! | 2 | CRC-32 of these, ISO-HDLC, over their bytes in little-endian order |
+//! | 3.. | the compensator: f32, u32, i32, i16 and bool in the order of their fields, padding 0 |
+//!
+//! Words lie in memory little-endian, as on any Cortex-M and on x86-64. Host and target have one layout, for no field is a
+//! pointer or as wide as one.
+
+use core::fmt;
+
+use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
+use zerocopy::{IntoBytes, TryFromBytes};
+
+use crate::compensator::Compensator;
+use crate::constants::{Constants, fingerprint};
+
+/// Words before the compensator's own: layout, number, checksum.
+const HEADER: usize = 3;
+
+/// Words of a built compensator with their header.
+pub const WORDS: usize = HEADER + size_of::<Compensator<f32>>() / 4;
+
+/// Layout that this version of the library reads and writes.
+pub const LAYOUT: u32 =
+    fingerprint(<Compensator<f32> as Constants>::FINGERPRINT, env!("CARGO_PKG_VERSION").as_bytes());
+
+/// Bit by bit: a table would take 1 kB.
+const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
+
+/// Words that are no compensator of this library.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BadWords {
+    /// Written by another version, or no compensator's.
+    Layout,
+    /// There are more or fewer than their header tells, or than a compensator has.
+    Length,
+    /// A bit has changed since they were written.
+    Checksum,
+}
+
+impl BadWords {
+    /// What is wrong, in words.
+    pub const fn reason(self) -> &'static str {
+        match self {
+            Self::Layout => "layout of another version",
+            Self::Length => "wrong number of words",
+            Self::Checksum => "wrong checksum",
+        }
+    }
+}
+
+impl fmt::Display for BadWords {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.reason())
+    }
+}
+
+impl core::error::Error for BadWords {}
+
+impl Compensator<f32> {
+    /// The compensator as words, which [`Self::from_words`] reads.
+    ///
+    /// ```
+    /// # mod joint { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/joint/hd25_100.rs")); }
+    /// # use joint::JOINT;
+    /// use strainwave::compensator::Compensator;
+    /// use strainwave::compensator::words::BadWords;
+    ///
+    /// let built = JOINT.build().unwrap();
+    /// let mut words = built.to_words();
+    /// assert_eq!(Compensator::from_words(&words), Ok(&built));
+    /// words[100] ^= 1;
+    /// assert_eq!(Compensator::from_words(&words), Err(BadWords::Checksum));
+    /// ```
+    pub fn to_words(&self) -> [u32; WORDS] {
+        let mut words = [0; WORDS];
+        let [layout, length, checksum, own @ ..] = &mut words;
+        self.write(own.as_mut_bytes());
+        (*layout, *length, *checksum) = (LAYOUT, own.len() as u32, CHECKSUM.checksum(own.as_bytes()));
+        words
+    }
+
+    /// The compensator that lies in `words`: checked, but neither copied nor computed.
+    ///
+    /// # Errors
+    /// [`BadWords`] when they are not as [`Self::to_words`] of this version has written them.
+    pub fn from_words(words: &[u32]) -> Result<&Self, BadWords> {
+        let [layout, length, checksum, own @ ..] = words else { return Err(BadWords::Length) };
+        if *layout != LAYOUT {
+            return Err(BadWords::Layout);
+        }
+        if *length as usize != own.len() || words.len() != WORDS {
+            return Err(BadWords::Length);
+        }
+        if *checksum != CHECKSUM.checksum(own.as_bytes()) {
+            return Err(BadWords::Checksum);
+        }
+        // With the checksum right only a bool that is none could be left.
+        Self::try_ref_from_bytes(own.as_bytes()).map_err(|_| BadWords::Layout)
+    }
+}
