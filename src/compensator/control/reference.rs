@@ -45,14 +45,15 @@ impl<R: Real> Compensator<R> {
         // Extrapolates the estimate of a period ago. Its speed is that of the middle of the observer's period.
         let speed_behind = R::lit(1.0 + 0.5 * OBSERVER_PERIODS as f64) * self.dt;
         let velocity = state.observer.output_velocity() + speed_behind * setpoint.acceleration;
-        let position = demand.link_offset
-            + self.observer.output_offset(&state.observer, &state.gear_correction, position_error, self.dt);
         let reads = self.observer.output_innovation(&state.observer).is_some();
         let newest = self.measured_error(state, setpoint).filter(|_| reads);
         let mean = self.measured_feedback.mean(&state.measured_feedback);
-        let measured = newest.map(|newest| mean.unwrap_or(newest.error));
+        let estimated = || {
+            let (observer, correction) = (&state.observer, &state.gear_correction);
+            demand.link_offset + self.observer.output_offset(observer, correction, position_error, self.dt)
+        };
         let error = OutputError {
-            position,
+            position: newest.map_or_else(estimated, |newest| mean.unwrap_or(newest.error)),
             velocity: velocity - setpoint.velocity,
             setpoint_velocity: setpoint.velocity,
             torque: self.observer.transmitted(&state.observer)
@@ -60,7 +61,7 @@ impl<R: Real> Compensator<R> {
                 - (demand.accelerating - self.behind * demand.accelerating_rate)
                 + self.disturbance.whole_load(&state.disturbance)
                 + gravity,
-            measured,
+            measures: newest.is_some(),
         };
         let shift = self.output_feedback.step(&mut state.output_feedback, &error);
         let gain = gains.output_feedback * R::from_i32(self.gear.ratio().n());

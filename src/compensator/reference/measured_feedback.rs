@@ -79,9 +79,8 @@ pub struct MeasuredFeedbackState<R> {
     /// -P and -D/dt times the gain from the output's angle to the motor's.
     proportional: R,
     derivative: R,
-    /// Sum of m over the control periods of the round (rad), and their number.
+    /// Sum of m over the steps of the round (rad).
     sum: R,
-    periods: u32,
 }
 
 /// Measured error in the feed-forward's slot.
@@ -132,7 +131,7 @@ impl<R: Real> MeasuredFeedback<R> {
         state.derivative = -gain * self.derivative[set];
         state.velocity = velocity;
         state.dead_zone = R::MAX;
-        (state.sum, state.periods) = (R::ZERO, 0);
+        state.sum = R::ZERO;
         if let Some(MeasuredError { phase, error }) = measured {
             // The step of this same period takes q from a reading that is not new to it.
             (state.phase, state.error) = (phase, error + self.dt * velocity);
@@ -140,11 +139,11 @@ impl<R: Real> MeasuredFeedback<R> {
         }
     }
 
-    /// Mean of m over the round that ends (rad), where the feedback acted in all of its periods.
+    /// Mean of m over the steps of the round that ends (rad), where the feedback acted; of one that began within the round, 0
+    /// for the steps before.
     #[inline(always)]
     pub fn mean(&self, state: &MeasuredFeedbackState<R>) -> Option<R> {
-        let whole = state.periods == SLOW_PERIODS && state.dead_zone < R::MAX;
-        whole.then(|| R::lit(1.0 / SLOW_PERIODS as f64) * state.sum)
+        (state.dead_zone < R::MAX).then(|| R::lit(1.0 / SLOW_PERIODS as f64) * state.sum)
     }
 
     /// Shift of the motor's reference (rad at the motor) after a control period of `elapsed` (s), with the output
@@ -160,7 +159,6 @@ impl<R: Real> MeasuredFeedback<R> {
             }
         }
         state.sum += state.error;
-        state.periods += 1;
         let change = self.low_pass.step(&mut state.filtered, state.error.dead_zone(state.dead_zone));
         state.proportional * state.filtered + state.derivative * change
     }
@@ -218,20 +216,18 @@ mod tests {
     }
 
     /// At a count of the encoder a round a reading of each round has the same rounding error, of which little is left in
-    /// the mean; it is that of the error, and there is none without the feedback or in a round that is not whole.
+    /// the mean; it is that of the error, and there is none without the feedback.
     #[test]
     fn the_mean_of_a_round_is_nearly_free_of_rounding() {
         const ERROR: f64 = 3e-4;
         let (feedback, mut state) = (feedback(GAINS), MeasuredFeedbackState::default());
         let speed = COUNT / (DT * f64::from(SLOW_PERIODS));
-        assert_eq!(feedback.mean(&state), None);
         for place in 0..10 {
             let start = f64::from(place) / 10.0;
             let counts = |k: u32| (start + f64::from(k) / f64::from(SLOW_PERIODS)).floor() + 0.5 - start;
             let read = |k: u32| phase(ERROR + COUNT * counts(k));
             let first = MeasuredError { phase: read(0), error: ERROR + COUNT * counts(0) };
             feedback.plan(&mut state, Some(first), speed, 1.0);
-            assert_eq!(feedback.mean(&state), None);
             for k in 0..SLOW_PERIODS {
                 feedback.step(&mut state, Some(read(k)), DT);
             }

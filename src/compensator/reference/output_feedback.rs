@@ -88,7 +88,7 @@ pub struct OutputFeedbackState<R> {
 /// Error of the output against its setpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OutputError<R> {
-    /// e (rad).
+    /// m where the output encoder reads, else e (rad).
     pub position: R,
     /// e' (rad/s).
     pub velocity: R,
@@ -96,8 +96,8 @@ pub struct OutputError<R> {
     pub setpoint_velocity: R,
     /// J_fs*e'' (N m).
     pub torque: R,
-    /// Output encoder's angle less q (rad), where it reads.
-    pub measured: Option<R>,
+    /// The output encoder reads.
+    pub measures: bool,
 }
 
 /// Shift of the motor's reference, at the output.
@@ -143,11 +143,10 @@ impl<R: Real> OutputFeedback<R> {
     /// Shift for an error of the output, in the feed-forward's slot.
     #[inline(always)]
     pub fn step(&self, state: &mut OutputFeedbackState<R>, output: &OutputError<R>) -> Shift<R> {
-        let set = usize::from(output.measured.is_some());
-        let error = output.measured.unwrap_or(output.position);
-        state.error = if self.is_slow(output.setpoint_velocity) { error } else { R::ZERO };
+        let set = usize::from(output.measures);
+        state.error = if self.is_slow(output.setpoint_velocity) { output.position } else { R::ZERO };
         state.rests = output.setpoint_velocity == R::ZERO;
-        state.measures = output.measured.is_some();
+        state.measures = output.measures;
         let damping = self.gains[set].damping;
         let angle = damping * output.velocity + state.integral;
         let acceleration = output.torque * self.inverse_flexspline_inertia;
@@ -210,7 +209,7 @@ mod tests {
         let periods = (seconds / DT) as usize;
         for k in 0..periods {
             let error =
-                OutputError { position: e, velocity: rate, torque, measured: None, setpoint_velocity: 0.0 };
+                OutputError { position: e, velocity: rate, torque, measures: false, setpoint_velocity: 0.0 };
             let shift = stepped(&feedback, &mut state, &error, true);
             for _ in 0..16 {
                 torque = STIFFNESS * (shift.angle - e) + load;
@@ -283,7 +282,7 @@ mod tests {
         let feedback = feedback(OutputFeedbackParams { integral: 30.0, integral_at_rest: 30.0, ..GAINS });
         let integral = |position, setpoint_velocity| {
             let mut state = OutputFeedbackState::default();
-            let error = OutputError { measured: Some(position), setpoint_velocity, ..OutputError::default() };
+            let error = OutputError { position, measures: true, setpoint_velocity, ..OutputError::default() };
             stepped(&feedback, &mut state, &error, true);
             state.integral
         };
