@@ -206,7 +206,8 @@ impl Budget {
 
     /// The bound for a measured value.
     fn bound(&self, measured: u64) -> Item {
-        value((measured as f64 * (1.0 + self.headroom)).ceil() as i64)
+        // The headroom on its own: a sum that is rounded up to the next integer by its last bit would be a byte too large.
+        value(measured as i64 + (measured as f64 * self.headroom).ceil() as i64)
     }
 
     fn figure(&self, name: &str, measured: f64, unit: &str, bound: Option<u64>) -> Figure {
