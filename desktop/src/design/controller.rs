@@ -29,7 +29,7 @@ use crate::io::gear_file::{Friction, GearFile};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// States.
-pub const STATES: usize = 35;
+pub const STATES: usize = 36;
 /// Inputs of the controller: theta_m, theta_o, tau_measured, tau_t, d_in.
 pub const INPUTS: usize = 5;
 /// Slots of a round.
@@ -77,6 +77,7 @@ const FIRST_POLE: usize = 31;
 const FILTERED: usize = 32;
 const READING: usize = 33;
 const MEASURED: usize = 34;
+const ROUND_SUM: usize = 35;
 
 /// A linear controller at one operating point.
 #[derive(Clone, Debug)]
@@ -215,7 +216,7 @@ impl Controller {
         }
         match slot {
             0 | 2 | 4 | 6 => self.observe(slot, x, motor, gauge, open.then_some(load)),
-            1 => self.plan(x, motor, output),
+            1 => self.plan(x, motor),
             3 => self.learn(x, if open { load } else { x[LOAD] }),
             _ => {}
         }
@@ -309,13 +310,14 @@ impl Controller {
         x[SLOW] += slow_gain * (self.passes * load - x[SLOW]);
     }
 
-    fn plan(&self, x: &mut [f64], motor: f64, output: f64) {
+    fn plan(&self, x: &mut [f64], motor: f64) {
         let (dt, r, round) = (CONTROL_PERIOD, self.ratio, ROUND_TIME);
         let compensated = x[SLOW] + self.disturbance.wind_up_fraction * x[FAST];
         let wound = -compensated / self.stiffness;
         let position =
             x[FLANGE_ERROR] + dt * (x[FLANGE_SPEED] - r * x[MOTOR_SPEED]) + r * x[MOTOR_RESIDUAL] + r * motor;
-        let measured = if self.has_output { output } else { position };
+        let mean = std::mem::take(&mut x[ROUND_SUM]) / SLOTS as f64;
+        let measured = if self.has_output { mean } else { position };
         let gains = &self.output_feedback;
         let whole = x[MEAN] + self.disturbance.wind_up_fraction * x[FAST];
         let torque = x[TRANSMITTED] - x[FRICTION[1]] + whole;
@@ -336,6 +338,7 @@ impl Controller {
         let (dt, [proportional, derivative]) = (CONTROL_PERIOD, self.measured_gains);
         let change = fraction(dt * self.measured_corner) * (output - x[MEASURED]);
         x[MEASURED] += change;
+        x[ROUND_SUM] += output;
         -(proportional * x[MEASURED] + derivative / dt * change) / self.ratio
     }
 

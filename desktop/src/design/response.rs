@@ -7,7 +7,7 @@
 //!
 //! Exact for a periodic system; what it answers at w plus multiples of 2*pi/(4 dt) is left out, which a plant that
 //! falls by 40 dB a decade takes away: the closed loop's poles, which leave nothing out, say whether that may be.
-//! A frequency costs one solution of 33 complex equations.
+//! A frequency costs one solution of as many complex equations as there are states.
 //!
 //! S. Bittanti, P. Colaneri, "Periodic systems: filtering and control" (2009), chapter 2.
 
