@@ -42,7 +42,7 @@ use crate::plant::divergence::RunError;
 use crate::plant::sample::PlantSample;
 use crate::plant::unknowns::Which;
 use crate::verify::baselines::{FIGURES, FigureOf};
-use crate::verify::robustness::{JUDGED, Judged, RunResult, RunResults, separable_orders};
+use crate::verify::robustness::{JUDGED, Judged, RunResult, RunResults};
 
 /// f (rad).
 const FLOOR: f64 = 1e-6;
@@ -103,7 +103,7 @@ impl Stand {
         let mut bench = Bench::condensed_of(&sample, &conditions)?;
         let mut b0 = untuned(&sample.known, Kind::B0)?;
         bench.go(&WorkingMotion, &mut b0, |_, _, _, _| ())?;
-        Ok(Self { plant: separable_orders(&sample.params), known: sample.known, bench })
+        Ok(Self { plant: sample.params, known: sample.known, bench })
     }
 
     /// A baseline in one scenario; none where the plant diverges.

@@ -25,8 +25,7 @@ mod summary;
 use strainwave::Error;
 use strainwave::compensator::JointParams;
 use strainwave::flexspline::Flexspline;
-use strainwave::gear::GearParams;
-use strainwave::kinematic_error::{KinematicErrorParams, Term};
+use strainwave::kinematic_error::KinematicErrorParams;
 
 use crate::bench::baseline::Baseline;
 use crate::bench::controller::HostCompensator;
@@ -108,16 +107,6 @@ fn asks_for_the_map(which: Which) -> bool {
     matches!(which, Which::All) || name == "box" || name.starts_with("kinematic")
 }
 
-/// The plant without orders of the flexspline that the case has too: over the few revolutions of S4 order k and k - k/n of the
-/// motor's angle are one.
-pub(crate) fn separable_orders(plant: &GearParams<f64>) -> GearParams<f64> {
-    let mut judged = *plant;
-    let error = &mut judged.kinematic_error;
-    let has = |order| error.case.iter().any(|term| term.amplitude != 0.0 && term.order == order);
-    error.flexspline = error.flexspline.map(|term| if has(term.order) { Term::default() } else { term });
-    judged
-}
-
 /// Every requested row; `progress` is called with the fraction done.
 ///
 /// # Errors
@@ -166,8 +155,7 @@ impl Job {
         let sample = PlantSample::of(file, self.which, self.seed)?;
         let known = &sample.known;
         let joint = if known == file { *joint } else { joint_params(known)? };
-        let plant = separable_orders(&sample.params);
-        let judged = Judged::of(known, &plant);
+        let judged = Judged::of(known, &sample.params);
         let bench = |sensors| {
             let conditions =
                 Conditions { sensors, realisation: self.realisation, ..Conditions::of(known, self.seed) };

@@ -11,11 +11,10 @@
 //! Each run is made as it was on the condensed mesh: 10 s of work, the scenario, the rest.
 
 use strainwave::Error;
-use strainwave::gear::GearParams;
 
 use super::run_result::{JUDGED, Judged, RunResult};
 use super::summary::{RATIOS, Robustness, reads_no_more};
-use super::{Outcome, RIVALS, Rival, separable_orders};
+use super::{Outcome, RIVALS, Rival};
 use crate::bench::controller::Controller;
 use crate::bench::scenario::Scenario;
 use crate::bench::working_motion::WorkingMotion;
@@ -174,7 +173,6 @@ fn worst_scenario(which: Which, outcome: &Outcome, sensors: SensorSet, claim: Cl
 pub struct Rerun {
     place: Place,
     sample: PlantSample,
-    judged: GearParams<f64>,
 }
 
 impl Place {
@@ -184,7 +182,7 @@ impl Place {
     /// As [`PlantSample::of`].
     pub fn again(self, file: &GearFile) -> Result<Rerun, Error> {
         let sample = PlantSample::of(file, self.which, self.seed)?;
-        Ok(Rerun { place: self, judged: separable_orders(&sample.params), sample })
+        Ok(Rerun { place: self, sample })
     }
 }
 
@@ -221,7 +219,7 @@ impl Rerun {
         };
         let mut bench = Bench::of(&self.sample, &conditions).map_err(RunError::from)?;
         bench.go(&WorkingMotion, controller, |_, _, _, _| ())?;
-        Judged::of(self.known(), &self.judged).result(bench, controller, self.place.scenario)
+        Judged::of(self.known(), &self.sample.params).result(bench, controller, self.place.scenario)
     }
 }
 

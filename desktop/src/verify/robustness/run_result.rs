@@ -131,7 +131,7 @@ pub type RunResults = [Option<RunResult>; JUDGED.len()];
 
 /// The plant that a run is judged by.
 pub struct Judged<'a> {
-    /// Its parameters; of the kinematic error's orders none so near to another that a run cannot separate them.
+    /// Its parameters.
     pub plant: &'a GearParams<f64>,
     /// Torque limit of the controller (N m).
     pub torque_limit: f64,
