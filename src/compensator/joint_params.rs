@@ -3,6 +3,7 @@
 //! Each part checks its own. Common to them, and set here: the period that each of them runs with
 //! ([`crate::compensator::schedule`]), and the largest motion of the encoders between two evaluated readings.
 
+use crate::compensator::actuate::braking::Braking;
 use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::fallback::Fallback;
 use crate::compensator::actuate::protection::Protection;
@@ -75,9 +76,11 @@ impl<R: Real> JointParams<R> {
         let [readings, looks] = [SLOW_PERIODS, 2 * SLOW_PERIODS]
             .map(|least| R::from_i32(self.observer.output_encoder_period.max(least) as i32));
         let protection = Protection::build(&self.gear, limits, self.dt);
+        let commander = Commander::build(&self.gear, limits, &self.feedback, &protection, round)?;
+        let acceleration = commander.acceleration() * R::from_i32(n).abs();
         Ok(Compensator {
             gear: self.gear.build(Reduced::build(&self.gear.flexspline, self.gear.rated_torque)?, self.dt)?,
-            commander: Commander::build(&self.gear, limits, &self.feedback, &protection, round)?,
+            commander,
             clock: Clock::build(self.dt)?,
             guard,
             motor_encoder: MotorEncoder::build(self.motor_encoder_bits, &self.gear, limits, self.dt)?,
@@ -88,6 +91,7 @@ impl<R: Real> JointParams<R> {
             disturbance: self.disturbance.build(&self.gear, self.dt)?,
             feed_forward: FeedForward::build(&self.gear, self.dt)?,
             feedback: self.feedback.build(self.dt)?,
+            braking: Braking::build(self.feedback.position_gain, acceleration),
             output_feedback: OutputFeedback::build(
                 &self.output_feedback,
                 self.gear.flexspline_inertia,

@@ -79,8 +79,10 @@ pub struct State<R: Real> {
 /// Sensor latch: readings since the observer's last slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct SensorLatch<R> {
-    /// Sum of the motor's torque over the steps since then (N m), and the time since then (s).
+    /// Sums of the motor's torque and of the drive's torque error over the steps since then (N m), and the time since then
+    /// (s).
     pub(super) motor_torque: R,
+    pub(super) drive_errors: R,
     pub(super) time: R,
     /// Raw count of the output encoder, and its age (control periods).
     pub(super) output: Option<u32>,

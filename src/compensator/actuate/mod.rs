@@ -1,5 +1,6 @@
 //! From references to the torque command: cascade, fallback, mode, protection of the gear.
 
+pub mod braking;
 pub mod cascade;
 pub mod fallback;
 pub mod mode;

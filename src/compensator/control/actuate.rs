@@ -48,8 +48,9 @@ impl<R: Real> Compensator<R> {
         let phase = (state.latch.age == 0).then_some(state.latch.output_phase);
         let shift = self.measured_feedback.step(&mut state.measured_feedback, phase, elapsed.time);
         let (reference, wind_up) = (&state.motor_reference, &state.wind_up);
+        let position_error = self.braking.followed(reference.position_error);
         let input = CascadeInput {
-            position_error: reference.followed_error(shift, self.rounding),
+            position_error: reference.beyond_rounding(position_error + shift, self.rounding),
             velocity: reference.velocity + wind_up.velocity,
             acceleration: reference.acceleration_gain * reference.acceleration + wind_up.acceleration,
         };

@@ -12,7 +12,8 @@ impl<R: Real> Compensator<R> {
     #[inline(never)] // The timing budget counts this slot by its symbol.
     pub(super) fn observe(&self, state: &mut State<R>, motor: Angle<R>, reads_output: bool) {
         let mut faults = Faults::NONE;
-        state.rotor.add(state.latch.motor_torque, state.latch.time, motor);
+        let torques = [state.latch.motor_torque, state.latch.drive_errors];
+        state.rotor.add(torques, state.latch.time, motor);
         state.since_plan += state.latch.time;
         let gauge = state.latch.output_torque.take();
         let measured = Measurement {
@@ -22,7 +23,7 @@ impl<R: Real> Compensator<R> {
             motor_torque: R::lit(1.0 / OBSERVER_PERIODS as f64) * state.latch.motor_torque,
             output_torque: gauge.filter(|_| !state.disabled_sensors.contains(Faults::TORQUE_SENSOR_OFF)),
         };
-        (state.latch.motor_torque, state.latch.time) = (R::ZERO, R::ZERO);
+        (state.latch.motor_torque, state.latch.drive_errors, state.latch.time) = (R::ZERO, R::ZERO, R::ZERO);
         self.observer.step(
             &self.gear,
             &mut state.observer,
@@ -49,8 +50,6 @@ impl<R: Real> Compensator<R> {
         let driven = state.mode.mode().drives() && state.guard.gains().feedback == R::ONE;
         let input = RotorInput {
             motor: state.observer.motor(),
-            commanded: state.fallback.torque(),
-            drive_error: state.motor_torque.drive_error(),
             reference: controlled.then_some([reference.position_error, reference.velocity]),
             driven,
         };

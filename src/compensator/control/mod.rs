@@ -8,6 +8,7 @@ mod sense;
 
 use zerocopy::KnownLayout;
 
+use crate::compensator::actuate::braking::Braking;
 use crate::compensator::actuate::cascade::Feedback;
 use crate::compensator::actuate::fallback::Fallback;
 use crate::compensator::actuate::protection::Protection;
@@ -86,6 +87,7 @@ pub struct Compensator<R: Real> {
     pub(super) frozen_encoder: FrozenEncoder<R>,
     pub(super) frozen_output: FrozenEncoder<R>,
     pub(super) fallback: Fallback<R>,
+    pub(super) braking: Braking<R>,
     pub(super) feedback: Feedback<R>,
     pub(super) motor_torque: MotorTorque<R>,
     pub(super) limits: Limits<R>,

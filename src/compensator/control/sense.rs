@@ -27,6 +27,7 @@ impl<R: Real> Compensator<R> {
         let latch = &mut state.latch;
         latch.motor_torque +=
             self.motor_torque.step(&mut state.motor_torque, commanded, feedback, sensors.motor_torque);
+        latch.drive_errors += state.motor_torque.drive_error();
         latch.time += elapsed.time;
         if sensors.output_encoder.is_some() && !status.contains(Status::OUTPUT_ENCODER_INVALID) {
             (latch.output, latch.age) = (sensors.output_encoder, 0);

@@ -182,6 +182,11 @@ impl<R: Real> Commander<R> {
         })
     }
 
+    /// Acceleration with which a setpoint is approached (rad/s^2).
+    pub fn acceleration(&self) -> R {
+        self.approach.acceleration()
+    }
+
     /// The reference for a command that the guard let through.
     #[inline]
     pub fn step(

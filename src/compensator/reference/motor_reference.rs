@@ -46,12 +46,10 @@ impl<R: Real> MotorReference<R> {
         if self.output_torque.is_some() { R::ZERO } else { self.velocity }
     }
 
-    /// Position error that the cascade follows (rad), with a `shift` of the reference (rad): at rest what of it exceeds the
-    /// `rounding` of the encoder (rad), which cannot tell where within a count the motor is. With all of it the integral
-    /// would push the motor from count to count.
+    /// Of a position `error` (rad), at rest, what exceeds the `rounding` of the encoder (rad), which cannot tell where
+    /// within a count the motor is. With all of it the integral would push the motor from count to count.
     #[inline(always)]
-    pub(in crate::compensator) fn followed_error(&self, shift: R, rounding: R) -> R {
-        let error = self.position_error + shift;
+    pub(in crate::compensator) fn beyond_rounding(&self, error: R, rounding: R) -> R {
         if self.rests { error.dead_zone(rounding) } else { error }
     }
 
@@ -80,9 +78,8 @@ mod tests {
 
     #[test]
     fn the_rounding_of_the_encoder_counts_in_motion_alone() {
-        let followed = |position_error, rests| {
-            MotorReference { position_error, rests, ..MotorReference::default() }
-                .followed_error(0.0, 1e-4_f64)
+        let followed = |error, rests| {
+            MotorReference { rests, ..MotorReference::default() }.beyond_rounding(error, 1e-4_f64)
         };
         assert_eq!((followed(0.9e-4, true), followed(-0.9e-4, true)), (0.0, 0.0));
         assert_eq!((followed(0.9e-4, false), followed(3e-4, false)), (0.9e-4, 3e-4));

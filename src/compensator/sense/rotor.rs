@@ -26,7 +26,7 @@
 //! | frozen, loaded | it stands, and the torque on it, that of the gear by the torque sensor included, has changed by more than that and 0.1 of the gear's change; by the output encoder, than that, 2*count_out*K_3/n and 0.3 of the change |
 //! | frozen, moving | the count stands still at once, though 1.25*(abs tau + abs T_g/n + tau_s) + tau_p/(4*n) + 3*J_wg*count/h^2, the last for what rounding makes of two speeds, could not stop the rotor in the time |
 //! | overspeed | abs omega > the speed limit |
-//! | drive | torque error of the drive above 0.1*tau_max + 0.5*abs tau, the larger of this round and the last, in three rounds, two where it is of the other sign: five times the noise that the filter expects, a drive at 60 % of its limit, longer than four time constants of a 1 kHz drive |
+//! | drive | mean torque error of the drive over a round above 0.1*tau_max + 0.5*abs tau_c, the larger mean command of this round and the last, in three rounds, two where it is of the other sign: five times the noise that the filter expects, a drive at 60 % of its limit, longer than four time constants of a 1 kHz drive. What a drive lags behind a command that changes from period to period is little in the mean |
 //! | following | position error above 4*tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p at the end of a round: four times that of a cascade with the position gain k_p at the motor's largest acceleration, which a motor at its limit passes, and without feed-forward of the speed |
 //!
 //! tau_s is the larger static friction of both directions. The torques by the output's encoder and by its torque sensor
@@ -102,8 +102,10 @@ pub struct Rotor<R> {
 /// State of the rotor's balance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RotorState<R> {
-    /// Sum of the motor's torques (N m) of the control periods since the last round, and the time since (s).
+    /// Sums of the motor's torques and of the drive's torque errors (N m) of the control periods since the last round, and
+    /// the time since (s).
     torques: R,
+    errors: R,
     time: R,
     /// Angle of the motor at the end of the last round, and that it has been at another one since.
     motor: Angle<R>,
@@ -124,7 +126,7 @@ pub struct RotorState<R> {
     most: R,
     overloaded: u32,
     drive_rounds: u32,
-    /// Command of the last round (N m).
+    /// Mean command of the last round (N m).
     commanded: R,
     following_rounds: u32,
     output_rounds: u32,
@@ -141,10 +143,6 @@ pub struct RotorState<R> {
 pub struct RotorInput<R> {
     /// Angle of the motor.
     pub motor: Angle<R>,
-    /// Commanded torque (N m).
-    pub commanded: R,
-    /// Torque error of the drive (N m).
-    pub drive_error: R,
     /// Position error (rad) and reference speed (rad/s) of the motor, where it is controlled.
     pub reference: Option<[R; 2]>,
     /// The drive is on.
@@ -163,10 +161,12 @@ pub fn output_inertia<R: Real>(gear: &GearParams<R>, dt: R) -> R {
 }
 
 impl<R: Real> RotorState<R> {
-    /// Adds the sum of the motor's torques (N m) of control periods that took `time` (s) and ended at the angle `motor`.
+    /// Adds the sums of the motor's torques and of the drive's torque errors (N m) of control periods that took `time` (s)
+    /// and ended at the angle `motor`.
     #[inline(always)]
-    pub fn add(&mut self, torques: R, time: R, motor: Angle<R>) {
+    pub fn add(&mut self, [torques, errors]: [R; 2], time: R, motor: Angle<R>) {
         self.torques += torques;
+        self.errors += errors;
         self.time += time;
         self.moves |= motor != self.motor;
     }
@@ -251,15 +251,15 @@ impl<R: Real> Rotor<R> {
     /// Once a round.
     #[inline(always)]
     pub fn step(&self, state: &mut RotorState<R>, input: &RotorInput<R>, faults: &mut Faults) {
-        let (torques, time) = (state.torques, state.time);
-        (state.torques, state.time) = (R::ZERO, R::ZERO);
+        let (torques, errors, time) = (state.torques, state.errors, state.time);
+        (state.torques, state.errors, state.time) = (R::ZERO, R::ZERO, R::ZERO);
         let inverse = if time == self.round {
             self.inverse_round
         } else {
             seldom();
             R::ONE / time.max(R::lit(0.25) * self.round)
         };
-        let torque = R::lit(1.0 / SLOW_PERIODS as f64) * torques;
+        let [torque, drive_error] = [torques, errors].map(|sum| R::lit(1.0 / SLOW_PERIODS as f64) * sum);
         let moved = input.motor.since(state.motor);
         let stands = moved == R::ZERO && !state.moves;
         (state.motor, state.moves) = (input.motor, false);
@@ -306,8 +306,8 @@ impl<R: Real> Rotor<R> {
             state.still = 0;
             (state.least, state.most) = (torque, torque);
         }
-        let RotorInput { commanded, drive_error, reference, .. } = *input;
         // A late drive still applies the command of a round ago.
+        let commanded = torque - drive_error;
         let largest = commanded.abs().max(state.commanded.abs());
         state.commanded = commanded;
         let drive = self.drive + R::lit(LIMITED) * largest;
@@ -330,7 +330,7 @@ impl<R: Real> Rotor<R> {
             self.not_following,
             Faults::DRIVE_NOT_FOLLOWING,
         );
-        let [position_error, velocity] = reference.unwrap_or_default();
+        let [position_error, velocity] = input.reference.unwrap_or_default();
         let lost = !position_error.is_within(self.following + self.lag * velocity.abs());
         lasts(lost, &mut state.following_rounds, self.overloaded, Faults::FOLLOWING_ERROR);
         faults.raise_if(!speed.is_within(self.speed_limit), Faults::OVERSPEED);
@@ -407,10 +407,10 @@ mod tests {
         for step in 1..=steps {
             let periods = f64::from(OBSERVER_PERIODS);
             let motor = angle(if step < steps { within } else { end });
-            state.add(periods * torque, periods * CONTROL_PERIOD, motor);
+            state.add([periods * torque, 0.0], periods * CONTROL_PERIOD, motor);
         }
         let motor = angle(end);
-        let input = RotorInput { motor, commanded: torque, drive_error: 0.0, reference: None, driven: true };
+        let input = RotorInput { motor, reference: None, driven: true };
         let mut faults = Faults::NONE;
         rotor.step(state, &input, &mut faults);
         faults

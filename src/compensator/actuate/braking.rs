@@ -1,0 +1,92 @@
+//! Position error that the cascade follows: never faster than the joint can brake.
+//!
+//! ```text
+//! x = e                                   |e| <= b,    b = a_b/k_p^2
+//! x = sign(e)*sqrt(b*(2*|e| - b))         beyond
+//! ```
+//!
+//! e is the motor's position error, without the small shift by the measured angle
+//! ([`crate::compensator::reference::measured_feedback`]). The cascade's speed k_p*e towards its reference takes a
+//! deceleration of k_p^2*e to end there. Where that is more than the motor has left, the motor passes its reference at a
+//! speed, and comes back as fast: at the torque's limit the joint swings about a setpoint that it could have reached. The
+//! speed k_p*x takes the deceleration a_b from any distance. a_b is a tenth of the acceleration with which a setpoint is
+//! approached (`approach.rs`): the rest is for the setpoint's own acceleration, for a load, and for a drive that gives less than
+//! it is commanded. Within b the loop is the linear one; beyond it its gain is less, never more. Units: rad at the motor.
+//!
+//! V. Rao, D. Bernstein, "Naive control of the double integrator", IEEE Control Systems Magazine 21 (2001).
+
+use crate::branch::seldom;
+use crate::constants::constants;
+use crate::real::Real;
+
+/// a_b, as a fraction of the acceleration with which a setpoint is approached.
+const LEFT: f64 = 0.1;
+
+/// The built law.
+#[constants]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Braking<R> {
+    /// b (rad).
+    linear: R,
+}
+
+impl<R: Real> Braking<R> {
+    /// For a cascade of this position gain (1/s), whose motor approaches setpoints with this acceleration (rad/s^2).
+    pub fn build(position_gain: R, acceleration: R) -> Self {
+        Self { linear: R::lit(LEFT) * acceleration / (position_gain * position_gain) }
+    }
+
+    /// x for a position error (rad).
+    #[inline(always)]
+    pub fn followed(&self, error: R) -> R {
+        if error.is_within(self.linear) {
+            return error;
+        }
+        seldom();
+        (self.linear * (R::lit(2.0) * error.abs() - self.linear)).sqrt().copysign(error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GAIN: f64 = 141.0;
+    const ACCELERATION: f64 = 7500.0;
+
+    /// Odd, continuous with its slope, and never more than the error.
+    #[test]
+    fn it_is_the_error_near_by_and_less_beyond() {
+        let braking = Braking::<f64>::build(GAIN, ACCELERATION);
+        let b = braking.linear;
+        assert_eq!((braking.followed(0.9 * b), braking.followed(-0.9 * b)), (0.9 * b, -0.9 * b));
+        assert!((braking.followed(b * (1.0 + 1e-6)) / b - 1.0).abs() < 2e-6);
+        for error in [1.1 * b, 3.0 * b, 1e3 * b] {
+            assert!(braking.followed(error) < error);
+            assert_eq!(braking.followed(-error), -braking.followed(error));
+        }
+    }
+
+    /// Largest overshoot (rad) of a motor that begins at rest far from its reference, its acceleration limited.
+    fn overshoot(start: f64, follow: impl Fn(f64) -> f64) -> f64 {
+        let (velocity_gain, dt, limit) = (377.0, 1e-4, LEFT * ACCELERATION * 1.2);
+        let (mut position, mut velocity, mut largest) = (-start, 0.0f64, 0.0f64);
+        for _ in 0..20_000 {
+            let acceleration: f64 = velocity_gain * (GAIN * follow(-position) - velocity);
+            velocity += dt * acceleration.clamp(-limit, limit);
+            position += dt * velocity;
+            largest = largest.max(position);
+        }
+        assert!(position.abs() < 1e-6);
+        largest
+    }
+
+    #[test]
+    fn a_motor_at_its_limit_does_not_pass_its_reference() {
+        let braking = Braking::<f64>::build(GAIN, ACCELERATION);
+        for start in [1.0, 3.0, 10.0] {
+            assert!(overshoot(start, |error| error) > 0.2 * start);
+            assert!(overshoot(start, |error| braking.followed(error)) < 0.01 * start, "{start}");
+        }
+    }
+}
