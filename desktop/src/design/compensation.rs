@@ -144,13 +144,17 @@ fn torque_by_shift(file: &GearFile) -> f64 {
     f64::from(file.gear.ratio) * cascade.position_gain * cascade.velocity_gain
 }
 
+/// One count of the output encoder (rad).
+fn output_count(file: &GearFile) -> f64 {
+    TAU / 2f64.powi(file.sensors.output_bits().cast_signed())
+}
+
 /// Fraction of P and D in slow motion, where nothing hides the encoder's rounding: so much of them that a count changes the
 /// torque by no more than [`COUNT_TORQUE`] of the motor's peak torque.
 fn slow_fraction(file: &GearFile) -> f64 {
-    let count = TAU / 2f64.powi(file.sensors.output_bits().cast_signed());
     let gain = measured_level(file) * (PROPORTIONAL[0] + 2.0 * MEASURED_DAMPING[0] * MEASURED_CORNER);
     // P and D of a joint whose torsion mode is too fast for any are 0: no count changes its torque.
-    let by_count = (gain * count * torque_by_shift(file)).max(f64::MIN_POSITIVE);
+    let by_count = (gain * output_count(file) * torque_by_shift(file)).max(f64::MIN_POSITIVE);
     (COUNT_TORQUE * file.motor.peak_torque / by_count).min(1.0)
 }
 
@@ -193,11 +197,26 @@ pub fn output_feedback_params<R: Real>(file: &GearFile) -> [OutputFeedbackParams
     })
 }
 
+/// P that a joint bears whose torsion mode is too fast for the motor, where P and D by the mode's phase are none.
+///
+/// There the motor follows a shift by `|T| = k_p/omega/sqrt(1 + (omega/omega_v)^2)`, at worst a quarter of a period late, and P takes
+/// a damping ratio of `P*|T|/2` from the mode: half of what it has is left to it. Nor does a count move the torque by more than
+/// [`COUNT_TORQUE`] of the motor's peak torque.
+fn proportional_of_fast_mode(file: &GearFile) -> f64 {
+    let (frequency, cascade) = (mode_frequency(file), feedback_params::<f64>(file));
+    let late = (frequency / (TAU * file.feedback.velocity_bandwidth)).hypot(1.0);
+    let by_damping = file.damping.torsion_mode_ratio * frequency / cascade.position_gain * late;
+    let by_count = COUNT_TORQUE * file.motor.peak_torque / (output_count(file) * torque_by_shift(file));
+    by_damping.min(by_count).min(PROPORTIONAL[0])
+}
+
 /// Gains of the output encoder's angle.
 pub fn measured_feedback_params<R: Real>(file: &GearFile) -> MeasuredFeedbackParams<R> {
     let (frequency, level) = (mode_frequency(file), measured_level(file));
     let levels = [level * slow_fraction(file), level * rest_fraction(file)];
-    let [proportional, proportional_at_rest] = [0, 1].map(|k: usize| R::lit(levels[k] * PROPORTIONAL[k]));
+    let least = proportional_of_fast_mode(file);
+    let [proportional, proportional_at_rest] =
+        [0, 1].map(|k: usize| R::lit((levels[k] * PROPORTIONAL[k]).max(least)));
     let [derivative, derivative_at_rest] =
         [0, 1].map(|k: usize| R::lit(levels[k] * 2.0 * MEASURED_DAMPING[k] / frequency));
     MeasuredFeedbackParams {
@@ -300,6 +319,21 @@ mod tests {
         }
         // What is read acts sooner than what is estimated.
         assert!(measured_level(&with_load(0.1)) > estimated_level(&with_load(0.1)));
+    }
+
+    /// Beyond the motor's loops P is what the mode's damping bears: the more, the lighter the load.
+    #[test]
+    fn a_fast_mode_keeps_half_of_its_damping() {
+        let gains = |factor: f64| {
+            let mut file = with_load(factor);
+            file.damping.torsion_mode_ratio = 0.002;
+            measured_feedback_params::<f64>(&file)
+        };
+        let (light, lighter) = (gains(0.005), gains(0.0025));
+        assert_eq!((light.derivative, light.proportional), (0.0, light.proportional_at_rest));
+        assert!(light.proportional > 0.1 && lighter.proportional > 1.5 * light.proportional);
+        assert_eq!(gains(1e-5).proportional, PROPORTIONAL[0]);
+        assert_eq!(gains(1.0).proportional_at_rest, PROPORTIONAL[1]);
     }
 
     /// A count of a coarse encoder would be a pulse of torque.

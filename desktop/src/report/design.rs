@@ -147,8 +147,13 @@ impl Report {
             ));
             rows.push(row(&name("omega_y"), b.filter_corner, "rad/s", "1.5 sqrt(K1/J_fs)"));
         }
-        rows.push(row("measured feedback P", m.proportional, "1", "level * 0.4"));
-        rows.push(row("measured feedback P at rest", m.proportional_at_rest, "1", "level * 0.26"));
+        rows.push(row("measured feedback P", m.proportional, "1", "level * 0.4, at least zeta/T(omega)"));
+        rows.push(row(
+            "measured feedback P at rest",
+            m.proportional_at_rest,
+            "1",
+            "level * 0.26, at least zeta/T(omega)",
+        ));
         rows.push(row("measured feedback D", m.derivative, "s", "level * 2*0.4/sqrt(K1/J_fs)"));
         rows.push(row(
             "measured feedback D at rest",
