@@ -46,6 +46,7 @@ impl<R: Real> Compensator<R> {
             feed_forward: FeedForwardState::default(),
             motor_reference: MotorReference::default(),
             feedback: FeedbackState::default(),
+            followed: R::ONE,
             output_feedback: OutputFeedbackState::default(),
             measured_feedback: MeasuredFeedbackState::default(),
             learning: self.learning.starting_from(&self.learnt),

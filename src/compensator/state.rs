@@ -49,6 +49,8 @@ pub struct State<R: Real> {
     pub(super) feed_forward: FeedForwardState<R>,
     pub(super) motor_reference: MotorReference<R>,
     pub(super) feedback: FeedbackState<R>,
+    /// Fraction of the position error that the cascade follows.
+    pub(super) followed: R,
     pub(super) output_feedback: OutputFeedbackState<R>,
     pub(super) measured_feedback: MeasuredFeedbackState<R>,
     pub(super) learning: LearningState<R>,

@@ -11,7 +11,8 @@
 //! speed, and comes back as fast: at the torque's limit the joint swings about a setpoint that it could have reached. The
 //! speed k_p*x takes the deceleration a_b from any distance. a_b is a tenth of the acceleration with which a setpoint is
 //! approached (`approach.rs`): the rest is for the setpoint's own acceleration, for a load, and for a drive that gives less than
-//! it is commanded. Within b the loop is the linear one; beyond it its gain is less, never more. Units: rad at the motor.
+//! it is commanded. Within b the loop is the linear one; beyond it its gain is less, never more. The gain x/e is found once a
+//! round, for the error of that moment. Units: rad at the motor.
 //!
 //! V. Rao, D. Bernstein, "Naive control of the double integrator", IEEE Control Systems Magazine 21 (2001).
 
@@ -36,43 +37,51 @@ impl<R: Real> Braking<R> {
         Self { linear: R::lit(LEFT) * acceleration / (position_gain * position_gain) }
     }
 
-    /// x for a position error (rad).
+    /// x/e for a position error e (rad), 0..=1.
     #[inline(always)]
-    pub fn followed(&self, error: R) -> R {
+    pub fn gain(&self, error: R) -> R {
         if error.is_within(self.linear) {
-            return error;
+            return R::ONE;
         }
         seldom();
-        (self.linear * (R::lit(2.0) * error.abs() - self.linear)).sqrt().copysign(error)
+        let part = self.linear / error.abs();
+        (part * (R::lit(2.0) - part)).sqrt_or_zero()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compensator::schedule::{CONTROL_PERIOD, SLOW_PERIODS};
 
     const GAIN: f64 = 141.0;
     const ACCELERATION: f64 = 7500.0;
 
-    /// Odd, continuous with its slope, and never more than the error.
+    /// Continuous with its slope, alike to both sides, and never more than 1.
     #[test]
-    fn it_is_the_error_near_by_and_less_beyond() {
+    fn it_is_one_near_by_and_less_beyond() {
         let braking = Braking::<f64>::build(GAIN, ACCELERATION);
         let b = braking.linear;
-        assert_eq!((braking.followed(0.9 * b), braking.followed(-0.9 * b)), (0.9 * b, -0.9 * b));
-        assert!((braking.followed(b * (1.0 + 1e-6)) / b - 1.0).abs() < 2e-6);
+        assert_eq!((braking.gain(0.9 * b), braking.gain(-0.9 * b)), (1.0, 1.0));
+        assert!((braking.gain(b * (1.0 + 1e-6)) - 1.0).abs() < 1e-9);
         for error in [1.1 * b, 3.0 * b, 1e3 * b] {
-            assert!(braking.followed(error) < error);
-            assert_eq!(braking.followed(-error), -braking.followed(error));
+            let gain = braking.gain(error);
+            assert!((0.0..1.0).contains(&gain) && gain == braking.gain(-error));
+            assert!((gain * error - (b * (2.0 * error - b)).sqrt()).abs() < 1e-12 * error);
         }
+        assert!([f64::MAX, f64::INFINITY].map(|error| braking.gain(error)).iter().all(|gain| *gain < 1e-3));
     }
 
     /// Largest overshoot (rad) of a motor that begins at rest far from its reference, its acceleration limited.
-    fn overshoot(start: f64, follow: impl Fn(f64) -> f64) -> f64 {
-        let (velocity_gain, dt, limit) = (377.0, 1e-4, LEFT * ACCELERATION * 1.2);
+    fn overshoot(start: f64, gain: impl Fn(f64) -> f64) -> f64 {
+        let (velocity_gain, dt, limit) = (377.0, CONTROL_PERIOD, LEFT * ACCELERATION * 1.2);
         let (mut position, mut velocity, mut largest) = (-start, 0.0f64, 0.0f64);
-        for _ in 0..20_000 {
-            let acceleration: f64 = velocity_gain * (GAIN * follow(-position) - velocity);
+        let mut followed = 1.0;
+        for k in 0..20_000u32 {
+            if k.is_multiple_of(SLOW_PERIODS) {
+                followed = gain(-position);
+            }
+            let acceleration: f64 = velocity_gain * (GAIN * followed * -position - velocity);
             velocity += dt * acceleration.clamp(-limit, limit);
             position += dt * velocity;
             largest = largest.max(position);
@@ -85,8 +94,8 @@ mod tests {
     fn a_motor_at_its_limit_does_not_pass_its_reference() {
         let braking = Braking::<f64>::build(GAIN, ACCELERATION);
         for start in [1.0, 3.0, 10.0] {
-            assert!(overshoot(start, |error| error) > 0.2 * start);
-            assert!(overshoot(start, |error| braking.followed(error)) < 0.01 * start, "{start}");
+            assert!(overshoot(start, |_| 1.0) > 0.2 * start);
+            assert!(overshoot(start, |error| braking.gain(error)) < 0.01 * start, "{start}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! From references to the torque command: cascade, fallback, mode, protection of the gear.
+//! From references to the torque command: braking, cascade, fallback, mode, protection of the gear.
 
 pub mod braking;
 pub mod cascade;

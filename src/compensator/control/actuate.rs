@@ -48,7 +48,7 @@ impl<R: Real> Compensator<R> {
         let phase = (state.latch.age == 0).then_some(state.latch.output_phase);
         let shift = self.measured_feedback.step(&mut state.measured_feedback, phase, elapsed.time);
         let (reference, wind_up) = (&state.motor_reference, &state.wind_up);
-        let position_error = self.braking.followed(reference.position_error);
+        let position_error = state.followed * reference.position_error;
         let input = CascadeInput {
             position_error: reference.beyond_rounding(position_error + shift, self.rounding),
             velocity: reference.velocity + wind_up.velocity,

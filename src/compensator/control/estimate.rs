@@ -45,6 +45,7 @@ impl<R: Real> Compensator<R> {
         self.output_feedback.integrate(&mut state.output_feedback, !state.limited);
         self.read_output(state, &mut faults);
         let reference = &state.motor_reference;
+        state.followed = self.braking.gain(reference.position_error);
         // With a feedback gain below 1 another controller moves the motor.
         let controlled = reference.planned && reference.output_torque.is_none();
         let driven = state.mode.mode().drives() && state.guard.gains().feedback == R::ONE;
