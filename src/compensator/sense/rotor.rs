@@ -447,6 +447,33 @@ mod tests {
         }
     }
 
+    /// A drive that gives 20 % of its command is named; one that is as far off to either side in turn is not.
+    #[test]
+    fn a_drive_is_judged_by_the_mean_of_a_round() {
+        let rotor = rotor();
+        let faults = |alternates: bool| {
+            let mut state = RotorState::default();
+            let rounds = (0..6).map(|round| {
+                for step in 1..=SLOW_PERIODS / OBSERVER_PERIODS {
+                    let error = if alternates && step % 2 == 0 { 0.8 } else { -0.8 };
+                    let periods = f64::from(OBSERVER_PERIODS);
+                    let motor = Angle::from_counts(i64::from(round * 4 + step) << 20);
+                    state.add([periods * (1.0 + error), periods * error], periods * CONTROL_PERIOD, motor);
+                }
+                let mut faults = Faults::NONE;
+                rotor.step(
+                    &mut state,
+                    &RotorInput { motor: Angle::default(), reference: None, driven: true },
+                    &mut faults,
+                );
+                faults
+            });
+            rounds.fold(Faults::NONE, Faults::with)
+        };
+        assert!(faults(false).contains(Faults::DRIVE_NOT_FOLLOWING));
+        assert!(!faults(true).contains(Faults::DRIVE_NOT_FOLLOWING));
+    }
+
     /// A gear's torque that friction cannot hold on a motor at a constant torque is seen by both sensors; what the sensor's
     /// uncertainty or the motor's own torque explains is not.
     #[test]
