@@ -1,11 +1,11 @@
 //! Frequency response of a controller whose step changes from slot to slot: the fundamental of its answer to a sine.
 //!
 //! ```text
-//! v(n) = V z^n,  z = e^(jw dt):   X_0 (z^4 I - Phi) = sum_k A_3..A_(k+1) B_k z^k V,   Phi = A_3 A_2 A_1 A_0
-//! U = 1/4 sum_k z^-k (C_k X_k + D_k z^k V)
+//! v(n) = V z^n,  z = e^(jw dt):   X_0 (z^8 I - Phi) = sum_k A_7..A_(k+1) B_k z^k V,   Phi = A_7 .. A_1 A_0
+//! U = 1/8 sum_k z^-k (C_k X_k + D_k z^k V)
 //! ```
 //!
-//! Exact for a periodic system; what it answers at w plus multiples of 2*pi/(4 dt) is left out, which a plant that
+//! Exact for a periodic system; what it answers at w plus multiples of 2*pi/(8 dt) is left out, which a plant that
 //! falls by 40 dB a decade takes away: the closed loop's poles, which leave nothing out, say whether that may be.
 //! A frequency costs one solution of as many complex equations as there are states.
 //!

@@ -1,0 +1,117 @@
+//! Frozen encoders, the drive, sensors at the output, and the mode of the balance.
+
+use super::*;
+use crate::compensator::schedule::{CONTROL_PERIOD, OBSERVER_PERIODS};
+
+fn rotor() -> Rotor<f64> {
+    let gear = crate::gear::tests::params();
+    let limits = Limits { motor_torque: 2.4, motor_speed: 586.0, output_torque: 157.0 };
+    Rotor::build(&gear, &limits, [19, 19], 141.0, CONTROL_PERIOD).unwrap()
+}
+
+/// Faults of one more round under `torque` (N m), at `within` (counts) during the round and at `end` at its end.
+fn round(rotor: &Rotor<f64>, state: &mut RotorState<f64>, torque: f64, within: i64, end: i64) -> Faults {
+    let angle = |counts: i64| Angle::from_counts(counts << (32 - 19));
+    let steps = SLOW_PERIODS / OBSERVER_PERIODS;
+    for step in 1..=steps {
+        let periods = f64::from(OBSERVER_PERIODS);
+        let motor = angle(if step < steps { within } else { end });
+        state.add([periods * torque, 0.0], periods * CONTROL_PERIOD, motor);
+    }
+    let motor = angle(end);
+    let input = RotorInput { motor, reference: None, driven: true };
+    let mut faults = Faults::NONE;
+    rotor.step(state, &input, &mut faults);
+    faults
+}
+
+/// Faults of a motor that ends every round at the same count, after an `excursion` (counts) within it, under a torque
+/// that alternates between +-0.2 N m, more than friction holds, from round to round.
+fn faults(excursion: i64) -> Faults {
+    let (rotor, mut state) = (rotor(), RotorState::default());
+    (0..20).fold(Faults::NONE, |faults, index| {
+        let torque = if index % 2 == 0 { 0.2 } else { -0.2 };
+        faults.with(round(&rotor, &mut state, torque, excursion, 0))
+    })
+}
+
+/// Torque that friction could not hold means that the encoder is frozen; but not where the motor vibrates about a count.
+#[test]
+fn a_count_is_frozen_that_stands_still_within_the_round_too() {
+    assert_eq!(faults(0), Faults::MOTOR_ENCODER_FROZEN);
+    assert_eq!(faults(10), Faults::NONE);
+}
+
+/// A torque that friction cannot hold may have come at the end of its round: the motor has one round more to move.
+#[test]
+fn a_motor_has_a_round_to_follow_its_torque() {
+    let rotor = rotor();
+    for (after, expected) in [(0, Faults::MOTOR_ENCODER_FROZEN), (5, Faults::NONE)] {
+        let mut state = RotorState::default();
+        for _ in 0..6 {
+            assert_eq!(round(&rotor, &mut state, 0.0, 0, 0), Faults::NONE);
+        }
+        assert_eq!(round(&rotor, &mut state, 2.0 * rotor.grip, 0, 0), Faults::NONE);
+        assert_eq!(round(&rotor, &mut state, 2.0 * rotor.grip, after, after), expected);
+    }
+}
+
+/// A drive that gives 20 % of its command is named; one that is as far off to either side in turn is not.
+#[test]
+fn a_drive_is_judged_by_the_mean_of_a_round() {
+    let rotor = rotor();
+    let faults = |alternates: bool| {
+        let mut state = RotorState::default();
+        let rounds = (0..6).map(|round| {
+            for step in 1..=SLOW_PERIODS / OBSERVER_PERIODS {
+                let error = if alternates && step % 2 == 0 { 0.8 } else { -0.8 };
+                let periods = f64::from(OBSERVER_PERIODS);
+                let motor = Angle::from_counts(i64::from(round * 4 + step) << 20);
+                state.add([periods * (1.0 + error), periods * error], periods * CONTROL_PERIOD, motor);
+            }
+            let mut faults = Faults::NONE;
+            rotor.step(
+                &mut state,
+                &RotorInput { motor: Angle::default(), reference: None, driven: true },
+                &mut faults,
+            );
+            faults
+        });
+        rounds.fold(Faults::NONE, Faults::with)
+    };
+    assert!(faults(false).contains(Faults::DRIVE_NOT_FOLLOWING));
+    assert!(!faults(true).contains(Faults::DRIVE_NOT_FOLLOWING));
+}
+
+/// A gear's torque that friction cannot hold on a motor at a constant torque is seen by both sensors; what the sensor's
+/// uncertainty or the motor's own torque explains is not.
+#[test]
+fn a_gear_torque_that_friction_cannot_hold_is_seen() {
+    let rotor = rotor();
+    for place in 0..2 {
+        let mut state = RotorState { still: 1, ..RotorState::default() };
+        assert!(!rotor.slips(&mut state, 10.0, place));
+        state.still = 5;
+        let held = rotor.held[place] / (1.0 - rotor.uncertainty[place]);
+        assert!(!rotor.slips(&mut state, 10.0 + 0.99 * held, place));
+        assert!(rotor.slips(&mut state, 10.0 + 1.01 * held, place));
+        assert!(rotor.slips(&mut state, 10.0 - 1.01 * held, place));
+        state.applied = held / rotor.n;
+        assert!(!rotor.slips(&mut state, 10.0 + held, place), "the motor's torque balances it");
+    }
+}
+
+/// However light the output is, the mode of the balance goes through at most half a radian in a round, and an output
+/// whose mode is slower keeps its inertia.
+#[test]
+fn the_mode_of_the_balance_is_slow_enough_for_the_round() {
+    let gear = crate::gear::tests::params();
+    let round = f64::from(SLOW_PERIODS) * CONTROL_PERIOD;
+    let [_, _, stiffest] = gear.flexspline.line.stiffness;
+    for inertia in [1e-4, 1e-2, 0.1, 0.2, 1.2, 20.0] {
+        let counted = output_inertia(&GearParams { flexspline_inertia: inertia, ..gear }, CONTROL_PERIOD);
+        let rotation = |inertia: f64| (stiffest / inertia).sqrt() * round;
+        assert!(counted >= inertia && rotation(counted) <= 0.5 + 1e-12, "{inertia}: {counted}");
+        assert!(rotation(inertia) > 0.5 || counted == inertia, "{inertia}: {counted}");
+    }
+}
