@@ -51,7 +51,7 @@ impl<R: Real> Compensator<R> {
         let driven = state.mode.mode().drives() && state.guard.gains().feedback == R::ONE;
         let input = RotorInput {
             motor: state.observer.motor(),
-            reference: controlled.then_some([reference.position_error, reference.velocity]),
+            reference: controlled.then_some([state.followed * reference.position_error, reference.velocity]),
             driven,
         };
         self.rotor.step(&mut state.rotor, &input, &mut faults);

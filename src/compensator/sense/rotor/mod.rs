@@ -27,7 +27,7 @@
 //! | frozen, moving | the count stands still at once, though 1.25*(abs tau + abs T_g/n + tau_s) + tau_p/(4*n) + 3*J_wg*count/h^2, the last for what rounding makes of two speeds, could not stop the rotor in the time |
 //! | overspeed | abs omega > the speed limit |
 //! | drive | mean torque error of the drive over a round above 0.1*tau_max + 0.5*abs tau_c, the larger mean command of this round and the last, in three rounds, two where it is of the other sign: five times the noise that the filter expects, a drive at 60 % of its limit, longer than four time constants of a 1 kHz drive. What a drive lags behind a command that changes from period to period is little in the mean |
-//! | following | position error above 4*tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p at the end of a round: four times that of a cascade with the position gain k_p at the motor's largest acceleration, which a motor at its limit passes, and without feed-forward of the speed |
+//! | following | position error that the cascade follows (x of [`crate::compensator::actuate::braking`]) above 1.5*tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p at the end of a round: one and a half times that from which a cascade with the position gain k_p decelerates with all of the motor's torque, and without feed-forward of the speed |
 //!
 //! tau_s is the larger static friction of both directions. The torques by the output's encoder and by its torque sensor
 //! are compared with T_g: with a difference of more than 0.3*tau_p + a quarter of it and of n*tau for 8 ms, the sensor is
@@ -49,8 +49,8 @@ use crate::real::Real;
 const LIMITED: f64 = 0.5;
 /// Overload, in peak ratings.
 const OVERLOAD: f64 = 1.25;
-/// Following error, in those of the cascade at the motor's largest acceleration.
-const FOLLOWING: f64 = 4.0;
+/// Position error that the cascade follows, in that at which its speed loop commands the motor's largest acceleration.
+const FOLLOWING: f64 = 1.5;
 /// Uncertainty of a change of the gear's torque against the motor's, by the encoders and by the torque sensor: 10 % of the
 /// torque constant; of the torsion 10 % of stiffness, and as much hysteresis, too.
 const UNCERTAINTY: [f64; 2] = [0.3, 0.1];
@@ -143,7 +143,7 @@ pub struct RotorState<R> {
 pub struct RotorInput<R> {
     /// Angle of the motor.
     pub motor: Angle<R>,
-    /// Position error (rad) and reference speed (rad/s) of the motor, where it is controlled.
+    /// Position error that the cascade follows (rad) and reference speed (rad/s) of the motor, where it is controlled.
     pub reference: Option<[R; 2]>,
     /// The drive is on.
     pub driven: bool,
