@@ -38,6 +38,7 @@ impl<R: Real> Compensator<R> {
             output_raw: None,
             last_output: None,
             last_motor: Angle::default(),
+            motor_moved: false,
             commander: CommanderState::default(),
             since_plan: R::ZERO,
             observer: self.observer.rest(),

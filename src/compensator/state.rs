@@ -39,7 +39,9 @@ pub struct State<R: Real> {
     /// Raw counts of the output encoder: the newest since the last test for standstill, and that of the test.
     pub(super) output_raw: Option<u32>,
     pub(super) last_output: Option<u32>,
+    /// Motor's angle when it was last tested for a standstill, and that it has been at another one since.
     pub(super) last_motor: Angle<R>,
+    pub(super) motor_moved: bool,
     pub(super) commander: CommanderState<R>,
     /// Time of the observer's slots since the plan's last one (s).
     pub(super) since_plan: R,

@@ -45,6 +45,8 @@ const PROPORTIONAL: [f64; 2] = [0.4, 0.26];
 const MEASURED_CORNER: f64 = 5.0;
 /// Largest change of the torque by a count of the output encoder in slow motion, of the motor's peak torque.
 const COUNT_TORQUE: f64 = 0.05;
+/// Part of the motor's peak torque that the largest shift takes.
+const SHIFT_TORQUE: f64 = 0.5;
 /// Largest torque that P and D ask for at a step of the rated torque, in motor's peak torques: with more, a motor at its
 /// limit no longer damps, and a load far lighter than its rotor is lost. Chosen on training joints.
 const STEP_TORQUE: f64 = 5.0;
@@ -166,6 +168,12 @@ fn rest_fraction(file: &GearFile) -> f64 {
     (STEP_TORQUE * file.motor.peak_torque / by_step).min(1.0)
 }
 
+/// Largest shift by the output encoder's angle (rad at the motor): it takes [`SHIFT_TORQUE`] of the motor's peak torque at once.
+fn largest_shift(file: &GearFile) -> f64 {
+    let cascade = feedback_params::<f64>(file);
+    SHIFT_TORQUE * file.motor.peak_torque / (cascade.position_gain * cascade.velocity_gain)
+}
+
 /// The disturbance path, from the uncertainty of the joint.
 ///
 /// - A joint may hide the static friction of both sides, seen at the output: dead zone.
@@ -225,6 +233,7 @@ pub fn measured_feedback_params<R: Real>(file: &GearFile) -> MeasuredFeedbackPar
         derivative,
         derivative_at_rest,
         corner: R::lit(MEASURED_CORNER * frequency),
+        largest_shift: R::lit(largest_shift(file)),
     }
 }
 

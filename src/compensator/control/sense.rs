@@ -73,7 +73,7 @@ impl<R: Real> Compensator<R> {
     pub(super) fn detect_standstill(&self, state: &mut State<R>, motor: Angle<R>) {
         let mut faults = Faults::NONE;
         let velocity = state.motor_reference.commanded_velocity();
-        let stood_still = motor == state.last_motor;
+        let stood_still = !core::mem::replace(&mut state.motor_moved, false);
         state.last_motor = motor;
         let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, velocity);
         faults.raise_if(frozen && state.mode.mode().drives(), Faults::MOTOR_ENCODER_FROZEN);

@@ -4,7 +4,7 @@
 //! ```text
 //! m      = theta_o(t - T_d) - q(t - T_d),   q extrapolated by dq from the feed-forward's slot on
 //! m_f    = one pole at omega_m on m in slow motion, on what exceeds 1.5 counts of m at rest, on 0 in a fast move
-//! shift  = -(P*m_f + D*dm_f/dt)
+//! shift  = -(P*m_f + D*dm_f/dt), no larger than s_max
 //! ```
 //!
 //! T_d is by how much the reading is late; between two readings m is extrapolated by -dq. The shift, at the motor, is
@@ -15,6 +15,10 @@
 //! negative damping P*omega*T/2, which D outweighs. Both act on the angle as it is read, not on an estimate, so that they do
 //! not depend on the model. At rest they do not act on the rounding and a count of noise, which they would convert to
 //! torque, nor in a fast move, where they would excite the flexible mode of a load.
+//!
+//! A motor at its torque's limit follows late: with P and D in proportion to any error, a load step could keep a light joint
+//! swinging, its motor from limit to limit. s_max leaves half of the torque to the cascade. A larger error has less gain, down to
+//! the cascade's alone.
 //!
 //! The mean of m over a round is for who integrates it ([`super::output_feedback`]): one reading of each round, at a speed
 //! that is a multiple of a count a round, would be off by the same part of a count each time.
@@ -44,6 +48,8 @@ pub struct MeasuredFeedbackParams<R> {
     pub derivative_at_rest: R,
     /// omega_m (rad/s), 0..=1e5.
     pub corner: R,
+    /// Largest shift, above 0 (rad at the motor).
+    pub largest_shift: R,
 }
 
 /// Half width of the dead zone at rest, in counts: rounding, and a count of noise.
@@ -59,6 +65,8 @@ pub struct MeasuredFeedback<R> {
     derivative: [R; 2],
     /// Half width of the dead zone at rest (rad).
     dead_zone: R,
+    /// Largest shift (rad at the motor).
+    largest_shift: R,
     /// Farthest step of the encoder in a control period, in counts of 2^32 a revolution.
     farthest: u32,
     dt: R,
@@ -96,7 +104,8 @@ impl<R: Real> MeasuredFeedback<R> {
     /// From the gains, the output's fastest speed (rad/s), one count of its encoder (rad) and the control period dt (s).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `proportional`, `proportional_at_rest`, `derivative`, `derivative_at_rest` or `measured_corner`.
+    /// [`Error::OutOfRange`] `proportional`, `proportional_at_rest`, `derivative`, `derivative_at_rest`, `measured_corner` or
+    /// `largest_shift`.
     pub fn build(gains: &MeasuredFeedbackParams<R>, fastest: R, count: R, dt: R) -> Result<Self, Error> {
         let within = |value: R, most: f64| value >= R::ZERO && value <= R::lit(most);
         require(within(gains.proportional, 1.0), "proportional")?;
@@ -104,12 +113,14 @@ impl<R: Real> MeasuredFeedback<R> {
         require(within(gains.derivative, 1.0), "derivative")?;
         require(within(gains.derivative_at_rest, 1.0), "derivative_at_rest")?;
         require(within(gains.corner, 1e5), "measured_corner")?;
+        require(gains.largest_shift.is_positive(), "largest_shift")?;
         let farthest = (fastest * dt + R::lit(2.0) * count) * R::lit(1.0 / RADIANS_PER_COUNT);
         Ok(Self {
             low_pass: LowPass::build(gains.corner, dt),
             proportional: [gains.proportional, gains.proportional_at_rest],
             derivative: [gains.derivative, gains.derivative_at_rest].map(|gain| gain / dt),
             dead_zone: R::lit(NOISE) * count,
+            largest_shift: gains.largest_shift,
             farthest: farthest.to_i32().unsigned_abs(),
             dt,
         })
@@ -160,7 +171,7 @@ impl<R: Real> MeasuredFeedback<R> {
         }
         state.sum += state.error;
         let change = self.low_pass.step(&mut state.filtered, state.error.dead_zone(state.dead_zone));
-        state.proportional * state.filtered + state.derivative * change
+        (state.proportional * state.filtered + state.derivative * change).limit(self.largest_shift)
     }
 }
 
@@ -176,6 +187,7 @@ mod tests {
         derivative: 4e-3,
         derivative_at_rest: 4e-3,
         corner: 1000.0,
+        largest_shift: 1.0,
     };
 
     fn feedback(gains: MeasuredFeedbackParams<f64>) -> MeasuredFeedback<f64> {
@@ -203,6 +215,19 @@ mod tests {
         let follows = |k: i32| phase(1e-4 + 0.01 * DT * f64::from(k));
         let shift = (0..1000).map(|k| feedback.step(&mut moves, Some(follows(k)), DT)).last().unwrap();
         assert!((shift + 0.2 * 1e-4).abs() < 1e-8, "{shift}");
+    }
+
+    /// Whatever the error, the shift is within its bound, of the sign that it has for a small one.
+    #[test]
+    fn a_large_error_asks_for_no_more_than_the_largest_shift() {
+        let feedback = feedback(MeasuredFeedbackParams { largest_shift: 1e-4, ..GAINS });
+        let mut state = MeasuredFeedbackState::default();
+        feedback.plan(&mut state, read(0.0), 0.0, 1.0);
+        let shifts = |error: f64| {
+            [1, 2, 3].map(|k| feedback.step(&mut state.clone(), Some(phase(k as f64 * error)), DT))
+        };
+        assert_eq!(shifts(2e-4), [-1e-4; 3]);
+        assert_eq!(shifts(-2e-4), [1e-4; 3]);
     }
 
     #[test]
@@ -297,5 +322,6 @@ mod tests {
         assert_eq!(error(MeasuredFeedbackParams { proportional: 1.1, ..GAINS }), named("proportional"));
         assert_eq!(error(MeasuredFeedbackParams { derivative: f64::NAN, ..GAINS }), named("derivative"));
         assert_eq!(error(MeasuredFeedbackParams { corner: -1.0, ..GAINS }), named("measured_corner"));
+        assert_eq!(error(MeasuredFeedbackParams { largest_shift: 0.0, ..GAINS }), named("largest_shift"));
     }
 }

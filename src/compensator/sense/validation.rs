@@ -260,10 +260,12 @@ impl<R: Real> FrozenEncoder<R> {
         Self { dt, farthest: R::lit(OUTPUT_PATH) }
     }
 
-    /// Adds to the path while the encoder stands still; true once the path is too long.
+    /// Adds to the path while the encoder stands still; true once the path is too long. A motor that reverses stands still for a
+    /// moment: one step is never more than half of the path.
     #[inline]
     pub fn step(&self, path: &mut R, stood_still: bool, velocity: R) -> bool {
-        *path = if stood_still { (*path + self.dt * velocity.abs()).min(self.farthest) } else { R::ZERO };
+        let step = (self.dt * velocity.abs()).min(R::lit(0.5) * self.farthest);
+        *path = if stood_still { (*path + step).min(self.farthest) } else { R::ZERO };
         self.is_frozen(*path)
     }
 
@@ -271,5 +273,29 @@ impl<R: Real> FrozenEncoder<R> {
     #[inline(always)]
     pub fn is_frozen(&self, path: R) -> bool {
         path >= self.farthest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// However fast the commanded motion, a single step at a standstill is none; two are.
+    #[test]
+    fn a_motor_that_reverses_is_not_frozen() {
+        let (encoder, mut path) = (FrozenEncoder::<f64>::of_motor(1.6e-3), 0.0);
+        for _ in 0..10 {
+            assert!(!encoder.step(&mut path, true, 1e4));
+            assert!(!encoder.step(&mut path, false, 1e4));
+        }
+        assert!(!encoder.step(&mut path, true, -1e4) && encoder.step(&mut path, true, 1e4));
+    }
+
+    #[test]
+    fn a_slow_motion_adds_up_to_the_path() {
+        let (encoder, mut path) = (FrozenEncoder::<f64>::of_motor(1e-3), 0.0);
+        let steps = (1..).find(|_| encoder.step(&mut path, true, 5.0)).unwrap();
+        assert!((100..=101).contains(&steps), "{steps}");
+        assert!((0..1000).all(|_| !encoder.step(&mut 0.0, true, 0.0)));
     }
 }

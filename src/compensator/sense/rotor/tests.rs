@@ -83,6 +83,25 @@ fn a_drive_is_judged_by_the_mean_of_a_round() {
     assert!(!faults(true).contains(Faults::DRIVE_NOT_FOLLOWING));
 }
 
+/// A motor is lost from 1.5 times the error on that takes all of its torque to brake from, and farther off its moving reference.
+#[test]
+fn a_motor_far_from_its_reference_is_lost() {
+    let rotor = rotor();
+    let lost = |error: f64, velocity: f64| {
+        let mut state = RotorState::default();
+        let input = RotorInput { motor: Angle::default(), reference: Some([error, velocity]), driven: true };
+        let mut faults = Faults::NONE;
+        (0..4).for_each(|_| rotor.step(&mut state, &input, &mut faults));
+        faults.contains(Faults::FOLLOWING_ERROR)
+    };
+    let gear = crate::gear::tests::params();
+    let n = f64::from(gear.ratio);
+    let most =
+        1.5 * 2.4 / (gear.wave_generator_inertia + gear.flexspline_inertia / (n * n)) / (141.0 * 141.0);
+    assert!(!lost(0.99 * most, 0.0) && lost(1.01 * most, 0.0) && lost(-1.01 * most, 0.0));
+    assert!(!lost(most + 0.99, 141.0) && lost(most + 1.01, -141.0));
+}
+
 /// A gear's torque that friction cannot hold on a motor at a constant torque is seen by both sensors; what the sensor's
 /// uncertainty or the motor's own torque explains is not.
 #[test]
