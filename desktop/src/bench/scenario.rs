@@ -140,10 +140,12 @@ const STOP: f64 = 0.2;
 pub struct Rest {
     /// Last demand.
     pub from: Demand,
+    /// Natural period of the load on the gear (s): a rest in which an oscillation shows is two of them at least.
+    pub natural_period: f64,
 }
 
 impl Rest {
-    /// Length (s).
+    /// Least length (s).
     pub const DURATION: f64 = 0.6;
     /// From here on the joint should be at rest (s).
     pub const JUDGED_FROM: f64 = 0.3;
@@ -151,7 +153,7 @@ impl Rest {
 
 impl Task for Rest {
     fn duration(&self) -> f64 {
-        Self::DURATION
+        Self::DURATION.max(Self::JUDGED_FROM + 2.0 * self.natural_period)
     }
 
     fn at(&self, time: f64, _ability: &Capability) -> Demand {
@@ -239,7 +241,7 @@ mod tests {
     #[test]
     fn a_joint_comes_to_rest_smoothly() {
         let from = Scenario::S4.at(1.5, &Capability::default());
-        let rest = Rest { from };
+        let rest = Rest { from, natural_period: 0.4 };
         let start = rest.at(0.0, &Capability::default());
         assert_eq!((start.position, start.velocity), (from.position, from.velocity));
         for k in 1..600 {
@@ -247,6 +249,7 @@ mod tests {
             assert!(((at(1e-6).position - at(-1e-6).position) / 2e-6 - at(0.0).velocity).abs() < 1e-6);
         }
         assert_eq!(rest.at(Rest::JUDGED_FROM, &Capability::default()).velocity, 0.0);
+        assert_eq!((rest.duration(), Rest { natural_period: 0.1, ..rest }.duration()), (1.1, Rest::DURATION));
     }
 
     /// Largest magnitude of a quantity over a scenario.

@@ -110,7 +110,7 @@ impl Stand {
     fn run(&self, baseline: &Baseline, scenario: Scenario) -> Result<Option<RunResult>, RunError> {
         let (mut bench, mut baseline) = (self.bench.clone(), baseline.clone());
         let judged = Judged::of(&self.known, &self.plant);
-        let rest = Rest { from: Demand::default() };
+        let rest = Rest { from: Demand::default(), natural_period: 0.0 };
         let settled = bench.go(&rest, &mut baseline, |_, _, _, _| ());
         match settled.and_then(|()| judged.result(bench, baseline, scenario)) {
             Ok(result) => Ok(Some(result)),

@@ -1,7 +1,8 @@
 //! Result of one run of one scenario on a judged plant.
 //!
 //! After the scenario the joint stops and rests ([`Rest`]). Oscillation at rest is what is left of torsion and of motor
-//! torque when their running mean over the natural period is taken away, rms over the last 0.3 s.
+//! torque when their running mean over the natural period is taken away, rms over the last
+//! 0.3 s, or two natural periods.
 
 use strainwave::Error;
 use strainwave::compensator::{Faults, Mode};
@@ -192,15 +193,15 @@ impl<'a> Judged<'a> {
         let mut faults = rows.iter().fold(Faults::NONE, |faults, row| faults.with(row.answer.faults));
         let mut mode = Mode::default();
         let mut at_rest = Vec::new();
-        let rest = Rest { from: scenario.at(scenario.duration(), &self.capability) };
+        let natural_period = Judge::new(scenario, self.plant, &rows).natural_period().map_err(RunError::from)?;
+        let rest = Rest { from: scenario.at(scenario.duration(), &self.capability), natural_period };
         bench.go(&rest, &mut controller, |k, _, plant, answer| {
             (faults, mode) = (faults.with(answer.faults), answer.mode);
             if k as f64 * CONTROL_PERIOD >= Rest::JUDGED_FROM {
                 at_rest.push((plant.last_torques().torsion, f64::from(answer.motor_torque)));
             }
         })?;
-        let period = Judge::new(scenario, self.plant, &rows).natural_period().map_err(RunError::from)?;
-        let oscillation = |values: Vec<f64>| rms(without_slow_part(&values, period));
+        let oscillation = |values: Vec<f64>| rms(without_slow_part(&values, natural_period));
         Ok(RunResult {
             torsion_at_rest: oscillation(at_rest.iter().map(|(torsion, _)| *torsion).collect()),
             torque_at_rest: oscillation(at_rest.iter().map(|(_, torque)| *torque / self.rated).collect()),
