@@ -374,7 +374,7 @@ pub const JOINT: JointParams<f32> = JointParams {
         derivative: 0.0049773683,
         derivative_at_rest: 0.006843881,
         corner: 803.6376,
-        largest_shift: 0.12508789,
+        largest_shift: 0.06254394,
     },
     learning: LearningParams {
         adaptation: AdaptationParams {

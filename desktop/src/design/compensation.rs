@@ -46,7 +46,7 @@ const MEASURED_CORNER: f64 = 5.0;
 /// Largest change of the torque by a count of the output encoder in slow motion, of the motor's peak torque.
 const COUNT_TORQUE: f64 = 0.05;
 /// Part of the motor's peak torque that the largest shift takes.
-const SHIFT_TORQUE: f64 = 0.5;
+const SHIFT_TORQUE: f64 = 0.25;
 /// Largest torque that P and D ask for at a step of the rated torque, in motor's peak torques: with more, a motor at its
 /// limit no longer damps, and a load far lighter than its rotor is lost. Chosen on training joints.
 const STEP_TORQUE: f64 = 5.0;

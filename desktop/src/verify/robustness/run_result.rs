@@ -193,7 +193,8 @@ impl<'a> Judged<'a> {
         let mut faults = rows.iter().fold(Faults::NONE, |faults, row| faults.with(row.answer.faults));
         let mut mode = Mode::default();
         let mut at_rest = Vec::new();
-        let natural_period = Judge::new(scenario, self.plant, &rows).natural_period().map_err(RunError::from)?;
+        let natural_period =
+            Judge::new(scenario, self.plant, &rows).natural_period().map_err(RunError::from)?;
         let rest = Rest { from: scenario.at(scenario.duration(), &self.capability), natural_period };
         bench.go(&rest, &mut controller, |k, _, plant, answer| {
             (faults, mode) = (faults.with(answer.faults), answer.mode);
