@@ -7,7 +7,7 @@ use strainwave::compensator::estimate::observer::{
 };
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
-use strainwave::compensator::{Faults, Input, JointParams, RealTimeGear};
+use strainwave::compensator::{Compensator, Faults, Input, JointParams, RealTimeGear};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, Motion};
 use strainwave_desktop::GearFile;
@@ -96,10 +96,17 @@ fn the_observers_error_contracts() {
     }
 }
 
+/// The default gear with this calibrated zero of its output encoder (rad).
+fn with_zero(zero: Option<f64>) -> Compensator<f32> {
+    let mut file = GearFile::default_gear();
+    file.sensors.output_encoder_zero = zero;
+    joint_params(&file).unwrap().build().unwrap()
+}
+
 /// The zero between the two encoders is taken from readings that are accepted.
 #[test]
 fn a_bad_first_reading_does_not_become_the_zero_of_the_output_encoder() {
-    let compensator = joint_params::<f32>(&GearFile::default_gear()).unwrap().build().unwrap();
+    let compensator = with_zero(None);
     for (bad_motor, bad_output) in [(100_000, 1 << 19), (1 << 19, 300_000)] {
         let mut state = compensator.rest();
         let mut input = Input::<f32>::default();
@@ -115,6 +122,35 @@ fn a_bad_first_reading_does_not_become_the_zero_of_the_output_encoder() {
         // Of a resting output one count of 2^19 a revolution is taken for nothing.
         assert!(settled.estimate.torsion.abs() < (1.1 * TAU / 2f64.powi(19)) as f32, "{settled:?}");
     }
+}
+
+/// Output encoder's reading (counts of 2^19) at rest after 2 s, whose first one was `noise` counts off, beyond where the
+/// compensator takes the output for.
+fn beyond_estimate(zero: Option<f64>, at_rest: u32, noise: u32) -> (f64, Faults) {
+    let compensator = with_zero(zero);
+    let (mut state, mut input) = (compensator.rest(), Input::<f32>::default());
+    let mut last = compensator.output(&state);
+    for k in 0..20_000 {
+        input.sensors.output_encoder = Some(if k < SLOW_PERIODS { at_rest + noise } else { at_rest });
+        last = compensator.step(&mut state, &input);
+    }
+    (f64::from(last.estimate.torsion) * 2f64.powi(19) / TAU, last.faults)
+}
+
+/// Without a calibrated zero the noise of the first reading stays: 20 counts.
+#[test]
+fn the_noise_of_the_first_reading_is_not_in_a_calibrated_zero() {
+    let (torsion, faults) = beyond_estimate(Some(0.0), 0, 20);
+    assert!(torsion.abs() < 1.1 && faults == Faults::NONE, "{torsion} {faults:?}");
+    let (torsion, _) = beyond_estimate(None, 0, 20);
+    assert!((15.0..21.0).contains(&torsion), "{torsion}");
+}
+
+/// 1000 counts are 12 mrad, more than any torque winds this gear up.
+#[test]
+fn a_wrong_zero_takes_the_output_encoder_out() {
+    let (_, faults) = beyond_estimate(Some(0.0), 1000, 0);
+    assert!(faults.contains(Faults::OUTPUT_ENCODER_OFF), "{faults:?}");
 }
 
 /// 0.05 rad from one look at it to the next, 0.4 ms later, are 125 rad/s: the motor's speed, but no output's.

@@ -19,6 +19,7 @@ use crate::compensator::sense::clock::Clock;
 use crate::compensator::sense::encoder::EncoderParams;
 use crate::compensator::sense::motor_encoder::MotorEncoder;
 use crate::compensator::sense::motor_torque::MotorTorque;
+use crate::compensator::sense::output_zero::OutputZero;
 use crate::compensator::sense::rotor::Rotor;
 use crate::compensator::sense::validation::{FrozenEncoder, InputGuard};
 use crate::compensator::{Compensator, Limits};
@@ -40,6 +41,8 @@ pub struct JointParams<R: Real> {
     pub motor_encoder_bits: u32,
     /// Resolution of the output encoder, 2^bits counts a revolution.
     pub output_encoder_bits: u32,
+    /// Output encoder's reading where that of the motor's is 0 (rad, -pi..=pi), where it is known ([`OutputZero`]).
+    pub output_encoder_zero: Option<R>,
     /// Limits of motor and gear.
     pub limits: Limits<R>,
     /// The observer's gains.
@@ -85,6 +88,7 @@ impl<R: Real> JointParams<R> {
             guard,
             motor_encoder: MotorEncoder::build(self.motor_encoder_bits, &self.gear, limits, self.dt)?,
             output_encoder: encoder(self.output_encoder_bits, limits.output_speed(n) * readings)?,
+            output_zero: OutputZero::build(self.output_encoder_zero, n)?,
             frozen_encoder: FrozenEncoder::of_motor(round + round),
             frozen_output: FrozenEncoder::of_output(self.dt * looks),
             observer: self.observer.build(&self.gear, &self.limits, self.dt)?,

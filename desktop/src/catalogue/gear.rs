@@ -181,6 +181,7 @@ fn output_friction(rated: f64) -> Friction {
 fn sensors(rated: f64, n: f64) -> Sensors {
     Sensors {
         motor_torque_noise: rounded(0.01 * rated / n),
+        output_encoder_zero: None,
         output_torque_noise: rounded(0.01 * rated),
         ..GearFile::default_gear().sensors
     }

@@ -145,6 +145,7 @@ fn built(gear: &GearFile, [_, load, motor, output]: &Point) -> GearFile {
     let mut known = with_load(gear, drawn.max(least));
     known.sensors.motor_encoder_bits = place(*motor, MOTOR_BITS);
     known.sensors.output_encoder_bits = (*output >= 0.5).then(|| place(2.0 * output - 1.0, OUTPUT_BITS));
+    known.sensors.output_encoder_zero = known.sensors.output_encoder_bits.map(|_| 0.0);
     known
 }
 

@@ -45,10 +45,13 @@ const PROPORTIONAL: [f64; 2] = [0.4, 0.26];
 const MEASURED_CORNER: f64 = 5.0;
 /// Largest change of the torque by a count of the output encoder in slow motion, of the motor's peak torque.
 const COUNT_TORQUE: f64 = 0.05;
-/// Part of the motor's peak torque that the largest shift takes.
+/// Part of the motor's peak torque that the largest shift takes: the rest is left to the cascade's damping. With a half, a
+/// joint whose reflected rotor is ten times its load goes from limit to limit after a load step; the default gear's deviation
+/// at one is then a tenth smaller.
 const SHIFT_TORQUE: f64 = 0.25;
 /// Largest torque that P and D ask for at a step of the rated torque, in motor's peak torques: with more, a motor at its
-/// limit no longer damps, and a load far lighter than its rotor is lost. Chosen on training joints.
+/// limit no longer damps, and a load far lighter than its rotor is lost. Without it one run more of 500 training joints shakes
+/// and 3 of its 135 joints with both encoders more are worse than a baseline in S1.
 const STEP_TORQUE: f64 = 5.0;
 /// k without and with an output encoder, in slow motion and at rest, as fractions of the outer frequency.
 const INTEGRAL: [f64; 2] = [0.0, 0.3];

@@ -89,6 +89,7 @@ pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
         gear: firmware_gear_params(file)?,
         motor_encoder_bits: file.sensors.motor_encoder_bits,
         output_encoder_bits: file.sensors.output_bits(),
+        output_encoder_zero: file.sensors.output_encoder_zero.map(R::lit),
         limits: Limits {
             motor_torque: R::lit(file.motor.peak_torque),
             motor_speed: R::lit(file.motor.rotor_speed_limit),

@@ -24,6 +24,7 @@ use crate::compensator::sense::clock::Clock;
 use crate::compensator::sense::encoder::Encoder;
 use crate::compensator::sense::motor_encoder::MotorEncoder;
 use crate::compensator::sense::motor_torque::MotorTorque;
+use crate::compensator::sense::output_zero::OutputZero;
 use crate::compensator::sense::rotor::Rotor;
 use crate::compensator::sense::validation::{FrozenEncoder, InputGuard};
 use crate::compensator::{Commanded, Faults, Input, Limits, Output, RealTimeGear, State};
@@ -86,6 +87,7 @@ pub struct Compensator<R: Real> {
     pub(super) output_encoder: Encoder,
     pub(super) frozen_encoder: FrozenEncoder<R>,
     pub(super) frozen_output: FrozenEncoder<R>,
+    pub(super) output_zero: OutputZero,
     pub(super) fallback: Fallback<R>,
     pub(super) braking: Braking<R>,
     pub(super) feedback: Feedback<R>,

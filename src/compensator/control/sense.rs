@@ -53,11 +53,10 @@ impl<R: Real> Compensator<R> {
         let Reading { angle, accepted, .. } = self.output_encoder.step::<R>(&mut state.output_encoder, raw);
         faults.raise_if(!accepted, Faults::OUTPUT_ENCODER_JUMP);
         state.output_raw = Some(raw);
-        // The two encoders are mounted at any angle to each other: the first readings that are both
-        // accepted are their zero, with the torsion of that moment.
+        // The two encoders are mounted at any angle to each other: the first readings that are both accepted tell it.
         if state.output_zero.is_none() && accepted && state.motor_encoder.is_accepted() {
             let then = self.observer.output_at_reading(&self.gear, &state.observer, age);
-            state.output_zero = then.map(|then| angle.less(then));
+            state.output_zero = then.map(|then| self.output_zero.of(angle.less(then)));
         }
         let unsound = Faults::OUTPUT_ENCODER_FROZEN.with(Faults::OUTPUT_ENCODER_OFF);
         let frozen = state.faults.standstill.with(state.disabled_sensors).intersects(unsound);

@@ -23,8 +23,9 @@
 //!   margin of 2 to the stiffness.
 //! - omega_f: the inverse of the delay of torque, drive and observer.
 //!
-//! A load is taken for a step. A residual beyond z for more than 0.15 s, of which a tenth of the time within is taken
-//! off, is an oscillation: f returns to zero, and the joint comes to rest on l alone.
+//! A load is taken for a step. A residual d - m beyond z for more than 0.15 s, of which a tenth of the time within is taken
+//! off, is an oscillation: f returns to zero, and the joint comes to rest on l alone. A third of it is added where the
+//! residual is next beyond z with the other sign: a load comes and goes, the loop's limit cycle reverses a third time.
 
 use crate::angle::Ratio;
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
@@ -51,6 +52,9 @@ pub struct DisturbanceParams<R> {
 /// Longest time beyond the dead zone after a load step (s), and the fraction of the time within that is taken off it.
 const LONGEST_LOAD: f64 = 0.15;
 const RECOVERY: f64 = 0.1;
+/// Reversals of the residual beyond the dead zone that are an oscillation: the least that a load which comes and goes does
+/// not have, with one more for its ringing.
+const REVERSALS: f64 = 3.0;
 
 /// The built disturbance path.
 #[constants]
@@ -65,6 +69,8 @@ pub struct Disturbance<R> {
     tolerance: R,
     wind_up_fraction: R,
     longest: R,
+    /// What a reversal adds to the time beyond the dead zone (s).
+    reversal: R,
     wave_generator_inertia: R,
     ratio: R,
     /// s/r.
@@ -89,6 +95,8 @@ pub struct DisturbanceState<R> {
     /// Motor angle for each N m of f (rad/(N m)), and motor torque for each (1).
     by_torque: R,
     torque_ratio: R,
+    /// d - m when it was last beyond the dead zone (N m).
+    residual: R,
     /// For how long d has been beyond the dead zone (s).
     beyond: R,
     /// That is longer than a load takes to come.
@@ -148,6 +156,7 @@ impl<R: Real> DisturbanceParams<R> {
             tolerance: self.tolerance,
             wind_up_fraction: self.wind_up_fraction,
             longest: R::lit(LONGEST_LOAD),
+            reversal: R::lit(LONGEST_LOAD / REVERSALS),
             wave_generator_inertia: gear.wave_generator_inertia,
             ratio: ratio.value(),
             motor_wind_up: self.wind_up_fraction * R::from_i32(ratio.n()),
@@ -193,11 +202,14 @@ impl<R: Real> Disturbance<R> {
             external_torque.dead_zone(self.dead_zone) - state.slow
         };
         state.slow += self.slow_gain * change;
-        state.beyond = if residual.is_within(state.dead_zone) {
-            (state.beyond - R::lit(RECOVERY) * self.slow_dt).max(R::ZERO)
+        let time = if residual.is_within(state.dead_zone) {
+            R::lit(-RECOVERY) * self.slow_dt
         } else {
-            (state.beyond + self.slow_dt).min(self.longest + self.slow_dt)
+            let reverses = residual * state.residual < R::ZERO;
+            state.residual = residual;
+            if reverses { self.reversal } else { self.slow_dt }
         };
+        state.beyond = (state.beyond + time).max(R::ZERO).min(self.longest + self.slow_dt);
         state.oscillates = state.beyond >= self.longest;
     }
 
@@ -297,11 +309,30 @@ mod tests {
         assert!(of(1.0) < 0.1 * of(0.0) && of(0.0) > 5.0, "{}, {}", of(1.0), of(0.0));
     }
 
+    /// Nor what grows for longer than a load takes to come.
     #[test]
-    fn an_oscillation_is_no_load() {
+    fn what_stays_beyond_the_mean_is_no_load() {
+        let growing = |time: f64| 1000.0 * time;
+        assert!(after(0.1, growing, 0.0, true).1 > 20.0);
+        assert!(after(0.4, growing, 0.0, true).1.abs() < 1e-6);
+    }
+
+    #[test]
+    fn an_oscillation_is_known_by_its_third_reversal() {
         let oscillation = |time: f64| 30.0 * (300.0 * time).sin();
-        assert!(after(0.1, oscillation, 0.0, true).1.abs() > 1.0);
-        assert!(after(0.4, oscillation, 0.0, true).1.abs() < 1e-6);
+        let half = core::f64::consts::PI / 300.0;
+        assert!(after(3.0 * half, oscillation, 0.0, true).1.abs() > 3.0);
+        assert!(after(3.5 * half + 0.02, oscillation, 0.0, true).1.abs() < 1e-4);
+    }
+
+    /// A blow of 10 ms is followed to its end.
+    #[test]
+    fn a_load_that_comes_and_goes_is_no_oscillation() {
+        let blow = |time: f64| if (0.01..0.02).contains(&time) { 40.0 } else { 0.0 };
+        assert!(after(0.02, blow, 0.0, true).1 > 20.0);
+        assert!(after(0.1, blow, 0.0, true).1.abs() < 1.0);
+        let again = |time: f64| blow(time) + blow(time - 0.1);
+        assert!(after(0.12, again, 0.0, true).1 > 20.0);
     }
 
     #[test]

@@ -4,5 +4,6 @@ pub mod clock;
 pub mod encoder;
 pub mod motor_encoder;
 pub(super) mod motor_torque;
+pub mod output_zero;
 pub mod rotor;
 pub(super) mod validation;

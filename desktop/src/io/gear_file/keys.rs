@@ -181,6 +181,7 @@ const CONTROL: &[Key] = &[
     optional("sensors.motor_encoder_noise_rad", within(0.0, 0.01, "rad")),
     optional("sensors.output_encoder_bits", Allowed::Whole(10, 32)),
     optional("sensors.output_encoder_noise_rad", within(0.0, 0.01, "rad")),
+    optional("sensors.output_encoder_zero_rad", within(-PI, PI, "rad")),
     optional("sensors.output_encoder_delay_periods", Allowed::Whole(0, LONGEST_DELAY as i64)),
     optional("sensors.output_encoder_period_periods", Allowed::Whole(1, LONGEST_PERIOD as i64)),
     key("sensors.output_torque", Allowed::Flag),

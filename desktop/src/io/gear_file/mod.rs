@@ -36,6 +36,7 @@ pub use gains::{BaselineGains, GAINS, Gain, Kind, StoredGains};
 pub use keys::{Allowed, KEYS, Key, RELATIONS, Relation};
 pub use learnt::Learnt;
 pub use sensor_set::SensorSet;
+pub(crate) use text::line_of;
 
 /// The default gear `hd25-100`, as a file.
 pub const DEFAULT: &str = include_str!("../../../../gears/hd25-100.toml");
@@ -299,6 +300,9 @@ pub struct Sensors {
     /// Bits a revolution of the output encoder, when there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output_encoder_bits: Option<u32>,
+    /// Its reading where that of the motor's is 0, but for whole turns of the motor (rad); the first readings tell it when left out.
+    #[serde(rename = "output_encoder_zero_rad", default, skip_serializing_if = "Option::is_none")]
+    pub output_encoder_zero: Option<f64>,
     /// By how many control periods the output encoder's reading is late.
     #[serde(rename = "output_encoder_delay_periods", default, skip_serializing_if = "is_default::<0>")]
     pub output_encoder_delay: u32,

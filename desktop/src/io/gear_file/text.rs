@@ -169,7 +169,8 @@ fn not_toml(text: &str, error: &toml::de::Error) -> String {
     format!("line {}: not TOML: {}", line_of(text, error), error.message().replace('\n', "; "))
 }
 
-fn line_of(text: &str, error: &toml::de::Error) -> usize {
+/// Line of TOML text that an error is about, from 1.
+pub(crate) fn line_of(text: &str, error: &toml::de::Error) -> usize {
     line_at(text.as_bytes(), error.span().map_or(0, |span| span.start))
 }
 

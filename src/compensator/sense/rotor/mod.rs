@@ -22,7 +22,7 @@
 //! | fault | raised when |
 //! | --- | --- |
 //! | gear overload | abs T_g > 1.25*tau_p at the end of a round: no command takes it there ([`crate::compensator::actuate::protection`]), so that it is a blow, or a sign or size of torque or angle that is wrong |
-//! | frozen, standing | the count is the same at every observer step of two rounds or more, and tau had changed a round ago by more than 2.5*tau_s + 0.01*tau_max + 2*count*K/n^2 + 8*J_wg*count/h^2: static friction gives way at 2*tau_s at most, and then the last of it moves the rotor by two counts within half a round |
+//! | frozen, standing | the count is the same at every observer step of two rounds or more, and tau had changed a round ago, since the rotor stood, or from (tau + tau_before)/2 - J_wg*alpha when it last moved, by more than 2.5*tau_s + 0.01*tau_max + 2*count*K/n^2 + 8*J_wg*count/h^2: static friction gives way at 2*tau_s at most, and then the last of it moves the rotor by two counts within half a round |
 //! | frozen, loaded | it stands, and the torque on it, that of the gear by the torque sensor included, has changed by more than that and 0.1 of the gear's change; by the output encoder, than that, 2*count_out*K_3/n and 0.3 of the change |
 //! | frozen, moving | the count stands still at once, though 1.25*(abs tau + abs T_g/n + tau_s) + tau_p/(4*n) + 3*J_wg*count/h^2, the last for what rounding makes of two speeds, could not stop the rotor in the time |
 //! | overspeed | abs omega > the speed limit |
@@ -298,13 +298,18 @@ impl<R: Real> Rotor<R> {
         if stands {
             let stopped = state.still == 0 && !inertial.is_within(stopping);
             state.still = state.still.saturating_add(1);
-            // The torque of this round may have come at its end, too late to be seen in the motion.
-            (state.least, state.most) = (state.least.min(applied_before), state.most.max(applied_before));
+            // The torque of this round may have come at its end, too late to be seen in the motion; that of the one before
+            // counts from when the rotor stood in it.
+            if state.still > 1 {
+                (state.least, state.most) = (state.least.min(applied_before), state.most.max(applied_before));
+            }
             let slipped = state.still > 1 && state.most - state.least > self.grip;
             faults.raise_if(stopped | slipped, Faults::MOTOR_ENCODER_FROZEN);
         } else {
             state.still = 0;
-            (state.least, state.most) = (torque, torque);
+            // What of the torque accelerates a rotor that moves does not hold one that stands.
+            let held = mean - inertial;
+            (state.least, state.most) = (held, held);
         }
         // A late drive still applies the command of a round ago.
         let commanded = torque - drive_error;

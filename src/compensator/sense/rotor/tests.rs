@@ -56,6 +56,24 @@ fn a_motor_has_a_round_to_follow_its_torque() {
     }
 }
 
+/// A motor that its torque brakes to rest, more torque than friction holds, stands without it.
+#[test]
+fn a_motor_that_is_braked_to_rest_is_not_frozen() {
+    let (rotor, mut state) = (rotor(), RotorState::default());
+    let (count, round_time) =
+        (core::f64::consts::TAU / f64::from(1 << 19), f64::from(SLOW_PERIODS) * CONTROL_PERIOD);
+    let braking = 1.5 * rotor.grip;
+    let change = braking / rotor.inertia * round_time;
+    let mut place = 0.0;
+    let rounds = (0..40).map(|index| {
+        let speed = (f64::from(20 - index) * change).max(0.0);
+        place -= speed * round_time / count;
+        let torque = if speed > 0.0 { braking } else { 0.0 };
+        round(&rotor, &mut state, torque, place as i64, place as i64)
+    });
+    assert_eq!(rounds.fold(Faults::NONE, Faults::with), Faults::NONE);
+}
+
 /// A drive that gives 20 % of its command is named; one that is as far off to either side in turn is not.
 #[test]
 fn a_drive_is_judged_by_the_mean_of_a_round() {
