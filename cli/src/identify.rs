@@ -6,7 +6,8 @@ use clap::Args;
 use strainwave_desktop::design::buildable::buildable;
 use strainwave_desktop::identify::joint::LEVELS;
 use strainwave_desktop::identify::{
-    GearLog, GearOptions, IdentifiedGear, LearntGear, Refusal, Smoothing, identify_gear, learn_gear,
+    GearLog, GearOptions, IdentifiedGear, LearntGear, OperatorOptions, Refusal, Smoothing, identify_gear,
+    learn_gear,
 };
 use strainwave_desktop::io::log::Jitter;
 use strainwave_desktop::report::plot::{Page, Panel, Series};
@@ -15,8 +16,8 @@ use strainwave_desktop::{BadInput, Figure, GearFile};
 use crate::figures::{Figures, FiguresArguments, complain, tell};
 use crate::files;
 use crate::logs::Reading;
-use crate::pil_plots;
 use crate::progress::Progress;
+use crate::{operator, pil_plots};
 
 /// Identify a gear from measured logs, of the held joint its hysteresis, of a moving one the rest, and write its gear file
 ///
@@ -28,15 +29,17 @@ use crate::progress::Progress;
 /// reach, the weights are those of the base gear. The rest is predicted, and so it is by the base gear: a gear file is not
 /// written, and the exit code is 1, where it predicts worse than the base gear, where `strainwave check` would refuse it, or
 /// where a parameter ends at the limit of its search.
+///
+/// With --operator it is the Preisach operator of any actuator, from logs with the columns u and y.
 #[derive(Args)]
 pub struct Arguments {
     /// Measured logs of one joint; - for the standard input
     #[arg(value_name = "LOG.csv", required = true)]
     logs: Vec<PathBuf>,
     /// Base gear: all that is not identified is taken from it
-    #[arg(long, value_name = "G.toml")]
-    gear: PathBuf,
-    /// Gear file to write, complete or not at all; - for the standard output
+    #[arg(long, value_name = "G.toml", required_unless_present = "operator")]
+    gear: Option<PathBuf>,
+    /// Gear file to write, or with --operator the operator's, complete or not at all; - for the standard output
     #[arg(long, value_name = "OUT.toml")]
     output: PathBuf,
     /// Fraction of each log, from its start, that trains; 0.2 to 1
@@ -50,6 +53,21 @@ pub struct Arguments {
     /// gear's: a moving joint's log does not tell it from the load.
     #[arg(long, conflicts_with_all = ["levels", "smoothing"])]
     moving: bool,
+    /// The logs are of any actuator, input u and output y in any units: identify its Preisach operator
+    ///
+    /// A column t_s may be there and counts for nothing. Identified are a line and weights on a triangle of L x L levels, which need
+    /// not be symmetric, all of one sign: that with which the output lags its input, or leads it. A log may start in any
+    /// state. Levels and smoothness are chosen by cross-validation on loops within what trains. The table
+    /// tells the errors in % of the span beside those of a straight line; where that predicts better the file is not
+    /// written, and the exit code is 1.
+    #[arg(long, conflicts_with = "moving")]
+    operator: bool,
+    /// Of --operator, weights of either sign: loops that cross themselves, such as a butterfly
+    #[arg(long, requires = "operator")]
+    signed: bool,
+    /// Of --operator, a log that does not train and is predicted; may be given several times
+    #[arg(long, value_name = "LOG.csv", requires = "operator")]
+    predict: Vec<PathBuf>,
     /// The motor torque counts against the motor angle
     #[arg(long, requires = "moving")]
     reversed_torque: bool,
@@ -59,7 +77,7 @@ pub struct Arguments {
     /// Read logs that have other columns, too, without those
     #[arg(long)]
     ignore_extra: bool,
-    /// Levels of the grid, 6, 8, 12 or 24; chosen by cross-validation when left out
+    /// Levels of the grid, 6, 8, 12 or 24, of --operator 2 to 64; chosen by cross-validation when left out
     #[arg(long, value_name = "L")]
     levels: Option<usize>,
     /// Factor of the smoothness, from 1e-12; chosen by cross-validation when left out
@@ -85,17 +103,26 @@ const LEAST_SMOOTHING: f64 = 1e-12;
 pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     let json = arguments.figures.json.as_deref();
     let named = [
-        ("--gear", Some(arguments.gear.as_path())),
+        ("--gear", arguments.gear.as_deref()),
         ("--output", Some(&arguments.output)),
         ("--plot", arguments.plot.as_deref()),
         ("--json", json),
     ];
     let logs = arguments.logs.iter().map(|log| ("LOG.csv", Some(log.as_path())));
-    files::require_distinct(&logs.chain(named).collect::<Vec<_>>())?;
-    let options = options(arguments)?;
-    let base = GearFile::read(&arguments.gear)?;
+    let predicted = arguments.predict.iter().map(|log| ("--predict", Some(log.as_path())));
+    files::require_distinct(&logs.chain(predicted).chain(named).collect::<Vec<_>>())?;
+    let (training, smoothing) = (training(arguments)?, smoothing(arguments)?);
+    let path = match &arguments.gear {
+        Some(_) if arguments.operator => {
+            return Err(BadInput::message("--gear with --operator; allowed: one of the two"));
+        }
+        Some(path) => path,
+        None => return operator(arguments, training, smoothing),
+    };
+    let options = GearOptions { training, levels: gear_levels(arguments)?, smoothing };
+    let base = GearFile::read(path)?;
     if arguments.moving {
-        return moving(arguments, &base);
+        return moving(arguments, path, &base);
     }
     let read = |path: &PathBuf| read(path, &base, &options, reading(arguments));
     let (logs, jitters): (Vec<_>, Vec<_>) =
@@ -120,12 +147,12 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
 }
 
 /// Learns from a moving joint's log.
-fn moving(arguments: &Arguments, base: &GearFile) -> Result<Figures, BadInput> {
+fn moving(arguments: &Arguments, gear: &Path, base: &GearFile) -> Result<Figures, BadInput> {
     let [path] = arguments.logs.as_slice() else {
         let why = format_args!("--moving with {} logs; allowed: one", arguments.logs.len());
         return Err(BadInput::message(why));
     };
-    buildable(base).map_err(|why| BadInput::new(&arguments.gear, why))?;
+    buildable(base).map_err(|why| BadInput::new(gear, why))?;
     let log = reading(arguments).log(path, base)?;
     if log.output_position.is_none() {
         return Err(BadInput::new(path, "column theta_out_rad is missing; the kinematic error is its"));
@@ -215,22 +242,44 @@ fn moving_figures(found: &LearntGear) -> Vec<Figure> {
     figures
 }
 
-fn options(arguments: &Arguments) -> Result<GearOptions, BadInput> {
-    let refuse = |option: &str, value: f64, allowed: &str| {
-        Err(BadInput::message(format_args!("{option} {value} is out of range; allowed: {allowed}")))
-    };
-    if !(0.2..=1.0).contains(&arguments.training) {
-        return refuse("--training", arguments.training, "a number from 0.2 to 1");
+fn operator(arguments: &Arguments, training: f64, smoothing: Smoothing) -> Result<Figures, BadInput> {
+    let Arguments { levels, signed, .. } = *arguments;
+    operator::run(&operator::Request {
+        logs: &arguments.logs,
+        predicted: &arguments.predict,
+        output: &arguments.output,
+        plot: arguments.plot.as_deref(),
+        options: OperatorOptions { training, levels, smoothing, signed },
+        reading: reading(arguments),
+        force: arguments.force,
+        figures: &arguments.figures,
+    })
+}
+
+fn refuse<T>(option: &str, value: f64, allowed: &str) -> Result<T, BadInput> {
+    Err(BadInput::message(format_args!("{option} {value} is out of range; allowed: {allowed}")))
+}
+
+fn training(arguments: &Arguments) -> Result<f64, BadInput> {
+    match arguments.training {
+        fraction if (0.2..=1.0).contains(&fraction) => Ok(fraction),
+        fraction => refuse("--training", fraction, "a number from 0.2 to 1"),
     }
-    if let Some(levels) = arguments.levels.filter(|levels| !LEVELS.contains(levels)) {
-        return refuse("--levels", levels as f64, "6, 8, 12 or 24");
+}
+
+fn gear_levels(arguments: &Arguments) -> Result<Option<usize>, BadInput> {
+    match arguments.levels.filter(|levels| !LEVELS.contains(levels)) {
+        Some(levels) => refuse("--levels", levels as f64, "6, 8, 12 or 24"),
+        None => Ok(arguments.levels),
     }
-    let smoothing = match arguments.smoothing {
-        None => Smoothing::Chosen,
-        Some(factor) if (LEAST_SMOOTHING..=1e6).contains(&factor) => Smoothing::Given(factor),
-        Some(factor) => return refuse("--smoothing", factor, "a number from 1e-12 to 1e6"),
-    };
-    Ok(GearOptions { training: arguments.training, levels: arguments.levels, smoothing })
+}
+
+fn smoothing(arguments: &Arguments) -> Result<Smoothing, BadInput> {
+    match arguments.smoothing {
+        None => Ok(Smoothing::Chosen),
+        Some(factor) if (LEAST_SMOOTHING..=1e6).contains(&factor) => Ok(Smoothing::Given(factor)),
+        Some(factor) => refuse("--smoothing", factor, "a number from 1e-12 to 1e6"),
+    }
 }
 
 fn reading(arguments: &Arguments) -> Reading {

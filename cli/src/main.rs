@@ -15,6 +15,7 @@ mod files;
 mod identify;
 mod logs;
 mod new;
+mod operator;
 mod page;
 mod pil;
 mod pil_plots;

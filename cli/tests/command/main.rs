@@ -8,5 +8,6 @@ mod good_input;
 mod identify;
 mod keep;
 mod missed;
+mod operator;
 mod own_joint;
 mod set_up;

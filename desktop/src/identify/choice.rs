@@ -4,7 +4,8 @@
 //! others give, and the mean square of what it misses by counts. The history of the input runs through all
 //! of them: left out are samples of the output. Of the factors lambda whose mean square is within one
 //! standard error of the least, the largest is taken (T. Hastie, R. Tibshirani, J. Friedman, "The elements of
-//! statistical learning", 2009, section 7.10): the smoothest table that the log does not speak against.
+//! statistical learning", 2009, section 7.10): the smoothest table that the log does not speak against. Where a smooth table is no
+//! better guess than another ([`Preference::Least`]) it is the lambda of the least mean square.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -23,6 +24,15 @@ pub enum Smoothing {
     Chosen,
     /// This factor.
     Given(f64),
+}
+
+/// Which of the factors lambda that predict about as well is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Preference {
+    /// The largest.
+    Smoothest,
+    /// That which predicts best.
+    Least,
 }
 
 /// A least-squares problem: unknowns of either sign up to `bounded`, then densities.
@@ -50,16 +60,22 @@ impl Problem {
     }
 
     /// lambda, and the mean square over the pieces left out.
-    pub fn choose(&self, blocks: &[Factor], smoothing: Smoothing) -> Result<(f64, f64), Error> {
+    pub fn choose(
+        &self,
+        blocks: &[Factor],
+        smoothing: Smoothing,
+        preference: Preference,
+    ) -> Result<(f64, f64), Error> {
         let decades = match smoothing {
             Smoothing::Given(smoothing) => vec![smoothing],
             Smoothing::Chosen => DECADES.map(|decade| 10f64.powi(decade)).collect(),
         };
+        let others: Vec<_> = (0..blocks.len()).map(|left_out| without(blocks, left_out)).collect();
         let mut tried = Vec::new();
         let mut failed = None;
         for smoothing in decades {
             // Too little smoothness can leave a problem that is none.
-            match self.validate(blocks, smoothing) {
+            match self.validate(blocks, &others, smoothing) {
                 Ok(residual) => tried.push((smoothing, residual)),
                 Err(error) => failed = Some(error),
             }
@@ -67,21 +83,29 @@ impl Problem {
         let least =
             tried.iter().min_by(|a, b| mean(&a.1).total_cmp(&mean(&b.1))).map(|(_, least)| least.clone());
         let least = least.unwrap_or_default();
-        let smoothest = tried.iter().rev().find(|(_, residual)| !is_worse(residual, &least));
+        let is_taken = |residual: &[f64]| match preference {
+            Preference::Smoothest => !is_worse(residual, &least),
+            Preference::Least => residual == least,
+        };
+        let taken = tried.iter().rev().find(|(_, residual)| is_taken(residual));
         let (smoothing, residual) =
-            smoothest.ok_or_else(|| failed.unwrap_or(Error::Solver("no finite residual".into())))?;
+            taken.ok_or_else(|| failed.unwrap_or(Error::Solver("no finite residual".into())))?;
         Ok((*smoothing, mean(residual)))
     }
 
-    /// Mean square of each piece, left out.
-    fn validate(&self, blocks: &[Factor], smoothing: f64) -> Result<Vec<f64>, Error> {
-        let residual = |(left_out, block): (usize, &Factor)| {
-            let others = blocks.iter().enumerate().filter(|(k, _)| *k != left_out).map(|(_, block)| block);
-            let x = self.solve(&Factor::joined(others), smoothing)?;
+    /// Mean square of each piece, as the `others` predict it.
+    fn validate(&self, blocks: &[Factor], others: &[Factor], smoothing: f64) -> Result<Vec<f64>, Error> {
+        let residual = |(block, others): (&Factor, &Factor)| {
+            let x = self.solve(others, smoothing)?;
             Ok(block.squares(&x) / block.rows() as f64)
         };
-        blocks.iter().enumerate().map(residual).collect()
+        blocks.iter().zip(others).map(residual).collect()
     }
+}
+
+/// All pieces but one.
+fn without(blocks: &[Factor], left_out: usize) -> Factor {
+    Factor::joined(blocks.iter().enumerate().filter(|(k, _)| *k != left_out).map(|(_, block)| block))
 }
 
 fn mean(values: &[f64]) -> f64 {

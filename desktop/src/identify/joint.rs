@@ -31,7 +31,7 @@ use nalgebra::{DMatrix, DVector};
 use strainwave::hysteresis::table::TABLE_LEVELS;
 use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState};
 
-use super::choice::{Problem, Smoothing};
+use super::choice::{Preference, Problem, Smoothing};
 use super::gear_log::GearLog;
 use super::law::{Law, OnLaw};
 use super::least_squares::Factor;
@@ -318,7 +318,7 @@ impl<'a, const L: usize> Task<'a, L> {
         };
         let line = self.settle(prior, PRIOR_ALONE)?;
         let (smoothing, validation) =
-            self.problem.choose(&self.pieces(&line)?, self.job.options.smoothing)?;
+            self.problem.choose(&self.pieces(&line)?, self.job.options.smoothing, Preference::Smoothest)?;
         let found = self.renew_starts(self.settle(line, smoothing)?, smoothing)?;
         let validation_rms = validation.sqrt() * self.span;
         Ok((validation, self.finish(found, smoothing, validation_rms)?))

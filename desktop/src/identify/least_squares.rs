@@ -30,6 +30,51 @@ pub(super) struct Factor {
     rows: usize,
 }
 
+/// Rows [A | b] that are reduced as they come: the memory that they take does not grow with their number.
+pub(super) struct Reduction {
+    columns: usize,
+    /// Not reduced yet, row by row.
+    rows: Vec<f64>,
+    factor: Option<Factor>,
+}
+
+/// Most rows that are held before they are reduced; as many as there are columns where those are more.
+const MOST_HELD: usize = 1024;
+
+impl Reduction {
+    /// Of rows with this many numbers.
+    pub fn new(columns: usize) -> Self {
+        Self { columns, rows: Vec::new(), factor: None }
+    }
+
+    /// Takes a row.
+    pub fn push(&mut self, row: impl IntoIterator<Item = f64>) {
+        self.rows.extend(row);
+        if self.rows.len() >= self.columns * MOST_HELD.max(self.columns) {
+            self.reduce();
+        }
+    }
+
+    /// The factor of all rows.
+    pub fn finish(mut self) -> Factor {
+        self.reduce();
+        self.factor.unwrap_or_else(|| Factor { triangle: DMatrix::zeros(0, self.columns), rows: 0 })
+    }
+
+    fn reduce(&mut self) {
+        if self.rows.is_empty() {
+            return;
+        }
+        let count = self.rows.len() / self.columns;
+        let last = Factor::of(DMatrix::from_row_slice(count, self.columns, &self.rows));
+        self.rows.clear();
+        self.factor = Some(match self.factor.take() {
+            Some(before) => Factor::joined([before, last].iter()),
+            None => last,
+        });
+    }
+}
+
 impl Factor {
     /// The factor of rows [A | b].
     pub fn of(rows: DMatrix<f64>) -> Self {
@@ -144,6 +189,23 @@ mod tests {
             for x in [[0.0; 3], [1.0, -2.0, 0.5]] {
                 assert!((factor.squares(&x) - squares(&rows, &x)).abs() < 1e-11);
             }
+        }
+    }
+
+    #[test]
+    fn rows_that_are_reduced_as_they_come_have_the_same_squares() {
+        let x = [1.0, -2.0, 0.5];
+        for count in [0, 1, MOST_HELD - 1, MOST_HELD, 2 * MOST_HELD + 3] {
+            let row = |row: usize| (0..4).map(move |column| ((row * 7 + column * 13) as f64).sin());
+            let mut reduction = Reduction::new(4);
+            for k in 0..count {
+                reduction.push(row(k));
+                assert!(reduction.rows.len() < 4 * MOST_HELD);
+            }
+            let all = DMatrix::from_row_iterator(count, 4, (0..count).flat_map(row));
+            let (factor, expected) = (reduction.finish(), squares(&all, &x));
+            assert_eq!(factor.rows(), count);
+            assert!((factor.squares(&x) - expected).abs() <= 1e-12 * expected, "{count}");
         }
     }
 

@@ -18,6 +18,7 @@
 //! | `start` | offset and start state of a held joint's log |
 //! | `gear_log` | a measured log as torque and torsion |
 //! | `joint` | weights of a gear from measured logs: torque over torsion |
+//! | `operator` | weights of any actuator that need not be symmetric, from any start |
 //! | `moving` | friction and kinematic error from a moving joint's log |
 //! | `refusal` | why an identified gear file is not written |
 //!
@@ -35,6 +36,7 @@ pub(crate) mod law;
 mod least_squares;
 mod line;
 pub mod moving;
+pub mod operator;
 mod refusal;
 pub mod regressors;
 pub mod replay;
@@ -50,6 +52,7 @@ pub use excitation::Excitation;
 pub use gear_log::GearLog;
 pub use joint::{GearOptions, IdentifiedGear, IdentifiedTable, identify_gear};
 pub use moving::{LearntGear, learn_gear};
+pub use operator::{IdentifiedOperator, Operator, OperatorOptions, identify_operator};
 pub use refusal::Refusal;
 pub use sequence::{Identified, Options, Sequence, identify};
 pub use start::Start;
@@ -91,6 +94,9 @@ pub enum Error {
         /// Span of the input, in its unit.
         span: f64,
     },
+    /// There is nothing to be predicted.
+    #[error("the output y is the same in every row that trains; allowed: one that changes")]
+    ConstantOutput,
     /// The kinematic error would count as torsion.
     #[error("the motor turns by {travel:.3} rad; allowed: at most {most} rad, the joint has to be held")]
     NotHeld {

@@ -8,22 +8,34 @@
 
 /// Times that `input` turns back by more than `least` from an extremum.
 pub fn reversals(input: &[f64], least: f64) -> usize {
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    let (mut count, mut rising) = (0, None);
-    for &u in input {
-        (low, high) = (low.min(u), high.max(u));
+    turns(input, least).len()
+}
+
+/// Where `input` has its extrema, from which it turns back by more than `least`.
+pub fn turns(input: &[f64], least: f64) -> Vec<usize> {
+    let (mut low, mut high) = (0, 0);
+    let (mut found, mut rising) = (Vec::new(), None);
+    for (at, &u) in input.iter().enumerate() {
+        if u < input[low] {
+            low = at;
+        }
+        if u > input[high] {
+            high = at;
+        }
         let turned = match rising {
-            None => high - low > least,
-            Some(true) => high - u > least,
-            Some(false) => u - low > least,
+            None => input[high] - input[low] > least,
+            Some(true) => input[high] - u > least,
+            Some(false) => u - input[low] > least,
         };
         if turned {
-            count += usize::from(rising.is_some());
-            rising = Some(rising.map_or(u == high, |rising| !rising));
-            (low, high) = (u, u);
+            if let Some(rising) = rising {
+                found.push(if rising { high } else { low });
+            }
+            rising = Some(rising.map_or(u == input[high], |rising: bool| !rising));
+            (low, high) = (at, at);
         }
     }
-    count
+    found
 }
 
 /// Paths of `input` upwards and downwards; what is not more than `least` is left out, as noise.
@@ -95,6 +107,7 @@ mod tests {
         assert_eq!(reversals(&[0.0, 1.0, 0.8, 2.0, -1.0], 0.1), 3);
         assert_eq!(reversals(&[1.0, -1.0, -0.5], 0.1), 1);
         assert_eq!(reversals(&[], 0.1), 0);
+        assert_eq!(turns(&[0.0, 1.0, 0.8, 0.7, 2.0, -1.0], 0.1), [1, 3, 4]);
         assert_eq!(reversals(&reversal_curves(1.0, 4, 3), 0.1), 7);
     }
 }

@@ -3,11 +3,13 @@
 //! The sequence starts demagnetised: an actuator that was not is first led to an end of its range, in the
 //! record. Samples count alike; a log whose time stamps jitter is resampled before.
 
+use std::ops::Range;
+
 use nalgebra::DMatrix;
 use strainwave::hysteresis::{Staircase, StaircaseState, Weights};
 
 pub(super) use super::choice::BLOCKS;
-use super::choice::{Problem, Smoothing};
+use super::choice::{Preference, Problem, Smoothing};
 use super::least_squares::Factor;
 use super::regressors::{pairs, regressors, weights_of};
 use super::reversal::reversals;
@@ -93,7 +95,7 @@ pub fn identify<const L: usize>(sequence: Sequence, options: &Options) -> Result
         problem.bounded = affine + densities.len();
     }
     let blocks = blocks(&rows, 0..training);
-    let (smoothing, _) = problem.choose(&blocks, options.smoothing)?;
+    let (smoothing, _) = problem.choose(&blocks, options.smoothing, Preference::Smoothest)?;
     let x = problem.solve(&Factor::joined(blocks.iter()), smoothing)?;
     let values: Vec<_> = x[affine..].iter().zip(&densities).map(|(x, unit)| x * unit * span).collect();
     let offset = x[..affine].iter().sum::<f64>() * span;
@@ -115,13 +117,7 @@ pub fn identify<const L: usize>(sequence: Sequence, options: &Options) -> Result
 
 /// The number of samples that train.
 fn check(Sequence { input, output }: Sequence, options: &Options) -> Result<usize, Error> {
-    if input.len() != output.len() {
-        return Err(Error::Lengths { inputs: input.len(), outputs: output.len() });
-    }
-    let finite = |(u, y): (&f64, &f64)| u.is_finite() && y.is_finite();
-    if let Some(sample) = input.iter().zip(output).position(|pair| !finite(pair)) {
-        return Err(Error::NotFinite { sample });
-    }
+    require_finite(input, output)?;
     if !(0.2..=1.0).contains(&options.training) {
         return Err(strainwave::Error::OutOfRange("training").into());
     }
@@ -132,6 +128,16 @@ fn check(Sequence { input, output }: Sequence, options: &Options) -> Result<usiz
     }
     require_reversal("input", &input[..training])?;
     Ok(training)
+}
+
+/// Refuses what is not finite or not of one log.
+pub(super) fn require_finite(input: &[f64], output: &[f64]) -> Result<(), Error> {
+    if input.len() != output.len() {
+        return Err(Error::Lengths { inputs: input.len(), outputs: output.len() });
+    }
+    let is_finite = |(u, y): (&f64, &f64)| u.is_finite() && y.is_finite();
+    let fault = input.iter().zip(output).position(|pair| !is_finite(pair));
+    fault.map_or(Ok(()), |sample| Err(Error::NotFinite { sample }))
 }
 
 pub(super) fn require_reversal(name: &'static str, input: &[f64]) -> Result<(), Error> {
@@ -155,9 +161,14 @@ pub(super) fn rms(values: &[f64]) -> Option<f64> {
 }
 
 /// The rows of some samples, reduced piece by piece of time.
-pub(super) fn blocks(rows: &DMatrix<f64>, samples: std::ops::Range<usize>) -> Vec<Factor> {
-    let edge = |k: usize| samples.start + samples.len() * k / BLOCKS;
-    (0..BLOCKS).map(|k| Factor::of(rows.rows(edge(k), edge(k + 1) - edge(k)).into())).collect()
+pub(super) fn blocks(rows: &DMatrix<f64>, samples: Range<usize>) -> Vec<Factor> {
+    pieces_of_time(samples).map(|piece| Factor::of(rows.rows(piece.start, piece.len()).into())).collect()
+}
+
+/// Samples of each piece of time.
+pub(super) fn pieces_of_time(samples: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+    let edge = move |k: usize| samples.start + samples.len() * k / BLOCKS;
+    (0..BLOCKS).map(move |k| edge(k)..edge(k + 1))
 }
 
 fn operator<const L: usize>(

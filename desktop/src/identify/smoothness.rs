@@ -56,7 +56,7 @@ pub(super) fn penalty<const L: usize>() -> DMatrix<f64> {
         for j in 0..=i {
             for neighbour in [(i + 1, j), (i, j + 1)] {
                 if neighbour.0 < L && neighbour.1 <= neighbour.0 {
-                    add_difference(&mut penalty, index((i, j)), index(neighbour));
+                    add_difference(&mut penalty, index((i, j)), index(neighbour), 1.0);
                 }
             }
         }
@@ -64,13 +64,30 @@ pub(super) fn penalty<const L: usize>() -> DMatrix<f64> {
     penalty
 }
 
-/// Adds (x_a - x_b)^2.
-fn add_difference(penalty: &mut DMatrix<f64>, a: Option<usize>, b: Option<usize>) {
+/// D'D for densities of single cells, row by row, that need not be symmetric: differences along alpha and beta count by `across`
+/// squared, those along the diagonal, where alpha - beta stays, by `along` squared.
+pub(super) fn penalty_of_cells(levels: usize, along: f64, across: f64) -> DMatrix<f64> {
+    let index = |(i, j): (usize, usize)| (j <= i && i < levels).then(|| i * (i + 1) / 2 + j);
+    let size = levels * (levels + 1) / 2;
+    let mut penalty = DMatrix::zeros(size, size);
+    for i in 0..levels {
+        for j in 0..=i {
+            for (neighbour, factor) in [((i + 1, j), across), ((i, j + 1), across), ((i + 1, j + 1), along)] {
+                add_difference(&mut penalty, index((i, j)), index(neighbour), factor);
+            }
+        }
+    }
+    penalty
+}
+
+/// Adds factor^2*(x_a - x_b)^2.
+pub(super) fn add_difference(penalty: &mut DMatrix<f64>, a: Option<usize>, b: Option<usize>, factor: f64) {
     if let (Some(a), Some(b)) = (a, b) {
-        penalty[(a, a)] += 1.0;
-        penalty[(b, b)] += 1.0;
-        penalty[(a, b)] -= 1.0;
-        penalty[(b, a)] -= 1.0;
+        let square = factor * factor;
+        penalty[(a, a)] += square;
+        penalty[(b, b)] += square;
+        penalty[(a, b)] -= square;
+        penalty[(b, a)] -= square;
     }
 }
 
@@ -89,6 +106,21 @@ mod tests {
         let penalty = penalty::<L>();
         assert!(penalty.column_sum().amax() < 1e-12);
         assert!(penalty.clone().symmetric_eigenvalues().iter().filter(|value| **value < 1e-9).count() == 1);
+    }
+
+    #[test]
+    fn a_density_of_cells_is_free_where_it_is_even_or_changes_the_cheap_way() {
+        const L: usize = 6;
+        let cells = || (0..L).flat_map(|i| (0..=i).map(move |j| (i, j)));
+        let cost = |along: f64, across: f64, density: fn(f64, f64) -> f64| {
+            let values = cells().map(|(i, j)| density(i as f64, j as f64));
+            let density = nalgebra::DVector::from_iterator(cells().count(), values);
+            density.dot(&(penalty_of_cells(L, along, across) * &density))
+        };
+        assert!(cost(1.0, 1.0, |_, _| 3.0).abs() < 1e-12);
+        assert!(cost(1.0, 0.0, |i, j| (i - j).powi(2)).abs() < 1e-9);
+        // 15 neighbours to either side, a step of 1 each.
+        assert!((cost(0.0, 0.1, |i, j| i + j) - 0.01 * 30.0).abs() < 1e-9);
     }
 
     /// A density that rises along alpha and falls along beta has |grad|^2 = 2 over the triangle of area 1/2.

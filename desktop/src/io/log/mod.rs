@@ -5,6 +5,7 @@
 //! any joint, so that a damaged digit is refused where it stands.
 
 mod columns;
+mod input_output;
 mod joined;
 mod measured;
 mod open_loop;
@@ -13,6 +14,7 @@ mod time;
 mod written;
 
 pub use columns::Extra;
+pub use input_output::InputOutput;
 pub use measured::MeasuredLog;
 pub use open_loop::{Drive, DriveSample, OpenLoop, OpenLoopRow, write_open_loop};
 pub(crate) use soundness::BOTH_DIRECTIONS;

@@ -48,22 +48,24 @@ impl Jitter {
     }
 }
 
+/// Refuses stamps of a file's rows that do not run strictly forwards.
+pub(super) fn require_forwards(stamps: &[f64]) -> Result<(), String> {
+    let stands = stamps.windows(2).position(|pair| pair[1] <= pair[0]);
+    stands.map_or(Ok(()), |before| {
+        let (row, time) = (row_of(before + 1), TIME.name);
+        let [earlier, later] = [stamps[before], stamps[before + 1]];
+        Err(format!("row {row}, column {time}: time {later} does not come after {earlier}, the row before"))
+    })
+}
+
 impl Time {
     /// Checks the stamps of a file's rows.
     pub(super) fn check(stamps: Vec<f64>) -> Result<Self, String> {
         let refuse =
             |sample: usize, why: String| Err(format!("row {}, column {}: {why}", row_of(sample), TIME.name));
-        for (before, pair) in stamps.windows(2).enumerate() {
-            if pair[1] <= pair[0] {
-                let why = format!("time {} does not come after {}, the row before", pair[1], pair[0]);
-                return refuse(before + 1, why);
-            }
-            if pair[1] - stamps[0] > LONGEST {
-                return refuse(
-                    before + 1,
-                    format!("time {} is more than {LONGEST} s from the start", pair[1]),
-                );
-            }
+        require_forwards(&stamps)?;
+        if let Some(late) = stamps.iter().position(|stamp| stamp - stamps[0] > LONGEST) {
+            return refuse(late, format!("time {} is more than {LONGEST} s from the start", stamps[late]));
         }
         let time = Self(stamps);
         let Some(jitter) = time.jitter() else { return Ok(time) };

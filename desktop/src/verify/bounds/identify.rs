@@ -35,4 +35,24 @@ pub(super) const ROWS: &[Bound] = &[
         unit: "1",
         why: "output error of a measured joint after the first third of its motion over the rigid gear's",
     },
+    Bound {
+        name: "identify.operator.held_out",
+        value: 0.03,
+        unit: "1",
+        why: "rms error of an identified Preisach operator, of the output's span, on loops of an actuator of another class that \
+              did not train, and on the second half of a held joint's log",
+    },
+    Bound {
+        name: "identify.operator.butterfly",
+        value: 0.05,
+        unit: "1",
+        why: "the same with weights of either sign, of an output that falls on both sides of its middle",
+    },
+    Bound {
+        name: "identify.operator.over_rival",
+        value: 1.0,
+        unit: "1",
+        why: "the same error over that of the best of a straight line, a line with Dahl's hysteresis and scipy's \
+              non-negative least squares with the number of levels that suits what is held out best; --rivals measures it",
+    },
 ];

@@ -3,6 +3,7 @@
 //! | file | |
 //! | --- | --- |
 //! | `held` | stiffness of a held joint from parts of its log |
+//! | `operator` | operators from some loops of an actuator, which predict others; scipy beside them |
 //! | `moving` | the remainder of a measured motion after its first third |
 //! | `pairs` | one log of a measured joint trains, another is predicted |
 //!
@@ -11,20 +12,23 @@
 
 mod held;
 mod moving;
+mod operator;
 mod pairs;
 
 use crate::io::file::BadInput;
 use crate::verify::Measured;
 
-/// Every figure; `progress` is called with the fraction done.
+/// Every figure, with `rivals` those of others too; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// Logs that are there and cannot be used.
-pub fn measure(mut progress: impl FnMut(f64)) -> Result<Measured, BadInput> {
+pub fn measure(rivals: bool, mut progress: impl FnMut(f64)) -> Result<Measured, BadInput> {
     let mut measured = held::measure()?;
     progress(0.1);
     measured.add(moving::measure()?);
     progress(0.4);
     measured.add(pairs::measure()?);
+    progress(0.6);
+    measured.add(operator::measure(rivals, |fraction| progress(0.6 + 0.4 * fraction))?);
     Ok(measured)
 }
