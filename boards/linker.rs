@@ -1,7 +1,13 @@
 // What every board's build script tells the linker; included by each.
 
-/// Puts the board's memory map where the linker looks, and names the linker scripts.
-fn link(memory: &str) -> std::io::Result<std::path::PathBuf> {
+/// Puts the board's memory map where the linker looks, and names the linker scripts. The image names its core and, where the
+/// emulator has the board, the emulator's machine: symbols, which take no room in it, with `_` for `-`.
+fn link(memory: &str, core: &str, machine: Option<&str>) -> std::io::Result<std::path::PathBuf> {
+    for (what, name) in [("core", Some(core)), ("machine", machine)] {
+        if let Some(name) = name {
+            println!("cargo:rustc-link-arg-bins=--defsym=strainwave_{what}_{}=0", name.replace('-', "_"));
+        }
+    }
     let out = std::path::PathBuf::from(std::env::var_os("OUT_DIR").unwrap_or_default());
     std::fs::copy(memory, out.join("memory.x"))?;
     println!("cargo:rustc-link-search={}", out.display());

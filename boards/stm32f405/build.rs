@@ -3,5 +3,5 @@
 include!("../linker.rs");
 
 fn main() -> std::io::Result<()> {
-    link("memory.x").map(|_| ())
+    link("memory.x", "Cortex-M4F", None).map(|_| ())
 }

@@ -4,6 +4,7 @@ use clap::Args;
 use strainwave_desktop::bench::scenario::Scenario;
 use strainwave_desktop::io::gear_file::SensorSet;
 use strainwave_desktop::{BadInput, Figure, GearFile};
+use strainwave_emulator::artifact::Image;
 use strainwave_emulator::budget::{self, Budget, Measurement};
 use strainwave_emulator::pil::{self, Trial};
 use strainwave_emulator::{any_input, firmware};
@@ -14,14 +15,15 @@ use crate::progress::Progress;
 
 /// Count instructions and cycles of the control step and of each block in it; flash, RAM and stack
 ///
-/// Runs the firmware through S1-S6 in the emulator, with the motor's sensors and with both encoders, and a plugin
-/// that counts. Instructions are exact; cycles are a model of a Cortex-M4F with zero wait states, at the pessimistic
-/// end, not silicon. Proves on the linked image that no panic and no allocator is in it and that the control step
-/// reaches no double-precision routine. Counts the literal mesh of eq. (6), 8 x 3 in f32, in an image of its own
-/// beside the reduced flexspline of the control step, and hysteresis along the histories that cost most. Then some hundred
-/// sequences of any input bits and of disturbed motions, varied where they cost most, look for the most costly control step of
-/// all, beside the host's build; that takes some minutes. The column `any path` is the most of any path through the code,
-/// where the code shows a bound. Bounds are those of boards/BOARD/budget.toml.
+/// Runs the firmware through S1-S6 in the emulator, with the motor's sensors and with both encoders, and a plugin that
+/// counts. Instructions are exact; cycles are a model of a Cortex-M4F with zero wait states, at the pessimistic end,
+/// not silicon; on another core there are none, and the runs are those with both encoders alone. Proves on the linked
+/// image that no panic and no allocator is in it and that the control step reaches no double-precision routine. Counts
+/// the literal mesh of eq. (6), 8 x 3 in f32, in an image of its own beside the reduced flexspline of the control step,
+/// and hysteresis along the histories that cost most. Then some hundred sequences of any input bits and of disturbed
+/// motions, varied where they cost most, look for the most costly control step of all, beside the host's build; that
+/// takes some minutes. The column `any path` is the most of any path through the code, where the code shows a bound.
+/// Bounds are those of boards/BOARD/budget.toml.
 #[derive(Args)]
 pub struct Arguments {
     /// Only this board; every board when left out
@@ -52,10 +54,13 @@ fn judge(board: &str, overwrite: bool) -> Result<Vec<Figure>, BadInput> {
     let gear = GearFile::default_gear();
     let firmware = pil::build(board, &gear).map_err(BadInput::message)?;
     let mut budget = Budget::read(board).map_err(BadInput::message)?;
+    let image = Image::read(&firmware.elf).map_err(BadInput::message)?;
+    // What takes minutes is for the cycles' sake.
+    let sensors: &[SensorSet] = if image.has_cycle_model() { &SensorSet::ALL } else { &[SensorSet::Both] };
     let mut measured: Measurement = budget::measure(&budget, &firmware.elf, |arguments| {
         let mut deepest = None;
         let runs =
-            SensorSet::ALL.into_iter().flat_map(|sensors| Scenario::ALL.map(|scenario| (sensors, scenario)));
+            sensors.iter().copied().flat_map(|sensors| Scenario::ALL.map(|scenario| (sensors, scenario)));
         for (sensors, scenario) in runs {
             let mut progress = Progress::new(1000, scenario.title());
             let mut trial = Trial::from_rest(&gear, scenario, 1);

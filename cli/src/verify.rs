@@ -80,6 +80,9 @@ pub struct Arguments {
     /// is 24 runs, 11 minutes on two processors that others used too.
     #[arg(long, value_name = "COUNT", default_value_t = 0, conflicts_with = "reference", value_parser = value_parser!(u64).range(0..=1000))]
     again: u64,
+    /// Of `identify`, others on the same splits too, in Python with scipy from PyPI: what is worse than they misses its bound
+    #[arg(long)]
+    rivals: bool,
     #[command(flatten)]
     page: PageArguments,
     #[command(flatten)]
@@ -234,7 +237,7 @@ fn across_the_catalogue(arguments: &Arguments) -> Result<Figures, BadInput> {
 /// On measured joints; what is not judged is noted above the table.
 fn identified(arguments: &Arguments) -> Result<Figures, BadInput> {
     let mut progress = Progress::new(1000, "identifying joints");
-    let measured = identify::measure(|fraction| progress.set((fraction * 1e3) as u64))?;
+    let measured = identify::measure(arguments.rivals, |fraction| progress.set((fraction * 1e3) as u64))?;
     drop(progress);
     for note in &measured.notes {
         say(format_args!("{note}"));

@@ -200,7 +200,9 @@ impl Budget {
                 part => table(table(document, "blocks"), part),
             };
             set(block, "instructions", self.bound(counts.instructions.max));
-            set(block, "cycles", self.bound(counts.cycles.max));
+            if let Some(cycles) = counts.cycles {
+                set(block, "cycles", self.bound(cycles.max));
+            }
         }
     }
 
@@ -266,7 +268,7 @@ fn one_line(text: &str, error: &toml::de::Error) -> String {
 pub(crate) mod tests {
     use super::*;
     use crate::artifact::{Sizes, StackBound, stack::Chain};
-    use crate::counting::{Counts, Spread};
+    use crate::counting::{Counts, Spread, cycle_table};
 
     const FILE: &str = "# A board.\ncompiler = \"rustc 1\"\nheadroom = 0.1 # a tenth\nemulated = true\n\n\
         [control_step]\nsymbol = \"control_step\"\ncycles = 10 # by the model\n\n\
@@ -287,7 +289,7 @@ pub(crate) mod tests {
 
     fn counts(max: u64) -> Counts {
         let spread = |max: u64| Spread { min: 1, max, mean: 2.0 };
-        Counts { calls: 3, instructions: spread(max), cycles: spread(2 * max) }
+        Counts { calls: 3, instructions: spread(max), cycles: Some(spread(2 * max)) }
     }
 
     pub fn budget() -> Budget {
@@ -298,6 +300,7 @@ pub(crate) mod tests {
         let chain = Chain { depth: 100, path: vec!["Reset".to_owned()] };
         Measurement {
             compiler: "rustc 2".to_owned(),
+            core: cycle_table::CORE.to_owned(),
             sizes: Sizes { flash: 1000, ram: 200 },
             stack: StackBound { total: 300, thread: chain, handlers: Vec::new() },
             panics: Vec::new(),

@@ -1,6 +1,7 @@
 //! Builds a board's firmware.
 
 use crate::setup::{self, Compiler};
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io;
@@ -25,6 +26,14 @@ pub enum Error {
         path: String,
         /// Error of reading it.
         error: io::Error,
+    },
+    /// The board's cargo configuration names no target.
+    #[error("{}: {what}", file.display())]
+    Target {
+        /// The file.
+        file: PathBuf,
+        /// Its fault.
+        what: String,
     },
     /// There is no compiler.
     #[error(transparent)]
@@ -74,6 +83,34 @@ pub fn boards() -> io::Result<Vec<String>> {
     Ok(boards)
 }
 
+/// Target triple of a board: what cargo takes in its folder, from the configuration there or else from that of all boards.
+///
+/// # Errors
+/// [`Error::UnknownBoard`], [`Error::Target`].
+pub fn target(board: &str) -> Result<String, Error> {
+    require_known(board)?;
+    let files = [folder().join(board), folder()].map(|folder| folder.join(".cargo/config.toml"));
+    for file in &files {
+        let Ok(text) = fs::read_to_string(file) else { continue };
+        let bad = |what: &str| Error::Target { file: file.clone(), what: what.to_owned() };
+        let config: toml::Table = toml::from_str(&text).map_err(|error| bad(error.message()))?;
+        if let Some(target) = config.get("build").and_then(|build| build.get("target")) {
+            return Ok(target.as_str().ok_or_else(|| bad("build.target is no target triple"))?.to_owned());
+        }
+    }
+    let [_, file] = files;
+    Err(Error::Target { file, what: "build.target is missing, allowed: a target triple".to_owned() })
+}
+
+/// The targets of all boards, each once.
+///
+/// # Errors
+/// As [`target`], and when the folder of the boards cannot be read.
+pub fn targets() -> Result<Vec<String>, Error> {
+    let targets: BTreeSet<_> = boards()?.iter().map(|board| target(board)).collect::<Result<_, _>>()?;
+    Ok(targets.into_iter().collect())
+}
+
 /// Builds the firmware of `board` for the default joint, or for the one in a file of `strainwave export`.
 ///
 /// # Errors
@@ -96,17 +133,16 @@ pub fn build_program(board: &str, program: &str) -> Result<Firmware, Error> {
 }
 
 fn link(board: &str, program: &str, joint: Option<&Joint>) -> Result<Firmware, Error> {
-    require_known(board)?;
-    let compiler = setup::compiler(&setup::ThisHost)?;
-    let target = folder().join("target");
-    let images = target.join("images");
+    let compiler = setup::compiler(&setup::ThisHost, &target(board)?)?;
+    let output = folder().join("target");
+    let images = output.join("images");
     fs::create_dir_all(&images)?;
     // Two joints share one cargo output: it is locked from the build until the image is out of its way.
     let lock = File::create(images.join("lock"))?;
     lock.lock()?;
     let joint_file = joint.map(|joint| joint.keep(&images)).transpose()?;
-    run(&compiler, board, program, joint_file.as_deref(), &target)?;
-    let built = target.join(setup::TARGET).join("release").join(program);
+    run(&compiler, board, program, joint_file.as_deref(), &output)?;
+    let built = output.join(&compiler.target).join("release").join(program);
     let elf = images.join(match joint {
         Some(joint) => format!("{program}-{:016x}.elf", joint.digest),
         None => format!("{program}.elf"),
@@ -216,6 +252,14 @@ mod tests {
         assert!(error.starts_with("board mps2-an999: unknown"), "{error}");
         assert!(error.contains("mps2-an386") && error.contains("stm32f405"), "{error}");
         assert!(!error.contains("app"), "{error}");
+    }
+
+    #[test]
+    fn a_board_has_the_target_of_its_own_configuration_before_that_of_all() {
+        assert_eq!(target("mps2-an386").unwrap(), "thumbv7em-none-eabihf");
+        assert_eq!(target("stm32f405").unwrap(), "thumbv7em-none-eabihf");
+        assert_eq!(target("mps2-an505").unwrap(), "thumbv8m.main-none-eabihf");
+        assert_eq!(targets().unwrap(), ["thumbv7em-none-eabihf", "thumbv8m.main-none-eabihf"]);
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! is one such period. Both FIFOs are opened here for reading and writing before QEMU starts: an open
 //! then never blocks, on either side, whichever dies first.
 
+use crate::artifact::{self, Image};
 use crate::process::Process;
 use crate::scratch::Scratch;
 use crate::{setup, telemetry};
@@ -35,6 +36,15 @@ pub enum Error {
     /// QEMU is missing.
     #[error(transparent)]
     Setup(#[from] setup::Error),
+    /// The file is no image.
+    #[error(transparent)]
+    Image(#[from] artifact::Error),
+    /// The image is for no machine of the emulator.
+    #[error("{}: the emulator has no machine that it is for, an emulated board's image is needed", image.display())]
+    NotEmulated {
+        /// The image.
+        image: PathBuf,
+    },
     /// The host's side failed.
     #[error("emulator link: {0}")]
     Io(#[from] io::Error),
@@ -104,10 +114,11 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Boots an image; `arguments` go to QEMU as they are.
+    /// Boots an image on the machine that it names; `arguments` go to QEMU as they are.
     ///
     /// # Errors
-    /// [`Error::Setup`] without QEMU, [`Error::Io`] when it cannot be started.
+    /// [`Error::Setup`] without QEMU, [`Error::Image`] or [`Error::NotEmulated`] for another file,
+    /// [`Error::Io`] when QEMU cannot be started.
     pub fn boot(elf: &Path, arguments: &[String]) -> Result<Self, Error> {
         Self::boot_with(elf, &Options { arguments: arguments.to_vec(), ..Options::default() })
     }
@@ -119,10 +130,12 @@ impl Machine {
     pub fn boot_with(elf: &Path, options: &Options) -> Result<Self, Error> {
         let emulator = setup::emulator(&setup::ThisHost)?;
         let elf = elf.canonicalize().map_err(|error| named(elf, &error))?;
+        let image = Image::read(&elf)?;
+        let machine = image.machine().ok_or_else(|| Error::NotEmulated { image: elf.clone() })?;
         let directory = Scratch::new("machine")?;
         let sensors = fifo(&directory.path().join("sensors.fifo"))?;
         let command = fifo(&directory.path().join("command.fifo"))?;
-        let process = Process::start(&emulator.program, &arguments(&elf, options), directory)?;
+        let process = Process::start(&emulator.program, &arguments(&elf, machine, options), directory)?;
         Ok(Self { sensors, command, process, elf, patience: options.patience })
     }
 
@@ -219,11 +232,11 @@ fn fifo(path: &Path) -> io::Result<File> {
     OpenOptions::new().read(true).write(true).custom_flags(flags).open(path)
 }
 
-fn arguments(elf: &Path, options: &Options) -> Vec<String> {
+fn arguments(elf: &Path, machine: &str, options: &Options) -> Vec<String> {
     let icount = format!("shift={},sleep=off", options.shift);
     let kernel = elf.display().to_string();
     let fixed = [
-        ["-machine", "mps2-an386"],
+        ["-machine", machine],
         ["-display", "none"],
         ["-monitor", "none"],
         ["-serial", "file:uart.bin"],
@@ -274,7 +287,7 @@ mod tests {
     #[test]
     fn more_arguments_come_after_the_fixed_ones() {
         let options = Options { arguments: vec!["-plugin".into(), "x".into()], ..Options::default() };
-        let arguments = arguments(Path::new("/image"), &options);
+        let arguments = arguments(Path::new("/image"), "mps2-an386", &options);
         assert_eq!(&arguments[arguments.len() - 2..], ["-plugin", "x"]);
         assert!(arguments.contains(&"shift=3,sleep=off".to_owned()));
     }

@@ -1,4 +1,4 @@
-//! Makes a bare machine ready: a compiler for the boards' target, and QEMU.
+//! Makes a bare machine ready: a compiler for a board's target, and QEMU.
 //!
 //! Installed programs are used; missing ones are fetched, and announced before, without changing the
 //! system: `rustup target add`, or Debian packages that are unpacked in the user's cache folder.
@@ -27,7 +27,7 @@ pub use download::Download;
 pub use emulator::{Emulator, emulator, present_emulator};
 pub use error::{Error, Unfetched};
 pub use host::{Host, Job, ThisHost};
-pub use needed::{EMULATOR, OLDEST_COMPILER, OLDEST_EMULATOR, TARGET};
+pub use needed::{EMULATOR, OLDEST_COMPILER, OLDEST_EMULATOR};
 
 #[cfg(test)]
 mod tests;

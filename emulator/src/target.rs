@@ -27,6 +27,11 @@ pub struct Agreement {
 }
 
 impl Agreement {
+    /// Both runs as one.
+    pub fn and(self, other: Self) -> Self {
+        Self { steps: self.steps + other.steps, different: self.different + other.different }
+    }
+
     /// The steps that differed, of which there must be none.
     pub fn figure(&self, name: impl Into<String>) -> Figure {
         bounds::figure_as(name, "pil.steps_unlike_host", self.different as f64)

@@ -1,6 +1,7 @@
 //! The figures that are measured on the firmware image, each with its bound.
 
 use std::io;
+use std::panic::resume_unwind;
 use std::path::Path;
 
 use strainwave::compensator::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY};
@@ -18,10 +19,10 @@ use strainwave_desktop::{BadInput, Figure, GearFile};
 use crate::artifact::Image;
 use crate::budget::{self, Budget};
 use crate::pil::{TargetRun, Trial};
-use crate::target;
+use crate::target::{self, Agreement};
 use crate::{firmware, pil};
 
-/// Board that the emulator has.
+/// Board whose figures these are, but for the rows of every emulated one.
 pub const BOARD: &str = "mps2-an386";
 /// The real-time flexspline among the blocks of its budget.
 const FLEXSPLINE: &str = "flexspline";
@@ -85,7 +86,8 @@ pub fn measure(parts: Parts, mut progress: impl FnMut(f64)) -> Result<Measured, 
     if parts == Parts::Flexspline {
         return Ok(costs.into());
     }
-    let mut measured = Measured::from([proofs()?, control_step(&runs)?, costs].concat());
+    let boards = every_board(&runs)?;
+    let mut measured = Measured::from([proofs()?, control_step(&runs)?, boards, costs].concat());
     match data::find(LOG) {
         Some(log) => measured.figures.extend(replay(&MeasuredLog::read(&log)?)?),
         None => measured.notes.push(format!("pil.replay.size_17: skipped: no data ({LOG})")),
@@ -104,7 +106,7 @@ fn flexspline(
         let program = firmware::build_program(BOARD, &mesh.program)?;
         mesh.measure(&program.elf, &mut measured)?;
     }
-    let cycles = measured.counts_of(FLEXSPLINE).map(|counts| counts.cycles.max);
+    let cycles = measured.counts_of(FLEXSPLINE).and_then(|counts| Some(counts.cycles?.max));
     let ratio = measured.literal_over_reduced(&budget);
     let [cycles, ratio] = [cycles, ratio].map(|count| count.map_or(f64::NAN, |count| count as f64));
     Ok(vec![
@@ -146,7 +148,10 @@ pub fn hysteresis() -> Result<Measured, Error> {
         ("hysteresis.cycles.inverse", "hysteresis_inverse"),
     ] {
         let worst_case = worst.worst_case(&elf, block)?.map_or(f64::NAN, |cycles| cycles as f64);
-        let counted = measured.counts_of(block).map_or(f64::NAN, |counts| counts.cycles.max as f64);
+        let counted = measured
+            .counts_of(block)
+            .and_then(|counts| counts.cycles)
+            .map_or(f64::NAN, |cycles| cycles.max as f64);
         figures.push(bounds::figure(name, worst_case));
         figures.push(Figure::reported(format!("{name}.counted"), counted, "cycle"));
     }
@@ -178,6 +183,36 @@ fn scenarios(
         runs.push((scenario, pil::compensated(elf, arguments, &gear, &trial, part)?));
     }
     Ok(runs)
+}
+
+/// Steps unlike the host's in S1-S6 on every emulated board; those on [`BOARD`] are in `runs`.
+fn every_board(runs: &[(Scenario, TargetRun)]) -> Result<Vec<Figure>, Error> {
+    let mut agreements = vec![(BOARD.to_owned(), runs.iter().map(|(_, run)| run.agreement).collect())];
+    let others: Vec<_> = budget::emulated_boards()?.into_iter().filter(|board| board != BOARD).collect();
+    // Built one by one, as cargo would anyway; run side by side, each on a processor of its own.
+    let images = others.iter().map(|board| Ok((board, pil::build(board, &GearFile::default_gear())?.elf)));
+    let images = images.collect::<Result<Vec<_>, firmware::Error>>()?;
+    std::thread::scope(|scope| {
+        let run = |elf| {
+            let runs = scenarios(elf, &[], |_| ())?;
+            Ok(runs.into_iter().map(|(_, run)| run.agreement).collect::<Vec<_>>())
+        };
+        let started: Vec<_> =
+            images.iter().map(|(board, elf)| (board, scope.spawn(move || run(elf)))).collect();
+        for (board, thread) in started {
+            let agreed: Result<_, Error> = thread.join().unwrap_or_else(|panic| resume_unwind(panic));
+            agreements.push(((*board).clone(), agreed?));
+        }
+        Ok::<_, Error>(())
+    })?;
+    let figure = |(board, agreements): &(String, Vec<Agreement>)| {
+        let all = agreements.iter().fold(Agreement::default(), |all, run| all.and(*run));
+        [
+            Figure::reported(format!("pil.{board}.steps"), all.steps as f64, "1"),
+            all.figure(format!("pil.{board}.steps_unlike_host")),
+        ]
+    };
+    Ok(agreements.iter().flat_map(figure).collect())
 }
 
 /// Figures of the control step in the runs; S2 against its baselines.

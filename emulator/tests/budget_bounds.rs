@@ -15,10 +15,19 @@ fn is_within(block: &Block, row: &str) -> bool {
     block.cycles.is_some_and(|cycles| cycles as f64 <= bounds::find(row).unwrap().value)
 }
 
+/// Budgets of the boards whose cycles are counted: the others' cores are not the model's.
+fn counted() -> Vec<Budget> {
+    let boards = budget::emulated_boards().unwrap().into_iter();
+    let budgets = boards.map(|board| Budget::read(&board).unwrap());
+    let counted: Vec<_> = budgets.filter(|budget| budget.control_step.cycles.is_some()).collect();
+    assert!(!counted.is_empty());
+    counted
+}
+
 #[test]
 fn no_budget_allows_more_cycles_than_the_table() {
-    for board in budget::emulated_boards().unwrap() {
-        let budget = Budget::read(&board).unwrap();
+    for budget in counted() {
+        let board = &budget.board;
         for (name, row) in PARTS {
             assert!(is_within(&budget.blocks[name], row), "{board}: {name}, {row}");
         }
@@ -32,8 +41,8 @@ fn no_budget_allows_more_cycles_than_the_table() {
 #[test]
 fn no_budget_allows_a_cheaper_literal_mesh_than_the_table() {
     let row = bounds::FLOORS.iter().find(|row| row.name == "flexspline.target.literal_over_reduced").unwrap();
-    for board in budget::emulated_boards().unwrap() {
-        let mesh = Budget::read(&board).unwrap().literal_mesh.unwrap();
-        assert!(mesh.at_least as f64 >= row.value, "{board}: {}", mesh.at_least);
+    for budget in counted() {
+        let mesh = budget.literal_mesh.unwrap();
+        assert!(mesh.at_least as f64 >= row.value, "{}: {}", budget.board, mesh.at_least);
     }
 }

@@ -97,13 +97,19 @@ impl<B: Board> Control<B> {
         } else {
             self.board.release();
         }
+        self.report(&input);
+    }
+
+    /// Reports the step. A function of its own: its frame is not on the stack while the control step's is.
+    #[inline(never)]
+    fn report(&mut self, input: &Input<f32>) {
         let output = || self.compensator.output(&self.state);
         self.board.report(output);
         let overran = self.board.overran();
         self.overruns = self.overruns.saturating_add(u32::from(overran));
         self.status = if overran { Status::OVERRUN } else { Status::FINE };
         if self.periods.is_multiple_of(B::REPORT_EVERY) {
-            self.sender.send(Record::new(self.periods, self.overruns, &input, &output()));
+            self.sender.send(Record::new(self.periods, self.overruns, input, &output()));
         }
     }
 }

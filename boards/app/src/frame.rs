@@ -67,7 +67,8 @@ pub trait Fields {
     /// Bytes of a field.
     fn bytes<const K: usize>(&mut self, bytes: &mut [u8; K]);
 
-    /// A word.
+    /// A word. Not inlined, for size: a frame has some fifty.
+    #[inline(never)]
     fn u32(&mut self, value: &mut u32) {
         let mut bytes = value.to_le_bytes();
         self.bytes(&mut bytes);

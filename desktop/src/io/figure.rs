@@ -56,10 +56,10 @@ impl Figure {
         }
     }
 
-    /// The same, only reported.
+    /// The same, only reported: it is not measured as its row says, and is no value of it.
     #[must_use]
     pub fn without_bound(self) -> Self {
-        Self { bound: None, at_least: false, holds: true, ..self }
+        Self { bound: None, at_least: false, holds: true, row: None, ..self }
     }
 
     /// The same, of the sample of this seed.

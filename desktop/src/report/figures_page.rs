@@ -187,6 +187,8 @@ mod tests {
         let measured = renewed(&page, &[bounds::figure(ROW, 4.4e-6)]).unwrap();
         assert_eq!((&*cells(&measured, ROW)[1], &*cells(&measured, ROW)[5]), ("4.400e-6", "met"));
         assert_eq!(renewed(&measured, &[]).unwrap(), measured);
+        let reported = bounds::figure(ROW, 5.5e-6).without_bound();
+        assert_eq!(renewed(&measured, &[reported]).unwrap(), measured);
         let other = renewed(&measured, &[bounds::figure("friction.work.f32", 1.0)]).unwrap();
         assert_eq!(cells(&other, ROW), cells(&measured, ROW));
         assert_eq!(cells(&other, "friction.work.f32")[5], "**missed, beyond its bound**");

@@ -11,6 +11,7 @@ use object::{Architecture, Endianness, Object, ObjectSection, ObjectSymbol, Symb
 use super::Error;
 use super::disassembly::{Instruction, PC, disassemble};
 use super::symbol;
+use crate::counting::cycle_table;
 
 /// A function, by its first instruction.
 #[derive(Clone, Debug)]
@@ -60,6 +61,8 @@ pub struct Image {
     instructions: Vec<Instruction>,
     data: Vec<Range<u32>>,
     compiler: Option<String>,
+    core: Option<String>,
+    machine: Option<String>,
 }
 
 impl Image {
@@ -84,6 +87,8 @@ impl Image {
             path: path.to_owned(),
             symbols: file.symbols().filter_map(|s| s.name().ok()).map(symbol::path).collect(),
             compiler: compiler(&file),
+            core: named(&file, "strainwave_core_"),
+            machine: named(&file, "strainwave_machine_"),
             instructions: Vec::new(),
             data: ranges.data,
             sections,
@@ -130,6 +135,8 @@ impl Image {
             instructions: Vec::new(),
             data: data.iter().map(|(start, end)| *start..*end).collect(),
             compiler: None,
+            core: Some(cycle_table::CORE.to_owned()),
+            machine: None,
         };
         let starts = std::iter::once(0).chain(data.iter().map(|d| d.1));
         let ends = data.iter().map(|d| d.0).chain([size]);
@@ -145,6 +152,21 @@ impl Image {
     /// The compiler that the image says it was built with.
     pub fn compiler(&self) -> &str {
         self.compiler.as_deref().unwrap_or("unknown")
+    }
+
+    /// The core that the image says it is for.
+    pub fn core(&self) -> &str {
+        self.core.as_deref().unwrap_or("unknown")
+    }
+
+    /// The emulator's machine that the image says it is for.
+    pub fn machine(&self) -> Option<&str> {
+        self.machine.as_deref()
+    }
+
+    /// The model of cycles is of its core.
+    pub fn has_cycle_model(&self) -> bool {
+        self.core() == cycle_table::CORE
     }
 
     /// The sections that take room in the microcontroller.
@@ -366,6 +388,12 @@ fn functions(file: &ElfFile32<Endianness>, sections: &[Section]) -> Vec<Function
         function.size = section.map_or(0, |s| (s.address + s.size).min(next) - function.address);
     }
     functions
+}
+
+/// The name that a symbol begins with `prefix` to tell; it has `_` for `-`.
+fn named(file: &ElfFile32<Endianness>, prefix: &str) -> Option<String> {
+    let names = file.symbols().filter_map(|symbol| symbol.name().ok());
+    names.filter_map(|name| name.strip_prefix(prefix)).next().map(|name| name.replace('_', "-"))
 }
 
 /// The linker keeps the compilers' version strings in `.comment`.

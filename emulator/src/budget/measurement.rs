@@ -22,6 +22,8 @@ const PATIENCE: Duration = Duration::from_secs(120);
 pub struct Measurement {
     /// The compiler that built it.
     pub compiler: String,
+    /// Its core; only one of them has cycles.
+    pub core: String,
     /// Its size.
     pub sizes: Sizes,
     /// The deepest that its stack can get.
@@ -114,6 +116,7 @@ fn examine(budget: &Budget, image: &Image) -> Result<Measurement, Error> {
     let control_step = image.find(&budget.control_step.symbol)?;
     Ok(Measurement {
         compiler: image.compiler().to_owned(),
+        core: image.core().to_owned(),
         sizes: Sizes::of(image),
         stack: StackBound::of(image, &graph)?,
         panics: proofs::panics(image.symbols(), &graph, &handlers),
@@ -128,6 +131,9 @@ fn examine(budget: &Budget, image: &Image) -> Result<Measurement, Error> {
 
 fn any_path(budget: &Budget, image: &Image) -> Result<BTreeMap<String, u64>, Error> {
     let mut found = BTreeMap::new();
+    if !image.has_cycle_model() {
+        return Ok(found);
+    }
     for (name, block) in budget.blocks() {
         found.extend(block.worst_case(image)?.map(|cycles| (name.to_owned(), cycles)));
     }
@@ -172,8 +178,10 @@ impl Measurement {
             let bound = block.and_then(|b| b.instructions);
             figures.push(max("instructions", "instruction", instructions.max, bound));
             figures.push(mean("instructions", "instruction", instructions.mean));
-            figures.push(max("cycles", "cycle", cycles.max, block.and_then(|b| b.cycles)));
-            figures.push(mean("cycles", "cycle", cycles.mean));
+            if let Some(cycles) = cycles {
+                figures.push(max("cycles", "cycle", cycles.max, block.and_then(|b| b.cycles)));
+                figures.push(mean("cycles", "cycle", cycles.mean));
+            }
             let any_path = |cycles: &u64| {
                 budget.figure(&format!("{name}.any_path.cycles"), *cycles as f64, "cycle", None)
             };

@@ -10,6 +10,7 @@ use strainwave_desktop::Figure;
 use super::{Budget, Measurement};
 use crate::any_input::{AnyInput, Step};
 use crate::artifact::CONTROL_STEP;
+use crate::counting::cycle_table::CORE;
 
 impl Measurement {
     /// A table for people.
@@ -43,6 +44,8 @@ fn header(measured: &Measurement, budget: &Budget) -> String {
     }
     text += if measured.counts.is_empty() {
         "; judged from the image, not run\n"
+    } else if measured.core != CORE {
+        "\nInstructions are exact. Cycles are not shown: the model of them is of another core.\n"
     } else {
         "\nInstructions are exact. Cycles are a model of the Cortex-M4F (emulator/src/counting/cycle_table.rs):\n\
          pessimistic end, zero wait states, emulated, not silicon.\n"
@@ -76,6 +79,7 @@ fn counts(measured: &Measurement, budget: &Budget, figures: &[Figure]) -> Table 
         "any path",
         "holds",
     ]);
+    let none = || "-".to_owned();
     for (name, counts) in &measured.counts {
         let find = |what: &str| {
             let full = format!("budget.{}.{name}.{what}", budget.board);
@@ -89,10 +93,10 @@ fn counts(measured: &Measurement, budget: &Budget, figures: &[Figure]) -> Table 
             counts.instructions.max.to_string(),
             format!("{:.0}", counts.instructions.mean),
             bound(instructions),
-            counts.cycles.max.to_string(),
-            format!("{:.0}", counts.cycles.mean),
+            counts.cycles.map_or_else(none, |cycles| cycles.max.to_string()),
+            counts.cycles.map_or_else(none, |cycles| format!("{:.0}", cycles.mean)),
             bound(cycles),
-            measured.any_path.get(name).map_or_else(|| "-".to_owned(), u64::to_string),
+            measured.any_path.get(name).map_or_else(none, u64::to_string),
             yes(holds),
         ]);
     }
@@ -178,6 +182,8 @@ mod tests {
         {
             assert!(text.contains(part), "{part}: {text}");
         }
+        let other = Measurement { core: "Cortex-M7".to_owned(), ..measurement() };
+        assert!(print(&other, &budget()).contains("Cycles are not shown"));
         let not_run = Measurement { counts: Vec::new(), ..measurement() };
         assert!(print(&not_run, &budget()).contains("not run"));
     }

@@ -22,6 +22,9 @@ use capstone::arch::arm::{ArmOperand, ArmOperandType, ArmReg};
 
 use crate::artifact::disassembly::{Flow, Instruction, PC, SP};
 
+/// The core whose cycles these are.
+pub const CORE: &str = "Cortex-M4F";
+
 /// Cycles to refill the pipeline after a taken branch; the manual's P, 1 to 3.
 pub const REFILL: u32 = 3;
 

@@ -85,7 +85,8 @@ impl Counting {
         let outcome = outcome.ok_or(Error::NoResult)?;
         match &outcome.anomaly {
             Some(anomaly) => Err(explain(image, anomaly)),
-            None => Ok(outcome),
+            None if image.has_cycle_model() => Ok(outcome),
+            None => Ok(outcome.without_cycles()),
         }
     }
 }

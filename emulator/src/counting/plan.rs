@@ -6,7 +6,7 @@ use super::cycle_table::{REFILL, cycles};
 use crate::artifact::disassembly::{Flow, Instruction};
 use crate::artifact::{Error, Image};
 
-/// The plan for `image`, in the format that the plugin reads; `tracked` are functions by their index.
+/// The plan for `image`, without cycles where the model is not of its core, in the format that the plugin reads; `tracked` are functions by their index.
 pub fn plan(image: &Image, tracked: &[usize]) -> Result<String, Error> {
     let mut text = format!("refill {REFILL}\n");
     for function in tracked.iter().map(|k| &image.functions()[*k]) {
@@ -19,7 +19,8 @@ pub fn plan(image: &Image, tracked: &[usize]) -> Result<String, Error> {
     let code = image.instructions();
     for (k, instruction) in code.iter().enumerate() {
         let before = k.checked_sub(1).map(|b| &code[b]).filter(|b| b.next() == instruction.address);
-        let cost = cycles(instruction, before).map_or_else(|| "?".to_owned(), |c| c.to_string());
+        let cost = if image.has_cycle_model() { cycles(instruction, before) } else { Some(0) };
+        let cost = cost.map_or_else(|| "?".to_owned(), |c| c.to_string());
         let (address, size, flow) = (instruction.address, instruction.size, flow(instruction));
         line(&mut text, format_args!("insn {address:x} {size} {cost} {flow}"));
     }

@@ -20,8 +20,8 @@ pub struct Counts {
     pub calls: u64,
     /// Instructions of a call.
     pub instructions: Spread,
-    /// Cycles of a call, by the model of [`super::cycle_table`].
-    pub cycles: Spread,
+    /// Cycles of a call, by the model of [`super::cycle_table`]; `None` of another core than the model's.
+    pub cycles: Option<Spread>,
 }
 
 /// Counts of one run.
@@ -40,6 +40,13 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// The same without cycles: the model is not of the core.
+    pub fn without_cycles(mut self) -> Self {
+        self.calls.clear();
+        self.counts.iter_mut().flatten().for_each(|counts| counts.cycles = None);
+        self
+    }
+
     /// Two runs of one image as one; single calls are kept of the first alone.
     pub fn and(self, other: &Self) -> Self {
         let pairs = self.counts.into_iter().zip(&other.counts);
@@ -83,7 +90,7 @@ fn counts(line: &str) -> Option<Option<Counts>> {
     let [calls, i_min, i_max, i_sum, c_min, c_max, c_sum] = numbers[..] else { return None };
     let spread = |min, max, sum: u64| Spread { min, max, mean: sum as f64 / calls as f64 };
     let (instructions, cycles) = (spread(i_min, i_max, i_sum), spread(c_min, c_max, c_sum));
-    Some((calls > 0).then_some(Counts { calls, instructions, cycles }))
+    Some((calls > 0).then_some(Counts { calls, instructions, cycles: Some(cycles) }))
 }
 
 /// One count for functions that share a row of the budget: the most costly call of any of them.
@@ -98,7 +105,7 @@ pub fn merge(counts: impl IntoIterator<Item = Counts>) -> Option<Counts> {
         Counts {
             calls,
             instructions: spread(a.instructions, b.instructions),
-            cycles: spread(a.cycles, b.cycles),
+            cycles: a.cycles.zip(b.cycles).map(|(a, b)| spread(a, b)),
         }
     })
 }
@@ -115,7 +122,7 @@ mod tests {
         let outcome = outcome.unwrap();
         let counts = outcome.counts[0].unwrap();
         assert_eq!((counts.calls, counts.instructions), (2, Spread { min: 3, max: 5, mean: 4.0 }));
-        assert_eq!(counts.cycles, Spread { min: 10, max: 20, mean: 15.0 });
+        assert_eq!(counts.cycles, Some(Spread { min: 10, max: 20, mean: 15.0 }));
         assert_eq!((&outcome.calls[..], &outcome.path[..]), (&[10, 20][..], &[16, 18][..]));
         assert_eq!((outcome.counts[1], outcome.executed, outcome.anomaly), (None, 99, None));
     }
@@ -134,6 +141,13 @@ mod tests {
     }
 
     #[test]
+    fn without_cycles_the_instructions_stay() {
+        let counts = parse("1 3 3 3 10 10 10\nexecuted 5\ncalls 10\n").unwrap().without_cycles();
+        let first = counts.counts[0].unwrap();
+        assert_eq!((first.instructions.max, first.cycles, counts.calls.len()), (3, None, 0));
+    }
+
+    #[test]
     fn half_a_result_is_none() {
         assert_eq!(parse("2 3 5 8 10 20 30\n"), None);
         assert_eq!(parse("2 3 5\nexecuted 4"), None);
@@ -144,9 +158,12 @@ mod tests {
         let one = |calls, max: u64| Counts {
             calls,
             instructions: Spread { min: 1, max, mean: max as f64 },
-            cycles: Spread { min: 2, max: 2 * max, mean: 2.0 * max as f64 },
+            cycles: Some(Spread { min: 2, max: 2 * max, mean: 2.0 * max as f64 }),
         };
         let merged = merge([one(1, 10), one(3, 30)]).unwrap();
-        assert_eq!((merged.calls, merged.instructions.max, merged.cycles.mean), (4, 30, 50.0));
+        assert_eq!(
+            (merged.calls, merged.instructions.max, merged.cycles.map(|c| c.mean)),
+            (4, 30, Some(50.0))
+        );
     }
 }

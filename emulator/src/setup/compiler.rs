@@ -1,4 +1,4 @@
-//! A Rust compiler for the boards' target.
+//! A Rust compiler for a board's target.
 //!
 //! The order: the target in the compiler's sysroot, then plain cargo; the library's sources in the sysroot
 //! of the user's compiler, the system's or the one in the cache folder, then `-Z build-std`;
@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use super::error::{Error, INSTALL_COMPILER, Unfetched};
 use super::host::{Host, Job};
-use super::needed::{OLDEST_COMPILER, TARGET};
+use super::needed::OLDEST_COMPILER;
 use super::package_set::PackageSet;
 use super::unpack::quoted;
 use super::version::{first_line, version_in};
@@ -42,9 +42,11 @@ const LINKER_PACKAGES: PackageSet = PackageSet {
     elsewhere: INSTALL_COMPILER,
 };
 
-/// A compiler that can build the boards' images.
+/// A compiler that can build the images of the boards with one target.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Compiler {
+    /// Target triple.
+    pub target: String,
     /// The cargo to run.
     pub cargo: PathBuf,
     /// The rustc that it is to use.
@@ -58,10 +60,10 @@ pub struct Compiler {
 }
 
 impl Compiler {
-    /// `cargo build` for the boards' target, without what the caller's environment sets for the host.
+    /// `cargo build` for the target, without what the caller's environment sets for the host.
     pub fn build_command(&self) -> Command {
         let mut command = Command::new(&self.cargo);
-        command.args(["build", "--release", "--target", TARGET]);
+        command.args(["build", "--release", "--target", &self.target]);
         command.envs(self.environment());
         command
     }
@@ -86,30 +88,31 @@ impl Compiler {
             variables.push(("RUSTC_BOOTSTRAP".into(), "1".into()));
         }
         if let Some(linker) = &self.linker {
-            variables.push((linker_variable(), linker.clone()));
+            variables.push((linker_variable(&self.target), linker.clone()));
         }
         variables
     }
 }
 
-fn linker_variable() -> String {
-    format!("CARGO_TARGET_{}_LINKER", TARGET.to_uppercase().replace('-', "_"))
+fn linker_variable(target: &str) -> String {
+    format!("CARGO_TARGET_{}_LINKER", target.to_uppercase().replace(['-', '.'], "_"))
 }
 
-/// A compiler for the boards, fetched if need be.
+/// A compiler for a target, fetched if need be.
 ///
 /// # Errors
 /// [`Error::NoCompiler`].
-pub fn compiler(host: &dyn Host) -> Result<Compiler, Error> {
-    let there = present_compiler(host).or_else(|| add_target(host));
-    there.map_or_else(|| fetch(host).map_err(|why| Error::NoCompiler { why }), Ok)
+pub fn compiler(host: &dyn Host, target: &str) -> Result<Compiler, Error> {
+    let there = present_compiler(host, target).or_else(|| add_target(host, target));
+    let none = |why| Error::NoCompiler { target: target.to_owned(), why };
+    there.map_or_else(|| fetch(host, target).map_err(none), Ok)
 }
 
-/// A compiler for the boards, if it is there. Fetches nothing.
-pub fn present_compiler(host: &dyn Host) -> Option<Compiler> {
+/// A compiler for a target, if it is there. Fetches nothing.
+pub fn present_compiler(host: &dyn Host, target: &str) -> Option<Compiler> {
     let pairs = pairs(host);
-    let with_target = pairs.iter().find_map(|pair| with_target(host, pair));
-    with_target.or_else(|| pairs.iter().find_map(|pair| with_sources(host, pair)))
+    let with_target = pairs.iter().find_map(|pair| with_target(host, pair, target));
+    with_target.or_else(|| pairs.iter().find_map(|pair| with_sources(host, pair, target)))
 }
 
 /// A cargo and the rustc that belongs to it.
@@ -133,13 +136,13 @@ fn pairs(host: &dyn Host) -> Vec<Pair> {
     [Pair::on_path(), system].into_iter().chain(private).collect()
 }
 
-fn with_target(host: &dyn Host, pair: &Pair) -> Option<Compiler> {
-    let found = usable(host, pair)?;
-    host.exists(&found.rustlib.join(TARGET).join("lib")).then_some(found.compiler)
+fn with_target(host: &dyn Host, pair: &Pair, target: &str) -> Option<Compiler> {
+    let found = usable(host, pair, target)?;
+    host.exists(&found.rustlib.join(target).join("lib")).then_some(found.compiler)
 }
 
-fn with_sources(host: &dyn Host, pair: &Pair) -> Option<Compiler> {
-    let found = usable(host, pair)?;
+fn with_sources(host: &dyn Host, pair: &Pair, target: &str) -> Option<Compiler> {
+    let found = usable(host, pair, target)?;
     let sources = found.rustlib.join("src/rust/library/Cargo.lock");
     host.exists(&sources).then_some(Compiler { build_core: true, ..found.compiler })
 }
@@ -150,7 +153,7 @@ struct Usable {
     rustlib: PathBuf,
 }
 
-fn usable(host: &dyn Host, pair: &Pair) -> Option<Usable> {
+fn usable(host: &dyn Host, pair: &Pair, target: &str) -> Option<Usable> {
     let (cargo, rustc) = (pair.cargo.to_str()?, pair.rustc.to_str()?);
     host.output(cargo, &["--version"])?;
     let version = first_line(&host.output(rustc, &["-vV"])?);
@@ -162,8 +165,8 @@ fn usable(host: &dyn Host, pair: &Pair) -> Option<Usable> {
         Some(_) => None,
         None => Some(other_linker(host)?),
     };
-    let (cargo, rustc) = (pair.cargo.clone(), pair.rustc.clone());
-    Some(Usable { compiler: Compiler { cargo, rustc, version, build_core: false, linker }, rustlib })
+    let (target, cargo, rustc) = (target.to_owned(), pair.cargo.clone(), pair.rustc.clone());
+    Some(Usable { compiler: Compiler { target, cargo, rustc, version, build_core: false, linker }, rustlib })
 }
 
 fn rustlib(host: &dyn Host, rustc: &str) -> Option<PathBuf> {
@@ -186,14 +189,14 @@ fn other_linker(host: &dyn Host) -> Option<PathBuf> {
     system.into_iter().find(|path| host.exists(path)).or_else(|| own_linker(host, "rustc")).or_else(private)
 }
 
-fn add_target(host: &dyn Host) -> Option<Compiler> {
+fn add_target(host: &dyn Host, target: &str) -> Option<Compiler> {
     host.output("rustup", &["--version"])?;
-    host.announce(&format!("adding {TARGET} with rustup: the boards' firmware is compiled for it"));
-    let arguments = ["target", "add", TARGET];
+    host.announce(&format!("adding {target} with rustup: the boards' firmware is compiled for it"));
+    let arguments = ["target", "add", target];
     let job =
         Job { program: "rustup", arguments: &arguments, patience: Some(RUSTUP_PATIENCE), download: None };
     match host.run(&job) {
-        Ok(()) => with_target(host, &Pair::on_path()),
+        Ok(()) => with_target(host, &Pair::on_path(), target),
         Err(reason) => {
             host.announce(&format!("rustup cannot add it ({reason}): trying Debian's packages"));
             None
@@ -201,10 +204,10 @@ fn add_target(host: &dyn Host) -> Option<Compiler> {
     }
 }
 
-fn fetch(host: &dyn Host) -> Result<Compiler, Unfetched> {
+fn fetch(host: &dyn Host, target: &str) -> Result<Compiler, Unfetched> {
     PACKAGES.fetch(host)?;
     if other_linker(host).is_none() {
         LINKER_PACKAGES.fetch(host)?;
     }
-    present_compiler(host).ok_or_else(|| PACKAGES.does_not_run())
+    present_compiler(host, target).ok_or_else(|| PACKAGES.does_not_run())
 }

@@ -1,13 +1,15 @@
 //! Why the compiler or the emulator could not be made ready, each in one line.
 
-use super::needed::{EMULATOR, OLDEST_COMPILER, OLDEST_EMULATOR, TARGET};
+use super::needed::{EMULATOR, OLDEST_COMPILER, OLDEST_EMULATOR};
 
 /// Failure of the set-up.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Error {
     /// No compiler for the boards, and none could be fetched.
-    #[error("no Rust {} or newer for {TARGET}: {why}", number(OLDEST_COMPILER))]
+    #[error("no Rust {} or newer for {target}: {why}", number(OLDEST_COMPILER))]
     NoCompiler {
+        /// Target triple.
+        target: String,
         /// Why.
         why: Unfetched,
     },
@@ -78,4 +80,4 @@ pub const INSTALL_EMULATOR: &str = "install it: `dnf install qemu-system-arm`, `
 
 /// Installation of a compiler with the target on other systems.
 pub const INSTALL_COMPILER: &str = "install rustup (`dnf install rustup`, `pacman -S rustup`, `brew install rustup` or \
-     `zypper install rustup`), then `rustup target add thumbv7em-none-eabihf`";
+     `zypper install rustup`), then `rustup target add` with this target";

@@ -1,7 +1,4 @@
-//! Requirements: the boards' target, the oldest compiler and the oldest emulator.
-
-/// Target triple of the boards.
-pub const TARGET: &str = "thumbv7em-none-eabihf";
+//! Requirements: the oldest compiler and the oldest emulator.
 
 /// Oldest compiler that knows the language of this code: `rust-version` of the workspace.
 pub const OLDEST_COMPILER: (u32, u32) = (1, 89);

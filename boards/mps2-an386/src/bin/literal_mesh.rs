@@ -2,16 +2,13 @@
 #![no_std]
 #![no_main]
 
-#[path = "../counted.rs"]
-mod counted;
+#[path = "../machine.rs"]
+mod machine;
 
 use strainwave_app::Error;
 use strainwave_app::literal_mesh::{AGREEMENT, default_gear, wind_up};
 
-#[cortex_m_rt::entry]
-fn main() -> ! {
-    counted::run(agrees)
-}
+strainwave_mps::counted!(machine::An386, agrees);
 
 fn agrees() -> Result<bool, Error> {
     let end = wind_up(&default_gear::JOINT)?;

@@ -3,7 +3,6 @@
 //! A blocking read stops the guest and, under `-icount`, its clock too: the plant on the host and
 //! the firmware stay in step however slow either is. The host ends a run by closing its end.
 
-use crate::{timer, watchdog};
 use core::ffi::CStr;
 use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m_semihosting::{nr, syscall};
@@ -55,33 +54,15 @@ impl Link {
         let missing = unsafe { syscall!(WRITE, self.command, bytes.as_ptr(), bytes.len()) };
         missing == 0
     }
-}
 
-fn open(name: &CStr, mode: usize) -> Option<usize> {
-    // SAFETY: the block names a string, its length without the zero, and a mode.
-    let handle = unsafe { syscall!(OPEN, name.as_ptr(), mode, name.count_bytes()) };
-    (handle != usize::MAX).then_some(handle)
-}
-
-/// The emulated board, as the control sees it.
-pub struct Board {
-    link: Link,
-}
-
-impl Board {
-    pub fn new(link: Link) -> Self {
-        Self { link }
-    }
-}
-
-impl strainwave_app::Board for Board {
-    const REPORT_EVERY: u32 = 1;
-
-    fn input(&mut self) -> Option<Input<f32>> {
+    /// The next input; `None` when there is none any more. A function of its own: its frame is not on the stack while the
+    /// control step's is.
+    #[inline(never)]
+    pub fn input(&self) -> Option<Input<f32>> {
         if ended() {
             return None;
         }
-        match self.link.read() {
+        match self.read() {
             Some(bytes) => {
                 let input = frame::decode_input(&bytes);
                 if input.is_none() {
@@ -96,23 +77,16 @@ impl strainwave_app::Board for Board {
         }
     }
 
-    // The host finds it in the report.
-    fn command(&mut self, _torque: f32) {}
-
-    fn report(&mut self, output: impl FnOnce() -> Output<f32>) {
-        if !self.link.write(&frame::encode_output(&output())) {
+    /// Sends an output.
+    pub fn report(&self, output: &Output<f32>) {
+        if !self.write(&frame::encode_output(output)) {
             fail();
         }
     }
+}
 
-    // Nobody is listening any more.
-    fn release(&mut self) {}
-
-    fn feed_watchdog(&mut self) {
-        watchdog::feed();
-    }
-
-    fn overran(&mut self) -> bool {
-        timer::waiting()
-    }
+fn open(name: &CStr, mode: usize) -> Option<usize> {
+    // SAFETY: the block names a string, its length without the zero, and a mode.
+    let handle = unsafe { syscall!(OPEN, name.as_ptr(), mode, name.count_bytes()) };
+    (handle != usize::MAX).then_some(handle)
 }
