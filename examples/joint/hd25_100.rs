@@ -351,7 +351,7 @@ pub const JOINT: JointParams<f32> = JointParams {
     feedback: FeedbackParams {
         position_gain: 141.37167,
         velocity_gain: 0.0678584,
-        integral_time: 0.02,
+        integral_time: 0.013,
         filter_corner: 3769.9111,
         torque_limit: 2.4,
     },
@@ -375,7 +375,7 @@ pub const JOINT: JointParams<f32> = JointParams {
         derivative: 0.0049773683,
         derivative_at_rest: 0.006843881,
         corner: 803.6376,
-        largest_shift: 0.06254394,
+        largest_shift: 0.7741935,
     },
     learning: LearningParams {
         adaptation: AdaptationParams {

@@ -44,14 +44,18 @@ impl BaselineGains {
 /// f_p of the compensator's cascade over that of B0. With feed-forward the position loop need not be slow for the setpoint's
 /// steps: it follows a load step better. At 1.9 it oscillates about rest where friction has no presliding.
 const POSITION_BANDWIDTH: f64 = 1.5;
+/// T_i over that of B0: with feed-forward a step of the setpoint does not overshoot by the integral, which so may take up a
+/// load sooner. Chosen on training joints: 144 of 1250 runs are worse than a baseline, with B0's own 188. At 0.55 the default
+/// gear's cascade has no phase margin left with half of its load on a link of 20 Hz, here 4 degrees.
+const INTEGRAL_TIME: f64 = 0.65;
 
-/// The cascade that the compensator has: that of B0, its position loop half as fast again.
+/// The cascade that the compensator has: that of B0, its position loop half as fast again, its integral time shorter.
 pub(super) fn feedback(file: &GearFile) -> Feedback {
     let gains = BaselineGains::of(file, Kind::B0);
     Feedback {
         position_bandwidth: POSITION_BANDWIDTH * gains.position_bandwidth,
         velocity_bandwidth: gains.velocity_bandwidth,
-        integral_time: gains.integral_time,
+        integral_time: INTEGRAL_TIME * gains.integral_time,
     }
 }
 

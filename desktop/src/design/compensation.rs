@@ -45,10 +45,10 @@ const PROPORTIONAL: [f64; 2] = [0.4, 0.26];
 const MEASURED_CORNER: f64 = 5.0;
 /// Largest change of the torque by a count of the output encoder in slow motion, of the motor's peak torque.
 const COUNT_TORQUE: f64 = 0.05;
-/// Part of the motor's peak torque that the largest shift takes: the rest is left to the cascade's damping. With a half, a
-/// joint whose reflected rotor is ten times its load goes from limit to limit after a load step; the default gear's deviation
-/// at one is then a tenth smaller.
-const SHIFT_TORQUE: f64 = 0.25;
+/// Part of the motor's peak torque that the rotor takes to follow the largest shift at the torsion mode's frequency: the rest is
+/// left to the cascade's damping. A larger shift cannot be followed there; a joint whose reflected rotor is ten times its load
+/// would go from limit to limit after a load step.
+const SHIFT_TORQUE: f64 = 0.5;
 /// Largest torque that P and D ask for at a step of the rated torque, in motor's peak torques: with more, a motor at its
 /// limit no longer damps, and a load far lighter than its rotor is lost. Without it one run more of 500 training joints shakes
 /// and 3 of its 135 joints with both encoders more are worse than a baseline in S1.
@@ -171,10 +171,11 @@ fn rest_fraction(file: &GearFile) -> f64 {
     (STEP_TORQUE * file.motor.peak_torque / by_step).min(1.0)
 }
 
-/// Largest shift by the output encoder's angle (rad at the motor): it takes [`SHIFT_TORQUE`] of the motor's peak torque at once.
+/// Largest shift by the output encoder's angle (rad at the motor), which takes [`SHIFT_TORQUE`] of the motor's peak torque:
+/// `J_wg*omega^2` times its amplitude.
 fn largest_shift(file: &GearFile) -> f64 {
-    let cascade = feedback_params::<f64>(file);
-    SHIFT_TORQUE * file.motor.peak_torque / (cascade.position_gain * cascade.velocity_gain)
+    let stiffness = file.inertia.wave_generator * mode_frequency(file).powi(2);
+    SHIFT_TORQUE * file.motor.peak_torque / stiffness
 }
 
 /// The disturbance path, from the uncertainty of the joint.
