@@ -11,3 +11,4 @@ mod missed;
 mod operator;
 mod own_joint;
 mod set_up;
+mod trajectory;
