@@ -3,6 +3,7 @@
 mod bad_input;
 mod bench;
 mod design;
+mod example_logs;
 mod export;
 mod good_input;
 mod identify;
