@@ -4,6 +4,7 @@ mod bad_input;
 mod bench;
 mod design;
 mod example_logs;
+mod experiment;
 mod export;
 mod good_input;
 mod identify;
