@@ -30,7 +30,7 @@ pub const MOST_PARTS: usize = 5;
 /// A chosen motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// Angles of the output (rad), every [`INTERVAL`] s.
+    /// Angles of the output (rad), every 10 ms.
     pub position: Vec<f64>,
     /// Its parts for people.
     pub parts: Vec<String>,
