@@ -8,6 +8,7 @@ mod bench;
 mod budget;
 mod check;
 mod design;
+mod experiment;
 mod export;
 mod faults;
 mod figures;
@@ -17,11 +18,13 @@ mod logs;
 mod new;
 mod operator;
 mod page;
+mod payload;
 mod pil;
 mod pil_plots;
 mod predict;
 mod progress;
 mod report;
+mod series;
 mod setup;
 mod sim;
 mod tune;
@@ -58,6 +61,7 @@ enum Command {
     Budget(budget::Arguments),
     Check(check::Arguments),
     Design(design::Arguments),
+    Experiment(experiment::Arguments),
     Export(export::Arguments),
     Faults(faults::Arguments),
     Identify(identify::Arguments),
@@ -77,6 +81,7 @@ fn run(command: Command) -> Result<Figures, BadInput> {
         Command::Budget(arguments) => budget::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Design(arguments) => design::run(&arguments),
+        Command::Experiment(arguments) => experiment::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Faults(arguments) => faults::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),

@@ -4,26 +4,30 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use strainwave_desktop::bench::Conditions;
 use strainwave_desktop::bench::closed_loop::Run;
 use strainwave_desktop::bench::scenario::Scenario;
+use strainwave_desktop::bench::task::Task;
+use strainwave_desktop::bench::{Conditions, Motion, Trajectory};
 use strainwave_desktop::design::buildable::buildable;
 use strainwave_desktop::identify::learn_gear;
 use strainwave_desktop::io::gear_file::DEFAULT;
 use strainwave_desktop::io::gear_file::SensorSet;
-use strainwave_desktop::io::log::MeasuredLog;
+use strainwave_desktop::io::log::{CommandedMotion, MeasuredLog};
 use strainwave_desktop::plant::box_sample::BoxSample;
+use strainwave_desktop::plant::payload::Payload;
 use strainwave_desktop::verify::bounds;
 use strainwave_desktop::verify::compensator;
 use strainwave_desktop::{BadInput, Figure, GearFile};
-use strainwave_emulator::pil::{self, Replay, ScenarioRun, TargetRun, Trial};
+use strainwave_emulator::pil::{self, Replay, TargetRun, Trial, TrialRun};
 
-use crate::figures::{Figures, FiguresArguments, say};
+use crate::figures::{Figures, FiguresArguments, complain, say};
 use crate::files;
 use crate::logs::Reading;
 use crate::page::PageArguments;
+use crate::payload::PayloadArguments;
 use crate::pil_plots;
 use crate::progress::Progress;
+use crate::series;
 
 /// Run a board's firmware in the emulator, in lockstep with the reference plant or on a measured log
 ///
@@ -33,7 +37,8 @@ use crate::progress::Progress;
 /// encoder. A fault, more than 10 ms at the torque limit, or an error or vibration that is worse than a baseline's by more
 /// than 5 % and 12 urad misses its bound. Every output of the firmware is compared bit for bit with the
 /// host's f32 build, and the instructions (exact) and cycles (a model of a Cortex-M4F with zero wait states,
-/// not silicon; of no other core) of the control step are counted. With --replay a measured log goes through the firmware's observer instead, and the
+/// not silicon; of no other core) of the control step are counted. With --trajectory the joint follows a motion of the user
+/// in the place of a scenario. With --replay a measured log goes through the firmware's observer instead, and the
 /// output that it predicts is compared with the output encoder; with --learn the first part of the log first teaches the gear, as
 /// `identify --moving` does, and what is compared is the rest. Gets the cross compiler and the emulator
 /// when they are missing, and says so first.
@@ -47,6 +52,16 @@ pub struct Arguments {
     #[arg(long, value_name = "S1..S6|all", default_value = "S2", ignore_case = true,
           value_parser = scenario_parser(), conflicts_with = "replay")]
     scenario: Scenarios,
+    /// Motion of the user in the place of a scenario: t_s, theta_rad, and where it has them omega_rad_s, alpha_rad_s2, tau_load_nm
+    ///
+    /// Setpoints of the output, and the external torque on it (0 when left out), in SI units; time stamps may jitter. Speed
+    /// and acceleration that the file does not have, jerk and snap are those of the curve of the least squared jerk through
+    /// its rows, every 0.1 ms; loads are joined linearly. The joint starts at rest at the angle of the first row. A row that
+    /// needs more speed or torque than the gear file's limits allow is refused. All of the motion is judged. 0.1 to 60 s.
+    #[arg(long, value_name = "MY.csv", conflicts_with_all = ["scenario", "replay"])]
+    trajectory: Option<PathBuf>,
+    #[command(flatten)]
+    payload: PayloadArguments,
     /// Gear file; the default gear hd25-100 when left out
     #[arg(long, value_name = "G.toml")]
     gear: Option<PathBuf>,
@@ -78,6 +93,11 @@ pub struct Arguments {
     /// at all, once the run has ended.
     #[arg(long, value_name = "KEPT.toml", conflicts_with = "replay")]
     keep: Option<PathBuf>,
+    /// Write the time series of one run to this file (CSV), a row every 0.1 ms: what was asked, and what each controller made of it
+    ///
+    /// Complete or not at all, once the run has ended. The book's page on commands lists the columns.
+    #[arg(long, value_name = "SERIES.csv", conflicts_with = "replay")]
+    series: Option<PathBuf>,
     /// Folder for the plots: one SVG file a question
     ///
     /// `pil.s2.tracking.svg`: output and its error; `.torsion.svg`; `.torque.svg`: of the motor and external; `.estimates-motion.svg`
@@ -118,23 +138,29 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     files::require_distinct(&[
         ("--gear", arguments.gear.as_deref()),
         ("--replay", arguments.replay.as_deref()),
+        ("--trajectory", arguments.trajectory.as_deref()),
+        ("--series", arguments.series.as_deref()),
         ("--json", json),
     ])?;
     // The gear file itself may be kept anew.
     let (picture, page) = (arguments.picture.as_deref(), arguments.page.markdown.as_deref());
     files::require_distinct(&[
+        ("--trajectory", arguments.trajectory.as_deref()),
+        ("--series", arguments.series.as_deref()),
         ("--keep", arguments.keep.as_deref()),
         ("--picture", picture),
         ("--markdown", page),
         ("--json", json),
     ])?;
     require_keepable(arguments)?;
-    require_one_picture(arguments)?;
+    require_one_run(arguments)?;
     let (mut gear, text) = arguments.gear.as_deref().map_or_else(|| Ok(default_gear()), firmware_gear)?;
     let Arguments { ignore_extra, reversed_torque, .. } = *arguments;
     let reading = Reading { ignore_extra, reversed_torque };
     let log = arguments.replay.as_deref().map(|path| replayable(path, &gear, reading)).transpose()?;
-    for path in [arguments.keep.as_deref(), picture, json] {
+    let trajectory = arguments.trajectory.as_deref().map(|path| trajectory(path, &gear)).transpose()?;
+    let payload = arguments.payload.of(&gear)?;
+    for path in [arguments.keep.as_deref(), arguments.series.as_deref(), picture, json] {
         files::require_writable(path)?;
     }
     arguments.page.require_renewable()?;
@@ -143,20 +169,35 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     let firmware = pil::prepare(&arguments.board, &gear).map_err(BadInput::message)?;
     let figures = match &log {
         Some(log) => replay(arguments, &firmware.elf, &gear, log, learnt)?,
-        None => scenarios(arguments, &firmware.elf, &gear, &text)?,
+        None => trials(arguments, &firmware.elf, (&gear, &text), trajectory.as_ref(), payload)?,
     };
     arguments.page.renew(&figures)?;
     Ok(Figures::new(figures, &arguments.figures))
 }
 
-/// A picture is of one run.
-fn require_one_picture(arguments: &Arguments) -> Result<(), BadInput> {
-    match (&arguments.picture, arguments.scenario.0.as_slice()) {
-        (None, _) | (_, [_]) => Ok(()),
-        _ => Err(BadInput::message(
-            "--picture with --scenario all: a picture is of one run; allowed: one of S1..S6",
-        )),
+/// Picture and series are of one run, and the table of what is claimed is of joints without a payload.
+fn require_one_run(arguments: &Arguments) -> Result<(), BadInput> {
+    let of_one = [
+        ("--picture", arguments.picture.is_some(), "a picture is of one run"),
+        ("--series", arguments.series.is_some(), "a series is of one run"),
+        ("--payload", arguments.payload.given(), "what is claimed is of joints without one"),
+    ];
+    match of_one.into_iter().find(|(_, given, _)| *given && arguments.scenario.0.len() > 1) {
+        None => Ok(()),
+        Some((name, _, why)) => {
+            Err(BadInput::message(format_args!("{name} with --scenario all: {why}; allowed: one of S1..S6")))
+        }
     }
+}
+
+/// A motion within the joint's limits; what limits its use is told on the error stream.
+fn trajectory(path: &Path, gear: &GearFile) -> Result<Trajectory, BadInput> {
+    let trajectory = Trajectory::of(&CommandedMotion::read(path)?);
+    trajectory.require_within(gear).map_err(|why| BadInput::new(path, why))?;
+    for warning in trajectory.warnings(gear) {
+        complain(format_args!("{}", BadInput::new(path, format_args!("warning: {warning}"))));
+    }
+    Ok(trajectory)
 }
 
 /// A gear that the firmware can be built for, and its text.
@@ -214,30 +255,36 @@ fn learn(
     Ok(Some(found.learnt))
 }
 
-/// Everything that is run: one scenario; or the whole table, and every scenario on the sample that is worst there.
-fn scenarios(
+/// Everything that is run: one motion; or the whole table, and every scenario on the sample that is worst there.
+fn trials(
     arguments: &Arguments,
     elf: &Path,
-    gear: &GearFile,
-    text: &str,
+    (gear, text): (&GearFile, &str),
+    trajectory: Option<&Trajectory>,
+    payload: Payload,
 ) -> Result<Vec<Figure>, BadInput> {
-    let mut figures = Vec::new();
+    let mut figures: Vec<_> = trajectory
+        .and_then(|trajectory| trajectory.time().jitter())
+        .into_iter()
+        .flat_map(|jitter| jitter.figures())
+        .collect();
     let all = arguments.scenario.0.len() > 1;
     if all && arguments.seed.is_none() {
         figures = table(gear)?;
     }
     let chosen = arguments.sensors.map(|sensors| vec![sensors]);
     let sensor_sets = chosen.or_else(|| all.then(|| SensorSet::ALL.to_vec())).unwrap_or_default();
-    let mut trials: Vec<Trial> = Vec::new();
-    for scenario in &arguments.scenario.0 {
-        let rest = Trial::from_rest(gear, *scenario, arguments.seed.unwrap_or(1));
-        trials.extend(sensor_sets.iter().filter(|_| !scenario.blocked()).map(|sensors| {
-            let seed = arguments.seed.or(compensator::worst_draw(&figures, *scenario, *sensors));
-            let seed = seed.unwrap_or(rest.conditions.seed);
+    let mut trials: Vec<Trial<'_>> = Vec::new();
+    for motion in motions(arguments, trajectory) {
+        let seed = arguments.seed.unwrap_or(1);
+        let rest = Trial { payload, ..Trial::from_rest(gear, motion, seed) };
+        trials.extend(sensor_sets.iter().filter(|_| !motion.blocked()).map(|sensors| {
+            let worst = |scenario| compensator::worst_draw(&figures, scenario, *sensors);
+            let seed = arguments.seed.or(motion.scenario().and_then(worst)).unwrap_or(seed);
             let conditions = Conditions { seed, sensors: *sensors, ..rest.conditions };
             Trial { conditions, worked: true, ..rest }
         }));
-        trials.extend((sensor_sets.is_empty() || scenario.blocked()).then_some(rest));
+        trials.extend((sensor_sets.is_empty() || motion.blocked()).then_some(rest));
     }
     for trial in &trials {
         let run = run_trial(arguments, elf, gear, trial)?;
@@ -250,6 +297,14 @@ fn scenarios(
     Ok(figures)
 }
 
+/// The user's motion, or the scenarios.
+fn motions<'a>(arguments: &Arguments, trajectory: Option<&'a Trajectory>) -> Vec<Motion<'a>> {
+    match trajectory {
+        Some(trajectory) => vec![trajectory.into()],
+        None => arguments.scenario.0.iter().map(|scenario| (*scenario).into()).collect(),
+    }
+}
+
 /// The compensator against the baselines on the desktop, every row the worst of many plant samples.
 fn table(gear: &GearFile) -> Result<Vec<Figure>, BadInput> {
     let mut progress = Progress::new(1000, "compensator and baselines");
@@ -260,14 +315,14 @@ fn table(gear: &GearFile) -> Result<Vec<Figure>, BadInput> {
     Ok(measured.figures)
 }
 
-fn run_trial(
+fn run_trial<'a>(
     arguments: &Arguments,
     elf: &Path,
     gear: &GearFile,
-    trial: &Trial,
-) -> Result<ScenarioRun, BadInput> {
-    let (scenario, seed) = (trial.scenario, trial.conditions.seed);
-    let mut progress = Progress::new(1000, scenario.title());
+    trial: &Trial<'a>,
+) -> Result<TrialRun<'a>, BadInput> {
+    let (motion, seed) = (trial.motion, trial.conditions.seed);
+    let mut progress = Progress::new(1000, motion.title());
     let learning = trial.learns_ripple().then(|| pil::build(&arguments.board, &trial.controller_gear(gear)));
     let learning = learning.transpose().map_err(BadInput::message)?;
     let elf = learning.as_ref().map_or(elf, |firmware| &firmware.elf);
@@ -278,19 +333,28 @@ fn run_trial(
     if let Some(path) = &arguments.picture {
         pil_plots::comparison(&run).write(path)?;
     }
+    if let Some(path) = &arguments.series {
+        series::write(&run, path)?;
+    }
     let sample = BoxSample::from_seed(seed);
-    say(format_args!("{}: {}; plots {plots}", trial.name(), scenario.title()));
+    say(format_args!("{}: {}; plots {plots}", trial.name(), motion.title()));
     say(format_args!(
         "    plant of seed {seed}: friction x {:.3} (input) x {:.3} (output), stiffness x {:.3}, load inertia x {:.3}",
         sample.friction[0], sample.friction[1], sample.stiffness, sample.inertia
     ));
+    if trial.payload != Payload::NONE {
+        let Payload { inertia, gravity, hanging } = trial.payload;
+        say(format_args!(
+            "    payload: {inertia:.4} kg m^2, weight up to {gravity:.4} N m, hanging at {hanging:.4} rad"
+        ));
+    }
     Ok(run)
 }
 
 /// Writes one file a question; their names for people.
-fn write_plots(run: &ScenarioRun, gear: &GearFile, folder: &Path) -> Result<String, BadInput> {
+fn write_plots(run: &TrialRun<'_>, gear: &GearFile, folder: &Path) -> Result<String, BadInput> {
     files::make_folder(folder)?;
-    let (start, pages) = (format!("pil.{}", run.trial.name()), pil_plots::scenario(run, gear));
+    let (start, pages) = (format!("pil.{}", run.trial.name()), pil_plots::trial(run, gear));
     for (question, page) in &pages {
         page.write(&folder.join(format!("{start}.{question}.svg")))?;
     }
@@ -298,7 +362,7 @@ fn write_plots(run: &ScenarioRun, gear: &GearFile, folder: &Path) -> Result<Stri
     Ok(format!("{}: {}", folder.join(format!("{start}.*.svg")).display(), questions.join(", ")))
 }
 
-fn trial_figures(run: &ScenarioRun, gear: &GearFile) -> Result<Vec<Figure>, BadInput> {
+fn trial_figures(run: &TrialRun<'_>, gear: &GearFile) -> Result<Vec<Figure>, BadInput> {
     let mut figures = run.claims(gear).map_err(BadInput::message)?;
     figures.extend(run.health(gear).map_err(BadInput::message)?);
     figures.extend(scenario_figures(run));
@@ -306,7 +370,7 @@ fn trial_figures(run: &ScenarioRun, gear: &GearFile) -> Result<Vec<Figure>, BadI
     Ok(figures)
 }
 
-fn scenario_figures(run: &ScenarioRun) -> Vec<Figure> {
+fn scenario_figures(run: &TrialRun<'_>) -> Vec<Figure> {
     let name = |rest: &str| format!("pil.{}.{rest}", run.trial.name());
     let TargetRun { run: compensated, learnt, agreement, ending, .. } = &run.target;
     let (estimate, cost) = (&compensated.estimate, &run.control_step);

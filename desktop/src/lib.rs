@@ -9,6 +9,7 @@
 //! | [`catalogue`] | gears of sizes 8 to 100, and joints that are built with them |
 //! | [`identify`] | from measurements to parameters |
 //! | [`predict`] | blind predictions of measured logs |
+//! | [`experiment`] | motions that show a joint's parameters |
 //! | [`verify`] | claimed figures: metrics, bounds, and what measures them |
 //! | [`speed`] | time that the real-time parts take on this machine |
 //! | [`tune`] | search for a baseline's gains |
@@ -19,6 +20,7 @@
 pub mod bench;
 pub mod catalogue;
 pub mod design;
+pub mod experiment;
 pub mod identify;
 pub mod io;
 pub mod plant;

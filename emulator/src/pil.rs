@@ -12,7 +12,7 @@ use strainwave_desktop::bench::closed_loop::{Row, Run};
 use strainwave_desktop::bench::scenario::Scenario;
 use strainwave_desktop::bench::task::Task;
 use strainwave_desktop::bench::working_motion::WorkingMotion;
-use strainwave_desktop::bench::{Bench, Conditions, periods};
+use strainwave_desktop::bench::{Bench, Conditions, Motion, periods};
 use strainwave_desktop::design::export::Export;
 use strainwave_desktop::design::joint::joint_params;
 use strainwave_desktop::identify::replay::{self, Judgement, ReplayRow};
@@ -21,6 +21,7 @@ use strainwave_desktop::io::gear_file::SensorSet;
 use strainwave_desktop::io::gear_file::{KinematicError, Learnt};
 use strainwave_desktop::io::log::MeasuredLog;
 use strainwave_desktop::plant::divergence::RunError;
+use strainwave_desktop::plant::payload::Payload;
 use strainwave_desktop::verify::bounds;
 use strainwave_desktop::verify::compensator::CLAIMS;
 use strainwave_desktop::verify::judge::faults::Raised;
@@ -71,24 +72,33 @@ pub enum Error {
 
 /// Trial on the target.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Trial {
-    /// Which scenario.
-    pub scenario: Scenario,
+pub struct Trial<'a> {
+    /// Which motion.
+    pub motion: Motion<'a>,
     /// On which plant, with which sensors.
     pub conditions: Conditions,
+    /// Payload that the compensator is not told.
+    pub payload: Payload,
     /// The compensator goes through the working motion first, as what is claimed of it asks.
     pub worked: bool,
 }
 
-impl Trial {
-    /// A scenario from rest on the plant of `seed`, with the sensors of a gear file.
-    pub fn from_rest(file: &GearFile, scenario: Scenario, seed: u64) -> Self {
-        Self { scenario, conditions: Conditions::of(file, seed), worked: false }
+impl<'a> Trial<'a> {
+    /// A motion from rest on the plant of `seed`, with the sensors of a gear file and no payload.
+    pub fn from_rest(file: &GearFile, motion: impl Into<Motion<'a>>, seed: u64) -> Self {
+        let conditions = Conditions::of(file, seed);
+        Self { motion: motion.into(), conditions, payload: Payload::NONE, worked: false }
+    }
+
+    /// The joint on the bench.
+    fn bench(&self, file: &GearFile) -> Result<Bench, strainwave::Error> {
+        Bench::loaded(file, &self.conditions, &self.payload.counted_from(self.motion.zero()))
     }
 
     /// The compensator has no stored kinematic error of the gear: it has to learn it in operation.
     pub fn learns_ripple(&self) -> bool {
-        self.worked && self.scenario == Scenario::S4 && self.conditions.sensors == SensorSet::Both
+        let learns = self.motion.scenario() == Some(Scenario::S4);
+        self.worked && learns && self.conditions.sensors == SensorSet::Both
     }
 
     /// Gear file of the compensator.
@@ -102,16 +112,16 @@ impl Trial {
 
     /// As its figures are named: `s2` from rest, `motor.s2` where the compensator has worked before.
     pub fn name(&self) -> String {
-        let scenario = self.scenario.name();
-        if self.worked { format!("{}.{scenario}", self.conditions.sensors.name()) } else { scenario.into() }
+        let motion = self.motion.name();
+        if self.worked { format!("{}.{motion}", self.conditions.sensors.name()) } else { motion.into() }
     }
 }
 
 /// Result of one trial.
-pub struct ScenarioRun {
+pub struct TrialRun<'a> {
     /// Which.
-    pub trial: Trial,
-    /// The plant that it ran on.
+    pub trial: Trial<'a>,
+    /// The plant that it ran on, with the payload.
     pub plant: GearParams<f64>,
     /// The firmware's compensator.
     pub target: TargetRun,
@@ -123,7 +133,7 @@ pub struct ScenarioRun {
 
 /// Result of the firmware alone.
 pub struct TargetRun {
-    /// Its run of the scenario.
+    /// Its run of the motion.
     pub run: Run,
     /// Faults that it raised, while it worked before too.
     pub faults: Raised,
@@ -135,7 +145,7 @@ pub struct TargetRun {
     pub learnt: Learnt,
 }
 
-impl ScenarioRun {
+impl TrialRun<'_> {
     /// The output error against the baselines'.
     pub fn beside_baselines(&self) -> Figure {
         beside_baselines(&self.trial, &self.target.run, self.b0_and_b1())
@@ -151,8 +161,8 @@ impl ScenarioRun {
     /// # Errors
     /// A plant whose stiffness line is none.
     pub fn health(&self, file: &GearFile) -> Result<Vec<Figure>, strainwave::Error> {
-        let (judged, scenario) = (Judged::of(file, &self.plant), self.trial.scenario);
-        let judged_part = |run: &Run| judged.without_rest(scenario, &run.trace);
+        let (judged, motion) = (Judged::of(file, &self.plant), self.trial.motion);
+        let judged_part = |run: &Run| judged.without_rest(motion, &run.trace);
         let (name, ours) =
             (|rest: &str| format!("pil.{}.{rest}", self.trial.name()), judged_part(&self.target.run)?);
         let faults = || self.target.faults.times();
@@ -163,7 +173,7 @@ impl ScenarioRun {
         };
         figures.extend(faults().map(time));
         figures.push(bounds::figure_as(name("limited"), "pil.limited", ours.limited));
-        let compared = if metrics(scenario).is_empty() { &[] } else { &self.baselines[..] };
+        let compared = if metrics(motion).is_empty() { &[] } else { &self.baselines[..] };
         for (baseline, run) in compared {
             let theirs = judged_part(run)?;
             let worse = ours.worse_metrics(&theirs) as f64;
@@ -171,17 +181,21 @@ impl ScenarioRun {
             let ratio = |(metric, (ours, theirs)): (&Metric, (&f64, &f64))| {
                 Figure::reported(name(&format!("{}.to_{baseline}", metric.name())), ours / theirs, "1")
             };
-            figures.extend(metrics(scenario).iter().zip(ours.metrics.iter().zip(&theirs.metrics)).map(ratio));
+            figures.extend(metrics(motion).iter().zip(ours.metrics.iter().zip(&theirs.metrics)).map(ratio));
         }
         Ok(figures)
     }
 
-    /// Claims of the compensator in this scenario, on this plant; bounded where it has worked before.
+    /// Claims of the compensator in this motion, on this plant; bounded where it has worked before. There are none of a trajectory,
+    /// nor with a payload.
     ///
     /// # Errors
     /// A plant whose stiffness line is none.
     pub fn claims(&self, file: &GearFile) -> Result<Vec<Figure>, strainwave::Error> {
-        let Trial { scenario, conditions, worked } = self.trial;
+        let Trial { conditions, worked, payload, .. } = self.trial;
+        let Some(scenario) = self.trial.motion.scenario().filter(|_| payload == Payload::NONE) else {
+            return Ok(Vec::new());
+        };
         let [b0, b1] = self.b0_and_b1();
         let [ours, b0, b1] =
             [&self.target.run, b0, b1].map(|run| Judge::new(scenario, &self.plant, &run.trace));
@@ -202,7 +216,8 @@ impl ScenarioRun {
     pub fn loop_figures(&self) -> Result<Vec<Figure>, strainwave::Error> {
         let sample = |row: &Row| Sample { torsion: row.torsion, torque: row.transmitted };
         let samples: Vec<_> = self.target.run.trace.iter().map(sample).collect();
-        let (Scenario::S6, Some(found)) = (self.trial.scenario, TorqueLoop::of(&samples)) else {
+        let (Some(Scenario::S6), Some(found)) = (self.trial.motion.scenario(), TorqueLoop::of(&samples))
+        else {
             return Ok(Vec::new());
         };
         let target = found.chord_stiffness_of(&self.plant.flexspline.line.build()?);
@@ -216,10 +231,10 @@ impl ScenarioRun {
 }
 
 /// The compensated output error; in S2 it must be below both baselines on the same plant.
-pub fn beside_baselines(trial: &Trial, compensated: &Run, [b0, b1]: [&Run; 2]) -> Figure {
+pub fn beside_baselines(trial: &Trial<'_>, compensated: &Run, [b0, b1]: [&Run; 2]) -> Figure {
     let name = format!("pil.{}.compensated.rms", trial.name());
-    match trial.scenario {
-        Scenario::S2 => Figure::bounded(name, compensated.rms, "rad", b0.rms.min(b1.rms)),
+    match trial.motion {
+        Motion::Scenario(Scenario::S2) => Figure::bounded(name, compensated.rms, "rad", b0.rms.min(b1.rms)),
         _ => Figure::reported(name, compensated.rms, "rad"),
     }
 }
@@ -260,17 +275,17 @@ pub fn build(board: &str, file: &GearFile) -> Result<Firmware, firmware::Error> 
 ///
 /// # Errors
 /// When the machine or the count fails, or a parameter is out of range.
-pub fn run(
+pub fn run<'a>(
     elf: &Path,
     file: &GearFile,
-    trial: &Trial,
+    trial: &Trial<'a>,
     progress: impl FnMut(f64),
-) -> Result<ScenarioRun, Error> {
+) -> Result<TrialRun<'a>, Error> {
     std::thread::scope(|scope| {
         let start = |(name, mut baseline): (&'static str, Baseline)| {
             let run = scope.spawn(move || {
-                let mut bench = Bench::build(file, &trial.conditions)?;
-                closed_loop::go_on(&mut bench, trial.scenario, &mut baseline, |_| ())
+                let mut bench = trial.bench(file)?;
+                closed_loop::go_on(&mut bench, trial.motion, &mut baseline, |_| ())
             });
             (name, run)
         };
@@ -283,8 +298,8 @@ pub fn run(
         let baselines = baselines.into_iter().map(|(name, run)| Ok((name, joined(run)?)));
         let baselines = baselines.collect::<Result<_, target::Error>>()?;
         let control_step = control_step.ok_or(counting::Error::NoResult)?;
-        let plant = trial.conditions.plant(file).map_err(target::Error::from)?;
-        Ok(ScenarioRun { trial: *trial, plant, target, baselines, control_step })
+        let plant = trial.payload.on(&trial.conditions.plant(file).map_err(target::Error::from)?);
+        Ok(TrialRun { trial: *trial, plant, target, baselines, control_step })
     })
 }
 
@@ -301,14 +316,14 @@ pub fn compensated(
     elf: &Path,
     qemu_arguments: &[String],
     file: &GearFile,
-    trial: &Trial,
+    trial: &Trial<'_>,
     mut progress: impl FnMut(f64),
 ) -> Result<TargetRun, target::Error> {
     let mut target =
         Target::new(Machine::boot(elf, qemu_arguments)?, &joint_params(&trial.controller_gear(file))?)?;
-    let mut bench = Bench::build(file, &trial.conditions)?;
+    let mut bench = trial.bench(file)?;
     let work = if trial.worked { WorkingMotion.duration() } else { 0.0 };
-    let whole = work + trial.scenario.duration();
+    let whole = work + trial.motion.duration();
     let mut faults = Raised::default();
     if trial.worked {
         let count = periods(&WorkingMotion) as f64;
@@ -317,8 +332,8 @@ pub fn compensated(
             progress(k as f64 / count * work / whole);
         })?;
     }
-    let part = |fraction: f64| progress((work + fraction * trial.scenario.duration()) / whole);
-    let run = closed_loop::go_on(&mut bench, trial.scenario, &mut target, part)?;
+    let part = |fraction: f64| progress((work + fraction * trial.motion.duration()) / whole);
+    let run = closed_loop::go_on(&mut bench, trial.motion, &mut target, part)?;
     run.trace.iter().for_each(|row| faults.add(row.answer.faults));
     let (agreement, learnt) = (target.agreement(), Learnt::of(&target.learnt()));
     Ok(TargetRun { run, faults, agreement, ending: target.finish()?, learnt })

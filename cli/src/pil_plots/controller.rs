@@ -2,7 +2,7 @@
 
 use strainwave_desktop::bench::closed_loop::Run;
 use strainwave_desktop::report::plot::{Colour, Series};
-use strainwave_emulator::pil::ScenarioRun;
+use strainwave_emulator::pil::TrialRun;
 
 /// Controller of a run in a plot.
 #[derive(Clone, Copy)]
@@ -27,7 +27,7 @@ impl Controller {
 }
 
 /// Runs of every baseline and of the compensator, the compensator's last: it is drawn on top.
-pub fn controllers(run: &ScenarioRun) -> impl Iterator<Item = (Controller, &Run)> {
+pub fn controllers<'a>(run: &'a TrialRun<'_>) -> impl Iterator<Item = (Controller, &'a Run)> {
     let baselines = run.baselines.iter().enumerate();
     let baselines = baselines.map(|(place, (_, run))| (Controller::Baseline(place), run));
     baselines.chain([(Controller::Compensator, &run.target.run)])

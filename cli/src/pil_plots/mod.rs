@@ -11,7 +11,7 @@ use strainwave_desktop::bench::closed_loop::{Row, Run};
 use strainwave_desktop::bench::scenario::Scenario;
 use strainwave_desktop::report::plot::{Colour, Page, Panel, Series};
 use strainwave_desktop::verify::judge::error;
-use strainwave_emulator::pil::ScenarioRun;
+use strainwave_emulator::pil::TrialRun;
 
 use controller::{Controller, controllers};
 pub use replay::replay;
@@ -23,8 +23,8 @@ fn column<T>(rows: &[T], figure: impl Fn(&T) -> f64) -> Vec<f64> {
     rows.iter().map(figure).collect()
 }
 
-/// Pages of a run by the names of their questions; what a scenario has nothing of is left out.
-pub fn scenario(run: &ScenarioRun, gear: &GearFile) -> Vec<(&'static str, Page)> {
+/// Pages of a run by the names of their questions; what a motion has nothing of is left out.
+pub fn trial(run: &TrialRun<'_>, gear: &GearFile) -> Vec<(&'static str, Page)> {
     let rows = &run.target.run.trace;
     let questions = [
         ("tracking", "tracking error", tracking(run)),
@@ -49,14 +49,14 @@ fn over_time(name: &str, unit: &str) -> Panel {
 }
 
 /// A curve of every controller.
-fn of_all(run: &ScenarioRun, panel: Panel, figure: &dyn Fn(&Row) -> f64) -> Panel {
+fn of_all(run: &TrialRun<'_>, panel: Panel, figure: &dyn Fn(&Row) -> f64) -> Panel {
     controllers(run).fold(panel, |panel, (controller, of)| {
         let time = column(&of.trace, |row| row.time);
         panel.with(controller.series(&time, &column(&of.trace, figure)))
     })
 }
 
-fn tracking(run: &ScenarioRun) -> Vec<Panel> {
+fn tracking(run: &TrialRun<'_>) -> Vec<Panel> {
     let rows = &run.target.run.trace;
     let (time, commanded) = (column(rows, |row| row.time), column(rows, |row| row.demand.position));
     let output = over_time("output", "rad")
@@ -66,10 +66,10 @@ fn tracking(run: &ScenarioRun) -> Vec<Panel> {
 }
 
 /// Torsion over time; for the loop torque over torsion too.
-fn torsion(run: &ScenarioRun) -> Vec<Panel> {
+fn torsion(run: &TrialRun<'_>) -> Vec<Panel> {
     let panel = of_all(run, over_time("torsion", "urad"), &|row| row.torsion * 1e6);
-    let torque_loop =
-        (run.trial.scenario == Scenario::S6).then(|| torque_over_torsion(&run.target.run.trace));
+    let torque_loop = (run.trial.motion.scenario() == Some(Scenario::S6))
+        .then(|| torque_over_torsion(&run.target.run.trace));
     [Some(panel), torque_loop].into_iter().flatten().collect()
 }
 
@@ -83,7 +83,7 @@ fn torque_over_torsion(rows: &[Row]) -> Panel {
 }
 
 /// Motor torque of every controller, and the external torque beside its estimate.
-fn torque(run: &ScenarioRun) -> Vec<Panel> {
+fn torque(run: &TrialRun<'_>) -> Vec<Panel> {
     let rows = &run.target.run.trace;
     let time = column(rows, |row| row.time);
     let fed_forward = column(rows, |row| row.answer.feed_forward_torque.into());
@@ -97,7 +97,7 @@ fn torque(run: &ScenarioRun) -> Vec<Panel> {
 }
 
 /// Output error with the cascade alone and with the compensator, small enough for a page of text.
-pub fn comparison(run: &ScenarioRun) -> Page {
+pub fn comparison(run: &TrialRun<'_>) -> Page {
     let panel = controllers(run)
         .filter(|(controller, _)| matches!(controller, Controller::Baseline(0) | Controller::Compensator))
         .fold(over_time("output error", "urad"), |panel, (controller, of)| {

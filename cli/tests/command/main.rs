@@ -3,6 +3,8 @@
 mod bad_input;
 mod bench;
 mod design;
+mod example_logs;
+mod experiment;
 mod export;
 mod good_input;
 mod identify;
@@ -11,3 +13,4 @@ mod missed;
 mod operator;
 mod own_joint;
 mod set_up;
+mod trajectory;

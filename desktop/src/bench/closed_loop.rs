@@ -5,6 +5,7 @@ use strainwave::flexspline::Flexspline;
 
 use crate::bench::controller::Controller;
 use crate::bench::joint_bench::{Bench, Conditions};
+use crate::bench::motion::Motion;
 use crate::bench::scenario::Scenario;
 use crate::bench::task::{Demand, periods};
 use crate::io::gear_file::GearFile;
@@ -21,7 +22,7 @@ const PROGRESS_EVERY: usize = 100;
 pub struct Row {
     /// (s)
     pub time: f64,
-    /// Demand of the scenario.
+    /// Demand of the motion.
     pub demand: Demand,
     /// True output angle (rad).
     pub output: f64,
@@ -101,25 +102,26 @@ where
     go_on(&mut bench, scenario, controller, progress)
 }
 
-/// Runs a scenario from where a joint and its controller are; `progress` is called with the fraction done.
+/// Runs a motion from where a joint and its controller are; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// As [`Bench::go`].
-pub fn go_on<F: Flexspline<f64>, C: Controller>(
+pub fn go_on<'a, F: Flexspline<f64>, C: Controller>(
     bench: &mut Bench<F>,
-    scenario: Scenario,
+    motion: impl Into<Motion<'a>>,
     controller: &mut C,
     mut progress: impl FnMut(f64),
 ) -> Result<Run, C::Error>
 where
     C::Error: From<RunError>,
 {
-    let steps = periods(&scenario);
+    let motion = motion.into();
+    let steps = periods(&motion);
     let mut judge = Judge::default();
     let mut trace = Vec::with_capacity(steps);
-    bench.go(&scenario, controller, |k, demand, plant, answer| {
+    bench.go(&motion, controller, |k, demand, plant, answer| {
         let row = Row::of(k as f64 * CONTROL_PERIOD, demand, plant, answer);
-        if row.time >= scenario.judged_from() {
+        if row.time >= motion.judged_from() {
             judge.add(&row);
         }
         trace.push(row);

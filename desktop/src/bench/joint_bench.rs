@@ -25,8 +25,9 @@ use crate::plant::box_sample::BoxSample;
 use crate::plant::clock::{Clock, ClockParams};
 use crate::plant::divergence::RunError;
 use crate::plant::encoder::{EncoderErrors, EncoderModel, LateEncoder};
+use crate::plant::payload::Payload;
 use crate::plant::sample::PlantSample;
-use crate::plant::{CondensedMesh, Plant, PlantMesh};
+use crate::plant::{CondensedMesh, Plant, PlantMesh, plant_params};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Test conditions of a joint on the bench.
@@ -149,7 +150,17 @@ impl Bench {
     /// # Errors
     /// As [`Plant::build`].
     pub fn build(file: &GearFile, conditions: &Conditions) -> Result<Self, Error> {
-        Ok(Self::around(Plant::build(&conditions.plant(file)?)?, file, conditions))
+        Self::loaded(file, conditions, &Payload::NONE)
+    }
+
+    /// The same with a payload that the controller is not told.
+    ///
+    /// # Errors
+    /// As [`Plant::build`].
+    pub fn loaded(file: &GearFile, conditions: &Conditions, payload: &Payload) -> Result<Self, Error> {
+        let params = payload.on(&conditions.plant(file)?);
+        let plant = Plant::between(&plant_params(&params), &payload.sides())?;
+        Ok(Self::around(plant, file, conditions))
     }
 
     /// The same of a plant that its controller does not know; the seed is the plant's.

@@ -5,10 +5,14 @@ pub mod baseline;
 pub mod closed_loop;
 pub mod controller;
 pub mod joint_bench;
+pub mod motion;
 pub mod output_bounds;
 pub mod scenario;
 pub mod task;
+pub mod trajectory;
 pub mod working_motion;
 
 pub use joint_bench::{Bench, Conditions};
+pub use motion::Motion;
 pub use task::periods;
+pub use trajectory::Trajectory;

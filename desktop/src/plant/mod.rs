@@ -26,6 +26,7 @@ pub mod encoder;
 pub mod friction;
 pub mod load_side;
 pub mod mesh_size;
+pub mod payload;
 pub mod sample;
 pub mod sample_stream;
 pub mod settled;

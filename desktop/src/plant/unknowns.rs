@@ -338,7 +338,7 @@ fn shaped(plant: &PlantSample, fall: f64) -> Option<HysteresisTable<f64>> {
 }
 
 /// Adds a sine to terms, to that of its order where there is one; one for which there is no place is left out.
-fn add<const K: usize>(terms: &mut [Term<f64>; K], wave: Wave) {
+pub(crate) fn add<const K: usize>(terms: &mut [Term<f64>; K], wave: Wave) {
     let same = |term: &&mut Term<f64>| term.amplitude != 0.0 && term.order == wave.order;
     if let Some(term) = terms.iter_mut().find(same) {
         let (sine, cosine) = [(term.amplitude, term.phase), (wave.amplitude, wave.phase)]

@@ -107,14 +107,20 @@ fn fit(gear: &GearFile, rows: &[ReplayRow], sign: f64) -> Result<([f64; 3], f64)
     Ok(([x[2], x[3], x[4]], factor.squares(&x) + pulled))
 }
 
+/// Standard deviation of a row's torque where rows count as independent (N m).
+pub(crate) fn torque_noise(gear: &GearFile) -> f64 {
+    let alike = (ALIKE / (EVERY as f64 * CONTROL_PERIOD)).sqrt();
+    let coulomb = gear.friction.input.coulomb.unwrap_or_default();
+    UNKNOWN * coulomb.max(gear.sensors.motor_torque_noise) * alike
+}
+
 /// Rows [g0, g1, F, V, M | tau], each of unit noise and each unknown of unit prior.
 fn equations(gear: &GearFile, rows: &[ReplayRow], sign: f64) -> DMatrix<f64> {
     let friction = &gear.friction.input;
     let r: f64 = gear.gear.signed_ratio().value();
     let inertia = gear.inertia.wave_generator + r * r * gear.inertia.flexspline;
     let weight = r * gear.gear.peak_torque;
-    let alike = (ALIKE / (EVERY as f64 * CONTROL_PERIOD)).sqrt();
-    let noise = UNKNOWN * friction.coulomb.unwrap_or_default().max(gear.sensors.motor_torque_noise) * alike;
+    let noise = torque_noise(gear);
     let span = (HALF_SPAN / CONTROL_PERIOD) as usize;
     let used: Vec<_> = (span..rows.len().saturating_sub(span)).step_by(EVERY).collect();
     DMatrix::from_fn(used.len(), 6, |row, column| {

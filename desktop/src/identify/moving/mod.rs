@@ -40,6 +40,8 @@ use crate::identify::replay::{Judgement, ReplayRow, replay, time_of_path};
 use crate::io::gear_file::{GearFile, KinematicError};
 use crate::io::log::MeasuredLog;
 pub use friction::LearntFriction;
+pub(crate) use friction::torque_noise;
+pub(crate) use residual::{OFFSET, alike, error_prior};
 pub use residual::{ORDERS, Residual};
 
 /// Wanders of the external torque that are tried, in rated torques and the square root of a second: an observer's that is
@@ -47,7 +49,7 @@ pub use residual::{ORDERS, Residual};
 /// drift through it.
 pub const WANDERS: [f64; 2] = [0.45, 1e-7];
 /// Every how many control periods a row is used: 4 ms.
-const EVERY: usize = 40;
+pub(crate) const EVERY: usize = 40;
 
 /// Learnt gear, with its prediction errors.
 #[derive(Clone, Debug, PartialEq)]

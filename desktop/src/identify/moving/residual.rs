@@ -40,7 +40,7 @@ const ORDER_2: f64 = 8e-5;
 /// mounted 40 um off centre.
 const ECCENTRICITY: f64 = 4e-4;
 /// Of c (rad).
-const OFFSET: f64 = 1e-2;
+pub(crate) const OFFSET: f64 = 1e-2;
 /// sigma (rad): the size of orders that have no column.
 const LEFT: f64 = 2e-5;
 /// q (rad): two counts of a 19-bit encoder, a tenth of it by averaging.
@@ -49,6 +49,12 @@ const READING: f64 = 2e-6;
 const PATH_ALIKE: f64 = TAU / 5.0;
 /// Time over which it is alike (s): a period of an arm's sway.
 const TIME_ALIKE: f64 = 0.2;
+
+/// Standard deviation of a sine and of a cosine of the kinematic error before anything was measured (rad).
+pub(crate) fn error_prior(order: u32) -> f64 {
+    let k = f64::from(order);
+    if order == 1 { ORDER_2 / 4.0 } else { ORDER_2 * 4.0 / (k * k) }
+}
 
 /// Which angle an order counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,8 +80,7 @@ impl Kind {
         let k = f64::from(order);
         match self {
             Self::Scale => ECCENTRICITY / (k * k),
-            _ if order == 1 => ORDER_2 / 4.0,
-            _ => ORDER_2 * 4.0 / (k * k),
+            Self::Case | Self::Flexspline => error_prior(order),
         }
     }
 }
@@ -183,14 +188,19 @@ impl Problem {
     }
 }
 
+/// rho of a row after a path of the motor (rad), and the standard deviation of what the row adds (rad).
+pub(crate) fn alike(path: f64) -> (f64, f64) {
+    let rho = (-path / PATH_ALIKE - EVERY as f64 * CONTROL_PERIOD / TIME_ALIKE).exp();
+    (rho, (LEFT * LEFT * (1.0 - rho * rho) + READING * READING).sqrt())
+}
+
 /// Rows of unit noise each: what a row adds to the one before.
 fn whitened(equations: &DMatrix<f64>, rows: &[ReplayRow]) -> DMatrix<f64> {
     let mut white = equations.clone();
     white.row_mut(0).scale_mut(1.0 / LEFT.hypot(READING));
     for k in 1..rows.len() {
         let path = (rows[k].motor - rows[k - 1].motor).abs();
-        let rho = (-path / PATH_ALIKE - EVERY as f64 * CONTROL_PERIOD / TIME_ALIKE).exp();
-        let noise = (LEFT * LEFT * (1.0 - rho * rho) + READING * READING).sqrt();
+        let (rho, noise) = alike(path);
         white.set_row(k, &((equations.row(k) - equations.row(k - 1) * rho) / noise));
     }
     white

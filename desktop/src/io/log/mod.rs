@@ -5,6 +5,7 @@
 //! any joint, so that a damaged digit is refused where it stands.
 
 mod columns;
+mod commanded_motion;
 mod input_output;
 mod joined;
 mod measured;
@@ -14,6 +15,8 @@ mod time;
 mod written;
 
 pub use columns::Extra;
+pub(crate) use commanded_motion::place;
+pub use commanded_motion::{CommandedMotion, LONGEST_MOTION};
 pub use input_output::InputOutput;
 pub use measured::MeasuredLog;
 pub use open_loop::{Drive, DriveSample, OpenLoop, OpenLoopRow, write_open_loop};

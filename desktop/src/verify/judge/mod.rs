@@ -7,7 +7,7 @@
 //! | metric | of | definition |
 //! | --- | --- | --- |
 //! | [`Metric::StepVibration`] | S1 | rms of the torsion's vibration between the end of each 20 ms step and the next step (rad) |
-//! | [`Metric::Error`] | S2 | rms of the output error from t0 on (rad) |
+//! | [`Metric::Error`] | S2, a trajectory | rms of the output error from t0 on (rad) |
 //! | [`Metric::MoveVibration`] | S3 | rms of the torsion's vibration after the end of the move (rad) |
 //! | [`Metric::Settling`] | S3 | from the end of the move until the output error stays within +-20 urad (s): at least one control period; if it never does, to the end of the run |
 //! | [`Metric::Ripple`] | S4 | rms of the output error's part at the orders of the plant's kinematic error (rad) |
@@ -33,6 +33,7 @@ use strainwave::Error;
 use strainwave::gear::GearParams;
 
 use crate::bench::closed_loop::Row;
+use crate::bench::motion::Motion;
 use crate::bench::scenario::{Scenario, Stretch};
 pub use ripple::ripple;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
@@ -107,17 +108,17 @@ impl Metric {
     }
 }
 
-/// The judge of a scenario on one plant.
+/// The judge of a motion on one plant.
 pub struct Judge<'a> {
-    scenario: Scenario,
+    motion: Motion<'a>,
     plant: &'a GearParams<f64>,
     rows: &'a [Row],
 }
 
 impl<'a> Judge<'a> {
     /// Of a run's rows, one each control period, on this plant.
-    pub fn new(scenario: Scenario, plant: &'a GearParams<f64>, rows: &'a [Row]) -> Self {
-        Self { scenario, plant, rows }
+    pub fn new(motion: impl Into<Motion<'a>>, plant: &'a GearParams<f64>, rows: &'a [Row]) -> Self {
+        Self { motion: motion.into(), plant, rows }
     }
 
     /// One metric; NaN where the run has nothing of it.
@@ -143,7 +144,7 @@ impl<'a> Judge<'a> {
 
     /// The rows that count.
     pub fn judged(&self) -> &'a [Row] {
-        self.between(Stretch { from: self.scenario.judged_from(), to: f64::INFINITY })
+        self.between(Stretch { from: self.motion.judged_from(), to: f64::INFINITY })
     }
 
     fn after_load(&self) -> &'a [Row] {
@@ -162,7 +163,7 @@ impl<'a> Judge<'a> {
     /// Rms of the vibration over all rests of the scenario (rad).
     fn residual_vibration(&self) -> Result<f64, Error> {
         let period = self.natural_period()?;
-        let rests = self.scenario.rests().into_iter().map(|rest| self.between(rest));
+        let rests = self.motion.rests().into_iter().map(|rest| self.between(rest));
         Ok(rms(rests.flat_map(|rows| vibration(rows, period))))
     }
 
@@ -178,12 +179,12 @@ impl<'a> Judge<'a> {
 
     /// The vibration over the last rest (rad); none in a scenario without rests.
     pub fn last_vibration(&self) -> Option<Vec<f64>> {
-        let rest = self.scenario.rests().pop()?;
+        let rest = self.motion.rests().pop()?;
         Some(vibration(self.between(rest), self.natural_period().ok()?))
     }
 
     fn settling(&self) -> f64 {
-        let rows = self.scenario.rests().pop().map_or(&[][..], |rest| self.between(rest));
+        let rows = self.motion.rests().pop().map_or(&[][..], |rest| self.between(rest));
         let out = rows.iter().rposition(|row| error(row).abs() > SETTLED);
         out.map_or(1, |last| last + 1).max(1) as f64 * CONTROL_PERIOD
     }

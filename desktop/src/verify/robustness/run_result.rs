@@ -12,6 +12,7 @@ use strainwave::gear::GearParams;
 use crate::bench::Bench;
 use crate::bench::closed_loop::{Row, go_on};
 use crate::bench::controller::Controller;
+use crate::bench::motion::Motion;
 use crate::bench::scenario::{Rest, Scenario};
 use crate::bench::working_motion::WorkingMotion;
 use crate::design::capability::Capability;
@@ -23,8 +24,15 @@ use strainwave::compensator::schedule::CONTROL_PERIOD;
 /// The scenarios that a controller is judged in.
 pub const JUDGED: [Scenario; 5] = [Scenario::S1, Scenario::S2, Scenario::S3, Scenario::S4, Scenario::S5];
 
-/// Metrics of a scenario that are angles of the output or of the torsion, and how they are judged: the smaller the better.
-pub fn metrics(scenario: Scenario) -> &'static [Metric] {
+/// Metrics of a motion that are angles of the output or of the torsion, and how they are judged: the smaller the better.
+pub fn metrics<'a>(motion: impl Into<Motion<'a>>) -> &'static [Metric] {
+    match motion.into() {
+        Motion::Trajectory(_) => &[Metric::Error],
+        Motion::Scenario(scenario) => metrics_of(scenario),
+    }
+}
+
+fn metrics_of(scenario: Scenario) -> &'static [Metric] {
     match scenario {
         Scenario::S1 => &[Metric::Error, Metric::StepVibration],
         Scenario::S2 => &[Metric::Error],
@@ -212,18 +220,20 @@ impl<'a> Judged<'a> {
         })
     }
 
-    /// Result of a scenario's rows, one each control period; its oscillation at rest is left 0.
+    /// Result of a motion's rows, one each control period; its oscillation at rest is left 0.
     ///
     /// # Errors
     /// A plant whose stiffness line is none.
-    pub fn without_rest(&self, scenario: Scenario, rows: &[Row]) -> Result<RunResult, Error> {
-        let judge = Judge::new(scenario, self.plant, rows);
+    pub fn without_rest<'m>(
+        &'m self,
+        motion: impl Into<Motion<'m>>,
+        rows: &'m [Row],
+    ) -> Result<RunResult, Error> {
+        let motion = motion.into();
+        let judge = Judge::new(motion, self.plant, rows);
         let at_limit = |row: &&Row| f64::from(row.answer.motor_torque.abs()) >= 0.999 * self.torque_limit;
         Ok(RunResult {
-            metrics: metrics(scenario)
-                .iter()
-                .map(|metric| judge.metric(*metric))
-                .collect::<Result<_, _>>()?,
+            metrics: metrics(motion).iter().map(|metric| judge.metric(*metric)).collect::<Result<_, _>>()?,
             limited: judge.judged().iter().filter(at_limit).count() as f64 * CONTROL_PERIOD,
             ..RunResult::default()
         })
