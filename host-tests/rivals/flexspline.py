@@ -26,7 +26,10 @@ import pathlib
 import subprocess
 import sys
 import time
-import venv
+
+sys.dont_write_bytecode = True  # nothing beside the sources
+import environment
+from environment import last_line
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 ORACLE = REPOSITORY / "desktop" / "oracle"
@@ -53,12 +56,14 @@ BENCH = ["cargo", "bench", "--quiet", "--package", "strainwave-host-tests", "--b
 
 def main():
     arguments = parse()
-    if sys.version_info < (3, 11):
-        stop(f"Python is {sys.version.split()[0]}, 3.11 or later is needed")
     target = target_directory()
-    environment = target / "rivals" / "venv"
-    if pathlib.Path(sys.prefix) != environment:
-        sys.exit(run_within(environment))
+    folder = target / "rivals" / "venv"
+    try:
+        environment.require_python()
+        if pathlib.Path(sys.prefix) != folder:
+            sys.exit(run_within(folder))
+    except environment.Missing as missing:
+        stop(missing)
     call(BENCH + ["--no-run"])
     use_one_processor()
     rows, problems = measure_rivals(arguments.batches)
@@ -99,23 +104,14 @@ def call(command):
     return done.stdout
 
 
-def last_line(text):
-    return (text.strip().splitlines() or ["no reason given"])[-1]
-
-
 def target_directory():
     metadata = call(["cargo", "metadata", "--no-deps", "--format-version", "1"])
     return pathlib.Path(json.loads(metadata)["target_directory"])
 
 
-def run_within(environment):
+def run_within(folder):
     """Installs what can be installed and runs this script again there, with one thread a library."""
-    python = environment / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-    if not python.exists():
-        try:
-            venv.create(environment, with_pip=True)
-        except (OSError, subprocess.CalledProcessError):
-            stop(f"no virtual environment can be made in {environment}; Debian has it in python3-venv")
+    python = environment.make(folder)
     if reason := install(python, COMMON):
         stop(f"{COMMON[0]} cannot be installed: {reason}")
     for module, requirements in RIVALS.items():
@@ -123,16 +119,14 @@ def run_within(environment):
             print(f"{module}: {', '.join(requirements)} cannot be installed: {reason}", flush=True)
     settings = dict.fromkeys(THREADS, "1")
     settings["ENABLE_TAICHI_HEADER_PRINT"] = "0"
-    settings["WARP_CACHE_PATH"] = str(environment.parent / "warp")
-    return subprocess.run([python, "-B", __file__, *sys.argv[1:]], env=os.environ | settings).returncode
+    settings["WARP_CACHE_PATH"] = str(folder.parent / "warp")
+    return environment.run_again(python, settings)
 
 
 def install(python, requirements):
-    """Why the requirements cannot be installed; None when they are."""
+    """As in any environment, telling what."""
     print("installing", *requirements, flush=True)
-    command = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *requirements]
-    done = subprocess.run(command, capture_output=True, text=True)
-    return last_line(done.stderr) if done.returncode else None
+    return environment.install(python, requirements)
 
 
 def use_one_processor():

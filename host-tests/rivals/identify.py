@@ -19,9 +19,10 @@ import csv
 import json
 import os
 import pathlib
-import subprocess
 import sys
-import venv
+
+sys.dont_write_bytecode = True  # nothing beside the sources
+import environment
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 ENVIRONMENT = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", REPOSITORY / "target")).resolve() / "rivals" / "identify"
@@ -35,10 +36,12 @@ ITERATIONS = 50_000
 def main():
     if len(sys.argv) != 2:
         stop("one argument is needed, the folder of the splits")
-    if sys.version_info < (3, 11):
-        stop(f"Python is {sys.version.split()[0]}, 3.11 or later is needed")
-    if pathlib.Path(sys.prefix).resolve() != ENVIRONMENT:
-        sys.exit(run_within())
+    try:
+        environment.require_python()
+        if pathlib.Path(sys.prefix).resolve() != ENVIRONMENT:
+            sys.exit(run_within())
+    except environment.Missing as missing:
+        stop(missing)
     splits = sorted(path for path in pathlib.Path(sys.argv[1]).iterdir() if path.is_dir())
     json.dump({path.name: errors(path) for path in splits}, sys.stdout)
 
@@ -49,18 +52,10 @@ def stop(message):
 
 
 def run_within():
-    python = ENVIRONMENT / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-    if not python.exists():
-        try:
-            venv.create(ENVIRONMENT, with_pip=True)
-        except (OSError, subprocess.CalledProcessError):
-            stop(f"no virtual environment can be made in {ENVIRONMENT}; Debian has it in python3-venv")
-    install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *REQUIREMENTS]
-    done = subprocess.run(install, capture_output=True, text=True)
-    if done.returncode:
-        reason = (done.stderr.strip().splitlines() or ["no reason given"])[-1]
+    python = environment.make(ENVIRONMENT)
+    if reason := environment.install(python, REQUIREMENTS):
         stop(f"{', '.join(REQUIREMENTS)} cannot be installed: {reason}")
-    return subprocess.run([python, "-B", __file__, *sys.argv[1:]]).returncode
+    return environment.run_again(python, {})
 
 
 def errors(folder):
