@@ -161,7 +161,7 @@ impl Model {
             slopes,
             from(friction, "Friction at the wave generator, of ratio 100"),
             "# Hysteresis, cup, output friction, motor and noise follow from size and rated torque; not a claim about one unit.".to_owned(),
-            "# [feedback] is baseline B0's; [baselines] as tuned, else the default gear's, transferred.".to_owned(),
+            "# [feedback] is baseline B0's, its position loop half as fast again, its integral time 0.65 of it; [baselines] as tuned, else the default gear's, transferred.".to_owned(),
         ]
         .join("\n")
             + "\n"
