@@ -95,6 +95,7 @@ impl<R: Real> JointParams<R> {
             disturbance: self.disturbance.build(&self.gear, self.dt)?,
             feed_forward: FeedForward::build(&self.gear, self.dt)?,
             feedback: self.feedback.build(self.dt)?,
+            estimates_speed: self.feedback.estimates_speed(count(self.motor_encoder_bits), self.dt),
             braking: Braking::build(self.feedback.position_gain, acceleration),
             output_feedback: OutputFeedback::build(
                 &self.output_feedback,

@@ -13,6 +13,8 @@
 //! An output encoder that is late or slow is taken as prompt. The disturbance path reads d_in in the place of the
 //! observer's d where its loop is open. Units: rad, N m, s; signs as in [`strainwave::gear`].
 
+use std::f64::consts::TAU;
+
 use nalgebra::DMatrix;
 use strainwave::compensator::actuate::cascade::FeedbackParams;
 use strainwave::compensator::estimate::disturbance::DisturbanceParams;
@@ -91,6 +93,8 @@ pub struct Controller {
     observer: GainSets<f64>,
     sixth_moves: bool,
     stands: bool,
+    /// The cascade's speed is the observer's.
+    estimates_speed: bool,
     has_output: bool,
     has_gauge: bool,
     feedback: FeedbackParams<f64>,
@@ -154,6 +158,7 @@ impl Controller {
         let observer = if stands { parts.observer.standing } else { parts.observer.moving };
         let used = usize::from(has_output) + 2 * usize::from(has_gauge);
         let measured = &parts.measured_feedback;
+        let count = TAU / f64::from(file.sensors.motor_encoder_bits).exp2();
         let moves =
             |gains: &Gains<f64>| [gains.motor, gains.torque, gains.output].iter().any(|l| l[5] != 0.0);
         Self {
@@ -168,6 +173,7 @@ impl Controller {
             sixth_moves: moves(&observer[used]),
             observer,
             stands,
+            estimates_speed: stands && parts.feedback.estimates_speed(count, CONTROL_PERIOD),
             has_output,
             has_gauge,
             feedback: parts.feedback,
@@ -220,7 +226,8 @@ impl Controller {
             3 => self.learn(x, if open { load } else { x[LOAD] }),
             _ => {}
         }
-        x[TORQUE] = self.drive(x, moved / dt, output);
+        let speed = if self.estimates_speed { x[MOTOR_SPEED] } else { moved / dt };
+        x[TORQUE] = self.drive(x, speed, output);
         [x[TORQUE], x[LOAD]]
     }
 

@@ -47,6 +47,7 @@ impl<R: Real> Compensator<R> {
     ) -> R {
         let phase = (state.latch.age == 0).then_some(state.latch.output_phase);
         let shift = self.measured_feedback.step(&mut state.measured_feedback, phase, elapsed.time);
+        let speed = self.motor_speed(state, motor.moved * elapsed.inverse);
         let (reference, wind_up) = (&state.motor_reference, &state.wind_up);
         let position_error = state.followed * reference.position_error;
         let input = CascadeInput {
@@ -55,8 +56,7 @@ impl<R: Real> Compensator<R> {
             acceleration: reference.acceleration_gain * reference.acceleration + wind_up.acceleration,
         };
         let held = state.limited || !reference.closed;
-        let feedback = self.feedback.step(&mut state.feedback, motor.moved * elapsed.inverse, &input, held)
-            + wind_up.torque;
+        let feedback = self.feedback.step(&mut state.feedback, speed, &input, held) + wind_up.torque;
         let closed = if reference.closed {
             state.guard.gains().feedback * self.taken_over(state, feedback)
         } else {
@@ -68,6 +68,16 @@ impl<R: Real> Compensator<R> {
         let torque = self.command(state, state.motor_reference.torque + closed, faults);
         state.sent = [state.motor_reference.position_error, state.motor_reference.torque];
         torque
+    }
+
+    /// Speed of the motor: by the encoder's difference quotient `quotient`, or of a resting motor with a coarse encoder the
+    /// observer's (rad/s).
+    #[inline(always)]
+    fn motor_speed(&self, state: &State<R>, quotient: R) -> R {
+        if self.estimates_speed && state.motor_reference.rests && state.fallback.trusted() {
+            return state.observer.motor_velocity();
+        }
+        quotient
     }
 
     /// The feedback, which goes on from the torque (N m) so far when it was switched to.

@@ -79,6 +79,8 @@ pub struct Compensator<R: Real> {
     pub(super) behind: R,
     /// Half a count of the motor's encoder (rad).
     pub(super) rounding: R,
+    /// The speed of a resting motor is the observer's.
+    pub(super) estimates_speed: bool,
     /// Control periods without a reading after which the output encoder is lost.
     pub(super) output_lost: u32,
     pub(super) clock: Clock<R>,

@@ -155,6 +155,18 @@ mod tests {
         assert_eq!(outcome.baselines.len(), if outcome.sensors() == SensorSet::Both { 4 } else { 3 });
     }
 
+    /// With 14 bits at the motor a count is a pulse of torque; after a load step the joint rests without any.
+    #[test]
+    fn a_coarse_encoder_does_not_shake_a_resting_joint() {
+        let request = Request { set: Set::Training, first: 94, count: 1 };
+        let report = measure(&request, |_| ()).unwrap();
+        let outcome = &report.outcomes[0];
+        assert_eq!(outcome.joint.known.sensors.motor_encoder_bits, 14);
+        let at_rest = |place| outcome.run(place).ours.unwrap().torque_at_rest;
+        let rests = [at_rest(0), at_rest(2), at_rest(4)];
+        assert!(rests.iter().all(|torque| *torque < 0.01), "{rests:?}");
+    }
+
     /// A joint with a tenth of the rotor's reflected inertia, whose torsion mode is too fast for the protection's rate: it
     /// follows a load step with the drive on, nearer to its setpoint than the cascade.
     #[test]

@@ -77,6 +77,12 @@ impl<R: Real> ObserverState<R> {
         self.motor
     }
 
+    /// omega_wg (rad/s).
+    #[inline(always)]
+    pub fn motor_velocity(&self) -> R {
+        self.wave_generator_speed
+    }
+
     /// omega_fs (rad/s).
     #[inline(always)]
     pub fn output_velocity(&self) -> R {
