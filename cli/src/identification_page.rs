@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use strainwave_desktop::identify::Verdict;
+use strainwave_desktop::identify::{NotIdentified, Verdict};
 use strainwave_desktop::io::file;
 use strainwave_desktop::report::identification::Outcome;
 use strainwave_desktop::{BadInput, Figure};
@@ -30,8 +30,10 @@ pub struct Told<'a> {
     /// File for what was identified.
     pub output: &'a Path,
     pub verdict: &'a Verdict,
-    /// Lines about what was identified.
-    pub described: &'a str,
+    /// A line about what was identified.
+    pub described: Option<&'a str>,
+    /// What was not.
+    pub not_identified: &'a [NotIdentified],
     pub figures: &'a [Figure],
 }
 
@@ -61,6 +63,7 @@ impl IdentificationPageArguments {
             output: &told.output.display().to_string(),
             verdict: told.verdict,
             described: told.described,
+            not_identified: told.not_identified,
             figures: told.figures,
         });
         files::write_page(path, &html)?;

@@ -6,8 +6,8 @@ use clap::Args;
 use strainwave_desktop::design::buildable::buildable;
 use strainwave_desktop::identify::joint::LEVELS;
 use strainwave_desktop::identify::{
-    GearLog, GearOptions, HELD_LOG, IdentifiedGear, LearntGear, MOVING_LOG, OperatorOptions, Refusal,
-    Smoothing, Verdict, identify_gear, learn_gear,
+    GearLog, GearOptions, HELD_LOG, IdentifiedGear, LearntGear, MOVING_LOG, NotIdentified, OperatorOptions,
+    Refusal, Smoothing, Verdict, identify_gear, learn_gear,
 };
 use strainwave_desktop::io::log::Jitter;
 use strainwave_desktop::report::identification;
@@ -143,11 +143,13 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     if let Some(path) = &arguments.plot {
         plot(&logs, &found).write(path)?;
     }
-    let described = describe(&found);
-    tell(&arguments.output, format_args!("{described}"));
+    let (described, not_identified) = (describe(&found), found.not_identified());
+    described.iter().for_each(|line| tell(&arguments.output, format_args!("{line}")));
+    not_identified.iter().for_each(|line| tell(&arguments.output, format_args!("{line}")));
     let jitters = jitters.iter().flat_map(Jitter::figures);
     let figures = jitters.chain([was_written(&verdict)]).chain(figures(&found)).collect::<Vec<_>>();
-    let told = told(arguments, &verdict, &described, &figures);
+    let told =
+        Told { described: described.as_deref(), ..told(arguments, &verdict, &not_identified, &figures) };
     arguments.page.write(&told, |outcome| identification::held(outcome, &base, &logs, &found))?;
     Ok(Figures::beside(&arguments.output, figures, &arguments.figures))
 }
@@ -179,11 +181,11 @@ fn moving(arguments: &Arguments, gear: &Path, base: &GearFile) -> Result<Figures
     if let Some(path) = &arguments.plot {
         pil_plots::replay(&found.rows, Some(found.learnt)).write(path)?;
     }
-    let described = describe_moving(&found);
-    tell(&arguments.output, format_args!("{described}"));
+    let not_identified = found.not_identified();
+    not_identified.iter().for_each(|line| tell(&arguments.output, format_args!("{line}")));
     let jitter = log.time.jitter().into_iter().flat_map(|jitter| jitter.figures());
     let figures = jitter.chain([was_written(&verdict)]).chain(moving_figures(&found)).collect::<Vec<_>>();
-    let told = told(arguments, &verdict, &described, &figures);
+    let told = told(arguments, &verdict, &not_identified, &figures);
     arguments.page.write(&told, |outcome| identification::moving(outcome, base, &found))?;
     Ok(Figures::beside(&arguments.output, figures, &arguments.figures))
 }
@@ -207,11 +209,11 @@ fn write(
 fn told<'a>(
     arguments: &'a Arguments,
     verdict: &'a Verdict,
-    described: &'a str,
+    not_identified: &'a [NotIdentified],
     figures: &'a [Figure],
 ) -> Told<'a> {
     let logs = arguments.logs.iter().map(PathBuf::as_path).collect();
-    Told { logs, output: &arguments.output, verdict, described, figures }
+    Told { logs, output: &arguments.output, verdict, described: None, not_identified, figures }
 }
 
 /// Tells what speaks against the file.
@@ -224,19 +226,6 @@ pub fn complain_of(output: &Path, verdict: &Verdict) {
 /// The figure that tells whether the file was written.
 pub fn was_written(verdict: &Verdict) -> Figure {
     Figure::at_least("identify.written", f64::from(u8::from(verdict.is_written())), "1", 1.0)
-}
-
-/// What the log does not show.
-fn describe_moving(found: &LearntGear) -> String {
-    let stiffness = "stiffness: not identified, a moving joint's log does not tell it from the load; the base gear's stays";
-    let friction = |direction: &str| {
-        format!(
-            "friction {direction}: not identified, the part that trains does not move so; the base gear's stays"
-        )
-    };
-    let directions = found.friction.directions.iter().zip(["forwards", "backwards"]);
-    let kept = directions.filter(|(moved, _)| !**moved).map(|(_, direction)| friction(direction));
-    kept.chain([stiffness.to_owned()]).collect::<Vec<_>>().join("\n")
 }
 
 fn moving_figures(found: &LearntGear) -> Vec<Figure> {
@@ -334,20 +323,16 @@ fn read(
     Ok((found, jitter))
 }
 
-fn describe(found: &IdentifiedGear) -> String {
-    match &found.table {
-        Some(table) => format!(
+fn describe(found: &IdentifiedGear) -> Option<String> {
+    found.table.as_ref().map(|table| {
+        format!(
             "weights on {} levels, smoothness {:e}; the logs moved {:.0} % of the cells, in the others the weights tend to \
              the base gear's",
             table.levels,
             table.smoothing,
             100.0 * table.excitation.fraction()
-        ),
-        None => {
-            "hysteresis: not identified, the torque does not go both ways far enough; the base gear's stays"
-                .into()
-        }
-    }
+        )
+    })
 }
 
 fn figures(found: &IdentifiedGear) -> Vec<Figure> {

@@ -67,7 +67,8 @@ pub fn run(request: &Request) -> Result<Figures, BadInput> {
         logs: request.logs.iter().chain(request.predicted).map(PathBuf::as_path).collect(),
         output: request.output,
         verdict: &verdict,
-        described: &described,
+        described: Some(&described),
+        not_identified: &[],
         figures: &figures,
     };
     request.page.write(&told, |outcome| identification::operator(outcome, &trained, &held_out, &found))?;

@@ -43,7 +43,7 @@ use super::regressors::{pairs, regressors, weights_of};
 use super::sequence::{BLOCKS, blocks, rms, span};
 use super::smoothness::{penalty_to_prior, unit_density};
 use super::start::Start;
-use super::{Error, Excitation};
+use super::{Error, Excitation, HELD_LOG, NotIdentified};
 use crate::design::joint::gear_params;
 use crate::io::gear_file::{GearFile, Hysteresis};
 use crate::plant::MEMORY;
@@ -131,6 +131,13 @@ pub struct IdentifiedTable {
 }
 
 impl IdentifiedGear {
+    /// What the logs do not show.
+    pub fn not_identified(&self) -> Vec<NotIdentified> {
+        let why = "the torque does not go both ways far enough";
+        let hysteresis = || NotIdentified { what: "hysteresis".into(), why, helps: HELD_LOG };
+        self.table.is_none().then(hysteresis).into_iter().collect()
+    }
+
     /// Key of the stiffness where it ends at a limit of its search; with the factor on the base gear's.
     pub fn limits(&self) -> Vec<(&'static str, f64)> {
         let factor = self.stiffness_factor;

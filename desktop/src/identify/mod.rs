@@ -22,6 +22,7 @@
 //! | `moving` | friction and kinematic error from a moving joint's log |
 //! | `covariance` | joint covariance of what was identified |
 //! | `refusal` | why an identified gear file is not written |
+//! | `not_identified` | what logs do not show, and which log would |
 //! | `verdict` | what becomes of an identified file, and which log would help |
 //!
 //! From a catalogue's figure alone there is nothing to fit: the loss in arc minutes is the gap of the standard
@@ -39,6 +40,7 @@ pub(crate) mod law;
 mod least_squares;
 mod line;
 pub mod moving;
+mod not_identified;
 pub mod operator;
 mod refusal;
 pub mod regressors;
@@ -57,6 +59,7 @@ pub use excitation::Excitation;
 pub use gear_log::GearLog;
 pub use joint::{GearOptions, IdentifiedGear, IdentifiedTable, identify_gear};
 pub use moving::{LearntGear, learn_gear};
+pub use not_identified::NotIdentified;
 pub use operator::{IdentifiedOperator, Operator, OperatorOptions, identify_operator};
 pub use refusal::Refusal;
 pub use sequence::{Identified, Options, Sequence, identify};

@@ -35,6 +35,7 @@ use strainwave::Error as ParameterError;
 
 use super::Error;
 use super::covariance::Covariance;
+use super::{HELD_LOG, MOVING_LOG, NotIdentified};
 use crate::bench::controller::HostCompensator;
 use crate::design::joint::joint_params;
 use crate::identify::replay::{Judgement, ReplayRow, replay, time_of_path};
@@ -77,6 +78,25 @@ pub struct LearntGear {
     pub friction_covariance: Option<Covariance>,
     /// Of sines and cosines of the kinematic error and of the output encoder's scale (rad), and of the encoders' offset.
     pub error_covariance: Option<Covariance>,
+}
+
+impl LearntGear {
+    /// What the log does not show.
+    pub fn not_identified(&self) -> Vec<NotIdentified> {
+        let friction = |direction: &str| NotIdentified {
+            what: format!("friction {direction}"),
+            why: "the part that trains does not move so",
+            helps: MOVING_LOG,
+        };
+        let stiffness = NotIdentified {
+            what: "stiffness".into(),
+            why: "a moving joint's log does not tell it from the load",
+            helps: HELD_LOG,
+        };
+        let directions = self.friction.directions.iter().zip(["forwards", "backwards"]);
+        let kept = directions.filter(|(moved, _)| !**moved).map(|(_, direction)| friction(direction));
+        kept.chain([stiffness]).collect()
+    }
 }
 
 /// Learns from the first `training` of the motor's path, 0.2..=1; `progress` is called with the fraction done.

@@ -7,6 +7,8 @@ use crate::report::figure;
 
 /// Correlation from which on two parameters are not told apart.
 pub(super) const ALIKE: f64 = 0.9;
+/// Opacity of a correlation of 1: its number stays legible.
+const FULL: f64 = 0.75;
 /// Side of a cell, and with its number in it (pixels).
 const CELL: usize = 18;
 const NUMBERED: usize = 44;
@@ -47,7 +49,7 @@ fn map(covariance: &Covariance) -> Markup {
                     @let correlation = covariance.correlation(row, column);
                     rect class=(if correlation < 0.0 { "against" } else { "weight" })
                         x=(left + column * cell) y=(TOP + row * cell) width=(cell) height=(cell)
-                        fill-opacity=(format!("{:.2}", correlation.abs())) {
+                        fill-opacity=(format!("{:.2}", FULL * correlation.abs())) {
                         title { (name) ", " (other) ": " (format!("{correlation:.2}")) }
                     }
                     @if numbered {

@@ -49,14 +49,13 @@ fn fit<'a>(name: &'a str, log: &GearLog, index: usize, found: &IdentifiedGear) -
 }
 
 fn spectra(fits: &[Fit]) -> Markup {
-    let panels = fits.iter().map(|fit| {
-        let [base, identified] = fit.errors();
+    let panels = fits.iter().flat_map(|fit| {
         let interval = fit.at.get(1).map_or(1.0, |second| second - fit.at[0]);
-        spectrum::panel(&AXES, [&base, &identified], interval, f64::INFINITY).titled(fit.log)
+        spectrum::slow_and_whole(&AXES, fit, interval)
     });
     spectrum::section(
         panels.collect(),
-        "Amplitude of predicted - measured torsion over all rows of each log. What is slow is stiffness and hysteresis; a line \
+        "Amplitude of predicted - measured torsion over all rows of each log, the slow part apart. What is slow is stiffness and hysteresis; a line \
          is an oscillation that no static law explains.",
     )
 }
@@ -172,15 +171,12 @@ fn advice(base: &GearFile, logs: &[GearLog], found: &IdentifiedGear) -> Vec<Stri
             "The torque that trained reaches {reached:.3} N m of the rated {rated} N m. What shows the rest is {HELD_LOG}."
         ));
     }
-    match &found.table {
-        None => advice.push(format!(
-            "The hysteresis is the base gear's: the torque does not go both ways far enough. What shows it is {HELD_LOG}."
-        )),
-        Some(table) if table.excitation.fraction() < 1.0 => advice.push(format!(
+    let moved = found.table.as_ref().map_or(1.0, |table| table.excitation.fraction());
+    if moved < 1.0 {
+        advice.push(format!(
             "{:.0} % of the weights' cells were not moved and tend to the base gear's. What moves them is {HELD_LOG}.",
-            100.0 * (1.0 - table.excitation.fraction())
-        )),
-        Some(_) => {}
+            100.0 * (1.0 - moved)
+        ));
     }
     advice.extend(correlation::alike(&found.covariance));
     if found.held_out_rms.is_none() {
@@ -216,8 +212,14 @@ mod tests {
     fn drawn(log: &GearLog, found: &IdentifiedGear, verdict: &Verdict) -> String {
         let figures = [Figure::reported("identify.stiffness_factor", found.stiffness_factor, "1")];
         let logs = ["held <1>.csv".to_owned()];
-        let described = "weights on 6 levels";
-        let outcome = Outcome { logs: &logs, output: "new.toml", verdict, described, figures: &figures };
+        let outcome = Outcome {
+            logs: &logs,
+            output: "new.toml",
+            verdict,
+            described: Some("weights on 6 levels"),
+            not_identified: &found.not_identified(),
+            figures: &figures,
+        };
         let page = held(&outcome, &GearFile::default_gear(), std::slice::from_ref(log), found);
         let logs = ["held &lt;1&gt;.csv".to_owned()];
         check(&page, &Outcome { logs: &logs, ..outcome });
@@ -257,11 +259,11 @@ mod tests {
         assert!(found.table.is_none());
         let refused = Verdict::Refused { why: "it is worse".into(), helps: HELD_LOG };
         let page = drawn(&log, &found, &refused);
-        assert!(
-            page.contains("kept: the logs do not show it")
-                && page.contains("Only the stiffness was identified")
-        );
+        assert!(page.contains("kept: not identified") && page.contains("Only the stiffness was identified"));
         assert!(page.contains(&format!("<li>Not written: it is worse. What helps is {HELD_LOG}.</li>")));
         assert!(page.contains("N m of the rated"));
+        assert!(
+            page.contains("<li>hysteresis: not identified, the torque does not go both ways far enough;")
+        );
     }
 }

@@ -28,7 +28,7 @@ mod spectrum;
 use maud::{Markup, html};
 
 use super::{Chapter, figure_table};
-use crate::identify::Verdict;
+use crate::identify::{NotIdentified, Verdict};
 use crate::io::figure::Figure;
 use crate::verify::Measured;
 pub use held::held;
@@ -44,8 +44,10 @@ pub struct Outcome<'a> {
     pub output: &'a str,
     /// Whether it was written.
     pub verdict: &'a Verdict,
-    /// Lines about what was identified and what was not.
-    pub described: &'a str,
+    /// A line about what was identified.
+    pub described: Option<&'a str>,
+    /// What was not.
+    pub not_identified: &'a [NotIdentified],
     /// The printed figures.
     pub figures: &'a [Figure],
 }
@@ -67,7 +69,7 @@ impl Outcome<'_> {
             p class=[(*self.verdict != Verdict::Written).then_some("refused")] {
                 (what) " from " (self.logs.join(", ")) ". " (verdict)
             }
-            @for line in self.described.lines() { p { (line) } }
+            @if let Some(line) = self.described { p { (line) } }
             p { "Written by strainwave " (env!("CARGO_PKG_VERSION")) "." }
         };
         super::page(&format!("Identified: {subject}"), &head, &chapters).into_string()
@@ -120,8 +122,14 @@ mod tests {
         let helps = crate::identify::HELD_LOG;
         let refused = Verdict::Refused { why: "it predicts <worse>".into(), helps };
         let logs = ["a.csv".to_owned(), "b.csv".to_owned()];
-        let outcome =
-            Outcome { logs: &logs, output: "new.toml", verdict: &refused, described: "none", figures: &[] };
+        let outcome = Outcome {
+            logs: &logs,
+            output: "new.toml",
+            verdict: &refused,
+            described: None,
+            not_identified: &[],
+            figures: &[],
+        };
         let page = outcome.page("gear", "Stiffness", Vec::new());
         let expected = format!(
             "<p class=\"refused\">Stiffness from a.csv, b.csv. new.toml: not written: it predicts &lt;worse&gt;; what helps is {helps}.</p>"

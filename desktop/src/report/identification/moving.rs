@@ -10,7 +10,7 @@ use super::spectrum::Axes;
 use super::{Outcome, chapter, correlation, friction_map, next, parameters, spectrum, times};
 use crate::identify::moving::{BEATS, EVERY, Kind, LEVEL, ORDERS, VISCOUS};
 use crate::identify::replay::ReplayRow;
-use crate::identify::{Covariance, HELD_LOG, LearntGear, MOVING_LOG};
+use crate::identify::{Covariance, LearntGear, MOVING_LOG};
 use crate::io::gear_file::{Friction, GearFile, Harmonic};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
@@ -20,7 +20,7 @@ const OVER_ANGLE: Axes = Axes { along: ("order", "1/turn"), unit: "urad", base: 
 /// Control periods from one drawn row to the next.
 const DRAWN: usize = 10;
 /// Highest frequency of the spectrum (Hz): some times that of a torsion mode.
-const HIGHEST: f64 = 100.0;
+const HIGHEST: f64 = 50.0;
 
 /// The page of what was identified from the log of a moving joint.
 pub fn moving(outcome: &Outcome, base: &GearFile, found: &LearntGear) -> String {
@@ -93,7 +93,8 @@ fn table(base: &GearFile, found: &LearntGear) -> Markup {
         &[
             "Intervals are those of the two least squares, with their priors: of friction, whose torque is known to a fifth of its Coulomb level \
              that is alike over 0.1 s, and of the orders, where 20 urad are alike over a short path and time. Those of amplitudes are \
-             of the first order around what was found.",
+             of the first order around what was found. They tell what this noise leaves where the joint is what the model says: friction \
+             whose curve over speed has another shape may lie outside.",
             "The wander of the external torque has none: it is the better of two observers.",
         ],
     )
@@ -139,7 +140,7 @@ fn friction(
             (false, _) => row.found(Finding::Kept),
             (true, true) => row.found(Finding::AtLimit),
             (true, false) if factor.is_none() && before == now => row.found(Finding::Kept),
-            (true, false) => row.within(deviation.map(|deviation| before.abs() * deviation)),
+            (true, false) => row.not_negative().within(deviation.map(|deviation| before.abs() * deviation)),
         })
     };
     let table: [Row; 4] = [
@@ -161,6 +162,7 @@ fn order(kind: Kind, before: &[Harmonic], now: &Harmonic, covariance: Option<&Co
     let along = [(sine.as_str(), now.phase.cos()), (cosine.as_str(), now.phase.sin())];
     let name = format!("{}, order {}: amplitude", kind.key(), now.order);
     Parameter::new(name, "rad", Some(before), now.amplitude)
+        .not_negative()
         .within(covariance.and_then(|covariance| covariance.error_of_sum(&along)))
 }
 
@@ -177,16 +179,7 @@ fn correlations(found: &LearntGear) -> Markup {
 }
 
 fn advice(base: &GearFile, found: &LearntGear) -> Vec<String> {
-    let mut advice = vec![format!(
-        "The stiffness is the base gear's: a moving joint's log does not tell it from the load. What shows it is {HELD_LOG}."
-    )];
-    for (moved, direction) in found.friction.directions.iter().zip(["forwards", "backwards"]) {
-        if !moved {
-            advice.push(format!(
-                "Friction {direction} is the base gear's: the part that trains does not move so. What shows it is {MOVING_LOG}."
-            ));
-        }
-    }
+    let mut advice = Vec::new();
     let turns = found.revolutions;
     let learnt = |order: &u32| found.gear.kinematic_error.flexspline.iter().any(|term| term.order == *order);
     let missing: Vec<_> = ORDERS.iter().filter(|order| !learnt(order)).map(u32::to_string).collect();
@@ -271,7 +264,8 @@ mod tests {
             logs: &logs,
             output: "new.toml",
             verdict: &verdict,
-            described: "stiffness: kept",
+            described: None,
+            not_identified: &found.not_identified(),
             figures: &figures,
         };
         let page = moving(&outcome, &base, found);
@@ -290,7 +284,7 @@ mod tests {
         assert!(page.contains("\norders 2\n") && page.contains("order [1/turn]"));
         assert!(
             page.contains("is at the limit of its search")
-                && page.contains("Friction backwards is the base gear's")
+                && page.contains("<li>friction backwards: not identified,")
         );
         assert!(page.contains("show the orders 1, 4, 6, 8, 10.") && page.contains("rows, trained; the rest"));
         assert!(page.contains("kinematic_error.flexspline order 2 sine"), "the heat map");

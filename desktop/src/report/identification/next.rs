@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::Outcome;
-use crate::identify::Verdict;
+use crate::identify::{NotIdentified, Verdict};
 
 /// The list; `advice` has a sentence each.
 pub(super) fn section(outcome: &Outcome, advice: &[String]) -> Markup {
@@ -12,7 +12,9 @@ pub(super) fn section(outcome: &Outcome, advice: &[String]) -> Markup {
         Verdict::Forced { why } => Some(format!("Written although {why}.")),
         Verdict::Refused { why, helps } => Some(format!("Not written: {why}. What helps is {helps}.")),
     };
-    let all: Vec<_> = against.iter().chain(advice).collect();
+    let open = |one: &NotIdentified| format!("{one}. What shows it is {}.", one.helps);
+    let open: Vec<_> = outcome.not_identified.iter().map(open).collect();
+    let all: Vec<_> = against.iter().chain(&open).chain(advice).collect();
     html! {
         @if all.is_empty() {
             p { "These logs show all that this form of the command identifies." }

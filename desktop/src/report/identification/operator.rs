@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::fit::Fit;
-use super::parameters::{Finding, Parameter};
+use super::parameters::Parameter;
 use super::spectrum::Axes;
 use super::{Outcome, chapter, next, parameters, spectrum};
 use crate::identify::{IdentifiedOperator, OPERATOR_LOG};
@@ -49,13 +49,10 @@ fn fit<'a>(name: &'a str, log: &InputOutput, index: usize, found: &IdentifiedOpe
 }
 
 fn spectra(fits: &[Fit]) -> Markup {
-    let panels = fits.iter().map(|fit| {
-        let [base, identified] = fit.errors();
-        spectrum::panel(&AXES, [&base, &identified], 1e-3, f64::INFINITY).titled(fit.log)
-    });
+    let panels = fits.iter().flat_map(|fit| spectrum::slow_and_whole(&AXES, fit, 1e-3));
     spectrum::section(
         panels.collect(),
-        "Amplitude of predicted - measured y over all rows of each log, over their number: an operator knows no time. What stands out \
+        "Amplitude of predicted - measured y over all rows of each log, the slow part apart, over their number: an operator knows no time. What stands out \
          depends on how fast the input moved, or comes from beside it.",
     )
 }
@@ -78,8 +75,8 @@ fn table(found: &IdentifiedOperator) -> Markup {
         Parameter::new("operator.offset", "of y", Some(line.at(middle)), operator.offset()),
         Parameter::new("operator.slope", "of y over u", Some(line.slope()), operator.slope()),
         Parameter::new("operator.weights, sum", "of y", Some(0.0), operator.weights().iter().sum()),
-        Parameter::new("operator.input_low", "of u", None, operator.grid().low).found(Finding::Beside),
-        Parameter::new("operator.input_high", "of u", None, operator.grid().high).found(Finding::Beside),
+        Parameter::new("operator.input_low", "of u", None, operator.grid().low),
+        Parameter::new("operator.input_high", "of u", None, operator.grid().high),
     ];
     parameters::section(
         &rows,
@@ -149,7 +146,8 @@ mod tests {
             logs: &logs,
             output: "op.toml",
             verdict: &Verdict::Written,
-            described: "weights on 6 levels",
+            described: Some("weights on 6 levels"),
+            not_identified: &[],
             figures: &figures,
         };
         let page = operator(&outcome, &trained, &held_out, &found);

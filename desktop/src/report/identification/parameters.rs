@@ -17,6 +17,8 @@ pub(super) struct Parameter {
     pub identified: f64,
     /// Standard error.
     pub deviation: Option<f64>,
+    /// The least that it can be.
+    least: f64,
     pub finding: Finding,
 }
 
@@ -27,7 +29,7 @@ pub(super) enum Finding {
     Identified,
     /// The search would have gone on.
     AtLimit,
-    /// The logs do not show it.
+    /// The base gear's stays.
     Kept,
     /// It belongs to a log or to the observer's design, not to the gear.
     Beside,
@@ -36,7 +38,20 @@ pub(super) enum Finding {
 impl Parameter {
     /// Identified, without a standard error.
     pub fn new(name: impl Into<String>, unit: &'static str, base: Option<f64>, identified: f64) -> Self {
-        Self { name: name.into(), unit, base, identified, deviation: None, finding: Finding::Identified }
+        Self {
+            name: name.into(),
+            unit,
+            base,
+            identified,
+            deviation: None,
+            least: f64::NEG_INFINITY,
+            finding: Finding::Identified,
+        }
+    }
+
+    /// The same of what cannot be negative.
+    pub fn not_negative(self) -> Self {
+        Self { least: 0.0, ..self }
     }
 
     /// The same with a standard error, where there is one.
@@ -52,13 +67,13 @@ impl Parameter {
     /// Ends of the interval of 95 %.
     fn interval(&self) -> Option<[f64; 2]> {
         let half = INTERVAL * self.deviation.filter(|_| self.finding != Finding::AtLimit)?;
-        Some([self.identified - half, self.identified + half])
+        Some([(self.identified - half).max(self.least), self.identified + half])
     }
 
     fn verdict(&self) -> &'static str {
         match (self.finding, self.interval(), self.base) {
             (Finding::AtLimit, ..) => "at the limit of its search",
-            (Finding::Kept, ..) => "kept: the logs do not show it",
+            (Finding::Kept, ..) => "kept: not identified",
             (Finding::Beside, ..) => "identified; not a property of the gear",
             (Finding::Identified, Some([low, high]), Some(base)) if (low..=high).contains(&base) => {
                 "not told from the base value"
@@ -112,6 +127,7 @@ mod tests {
         assert_eq!(of(Some(0.1)).verdict(), "not told from the base value");
         assert_eq!(of(Some(0.01)).verdict(), "differs from the base value");
         assert_eq!(of(Some(0.01)).cells()[4], "1.080 to 1.120");
+        assert_eq!(of(Some(1.0)).not_negative().cells()[4], "0 to 3.060");
         assert_eq!((of(None).cells()[4].as_str(), of(None).verdict()), ("-", "identified"));
         let limit = of(Some(0.1)).found(Finding::AtLimit);
         assert_eq!((limit.cells()[4].as_str(), limit.verdict()), ("-", "at the limit of its search"));

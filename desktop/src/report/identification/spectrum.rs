@@ -2,16 +2,23 @@
 
 use maud::{Markup, html};
 
+use super::fit::Fit;
 use crate::report::plot::{Colour, Page, Panel, Series};
 use crate::report::{figure, plot};
 use crate::verify::judge::{affordable, spectrum};
 
 /// Products that a spectrum may take: some tenths of a second.
-const PRODUCTS: f64 = 2e7;
+const PRODUCTS: f64 = 4e7;
 /// Means of a residual over a revolution.
 const BINS: f64 = 64.0;
 /// Highest order that is drawn.
 const HIGHEST_ORDER: f64 = 16.0;
+
+/// Fraction of the rows' frequency up to which a spectrum is slow: a tenth of all that they show.
+const SLOW: f64 = 0.05;
+
+/// Frequencies, and the amplitudes there.
+type Lines = (Vec<f64>, Vec<f64>);
 
 /// Axes of a spectrum.
 pub(super) struct Axes {
@@ -23,32 +30,43 @@ pub(super) struct Axes {
     pub base: &'static str,
 }
 
+/// Of the errors of a fit, whose rows are `interval` apart: the slow tenth of the frequencies, and all.
+pub(super) fn slow_and_whole(axes: &Axes, fit: &Fit, interval: f64) -> [Panel; 2] {
+    let [base, identified] = fit.errors();
+    [SLOW / interval, f64::INFINITY]
+        .map(|highest| panel(axes, [&base, &identified], interval, highest).titled(fit.log))
+}
+
 /// Errors without and with what was identified, `interval` apart, up to the frequency `highest` where that is affordable.
-pub(super) fn panel(axes: &Axes, [base, identified]: [&[f64]; 2], interval: f64, highest: f64) -> Panel {
-    let of = |values: &[f64]| -> (Vec<f64>, Vec<f64>) {
-        let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-        let centred: Vec<_> = values.iter().map(|value| value - mean).collect();
-        let highest = affordable(values.len(), interval, PRODUCTS).min(highest);
-        spectrum(&centred, interval, highest).into_iter().unzip()
-    };
-    let ((x, before), (also_x, after)) = (of(base), of(identified));
-    Panel::new(axes.along.0, axes.along.1, "amplitude", axes.unit)
-        .with(Series::dashed(axes.base, &x, &before).coloured(Colour::Vermilion))
-        .with(Series::line("identified", &also_x, &after).coloured(Colour::Blue))
+pub(super) fn panel(axes: &Axes, errors: [&[f64]; 2], interval: f64, highest: f64) -> Panel {
+    drawn(axes, errors.map(|values| lines(values, interval, highest)))
 }
 
 /// The same over the orders of a revolution, from errors at angles (turns), those orders marked that were identified; `None` of less
 /// than a turn.
 pub(super) fn over_orders(axes: &Axes, turns: &[f64], errors: [&[f64]; 2], orders: &[u32]) -> Option<Panel> {
-    let [base, identified] = [over_angle(turns, errors[0])?, over_angle(turns, errors[1])?];
-    let drawn = panel(axes, [&base, &identified], 1.0 / BINS, HIGHEST_ORDER);
-    let highest =
-        [&base, &identified].into_iter().flatten().fold(0.0_f64, |most, value| most.max(value.abs()));
-    Some(orders.iter().enumerate().fold(drawn, |panel, (place, order)| {
+    let even = [over_angle(turns, errors[0])?, over_angle(turns, errors[1])?];
+    let both = even.map(|values| lines(&values, 1.0 / BINS, HIGHEST_ORDER));
+    let highest = both.iter().flat_map(|(_, amplitudes)| amplitudes).copied().fold(0.0, f64::max);
+    Some(orders.iter().enumerate().fold(drawn(axes, both), |panel, (place, order)| {
         let name = if place == 0 { named(orders) } else { String::new() };
         let mark = [f64::from(*order); 2];
-        panel.with(Series::dotted(name, &mark, &[0.0, 0.5 * highest]).coloured(Colour::Green))
+        panel.with(Series::dotted(name, &mark, &[0.0, highest]).coloured(Colour::Green))
     }))
+}
+
+/// Frequencies and amplitudes of values less their mean.
+fn lines(values: &[f64], interval: f64, highest: f64) -> Lines {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let centred: Vec<_> = values.iter().map(|value| value - mean).collect();
+    let highest = affordable(values.len(), interval, PRODUCTS).min(highest);
+    spectrum(&centred, interval, highest).into_iter().unzip()
+}
+
+fn drawn(axes: &Axes, [(x, before), (also_x, after)]: [Lines; 2]) -> Panel {
+    Panel::new(axes.along.0, axes.along.1, "amplitude", axes.unit)
+        .with(Series::dashed(axes.base, &x, &before).coloured(Colour::Vermilion))
+        .with(Series::line("identified", &also_x, &after).coloured(Colour::Blue))
 }
 
 fn named(orders: &[u32]) -> String {
