@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::{less, times};
+use crate::io::figure::number;
 use crate::report::plot::{Colour, Page, Panel, Series};
 use crate::report::{figure, plot};
 
@@ -53,16 +54,26 @@ impl Fit<'_> {
             .marked(axes("predicted - measured", self.error.0), &[&identified, &base])
             .with(self.of_base(&base))
             .with(self.of_identified(&identified));
-        let rows = self.at.len();
         let part = match self.trained {
-            0 => "None of its rows trained.".to_owned(),
-            count if count == rows => "All of its rows trained; nothing was held out.".to_owned(),
-            count => format!("The shaded part, {count} of {rows} rows, trained; the rest was held out."),
+            0 => "None of it trained.".to_owned(),
+            count if count == self.at.len() => "All of it trained; nothing was held out.".to_owned(),
+            count => {
+                format!("The shaded part, up to {}, trained; the rest was held out.", self.place(count - 1))
+            }
         };
         figure(
             &plot(&Page::slide(self.log).with(values).with(errors)),
             &html! { (self.log) ": " (self.quantity.0) ", and below it what the predictions miss. " (part) },
         )
+    }
+
+    /// Where a row is, for people.
+    fn place(&self, row: usize) -> String {
+        let at = number(self.at[row]);
+        match self.along {
+            (name, "") => format!("{name} {at}"),
+            (_, unit) => format!("{at} {unit}"),
+        }
     }
 
     /// The panel with the part that trained shaded over the range of the curves.
@@ -113,15 +124,16 @@ mod tests {
         assert!((base[10] + 5e3).abs() < 1e-9 && (identified[10] - 1e3).abs() < 1e-9);
     }
 
-    /// A shaded polygon in either panel, its sample in either legend, and the number of rows.
+    /// A shaded polygon in either panel, its sample in either legend, and where it ends.
     #[test]
     fn the_part_that_trained_is_marked() {
         let drawn = fit(50).figure().into_string();
         assert_eq!(drawn.matches("<polygon").count(), 2, "{drawn}");
         assert_eq!(drawn.matches(&format!("\n{TRAINED}\n")).count(), 2, "{drawn}");
-        assert!(drawn.contains("50 of 100 rows, trained"));
+        assert!(drawn.contains("The shaded part, up to 49 s, trained; the rest was held out."));
+        assert_eq!(Fit { along: ("row", ""), ..fit(50) }.place(49), "row 49");
         let held_out = fit(0).figure().into_string();
-        assert!(!held_out.contains("<polygon") && held_out.contains("None of its rows trained."));
+        assert!(!held_out.contains("<polygon") && held_out.contains("None of it trained."));
         assert!(fit(100).figure().into_string().contains("nothing was held out"));
     }
 }

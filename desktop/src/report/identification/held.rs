@@ -239,7 +239,7 @@ mod tests {
         ] {
             assert!(page.contains(&format!("<td>{name}</td>")), "{name}");
         }
-        assert!(page.contains("rows, trained; the rest was held out") && page.contains("<polygon"));
+        assert!(page.contains("trained; the rest was held out") && page.contains("<polygon"));
         assert!(page.contains("aria-label=\"Correlations\"") && page.contains("offset of log 1"));
         // What was built in lies within four standard errors, which are neither nothing nor all.
         let error = found.covariance.standard_error(STIFFNESS).unwrap();

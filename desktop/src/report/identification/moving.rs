@@ -286,7 +286,10 @@ mod tests {
             page.contains("is at the limit of its search")
                 && page.contains("<li>friction backwards: not identified,")
         );
-        assert!(page.contains("show the orders 1, 4, 6, 8, 10.") && page.contains("rows, trained; the rest"));
+        assert!(
+            page.contains("show the orders 1, 4, 6, 8, 10.")
+                && page.contains("The shaded part, up to 2.500 s, trained;")
+        );
         assert!(page.contains("kinematic_error.flexspline order 2 sine"), "the heat map");
         assert!(page.contains("friction, base gear") && page.contains("friction, identified"));
     }

@@ -155,7 +155,9 @@ mod tests {
         for name in ["operator.offset", "operator.slope", "operator.weights, sum", "operator.input_low"] {
             assert!(page.contains(&format!("<td>{name}</td>")), "{name}");
         }
-        assert!(page.contains("240 of 300 rows, trained") && page.contains("None of its rows trained."));
+        assert!(
+            page.contains("The shaded part, up to row 239, trained") && page.contains("None of it trained.")
+        );
         assert!(page.contains("There are no intervals") && !page.contains("aria-label=\"Correlations\""));
         assert!(found.excited > 0.5 && found.counts == [240, 0]);
     }
