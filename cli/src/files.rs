@@ -42,6 +42,19 @@ pub fn require_folder(path: &Path) -> Result<(), BadInput> {
     }
 }
 
+/// Refuses a page that could not be written at the end; its folder may be missing. Makes nothing yet.
+pub fn require_page(path: &Path) -> Result<(), BadInput> {
+    let folder = file::folder_of(path);
+    require_folder(folder)?;
+    if folder.is_dir() { file::require_writable(path) } else { Ok(()) }
+}
+
+/// Writes a page complete or not at all, its folder made when missing.
+pub fn write_page(path: &Path, text: &str) -> Result<(), BadInput> {
+    make_folder(file::folder_of(path))?;
+    file::write(path, |out| Ok(out.write_all(text.as_bytes())?))
+}
+
 /// Makes a folder that results go to, unless it is there.
 pub fn make_folder(path: &Path) -> Result<(), BadInput> {
     std::fs::create_dir_all(path)
@@ -65,6 +78,18 @@ mod tests {
         );
         make_folder(&root.path().join("new/below")).unwrap();
         assert!(check("new/below").is_ok());
+    }
+
+    #[test]
+    fn a_page_is_checked_and_written_with_its_folder() {
+        let root = tempfile::tempdir().unwrap();
+        let page = root.path().join("new/below/page.html");
+        require_page(&page).unwrap();
+        assert!(!root.path().join("new").exists());
+        write_page(&page, "text").unwrap();
+        assert!(require_page(&page).is_ok() && std::fs::read_to_string(&page).unwrap() == "text");
+        let line = require_page(&root.path().join("new/below")).unwrap_err().to_string();
+        assert!(line.ends_with("below: cannot be written: it is a folder"), "{line}");
     }
 
     #[test]

@@ -6,15 +6,17 @@ use clap::Args;
 use strainwave_desktop::design::buildable::buildable;
 use strainwave_desktop::identify::joint::LEVELS;
 use strainwave_desktop::identify::{
-    GearLog, GearOptions, IdentifiedGear, LearntGear, OperatorOptions, Refusal, Smoothing, identify_gear,
-    learn_gear,
+    GearLog, GearOptions, HELD_LOG, IdentifiedGear, LearntGear, MOVING_LOG, NotIdentified, OperatorOptions,
+    Refusal, Smoothing, Verdict, identify_gear, learn_gear,
 };
 use strainwave_desktop::io::log::Jitter;
+use strainwave_desktop::report::identification;
 use strainwave_desktop::report::plot::{Page, Panel, Series};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 
 use crate::figures::{Figures, FiguresArguments, complain, tell};
 use crate::files;
+use crate::identification_page::{IdentificationPageArguments, Told};
 use crate::logs::Reading;
 use crate::progress::Progress;
 use crate::{operator, pil_plots};
@@ -90,12 +92,11 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
     #[command(flatten)]
+    page: IdentificationPageArguments,
+    #[command(flatten)]
     figures: FiguresArguments,
 }
 
-/// Logs that show more of a gear.
-const HELD_LOG: &str = "a held log whose torque goes through loops up to rated torque both ways";
-const MOVING_LOG: &str = "a log of slow and medium motion both ways over a turn of the output";
 /// Least factor of the smoothness.
 const LEAST_SMOOTHING: f64 = 1e-12;
 
@@ -106,6 +107,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         ("--gear", arguments.gear.as_deref()),
         ("--output", Some(&arguments.output)),
         ("--plot", arguments.plot.as_deref()),
+        ("--report", arguments.page.path()),
         ("--json", json),
     ];
     let logs = arguments.logs.iter().map(|log| ("LOG.csv", Some(log.as_path())));
@@ -130,19 +132,25 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     for path in [Some(arguments.output.as_path()), arguments.plot.as_deref(), json] {
         files::require_writable(path)?;
     }
+    arguments.page.require_writable()?;
     let mut progress = Progress::new(1000, "identifying");
     let found = identify_gear(&base, &logs, &options, |fraction| progress.set((fraction * 1e3) as u64))
         .map_err(BadInput::message)?;
     drop(progress);
     let held_out = found.held_out_rms.zip(found.base_held_out_rms);
     let refusal = Refusal::of(&found.gear, &found.limits(), held_out);
-    let written = write(arguments, &found.gear, refusal, HELD_LOG)?;
+    let verdict = write(arguments, &found.gear, refusal, HELD_LOG)?;
     if let Some(path) = &arguments.plot {
         plot(&logs, &found).write(path)?;
     }
-    tell(&arguments.output, format_args!("{}", describe(&found)));
+    let (described, not_identified) = (describe(&found), found.not_identified());
+    described.iter().for_each(|line| tell(&arguments.output, format_args!("{line}")));
+    not_identified.iter().for_each(|line| tell(&arguments.output, format_args!("{line}")));
     let jitters = jitters.iter().flat_map(Jitter::figures);
-    let figures = jitters.chain([written]).chain(figures(&found)).collect();
+    let figures = jitters.chain([was_written(&verdict)]).chain(figures(&found)).collect::<Vec<_>>();
+    let told =
+        Told { described: described.as_deref(), ..told(arguments, &verdict, &not_identified, &figures) };
+    arguments.page.write(&told, |outcome| identification::held(outcome, &base, &logs, &found))?;
     Ok(Figures::beside(&arguments.output, figures, &arguments.figures))
 }
 
@@ -162,59 +170,62 @@ fn moving(arguments: &Arguments, gear: &Path, base: &GearFile) -> Result<Figures
     {
         files::require_writable(path)?;
     }
+    arguments.page.require_writable()?;
     let mut progress = Progress::new(1000, "learning");
     let found = learn_gear(base, &log, arguments.training, |fraction| progress.set((fraction * 1e3) as u64))
         .map_err(|why| BadInput::new(path, why))?;
     drop(progress);
     let held_out = found.judgement.zip(found.base_judgement).map(|(found, base)| (found.rms, base.rms));
     let refusal = Refusal::of(&found.gear, &found.friction.limits(), held_out);
-    let written = write(arguments, &found.gear, refusal, MOVING_LOG)?;
+    let verdict = write(arguments, &found.gear, refusal, MOVING_LOG)?;
     if let Some(path) = &arguments.plot {
         pil_plots::replay(&found.rows, Some(found.learnt)).write(path)?;
     }
-    tell(&arguments.output, format_args!("{}", describe_moving(&found)));
+    let not_identified = found.not_identified();
+    not_identified.iter().for_each(|line| tell(&arguments.output, format_args!("{line}")));
     let jitter = log.time.jitter().into_iter().flat_map(|jitter| jitter.figures());
-    let figures = jitter.chain([written]).chain(moving_figures(&found)).collect();
+    let figures = jitter.chain([was_written(&verdict)]).chain(moving_figures(&found)).collect::<Vec<_>>();
+    let told = told(arguments, &verdict, &not_identified, &figures);
+    arguments.page.write(&told, |outcome| identification::moving(outcome, base, &found))?;
     Ok(Figures::beside(&arguments.output, figures, &arguments.figures))
 }
 
-/// Writes the gear file, unless it is refused and not forced; one line tells why, and which log would help. The figure tells whether
-/// it was written.
+/// Writes the gear file, unless it is refused and not forced; one line tells why, and which log would help.
 fn write(
     arguments: &Arguments,
     gear: &GearFile,
     refusal: Option<Refusal>,
-    helps: &str,
-) -> Result<Figure, BadInput> {
-    let output = arguments.output.display();
-    let written = match &refusal {
-        Some(why) if arguments.force && gear.check().is_ok() => {
-            complain(format_args!("{output}: warning: {why}"));
-            true
-        }
-        Some(why) => {
-            complain(format_args!("{output}: not written: {why}; what helps is {helps}"));
-            false
-        }
-        None => true,
-    };
-    if written {
+    helps: &'static str,
+) -> Result<Verdict, BadInput> {
+    let forced = arguments.force && gear.check().is_ok();
+    let verdict = Verdict::of(refusal.map(|why| why.to_string()), forced, helps);
+    complain_of(&arguments.output, &verdict);
+    if verdict.is_written() {
         gear.write(&arguments.output)?;
     }
-    Ok(Figure::at_least("identify.written", f64::from(u8::from(written)), "1", 1.0))
+    Ok(verdict)
 }
 
-/// What the log does not show.
-fn describe_moving(found: &LearntGear) -> String {
-    let stiffness = "stiffness: not identified, a moving joint's log does not tell it from the load; the base gear's stays";
-    let friction = |direction: &str| {
-        format!(
-            "friction {direction}: not identified, the part that trains does not move so; the base gear's stays"
-        )
-    };
-    let directions = found.friction.directions.iter().zip(["forwards", "backwards"]);
-    let kept = directions.filter(|(moved, _)| !**moved).map(|(_, direction)| friction(direction));
-    kept.chain([stiffness.to_owned()]).collect::<Vec<_>>().join("\n")
+fn told<'a>(
+    arguments: &'a Arguments,
+    verdict: &'a Verdict,
+    not_identified: &'a [NotIdentified],
+    figures: &'a [Figure],
+) -> Told<'a> {
+    let logs = arguments.logs.iter().map(PathBuf::as_path).collect();
+    Told { logs, output: &arguments.output, verdict, described: None, not_identified, figures }
+}
+
+/// Tells what speaks against the file.
+pub fn complain_of(output: &Path, verdict: &Verdict) {
+    if *verdict != Verdict::Written {
+        complain(format_args!("{}: {verdict}", output.display()));
+    }
+}
+
+/// The figure that tells whether the file was written.
+pub fn was_written(verdict: &Verdict) -> Figure {
+    Figure::at_least("identify.written", f64::from(u8::from(verdict.is_written())), "1", 1.0)
 }
 
 fn moving_figures(found: &LearntGear) -> Vec<Figure> {
@@ -249,6 +260,7 @@ fn operator(arguments: &Arguments, training: f64, smoothing: Smoothing) -> Resul
         predicted: &arguments.predict,
         output: &arguments.output,
         plot: arguments.plot.as_deref(),
+        page: &arguments.page,
         options: OperatorOptions { training, levels, smoothing, signed },
         reading: reading(arguments),
         force: arguments.force,
@@ -311,20 +323,16 @@ fn read(
     Ok((found, jitter))
 }
 
-fn describe(found: &IdentifiedGear) -> String {
-    match &found.table {
-        Some(table) => format!(
+fn describe(found: &IdentifiedGear) -> Option<String> {
+    found.table.as_ref().map(|table| {
+        format!(
             "weights on {} levels, smoothness {:e}; the logs moved {:.0} % of the cells, in the others the weights tend to \
              the base gear's",
             table.levels,
             table.smoothing,
             100.0 * table.excitation.fraction()
-        ),
-        None => {
-            "hysteresis: not identified, the torque does not go both ways far enough; the base gear's stays"
-                .into()
-        }
-    }
+        )
+    })
 }
 
 fn figures(found: &IdentifiedGear) -> Vec<Figure> {

@@ -13,6 +13,7 @@ mod export;
 mod faults;
 mod figures;
 mod files;
+mod identification_page;
 mod identify;
 mod logs;
 mod new;

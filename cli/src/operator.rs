@@ -3,13 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use strainwave_desktop::identify::operator::{Errors, LEVELS};
-use strainwave_desktop::identify::{IdentifiedOperator, Operator, OperatorOptions, identify_operator};
+use strainwave_desktop::identify::{
+    IdentifiedOperator, OPERATOR_LOG, Operator, OperatorOptions, Verdict, identify_operator,
+};
 use strainwave_desktop::io::log::InputOutput;
+use strainwave_desktop::report::identification;
 use strainwave_desktop::report::plot::{Page, Panel, Series};
 use strainwave_desktop::{BadInput, Figure};
 
-use crate::figures::{Figures, FiguresArguments, columns, complain, tell};
+use crate::figures::{Figures, FiguresArguments, columns, tell};
 use crate::files;
+use crate::identification_page::{IdentificationPageArguments, Told};
+use crate::identify::{complain_of, was_written};
 use crate::logs::Reading;
 use crate::progress::Progress;
 
@@ -20,6 +25,7 @@ pub struct Request<'a> {
     pub predicted: &'a [PathBuf],
     pub output: &'a Path,
     pub plot: Option<&'a Path>,
+    pub page: &'a IdentificationPageArguments,
     pub options: OperatorOptions,
     pub reading: Reading,
     /// The file is written even where a straight line predicts better.
@@ -44,37 +50,43 @@ pub fn run(request: &Request) -> Result<Figures, BadInput> {
     for path in [Some(request.output), request.plot, request.figures.json.as_deref()] {
         files::require_writable(path)?;
     }
+    request.page.require_writable()?;
     let mut progress = Progress::new(1000, "identifying");
     let fraction = |fraction: f64| progress.set((fraction * 1e3) as u64);
     let found = identify_operator(&trained, &held_out, &request.options, fraction)
         .map_err(|why| refuse(&request.logs[0], why))?;
     drop(progress);
-    let written = write(request, &found)?;
+    let verdict = write(request, &found)?;
     if let Some(path) = request.plot {
         plot(&trained, &held_out, &found).write(path)?;
     }
-    tell(request.output, format_args!("{}\n{}", describe(&found), table(&found)));
-    let figures = std::iter::once(written).chain(figures(&found)).collect();
+    let described = describe(&found);
+    tell(request.output, format_args!("{described}\n{}", table(&found)));
+    let figures = std::iter::once(was_written(&verdict)).chain(figures(&found)).collect::<Vec<_>>();
+    let told = Told {
+        logs: request.logs.iter().chain(request.predicted).map(PathBuf::as_path).collect(),
+        output: request.output,
+        verdict: &verdict,
+        described: Some(&described),
+        not_identified: &[],
+        figures: &figures,
+    };
+    request.page.write(&told, |outcome| identification::operator(outcome, &trained, &held_out, &found))?;
     Ok(Figures::beside(request.output, figures, request.figures))
 }
 
-/// Writes the operator, unless a straight line predicts better and it is not forced. The figure tells whether it was written.
-fn write(request: &Request, found: &IdentifiedOperator) -> Result<Figure, BadInput> {
-    let output = request.output.display();
+/// Writes the operator, unless a straight line predicts better and it is not forced.
+fn write(request: &Request, found: &IdentifiedOperator) -> Result<Verdict, BadInput> {
     let judged = found.held_out.unwrap_or(found.training);
     let is_worse = judged.rms.partial_cmp(&judged.line_rms).is_none_or(std::cmp::Ordering::is_gt);
-    let written = !is_worse || request.force;
-    if is_worse {
-        let what = if request.force { "warning" } else { "not written" };
-        let [rms, line] = [judged.rms, judged.line_rms].map(percent);
-        complain(format_args!(
-            "{output}: {what}: it predicts to {rms} % of the span, a straight line to {line} %"
-        ));
-    }
-    if written {
+    let [rms, line] = [judged.rms, judged.line_rms].map(percent);
+    let against = format!("it predicts to {rms} % of the span, a straight line to {line} %");
+    let verdict = Verdict::of(is_worse.then_some(against), request.force, OPERATOR_LOG);
+    complain_of(request.output, &verdict);
+    if verdict.is_written() {
         found.operator.write(request.output)?;
     }
-    Ok(Figure::at_least("identify.written", f64::from(u8::from(written)), "1", 1.0))
+    Ok(verdict)
 }
 
 fn percent(fraction: f64) -> String {

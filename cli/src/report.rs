@@ -41,19 +41,14 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     ])?;
     let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
     files::require_writable(json)?;
-    let folder = file::folder_of(output);
-    files::require_folder(folder)?;
-    if folder.is_dir() {
-        files::require_writable(Some(output))?;
-    }
+    files::require_page(output)?;
     if let Some(pictures) = &arguments.pictures {
         files::require_folder(pictures)?;
     }
     let mut progress = Progress::new(1000, "measuring and drawing");
     let report = report::build(&gear, |fraction| progress.set((fraction * 1e3) as u64))?;
     drop(progress);
-    files::make_folder(folder)?;
-    file::write(output, |out| Ok(out.write_all(report.html.as_bytes())?))?;
+    files::write_page(output, &report.html)?;
     if let Some(pictures) = &arguments.pictures {
         files::make_folder(pictures)?;
         for picture in &report.pictures {

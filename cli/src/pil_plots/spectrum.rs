@@ -1,5 +1,6 @@
 //! Plots of the torsion's vibration over frequency.
 
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave_desktop::bench::closed_loop::Run;
 use strainwave_desktop::bench::task::Task;
 use strainwave_desktop::report::plot::Panel;
@@ -24,7 +25,10 @@ fn panel(run: &TrialRun<'_>) -> Option<Panel> {
     let panel = Panel::new("frequency", "Hz", "vibration of the torsion", "urad").titled(part);
     controllers(run).try_fold(panel, |panel, (controller, of)| {
         let (frequency, amplitude): (Vec<_>, Vec<_>) =
-            spectrum(&last_vibration(run, of)?, HIGHEST).into_iter().map(|(f, a)| (f, a * 1e6)).unzip();
+            spectrum(&last_vibration(run, of)?, CONTROL_PERIOD, HIGHEST)
+                .into_iter()
+                .map(|(f, a)| (f, a * 1e6))
+                .unzip();
         Some(panel.with(controller.series(&frequency, &amplitude)))
     })
 }

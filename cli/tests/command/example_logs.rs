@@ -59,6 +59,9 @@ fn every_command_of_the_page_runs_on_the_example_logs() {
         walked += 1;
     }
     assert!(walked >= 10, "{walked} commands");
+    for page in ["held.html", "moving.html"] {
+        assert!(bench.path(page).exists(), "{page}");
+    }
     assert_eq!(bench.files()[&bench.path("my-joint.toml")], gear, "`new` writes what the logs start from");
     let source = std::fs::read_to_string(bench.path("my-joint.rs")).unwrap();
     assert!(source.contains("pub static WORDS: [u32; "), "{source}");

@@ -7,6 +7,7 @@ mod example_logs;
 mod experiment;
 mod export;
 mod good_input;
+mod identification_page;
 mod identify;
 mod keep;
 mod missed;

@@ -23,6 +23,8 @@
 //! prediction no longer moves; no step leads to a gear that its file's own check refuses. The start states are renewed between.
 //!
 //! The joint is held: the kinematic error is part of c. A log's first part trains, the rest is predicted.
+//!
+//! The covariance is that of the last of these linear problems, with the noise of `line.rs`.
 
 use std::iter::repeat_n;
 use std::ops::Range;
@@ -32,15 +34,16 @@ use strainwave::hysteresis::table::TABLE_LEVELS;
 use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState};
 
 use super::choice::{Preference, Problem, Smoothing};
+use super::covariance::Covariance;
 use super::gear_log::GearLog;
 use super::law::{Law, OnLaw};
 use super::least_squares::Factor;
-use super::line::{LIMITS, Line};
+use super::line::{LIMITS, Line, weight};
 use super::regressors::{pairs, regressors, weights_of};
 use super::sequence::{BLOCKS, blocks, rms, span};
 use super::smoothness::{penalty_to_prior, unit_density};
 use super::start::Start;
-use super::{Error, Excitation};
+use super::{Error, Excitation, HELD_LOG, NotIdentified};
 use crate::design::joint::gear_params;
 use crate::io::gear_file::{GearFile, Hysteresis};
 use crate::plant::MEMORY;
@@ -57,6 +60,16 @@ const RENEWALS: usize = 4;
 const HALVINGS: i32 = 8;
 /// The steps end when the cost falls by less than this fraction.
 const SETTLED: f64 = 1e-6;
+
+/// Name of the factor on the stiffness in the covariance.
+pub const STIFFNESS: &str = "stiffness factor";
+/// Name of the sum of the weights there (N m).
+pub const TOTAL: &str = "sum of the weights";
+
+/// Name of a log's offset in the covariance (rad); logs count from 0.
+pub fn offset_name(log: usize) -> String {
+    format!("offset of log {}", log + 1)
+}
 
 /// Options of the identification.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,6 +109,12 @@ pub struct IdentifiedGear {
     pub base_held_out_rms: Option<f64>,
     /// c + phi at every sample of each log (rad).
     pub predicted: Vec<Vec<f64>>,
+    /// The same of the base gear.
+    pub base_predicted: Vec<Vec<f64>>,
+    /// Samples of each log that trained.
+    pub training: Vec<usize>,
+    /// Of the stiffness factor, and where the weights were identified of their sum and the offsets.
+    pub covariance: Covariance,
 }
 
 /// How the weights were found.
@@ -112,6 +131,13 @@ pub struct IdentifiedTable {
 }
 
 impl IdentifiedGear {
+    /// What the logs do not show.
+    pub fn not_identified(&self) -> Vec<NotIdentified> {
+        let why = "the torque does not go both ways far enough";
+        let hysteresis = || NotIdentified { what: "hysteresis".into(), why, helps: HELD_LOG };
+        self.table.is_none().then(hysteresis).into_iter().collect()
+    }
+
     /// Key of the stiffness where it ends at a limit of its search; with the factor on the base gear's.
     pub fn limits(&self) -> Vec<(&'static str, f64)> {
         let factor = self.stiffness_factor;
@@ -188,7 +214,9 @@ impl<'a> Job<'a> {
         let mut gear = self.base.clone();
         soften(&mut gear, self.line.factor);
         let predicted = self.predicted(&law, &self.line.starts);
-        self.result(gear, self.line.factor, self.line.starts.clone(), None, predicted)
+        let deviation = self.line.deviation / self.line.factor.powi(2);
+        let covariance = Covariance::of_one(STIFFNESS, deviation);
+        self.result(gear, self.line.factor, self.line.starts.clone(), None, predicted, covariance)
     }
 
     fn result(
@@ -198,7 +226,9 @@ impl<'a> Job<'a> {
         starts: Vec<Start>,
         table: Option<IdentifiedTable>,
         predicted: Vec<Vec<f64>>,
+        covariance: Covariance,
     ) -> Result<IdentifiedGear, Error> {
+        let base_predicted = self.base_predictions()?;
         Ok(IdentifiedGear {
             gear,
             stiffness_factor: 1.0 / factor,
@@ -207,8 +237,11 @@ impl<'a> Job<'a> {
             table,
             training_rms: self.residual(&predicted, |count, _| 0..count).unwrap_or(f64::NAN),
             held_out_rms: self.residual(&predicted, |count, all| count..all),
-            base_held_out_rms: self.residual(&self.base_predictions()?, |count, all| count..all),
+            base_held_out_rms: self.residual(&base_predicted, |count, all| count..all),
             predicted,
+            base_predicted,
+            training: self.training.clone(),
+            covariance,
         })
     }
 
@@ -449,7 +482,37 @@ impl<'a, const L: usize> Task<'a, L> {
         let excitation = self.excitation(&self.torsions(&found)?)?;
         let table = IdentifiedTable { levels: L, smoothing, validation_rms, excitation };
         let predicted = self.job.predicted(&self.law(&found)?, &found.starts);
-        self.job.result(self.gear(&found)?, found.factor, found.starts, Some(table), predicted)
+        let covariance = self.covariance(&found, smoothing)?;
+        self.job.result(self.gear(&found)?, found.factor, found.starts, Some(table), predicted, covariance)
+    }
+
+    /// Of the factor on the stiffness, the sum of the weights and the offsets.
+    fn covariance(&self, found: &Parameters, smoothing: f64) -> Result<Covariance, Error> {
+        let rows = Factor::joined(self.pieces(found)?.iter());
+        let logs = self.job.logs.len();
+        let weighing = found.weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0);
+        let free: Vec<_> = (0..=logs).chain(weighing.map(|(pair, _)| logs + 1 + pair)).collect();
+        let penalty = &self.problem.penalty * (smoothing * rows.rows() as f64);
+        let undetermined = || Error::Solver("the parameters are not determined".into());
+        let unknowns = rows.covariance(&penalty, &free).ok_or_else(undetermined)? * self.noise().powi(2);
+        let cells: Vec<_> =
+            pairs::<L>().map(|(i, j)| if i + j + 1 == L { 1.0 } else { 2.0 }).zip(&self.unit).collect();
+        let sums = DMatrix::from_fn(logs + 2, unknowns.nrows(), |row, column| match (row, column) {
+            (0, column) if column == logs => -found.factor.powi(-2),
+            (1, column) if column > logs => cells[column - logs - 1].0 * cells[column - logs - 1].1,
+            (row, column) if row >= 2 && column == row - 2 => self.span,
+            _ => 0.0,
+        });
+        let names = [STIFFNESS, TOTAL].map(String::from).into_iter().chain((0..logs).map(offset_name));
+        Ok(Covariance::of_sums(names.collect(), &sums, &unknowns))
+    }
+
+    /// Standard deviation of a row where rows count as independent, over all logs, in spans.
+    fn noise(&self) -> f64 {
+        let logs = || self.job.logs.iter().zip(&self.job.training);
+        let rows: usize = self.job.training.iter().sum();
+        let squares: f64 = logs().map(|(log, count)| *count as f64 / weight(log.interval())).sum();
+        (squares / rows as f64).sqrt() / self.span
     }
 
     /// Cells that the trained part of any log moved.

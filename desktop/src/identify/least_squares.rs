@@ -127,6 +127,22 @@ impl Factor {
         x[bounded..].iter_mut().filter(|x| **x < AT_BOUND).for_each(|x| *x = 0.0);
         Ok(x)
     }
+
+    /// Inverse of A'A + Q over the `free` unknowns; those at a bound are known, their rows and columns are 0. `None` where one of the
+    /// free ones is not determined.
+    pub fn covariance(&self, penalty: &DMatrix<f64>, free: &[usize]) -> Option<DMatrix<f64>> {
+        let size = penalty.nrows();
+        let matrix = self.triangle.columns(0, size);
+        let squares = matrix.transpose() * matrix + penalty;
+        let inverse = squares.select_rows(free).select_columns(free).cholesky()?.inverse();
+        let mut whole = DMatrix::zeros(size, size);
+        for (row, at_row) in free.iter().enumerate() {
+            for (column, at_column) in free.iter().enumerate() {
+                whole[(*at_row, *at_column)] = inverse[(row, column)];
+            }
+        }
+        Some(whole)
+    }
 }
 
 /// A sparse matrix column by column; `fill` gives the entries of a column from the top.
@@ -225,6 +241,21 @@ mod tests {
                 assert!(cost(&other) > cost(&x) || (k > 0 && other[k] < 0.0), "{k} {step}");
             }
         }
+    }
+
+    /// The covariance times A'A + Q is the identity over the free unknowns; of what nothing tells there is none.
+    #[test]
+    fn a_covariance_is_that_of_the_free_unknowns() {
+        let (rows, penalty) = (rows(), DMatrix::identity(3, 3) * 0.1);
+        let a = rows.columns(0, 3);
+        let squares = (a.transpose() * a + &penalty).select_rows(&[0, 2]).select_columns(&[0, 2]);
+        let factor = Factor::of(rows.clone());
+        let found = factor.covariance(&penalty, &[0, 2]).unwrap();
+        assert!(found.row(1).iter().chain(found.column(1).iter()).all(|entry| *entry == 0.0));
+        let product = found.select_rows(&[0, 2]).select_columns(&[0, 2]) * squares;
+        assert!((product - DMatrix::identity(2, 2)).amax() < 1e-12);
+        let untold = Factor::of(DMatrix::zeros(5, 4));
+        assert_eq!(untold.covariance(&DMatrix::zeros(3, 3), &[0]), None);
     }
 
     #[test]

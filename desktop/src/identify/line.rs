@@ -98,7 +98,7 @@ impl Step {
 }
 
 /// 1/NOISE^2 of rows every `interval` (s).
-fn weight(interval: f64) -> f64 {
+pub(super) fn weight(interval: f64) -> f64 {
     (LEFT * (2.0 * ALIKE / interval).sqrt().max(1.0)).powi(-2)
 }
 

@@ -20,7 +20,10 @@
 //! | `joint` | weights of a gear from measured logs: torque over torsion |
 //! | `operator` | weights of any actuator that need not be symmetric, from any start |
 //! | `moving` | friction and kinematic error from a moving joint's log |
+//! | `covariance` | joint covariance of what was identified |
 //! | `refusal` | why an identified gear file is not written |
+//! | `not_identified` | what logs do not show, and which log would |
+//! | `verdict` | what becomes of an identified file, and which log would help |
 //!
 //! From a catalogue's figure alone there is nothing to fit: the loss in arc minutes is the gap of the standard
 //! shape ([`strainwave::hysteresis::gap_for_width`], [`strainwave::hysteresis::Weights::uniform`]). The identified
@@ -29,6 +32,7 @@
 //! Units: those of input and output. Sign: weights that are not negative make the output lag its input.
 
 mod choice;
+mod covariance;
 pub mod excitation;
 mod gear_log;
 pub mod joint;
@@ -36,6 +40,7 @@ pub(crate) mod law;
 mod least_squares;
 mod line;
 pub mod moving;
+mod not_identified;
 pub mod operator;
 mod refusal;
 pub mod regressors;
@@ -46,16 +51,20 @@ mod sequence;
 mod smoothness;
 mod start;
 pub mod torque_loop;
+mod verdict;
 
 pub use choice::Smoothing;
+pub use covariance::Covariance;
 pub use excitation::Excitation;
 pub use gear_log::GearLog;
 pub use joint::{GearOptions, IdentifiedGear, IdentifiedTable, identify_gear};
 pub use moving::{LearntGear, learn_gear};
+pub use not_identified::NotIdentified;
 pub use operator::{IdentifiedOperator, Operator, OperatorOptions, identify_operator};
 pub use refusal::Refusal;
 pub use sequence::{Identified, Options, Sequence, identify};
 pub use start::Start;
+pub use verdict::{HELD_LOG, MOVING_LOG, OPERATOR_LOG, Verdict};
 
 /// Why nothing could be identified.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -1,4 +1,5 @@
-//! Report: one HTML page that needs nothing but itself, with a chapter for each part of the model.
+//! Report: one HTML page that needs nothing but itself, with a chapter for each part of the model; and another of an
+//! identification.
 //!
 //! A chapter is a file (or folder) here with one function of the gear file; `CHAPTERS` lists them. Pictures are
 //! inline SVG, drawn for paper; the style sheet turns their black and white around on a dark screen.
@@ -8,6 +9,7 @@ pub mod figures_page;
 mod flexspline;
 mod friction;
 mod hysteresis;
+pub mod identification;
 mod pictures;
 pub mod plot;
 mod two_port;
@@ -58,7 +60,7 @@ pub fn build(gear: &GearFile, mut progress: impl FnMut(f64)) -> Result<Report, B
         let mut part = |fraction: f64| progress((done as f64 + fraction) / CHAPTERS.len() as f64);
         chapters.push(make(gear, &mut part)?);
     }
-    let html = page(gear, &chapters).into_string();
+    let html = of_gear(gear, &chapters).into_string();
     let pictures =
         chapters.iter().flat_map(|chapter| pictures::of_chapter(chapter.id, &chapter.body)).collect();
     let mut measured = Measured::default();
@@ -66,8 +68,18 @@ pub fn build(gear: &GearFile, mut progress: impl FnMut(f64)) -> Result<Report, B
     Ok(Report { html, measured, pictures })
 }
 
-fn page(gear: &GearFile, chapters: &[Chapter]) -> Markup {
-    let title = format!("strainwave: {}", gear.gear.name);
+fn of_gear(gear: &GearFile, chapters: &[Chapter]) -> Markup {
+    let head = html! {
+        p {
+            "Ratio " (gear.gear.ratio) ", rated torque " (gear.gear.rated_torque) " N m. "
+            "Written by strainwave " (env!("CARGO_PKG_VERSION")) "."
+        }
+    };
+    page(&format!("strainwave: {}", gear.gear.name), &head, chapters)
+}
+
+/// A page of chapters under what stands at its head.
+fn page(title: &str, head: &Markup, chapters: &[Chapter]) -> Markup {
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -80,10 +92,7 @@ fn page(gear: &GearFile, chapters: &[Chapter]) -> Markup {
             body {
                 header {
                     h1 { (title) }
-                    p {
-                        "Ratio " (gear.gear.ratio) ", rated torque " (gear.gear.rated_torque) " N m. "
-                        "Written by strainwave " (env!("CARGO_PKG_VERSION")) "."
-                    }
+                    (head)
                     nav { ul { @for chapter in chapters { li { a href={ "#" (chapter.id) } { (chapter.title) } } } } }
                 }
                 main {
@@ -143,7 +152,7 @@ mod tests {
         let measured = Measured { figures, notes: vec!["b: skipped & said".into()] };
         let body =
             html! { (figure_table(&measured)) (table(["mesh", "links"], &[["8x3".into(), "120".into()]])) };
-        page(gear, &[Chapter { id: "one", title: "Chapter one", body, measured }]).into_string()
+        of_gear(gear, &[Chapter { id: "one", title: "Chapter one", body, measured }]).into_string()
     }
 
     #[test]

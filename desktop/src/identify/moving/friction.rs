@@ -14,6 +14,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::super::Error;
+use super::super::covariance::Covariance;
 use super::super::least_squares::Factor;
 use super::EVERY;
 use crate::identify::replay::ReplayRow;
@@ -143,4 +144,18 @@ fn curve(friction: &Friction, speed: f64) -> f64 {
     let coulomb = friction.coulomb.unwrap_or_default();
     let more = friction.static_level.unwrap_or(coulomb) - coulomb;
     coulomb + more * (-speed.abs() / friction.stribeck_velocity.unwrap_or(f64::INFINITY)).exp()
+}
+
+/// Names of F and V in the covariance.
+pub const LEVEL: &str = "friction levels";
+/// As [`LEVEL`].
+pub const VISCOUS: &str = "viscous friction";
+
+/// Of g0 and g1, in the weight's prior, and the factors F, V and M.
+pub(super) fn covariance(gear: &GearFile, rows: &[ReplayRow]) -> Option<Covariance> {
+    let names = ["weight", "weight over the angle", LEVEL, VISCOUS, "inertia"].map(String::from).to_vec();
+    let unit = DMatrix::identity(names.len(), names.len());
+    let places: Vec<_> = (0..names.len()).collect();
+    let unknowns = Factor::of(equations(gear, rows, 1.0)).covariance(&unit, &places)?;
+    Some(Covariance::of_sums(names, &unit, &unknowns))
 }

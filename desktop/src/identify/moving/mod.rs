@@ -34,15 +34,17 @@ mod residual;
 use strainwave::Error as ParameterError;
 
 use super::Error;
+use super::covariance::Covariance;
+use super::{HELD_LOG, MOVING_LOG, NotIdentified};
 use crate::bench::controller::HostCompensator;
 use crate::design::joint::joint_params;
 use crate::identify::replay::{Judgement, ReplayRow, replay, time_of_path};
 use crate::io::gear_file::{GearFile, KinematicError};
 use crate::io::log::MeasuredLog;
-pub use friction::LearntFriction;
 pub(crate) use friction::torque_noise;
+pub use friction::{LEVEL, LearntFriction, VISCOUS};
+pub use residual::{BEATS, Kind, ORDERS, Residual};
 pub(crate) use residual::{OFFSET, alike, error_prior};
-pub use residual::{ORDERS, Residual};
 
 /// Wanders of the external torque that are tried, in rated torques and the square root of a second: an observer's that is
 /// designed without a log, and none over any log. One between would be followed more slowly than a log moves, and
@@ -70,6 +72,31 @@ pub struct LearntGear {
     pub base_judgement: Option<Judgement>,
     /// The log through the observer of the learnt gear.
     pub rows: Vec<ReplayRow>,
+    /// The log through the observer of the base gear.
+    pub base_rows: Vec<ReplayRow>,
+    /// Of the factors on the input friction and what is fitted beside them; `None` where they are not determined.
+    pub friction_covariance: Option<Covariance>,
+    /// Of sines and cosines of the kinematic error and of the output encoder's scale (rad), and of the encoders' offset.
+    pub error_covariance: Option<Covariance>,
+}
+
+impl LearntGear {
+    /// What the log does not show.
+    pub fn not_identified(&self) -> Vec<NotIdentified> {
+        let friction = |direction: &str| NotIdentified {
+            what: format!("friction {direction}"),
+            why: "the part that trains does not move so",
+            helps: MOVING_LOG,
+        };
+        let stiffness = NotIdentified {
+            what: "stiffness".into(),
+            why: "a moving joint's log does not tell it from the load",
+            helps: HELD_LOG,
+        };
+        let directions = self.friction.directions.iter().zip(["forwards", "backwards"]);
+        let kept = directions.filter(|(moved, _)| !**moved).map(|(_, direction)| friction(direction));
+        kept.chain([stiffness]).collect()
+    }
 }
 
 /// Learns from the first `training` of the motor's path, 0.2..=1; `progress` is called with the fraction done.
@@ -90,6 +117,7 @@ pub fn learn_gear(
     let mut gear = without_errors(base);
     let rows = observe(&gear, log, learnt)?;
     let revolutions = residual::require_revolutions(&rows)?;
+    let friction_covariance = friction::covariance(&gear, &rows);
     let friction = friction::learn(&mut gear, &rows)?;
     let mut best: Option<(Residual, GearFile)> = None;
     let observers = observers(&gear);
@@ -114,6 +142,9 @@ pub fn learn_gear(
         base_judgement: judge(&base_rows),
         gear,
         rows,
+        base_rows,
+        friction_covariance,
+        error_covariance: found.covariance,
     })
 }
 

@@ -17,6 +17,7 @@ use std::f64::consts::TAU;
 use nalgebra::{DMatrix, DVector};
 
 use super::super::Error;
+use super::super::covariance::Covariance;
 use super::super::least_squares::Factor;
 use super::super::sequence::span;
 use super::EVERY;
@@ -33,7 +34,7 @@ const SCALE_ORDERS: [u32; 2] = [1, 2];
 /// Periods of an order that a path must show.
 const PERIODS: f64 = 0.5;
 /// Beats between the two kinds of orders that a path must show.
-const BEATS: f64 = 0.5;
+pub const BEATS: f64 = 0.5;
 /// Of a sine and of a cosine of order 2 (rad): the catalogue's positioning accuracy is 2.9e-4 rad from peak to peak.
 const ORDER_2: f64 = 8e-5;
 /// Of a sine and of a cosine of order 1 a revolution of the output (rad): 80 seconds of arc, a ring of 100 mm radius that is
@@ -58,7 +59,7 @@ pub(crate) fn error_prior(order: u32) -> f64 {
 
 /// Which angle an order counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+pub enum Kind {
     /// theta
     Case,
     /// theta - r*theta
@@ -83,6 +84,20 @@ impl Kind {
             Self::Case | Self::Flexspline => error_prior(order),
         }
     }
+
+    /// Key of its orders in the gear file.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Case => "kinematic_error.wave_generator",
+            Self::Flexspline => "kinematic_error.flexspline",
+            Self::Scale => "sensors.output_encoder_error",
+        }
+    }
+
+    /// Names of sine and cosine of an order in the covariance (rad).
+    pub fn coefficients(self, order: u32) -> [String; 2] {
+        ["sine", "cosine"].map(|part| format!("{} order {order} {part}", self.key()))
+    }
 }
 
 /// Result of the fit.
@@ -92,6 +107,8 @@ pub struct Residual {
     pub squares: f64,
     /// Rms residual of the rows (rad).
     pub rms: f64,
+    /// Of c, sines and cosines (rad).
+    pub covariance: Option<Covariance>,
     terms: Vec<(Kind, Harmonic)>,
 }
 
@@ -115,7 +132,7 @@ fn revolutions(rows: &[ReplayRow]) -> f64 {
 
 impl Residual {
     /// The least squares of rows that the observer of `gear` was fed with; its kinematic error is none.
-    pub(super) fn solve(gear: &GearFile, rows: &[ReplayRow]) -> Result<Self, Error> {
+    pub(crate) fn solve(gear: &GearFile, rows: &[ReplayRow]) -> Result<Self, Error> {
         let rows: Vec<_> = rows.iter().step_by(EVERY).copied().collect();
         let problem = Problem { columns: columns(gear, revolutions(&rows)) };
         let (unknowns, equations) = (problem.unknowns(), problem.equations(&rows));
@@ -126,6 +143,7 @@ impl Residual {
         Ok(Self {
             squares: factor.squares(x.as_slice()) + x.norm_squared(),
             rms: (left.norm_squared() / rows.len() as f64).sqrt(),
+            covariance: problem.covariance(&factor),
             terms: problem.terms(&x),
         })
     }
@@ -176,6 +194,18 @@ impl Problem {
         let (kind, order) = self.columns[index / 2];
         let (sine, cosine) = (f64::from(order) * kind.angle(row)).sin_cos();
         kind.prior(order) * if index.is_multiple_of(2) { sine } else { cosine }
+    }
+
+    /// Of the unknowns themselves; [`whitened`] rows have unit noise.
+    fn covariance(&self, factor: &Factor) -> Option<Covariance> {
+        let count = self.unknowns();
+        let unknowns =
+            factor.covariance(&DMatrix::identity(count, count), &(0..count).collect::<Vec<_>>())?;
+        let priors = self.columns.iter().flat_map(|(kind, order)| [kind.prior(*order); 2]);
+        let priors = DVector::from_iterator(count, std::iter::once(OFFSET).chain(priors));
+        let named = self.columns.iter().flat_map(|(kind, order)| kind.coefficients(*order));
+        let names = std::iter::once("offset".to_owned()).chain(named).collect();
+        Some(Covariance::of_sums(names, &DMatrix::from_diagonal(&priors), &unknowns))
     }
 
     fn terms(&self, x: &DVector<f64>) -> Vec<(Kind, Harmonic)> {

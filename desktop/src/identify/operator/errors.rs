@@ -19,7 +19,7 @@ pub struct Errors {
 
 /// Straight line through what trains, by least squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Line {
+pub struct Line {
     /// Mean input.
     middle: f64,
     /// Mean output.
@@ -32,7 +32,7 @@ type Rows<'a> = ((&'a [f64], &'a [f64]), &'a [f64]);
 
 impl Line {
     /// Through the first so many rows of logs.
-    pub fn of(logs: &[InputOutput], counts: &[usize]) -> Self {
+    pub(super) fn of(logs: &[InputOutput], counts: &[usize]) -> Self {
         let parts = || logs.iter().zip(counts).map(|(log, count)| log.part(0..*count));
         let rows = || parts().flat_map(|(u, y)| u.iter().zip(y));
         let count = rows().count() as f64;
@@ -43,7 +43,13 @@ impl Line {
         Self { middle, offset, slope: moment / square }
     }
 
-    fn at(&self, u: f64) -> f64 {
+    /// Output over input.
+    pub fn slope(&self) -> f64 {
+        self.slope
+    }
+
+    /// Output at an input.
+    pub fn at(&self, u: f64) -> f64 {
         self.offset + self.slope * (u - self.middle)
     }
 }

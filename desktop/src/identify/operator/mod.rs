@@ -14,6 +14,7 @@
 //! | `logs` | logs, which parts of them train, loops to be left out |
 //! | `file` | the operator as a TOML file |
 //! | `errors` | what is missed, in spans of the output, beside a straight line |
+//! | `excitation` | which cells the inputs moved |
 //!
 //! Start: relays that the log has not switched yet give the rest r, which is not known. It is the same whenever as many of them
 //! are left, so r is a function of what is left alone; it is identified with the weights, a function for each log, and ends where the
@@ -26,6 +27,7 @@
 //! of relays there.
 
 mod errors;
+mod excitation;
 mod file;
 mod grid;
 mod history;
@@ -33,11 +35,10 @@ mod logs;
 mod model;
 mod problem;
 
-pub use errors::Errors;
+pub use errors::{Errors, Line};
 pub use grid::Grid;
 pub use model::{LARGEST, LEVELS, Operator, Point};
 
-use self::errors::Line;
 use self::problem::{Prepared, Solution};
 use super::Error;
 use super::choice::Smoothing;
@@ -87,6 +88,12 @@ pub struct IdentifiedOperator {
     pub held_out: Option<Errors>,
     /// y along each log, those that trained first.
     pub predicted: Vec<Vec<f64>>,
+    /// Rows of each log that trained, from its first; none of those held out.
+    pub counts: Vec<usize>,
+    /// Straight line through what trained.
+    pub line: Line,
+    /// Fraction of the cells that what trained moved.
+    pub excited: f64,
 }
 
 /// Identifies an operator from the first part of each log of `trained`, and predicts the rest of them and the logs `held_out`;
@@ -165,6 +172,12 @@ fn finish(
         span,
         training: training.unwrap_or_default(),
         held_out,
+        excited: excitation::moved(
+            *best.operator.grid(),
+            trained.iter().zip(counts).map(|(log, count)| log.part(0..*count).0),
+        ),
+        counts: firsts().take(predicted.len()).collect(),
+        line,
         operator: best.operator,
         predicted,
     }

@@ -59,12 +59,12 @@ fn grouped(numbers: &Numbers, models: &Models, speeds: &[f64]) -> Vec<(String, V
     groups
 }
 
-/// Mean friction (N m) at a speed (rad/s).
-fn steady(numbers: &Numbers, model: &Model, speed: f64) -> f64 {
+/// Mean friction (N m) at a speed (rad/s) other than 0.
+pub(super) fn steady(numbers: &Numbers, model: &Model, speed: f64) -> f64 {
     let mut contact = model.rest();
     for _ in 0..SETTLING {
         contact.step(speed, 1.0, 0.0);
     }
-    let duration = WAY * numbers.presliding / speed / STEPS as f64;
+    let duration = WAY * numbers.presliding / speed.abs() / STEPS as f64;
     (0..STEPS).map(|_| contact.step(speed, duration, 0.0)).sum::<f64>() / STEPS as f64
 }

@@ -10,10 +10,10 @@ use strainwave::friction::ModelName;
 
 use super::{Chapter, figure_table, table};
 use crate::io::file::BadInput;
-use crate::io::gear_file::GearFile;
+use crate::io::gear_file::{Friction, GearFile};
 use crate::report::plot::{Panel, Series};
 use crate::verify::Part;
-use models::{Models, Numbers};
+use models::{Model, Models, Numbers};
 
 /// Small panels side by side.
 const COLUMNS: usize = 3;
@@ -50,6 +50,12 @@ fn introduction(gear: &GearFile, numbers: &Numbers, models: &Models) -> Markup {
         @for note in &models.left_out { p { (note) } }
         div.words { (table(["model", "keys that it needs", "keys that it may have"], &rows)) }
     }
+}
+
+/// Steady friction (N m) of a side's own model at speeds (rad/s) other than 0; `None` where its numbers do not build it.
+pub(super) fn steady(side: &Friction, speeds: &[f64]) -> Option<Vec<f64>> {
+    let (numbers, model) = (Numbers::of(side), Model::of(side)?);
+    Some(speeds.iter().map(|speed| level::steady(&numbers, &model, *speed)).collect())
 }
 
 fn needs(name: ModelName) -> String {

@@ -99,6 +99,12 @@ pub(super) struct Model {
 }
 
 impl Model {
+    /// The one that the side names; `None` where its numbers do not build it.
+    pub fn of(side: &Friction) -> Option<Self> {
+        let built = friction_params::<f64>(side).build().ok()?;
+        Some(Self { name: side.model.word(), built })
+    }
+
     /// From rest.
     pub fn rest(&self) -> Contact<'_> {
         Contact { model: &self.built, state: AnyFrictionState::default() }

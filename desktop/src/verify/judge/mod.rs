@@ -25,6 +25,7 @@
 pub mod estimates;
 pub mod faults;
 mod ripple;
+mod spectrum;
 mod vibration;
 
 use std::f64::consts::TAU;
@@ -36,8 +37,9 @@ use crate::bench::closed_loop::Row;
 use crate::bench::motion::Motion;
 use crate::bench::scenario::{Scenario, Stretch};
 pub use ripple::ripple;
+pub use spectrum::{affordable, spectrum};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
-pub use vibration::{spectrum, vibration, without_slow_part};
+pub use vibration::{vibration, without_slow_part};
 
 /// Within this the output has settled (rad).
 pub const SETTLED: f64 = 20e-6;

@@ -7,8 +7,6 @@
 //! T is the natural period (s). Of a sine of frequency f the mean keeps sinc(f*T): nothing at 1/T and its
 //! multiples, all where f*T is small. Half a period at both ends of a stretch has no mean and is left out.
 
-use std::f64::consts::TAU;
-
 use crate::bench::closed_loop::Row;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
@@ -35,28 +33,10 @@ pub fn without_slow_part(values: &[f64], period: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Lines of a spectrum in one resolution.
-const LINES: f64 = 8.0;
-
-/// Amplitude of values over frequency up to `highest` (Hz), eight lines a resolution: Hann window, so that a sine
-/// keeps its amplitude and leaks no further than two resolutions. Pairs of frequency and amplitude.
-pub fn spectrum(values: &[f64], highest: f64) -> Vec<(f64, f64)> {
-    let count = values.len() as f64;
-    let resolution = 1.0 / (count * CONTROL_PERIOD);
-    let window = |k: usize| 1.0 - (TAU * (k as f64 + 0.5) / count).cos();
-    let amplitude = |frequency: f64| {
-        let (sine, cosine) = values.iter().enumerate().fold((0.0, 0.0), |(sine, cosine), (k, value)| {
-            let (s, c) = (TAU * frequency * k as f64 * CONTROL_PERIOD).sin_cos();
-            (sine + window(k) * value * s, cosine + window(k) * value * c)
-        });
-        2.0 / count * f64::hypot(sine, cosine)
-    };
-    let lines = (LINES * highest / resolution) as usize;
-    (1..=lines).map(|line| resolution / LINES * line as f64).map(|f| (f, amplitude(f))).collect()
-}
-
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     #[test]
@@ -73,16 +53,5 @@ mod tests {
             assert!((value - expected).abs() < 1e-9, "{k}: {value} {expected}");
         }
         assert!(without_slow_part(&values[..300], period).is_empty());
-    }
-
-    #[test]
-    fn a_sine_stands_in_the_spectrum_with_its_amplitude() {
-        let values: Vec<f64> =
-            (0..5000).map(|k| 2e-5 * (TAU * 40.0 * f64::from(k) * CONTROL_PERIOD).sin()).collect();
-        let lines = spectrum(&values, 100.0);
-        let (frequency, amplitude) = lines.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
-        assert!((frequency - 40.0).abs() < 1e-9 && (amplitude / 2e-5 - 1.0).abs() < 1e-3);
-        let far = lines.iter().filter(|(frequency, _)| (frequency - 40.0).abs() > 10.0);
-        assert!(far.map(|(_, amplitude)| *amplitude).fold(0.0, f64::max) < 1e-7);
     }
 }
