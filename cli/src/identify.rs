@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use strainwave_desktop::design::buildable::buildable;
 use strainwave_desktop::identify::joint::LEVELS;
+use strainwave_desktop::identify::moving::{LearntParameter, Wave};
 use strainwave_desktop::identify::{
     GearLog, GearOptions, IdentifiedGear, LearntGear, OperatorOptions, Refusal, Smoothing, identify_gear,
     learn_gear,
@@ -214,7 +215,20 @@ fn describe_moving(found: &LearntGear) -> String {
     };
     let directions = found.friction.directions.iter().zip(["forwards", "backwards"]);
     let kept = directions.filter(|(moved, _)| !**moved).map(|(_, direction)| friction(direction));
-    kept.chain([stiffness.to_owned()]).collect::<Vec<_>>().join("\n")
+    let parameters = found.friction.parameters.iter().map(verdict);
+    let wave = |(wave, amplitude): &(Wave, f64)| {
+        let kind = if wave.reverses { "friction" } else { "torque" };
+        format!("{kind} of order {} of the motor's angle: {amplitude:.2e} N m; the gear file has no key for it", wave.order)
+    };
+    let waves = found.friction.waves.iter().map(wave);
+    parameters.chain(waves).chain(kept).chain([stiffness.to_owned()]).collect::<Vec<_>>().join("\n")
+}
+
+/// A parameter of the input friction in a line.
+fn verdict(found: &LearntParameter) -> String {
+    let LearntParameter { parameter, base, value, deviation, verdict, .. } = found;
+    let (key, unit) = (parameter.key(), parameter.unit());
+    format!("friction.input.{key}: {value:.3e} +- {deviation:.1e} {unit}, base gear {base:.3e}: {verdict}")
 }
 
 fn moving_figures(found: &LearntGear) -> Vec<Figure> {
@@ -225,8 +239,14 @@ fn moving_figures(found: &LearntGear) -> Vec<Figure> {
         Figure::reported("identify.training.rms", found.training_rms, "rad"),
         Figure::reported("identify.friction_factor", found.friction.level, "1"),
         Figure::reported("identify.viscous_factor", found.friction.viscous, "1"),
+        Figure::reported("identify.friction.residual", found.friction.residual, "N m"),
         Figure::reported("identify.external_torque_wander", wander, "N m/s^0.5"),
     ];
+    for learnt in &found.friction.parameters {
+        let (name, unit) = (format!("identify.friction.{}", learnt.parameter.key()), learnt.parameter.unit());
+        figures.push(Figure::reported(name.clone(), learnt.value, unit));
+        figures.push(Figure::reported(format!("{name}.standard_error"), learnt.deviation, unit));
+    }
     for harmonic in &found.gear.kinematic_error.flexspline {
         let name = format!("identify.kinematic_error.order_{}", harmonic.order);
         figures.push(Figure::reported(name, harmonic.amplitude, "rad"));

@@ -12,7 +12,7 @@
 //! | phi | torsion that the observer finds with the base gear's stiffness, from the motor side (rad) |
 //! | n | what is in no column: noise that is alike over a short path and a short time |
 //!
-//! In this order: friction from the motor's torque over its motion (`friction.rs`); with it, for every observer of
+//! In this order: friction from the motor's torque over its motion (`friction/`); with it, for every observer of
 //! [`WANDERS`], its torsion and the regularised least squares of the above (`residual.rs`); the observer with the least sum of
 //! squares is kept. The wander says how much of the motor torque that friction does not explain winds the gear up: where
 //! friction is not known to a fraction of the rated torque, hardly any.
@@ -39,7 +39,7 @@ use crate::design::joint::joint_params;
 use crate::identify::replay::{Judgement, ReplayRow, replay, time_of_path};
 use crate::io::gear_file::{GearFile, KinematicError};
 use crate::io::log::MeasuredLog;
-pub use friction::LearntFriction;
+pub use friction::{LearntFriction, LearntParameter, Parameter, Verdict, Wave};
 pub(crate) use friction::torque_noise;
 pub(crate) use residual::{OFFSET, alike, error_prior};
 pub use residual::{ORDERS, Residual};
