@@ -49,7 +49,7 @@ pub struct Arguments {
     /// The joint moves: learn friction and kinematic error instead, from one log
     ///
     /// Needed are t_s, theta_motor_rad, tau_motor_nm and theta_out_rad. The fraction that trains is that of the motor's path. What
-    /// is learnt: levels of the input friction, orders of the kinematic error at the log's motor angle, the error
+    /// is learnt: the input friction by its own law, each parameter with its standard error and a verdict, orders of the kinematic error at the log's motor angle, the error
     /// of the output encoder's scale, and how far the observer trusts the motor torque. The stiffness stays the base
     /// gear's: a moving joint's log does not tell it from the load.
     #[arg(long, conflicts_with_all = ["levels", "smoothing"])]
@@ -218,7 +218,10 @@ fn describe_moving(found: &LearntGear) -> String {
     let parameters = found.friction.parameters.iter().map(verdict);
     let wave = |(wave, amplitude): &(Wave, f64)| {
         let kind = if wave.reverses { "friction" } else { "torque" };
-        format!("{kind} of order {} of the motor's angle: {amplitude:.2e} N m; the gear file has no key for it", wave.order)
+        format!(
+            "{kind} of order {} of the motor's angle: {amplitude:.2e} N m; the gear file has no key for it",
+            wave.order
+        )
     };
     let waves = found.friction.waves.iter().map(wave);
     parameters.chain(waves).chain(kept).chain([stiffness.to_owned()]).collect::<Vec<_>>().join("\n")

@@ -9,6 +9,7 @@ use strainwave_desktop::GearFile;
 use strainwave_desktop::identify::{Error, LearntGear, learn_gear};
 use strainwave_desktop::io::gear_file::Harmonic;
 use strainwave_desktop::io::log::{MeasuredLog, Time};
+use strainwave_desktop::verify::identify::friction;
 use strainwave_desktop::verify::replay;
 
 const INTERVAL: f64 = 0.004;
@@ -146,6 +147,18 @@ fn what_the_log_does_not_show_is_refused_by_name() {
     assert!(matches!(error, Error::ReversedTorque { .. }));
     assert!(error.to_string().ends_with("give --reversed-torque"), "{error}");
     assert!(learn(&log(REVOLUTIONS), 0.1).is_err());
+}
+
+/// A sample of what `strainwave verify identify` measures.
+#[test]
+fn friction_of_the_blocks_own_law_comes_back_with_its_intervals() {
+    let measured = friction::measure(20, |_| ()).unwrap();
+    measured.figures.iter().for_each(|figure| println!("{}", figure.cells().join("  ")));
+    let value = |name: &str| measured.figures.iter().find(|figure| figure.name == name).unwrap().value;
+    // Of 20 joints one in 20 is outside by chance, more than three of them once in 100 samples.
+    assert!(value("identify.friction.outside") <= 0.15);
+    assert!(value("identify.friction.level.worst") < 0.05);
+    assert!(value("identify.friction.over_static") < 0.1);
 }
 
 #[test]

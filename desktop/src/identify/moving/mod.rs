@@ -39,8 +39,8 @@ use crate::design::joint::joint_params;
 use crate::identify::replay::{Judgement, ReplayRow, replay, time_of_path};
 use crate::io::gear_file::{GearFile, KinematicError};
 use crate::io::log::MeasuredLog;
-pub use friction::{LearntFriction, LearntParameter, Parameter, Verdict, Wave};
 pub(crate) use friction::torque_noise;
+pub use friction::{LearntFriction, LearntParameter, Parameter, Verdict, Wave};
 pub(crate) use residual::{OFFSET, alike, error_prior};
 pub use residual::{ORDERS, Residual};
 
@@ -115,6 +115,17 @@ pub fn learn_gear(
         gear,
         rows,
     })
+}
+
+/// Learns the input friction alone, from all of a log.
+///
+/// # Errors
+/// As [`learn_gear`].
+pub fn learn_friction(base: &GearFile, log: &MeasuredLog) -> Result<(GearFile, LearntFriction), Error> {
+    let mut gear = without_errors(base);
+    let rows = observe(&gear, log, f64::INFINITY)?;
+    let friction = friction::learn(&mut gear, &rows)?;
+    Ok((gear, friction))
 }
 
 /// The gear with each of the observers that are tried; those that cannot be built are left out.

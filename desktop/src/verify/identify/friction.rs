@@ -19,8 +19,7 @@ use strainwave::Angle;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::friction::{FrictionModel, FrictionParams, JointFrictionState, Slip};
 
-use crate::identify::learn_gear;
-use crate::identify::moving::Parameter;
+use crate::identify::moving::{LearntParameter, Parameter, learn_friction};
 use crate::io::figure::Figure;
 use crate::io::file::BadInput;
 use crate::io::gear_file::friction_params::joint_friction_params;
@@ -34,19 +33,21 @@ pub const JOINTS: u64 = 100;
 /// Control periods from row to row.
 const ROW: usize = 40;
 /// Moves of the motor that train: end (rad), duration (s).
-const TRAINED: [(f64, f64); 12] = [
-    (0.02, 0.8),
-    (-0.02, 0.8),
-    (0.08, 0.8),
-    (-0.1, 1.0),
-    (0.3, 1.2),
-    (-0.8, 1.5),
-    (1.5, 1.5),
-    (0.0, 1.5),
-    (14.0, 1.6),
-    (0.0, 1.6),
-    (45.0, 2.0),
+const TRAINED: [(f64, f64); 14] = [
+    (0.02, 0.6),
+    (-0.02, 0.6),
+    (0.08, 0.6),
+    (-0.1, 0.8),
+    (0.4, 1.0),
+    (-0.8, 1.2),
+    (2.0, 1.5),
+    (-3.0, 1.5),
+    (6.0, 2.0),
     (0.0, 2.0),
+    (20.0, 2.5),
+    (0.0, 2.5),
+    (60.0, 2.5),
+    (0.0, 2.5),
 ];
 /// Moves that are judged.
 const JUDGED: [(f64, f64); 7] =
@@ -88,18 +89,22 @@ impl Joint {
     }
 
     /// Rows of a log, and in every row the friction of the block (N m).
-    fn log(&self, moves: &[(f64, f64)], random: &mut ChaCha8Rng) -> Result<(MeasuredLog, Vec<f64>), BadInput> {
+    fn log(
+        &self,
+        moves: &[(f64, f64)],
+        random: &mut ChaCha8Rng,
+    ) -> Result<(MeasuredLog, Vec<f64>), BadInput> {
         let r: f64 = self.gear.gear.signed_ratio().value();
-        let inertia = self.inertia * (self.gear.inertia.wave_generator + r * r * self.gear.inertia.flexspline);
+        let inertia =
+            self.inertia * (self.gear.inertia.wave_generator + r * r * self.gear.inertia.flexspline);
         let output = contact(&self.gear.friction.output, moves, r, 0.0)?;
         let friction = contact(&self.gear.friction.input, moves, 1.0, self.start)?;
         let noise = Normal::new(0.0, self.gear.sensors.motor_torque_noise).map_err(BadInput::message)?;
         let count = TAU / 2f64.powi(self.gear.sensors.motor_encoder_bits.cast_signed());
         let rows = friction.len();
         let at = |row: usize| angle(moves, (row * ROW) as f64 * CONTROL_PERIOD);
-        let torque = |row: usize| {
-            inertia * acceleration(moves, row) + self.weight + r * output[row] + friction[row]
-        };
+        let torque =
+            |row: usize| inertia * acceleration(moves, row) + self.weight + r * output[row] + friction[row];
         let log = MeasuredLog {
             time: Time::every(ROW as f64 * CONTROL_PERIOD, rows),
             motor_position: (0..rows).map(|row| (at(row) / count).round() * count).collect(),
@@ -114,7 +119,8 @@ impl Joint {
 
 /// Friction of a contact in every row of moves of the motor, `ratio` times which it moves (N m).
 fn contact(side: &Friction, moves: &[(f64, f64)], ratio: f64, start: f64) -> Result<Vec<f64>, BadInput> {
-    let params = joint_friction_params::<f64>(side).ok_or_else(|| BadInput::message("another friction model"))?;
+    let params =
+        joint_friction_params::<f64>(side).ok_or_else(|| BadInput::message("another friction model"))?;
     let (model, mut state) = (params.build().map_err(BadInput::message)?, JointFrictionState::default());
     model.step(&mut state, &Slip::new(start, 1.0));
     let periods = (duration(moves) / CONTROL_PERIOD) as usize;
@@ -199,10 +205,13 @@ fn figures(judged: &[Judged]) -> Vec<Figure> {
     let whole = judged.iter().filter(|joint| joint.outside.iter().all(|(_, missed)| !missed)).count() as f64;
     let mut ratios: Vec<_> = judged.iter().map(|joint| joint.rms[0] / joint.rms[1]).collect();
     ratios.sort_unstable_by(f64::total_cmp);
+    let mut levels: Vec<_> = judged.iter().map(|joint| joint.level).collect();
+    levels.sort_unstable_by(f64::total_cmp);
     let mean = |k: usize| (judged.iter().map(|joint| joint.rms[k].powi(2)).sum::<f64>() / count).sqrt();
     let mut figures = vec![
         figure("identify.friction.outside", largest(outside.values().copied())),
-        figure("identify.friction.level", largest(judged.iter().map(|joint| joint.level))),
+        figure("identify.friction.level", levels[(levels.len() * 95).div_ceil(100) - 1]),
+        Figure::reported("identify.friction.level.worst", largest(levels.iter().copied()), "1"),
         figure("identify.friction.over_static", largest(ratios.iter().copied())),
         Figure::reported("identify.friction.over_static.median", ratios[ratios.len() / 2], "1"),
         Figure::reported("identify.friction.rms", mean(0), "N m"),
@@ -210,7 +219,9 @@ fn figures(judged: &[Judged]) -> Vec<Figure> {
         Figure::reported("identify.friction.itself.rms", mean(2), "N m"),
         Figure::reported("identify.friction.all_inside", whole / count, "1"),
     ];
-    let each = |(key, share): (&String, &f64)| Figure::reported(format!("identify.friction.outside.{key}"), *share, "1");
+    let each = |(key, share): (&String, &f64)| {
+        Figure::reported(format!("identify.friction.outside.{key}"), *share, "1")
+    };
     figures.extend(outside.iter().map(each));
     figures
 }
@@ -220,9 +231,9 @@ fn judge(seed: u64) -> Result<Judged, BadInput> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let joint = Joint::draw(&base, &mut random);
     let (log, trained) = joint.log(&TRAINED, &mut random)?;
-    let found = learn_gear(&base, &log, 1.0, |_| ()).map_err(BadInput::message)?;
+    let (found, friction) = learn_friction(&base, &log).map_err(BadInput::message)?;
     let truth = contact(&joint.gear.friction.input, &JUDGED, 1.0, 0.0)?;
-    let ours = contact(&found.gear.friction.input, &JUDGED, 1.0, 0.0)?;
+    let ours = contact(&found.friction.input, &JUDGED, 1.0, 0.0)?;
     let noisy: Vec<_> = {
         let noise = Normal::new(0.0, base.sensors.motor_torque_noise).map_err(BadInput::message)?;
         trained.iter().map(|friction| friction + noise.sample(&mut random)).collect()
@@ -232,15 +243,19 @@ fn judge(seed: u64) -> Result<Judged, BadInput> {
         ((0..truth.len()).map(|row| errors(row).powi(2)).sum::<f64>() / truth.len() as f64).sqrt()
     };
     let own = &joint.gear.friction.input;
-    let missed = |learnt: &crate::identify::moving::LearntParameter| {
+    let missed = |learnt: &LearntParameter| {
         let value = value(own, learnt.parameter);
         (learnt.parameter, !(learnt.interval[0]..=learnt.interval[1]).contains(&value))
     };
     let coulomb = |side: &Friction| side.coulomb.unwrap_or(f64::NAN);
     Ok(Judged {
-        level: (coulomb(&found.gear.friction.input) / coulomb(own) - 1.0).abs(),
-        outside: found.friction.parameters.iter().map(missed).collect(),
-        rms: [rms(&|row| ours[row] - truth[row]), rms(&|row| rival(row) - truth[row]), rms(&|row| truth[row])],
+        level: (coulomb(&found.friction.input) / coulomb(own) - 1.0).abs(),
+        outside: friction.parameters.iter().map(missed).collect(),
+        rms: [
+            rms(&|row| ours[row] - truth[row]),
+            rms(&|row| rival(row) - truth[row]),
+            rms(&|row| truth[row]),
+        ],
     })
 }
 
@@ -256,15 +271,21 @@ fn static_law(friction: &[f64]) -> impl Fn(usize) -> f64 {
         let rows: Vec<_> = (0..friction.len()).map(|row| columns(&TRAINED, row, stribeck)).collect();
         let matrix = DMatrix::from_fn(rows.len(), rows[0].len(), |row, column| rows[row][column]);
         let right = DVector::from_row_slice(friction);
-        let found = matrix.clone().svd(true, true).solve(&right, 1e-12).unwrap_or_else(|_| DVector::zeros(rows[0].len()));
+        let found = matrix
+            .clone()
+            .svd(true, true)
+            .solve(&right, 1e-12)
+            .unwrap_or_else(|_| DVector::zeros(rows[0].len()));
         let left = (&matrix * &found - right).norm_squared();
         (stribeck, found, left)
     };
     let all = (0..count).map(|k| fitted(least * factor.powi(k as i32)));
     let best = all.min_by(|a, b| a.2.total_cmp(&b.2));
-    move |row| best.as_ref().map_or(f64::NAN, |(stribeck, found, _)| {
-        columns(&JUDGED, row, *stribeck).iter().zip(found.iter()).map(|(column, x)| column * x).sum()
-    })
+    move |row| {
+        best.as_ref().map_or(f64::NAN, |(stribeck, found, _)| {
+            columns(&JUDGED, row, *stribeck).iter().zip(found.iter()).map(|(column, x)| column * x).sum()
+        })
+    }
 }
 
 /// Columns of the static law in a row.

@@ -1,8 +1,9 @@
 //! Which unknowns the log carries: from the Coulomb and viscous factors on, a group at a time, by cross-validation.
 //!
-//! Each of [`SEGMENTS`] pieces of the motor's path is held out once and predicted, the block going on through it. A group stays when
-//! the robust loss of what is held out falls by more than its standard error, over pieces of [`PIECE`] rows, and no
-//! parameter of it ends at its limit. Groups that do not are tried again when another one has come in after them.
+//! Segments of [`SEGMENT`] rows belong to [`PARTS`] parts in turn; each part is held out once and predicted, the block going on
+//! through it. A group stays when the robust loss of what is held out falls and no parameter of it ends at its
+//! limit. Groups that do not are tried again at the end, alone and together. A parameter that the log does not narrow to
+//! [`NOT_NARROWED`] of what was known before it goes at last.
 
 use super::fit::{Fit, Solution};
 use super::rollout::Rollout;
@@ -11,14 +12,16 @@ use super::unknowns::{Parameter, Unknown};
 use crate::identify::Error;
 use crate::io::gear_file::Friction;
 
-/// Pieces of the path.
-const SEGMENTS: usize = 4;
-/// Rows whose losses are summed before their deviation is taken: 0.1 s.
-const PIECE: usize = 25;
+/// Rows of a segment: 0.5 s.
+const SEGMENT: usize = 125;
+/// Parts that the segments belong to.
+const PARTS: usize = 4;
 /// Revolutions from which on ripple is not taken for a slope of the load.
 const REVOLUTIONS: f64 = 1.0;
 /// Distance to the end of a range that counts as there.
 const AT_LIMIT: f64 = 1e-3;
+/// Deviation over the prior's from which on the log does not narrow a parameter.
+pub(super) const NOT_NARROWED: f64 = 0.5;
 /// Further starts of what the torque does not depend on linearly.
 const STARTS: [f64; 2] = [-1.2, 1.2];
 
@@ -68,7 +71,9 @@ pub(super) fn groups(rollout: &Rollout<'_>) -> Vec<Vec<Unknown>> {
     }
     groups.iter_mut().for_each(|group| group.retain(|parameter| is_positive(side, *parameter)));
     if rollout.motion.revolutions() >= REVOLUTIONS {
-        groups.push([1, 2].into_iter().flat_map(|k| [Parameter::RippleCosine(k), Parameter::RippleSine(k)]).collect());
+        groups.push(
+            [1, 2].into_iter().flat_map(|k| [Parameter::RippleCosine(k), Parameter::RippleSine(k)]).collect(),
+        );
     }
     groups.retain(|group| !group.is_empty());
     groups.into_iter().map(|group| group.into_iter().map(Unknown::Of).collect()).collect()
@@ -85,15 +90,18 @@ pub(super) fn choose(
     torque: &[f64],
     (unknowns, solution): (Vec<Unknown>, Solution),
 ) -> Result<Choice, Error> {
-    let fit = Fit { rollout, torque, unknowns: &unknowns };
-    let solution = fit.robust(solution)?;
-    let held_out = held_out(&fit, &solution)?;
-    let mut choice = Choice { model: Model { unknowns, solution, held_out }, at_limit: Vec::new() };
+    let model = Model::of(&Fit { rollout, torque, unknowns: &unknowns }, solution)?;
+    let mut choice = Choice { model: model.or_base(rollout, torque)?, at_limit: Vec::new() };
     let rejected = choice.extend(rollout, torque, groups(&rollout))?;
-    let before = choice.model.unknowns.len();
-    let waves = choice.extend(rollout, torque, choice.waves(&rollout))?;
-    if choice.model.unknowns.len() > before || waves.is_empty() {
-        choice.extend(rollout, torque, rejected)?;
+    choice.extend(rollout, torque, choice.waves(&rollout))?;
+    let rejected = choice.extend(rollout, torque, rejected)?;
+    choice.extend(rollout, torque, vec![rejected.concat()])?;
+    while let Some(parameter) = choice.model.ended() {
+        choice.model = choice.model.without(rollout, torque, parameter)?;
+        choice.at_limit.push(parameter);
+    }
+    while let Some(parameter) = choice.model.not_narrowed(rollout, torque)? {
+        choice.model = choice.model.without(rollout, torque, parameter)?;
     }
     Ok(choice)
 }
@@ -107,17 +115,21 @@ impl Choice {
         groups: Vec<Vec<Unknown>>,
     ) -> Result<Vec<Vec<Unknown>>, Error> {
         let mut rejected = Vec::new();
-        for group in groups {
+        for group in groups.into_iter().filter(|group| !group.is_empty()) {
             match self.model.with(rollout, torque, &group)? {
                 Attempt::Better(model) => {
                     self.at_limit.retain(|parameter| !group.contains(&Unknown::Of(*parameter)));
                     self.model = model;
                 }
                 Attempt::AtLimit(parameter) => {
+                    self.at_limit.retain(|own| *own != parameter);
                     self.at_limit.push(parameter);
                     rejected.push(group);
                 }
-                Attempt::NoBetter => rejected.push(group),
+                Attempt::NoBetter => {
+                    self.at_limit.retain(|parameter| !group.contains(&Unknown::Of(*parameter)));
+                    rejected.push(group);
+                }
             }
         }
         Ok(rejected)
@@ -140,13 +152,64 @@ enum Attempt {
 }
 
 impl Model {
+    fn of(fit: &Fit<'_>, solution: Solution) -> Result<Self, Error> {
+        let solution = fit.robust(solution)?;
+        let held_out = held_out(fit, &solution)?;
+        Ok(Self { unknowns: fit.unknowns.to_vec(), solution, held_out })
+    }
+
+    /// This one of the first unknowns, unless the base gear's factors predict as well; what has ended at a limit is kept, to be told.
+    fn or_base(self, rollout: Rollout<'_>, torque: &[f64]) -> Result<Self, Error> {
+        let beside = |unknown: &Unknown| !matches!(unknown, Unknown::Of(_));
+        let (unknowns, z): (Vec<_>, Vec<_>) =
+            self.unknowns.iter().zip(&self.solution.z).filter(|(unknown, _)| beside(unknown)).unzip();
+        let fit = Fit { rollout, torque, unknowns: &unknowns };
+        let base = Self::of(&fit, fit.again(&z, &self.solution)?)?;
+        let ended = self.unknowns.iter().zip(&self.solution.z).any(|(unknown, z)| is_at_limit(*unknown, *z));
+        Ok(if ended || base.is_worse_than(&self.held_out) { self } else { base })
+    }
+
+    /// A parameter beyond the factors that has come to its limit since it was taken.
+    fn ended(&self) -> Option<Parameter> {
+        self.unknowns.iter().zip(&self.solution.z).find_map(|(unknown, z)| match unknown {
+            Unknown::Of(Parameter::Coulomb | Parameter::Viscous) => None,
+            Unknown::Of(parameter) if is_at_limit(*unknown, *z) => Some(*parameter),
+            _ => None,
+        })
+    }
+
+    /// The parameter that the log narrows least, of those that it hardly does.
+    fn not_narrowed(&self, rollout: Rollout<'_>, torque: &[f64]) -> Result<Option<Parameter>, Error> {
+        let Self { unknowns, solution, .. } = self;
+        let covariance = Fit { rollout, torque, unknowns }.covariance(&solution.z, solution)?;
+        let parameters = unknowns.iter().enumerate().filter_map(|(k, unknown)| match unknown {
+            Unknown::Of(parameter) if !is_at_limit(*unknown, solution.z[k]) => {
+                Some((*parameter, covariance[(k, k)].sqrt()))
+            }
+            _ => None,
+        });
+        let least = parameters.max_by(|a, b| a.1.total_cmp(&b.1));
+        Ok(least.filter(|(_, deviation)| *deviation > NOT_NARROWED).map(|(parameter, _)| parameter))
+    }
+
+    /// Without a parameter.
+    fn without(&self, rollout: Rollout<'_>, torque: &[f64], parameter: Parameter) -> Result<Self, Error> {
+        let others = |unknown: &Unknown| *unknown != Unknown::Of(parameter);
+        let (unknowns, z): (Vec<_>, Vec<_>) =
+            self.unknowns.iter().zip(&self.solution.z).filter(|(unknown, _)| others(unknown)).unzip();
+        let fit = Fit { rollout, torque, unknowns: &unknowns };
+        Self::of(&fit, fit.again(&z, &self.solution)?)
+    }
+
     /// With a further group.
     fn with(&self, rollout: Rollout<'_>, torque: &[f64], group: &[Unknown]) -> Result<Attempt, Error> {
         let unknowns = [&self.unknowns[..], group].concat();
         let fit = Fit { rollout, torque, unknowns: &unknowns };
         let solution = self.solution_of(&fit, group)?;
         let limit = unknowns.iter().zip(&solution.z).find_map(|(unknown, z)| match unknown {
-            Unknown::Of(parameter) if group.contains(unknown) && is_at_limit(*unknown, *z) => Some(*parameter),
+            Unknown::Of(parameter) if group.contains(unknown) && is_at_limit(*unknown, *z) => {
+                Some(*parameter)
+            }
             _ => None,
         });
         if let Some(parameter) = limit {
@@ -174,43 +237,15 @@ impl Model {
         fit.robust(best.unwrap_or_else(|| self.solution.clone()))
     }
 
-    /// Another model's residuals on what was held out are smaller by more than chance.
+    /// Another model's residuals on what was held out are smaller.
     fn is_worse_than(&self, other: &[f64]) -> bool {
-        let noise = &self.solution.noise;
-        let gains: Vec<_> =
-            self.held_out.iter().zip(other).map(|(own, other)| noise.loss(*own) - noise.loss(*other)).collect();
-        let pieces: Vec<f64> = gains.chunks(PIECE).map(|piece| piece.iter().sum()).collect();
-        let count = pieces.len() as f64;
-        let mean = pieces.iter().sum::<f64>() / count;
-        let variance = pieces.iter().map(|piece| (piece - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
-        mean > (variance / count).sqrt()
+        let loss = |left: &[f64]| left.iter().map(|left| self.solution.noise.loss(*left)).sum::<f64>();
+        loss(&self.held_out) > loss(other)
     }
 }
 
-/// Residual of every row by the solution of the pieces that it is not in (N m).
+/// Residual of every row by the solution without its part (N m).
 fn held_out(fit: &Fit<'_>, solution: &Solution) -> Result<Vec<f64>, Error> {
-    let pieces = pieces(&fit.rollout);
-    let mut held_out = vec![0.0; pieces.len()];
-    for piece in 0..SEGMENTS {
-        let trains: Vec<_> = pieces.iter().map(|own| *own != piece).collect();
-        if trains.iter().all(|trains| *trains) || !trains.contains(&true) {
-            continue;
-        }
-        let found = fit.part(solution, &trains)?;
-        let rows = held_out.iter_mut().zip(&found.left).zip(&trains);
-        rows.filter(|(_, trains)| !**trains).for_each(|((held_out, left), _)| *held_out = *left);
-    }
-    Ok(held_out)
-}
-
-/// Which piece of the path each row is in.
-fn pieces(rollout: &Rollout<'_>) -> Vec<usize> {
-    let rows = || rollout.motion.rows().map(|step| step.speed.abs());
-    let whole: f64 = rows().sum();
-    let mut gone = 0.0;
-    let piece = |speed: f64| {
-        gone += speed;
-        ((gone / whole * SEGMENTS as f64) as usize).min(SEGMENTS - 1)
-    };
-    rows().map(piece).collect()
+    let parts: Vec<_> = (0..solution.left.len()).map(|row| row / SEGMENT % PARTS).collect();
+    fit.left_out(solution, &parts)
 }

@@ -17,7 +17,7 @@ use basin::{
     BoundedLevenbergMarquardt, BoxBounds, ConstraintDescription, ConstraintSet, Constraints, CostFunction,
     DenseMatrix, Executor, Jacobian, PointState, Residual,
 };
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::rollout::Rollout;
 use super::unknowns::Unknown;
@@ -25,10 +25,12 @@ use crate::identify::Error;
 
 /// Residuals beyond so many standard deviations weigh less.
 const HUBER: f64 = 1.345;
+/// Residuals beyond so many standard deviations correlate as those do.
+const OUTLIER: f64 = 3.0;
 /// Rows over which residuals may be alike: 0.2 s.
 const LAGS: usize = 50;
-/// Solutions, each with the weights of the one before.
-const ROUNDS: usize = 3;
+/// Robust solutions, each with the weights of the one before.
+const ROUNDS: usize = 2;
 /// Most iterations of the solver.
 const ITERATIONS: u64 = 40;
 /// Step of the differences.
@@ -36,7 +38,7 @@ const DIFFERENCE: f64 = 1e-4;
 /// Largest gradient of a solution, scaled as the bounds are.
 const GRADIENT: f64 = 1e-3;
 /// Least change of the cost from which on the solver goes on.
-const COST: f64 = 1e-8;
+const COST: f64 = 1e-6;
 /// Median of a normal distribution's absolute value over its standard deviation.
 const MEDIAN: f64 = 0.6745;
 
@@ -50,17 +52,14 @@ pub(super) struct Noise {
 }
 
 impl Noise {
-    /// What is left (N m) of the rows that train.
-    fn of(left: &[f64], trains: &[bool]) -> Self {
-        let trained = |k: usize| if trains[k] { Some(left[k]) } else { None };
-        let mut sizes: Vec<_> = (0..left.len()).filter_map(trained).map(f64::abs).collect();
+    /// Of what is left of the rows (N m).
+    fn of(left: &[f64]) -> Self {
+        let mut sizes: Vec<_> = left.iter().map(|left| left.abs()).collect();
         sizes.sort_unstable_by(f64::total_cmp);
         let deviation = (sizes[sizes.len() / 2] / MEDIAN).max(f64::MIN_POSITIVE);
-        let limit = 3.0 * deviation;
-        let correlation = |lag: usize| {
-            let pairs = (lag..left.len()).filter_map(|k| trained(k).zip(trained(k - lag)));
-            pairs.map(|(a, b)| a.clamp(-limit, limit) * b.clamp(-limit, limit)).sum::<f64>()
-        };
+        let limit = OUTLIER * deviation;
+        let usual: Vec<_> = left.iter().map(|left| left.clamp(-limit, limit)).collect();
+        let correlation = |lag: usize| usual.iter().zip(&usual[lag..]).map(|(a, b)| a * b).sum::<f64>();
         let lags = LAGS.min(left.len() / 4);
         let own = correlation(0);
         let weighted = |lag: usize| (1.0 - lag as f64 / (lags + 1) as f64) * correlation(lag) / own;
@@ -79,13 +78,10 @@ impl Noise {
         if size <= HUBER { 0.5 * size * size } else { HUBER * (size - 0.5 * HUBER) }
     }
 
-    /// sqrt(w)/(s*sqrt(T)) of every row that trains, else 0.
-    fn weights(&self, left: &[f64], trains: &[bool]) -> Vec<f64> {
-        let weight = |(left, trains): (&f64, &bool)| {
-            let robust = (HUBER * self.deviation / left.abs()).min(1.0).sqrt();
-            if *trains { robust / self.of_row() } else { 0.0 }
-        };
-        left.iter().zip(trains).map(weight).collect()
+    /// sqrt(w)/(s*sqrt(T)) of every row (1/(N m)).
+    fn weights(&self, left: &[f64]) -> Vec<f64> {
+        let robust = |left: &f64| (HUBER * self.deviation / left.abs()).min(1.0).sqrt();
+        left.iter().map(|left| robust(left) / self.of_row()).collect()
     }
 }
 
@@ -96,7 +92,7 @@ pub(super) struct Solution {
     pub z: Vec<f64>,
     /// Measured less modelled torque of every row (N m).
     pub left: Vec<f64>,
-    /// Of the rows that train.
+    /// Of the rows.
     pub noise: Noise,
     /// Of every row (1/(N m)).
     weights: Vec<f64>,
@@ -118,24 +114,47 @@ pub(super) struct Fit<'a> {
 impl<'a> Fit<'a> {
     /// The solution from a start, with rows of the same noise (N m), none of them weighing less.
     pub fn plain(&self, start: &[f64], noise: f64) -> Result<Solution, Error> {
-        self.solved(start, vec![1.0 / noise; self.torque.len()], &vec![true; self.torque.len()])
+        self.solved(start, vec![1.0 / noise; self.torque.len()])
     }
 
     /// The robust solution from one before.
     pub fn robust(&self, before: Solution) -> Result<Solution, Error> {
-        let all = vec![true; self.torque.len()];
         let mut solution = before;
         for _ in 0..ROUNDS {
-            let weights = solution.noise.weights(&solution.left, &all);
-            solution = self.solved(&solution.z, weights, &all)?;
+            let weights = solution.noise.weights(&solution.left);
+            solution = self.solved(&solution.z, weights)?;
         }
         Ok(solution)
     }
 
-    /// The solution of the rows that train, weighed as in one of all rows.
-    pub fn part(&self, whole: &Solution, trains: &[bool]) -> Result<Solution, Error> {
-        let weights = whole.weights.iter().zip(trains).map(|(weight, trains)| if *trains { *weight } else { 0.0 });
-        self.solved(&whole.z, weights.collect(), trains)
+    /// What is left (N m) of each row of `parts` by the solution without its part: one step of Gauss and Newton's from that of all rows.
+    pub fn left_out(&self, solution: &Solution, parts: &[usize]) -> Result<Vec<f64>, Error> {
+        let Solution { z, left, weights, .. } = solution;
+        // Without weights: what a change of the unknowns does to the torque.
+        let even = vec![1.0; left.len()];
+        let slopes = self.problem(&even).slopes(z)?;
+        let all = DMatrix::from_fn(left.len(), z.len(), |row, column| slopes[column][row]);
+        let mut left_out = left.clone();
+        for part in 0..=parts.iter().copied().max().unwrap_or_default() {
+            let weight = |row: usize| if parts[row] == part { 0.0 } else { weights[row].powi(2) };
+            let weighted =
+                DMatrix::from_fn(left.len(), z.len(), |row, column| weight(row) * all[(row, column)]);
+            let squares = all.tr_mul(&weighted) + DMatrix::identity(z.len(), z.len());
+            let downhill = weighted.tr_mul(&DVector::from_column_slice(left)) - DVector::from_column_slice(z);
+            let Some(step) = squares.cholesky().map(|factor| factor.solve(&downhill)) else {
+                return Err(Error::Solver("the information about friction is singular".into()));
+            };
+            let range = self.unknowns.iter().map(|unknown| unknown.range());
+            let ends = z
+                .iter()
+                .zip(step.iter())
+                .zip(range)
+                .map(|((z, step), [least, most])| (z + step).clamp(least, most) - z);
+            let change = &all * DVector::from_iterator(z.len(), ends);
+            let rows = (0..left.len()).filter(|row| parts[*row] == part);
+            rows.for_each(|row| left_out[row] = left[row] - change[row]);
+        }
+        Ok(left_out)
     }
 
     /// The same unknowns with others that start at 0, or at `first` the last of them.
@@ -147,15 +166,21 @@ impl<'a> Fit<'a> {
 
     /// What follows from the weights of a solution for other unknowns, from a start.
     pub fn again(&self, start: &[f64], before: &Solution) -> Result<Solution, Error> {
-        self.solved(start, before.weights.clone(), &vec![true; self.torque.len()])
+        self.solved(start, before.weights.clone())
     }
 
-    /// Covariance of the unknowns about a point, the prior's with it.
+    /// Covariance of the unknowns about a point, the prior's with it. Slow unknowns take from the residual what is alike in
+    /// it, each a row's worth at every lag: T is larger by that.
     pub fn covariance(&self, z: &[f64], solution: &Solution) -> Result<DMatrix<f64>, Error> {
         let problem = self.problem(&solution.weights);
         let (count, rows) = (z.len(), self.torque.len() + z.len());
         let slopes = problem.slopes(z)?;
-        let jacobian = DMatrix::from_fn(rows, count, |row, column| slopes[column][row]);
+        let Noise { alike, .. } = solution.noise;
+        let taken = ((LAGS + 1) * count) as f64 / self.torque.len() as f64;
+        let share = (alike / (alike + taken)).sqrt();
+        let jacobian = DMatrix::from_fn(rows, count, |row, column| {
+            slopes[column][row] * if row < self.torque.len() { share } else { 1.0 }
+        });
         (jacobian.transpose() * &jacobian)
             .try_inverse()
             .ok_or_else(|| Error::Solver("the information about friction is singular".into()))
@@ -166,7 +191,7 @@ impl<'a> Fit<'a> {
         Problem { fit: *self, weights, lower: range(0), upper: range(1) }
     }
 
-    fn solved(&self, start: &[f64], weights: Vec<f64>, trains: &[bool]) -> Result<Solution, Error> {
+    fn solved(&self, start: &[f64], weights: Vec<f64>) -> Result<Solution, Error> {
         let solver = BoundedLevenbergMarquardt::new()
             .with_absolute_scaled_gradient_tolerance(GRADIENT)
             .with_relative_cost_change_tolerance(COST);
@@ -179,8 +204,9 @@ impl<'a> Fit<'a> {
             return Err(Error::Solver("the motor's torque cannot be modelled".into()));
         }
         let modelled = self.rollout.torques(self.unknowns, &z)?;
-        let left: Vec<_> = self.torque.iter().zip(modelled).map(|(measured, modelled)| measured - modelled).collect();
-        Ok(Solution { noise: Noise::of(&left, trains), z, left, weights, cost })
+        let left: Vec<_> =
+            self.torque.iter().zip(modelled).map(|(measured, modelled)| measured - modelled).collect();
+        Ok(Solution { noise: Noise::of(&left), z, left, weights, cost })
     }
 }
 
@@ -195,7 +221,10 @@ impl Problem<'_> {
     fn rows(&self, z: &[f64]) -> Result<Vec<f64>, strainwave::Error> {
         let modelled = self.fit.rollout.torques(self.fit.unknowns, z)?;
         let rows = modelled.iter().zip(self.fit.torque).zip(self.weights);
-        Ok(rows.map(|((modelled, measured), weight)| weight * (modelled - measured)).chain(z.iter().copied()).collect())
+        Ok(rows
+            .map(|((modelled, measured), weight)| weight * (modelled - measured))
+            .chain(z.iter().copied())
+            .collect())
     }
 
     /// Change of the rows with each unknown.

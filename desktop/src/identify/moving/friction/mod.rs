@@ -112,7 +112,11 @@ pub(super) fn learn(gear: &mut GearFile, rows: &[ReplayRow]) -> Result<LearntFri
 
 /// A value next to the end of its range is that end: the solver stays within.
 fn ended(unknown: Unknown, z: f64) -> f64 {
-    if is_at_limit(unknown, z) { unknown.range().into_iter().min_by(|a, b| (a - z).abs().total_cmp(&(b - z).abs())).unwrap_or(z) } else { z }
+    if is_at_limit(unknown, z) {
+        unknown.range().into_iter().min_by(|a, b| (a - z).abs().total_cmp(&(b - z).abs())).unwrap_or(z)
+    } else {
+        z
+    }
 }
 
 /// Coulomb and viscous factors with what is beside them.

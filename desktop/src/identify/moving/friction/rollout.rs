@@ -51,8 +51,7 @@ impl Rollout<'_> {
     /// When the block cannot be built.
     pub fn torques(&self, unknowns: &[Unknown], z: &[f64]) -> Result<Vec<f64>, Error> {
         let side = self.side(unknowns, z);
-        let params =
-            joint_friction_params::<f64>(&side).ok_or(Error::OutOfRange("friction.input.model"))?;
+        let params = joint_friction_params::<f64>(&side).ok_or(Error::OutOfRange("friction.input.model"))?;
         let model = params.build()?;
         let beside = self.beside(unknowns, z);
         let waves = waves(unknowns, z, self.gear.friction.input.coulomb.unwrap_or_default());

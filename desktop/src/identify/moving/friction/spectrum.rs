@@ -66,9 +66,7 @@ pub(super) fn waves<'a>(
 
 fn amplitudes(map: &[f64], reverses: bool) -> impl Iterator<Item = (Wave, f64)> + use<> {
     let found = ripple_fit::fit::<ORDERS>(map);
-    (0..ORDERS).map(move |k| {
-        (Wave { order: k as u32 + 1, reverses }, found.cosines[k].hypot(found.sines[k]))
-    })
+    (0..ORDERS).map(move |k| (Wave { order: k as u32 + 1, reverses }, found.cosines[k].hypot(found.sines[k])))
 }
 
 /// Mean residual of every bin; `None` when one is empty.

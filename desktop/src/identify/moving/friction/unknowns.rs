@@ -205,7 +205,11 @@ impl Change {
                 coulomb: new.coulomb,
                 static_level: new.static_level,
                 viscous: new.viscous,
-                stribeck_velocity: if self.stribeck == 1.0 { own.stribeck_velocity } else { new.stribeck_velocity },
+                stribeck_velocity: if self.stribeck == 1.0 {
+                    own.stribeck_velocity
+                } else {
+                    new.stribeck_velocity
+                },
                 ripple_cosines: if rippled { new.ripple_cosines } else { own.ripple_cosines },
                 ripple_sines: if rippled { new.ripple_sines } else { own.ripple_sines },
             });

@@ -5,14 +5,12 @@
 
 use nalgebra::DVector;
 
-use super::choice::{Choice, is_at_limit};
+use super::choice::{Choice, NOT_NARROWED, is_at_limit};
 use super::fit::Fit;
 use super::rollout::Rollout;
 use super::unknowns::{Parameter, Unknown};
 use crate::identify::Error;
 
-/// Deviation over the prior's from which on the log does not narrow it.
-const NOT_NARROWED: f64 = 0.5;
 /// Correlation of two unknowns from which on one is traded against the other.
 const TRADED: f64 = 0.95;
 /// Step of the differences.
@@ -118,9 +116,9 @@ fn one(
     });
     let (found, deviation) = (value(&z), (slope.transpose() * &covariance * &slope)[(0, 0)].sqrt());
     let own = covariance[(index, index)].sqrt();
-    let partner = (0..z.len()).filter(|k| *k != index).find(|k| {
-        (covariance[(index, *k)] / (own * covariance[(*k, *k)].sqrt())).abs() > TRADED
-    });
+    let partner = (0..z.len())
+        .filter(|k| *k != index)
+        .find(|k| (covariance[(index, *k)] / (own * covariance[(*k, *k)].sqrt())).abs() > TRADED);
     let no_load = matches!(parameter, Parameter::Driving | Parameter::Driven) && !rollout.motion.has_load();
     let verdict = match (carried, partner) {
         _ if no_load => Verdict::NoLoad,
