@@ -1,7 +1,7 @@
 //! Which unknowns the log carries: from the Coulomb and viscous factors on, a group at a time, by cross-validation.
 //!
 //! Segments of [`SEGMENT`] rows belong to [`PARTS`] parts in turn; each part is held out once and predicted, the block going on
-//! through it. A group stays when the robust loss of what is held out falls and no parameter of it ends at its
+//! through it. A part is small, so that the step to the solution without it is. A group stays when the robust loss of what is held out falls and no parameter of it ends at its
 //! limit. Groups that do not are tried again at the end, alone and together. A parameter that the log does not narrow to
 //! [`NOT_NARROWED`] of what was known before it goes at last.
 
@@ -12,10 +12,10 @@ use super::unknowns::{Parameter, Unknown};
 use crate::identify::Error;
 use crate::io::gear_file::Friction;
 
-/// Rows of a segment: 0.5 s.
-const SEGMENT: usize = 125;
+/// Rows of a segment: 0.2 s, beyond which residuals are not alike.
+const SEGMENT: usize = 50;
 /// Parts that the segments belong to.
-const PARTS: usize = 4;
+const PARTS: usize = 10;
 /// Revolutions from which on ripple is not taken for a slope of the load.
 const REVOLUTIONS: f64 = 1.0;
 /// Distance to the end of a range that counts as there.
@@ -91,17 +91,19 @@ pub(super) fn choose(
     (unknowns, solution): (Vec<Unknown>, Solution),
 ) -> Result<Choice, Error> {
     let model = Model::of(&Fit { rollout, torque, unknowns: &unknowns }, solution)?;
-    let mut choice = Choice { model: model.or_base(rollout, torque)?, at_limit: Vec::new() };
-    let rejected = choice.extend(rollout, torque, groups(&rollout))?;
+    let (model, factors) = model.or_base(rollout, torque)?;
+    let mut choice = Choice { model, at_limit: Vec::new() };
+    let mut rejected = choice.extend(rollout, torque, groups(&rollout))?;
+    rejected.extend(factors);
     choice.extend(rollout, torque, choice.waves(&rollout))?;
     let rejected = choice.extend(rollout, torque, rejected)?;
     choice.extend(rollout, torque, vec![rejected.concat()])?;
     while let Some(parameter) = choice.model.ended() {
-        choice.model = choice.model.without(rollout, torque, parameter)?;
+        choice.model = choice.model.without(rollout, torque, &[Unknown::Of(parameter)])?;
         choice.at_limit.push(parameter);
     }
     while let Some(parameter) = choice.model.not_narrowed(rollout, torque)? {
-        choice.model = choice.model.without(rollout, torque, parameter)?;
+        choice.model = choice.model.without(rollout, torque, &[Unknown::Of(parameter)])?;
     }
     Ok(choice)
 }
@@ -158,15 +160,14 @@ impl Model {
         Ok(Self { unknowns: fit.unknowns.to_vec(), solution, held_out })
     }
 
-    /// This one of the first unknowns, unless the base gear's factors predict as well; what has ended at a limit is kept, to be told.
-    fn or_base(self, rollout: Rollout<'_>, torque: &[f64]) -> Result<Self, Error> {
-        let beside = |unknown: &Unknown| !matches!(unknown, Unknown::Of(_));
-        let (unknowns, z): (Vec<_>, Vec<_>) =
-            self.unknowns.iter().zip(&self.solution.z).filter(|(unknown, _)| beside(unknown)).unzip();
-        let fit = Fit { rollout, torque, unknowns: &unknowns };
-        let base = Self::of(&fit, fit.again(&z, &self.solution)?)?;
+    /// This one of the first unknowns, or where the base gear's factors predict as well one without them, and they; what has ended
+    /// at a limit is kept, to be told.
+    fn or_base(self, rollout: Rollout<'_>, torque: &[f64]) -> Result<(Self, Option<Vec<Unknown>>), Error> {
+        let factors: Vec<_> =
+            self.unknowns.iter().copied().filter(|unknown| matches!(unknown, Unknown::Of(_))).collect();
+        let base = self.without(rollout, torque, &factors)?;
         let ended = self.unknowns.iter().zip(&self.solution.z).any(|(unknown, z)| is_at_limit(*unknown, *z));
-        Ok(if ended || base.is_worse_than(&self.held_out) { self } else { base })
+        Ok(if ended || base.is_worse_than(&self.held_out) { (self, None) } else { (base, Some(factors)) })
     }
 
     /// A parameter beyond the factors that has come to its limit since it was taken.
@@ -192,11 +193,14 @@ impl Model {
         Ok(least.filter(|(_, deviation)| *deviation > NOT_NARROWED).map(|(parameter, _)| parameter))
     }
 
-    /// Without a parameter.
-    fn without(&self, rollout: Rollout<'_>, torque: &[f64], parameter: Parameter) -> Result<Self, Error> {
-        let others = |unknown: &Unknown| *unknown != Unknown::Of(parameter);
-        let (unknowns, z): (Vec<_>, Vec<_>) =
-            self.unknowns.iter().zip(&self.solution.z).filter(|(unknown, _)| others(unknown)).unzip();
+    /// Without some unknowns.
+    fn without(&self, rollout: Rollout<'_>, torque: &[f64], left_out: &[Unknown]) -> Result<Self, Error> {
+        let (unknowns, z): (Vec<_>, Vec<_>) = self
+            .unknowns
+            .iter()
+            .zip(&self.solution.z)
+            .filter(|(unknown, _)| !left_out.contains(unknown))
+            .unzip();
         let fit = Fit { rollout, torque, unknowns: &unknowns };
         Self::of(&fit, fit.again(&z, &self.solution)?)
     }

@@ -37,8 +37,10 @@ const ITERATIONS: u64 = 40;
 const DIFFERENCE: f64 = 1e-4;
 /// Largest gradient of a solution, scaled as the bounds are.
 const GRADIENT: f64 = 1e-3;
+/// First damping over the largest square of a column: those of offset and presliding are many powers of ten apart.
+const DAMPING: f64 = 1e-9;
 /// Least change of the cost from which on the solver goes on.
-const COST: f64 = 1e-6;
+const COST: f64 = 1e-7;
 /// Median of a normal distribution's absolute value over its standard deviation.
 const MEDIAN: f64 = 0.6745;
 
@@ -193,6 +195,7 @@ impl<'a> Fit<'a> {
 
     fn solved(&self, start: &[f64], weights: Vec<f64>) -> Result<Solution, Error> {
         let solver = BoundedLevenbergMarquardt::new()
+            .with_tau(DAMPING)
             .with_absolute_scaled_gradient_tolerance(GRADIENT)
             .with_relative_cost_change_tolerance(COST);
         let found = Executor::new(self.problem(&weights), solver, PointState::new(start.to_vec()))
