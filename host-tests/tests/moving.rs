@@ -1,6 +1,7 @@
 //! Learning from a moving joint's log: what comes back from a joint of known parameters, and what is refused.
 
 use std::f64::consts::TAU;
+use std::path::Path;
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -159,6 +160,18 @@ fn friction_of_the_blocks_own_law_comes_back_with_its_intervals() {
     assert!(value("identify.friction.outside") <= 0.15);
     assert!(value("identify.friction.level.worst") < 0.05);
     assert!(value("identify.friction.over_static") < 0.1);
+}
+
+/// The joint of `examples/logs/` has 1.5 times the levels that its gear file says, and the same viscous friction.
+#[test]
+fn friction_of_the_example_joint_is_found() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/logs");
+    let base = GearFile::read(&folder.join("my-joint.toml")).unwrap();
+    let log = MeasuredLog::read(&folder.join("moving.csv")).unwrap();
+    let friction = learn_gear(&base, &log, 0.5, |_| ()).unwrap().friction;
+    println!("{friction:#?}");
+    assert!((friction.level - 1.5).abs() < 0.03, "{}", friction.level);
+    assert!((friction.viscous - 1.0).abs() < 0.1, "{}", friction.viscous);
 }
 
 #[test]

@@ -46,11 +46,11 @@ pub(super) const ROWS: &[Bound] = &[
         name: "identify.friction.level",
         value: 0.02,
         unit: "1",
-        why: "relative error of the Coulomb level, the worst of them",
+        why: "relative error of the Coulomb level that 95 % of them stay within; 1 % of the rated torque is 8 to 40 % of it",
     },
     Bound {
         name: "identify.friction.over_static",
-        value: 1.0,
+        value: 0.15,
         unit: "1",
         why: "error of the friction of a motion that did not train over that of the best static law, the worst of them",
     },
