@@ -50,7 +50,7 @@ pub struct Arguments {
     /// The joint moves: learn friction and kinematic error instead, from one log
     ///
     /// Needed are t_s, theta_motor_rad, tau_motor_nm and theta_out_rad. The fraction that trains is that of the motor's path. What
-    /// is learnt: levels of the input friction, orders of the kinematic error at the log's motor angle, the error
+    /// is learnt: the input friction by its own law, each parameter with its standard error and a verdict, orders of the kinematic error at the log's motor angle, the error
     /// of the output encoder's scale, and how far the observer trusts the motor torque. The stiffness stays the base
     /// gear's: a moving joint's log does not tell it from the load.
     #[arg(long, conflicts_with_all = ["levels", "smoothing"])]
@@ -181,6 +181,8 @@ fn moving(arguments: &Arguments, gear: &Path, base: &GearFile) -> Result<Figures
     if let Some(path) = &arguments.plot {
         pil_plots::replay(&found.rows, Some(found.learnt)).write(path)?;
     }
+    let learnt = found.friction.parameters.iter().map(ToString::to_string);
+    learnt.chain(found.friction.beyond()).for_each(|line| tell(&arguments.output, format_args!("{line}")));
     let not_identified = found.not_identified();
     not_identified.iter().for_each(|line| tell(&arguments.output, format_args!("{line}")));
     let jitter = log.time.jitter().into_iter().flat_map(|jitter| jitter.figures());
@@ -236,8 +238,14 @@ fn moving_figures(found: &LearntGear) -> Vec<Figure> {
         Figure::reported("identify.training.rms", found.training_rms, "rad"),
         Figure::reported("identify.friction_factor", found.friction.level, "1"),
         Figure::reported("identify.viscous_factor", found.friction.viscous, "1"),
+        Figure::reported("identify.friction.residual", found.friction.residual, "N m"),
         Figure::reported("identify.external_torque_wander", wander, "N m/s^0.5"),
     ];
+    for learnt in &found.friction.parameters {
+        let (name, unit) = (format!("identify.friction.{}", learnt.parameter.key()), learnt.parameter.unit());
+        figures.push(Figure::reported(name.clone(), learnt.value, unit));
+        figures.push(Figure::reported(format!("{name}.standard_error"), learnt.deviation, unit));
+    }
     for harmonic in &found.gear.kinematic_error.flexspline {
         let name = format!("identify.kinematic_error.order_{}", harmonic.order);
         figures.push(Figure::reported(name, harmonic.amplitude, "rad"));

@@ -85,7 +85,8 @@ fn check(bench: &Bench, words: &str) {
         ["identify", "moving.csv", ..] => {
             near("identify.kinematic_error.order_2", 1.3e-4, 0.05);
             near("identify.kinematic_error.order_4", 3e-5, 0.15);
-            near("identify.friction_factor", 1.5, 0.25);
+            near("identify.friction_factor", 1.5, 0.02);
+            near("identify.viscous_factor", 1.0, 0.1);
             below("identify.held_out.rms", 0.6, "identify.held_out.base.rms");
         }
         ["predict", ..] => {

@@ -110,7 +110,7 @@ fn a_joint_goes_from_the_catalogue_to_firmware() {
     // Friction of the moving joint is learnt.
     run("identify moving.csv --moving --gear held.toml --output identified.toml --json out.json");
     let friction = value(&bench, "identify.friction_factor");
-    assert!((friction - 1.5).abs() < 0.25, "{friction}");
+    assert!((friction - 1.5).abs() < 0.1, "{friction}");
 
     // A gear file that is right predicts the reference plant's torque, a rigid joint does not; the more so from what was before.
     let errors = |start: &str| {

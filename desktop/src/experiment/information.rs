@@ -1,8 +1,8 @@
 //! Fisher information of a motion about the parameters of a moving joint.
 //!
 //! The motor follows the motion; the real-time model in f64 answers with motor torque and output angle. Their sensitivities are
-//! central differences. Noise, and what is known before, are those of `identify --moving`: a torque of 20 % of the Coulomb
-//! level, alike over 0.1 s; an angle of 20 urad, alike over a short path and time, and the encoder's own.
+//! central differences. Noise, and what is known before, are those that `identify --moving` starts from: a torque of 20 % of the
+//! Coulomb level, alike over 0.1 s; an angle of 20 urad, alike over a short path and time, and the encoder's own.
 //!
 //! | parameter | unit | known before |
 //! | --- | --- | --- |

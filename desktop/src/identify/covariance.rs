@@ -25,7 +25,7 @@ impl Covariance {
     }
 
     /// Of one parameter.
-    pub(super) fn of_one(name: &str, deviation: f64) -> Self {
+    pub(crate) fn of_one(name: &str, deviation: f64) -> Self {
         Self { names: vec![name.to_owned()], matrix: DMatrix::from_element(1, 1, deviation * deviation) }
     }
 

@@ -43,6 +43,8 @@ pub struct ReplayRow {
     pub motor: f64,
     /// Motor's torque at its shaft (N m).
     pub motor_torque: f64,
+    /// Torque at the output, where it was measured (N m).
+    pub output_torque: Option<f64>,
     /// Measured output encoder, from the first sample (rad).
     pub measured: f64,
     /// Reading of the output encoder that is predicted from the motor side (rad).
@@ -80,6 +82,7 @@ pub fn replay<C: Controller>(
             time: instant.elapsed,
             motor,
             motor_torque,
+            output_torque,
             measured: log.output_position.as_ref().map_or(f64::NAN, |angle| instant.of(angle)),
             predicted: theta + file.sensors.output_encoder_error_at(rigid),
             rigid,

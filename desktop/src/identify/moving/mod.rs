@@ -12,7 +12,7 @@
 //! | phi | torsion that the observer finds with the base gear's stiffness, from the motor side (rad) |
 //! | n | what is in no column: noise that is alike over a short path and a short time |
 //!
-//! In this order: friction from the motor's torque over its motion (`friction.rs`); with it, for every observer of
+//! In this order: friction from the motor's torque over its motion (`friction/`); with it, for every observer of
 //! [`WANDERS`], its torsion and the regularised least squares of the above (`residual.rs`); the observer with the least sum of
 //! squares is kept. The wander says how much of the motor torque that friction does not explain winds the gear up: where
 //! friction is not known to a fraction of the rated torque, hardly any.
@@ -42,7 +42,7 @@ use crate::identify::replay::{Judgement, ReplayRow, replay, time_of_path};
 use crate::io::gear_file::{GearFile, KinematicError};
 use crate::io::log::MeasuredLog;
 pub(crate) use friction::torque_noise;
-pub use friction::{LEVEL, LearntFriction, VISCOUS};
+pub use friction::{LearntFriction, LearntParameter, Parameter, Verdict, Wave};
 pub use residual::{BEATS, Kind, ORDERS, Residual};
 pub(crate) use residual::{OFFSET, alike, error_prior};
 
@@ -74,8 +74,6 @@ pub struct LearntGear {
     pub rows: Vec<ReplayRow>,
     /// The log through the observer of the base gear.
     pub base_rows: Vec<ReplayRow>,
-    /// Of the factors on the input friction and what is fitted beside them; `None` where they are not determined.
-    pub friction_covariance: Option<Covariance>,
     /// Of sines and cosines of the kinematic error and of the output encoder's scale (rad), and of the encoders' offset.
     pub error_covariance: Option<Covariance>,
 }
@@ -117,7 +115,6 @@ pub fn learn_gear(
     let mut gear = without_errors(base);
     let rows = observe(&gear, log, learnt)?;
     let revolutions = residual::require_revolutions(&rows)?;
-    let friction_covariance = friction::covariance(&gear, &rows);
     let friction = friction::learn(&mut gear, &rows)?;
     let mut best: Option<(Residual, GearFile)> = None;
     let observers = observers(&gear);
@@ -143,9 +140,19 @@ pub fn learn_gear(
         gear,
         rows,
         base_rows,
-        friction_covariance,
         error_covariance: found.covariance,
     })
+}
+
+/// Learns the input friction alone, from all of a log.
+///
+/// # Errors
+/// As [`learn_gear`].
+pub fn learn_friction(base: &GearFile, log: &MeasuredLog) -> Result<(GearFile, LearntFriction), Error> {
+    let mut gear = without_errors(base);
+    let rows = observe(&gear, log, f64::INFINITY)?;
+    let friction = friction::learn(&mut gear, &rows)?;
+    Ok((gear, friction))
 }
 
 /// The gear with each of the observers that are tried; those that cannot be built are left out.

@@ -8,10 +8,12 @@ use super::fit::Fit;
 use super::parameters::{Finding, Parameter};
 use super::spectrum::Axes;
 use super::{Outcome, chapter, correlation, friction_map, next, parameters, spectrum, times};
-use crate::identify::moving::{BEATS, EVERY, Kind, LEVEL, ORDERS, VISCOUS};
+use crate::identify::moving::{
+    BEATS, EVERY, Kind, LearntParameter, ORDERS, Parameter as FrictionParameter, Verdict as FrictionVerdict,
+};
 use crate::identify::replay::ReplayRow;
 use crate::identify::{Covariance, LearntGear, MOVING_LOG};
-use crate::io::gear_file::{Friction, GearFile, Harmonic};
+use crate::io::gear_file::{GearFile, Harmonic};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 const BASE: &str = "base gear";
@@ -91,21 +93,16 @@ fn table(base: &GearFile, found: &LearntGear) -> Markup {
         &rows(base, found),
         BASE,
         &[
-            "Intervals are those of the two least squares, with their priors: of friction, whose torque is known to a fifth of its Coulomb level \
-             that is alike over 0.1 s, and of the orders, where 20 urad are alike over a short path and time. Those of amplitudes are \
-             of the first order around what was found. They tell what this noise leaves where the joint is what the model says: friction \
-             whose curve over speed has another shape may lie outside.",
+            "Intervals are those of the two least squares, with their priors: of friction, with the noise and the correlation of the torque's \
+             residual, and of the orders, where 20 urad are alike over a short path and time. They are of the first order around \
+             what was found, and tell what this noise leaves where the joint is what the model says.",
             "The wander of the external torque has none: it is the better of two observers.",
         ],
     )
 }
 
 fn rows(base: &GearFile, found: &LearntGear) -> Vec<Parameter> {
-    let (before, now) = (&base.friction.input, &found.gear.friction.input);
-    let mut rows = friction(found, 0, "friction.input", before, now);
-    if now.backward.is_some() {
-        rows.extend(friction(found, 1, "friction.input.backward", &before.backwards(), &now.backwards()));
-    }
+    let mut rows: Vec<_> = found.friction.parameters.iter().map(friction).collect();
     for (kind, before, now) in [
         (Kind::Flexspline, &base.kinematic_error.flexspline, &found.gear.kinematic_error.flexspline),
         (Kind::Case, &base.kinematic_error.wave_generator, &found.gear.kinematic_error.wave_generator),
@@ -121,39 +118,26 @@ fn rows(base: &GearFile, found: &LearntGear) -> Vec<Parameter> {
     rows.into_iter().chain(wander).collect()
 }
 
-/// Levels, viscous part and what else changed of a direction, 0 forwards and 1 backwards; it may stand for both.
-fn friction(
-    found: &LearntGear,
-    direction: usize,
-    section: &str,
-    before: &Friction,
-    now: &Friction,
-) -> Vec<Parameter> {
-    let limits = found.friction.limits();
-    let row = |(key, unit, before, now, factor): Row| {
-        let (before, now, name) = (before?, now?, format!("{section}.{key}"));
-        let deviation = found.friction_covariance.as_ref().zip(factor);
-        let deviation = deviation.and_then(|(known, factor)| known.standard_error(factor));
-        let at_limit = limits.iter().any(|(limit, _)| limit.ends_with(key));
-        let row = Parameter::new(name, unit, Some(before), now);
-        Some(match (found.friction.directions[direction], at_limit) {
-            (false, _) => row.found(Finding::Kept),
-            (true, true) => row.found(Finding::AtLimit),
-            (true, false) if factor.is_none() && before == now => row.found(Finding::Kept),
-            (true, false) => row.not_negative().within(deviation.map(|deviation| before.abs() * deviation)),
-        })
-    };
-    let table: [Row; 4] = [
-        ("coulomb_nm", "N m", before.coulomb, now.coulomb, Some(LEVEL)),
-        ("static_nm", "N m", before.static_level, now.static_level, Some(LEVEL)),
-        ("viscous_nm_s_per_rad", "N m s/rad", before.viscous, now.viscous, Some(VISCOUS)),
-        ("stribeck_rad_per_s", "rad/s", before.stribeck_velocity, now.stribeck_velocity, None),
-    ];
-    table.into_iter().filter_map(row).collect()
+/// A parameter of the input friction.
+fn friction(learnt: &LearntParameter) -> Parameter {
+    let LearntParameter { parameter, base, value, deviation, verdict, .. } = learnt;
+    let name = format!("friction.input.{}", parameter.key());
+    let row = Parameter::new(name, parameter.unit(), Some(*base), *value);
+    match verdict {
+        FrictionVerdict::Identified | FrictionVerdict::Traded(_) => {
+            let row = row.within(Some(*deviation));
+            if matches!(parameter, FrictionParameter::RippleCosine(_) | FrictionParameter::RippleSine(_)) {
+                row
+            } else {
+                row.not_negative()
+            }
+        }
+        FrictionVerdict::AtLimit => row.found(Finding::AtLimit),
+        FrictionVerdict::BaseKept | FrictionVerdict::NotExcited | FrictionVerdict::NoLoad => {
+            row.found(Finding::Kept)
+        }
+    }
 }
-
-/// Key, unit, base value and identified value, and the factor on it in the covariance.
-type Row = (&'static str, &'static str, Option<f64>, Option<f64>, Option<&'static str>);
 
 /// Amplitude of an order; its error is that along the phase that was found.
 fn order(kind: Kind, before: &[Harmonic], now: &Harmonic, covariance: Option<&Covariance>) -> Parameter {
@@ -167,14 +151,11 @@ fn order(kind: Kind, before: &[Harmonic], now: &Harmonic, covariance: Option<&Co
 }
 
 fn correlations(found: &LearntGear) -> Markup {
-    let section = |covariance: &Option<Covariance>, caption: &str| {
-        covariance.as_ref().map(|covariance| correlation::section(covariance, caption))
-    };
+    let friction = "Parameters of the friction, and offset, weight, inertia, start and waves that are fitted beside them.";
+    let orders = "Offset of the encoders, sines and cosines of the orders.";
     html! {
-        @for picture in [
-            section(&found.friction_covariance, "Factors on the friction, and weight and inertia of the load that are fitted beside them."),
-            section(&found.error_covariance, "Offset of the encoders, sines and cosines of the orders."),
-        ].into_iter().flatten() { (picture) }
+        (correlation::section(&found.friction.covariance, friction))
+        @if let Some(covariance) = &found.error_covariance { (correlation::section(covariance, orders)) }
     }
 }
 
@@ -194,7 +175,8 @@ fn advice(base: &GearFile, found: &LearntGear) -> Vec<String> {
              apart; that takes {needed} turns."
         ));
     }
-    advice.extend(found.friction_covariance.iter().flat_map(correlation::alike));
+    advice.extend(found.friction.beyond());
+    advice.extend(correlation::alike(&found.friction.covariance));
     advice.extend(found.error_covariance.iter().flat_map(correlation::alike));
     if found.judgement.is_none() {
         advice.push(next::nothing_held_out());
@@ -232,6 +214,7 @@ mod tests {
                 time,
                 motor,
                 motor_torque: 0.1,
+                output_torque: None,
                 measured: r * motor + order(&learnt) + 0.01,
                 predicted: r * motor + order(gear),
                 rigid: r * motor,
@@ -242,15 +225,38 @@ mod tests {
         LearntGear {
             learnt: 2.5,
             revolutions: 5.0,
-            friction: LearntFriction { level: 0.0, viscous: 1.2, directions },
+            friction: friction_at_limit(directions),
             training_rms: 1e-6,
             judgement: Some(Judgement::of(&all, 2.5)),
             base_judgement: Some(Judgement::of(&base_rows, 2.5)),
-            friction_covariance: None,
             error_covariance: Residual::solve(&base, &base_rows).unwrap().covariance,
             rows: all,
             base_rows,
             gear,
+        }
+    }
+
+    /// The level ends at 0.
+    fn friction_at_limit(directions: [bool; 2]) -> LearntFriction {
+        let learnt = |parameter, verdict| LearntParameter {
+            parameter,
+            base: 0.1,
+            value: 0.12,
+            deviation: 0.01,
+            interval: [0.1, 0.14],
+            verdict,
+        };
+        LearntFriction {
+            level: 0.0,
+            viscous: 1.2,
+            directions,
+            parameters: vec![
+                learnt(FrictionParameter::Coulomb, FrictionVerdict::AtLimit),
+                learnt(FrictionParameter::Viscous, FrictionVerdict::Identified),
+            ],
+            waves: Vec::new(),
+            residual: 0.01,
+            covariance: Covariance::of_one("viscous_nm_s_per_rad", 0.1),
         }
     }
 

@@ -36,6 +36,25 @@ pub(super) const ROWS: &[Bound] = &[
         why: "output error of a measured joint after the first third of its motion over the rigid gear's",
     },
     Bound {
+        name: "identify.friction.outside",
+        value: 0.1,
+        unit: "1",
+        why: "share of synthetic joints with a parameter of the input friction outside its 95 % interval, the parameter that is \
+              outside most often",
+    },
+    Bound {
+        name: "identify.friction.level",
+        value: 0.02,
+        unit: "1",
+        why: "relative error of the Coulomb level that 95 % of them stay within; 1 % of the rated torque is 8 to 40 % of it",
+    },
+    Bound {
+        name: "identify.friction.over_static",
+        value: 0.15,
+        unit: "1",
+        why: "error of the friction of a motion that did not train over that of the best static law, the worst of them",
+    },
+    Bound {
         name: "identify.operator.held_out",
         value: 0.03,
         unit: "1",
