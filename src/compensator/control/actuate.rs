@@ -7,6 +7,11 @@ use crate::compensator::sense::encoder::Reading;
 use crate::compensator::{Compensator, Faults, State, Status};
 use crate::real::Real;
 
+/// Counts of the encoder around its reference within which a resting motor may take its speed from the observer: its own motion
+/// between counts is less than two. Farther off it is controlled by what is measured, so that an observer that is wrong moves it by
+/// no more than this.
+const NEAR: f64 = 4.0;
+
 impl<R: Real> Compensator<R> {
     /// Torque in the mode after this step: none where the drive is off or is switched on with this step; then the
     /// reference begins at the output's angle.
@@ -74,8 +79,12 @@ impl<R: Real> Compensator<R> {
     /// observer's (rad/s).
     #[inline(always)]
     fn motor_speed(&self, state: &State<R>, quotient: R) -> R {
-        if self.estimates_speed && state.motor_reference.rests && state.fallback.trusted() {
-            return state.observer.motor_velocity();
+        let reference = &state.motor_reference;
+        if self.estimates_speed && reference.rests && state.fallback.trusted() {
+            let near = R::lit(2.0 * NEAR) * self.rounding;
+            if reference.position_error.is_within(near) {
+                return state.observer.motor_velocity();
+            }
         }
         quotient
     }
