@@ -14,9 +14,10 @@ use strainwave_desktop::report::identification;
 use strainwave_desktop::report::plot::{Page, Panel, Series};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 
-use crate::figures::{Figures, FiguresArguments, complain, tell};
+use crate::figures::{Figures, FiguresArguments, tell};
 use crate::files;
 use crate::identification_page::{IdentificationPageArguments, Told};
+use crate::identification_verdict::{complain_of, was_written};
 use crate::logs::Reading;
 use crate::progress::Progress;
 use crate::{operator, pil_plots};
@@ -216,18 +217,6 @@ fn told<'a>(
 ) -> Told<'a> {
     let logs = arguments.logs.iter().map(PathBuf::as_path).collect();
     Told { logs, output: &arguments.output, verdict, described: None, not_identified, figures }
-}
-
-/// Tells what speaks against the file.
-pub fn complain_of(output: &Path, verdict: &Verdict) {
-    if *verdict != Verdict::Written {
-        complain(format_args!("{}: {verdict}", output.display()));
-    }
-}
-
-/// The figure that tells whether the file was written.
-pub fn was_written(verdict: &Verdict) -> Figure {
-    Figure::at_least("identify.written", f64::from(u8::from(verdict.is_written())), "1", 1.0)
 }
 
 fn moving_figures(found: &LearntGear) -> Vec<Figure> {

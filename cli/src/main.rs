@@ -14,6 +14,7 @@ mod faults;
 mod figures;
 mod files;
 mod identification_page;
+mod identification_verdict;
 mod identify;
 mod logs;
 mod new;

@@ -14,7 +14,7 @@ use strainwave_desktop::{BadInput, Figure};
 use crate::figures::{Figures, FiguresArguments, columns, tell};
 use crate::files;
 use crate::identification_page::{IdentificationPageArguments, Told};
-use crate::identify::{complain_of, was_written};
+use crate::identification_verdict::{complain_of, was_written};
 use crate::logs::Reading;
 use crate::progress::Progress;
 
