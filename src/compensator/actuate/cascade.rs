@@ -28,7 +28,7 @@ use crate::real::Real;
 /// is the encoder's difference quotient. Chosen on training joints: of 1250 runs 2 keep oscillating, with 0.05 it is 6, without the
 /// observer's speed 12; the number that are worse than a baseline is the same. Without a bound, where fine encoders take it too, 9
 /// runs more are worse.
-const COUNT_TORQUE: f64 = 0.015;
+const COARSE: f64 = 0.015;
 
 /// Parameters of the cascade.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,10 +99,10 @@ impl<R: Real> FeedbackParams<R> {
     }
 
     /// At rest the speed comes from the observer: `count` (rad) is so coarse that one changes the torque by more than
-    /// [`COUNT_TORQUE`] of tau_max at once.
+    /// 0.015 of tau_max at once.
     pub fn estimates_speed(&self, count: R, dt: R) -> bool {
         let at_once = self.velocity_gain * LowPass::build(self.filter_corner, dt).gain() * count;
-        at_once > R::lit(COUNT_TORQUE) * self.torque_limit * dt
+        at_once > R::lit(COARSE) * self.torque_limit * dt
     }
 }
 
