@@ -18,6 +18,7 @@
 //! | `start` | offset and start state of a held joint's log |
 //! | `gear_log` | a measured log as torque and torsion |
 //! | `joint` | weights of a gear from measured logs: torque over torsion |
+//! | `identified_gear` | what that gives: gear, errors, weights, covariance |
 //! | `operator` | weights of any actuator that need not be symmetric, from any start |
 //! | `moving` | friction and kinematic error from a moving joint's log |
 //! | `covariance` | joint covariance of what was identified |
@@ -35,6 +36,7 @@ mod choice;
 mod covariance;
 pub mod excitation;
 mod gear_log;
+mod identified_gear;
 pub mod joint;
 pub(crate) mod law;
 mod least_squares;
@@ -57,7 +59,8 @@ pub use choice::Smoothing;
 pub use covariance::Covariance;
 pub use excitation::Excitation;
 pub use gear_log::GearLog;
-pub use joint::{GearOptions, IdentifiedGear, IdentifiedTable, identify_gear};
+pub use identified_gear::{IdentifiedGear, IdentifiedTable};
+pub use joint::{GearOptions, identify_gear};
 pub use moving::{LearntGear, learn_gear};
 pub use not_identified::NotIdentified;
 pub use operator::{IdentifiedOperator, Operator, OperatorOptions, identify_operator};

@@ -6,7 +6,7 @@
 //!
 //! Judged are how often a parameter is outside its 95 % interval, the Coulomb level, and the friction of a motion that did not
 //! train, beside the best static law: levels, Stribeck's curve, viscous friction and ripple of the orders 1 and 2 over speed and
-//! angle, by least squares with that of 40 Stribeck speeds from 0.05 to 32 rad/s that fits best. It is told the weight's and the inertia's share.
+//! angle, by least squares with the Stribeck speed that fits best. It is told the weight's and the inertia's share.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
