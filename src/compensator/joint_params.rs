@@ -7,6 +7,7 @@ use crate::compensator::actuate::braking::Braking;
 use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::fallback::Fallback;
 use crate::compensator::actuate::protection::Protection;
+use crate::compensator::actuate::supervisor::Supervisor;
 use crate::compensator::adapt::learning::{LearningParams, Learnt};
 use crate::compensator::estimate::disturbance::DisturbanceParams;
 use crate::compensator::estimate::observer::ObserverParams;
@@ -120,6 +121,12 @@ impl<R: Real> JointParams<R> {
                 self.feedback.position_gain,
                 self.dt,
             )?,
+            supervisor: Supervisor::build(
+                &self.gear,
+                limits.motor_torque,
+                count(self.motor_encoder_bits),
+                self.dt,
+            ),
             protection,
             fallback: Fallback::build(self.limits.motor_torque, self.dt),
             limits: self.limits,

@@ -5,6 +5,7 @@ use crate::compensator::actuate::cascade::FeedbackState;
 use crate::compensator::actuate::fallback::FallbackState;
 use crate::compensator::actuate::mode::ModeState;
 use crate::compensator::actuate::protection::ProtectionState;
+use crate::compensator::actuate::supervisor::SupervisorState;
 use crate::compensator::estimate::disturbance::{DisturbanceState, WindUpResponse};
 use crate::compensator::estimate::observer::GearCorrection;
 use crate::compensator::reference::command::CommanderState;
@@ -57,6 +58,7 @@ impl<R: Real> Compensator<R> {
             motor_torque: MotorTorqueState::default(),
             rotor: RotorState::default(),
             protection: ProtectionState::default(),
+            supervisor: SupervisorState::default(),
             gauge: None,
             disabled_sensors: Faults::NONE,
             fallback: FallbackState::default(),

@@ -6,6 +6,7 @@ use crate::compensator::actuate::cascade::FeedbackState;
 use crate::compensator::actuate::fallback::FallbackState;
 use crate::compensator::actuate::mode::{Mode, ModeState};
 use crate::compensator::actuate::protection::ProtectionState;
+use crate::compensator::actuate::supervisor::SupervisorState;
 use crate::compensator::adapt::learning::LearningState;
 use crate::compensator::estimate::disturbance::{DisturbanceState, WindUpResponse};
 use crate::compensator::estimate::observer::{GearCorrection, ObserverState};
@@ -64,6 +65,7 @@ pub struct State<R: Real> {
     pub(super) motor_torque: MotorTorqueState<R>,
     pub(super) rotor: RotorState<R>,
     pub(super) protection: ProtectionState<R>,
+    pub(super) supervisor: SupervisorState<R>,
     /// Last reading of the strain gauge: torque through the flexspline (N m).
     pub(super) gauge: Option<R>,
     /// Sensors that are disabled until a reset.
@@ -107,6 +109,7 @@ pub(super) struct SlotFaults {
     pub(super) standstill: Faults,
     pub(super) gains: Faults,
     pub(super) rotor: Faults,
+    pub(super) supervisor: Faults,
 }
 
 impl SlotFaults {
@@ -119,7 +122,7 @@ impl SlotFaults {
     /// Collects the faults at the end of the slots `Learn` and `Check`.
     #[inline(always)]
     pub(super) fn collect(&mut self) {
-        self.slow = self.plan.with(self.standstill).with(self.gains).with(self.rotor);
+        self.slow = self.plan.with(self.standstill).with(self.gains).with(self.rotor).with(self.supervisor);
     }
 }
 

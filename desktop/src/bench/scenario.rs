@@ -140,20 +140,25 @@ const STOP: f64 = 0.2;
 pub struct Rest {
     /// Last demand.
     pub from: Demand,
-    /// Natural period of the load on the gear (s): a rest in which an oscillation shows is two of them at least.
+    /// Natural period of the load on the gear (s).
     pub natural_period: f64,
 }
 
 impl Rest {
-    /// Least length (s).
-    pub const DURATION: f64 = 0.6;
+    /// The least time in which a vibration decays, and in which an oscillation that is kept up shows (s).
+    const LEAST: f64 = 0.3;
+    /// Natural periods for the first, in which a damping ratio of 0.05 leaves 4 % of a vibration, and for the second.
+    const PERIODS: [f64; 2] = [10.0, 2.0];
+
     /// From here on the joint should be at rest (s).
-    pub const JUDGED_FROM: f64 = 0.3;
+    pub fn judged_from(&self) -> f64 {
+        Self::LEAST.max(Self::PERIODS[0] * self.natural_period)
+    }
 }
 
 impl Task for Rest {
     fn duration(&self) -> f64 {
-        Self::DURATION.max(Self::JUDGED_FROM + 2.0 * self.natural_period)
+        self.judged_from() + Self::LEAST.max(Self::PERIODS[1] * self.natural_period)
     }
 
     fn at(&self, time: f64, _ability: &Capability) -> Demand {
@@ -248,8 +253,9 @@ mod tests {
             let at = |offset: f64| rest.at(f64::from(k) * 1e-3 + offset, &Capability::default());
             assert!(((at(1e-6).position - at(-1e-6).position) / 2e-6 - at(0.0).velocity).abs() < 1e-6);
         }
-        assert_eq!(rest.at(Rest::JUDGED_FROM, &Capability::default()).velocity, 0.0);
-        assert_eq!((rest.duration(), Rest { natural_period: 0.1, ..rest }.duration()), (1.1, Rest::DURATION));
+        assert_eq!(rest.at(rest.judged_from(), &Capability::default()).velocity, 0.0);
+        let of = |natural_period| Rest { natural_period, ..rest };
+        assert_eq!((rest.duration(), of(0.1).duration(), of(0.02).duration()), (4.8, 1.3, 0.6));
     }
 
     /// Largest magnitude of a quantity over a scenario.

@@ -24,7 +24,7 @@
 //! Half of the training plants, the even seeds, have every unknown at once ([`crate::plant::unknowns`]); the others are the
 //! box alone. On joints of the catalogue ([`crate::catalogue::joints`]), whose loads and encoders differ, the gains are
 //! those that the rule of [`crate::catalogue::load`] makes of them for each load. On each the untuned B0 has worked ([`crate::bench::working_motion`]) before; the baseline takes over at rest and has
-//! [`Rest::DURATION`] to settle.
+//! a [`Rest`] to settle.
 
 use std::thread;
 

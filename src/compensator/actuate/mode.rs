@@ -3,7 +3,7 @@
 //! ```text
 //! Ready     the drive is kept off from outside, the joint is watched      -> Active when it is on
 //! Active    the joint is controlled                                       -> Degraded while a function is missing
-//! Degraded  it is controlled without an output encoder, torque sensor or fresh setpoint, which the faults name
+//! Degraded  it is controlled without an output encoder, torque sensor, feedback function or fresh setpoint, which the faults name
 //! Safe      torque 0, drive off; the cause stays among the faults          -> Ready by a reset alone
 //! ```
 //!
@@ -33,6 +33,7 @@ pub const DEGRADING: Faults = Faults::OUTPUT_ENCODER_LOST
     .with(Faults::OUTPUT_ENCODER_FROZEN)
     .with(Faults::OUTPUT_ENCODER_JUMP)
     .with(Faults::TORQUE_SENSOR_OFF)
+    .with(Faults::FEEDBACK_REDUCED)
     .with(Faults::SETPOINT_STALE);
 
 /// Increment of the error counter by an overrun; every period without one decrements it by 1.

@@ -43,7 +43,8 @@ impl<R: Real> Compensator<R> {
     #[inline(always)]
     pub(super) fn check(&self, state: &mut State<R>) {
         let mut faults = Faults::NONE;
-        self.output_feedback.integrate(&mut state.output_feedback, !state.limited);
+        let runs = !state.limited && state.supervisor.gain() == R::ONE;
+        self.output_feedback.integrate(&mut state.output_feedback, runs);
         self.read_output(state, &mut faults);
         let reference = &state.motor_reference;
         state.followed = self.braking.gain(reference.position_error);

@@ -12,6 +12,7 @@ use crate::compensator::actuate::braking::Braking;
 use crate::compensator::actuate::cascade::Feedback;
 use crate::compensator::actuate::fallback::Fallback;
 use crate::compensator::actuate::protection::Protection;
+use crate::compensator::actuate::supervisor::Supervisor;
 use crate::compensator::adapt::learning::{Learning, Learnt};
 use crate::compensator::estimate::disturbance::Disturbance;
 use crate::compensator::estimate::observer::Observer;
@@ -97,6 +98,7 @@ pub struct Compensator<R: Real> {
     pub(super) limits: Limits<R>,
     pub(super) protection: Protection<R>,
     pub(super) rotor: Rotor<R>,
+    pub(super) supervisor: Supervisor<R>,
     pub(super) disturbance: Disturbance<R>,
     pub(super) output_feedback: OutputFeedback<R>,
     pub(super) measured_feedback: MeasuredFeedback<R>,

@@ -63,10 +63,12 @@ impl<R: Real> Compensator<R> {
                 + gravity,
             measures: newest.is_some(),
         };
-        let shift = self.output_feedback.step(&mut state.output_feedback, &error);
+        let supervised = state.supervisor.gain();
+        let shift = self.output_feedback.step(&mut state.output_feedback, &error, supervised);
         let gain = gains.output_feedback * R::from_i32(self.gear.ratio().n());
         let followed = newest.filter(|_| self.output_feedback.is_slow(setpoint.velocity));
-        self.measured_feedback.plan(&mut state.measured_feedback, followed, setpoint.velocity, gain);
+        let measured_gain = supervised * gain;
+        self.measured_feedback.plan(&mut state.measured_feedback, followed, setpoint.velocity, measured_gain);
         if target.switched {
             seldom();
             self.fallback.begin_ramp(&mut state.fallback);

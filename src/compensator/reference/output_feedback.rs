@@ -140,14 +140,19 @@ impl<R: Real> OutputFeedback<R> {
         })
     }
 
-    /// Shift for an error of the output, in the feed-forward's slot.
+    /// Shift for an error of the output, in the feed-forward's slot, with the fraction `supervised` of b, 0..=1.
     #[inline(always)]
-    pub fn step(&self, state: &mut OutputFeedbackState<R>, output: &OutputError<R>) -> Shift<R> {
+    pub fn step(
+        &self,
+        state: &mut OutputFeedbackState<R>,
+        output: &OutputError<R>,
+        supervised: R,
+    ) -> Shift<R> {
         let set = usize::from(output.measures);
         state.error = if self.is_slow(output.setpoint_velocity) { output.position } else { R::ZERO };
         state.rests = output.setpoint_velocity == R::ZERO;
         state.measures = output.measures;
-        let damping = self.gains[set].damping;
+        let damping = supervised * self.gains[set].damping;
         let angle = damping * output.velocity + state.integral;
         let acceleration = output.torque * self.inverse_flexspline_inertia;
         let rate = damping * acceleration + state.integral_rate;
@@ -196,7 +201,7 @@ mod tests {
         output: &OutputError<f64>,
         runs: bool,
     ) -> Shift<f64> {
-        let shift = feedback.step(state, output);
+        let shift = feedback.step(state, output, 1.0);
         feedback.integrate(state, runs);
         shift
     }

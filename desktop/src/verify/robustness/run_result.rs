@@ -2,7 +2,7 @@
 //!
 //! After the scenario the joint stops and rests ([`Rest`]). Oscillation at rest is what is left of torsion and of motor
 //! torque when their running mean over the natural period is taken away, rms over the last
-//! 0.3 s, or two natural periods.
+//! 0.3 s, or two natural periods. Before these a vibration has 0.3 s, or ten natural periods, to decay.
 
 use strainwave::Error;
 use strainwave::compensator::{Faults, Mode};
@@ -206,7 +206,7 @@ impl<'a> Judged<'a> {
         let rest = Rest { from: scenario.at(scenario.duration(), &self.capability), natural_period };
         bench.go(&rest, &mut controller, |k, _, plant, answer| {
             (faults, mode) = (faults.with(answer.faults), answer.mode);
-            if k as f64 * CONTROL_PERIOD >= Rest::JUDGED_FROM {
+            if k as f64 * CONTROL_PERIOD >= rest.judged_from() {
                 at_rest.push((plant.last_torques().torsion, f64::from(answer.motor_torque)));
             }
         })?;

@@ -1,0 +1,311 @@
+//! Supervisor of the feedback functions: an oscillation that does not decay ramps them down.
+//!
+//! ```text
+//! s = observed torsion at rest, commanded torque in motion;   L = max(32 ms, 2*pi*sqrt(J_fs/K_1))
+//! v_k, w_k = variance of s in the window k about its linear trend, and of the trend
+//! oscillates:  v_k > a^2,  v_k > w_k  and  v_k > 0.75*v_(k-1),  in three windows on end
+//! a = max(0.005*T_n/K_1, count/N) at rest, 0.5*tau_max in motion
+//! gain:        1 -> 0 in 20 ms,   0 for H after the last such window,   0 -> 1 in 1 s
+//! ```
+//!
+//! The gain multiplies what responds to the output's measured and estimated angle, P, D and damping, and to the estimated
+//! load; while it is below 1, the output's integral stands still. What is left is the motor-side cascade with all feed-forward,
+//! whose stability depends on no model of the load.
+//!
+//! A resting gear winds up for a load, to another place, and vibrates about it; but within a period of the torsion mode, of the
+//! load J_fs on the softest slope K_1 of the stiffness line, a damping ratio of 0.025 takes more than a quarter of
+//! the variance. What loses less in two successive windows is kept up by the loop: by a count of an encoder, a drive that is later than
+//! declared, a load or a stiffness beyond their tolerances, or a friction that no model has. In motion a torque is normal that
+//! accelerates and brakes, but not one that goes from limit to limit in three windows on end. H is 0.5 s, and doubles each time that the
+//! oscillation comes back in the same rest, up to 8 s.
+//!
+//! An oscillation of a period up to L is named within four windows of its begin: 0.13 s for a mode above 31 Hz, four of its periods
+//! below. T_n is the gear's rated torque, count/N one count of the motor's encoder at the output, tau_max the motor's peak torque. Units:
+//! rad at the output, N m at the motor, s.
+
+use crate::branch::seldom;
+use crate::compensator::Faults;
+use crate::compensator::schedule::SLOW_PERIODS;
+use crate::constants::constants;
+use crate::gear::GearParams;
+use crate::real::Real;
+
+/// Shortest window (s).
+const SHORTEST: f64 = 0.032;
+/// a, in torsions of the rated torque at rest, and in the motor's peak torques in motion.
+const LEVELS: [f64; 2] = [0.005, 0.5];
+/// Of the variance of a window, what one with less in the next has decayed to.
+const DECAYED: f64 = 0.75;
+/// Windows on end.
+const WINDOWS: u32 = 3;
+/// Times of the gain's way down and back (s).
+const DOWN: f64 = 0.02;
+const BACK: f64 = 1.0;
+/// H, the first and the longest (s).
+const HOLD: [f64; 2] = [0.5, 8.0];
+
+/// The built supervisor.
+#[constants]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Supervisor<R> {
+    /// Rounds of a window, and their inverse.
+    window: u32,
+    inverse_window: R,
+    /// Mean and inverse variance of the rounds' numbers in a window.
+    middle: R,
+    inverse_spread: R,
+    /// a^2 in motion and at rest.
+    levels: [R; 2],
+    /// Change of the gain in a round: down and back.
+    down: R,
+    back: R,
+    /// Rounds of H, the first and the longest.
+    hold: [u32; 2],
+}
+
+/// State of the supervisor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SupervisorState<R> {
+    /// Gain of the feedback functions, 0..=1.
+    gain: R,
+    /// First s of the window, and sums of the differences to it, of their squares and of their products with the round.
+    first: R,
+    sum: R,
+    squares: R,
+    products: R,
+    rounds: u32,
+    /// Variance of the last window, and windows on end that oscillate.
+    variance: R,
+    windows: u32,
+    /// Whether the setpoint rested.
+    rests: bool,
+    /// Rounds until the gain comes back, and H of the last time.
+    held: u32,
+    hold: u32,
+}
+
+impl<R: Real> Default for SupervisorState<R> {
+    fn default() -> Self {
+        let zero = R::ZERO;
+        Self {
+            gain: R::ONE,
+            first: zero,
+            sum: zero,
+            squares: zero,
+            products: zero,
+            rounds: 0,
+            variance: zero,
+            windows: 0,
+            rests: false,
+            held: 0,
+            hold: 0,
+        }
+    }
+}
+
+impl<R: Real> SupervisorState<R> {
+    /// Gain of the feedback functions, 0..=1.
+    #[inline(always)]
+    pub fn gain(&self) -> R {
+        self.gain
+    }
+}
+
+impl<R: Real> Supervisor<R> {
+    /// For a gear, a motor of this peak torque (N m), one count of its encoder (rad) and the control period dt (s).
+    pub fn build(gear: &GearParams<R>, peak_torque: R, count: R, dt: R) -> Self {
+        let round = R::from_i32(SLOW_PERIODS as i32) * dt;
+        let rounds = |time: R| ((time / round + R::lit(0.5)).to_i32().max(2)).cast_unsigned();
+        let [softest, ..] = gear.flexspline.line.stiffness;
+        let period = R::lit(core::f64::consts::TAU) * (gear.flexspline_inertia / softest).sqrt();
+        let window = rounds(R::lit(SHORTEST).max(period));
+        let length = R::from_i32(window.cast_signed());
+        let at_rest =
+            (R::lit(LEVELS[0]) * gear.rated_torque / softest).max(count / R::from_i32(gear.ratio).abs());
+        let in_motion = R::lit(LEVELS[1]) * peak_torque;
+        Self {
+            window,
+            inverse_window: R::ONE / length,
+            middle: R::lit(0.5) * (length - R::ONE),
+            inverse_spread: R::lit(12.0) / (length * length - R::ONE),
+            levels: [in_motion * in_motion, at_rest * at_rest],
+            down: round / R::lit(DOWN),
+            back: round / R::lit(BACK),
+            hold: HOLD.map(|time| rounds(R::lit(time))),
+        }
+    }
+
+    /// Once a round: the torsion (rad), the torque command (N m), and whether the setpoint rests.
+    #[inline(always)]
+    pub fn step(
+        &self,
+        state: &mut SupervisorState<R>,
+        torsion: R,
+        torque: R,
+        rests: bool,
+        faults: &mut Faults,
+    ) {
+        let supervised = if rests { torsion } else { torque };
+        if rests != state.rests {
+            seldom();
+            *state =
+                SupervisorState { rests, gain: state.gain, held: state.held, ..SupervisorState::default() };
+        }
+        if state.rounds == 0 {
+            (state.first, state.sum, state.squares, state.products) = (supervised, R::ZERO, R::ZERO, R::ZERO);
+        }
+        let difference = supervised - state.first;
+        state.sum += difference;
+        state.squares += difference * difference;
+        state.products += R::from_i32(state.rounds.cast_signed()) * difference;
+        state.rounds += 1;
+        if state.rounds >= self.window {
+            self.judge(state);
+        }
+        if state.gain < R::ONE {
+            seldom();
+            let change = if state.held > 0 { -self.down } else { self.back };
+            state.held = state.held.saturating_sub(1);
+            state.gain = (state.gain + change).max(R::ZERO).min(R::ONE);
+            faults.raise_if(true, Faults::FEEDBACK_REDUCED);
+        }
+    }
+
+    /// Judges a window that is full.
+    fn judge(&self, state: &mut SupervisorState<R>) {
+        let mean = self.inverse_window * state.sum;
+        let covariance = self.inverse_window * state.products - self.middle * mean;
+        let by_trend = self.inverse_spread * covariance * covariance;
+        let variance = self.inverse_window * state.squares - mean * mean - by_trend;
+        let oscillates = variance > self.levels[usize::from(state.rests)]
+            && variance > by_trend
+            && variance > R::lit(DECAYED) * state.variance;
+        state.windows = if oscillates { state.windows + 1 } else { 0 };
+        (state.variance, state.rounds) = (variance, 0);
+        if state.windows < WINDOWS {
+            return;
+        }
+        seldom();
+        state.windows = WINDOWS;
+        let [first, longest] = self.hold;
+        if state.held == 0 {
+            state.hold = (2 * state.hold).max(first).min(longest);
+        }
+        state.held = state.hold;
+        state.gain = state.gain.min(R::ONE - self.down);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compensator::schedule::CONTROL_PERIOD;
+    use core::f64::consts::TAU;
+    use std::vec;
+    use std::vec::Vec;
+
+    const ROUND: f64 = SLOW_PERIODS as f64 * CONTROL_PERIOD;
+    const PEAK: f64 = 2.4;
+
+    fn supervisor() -> Supervisor<f64> {
+        Supervisor::build(&crate::gear::tests::params(), PEAK, TAU / 524288.0, CONTROL_PERIOD)
+    }
+
+    /// Torsion of the rated torque (rad).
+    fn rated() -> f64 {
+        let gear = crate::gear::tests::params();
+        gear.rated_torque / gear.flexspline.line.stiffness[0]
+    }
+
+    /// A round with this torsion (rad) of a resting joint or torque (N m) of a moving one.
+    fn step(state: &mut SupervisorState<f64>, supervised: f64, rests: bool) -> Faults {
+        let mut faults = Faults::NONE;
+        let [torsion, torque] = if rests { [supervised, 0.0] } else { [0.0, supervised] };
+        supervisor().step(state, torsion, torque, rests, &mut faults);
+        faults
+    }
+
+    /// The gain each round with this torsion or torque at a time (s).
+    fn gains(seconds: f64, rests: bool, supervised: impl Fn(f64) -> f64) -> Vec<f64> {
+        let mut state = SupervisorState::default();
+        let rounds = 0..(seconds / ROUND) as usize;
+        rounds
+            .map(|k| {
+                let faults = step(&mut state, supervised(k as f64 * ROUND), rests);
+                assert!(state.gain() == 1.0 || faults.contains(Faults::FEEDBACK_REDUCED));
+                state.gain()
+            })
+            .collect()
+    }
+
+    fn stays(seconds: f64, rests: bool, supervised: impl Fn(f64) -> f64) -> bool {
+        gains(seconds, rests, supervised).iter().all(|gain| *gain == 1.0)
+    }
+
+    #[test]
+    fn an_oscillation_at_rest_ends_within_its_time() {
+        for frequency in [35.0, 94.0, 300.0] {
+            let gains = gains(0.4, true, |time| 0.05 * rated() * (TAU * frequency * time).sin());
+            let off = gains.iter().position(|gain| *gain == 0.0).unwrap();
+            assert!(off as f64 * ROUND < 0.15, "{frequency}: {off}");
+            assert_eq!(gains.last(), Some(&0.0));
+        }
+    }
+
+    #[test]
+    fn a_vibration_that_decays_is_left_to_the_feedback() {
+        for (damping, stays_on) in [(0.05, true), (0.002, false)] {
+            let omega = TAU * 34.0;
+            let torsion = |time: f64| 0.5 * rated() * (-damping * omega * time).exp() * (omega * time).sin();
+            assert_eq!(stays(1.0, true, torsion), stays_on, "{damping}");
+        }
+    }
+
+    #[test]
+    fn a_load_that_comes_is_no_oscillation() {
+        assert!(stays(1.0, true, |time| 8.0 * rated() * time));
+        for rise in [0.001, 0.02, 0.1, 0.3] {
+            assert!(stays(1.0, true, |time| 0.8 * rated() * (time / rise).min(1.0)), "{rise}");
+        }
+    }
+
+    #[test]
+    fn in_motion_only_a_torque_from_limit_to_limit_is_an_oscillation() {
+        let swings = |level: f64| move |time: f64| level * PEAK * (TAU * 40.0 * time).sin();
+        assert!(stays(0.5, false, swings(0.6)));
+        assert!(!stays(0.5, false, swings(1.0)));
+        // As much torque as there is, to accelerate and to brake.
+        assert!(stays(0.5, false, |time| if time < 0.1 { PEAK } else { -PEAK }));
+    }
+
+    #[test]
+    fn the_gain_comes_back_slowly_and_later_each_time() {
+        let ends = |end: f64| move |time: f64| if time < end { rated() * (300.0 * time).sin() } else { 0.0 };
+        let gains_after = gains(2.5, true, ends(0.3));
+        let at = |time: f64| gains_after[(time / ROUND) as usize];
+        assert!(at(0.7) == 0.0 && (0.1..0.9).contains(&at(1.3)) && at(2.2) == 1.0);
+        // Kept up whenever the gain is back: half a second off, then one, then two.
+        let mut state = SupervisorState::default();
+        let mut holds = vec![0];
+        for k in 0..(20.0 / ROUND) as usize {
+            let amplitude = if state.gain() == 1.0 { 0.3 * rated() } else { 0.0 };
+            step(&mut state, amplitude * (300.0 * k as f64 * ROUND).sin(), true);
+            if *holds.last().unwrap() != state.hold {
+                holds.push(state.hold);
+            }
+        }
+        let [first, longest] = supervisor().hold;
+        assert_eq!(holds[..4], [0, first, 2 * first, 4 * first]);
+        assert!(holds.iter().all(|hold| *hold <= longest));
+    }
+
+    #[test]
+    fn a_move_forgets_how_long_it_was_off_but_not_that_it_is() {
+        let mut state = SupervisorState::default();
+        for k in 0..500 {
+            step(&mut state, rated() * f64::from(k).sin(), true);
+        }
+        step(&mut state, 0.0, false);
+        assert!(state.gain() == 0.0 && state.held > 0 && state.hold == 0);
+    }
+}
