@@ -28,9 +28,14 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     let json = arguments.figures.json.as_deref();
     files::require_distinct(&[("GEAR.toml", Some(&arguments.gear)), ("--json", json)])?;
     files::require_writable(json)?;
-    let gear = GearFile::faultless(&arguments.gear).map_err(all_but_last)?;
+    let gear = faultless(&arguments.gear)?;
     say(format_args!("{}: ok{}", arguments.gear.display(), limit(&gear, &arguments.gear)?));
     Ok(Figures::silent(Vec::new(), &arguments.figures))
+}
+
+/// A gear file with nothing wrong in it; of another all faults are told.
+pub fn faultless(path: &Path) -> Result<GearFile, BadInput> {
+    GearFile::faultless(path).map_err(all_but_last)
 }
 
 /// Tells all faults but the last one, which ends the command.

@@ -13,6 +13,7 @@ mod export;
 mod faults;
 mod figures;
 mod files;
+mod flash;
 mod identification_page;
 mod identification_verdict;
 mod identify;
@@ -66,6 +67,7 @@ enum Command {
     Experiment(experiment::Arguments),
     Export(export::Arguments),
     Faults(faults::Arguments),
+    Flash(flash::Arguments),
     Identify(identify::Arguments),
     New(new::Arguments),
     Pil(pil::Arguments),
@@ -86,6 +88,7 @@ fn run(command: Command) -> Result<Figures, BadInput> {
         Command::Experiment(arguments) => experiment::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Faults(arguments) => faults::run(&arguments),
+        Command::Flash(arguments) => flash::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::New(arguments) => new::run(&arguments),
         Command::Pil(arguments) => pil::run(&arguments),

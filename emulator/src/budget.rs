@@ -13,7 +13,7 @@ mod measurement;
 mod table;
 mod worst_case;
 
-pub use error::Error;
+pub use error::{Error, Failure};
 pub use literal_mesh::LiteralMesh;
 pub use measurement::{Measurement, Workload, inspect, measure};
 pub use worst_case::WorstCase;
@@ -98,6 +98,8 @@ pub struct Budget {
     pub headroom: f64,
     /// Whether the board can be run in the emulator; otherwise only its image is judged.
     pub emulated: bool,
+    /// Of a board that is not emulated: the one with the same core on which the cycles of its control step are counted.
+    pub counted_on: Option<String>,
     /// Bounds of the image.
     #[serde(default)]
     pub image: ImageSizes,
@@ -143,6 +145,9 @@ impl Budget {
         let budget: Self = toml::from_str(&text).map_err(|error| bad(one_line(&text, &error)))?;
         if !(0.0..=1.0).contains(&budget.headroom) {
             return Err(bad(format!("headroom = {}, allowed: 0 to 1", budget.headroom)));
+        }
+        if let Some(other) = budget.counted_on.as_ref().filter(|_| budget.emulated) {
+            return Err(bad(format!("counted_on = \"{other}\", allowed: with emulated = false")));
         }
         let twice =
             |worst: &WorstCase| worst.blocks.keys().find(|name| budget.blocks.contains_key(*name)).cloned();
@@ -327,6 +332,10 @@ pub(crate) mod tests {
         let missing = refusal(&FILE.replace("emulated = true\n", ""));
         assert!(missing.contains("missing field `emulated`"), "{missing}");
         assert!(refusal(&FILE.replace("cycles = 10", "cycles = -1")).starts_with("line 8: "));
+        assert_eq!(
+            refusal(&format!("counted_on = \"c\"\n{FILE}")),
+            "counted_on = \"c\", allowed: with emulated = false"
+        );
         assert_eq!(
             refusal(&FILE.replace("reduced = \"observer\"", "reduced = \"x\"")),
             "literal_mesh.reduced = \"x\", allowed: a name among [blocks]"

@@ -5,6 +5,7 @@ pub mod artifact;
 pub mod budget;
 pub mod counting;
 pub mod firmware;
+pub mod flash;
 pub mod interrupt;
 mod lock;
 pub mod machine;

@@ -128,14 +128,12 @@ impl Machine {
     /// # Errors
     /// As [`Machine::boot`].
     pub fn boot_with(elf: &Path, options: &Options) -> Result<Self, Error> {
-        let emulator = setup::emulator(&setup::ThisHost)?;
+        let (program, arguments) = command(elf, options)?;
         let elf = elf.canonicalize().map_err(|error| named(elf, &error))?;
-        let image = Image::read(&elf)?;
-        let machine = image.machine().ok_or_else(|| Error::NotEmulated { image: elf.clone() })?;
         let directory = Scratch::new("machine")?;
         let sensors = fifo(&directory.path().join("sensors.fifo"))?;
         let command = fifo(&directory.path().join("command.fifo"))?;
-        let process = Process::start(&emulator.program, &arguments(&elf, machine, options), directory)?;
+        let process = Process::start(&program, &arguments, directory)?;
         Ok(Self { sensors, command, process, elf, patience: options.patience })
     }
 
@@ -219,6 +217,18 @@ impl Machine {
         }
         Ok(())
     }
+}
+
+/// What an image is booted with: the emulator and its arguments.
+///
+/// # Errors
+/// As [`Machine::boot`].
+pub fn command(elf: &Path, options: &Options) -> Result<(PathBuf, Vec<String>), Error> {
+    let emulator = setup::emulator(&setup::ThisHost)?;
+    let elf = elf.canonicalize().map_err(|error| named(elf, &error))?;
+    let image = Image::read(&elf)?;
+    let machine = image.machine().ok_or_else(|| Error::NotEmulated { image: elf.clone() })?;
+    Ok((emulator.program, arguments(&elf, machine, options)))
 }
 
 fn named(path: &Path, error: &io::Error) -> io::Error {

@@ -6,6 +6,7 @@ mod design;
 mod example_logs;
 mod experiment;
 mod export;
+mod flash;
 mod good_input;
 mod identification_page;
 mod identify;

@@ -100,12 +100,24 @@ impl Measurement {
     /// [`Error::Image`]; [`Error::Workload`] when the program does not end well; [`Error::Counting`];
     /// [`Error::NotCalled`].
     pub fn add_program(&mut self, elf: &Path, blocks: &[(&str, &Block)]) -> Result<(), Error> {
-        let counts = count(&Image::read(elf)?, blocks, |arguments| {
+        self.add_workload(elf, blocks, |arguments| {
             let options = Options { patience: PATIENCE, arguments: arguments.to_vec(), ..Options::default() };
             Machine::boot_with(elf, &options)?.end()?;
             Ok(())
-        })?;
-        self.counts.extend(counts);
+        })
+    }
+
+    /// Adds what `blocks` of the image at `elf` cost while `workload` runs it, which is given arguments for the emulator.
+    ///
+    /// # Errors
+    /// [`Error::Image`]; [`Error::Workload`]; [`Error::Counting`]; [`Error::NotCalled`].
+    pub fn add_workload(
+        &mut self,
+        elf: &Path,
+        blocks: &[(&str, &Block)],
+        workload: impl FnOnce(&[String]) -> Result<(), Failure>,
+    ) -> Result<(), Error> {
+        self.counts.extend(count(&Image::read(elf)?, blocks, workload)?);
         Ok(())
     }
 }
