@@ -17,6 +17,9 @@ const DOUBLE: usize = 2048;
 /// Entry from which on e^-x is below half a digit of 1.
 const DOUBLE_END: usize = 37 * PER_UNIT + PER_UNIT / 2;
 
+/// Bytes of the table for f32.
+pub const SINGLE_BYTES: usize = SINGLE * size_of::<f32>();
+
 /// U_k.
 static SINGLE_TABLE: [f32; SINGLE] = {
     let mut table = [0.0; SINGLE];

@@ -14,6 +14,7 @@
 //! | [`trajectory`] | moves from rest to rest with bounded velocity, acceleration, jerk and snap |
 //! | [`low_pass`] | low-pass filter of one pole |
 //! | [`angle`], [`real`], [`fixed`], [`error`] | angles without bound, the scalar and its functions, its integers, why a build fails |
+//! | [`elementary`] | the f32 functions of the control step, and those of other libraries that a cargo feature puts in their place |
 //!
 //! # Quick start
 //!
@@ -104,6 +105,7 @@ pub mod angle;
 mod branch;
 pub mod compensator;
 mod constants;
+pub mod elementary;
 pub mod error;
 mod exponential;
 pub mod fixed;

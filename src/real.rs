@@ -4,11 +4,12 @@
 //! that switched the type would be unified across a workspace and silently reach the firmware.
 //! A number enters generic code as f64, through [`Real::lit`].
 //!
-//! Every square root, exponential and sine of the library is called through it. Square roots and the f64 sine
-//! are libm's. The functions of the control step are our own, because libm's `sinf` reduces its argument in
+//! Every square root, exponential and sine of the library is called through it. Square roots of `build` and the f64
+//! sine are libm's. The functions of the control step are our own, because libm's `sinf` reduces its argument in
 //! f64, which a Cortex-M4F only has in software. micromath's, which do without, have errors of 1.1e-3 (sine) and
 //! 2.9e-2 (1 - e^-x from 1e-6 on), too much for torsion and presliding (measured in
-//! `host-tests/tests/elementary_functions.rs`):
+//! `host-tests/tests/elementary_functions.rs`). A cargo feature nevertheless chooses either crate's in their place
+//! ([`crate::elementary`]); the table is of our own:
 //!
 //! | function | range | max error, f32 | f64 |
 //! | --- | --- | --- | --- |
@@ -20,8 +21,9 @@ use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use crate::branch::seldom;
+use crate::elementary::chosen;
+use crate::exponential;
 use crate::fixed::Fixed;
-use crate::{exponential, sine_cosine};
 
 pub use crate::sine_cosine::RADIANS_PER_COUNT;
 
@@ -241,38 +243,33 @@ impl Real for f32 {
     fn sqrt(self) -> Self {
         libm::sqrtf(self)
     }
-    /// x times 1/sqrt(x), by three Newton steps from a guess that halves the exponent: neither division nor branch.
     #[inline(always)]
     fn sqrt_or_zero(self) -> Self {
-        let x = Real::max(self, 0.0);
-        let mut inverse = Self::from_bits(0x5f37_59df - (x.to_bits() >> 1));
-        for _ in 0..3 {
-            inverse *= 1.5 - 0.5 * x * inverse * inverse;
-        }
-        x * inverse
+        chosen::square_root_or_zero(self)
     }
 
     #[inline(always)]
     fn one_minus_exp_neg(self) -> Self {
-        exponential::one_minus_exp_neg_f32(self)
+        chosen::one_minus_exp_neg(self)
     }
 
     #[inline(always)]
     fn sin_cos_phase(phase: u32) -> (Self, Self) {
-        sine_cosine::sine_cosine_f32(phase)
+        chosen::sine_cosine(phase)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elementary::ours;
 
     #[test]
     fn f32_sine_and_cosine_stay_within_their_stated_error() {
         let worst = (0..1 << 22)
             .map(|k: u32| {
                 let phase = k.wrapping_mul(1021);
-                let (s, c) = f32::sin_cos_phase(phase);
+                let (s, c) = ours::sine_cosine(phase);
                 let (exact_s, exact_c) = f64::sin_cos_phase(phase);
                 (f64::from(s) - exact_s).abs().max((f64::from(c) - exact_c).abs())
             })
@@ -285,10 +282,10 @@ mod tests {
         let worst = (0..1 << 22)
             .map(|k: u32| f32::from_bits(0x0080_0000 + k * 509))
             .filter(|x| x.is_finite())
-            .map(|x| (f64::from(x.sqrt_or_zero()) / f64::from(x).sqrt() - 1.0).abs())
+            .map(|x| (f64::from(ours::square_root_or_zero(x)) / f64::from(x).sqrt() - 1.0).abs())
             .fold(0.0, f64::max);
         assert!(worst <= SQRT_ERROR && worst > 0.8 * SQRT_ERROR, "{worst:e}");
-        assert_eq!((0f32.sqrt_or_zero(), (-1f32).sqrt_or_zero()), (0.0, 0.0));
+        assert_eq!([0.0, -1.0].map(ours::square_root_or_zero), [0.0, 0.0]);
         assert_eq!(((-1f64).sqrt_or_zero(), 4f64.sqrt_or_zero()), (0.0, 2.0));
     }
 
@@ -304,7 +301,7 @@ mod tests {
 
     #[test]
     fn exponentials_stay_within_their_stated_error() {
-        let worst = worst_relative(Real::one_minus_exp_neg, libm_one_minus_exp_neg, 100.0);
+        let worst = worst_relative(ours::one_minus_exp_neg, libm_one_minus_exp_neg, 100.0);
         assert!(worst <= ONE_MINUS_EXP_NEG_ERROR && worst > 0.7 * ONE_MINUS_EXP_NEG_ERROR, "{worst:e}");
         let worst = (0..400_000)
             .map(|k| 1e-9 + 50.0 * (f64::from(k) / 4e5).powi(2))
@@ -324,9 +321,9 @@ mod tests {
         #[test]
         fn exponentials_are_a_share_for_any_finite_number(bits: u32, wide: u64) {
             let (x, y) = (f32::from_bits(bits).abs(), f64::from_bits(wide).abs());
-            proptest::prop_assert!(!x.is_finite() || (0.0..=1.0).contains(&x.one_minus_exp_neg()), "{x}");
+            proptest::prop_assert!(!x.is_finite() || (0.0..=1.0).contains(&ours::one_minus_exp_neg(x)), "{x}");
             proptest::prop_assert!(!y.is_finite() || (0.0..=1.0).contains(&y.one_minus_exp_neg()), "{y}");
-            proptest::prop_assert_eq!(0f32.one_minus_exp_neg(), 0.0);
+            proptest::prop_assert_eq!(ours::one_minus_exp_neg(0.0), 0.0);
         }
     }
 }

@@ -17,6 +17,9 @@ const ENTRIES_LOG2: u32 = 7;
 /// Counts between two entries, as an exponent of 2.
 const STEP_LOG2: u32 = 32 - ENTRIES_LOG2;
 
+/// Bytes of the table.
+pub const BYTES: usize = ENTRIES * size_of::<[f32; 2]>();
+
 /// C_k and S_k.
 static TABLE: [[f32; 2]; ENTRIES] = {
     const QUARTER: usize = ENTRIES / 4;

@@ -20,7 +20,8 @@ use crate::progress::Progress;
 /// not silicon; on another core there are none, and the runs are those with both encoders alone. Proves on the linked
 /// image that no panic and no allocator is in it and that the control step reaches no double-precision routine. Counts
 /// the literal mesh of eq. (6), 8 x 3 in f32, in an image of its own beside the reduced flexspline of the control step,
-/// and hysteresis along the histories that cost most. Then some hundred sequences of any input bits and of disturbed
+/// and hysteresis along the histories that cost most; tells one call of each elementary function, ours, micromath's and libm's, beside each
+/// other: cycles, bytes and largest error. Then some hundred sequences of any input bits and of disturbed
 /// motions, varied where they cost most, look for the most costly control step of all, beside the host's build; that
 /// takes some minutes. The column `any path` is the most of any path through the code, where the code shows a bound.
 /// Bounds are those of boards/BOARD/budget.toml.
@@ -80,6 +81,10 @@ fn judge(board: &str, overwrite: bool) -> Result<Vec<Figure>, BadInput> {
     if let Some(worst) = budget.worst_case.as_ref().filter(|_| budget.emulated) {
         let program = firmware::build_program(board, &worst.program).map_err(BadInput::message)?;
         worst.measure(&program.elf, &mut measured).map_err(BadInput::message)?;
+    }
+    if let Some(functions) = budget.elementary_functions.as_ref().filter(|_| budget.emulated) {
+        let program = firmware::build_program(board, &functions.program).map_err(BadInput::message)?;
+        measured.elementary_functions = functions.measure(&program.elf).map_err(BadInput::message)?;
     }
     if budget.any_input.is_some() && budget.emulated {
         let mut progress = Progress::new(1000, "any input");

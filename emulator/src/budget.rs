@@ -7,12 +7,14 @@
 //! A bound that has become ten times too loose no longer guards anything, and fails like one that is
 //! exceeded.
 
+mod elementary_functions;
 mod error;
 mod literal_mesh;
 mod measurement;
 mod table;
 mod worst_case;
 
+pub use elementary_functions::{ElementaryFunction, ElementaryFunctions, LIBRARIES, Library};
 pub use error::{Error, Failure};
 pub use literal_mesh::LiteralMesh;
 pub use measurement::{Measurement, Workload, inspect, measure};
@@ -117,6 +119,8 @@ pub struct Budget {
     pub worst_case: Option<WorstCase>,
     /// The control step on any input.
     pub any_input: Option<AnyInputBounds>,
+    /// The elementary functions of several libraries.
+    pub elementary_functions: Option<ElementaryFunctions>,
     /// Targets of calls through pointers.
     #[serde(default)]
     pub indirect_call: Vec<IndirectCall>,
@@ -316,6 +320,7 @@ pub(crate) mod tests {
             counts: [(CONTROL_STEP, 500), ("observer", 40), (LITERAL_MESH, 12_352)]
                 .map(|(name, max)| (name.to_owned(), counts(max)))
                 .to_vec(),
+            elementary_functions: Vec::new(),
             stack_mark: None,
         }
     }

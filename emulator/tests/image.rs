@@ -148,6 +148,29 @@ fn the_literal_mesh_costs_hundreds_of_times_its_reduction() {
     assert_eq!(missed, ["budget.mps2-an386.literal_over_reduced"]);
 }
 
+/// Nine functions, each with its own cost; ours without double precision, libm's sine with it.
+#[test]
+fn the_elementary_functions_of_every_library_are_counted() {
+    if runnable().is_none() {
+        return;
+    }
+    let budget = Budget::read(BOARD).expect("the budget is sound");
+    let functions = budget.elementary_functions.expect("the board has the program");
+    let elf = firmware::build_program(BOARD, &functions.program).expect("the program builds").elf;
+    let measured = functions.measure(&elf).expect("ours and libm's agree");
+    assert_eq!(measured.len(), 9);
+    let cycles = |name: &str, library: &str| {
+        let found = measured.iter().find(|function| (function.name, function.library) == (name, library));
+        found.and_then(|function| function.counts.cycles).expect("it was counted").max
+    };
+    for name in ["sine_cosine", "square_root_or_zero", "one_minus_exp_neg"] {
+        let [ours, theirs] = ["ours", "libm"].map(|library| cycles(name, library));
+        assert!(ours > 10 && ours < theirs, "{name}: {ours}, libm {theirs}");
+    }
+    assert!(cycles("sine_cosine", "libm") > 10 * cycles("sine_cosine", "ours"));
+    assert!(measured.iter().all(|function| function.code > 10 && function.error < 0.1), "{measured:?}");
+}
+
 /// QEMU's own log of every instruction executed, as its switches are called in this version.
 fn log_switches(log: &Path, ranges: &str) -> Vec<String> {
     let version = setup::present_emulator(&setup::ThisHost).map(|found| found.version).unwrap_or_default();

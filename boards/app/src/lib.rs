@@ -6,6 +6,7 @@
 #![no_std]
 
 pub mod control;
+pub mod elementary_functions;
 pub mod frame;
 pub mod jog;
 pub mod literal_mesh;

@@ -8,7 +8,7 @@ use strainwave_desktop::Figure;
 use strainwave_desktop::verify::bounds;
 
 use super::error::Failure;
-use super::{Block, Budget, Error, ImageSizes, LITERAL_MESH};
+use super::{Block, Budget, ElementaryFunction, Error, ImageSizes, LITERAL_MESH};
 use crate::any_input::AnyInput;
 use crate::artifact::{CONTROL_STEP, CallGraph, Image, Sizes, StackBound, Violation, proofs};
 use crate::counting::{Counting, Counts, Outcome, merge};
@@ -40,6 +40,8 @@ pub struct Measurement {
     pub any_path: BTreeMap<String, u64>,
     /// Worst case of the control step on any input, where it was searched for.
     pub any_input: Option<AnyInput>,
+    /// Elementary functions of several libraries, where they were counted.
+    pub elementary_functions: Vec<ElementaryFunction>,
     /// The deepest stack that a run has seen, in bytes.
     pub stack_mark: Option<u32>,
 }
@@ -93,6 +95,18 @@ fn count(
     by_block(blocks, &functions, &counting.results(image)?)
 }
 
+/// Counts `blocks` of a program that runs by itself, and ends well.
+pub(super) fn count_program(
+    image: &Image,
+    blocks: &[(&str, &Block)],
+) -> Result<Vec<(String, Counts)>, Error> {
+    count(image, blocks, |arguments| {
+        let options = Options { patience: PATIENCE, arguments: arguments.to_vec(), ..Options::default() };
+        Machine::boot_with(image.path(), &options)?.end()?;
+        Ok(())
+    })
+}
+
 impl Measurement {
     /// Adds what `blocks` of a program cost that runs by itself, and ends well.
     ///
@@ -100,11 +114,8 @@ impl Measurement {
     /// [`Error::Image`]; [`Error::Workload`] when the program does not end well; [`Error::Counting`];
     /// [`Error::NotCalled`].
     pub fn add_program(&mut self, elf: &Path, blocks: &[(&str, &Block)]) -> Result<(), Error> {
-        self.add_workload(elf, blocks, |arguments| {
-            let options = Options { patience: PATIENCE, arguments: arguments.to_vec(), ..Options::default() };
-            Machine::boot_with(elf, &options)?.end()?;
-            Ok(())
-        })
+        self.counts.extend(count_program(&Image::read(elf)?, blocks)?);
+        Ok(())
     }
 
     /// Adds what `blocks` of the image at `elf` cost while `workload` runs it, which is given arguments for the emulator.
@@ -137,6 +148,7 @@ fn examine(budget: &Budget, image: &Image) -> Result<Measurement, Error> {
         counts: Vec::new(),
         any_path: any_path(budget, image)?,
         any_input: None,
+        elementary_functions: Vec::new(),
         stack_mark: None,
     })
 }
@@ -202,6 +214,7 @@ impl Measurement {
         figures.extend(self.any_input_figures(budget));
         figures.extend(self.ratio_figure(budget));
         figures.extend(self.image_figures(budget));
+        figures.extend(self.elementary_functions.iter().flat_map(|function| function.figures(&budget.board)));
         figures
     }
 

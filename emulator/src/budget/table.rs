@@ -7,7 +7,7 @@ use comfy_table::{CellAlignment, Table, presets};
 use strainwave::compensator::schedule::Slot;
 use strainwave_desktop::Figure;
 
-use super::{Budget, Measurement};
+use super::{Budget, ElementaryFunction, Measurement};
 use crate::any_input::{AnyInput, Step};
 use crate::artifact::CONTROL_STEP;
 use crate::counting::cycle_table::CORE;
@@ -29,6 +29,9 @@ fn print(measured: &Measurement, budget: &Budget) -> String {
     let _ = writeln!(text, "{}", image(budget, &figures));
     text += &missed_targets(measured, budget);
     text.extend(measured.any_input.as_ref().map(|found| any_input(found, budget, &figures)));
+    if !measured.elementary_functions.is_empty() {
+        let _ = writeln!(text, "{}", elementary_functions(&measured.elementary_functions));
+    }
     for (name, found) in measured.proofs() {
         for violation in found {
             let _ = writeln!(text, "{name}: {violation}");
@@ -128,8 +131,36 @@ fn any_input(found: &AnyInput, budget: &Budget, figures: &[Figure]) -> String {
     text
 }
 
+/// A row each; errors of the square root and of 1 - e^-x are relative, those of sine and cosine absolute.
+fn elementary_functions(functions: &[ElementaryFunction]) -> Table {
+    let mut table = empty();
+    table.set_header([
+        "elementary function",
+        "library",
+        "cycles max",
+        "mean",
+        "code",
+        "table",
+        "largest error",
+    ]);
+    for function in functions {
+        let cycles = function.counts.cycles;
+        table.add_row([
+            function.name.to_owned(),
+            function.library.to_owned(),
+            cycles.map_or_else(|| "-".to_owned(), |cycles| cycles.max.to_string()),
+            cycles.map_or_else(|| "-".to_owned(), |cycles| format!("{:.0}", cycles.mean)),
+            function.code.to_string(),
+            function.table.to_string(),
+            format!("{:.1e}", function.error),
+        ]);
+    }
+    align_numbers(&mut table);
+    table
+}
+
 fn image(budget: &Budget, figures: &[Figure]) -> Table {
-    // The blocks' figures have one more segment.
+    // The others' figures have more segments.
     let of_image = figures.iter().filter(|figure| figure.name.matches('.').count() == 2);
     rows("image", &format!("budget.{}.", budget.board), of_image)
 }
@@ -228,6 +259,27 @@ mod tests {
         let image_target = ImageSizes { flash: Some(999), ram: Some(200), ..ImageSizes::default() };
         let text = print(&measurement(), &Budget { image_target, ..budget() });
         assert!(text.contains("flash is 1000: target 999, missed\n") && !text.contains("ram is"), "{text}");
+    }
+
+    #[test]
+    fn libraries_stand_beside_each_other() {
+        let counts = measurement().counts[0].1;
+        let function = ElementaryFunction {
+            name: "sine_cosine",
+            library: "ours",
+            counts,
+            code: 80,
+            table: 1024,
+            error: 8e-8,
+        };
+        let measured = Measurement { elementary_functions: vec![function], ..measurement() };
+        let text = print(&measured, &budget());
+        let row = text.lines().find(|line| line.trim_start().starts_with("sine_cosine")).unwrap();
+        let cells: Vec<&str> = row.split_whitespace().collect();
+        assert_eq!(cells, ["sine_cosine", "ours", "1000", "2", "80", "1024", "8.0e-8"]);
+        let figures = measured.figures(&budget());
+        let last = &figures[figures.len() - 1];
+        assert_eq!((last.name.as_str(), last.bound), ("budget.b.elementary.sine_cosine.ours.error", None));
     }
 
     #[test]
