@@ -2,9 +2,9 @@
 //! torque is finite, every fault has its name, and no switch makes a step.
 
 use strainwave::Angle;
-use strainwave::compensator::actuate::fallback::TORQUE_RAMP;
 use strainwave::compensator::schedule;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
+use strainwave::compensator::tuned::TORQUE_RAMP;
 use strainwave::compensator::{
     Command, CompensationGains, Compensator, Directions, Faults, Input, JointParams, Mode, Output,
     RealTimeGear, Sensors, Setpoint, State,
@@ -92,7 +92,7 @@ impl Joint {
 
     /// Largest change of the torque in a period while it is ramped, rounding included.
     fn largest_change(&self) -> f32 {
-        (2.0 * self.params.limits.motor_torque * CONTROL_PERIOD / TORQUE_RAMP * (1.0 + 1e-5)) as f32
+        (2.0 * self.params.limits.motor_torque * CONTROL_PERIOD / TORQUE_RAMP.get() * (1.0 + 1e-5)) as f32
     }
 
     /// Angle of the output (rad).

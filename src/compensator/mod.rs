@@ -12,6 +12,7 @@
 //! | [`adapt`] | parameter factors, ripple |
 //! | [`actuate`] | cascade, fallback, mode, protection of the gear |
 //! | `control`, [`schedule`] | the step, and the multi-rate schedule of its stages |
+//! | [`tuned`] | tuned constants, one table |
 //! | [`words`] | the built compensator as constants of an image |
 //!
 //! The model runs by a multi-rate [`schedule`], so that no control period takes the time of the whole of it. From one
@@ -40,6 +41,7 @@ pub mod sense;
 mod signals;
 mod start;
 mod state;
+pub mod tuned;
 pub mod words;
 
 pub use actuate::mode::Mode;

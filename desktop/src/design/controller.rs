@@ -22,6 +22,7 @@ use strainwave::compensator::estimate::observer::{GainSets, Gains};
 use strainwave::compensator::reference::measured_feedback::MeasuredFeedbackParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
+use strainwave::compensator::tuned::DRIVE_CORNER;
 use strainwave::friction::ModelName;
 
 use super::mode::Mode;
@@ -41,9 +42,6 @@ pub const SLOTS: usize = SLOW_PERIODS as usize;
 const OUTPUT_SLOT: usize = 4;
 /// (s)
 const ROUND_TIME: f64 = SLOW_PERIODS as f64 * CONTROL_PERIOD;
-
-/// Corner of the motor torque's complementary filter (rad/s), as in `src/compensator/sense/motor_torque.rs`.
-const TORQUE_CORNER: f64 = 7.0;
 
 // Places in the state.
 const MOTOR: usize = 0;
@@ -212,7 +210,7 @@ impl Controller {
         let moved = motor - x[MOTOR];
         x[MOTOR] = motor;
         let commanded = x[TORQUE];
-        x[TORQUE_ERROR] += fraction(dt * TORQUE_CORNER) * (measured - commanded - x[TORQUE_ERROR]);
+        x[TORQUE_ERROR] += fraction(dt * DRIVE_CORNER.get()) * (measured - commanded - x[TORQUE_ERROR]);
         x[IMPULSE] += dt * (commanded + x[TORQUE_ERROR]);
         x[MOTOR_ERROR] += dt * (x[REFERENCE_SPEED] + x[WIND_SPEED]) - moved;
         if slot == OUTPUT_SLOT {

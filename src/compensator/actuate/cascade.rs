@@ -19,16 +19,11 @@
 //! the rotor, which returns a motor as fast as it came: between two counts nothing damps it, and it would go to and fro at some
 //! k_v/(4*J) periods a second, with pulses of torque of up to half of the rated one with 14 bits.
 
+use crate::compensator::tuned::COARSE_COUNT;
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::low_pass::LowPass;
 use crate::real::Real;
-
-/// Largest change of the torque by a count of the encoder, of the motor's peak torque, with which the speed of a resting motor
-/// is the encoder's difference quotient. Chosen on training joints: of 1250 runs 2 keep oscillating and 140 are worse than a baseline.
-/// With 0.05 it was 6 and 139, without the observer's speed 12 and 139, and without a bound, where fine encoders take it too, 3 and
-/// 148: these three with the observer's speed at any distance from the reference.
-const COARSE: f64 = 0.015;
 
 /// Parameters of the cascade.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,10 +94,10 @@ impl<R: Real> FeedbackParams<R> {
     }
 
     /// At rest the speed comes from the observer: `count` (rad) is so coarse that one changes the torque by more than
-    /// 0.015 of tau_max at once.
+    /// [`COARSE_COUNT`] of tau_max at once.
     pub fn estimates_speed(&self, count: R, dt: R) -> bool {
         let at_once = self.velocity_gain * LowPass::build(self.filter_corner, dt).gain() * count;
-        at_once > R::lit(COARSE) * self.torque_limit * dt
+        at_once > R::lit(COARSE_COUNT.get()) * self.torque_limit * dt
     }
 }
 
@@ -153,7 +148,7 @@ mod tests {
     fn a_count_that_is_a_pulse_of_torque_makes_an_encoder_coarse() {
         for bits in 10..24 {
             let coarse = PARAMS.estimates_speed(TAU / 2f64.powi(bits), DT);
-            assert_eq!(coarse, by_a_count(bits) > COARSE * PARAMS.torque_limit, "{bits}");
+            assert_eq!(coarse, by_a_count(bits) > COARSE_COUNT.get() * PARAMS.torque_limit, "{bits}");
         }
         assert!(PARAMS.estimates_speed(TAU / 2f64.powi(13), DT));
         assert!(!PARAMS.estimates_speed(TAU / 2f64.powi(19), DT));

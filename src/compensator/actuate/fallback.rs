@@ -14,14 +14,9 @@
 //! Faults without which no control is possible switch the drive off instead ([`crate::compensator::actuate::mode`]).
 
 use crate::compensator::Faults;
+use crate::compensator::tuned::{QUIET_TIME, TORQUE_RAMP, Tuned};
 use crate::constants::constants;
 use crate::real::Real;
-
-/// T_q (s): time without a fault after which the model is trusted again.
-const QUIET_TIME: f64 = 0.1;
-
-/// T_r (s): time of a ramp of the motor's torque from one end of its range to the other.
-pub const TORQUE_RAMP: f64 = 0.01;
 
 /// Faults that invalidate the model's inputs.
 pub const UNTRUSTED: Faults = Faults::INPUT_NOT_FINITE
@@ -75,9 +70,9 @@ impl<R: Real> FallbackState<R> {
 impl<R: Real> Fallback<R> {
     /// For a motor of this peak torque (N m) and the control period dt (s), both positive.
     pub fn build(peak_torque: R, dt: R) -> Self {
-        let periods = |time: f64| (R::lit(time) / dt).to_i32().unsigned_abs() + 1;
+        let periods = |time: Tuned| (R::lit(time.get()) / dt).to_i32().unsigned_abs() + 1;
         let range = R::lit(2.0) * peak_torque;
-        let change = (range * dt * R::lit(1.0 / TORQUE_RAMP)).min(range);
+        let change = (range * dt * R::lit(1.0 / TORQUE_RAMP.get())).min(range);
         Self { quiet: periods(QUIET_TIME), ramp: periods(TORQUE_RAMP), change, range }
     }
 

@@ -15,6 +15,8 @@
 //! A single control overrun is reported; one is forgotten after 20 periods, five within 10 ms lead to Safe.
 
 use crate::branch::seldom;
+use crate::compensator::schedule::CONTROL_PERIOD;
+use crate::compensator::tuned::{OVERRUN_TIME, OVERRUNS};
 use crate::compensator::{Faults, Status};
 
 /// Faults that lead to Safe.
@@ -37,9 +39,16 @@ pub const DEGRADING: Faults = Faults::OUTPUT_ENCODER_LOST
     .with(Faults::SETPOINT_STALE);
 
 /// Increment of the error counter by an overrun; every period without one decrements it by 1.
-const OVERRUN_INCREMENT: u32 = 20;
-/// Error count that leads to Safe: five overruns within 10 ms.
-const ERROR_COUNT_LIMIT: u32 = 100;
+#[inline(always)]
+fn overrun_increment() -> u32 {
+    OVERRUN_TIME.periods(CONTROL_PERIOD)
+}
+
+/// Error count that leads to Safe.
+#[inline(always)]
+fn error_count_limit() -> u32 {
+    OVERRUNS.get() as u32 * overrun_increment()
+}
 
 /// Mode of the drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -126,11 +135,11 @@ impl ModeState {
         faults.raise_if(overrun, Faults::CONTROL_OVERRUN);
         faults.raise_if(status.contains(Status::RESTARTED), Faults::RESTARTED);
         self.error_count =
-            if overrun { self.error_count + OVERRUN_INCREMENT } else { self.error_count.saturating_sub(1) };
+            if overrun { self.error_count + overrun_increment() } else { self.error_count.saturating_sub(1) };
         self.cause = self.cause.with(faults.among(UNSAFE));
-        if self.error_count >= ERROR_COUNT_LIMIT {
+        if self.error_count >= error_count_limit() {
             seldom();
-            self.error_count = ERROR_COUNT_LIMIT;
+            self.error_count = error_count_limit();
             self.cause = self.cause.with(Faults::CONTROL_OVERRUN);
         }
         *faults = faults.with(self.cause);
@@ -179,10 +188,10 @@ mod tests {
     #[test]
     fn an_overrun_is_reported_and_five_lead_to_safe() {
         let mut state = ModeState::default();
-        for k in 0..ERROR_COUNT_LIMIT / OVERRUN_INCREMENT {
+        for k in 0..error_count_limit() / overrun_increment() {
             let (mode, faults) = step(&mut state, Faults::NONE, Status::OVERRUN);
             assert!(faults.contains(Faults::CONTROL_OVERRUN));
-            assert_eq!(mode == Mode::Safe, k + 1 == ERROR_COUNT_LIMIT / OVERRUN_INCREMENT);
+            assert_eq!(mode == Mode::Safe, k + 1 == error_count_limit() / overrun_increment());
         }
         assert_eq!(step(&mut ModeState::default(), Faults::NONE, Status::RESTARTED).0, Mode::Safe);
     }

@@ -17,12 +17,10 @@
 use crate::branch::seldom;
 use crate::compensator::Limits;
 use crate::compensator::sense::rotor::output_inertia;
+use crate::compensator::tuned::GEAR_TORQUE;
 use crate::constants::constants;
 use crate::gear::GearParams;
 use crate::real::Real;
-
-/// L, as a fraction of the peak rating.
-const BOUND: f64 = 0.85;
 
 /// The built protection.
 #[constants]
@@ -49,7 +47,7 @@ impl<R: Real> Protection<R> {
         let rotor = n * n * gear.wave_generator_inertia;
         let c = R::ONE + rotor / output_inertia(gear, dt);
         let omega = (c * gear.flexspline.line.stiffness[2] / rotor).sqrt();
-        let torque = R::lit(BOUND) * limits.output_torque;
+        let torque = R::lit(GEAR_TORQUE.get()) * limits.output_torque;
         Self {
             torque,
             half: c * torque / n.abs(),
@@ -102,8 +100,8 @@ mod tests {
         let rotor = 1e4 * rotor;
         let c = 1.0 + rotor / output;
         Protection {
-            torque: BOUND * PEAK,
-            half: c * BOUND * PEAK / 100.0,
+            torque: GEAR_TORQUE.get() * PEAK,
+            half: c * GEAR_TORQUE.get() * PEAK / 100.0,
             by_torque: (c - 1.0) / -100.0,
             by_rate: 2.0 * c / ((c * STIFFNESS / rotor).sqrt() * -100.0),
         }

@@ -14,14 +14,9 @@
 //! no longer learn from it. Explicit Euler. Units: rad, N m.
 
 use crate::angle::Heading;
+use crate::compensator::tuned::{GRAVITY_RATE_COSINE, GRAVITY_RATE_SINE, LARGEST_GRAVITY};
 use crate::constants::constants;
 use crate::real::Real;
-
-/// gamma_c and gamma_s (1/s): a joint moves within a part of a revolution, in which the sine is less excited than the
-/// cosine.
-const RATES: [f64; 2] = [2.0, 8.0];
-/// g_max over the rated torque.
-const LARGEST: f64 = 1.0;
 
 /// The built law.
 #[constants]
@@ -44,8 +39,9 @@ impl<R: Real> Gravity<R> {
     /// For a gear of this rated torque (N m), with dt (s) from step to step.
     pub fn build(rated_torque: R, dt: R) -> Self {
         Self {
-            gains: RATES.map(|rate| (R::lit(rate) * dt).min(R::lit(0.5))),
-            largest: R::lit(LARGEST) * rated_torque,
+            gains: [GRAVITY_RATE_COSINE, GRAVITY_RATE_SINE]
+                .map(|rate| (R::lit(rate.get()) * dt).min(R::lit(0.5))),
+            largest: R::lit(LARGEST_GRAVITY.get()) * rated_torque,
         }
     }
 

@@ -15,11 +15,11 @@
 //! noise: the law is the gradient of m^2. The loop around it must respond within a quarter period, so that it only
 //! learns where k*|omega_wg| is below a corner, and only in motion: at rest a ripple cannot be separated from any
 //! constant. Nor can it within a part of its period: a constant m would move the coefficients there and back by m*g over
-//! k*|omega_wg|. So g is at most [`PER_RADIAN`]*k*|omega_wg|: a constant moves them by that fraction of it at any speed.
+//! k*|omega_wg|. So g is at most [`RIPPLE_PER_RADIAN`]*k*|omega_wg|: a constant moves them by that fraction of it at any speed.
 //! A position error far beyond a ripple is that of a load that swings, not a ripple: it counts for no more than an eighth
 //! of the largest ripple does. Errors of inertia and friction, and the vibration that they leave, change with the speed as
 //! fast as a ripple does where the speed changes within a part of its period: it learns once the speed has been steady,
-//! abs domega_wg/dt <= [`STEADY`]*omega_wg^2, over a radian of the wave generator.
+//! abs domega_wg/dt <= [`STEADY_SPEED`]*omega_wg^2, over a radian of the wave generator.
 //!
 //! Discretisation: one order is evaluated in each slot, the others are held: each is evaluated at the middle of the
 //! [`RIPPLE_ORDERS`] slots that it is held for, T = [`RIPPLE_ORDERS`]*dt, and learnt by explicit Euler over 2*T, position
@@ -32,18 +32,10 @@
 use zerocopy::KnownLayout;
 
 use crate::angle::Angle;
+use crate::compensator::tuned::{RIPPLE_PER_RADIAN, RIPPLE_SAMPLE, STEADY_SPEED};
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::{RADIANS_PER_COUNT, Real};
-
-/// Largest position error that is learnt from, over the bound of a coefficient.
-const LARGEST_SAMPLE: f64 = 0.125;
-
-/// Largest rate of a coefficient over the angular frequency of its wave.
-pub const PER_RADIAN: f64 = 0.2;
-
-/// Largest relative change of a steady speed per radian of the wave generator.
-pub const STEADY: f64 = 0.25;
 
 /// Number of learnt orders.
 pub const RIPPLE_ORDERS: usize = 4;
@@ -158,14 +150,14 @@ impl<R: Real> LearntRippleParams<R> {
             torque_gain: R::lit(4.0) * round * self.torque_rate,
             position_bound: self.position_bound,
             torque_bound: self.torque_bound,
-            largest_sample: R::lit(LARGEST_SAMPLE) * self.position_bound,
+            largest_sample: R::lit(RIPPLE_SAMPLE.get()) * self.position_bound,
             least_speed: least,
             fastest: self.orders.map(|order| match order.order {
                 0 => R::ZERO,
                 k => most / R::from_i32(k.cast_signed()),
             }),
             by_speed: self.orders.map(|RippleOrder { order, .. }| {
-                let frequency = R::lit(PER_RADIAN) * R::from_i32(order.cast_signed());
+                let frequency = R::lit(RIPPLE_PER_RADIAN.get()) * R::from_i32(order.cast_signed());
                 [self.position_rate, self.torque_rate]
                     .map(|rate| if rate > R::ZERO { frequency / rate } else { R::ZERO })
             }),
@@ -224,7 +216,7 @@ impl<R: Real> LearntRipple<R> {
     #[inline(always)]
     pub fn learn(&self, map: &mut RippleMap<R>, now: &mut RippleNow<R>, sample: &RippleSample<R>) {
         let (speed, order) = (sample.speed.abs(), now.slot % RIPPLE_ORDERS);
-        let is_steady = sample.acceleration.abs() <= R::lit(STEADY) * speed * speed;
+        let is_steady = sample.acceleration.abs() <= R::lit(STEADY_SPEED.get()) * speed * speed;
         now.steady = if is_steady { (now.steady + self.dt * speed).min(R::ONE) } else { R::ZERO };
         if now.steady < R::ONE || speed < self.least_speed || speed >= self.fastest[order] {
             return;

@@ -4,13 +4,9 @@ use crate::branch::seldom;
 use crate::compensator::actuate::cascade::CascadeInput;
 use crate::compensator::sense::clock::Elapsed;
 use crate::compensator::sense::encoder::Reading;
+use crate::compensator::tuned::NEAR_REFERENCE;
 use crate::compensator::{Compensator, Faults, State, Status};
 use crate::real::Real;
-
-/// Counts of the encoder around its reference within which a resting motor may take its speed from the observer: its own motion
-/// between counts is less than two. Farther off it is controlled by what is measured, so that an observer that is wrong moves it by
-/// no more than this.
-const NEAR: f64 = 4.0;
 
 impl<R: Real> Compensator<R> {
     /// Torque in the mode after this step: none where the drive is off or is switched on with this step; then the
@@ -76,12 +72,13 @@ impl<R: Real> Compensator<R> {
     }
 
     /// Speed of the motor: by the encoder's difference quotient `quotient`, or of a resting motor with a coarse encoder the
-    /// observer's (rad/s).
+    /// observer's (rad/s). Farther than [`NEAR_REFERENCE`] from its reference it is controlled by what is measured: an observer that
+    /// is wrong moves it by no more than that.
     #[inline(always)]
     fn motor_speed(&self, state: &State<R>, quotient: R) -> R {
         let reference = &state.motor_reference;
         if self.estimates_speed && reference.rests && state.fallback.trusted() {
-            let near = R::lit(2.0 * NEAR) * self.rounding;
+            let near = R::lit(2.0 * NEAR_REFERENCE.get()) * self.rounding;
             if reference.position_error.is_within(near) {
                 return state.observer.motor_velocity();
             }

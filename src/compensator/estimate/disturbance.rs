@@ -29,6 +29,7 @@
 
 use crate::angle::Ratio;
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
+use crate::compensator::tuned::{LOAD_RECOVERY, LOAD_REVERSALS, LONGEST_LOAD};
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::gear::GearParams;
@@ -48,13 +49,6 @@ pub struct DisturbanceParams<R> {
     /// s, fraction of the fast part that the gear is wound up for, 0..=1.
     pub wind_up_fraction: R,
 }
-
-/// Longest time beyond the dead zone after a load step (s), and the fraction of the time within that is taken off it.
-const LONGEST_LOAD: f64 = 0.15;
-const RECOVERY: f64 = 0.1;
-/// Reversals of the residual beyond the dead zone that are an oscillation: the least that a load which comes and goes does
-/// not have, with one more for its ringing.
-const REVERSALS: f64 = 3.0;
 
 /// The built disturbance path.
 #[constants]
@@ -155,8 +149,8 @@ impl<R: Real> DisturbanceParams<R> {
             dead_zone: self.dead_zone,
             tolerance: self.tolerance,
             wind_up_fraction: self.wind_up_fraction,
-            longest: R::lit(LONGEST_LOAD),
-            reversal: R::lit(LONGEST_LOAD / REVERSALS),
+            longest: R::lit(LONGEST_LOAD.get()),
+            reversal: R::lit(LONGEST_LOAD.get() / LOAD_REVERSALS.get()),
             wave_generator_inertia: gear.wave_generator_inertia,
             ratio: ratio.value(),
             motor_wind_up: self.wind_up_fraction * R::from_i32(ratio.n()),
@@ -203,7 +197,7 @@ impl<R: Real> Disturbance<R> {
         };
         state.slow += self.slow_gain * change;
         let time = if residual.is_within(state.dead_zone) {
-            R::lit(-RECOVERY) * self.slow_dt
+            R::lit(-LOAD_RECOVERY.get()) * self.slow_dt
         } else {
             let reverses = residual * state.residual < R::ZERO;
             state.residual = residual;

@@ -28,21 +28,11 @@
 
 use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::protection::Protection;
+use crate::compensator::tuned::{APPROACH_RATE, JERK_TIME, LOAD_SHARE, REST_SPEED, SETPOINT_TIME};
 use crate::compensator::{Limits, Setpoint};
 use crate::constants::constants;
 use crate::gear::GearParams;
 use crate::real::Real;
-
-/// T_s (s).
-const SLIP_TIME: f64 = 0.02;
-/// k (1/s).
-const RATE: f64 = 25.0;
-/// T_j, time from no acceleration to a (s).
-const JERK_TIME: f64 = 0.005;
-/// Largest |l|.
-const LARGEST_LOAD: f64 = 0.8;
-/// Speed below which a braked reference rests (rad/s).
-const REST: f64 = 1e-4;
 
 /// The built approach.
 #[constants]
@@ -97,7 +87,7 @@ impl<R: Real> Approach<R> {
             velocity: limits.setpoint_speed(gear.ratio),
             near: quarter / cascade.position_gain,
             near_velocity: quarter + acceleration * round,
-            keep: (R::ONE - round * R::lit(1.0 / SLIP_TIME)).max(R::ZERO),
+            keep: (R::ONE - round * R::lit(1.0 / SETPOINT_TIME.get())).max(R::ZERO),
         }
     }
 
@@ -141,7 +131,7 @@ impl<R: Real> Approach<R> {
         moment: &Moment<R>,
     ) -> Option<Setpoint<R>> {
         let Moment { time, stale, load } = *moment;
-        let helped = self.acceleration * (self.by_load * load).limit(R::lit(LARGEST_LOAD));
+        let helped = self.acceleration * (self.by_load * load).limit(R::lit(LOAD_SHARE.get()));
         let [down, up] = [helped - self.acceleration, helped + self.acceleration];
         let most = up.min(-down);
         // A reference is extrapolated by its jerk until the next one.
@@ -151,7 +141,7 @@ impl<R: Real> Approach<R> {
         let position = from.position.plus(time * (from.velocity + R::lit(0.5) * change));
         let velocity = (from.velocity + change).limit(self.velocity);
         let (target, along) = if stale {
-            if velocity.is_within(R::lit(REST)) {
+            if velocity.is_within(R::lit(REST_SPEED.get())) {
                 return Some(Setpoint { position, ..Setpoint::default() });
             }
             (R::ZERO, R::ZERO)
@@ -164,11 +154,12 @@ impl<R: Real> Approach<R> {
                 return None;
             }
             let (room, spare) = (distance.abs(), (most - commanded.acceleration.abs()).max(R::ZERO));
-            let speed = (R::lit(RATE) * room).min((spare * room).sqrt_or_zero());
+            let speed = (R::lit(APPROACH_RATE.get()) * room).min((spare * room).sqrt_or_zero());
             ((commanded.velocity + speed.copysign(distance)).limit(self.velocity), commanded.acceleration)
         };
-        let acceleration = (along + R::lit(4.0 * RATE) * (target - velocity)).min(up).max(down);
-        let step = most * self.round * R::lit(1.0 / JERK_TIME);
+        let acceleration =
+            (along + R::lit(4.0 * APPROACH_RATE.get()) * (target - velocity)).min(up).max(down);
+        let step = most * self.round * R::lit(1.0 / JERK_TIME.get());
         let jerk = (acceleration - present).limit(step) * self.inverse_round;
         Some(Setpoint { position, velocity, acceleration: present, jerk, snap: R::ZERO })
     }

@@ -8,11 +8,9 @@
 //! v_0 they are interpolated, so that no gain steps where the motion reverses.
 
 use crate::compensator::CompensationGains;
+use crate::compensator::tuned::CROSSOVER;
 use crate::constants::constants;
 use crate::real::Real;
-
-/// v_0 over the output's top speed.
-const CROSSOVER: f64 = 0.01;
 
 /// The gains for forward and for backward motion of the output.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,7 +38,7 @@ pub struct Crossover<R> {
 impl<R: Real> Crossover<R> {
     /// For an output of this top speed, positive (rad/s).
     pub fn build(top_speed: R) -> Self {
-        Self { slope: R::lit(0.5 / CROSSOVER) / top_speed }
+        Self { slope: R::lit(0.5 / CROSSOVER.get()) / top_speed }
     }
 
     /// w at a speed (rad/s): the weight of the forward direction.

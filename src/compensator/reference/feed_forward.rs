@@ -56,6 +56,7 @@
 use crate::angle::{Angle, Heading, Ratio};
 use crate::compensator::adapt::parameters::{Excitation, Factors};
 use crate::compensator::schedule::{MODELS_TO_PLAN, PLAN_TO_LEARN, PLAN_TO_MODELS, SLOW_PERIODS};
+use crate::compensator::tuned::FADING_TIME;
 use crate::compensator::{CompensationGains, HYSTERESIS_MEMORY, RealTimeGear, Setpoint};
 use crate::constants::constants;
 use crate::error::{Error, require};
@@ -67,9 +68,6 @@ use crate::real::Real;
 
 /// Least h*w: where line and hysteresis together are less than half as stiff as the line, the Newton step is shortened.
 const LEAST_SLOPE: f64 = -0.5;
-
-/// T_f (s): time constant of the friction feed-forward's decay at rest.
-const FADING_TIME: f64 = 0.5;
 
 /// The built feed-forward.
 ///
@@ -232,7 +230,7 @@ impl<R: Real> FeedForward<R> {
             to_plan: R::from_i32(MODELS_TO_PLAN as i32) * dt,
             presliding_path: R::lit(4.0) * gear.input_friction.presliding,
             engagement: R::lit(4.0) / gear.input_friction.presliding,
-            fading: (round / R::lit(FADING_TIME)).min(R::ONE),
+            fading: (round / R::lit(FADING_TIME.get())).min(R::ONE),
             inverse_round: R::ONE / round,
             half_step: R::lit(0.5) * dt,
         })

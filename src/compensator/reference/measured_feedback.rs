@@ -30,6 +30,7 @@
 //! A. De Luca, W. Book, "Robots with flexible elements", Springer Handbook of Robotics (2016), chapter 11.
 
 use crate::compensator::schedule::SLOW_PERIODS;
+use crate::compensator::tuned::RESTING_NOISE;
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::low_pass::LowPass;
@@ -51,9 +52,6 @@ pub struct MeasuredFeedbackParams<R> {
     /// Largest shift, above 0 (rad at the motor).
     pub largest_shift: R,
 }
-
-/// Half width of the dead zone at rest, in counts: rounding, and a count of noise.
-const NOISE: f64 = 1.5;
 
 /// The built feedback.
 #[constants]
@@ -119,7 +117,7 @@ impl<R: Real> MeasuredFeedback<R> {
             low_pass: LowPass::build(gains.corner, dt),
             proportional: [gains.proportional, gains.proportional_at_rest],
             derivative: [gains.derivative, gains.derivative_at_rest].map(|gain| gain / dt),
-            dead_zone: R::lit(NOISE) * count,
+            dead_zone: R::lit(RESTING_NOISE.get()) * count,
             largest_shift: gains.largest_shift,
             farthest: farthest.to_i32().unsigned_abs(),
             dt,

@@ -28,6 +28,7 @@
 //! A. De Luca, W. Book, "Robots with flexible elements", Springer Handbook of Robotics (2016), chapter 11: damping by
 //! link-side velocity, and the effect of the motor's lag on it.
 
+use crate::compensator::tuned::{LARGEST_SHIFT, SLOW_SPEED};
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::low_pass::LowPass;
@@ -47,11 +48,6 @@ pub struct OutputFeedbackParams<R> {
     pub filter_corner: R,
 }
 
-/// Largest shift of the motor's reference, at the output (rad): more than a gear's torsion at peak torque.
-const LARGEST: f64 = 0.01;
-
-/// Fastest setpoint at which z runs, as a fraction of the joint's fastest speed.
-const SLOW: f64 = 0.05;
 /// Half width of the dead zone of a resting output, in counts of its encoder: its rounding.
 const DEAD_ZONE: f64 = 0.5;
 
@@ -134,7 +130,7 @@ impl<R: Real> OutputFeedback<R> {
             gains: *gains,
             filters: [0, 1].map(|k: usize| LowPass::build(gains[k].filter_corner, dt)),
             inverse_flexspline_inertia: R::ONE / flexspline_inertia,
-            slow: R::lit(SLOW) * fastest,
+            slow: R::lit(SLOW_SPEED.get()) * fastest,
             dead_zone: R::lit(DEAD_ZONE) * count,
             dt,
         })
@@ -156,7 +152,7 @@ impl<R: Real> OutputFeedback<R> {
         let angle = damping * output.velocity + state.integral;
         let acceleration = output.torque * self.inverse_flexspline_inertia;
         let rate = damping * acceleration + state.integral_rate;
-        Shift { angle: -angle.limit(R::lit(LARGEST)), rate: -rate }
+        Shift { angle: -angle.limit(R::lit(LARGEST_SHIFT.get())), rate: -rate }
     }
 
     /// The setpoint is slow enough for z, and for P and D of the measured angle.
@@ -176,7 +172,8 @@ impl<R: Real> OutputFeedback<R> {
         let gain = if state.rests { gains.integral_at_rest } else { gains.integral };
         state.integral_rate = gain * state.filtered;
         if runs {
-            state.integral = (state.integral + self.dt * state.integral_rate).limit(R::lit(LARGEST));
+            state.integral =
+                (state.integral + self.dt * state.integral_rate).limit(R::lit(LARGEST_SHIFT.get()));
         }
     }
 }
@@ -271,7 +268,7 @@ mod tests {
         let far = OutputError { position: 1e3, velocity: 1e3, ..OutputError::default() };
         let mut state = OutputFeedbackState::default();
         for _ in 0..10_000 {
-            assert!(stepped(&feedback, &mut state, &far, true).angle.abs() <= LARGEST);
+            assert!(stepped(&feedback, &mut state, &far, true).angle.abs() <= LARGEST_SHIFT.get());
         }
         let before = state.integral;
         stepped(&feedback, &mut state, &OutputError { position: -1e3, ..OutputError::default() }, false);

@@ -16,22 +16,29 @@
 
 use crate::angle::Angle;
 use crate::compensator::Limits;
+use crate::compensator::schedule::CONTROL_PERIOD;
 use crate::compensator::sense::clock::Elapsed;
 use crate::compensator::sense::encoder::Reading;
+use crate::compensator::tuned::{BAD_FRAMES, DETECTION_MARGIN, ENCODER_NOISE, FRAME_RECOVERY};
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::{RADIANS_PER_COUNT, Real};
 
-/// Increment of the error counter by a refused reading, and decrement by an accepted one.
+/// Increment of the error counter by a refused reading.
 const ERROR_INCREMENT: u32 = 10;
-const ERROR_DECREMENT: u32 = 4;
+
+/// Decrement of the error counter by an accepted reading.
+#[inline(always)]
+fn error_decrement() -> u32 {
+    (f64::from(ERROR_INCREMENT) * FRAME_RECOVERY.get()) as u32
+}
+
 /// Error count at which the angle is lost.
-const ERROR_COUNT_LIMIT: u32 = 200;
-/// Safety factor of a.
-const MARGIN: f64 = 1.5;
-/// Tolerated noise of a count (counts).
-const NOISE: u32 = 4;
+#[inline(always)]
+fn error_count_limit() -> u32 {
+    ERROR_INCREMENT * BAD_FRAMES.periods(CONTROL_PERIOD)
+}
 
 /// The built encoder.
 #[constants]
@@ -82,10 +89,10 @@ impl<R: Real> MotorEncoder<R> {
         require((10..=32).contains(&bits), "encoder_bits")?;
         let gear_torque = R::lit(2.0) * limits.output_torque / R::from_i32(gear.ratio).abs();
         let torque = limits.motor_torque + gear_torque + gear.input_friction.forward.static_level;
-        let acceleration = R::lit(MARGIN) * torque / gear.wave_generator_inertia;
+        let acceleration = R::lit(DETECTION_MARGIN.get()) * torque / gear.wave_generator_inertia;
         let reach = (acceleration * dt * dt * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs();
         let shift = 32 - bits;
-        Ok(Self { shift, reach, noise: NOISE << shift, dt, inverse_dt: R::ONE / dt })
+        Ok(Self { shift, reach, noise: (ENCODER_NOISE.get() as u32) << shift, dt, inverse_dt: R::ONE / dt })
     }
 
     /// Resolution: 2^bits counts a revolution.
@@ -149,14 +156,14 @@ impl<R: Real> MotorEncoder<R> {
             };
             state.step = step;
             state.refused = 0;
-            state.error_count = state.error_count.saturating_sub(ERROR_DECREMENT);
+            state.error_count = state.error_count.saturating_sub(error_decrement());
             state.usual = state.error_count == 0;
             return (state.reading(phase, delta, true), false);
         }
         state.usual = false;
         state.refused = state.refused.saturating_add(1);
         state.error_count += ERROR_INCREMENT;
-        let lost = state.error_count >= ERROR_COUNT_LIMIT;
+        let lost = state.error_count >= error_count_limit();
         if lost {
             let counts = state.counts;
             *state = MotorEncoderState { counts, ..MotorEncoderState::default() };
@@ -193,7 +200,7 @@ mod tests {
         MotorEncoder {
             shift: 32 - BITS,
             reach,
-            noise: NOISE << (32 - BITS),
+            noise: (ENCODER_NOISE.get() as u32) << (32 - BITS),
             dt: CONTROL_PERIOD,
             inverse_dt: 1.0 / CONTROL_PERIOD,
         }

@@ -13,17 +13,10 @@
 //! decay in y with a time constant of a seventh of a second each. Units: N m at the motor's shaft, rad/s. Exact for inputs
 //! that are held.
 
+use crate::compensator::tuned::{DRIVE_CORNER, GROSS_TORQUE, MEASURED_TORQUE_CORNER};
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::Real;
-
-/// omega with a command (rad/s).
-const CORNER: f64 = 7.0;
-/// omega without one (rad/s).
-const ALONE: f64 = 100.0;
-
-/// w, as a fraction of the peak torque.
-const GROSS: f64 = 0.05;
 
 /// The built filter.
 #[constants]
@@ -57,8 +50,9 @@ impl<R: Real> MotorTorque<R> {
     pub fn build(peak_torque: R, dt: R) -> Result<Self, Error> {
         require(dt > R::ZERO && dt <= R::ONE, "dt")?;
         require(peak_torque > R::ZERO, "motor_torque")?;
-        let [alone, commanded] = [ALONE, CORNER].map(|corner| (dt * R::lit(corner)).one_minus_exp_neg());
-        Ok(Self { gain: [alone, commanded - alone], gross: R::lit(GROSS) * peak_torque })
+        let corners = [MEASURED_TORQUE_CORNER, DRIVE_CORNER];
+        let [alone, commanded] = corners.map(|corner| (dt * R::lit(corner.get())).one_minus_exp_neg());
+        Ok(Self { gain: [alone, commanded - alone], gross: R::lit(GROSS_TORQUE.get()) * peak_torque })
     }
 
     /// Torque over the control period that ended, from the `commanded` torque, its feedback gain, and the `measured` one.
@@ -92,7 +86,7 @@ mod tests {
 
     #[test]
     fn slow_differences_pass_and_fast_ones_do_not() {
-        for (corner, followed) in [(CORNER, 1.0), (ALONE, 0.0)] {
+        for (corner, followed) in [(DRIVE_CORNER.get(), 1.0), (MEASURED_TORQUE_CORNER.get(), 0.0)] {
             assert!(passed(0.1 * corner, followed) > 0.99);
             assert!((passed(corner, followed) - 0.5f64.sqrt()).abs() < 0.01);
             assert!(passed(100.0 * corner, followed) < 0.013);
@@ -123,7 +117,7 @@ mod tests {
         let (filter, mut state) =
             (MotorTorque::build(2.0, CONTROL_PERIOD).unwrap(), MotorTorqueState::default());
         for commanded in [1.0, -2.0, 0.5, 2.0] {
-            assert!(filter.step(&mut state, commanded, 1.0, 0.0).abs() <= GROSS * 2.0);
+            assert!(filter.step(&mut state, commanded, 1.0, 0.0).abs() <= GROSS_TORQUE.get() * 2.0);
         }
     }
 

@@ -21,14 +21,12 @@ use crate::branch::seldom;
 use crate::compensator::faults::Faults;
 use crate::compensator::reference::directions::Crossover;
 use crate::compensator::schedule::{SLOW_PERIODS, SLOW_SLOTS};
+use crate::compensator::tuned::{GAIN_RAMP, MOTOR_PATH, OUTPUT_PATH};
 use crate::compensator::{Command, CompensationGains, Directions, Limits, Sensors, Setpoint};
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::Real;
-
-/// Time in which a gain is ramped from 0 to 1 (s).
-const GAIN_RAMP_TIME: f64 = 0.02;
 
 /// The built guard.
 #[constants]
@@ -95,7 +93,7 @@ impl<R: Real> InputGuard<R> {
             motor_torque: R::lit(2.0) * limits.motor_torque,
             output_torque: R::lit(2.0) * limits.output_torque,
             peak_output_torque: limits.output_torque,
-            gain_step: (R::from_i32((SLOW_SLOTS * SLOW_PERIODS) as i32) * dt * R::lit(1.0 / GAIN_RAMP_TIME))
+            gain_step: (R::from_i32((SLOW_SLOTS * SLOW_PERIODS) as i32) * dt * R::lit(1.0 / GAIN_RAMP.get()))
                 .min(R::ONE),
             crossover: Crossover::build(limits.output_speed(gear.ratio)),
         })
@@ -235,12 +233,6 @@ fn ramp<R: Real>(commanded: R, gain: &mut R, allowed: R, step: R, faults: &mut F
     *gain += (allowed * target - *gain).max(-step).min(step);
 }
 
-/// Commanded path of the motor at which an encoder that stands still is frozen (rad).
-const MOTOR_PATH: f64 = 0.5;
-
-/// The same for the output's encoder: more than the gear's torsion from one peak torque to the other.
-const OUTPUT_PATH: f64 = 2.0;
-
 /// Detector of an encoder that stands still while a motion of the motor is commanded.
 #[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -252,12 +244,12 @@ pub struct FrozenEncoder<R> {
 impl<R: Real> FrozenEncoder<R> {
     /// The motor's, for the control period dt (s).
     pub fn of_motor(dt: R) -> Self {
-        Self { dt, farthest: R::lit(MOTOR_PATH) }
+        Self { dt, farthest: R::lit(MOTOR_PATH.get()) }
     }
 
     /// The output's.
     pub fn of_output(dt: R) -> Self {
-        Self { dt, farthest: R::lit(OUTPUT_PATH) }
+        Self { dt, farthest: R::lit(OUTPUT_PATH.get()) }
     }
 
     /// Adds to the path while the encoder stands still; true once the path is too long. A motor that reverses stands still for a

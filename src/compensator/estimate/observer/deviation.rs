@@ -25,7 +25,8 @@
 //! motor cannot observe (a brake may hold any) is covered by w.
 
 use crate::compensator::EstimateDeviation;
-use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
+use crate::compensator::schedule::{CONTROL_PERIOD, OBSERVER_PERIODS, SLOW_PERIODS};
+use crate::compensator::tuned::CORRECTION_TIME;
 use crate::constants::constants;
 use crate::real::Real;
 
@@ -35,8 +36,8 @@ pub const PERIODS: u32 = 2 * SLOW_PERIODS / OBSERVER_PERIODS;
 /// [`PERIODS`] as a number.
 const STEP: f64 = PERIODS as f64;
 
-/// Periods of the low pass of the correction of d, 3.2 ms.
-const FILTER: f64 = 16.0;
+/// Period of the observer (s).
+const OBSERVER_PERIOD: f64 = OBSERVER_PERIODS as f64 * CONTROL_PERIOD;
 
 /// Uncertainty of the model: standard deviations relative to the parameter.
 #[constants]
@@ -178,8 +179,8 @@ impl<R: Real> Spread<R> {
     /// h: residual of d that the innovations show.
     #[inline(always)]
     fn residual(&self, state: &mut SpreadState<R>, load_correction: R) -> R {
-        state.correction_mean +=
-            R::lit(1.0 / FILTER) * (load_correction - R::lit(STEP) * state.correction_mean);
+        let filter = R::lit(1.0 / f64::from(CORRECTION_TIME.periods(OBSERVER_PERIOD)));
+        state.correction_mean += filter * (load_correction - R::lit(STEP) * state.correction_mean);
         let fallen = state.residual - R::lit(STEP) * state.residual * self.inverse_settling;
         state.residual = (self.settling * state.correction_mean.abs()).max(fallen);
         state.residual

@@ -24,7 +24,7 @@
 //! the motor's torque by 10 %. Which of the two is trusted depends on the motor. Where it moves, its friction is known to
 //! a few N m at the output and the residual is attributed to the stiffness: s. Where it stands, static friction or a
 //! brake may hold any torque, so that the residual is attributed to b and s is held. Standstill is detected after
-//! [`STANDSTILL`] periods; the gains of a motor that stands are small. With the motor encoder alone neither is observable
+//! [`STANDSTILL_TIME`](crate::compensator::tuned::STANDSTILL_TIME); the gains of a motor that stands are small. With the motor encoder alone neither is observable
 //! beside d, and both stay zero. s is limited to 3 standard deviations of the stiffness.
 //!
 //! A resting output may be anywhere within the count of its encoder: while the motor stands, the innovation theta_o -
@@ -56,7 +56,6 @@ mod state;
 pub use gains::{Correction, GainSets, Gains, STATES};
 pub use multi_rate::GearCorrection;
 pub use params::{LONGEST_PERIOD, ObserverParams};
-pub use standstill::STANDSTILL;
 pub use state::ObserverState;
 
 use crate::angle::{Angle, Ratio};

@@ -14,13 +14,11 @@ use crate::compensator::Limits;
 use crate::compensator::estimate::observer::multi_rate::Torques;
 use crate::compensator::estimate::observer::state::ObserverState;
 use crate::compensator::faults::Faults;
+use crate::compensator::tuned::STIFFNESS_TORQUE;
 use crate::constants::constants;
 use crate::error::Error;
 use crate::gear::GearParams;
 use crate::real::Real;
-
-/// Part of the rated torque that s may have in addition to its fraction of tau_t: hysteresis, the encoders' zero.
-const LEAST_STIFFNESS_TORQUE: f64 = 0.03;
 
 /// Bounds of the observer's states: twice the joint's speeds, its peak torque, and the torsion of four times the peak
 /// torque, far beyond ratcheting of the teeth.
@@ -48,7 +46,7 @@ impl<R: Real> Range<R> {
             output_speed: R::lit(2.0) * limits.output_speed(gear.ratio),
             external_torque: limits.output_torque,
             held_torque: limits.output_torque / R::from_i32(gear.ratio).abs(),
-            stiffness_torque: [R::lit(3.0) * stiffness, R::lit(LEAST_STIFFNESS_TORQUE) * gear.rated_torque],
+            stiffness_torque: [R::lit(3.0) * stiffness, R::lit(STIFFNESS_TORQUE.get()) * gear.rated_torque],
             torsion: gear.flexspline.line.build()?.torsion(R::lit(4.0) * limits.output_torque),
             transmitted: R::lit(4.0) * limits.output_torque,
         })

@@ -1,12 +1,16 @@
-//! Standstill of the motor: for [`STANDSTILL`] periods its encoder has stayed within the motion threshold of one angle,
+//! Standstill of the motor: for [`STANDSTILL_TIME`] its encoder has stayed within the motion threshold of one angle,
 //! or rest has been commanded, and in no period its prediction error has exceeded the motion threshold.
 //!
 //! It selects which of s and b is corrected ([`super`]), and the gains: those of a motor that stands are small.
 
-use crate::compensator::schedule::OBSERVER_PERIODS;
+use crate::compensator::schedule::{CONTROL_PERIOD, OBSERVER_PERIODS};
+use crate::compensator::tuned::STANDSTILL_TIME;
 
-/// Periods of the observer without motion after which the motor stands: 20 ms.
-pub const STANDSTILL: u32 = 200 / OBSERVER_PERIODS;
+/// Periods of the observer without motion after which the motor stands.
+#[inline(always)]
+fn standstill_periods() -> u32 {
+    STANDSTILL_TIME.periods(OBSERVER_PERIODS as f64 * CONTROL_PERIOD)
+}
 
 /// Phase at which the motor stands, and the periods since it moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,13 +21,15 @@ pub(super) struct Standstill {
 
 impl Standstill {
     /// At rest at the zero angle.
-    pub(super) const RESTING: Self = Self { phase: 0, periods: STANDSTILL };
+    pub(super) fn resting() -> Self {
+        Self { phase: 0, periods: standstill_periods() }
+    }
 
     /// Whether the motor moves, after one more period at this phase, which was `predicted` within the threshold or not;
     /// `rests`: rest is commanded.
     #[inline(always)]
     pub(super) fn step(&mut self, phase: u32, predicted: bool, rests: bool, motion_threshold: u32) -> bool {
-        self.periods = (self.periods + 1).min(STANDSTILL);
+        self.periods = (self.periods + 1).min(standstill_periods());
         let left = phase.wrapping_sub(self.phase).cast_signed().unsigned_abs() > motion_threshold;
         if left {
             self.phase = phase;
@@ -31,7 +37,7 @@ impl Standstill {
         if !predicted || left && !rests {
             self.periods = 0;
         }
-        self.periods < STANDSTILL
+        self.periods < standstill_periods()
     }
 }
 
@@ -50,7 +56,7 @@ mod tests {
     #[test]
     fn a_motor_stands_after_20_ms_at_one_angle() {
         let mut standstill = Standstill { phase: 1000, periods: 0 };
-        assert!(moves(&mut standstill, STANDSTILL - 1, THRESHOLD, true, false));
+        assert!(moves(&mut standstill, standstill_periods() - 1, THRESHOLD, true, false));
         assert!(!moves(&mut standstill, 1, THRESHOLD, true, false));
         assert!(moves(&mut standstill, 2, THRESHOLD + 1, true, false));
     }
@@ -58,17 +64,17 @@ mod tests {
     #[test]
     fn with_rest_commanded_it_stands_though_it_creeps() {
         let mut standstill = Standstill { phase: 1000, periods: 0 };
-        assert!(moves(&mut standstill, STANDSTILL - 1, THRESHOLD + 1, true, true));
+        assert!(moves(&mut standstill, standstill_periods() - 1, THRESHOLD + 1, true, true));
         assert!(!moves(&mut standstill, 1, THRESHOLD + 1, true, true));
         assert!(moves(&mut standstill, 2, THRESHOLD + 1, true, false));
     }
 
     #[test]
     fn a_prediction_error_is_a_motion() {
-        let mut standstill = Standstill { phase: 1000, periods: STANDSTILL };
+        let mut standstill = Standstill { phase: 1000, periods: standstill_periods() };
         assert!(!moves(&mut standstill, 1, 0, true, true));
         assert!(moves(&mut standstill, 1, 0, false, true));
-        assert!(moves(&mut standstill, STANDSTILL - 1, 0, true, true));
+        assert!(moves(&mut standstill, standstill_periods() - 1, 0, true, true));
         assert!(!moves(&mut standstill, 1, 0, true, true));
     }
 }

@@ -58,7 +58,7 @@ impl<R: Real> Observer<R> {
             stiffness_torque: R::ZERO,
             held_torque: R::ZERO,
             output_innovation: R::ZERO,
-            standstill: Standstill::RESTING,
+            standstill: Standstill::resting(),
             since_output: u32::MAX,
             past: Past::default(),
             spread: SpreadState::default(),

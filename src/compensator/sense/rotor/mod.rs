@@ -37,6 +37,10 @@
 use crate::angle::Angle;
 use crate::branch::seldom;
 use crate::compensator::schedule::SLOW_PERIODS;
+use crate::compensator::tuned::{
+    DETECTION_MARGIN, DISAGREEING, DRIVE_LACK, GAUGE_UNCERTAINTY, NOT_FOLLOWING, OVERLOADED,
+    TORQUE_UNCERTAINTY, TORSION_UNCERTAINTY, Tuned,
+};
 use crate::compensator::{Faults, Limits};
 use crate::constants::constants;
 use crate::error::{Error, require};
@@ -45,21 +49,11 @@ use crate::gear::GearParams;
 use crate::low_pass::LowPass;
 use crate::real::Real;
 
-/// Fraction of a command that a drive at its own limit may lack.
-const LIMITED: f64 = 0.5;
-/// Overload, in peak ratings.
-const OVERLOAD: f64 = 1.25;
-/// Position error that the cascade follows, in that at which its speed loop commands the motor's largest acceleration.
-const FOLLOWING: f64 = 1.5;
-/// Uncertainty of a change of the gear's torque against the motor's, by the encoders and by the torque sensor: 10 % of the
-/// torque constant; of the torsion 10 % of stiffness, and as much hysteresis, too.
-const UNCERTAINTY: [f64; 2] = [0.3, 0.1];
-/// Time that an overload, or a following error, has to last (s): one round of the default period.
-const OVERLOADED: f64 = 0.8e-3;
-/// The same of a drive that does not follow.
-const NOT_FOLLOWING: f64 = 2.4e-3;
-/// The same of a sensor at the output that disagrees.
-const DISAGREEING: f64 = 8e-3;
+/// The largest that a torque may be, over what is known of it.
+#[inline(always)]
+fn largest_torque() -> f64 {
+    1.0 + TORQUE_UNCERTAINTY.get()
+}
 
 /// The built balance of the rotor.
 #[constants]
@@ -208,11 +202,12 @@ impl<R: Real> Rotor<R> {
         let output = output_inertia(gear, dt);
         let both = R::ONE / output + R::ONE / (n * n * gear.wave_generator_inertia);
         let corner = gain.sqrt() * (stiffness * both).sqrt().min(R::lit(0.25) / round);
-        let grip = R::lit(2.5) * static_level
+        let grip = R::lit(2.0 * largest_torque()) * static_level
             + R::lit(0.01) * limits.motor_torque
             + R::lit(2.0) * count * stiffest / (n * n)
             + R::lit(8.0) * noise / n.abs();
-        let rounds = |time: f64| ((R::lit(time) / round + R::lit(0.5)).to_i32().max(1)).cast_unsigned();
+        let rounds =
+            |time: Tuned| ((R::lit(time.get()) / round + R::lit(0.5)).to_i32().max(1)).cast_unsigned();
         Ok(Self {
             round,
             inverse_round: R::ONE / round,
@@ -229,16 +224,16 @@ impl<R: Real> Rotor<R> {
             ],
             inverse_n: R::ONE / n,
             filter: LowPass::of_gain(gain),
-            overload: R::lit(OVERLOAD) * peak,
+            overload: R::lit(largest_torque()) * peak,
             grip,
             held: [n.abs() * grip + R::lit(2.0) * output_count * stiffest, n.abs() * grip],
-            uncertainty: UNCERTAINTY.map(R::lit),
-            surplus: R::lit(0.25) * peak / n.abs()
-                + R::lit(1.25) * static_level
+            uncertainty: [TORSION_UNCERTAINTY, GAUGE_UNCERTAINTY].map(|part| R::lit(part.get())),
+            surplus: R::lit(TORQUE_UNCERTAINTY.get()) * peak / n.abs()
+                + R::lit(largest_torque()) * static_level
                 + R::lit(3.0) * noise / n.abs(),
             speed_limit: limits.motor_speed + count / round,
             drive: R::lit(0.1) * limits.motor_torque,
-            following: R::lit(FOLLOWING) * limits.motor_torque / (inertia * k_p * k_p),
+            following: R::lit(DETECTION_MARGIN.get()) * limits.motor_torque / (inertia * k_p * k_p),
             lag: R::ONE / k_p,
             peak,
             line,
@@ -279,8 +274,8 @@ impl<R: Real> Rotor<R> {
             (state.least, state.most) = (torque, torque);
             return;
         }
-        let stopping =
-            R::lit(1.25) * (torque.abs() + (state.gear_torque * self.inverse_n).abs()) + self.surplus;
+        let stopping = R::lit(largest_torque()) * (torque.abs() + (state.gear_torque * self.inverse_n).abs())
+            + self.surplus;
         self.filter.step(&mut state.gear_torque, balance);
         state.rate = self.stiffness * (speed * self.inverse_n - state.output_speed);
         state.torque += self.round * state.rate;
@@ -315,7 +310,7 @@ impl<R: Real> Rotor<R> {
         let commanded = torque - drive_error;
         let largest = commanded.abs().max(state.commanded.abs());
         state.commanded = commanded;
-        let drive = self.drive + R::lit(LIMITED) * largest;
+        let drive = self.drive + R::lit(DRIVE_LACK.get()) * largest;
         // Torque of the other sign: such a round counts twice.
         let opposite = !drive_error.is_within(self.drive + largest);
         state.drive_rounds += u32::from(opposite);
@@ -383,7 +378,9 @@ impl<R: Real> Rotor<R> {
     #[inline(always)]
     fn disagrees(&self, state: &RotorState<R>, measured: R) -> bool {
         let torques = measured.abs() + (self.n * state.applied).abs();
-        !(measured - state.gear_torque).is_within(R::lit(0.3) * self.peak + R::lit(0.25) * torques)
+        !(measured - state.gear_torque).is_within(
+            R::lit(TORSION_UNCERTAINTY.get()) * self.peak + R::lit(TORQUE_UNCERTAINTY.get()) * torques,
+        )
     }
 }
 

@@ -1,0 +1,301 @@
+//! Tuned constants of the compensator, one table: every one with its unit and the reason of its value.
+//!
+//! A constant is tuned when another value would be no mistake: it was chosen by what joints do with it. [`TABLE`] has those of
+//! the control step and of what it is built from; those of the rules by which a gear file becomes its gains stand in
+//! `strainwave_desktop::design::tuned`, declared alike. Not tuned, and beside the code that they belong to, are
+//!
+//! - the schedule, sizes and number formats,
+//! - ranges of validity, and guards of the arithmetic,
+//! - the rounding of a count, and a factor whose derivation stands at its formula.
+//!
+//! A time is in seconds, and becomes whole periods where something is built or stepped ([`Tuned::periods`]).
+//!
+//! `strainwave verify constants` runs joints with each of them halved and doubled. For that the cargo feature
+//! `scaled-constants` looks every value up at run time, times a factor that is 1 but for one constant at a time. Without the
+//! feature, as in firmware, a value is a constant of the program.
+
+use crate::constants::{START, fingerprint};
+
+/// Unit of a tuned constant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Unit {
+    /// A ratio, or a number of events.
+    One,
+    /// s
+    Second,
+    /// 1/s
+    PerSecond,
+    /// rad
+    Radian,
+    /// rad/s
+    RadianPerSecond,
+    /// Counts of an encoder.
+    Count,
+}
+
+impl Unit {
+    /// As it is written.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::One => "1",
+            Self::Second => "s",
+            Self::PerSecond => "1/s",
+            Self::Radian => "rad",
+            Self::RadianPerSecond => "rad/s",
+            Self::Count => "count",
+        }
+    }
+}
+
+/// A tuned constant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tuned {
+    /// As in the code.
+    pub name: &'static str,
+    /// In `unit`, not scaled.
+    pub value: f64,
+    /// Of the value.
+    pub unit: Unit,
+    /// What it is, and why it has its value.
+    pub why: &'static str,
+    /// Fingerprint of the name: which constant is scaled.
+    key: u32,
+}
+
+impl Tuned {
+    /// A constant; [`crate::tuned!`] declares a table of them.
+    pub const fn new(name: &'static str, value: f64, unit: Unit, why: &'static str) -> Self {
+        Self { name, value, unit, why, key: fingerprint(START, name.as_bytes()) }
+    }
+
+    /// The value.
+    #[cfg(not(feature = "scaled-constants"))]
+    #[inline(always)]
+    pub const fn get(self) -> f64 {
+        self.value
+    }
+
+    /// The value, times the factor that this constant is scaled by.
+    #[cfg(feature = "scaled-constants")]
+    #[inline(always)]
+    pub fn get(self) -> f64 {
+        scaling::scaled(self.key, self.value)
+    }
+
+    /// A time (s) in whole periods of this duration (s): the nearest number, at least 1.
+    #[inline(always)]
+    pub fn periods(self, period: f64) -> u32 {
+        ((self.get() / period + 0.5) as u32).max(1)
+    }
+}
+
+#[cfg(feature = "scaled-constants")]
+pub use scaling::Scaled;
+
+#[cfg(feature = "scaled-constants")]
+mod scaling {
+    use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+    use super::Tuned;
+
+    /// Key of no constant.
+    const NONE: u32 = 0;
+
+    /// Key of the constant that is scaled, and the bits of its factor: for every thread, as a run uses many.
+    static KEY: AtomicU32 = AtomicU32::new(NONE);
+    static FACTOR: AtomicU32 = AtomicU32::new(0);
+
+    #[inline(always)]
+    pub(super) fn scaled(key: u32, value: f64) -> f64 {
+        if KEY.load(Relaxed) == key { value * f64::from(f32::from_bits(FACTOR.load(Relaxed))) } else { value }
+    }
+
+    /// A constant is scaled until this is dropped.
+    #[must_use = "dropped, the constant has its value again"]
+    #[derive(Debug)]
+    pub struct Scaled(());
+
+    impl Tuned {
+        /// Scales the constant, for every thread; `None` while one is scaled already.
+        ///
+        /// What was built before keeps the value that it was built with.
+        pub fn scale(self, factor: f32) -> Option<Scaled> {
+            KEY.compare_exchange(NONE, self.key, Relaxed, Relaxed).ok()?;
+            FACTOR.store(factor.to_bits(), Relaxed);
+            Some(Scaled(()))
+        }
+    }
+
+    impl Drop for Scaled {
+        fn drop(&mut self) {
+            KEY.store(NONE, Relaxed);
+        }
+    }
+}
+
+/// Declares tuned constants, a line each: `NAME = value, Unit, "what it is: why it has its value";`, and `TABLE`, all of them.
+#[macro_export]
+macro_rules! tuned {
+    ($($name:ident = $value:expr, $unit:ident, $why:literal;)*) => {
+        $(
+            #[doc = $why]
+            pub const $name: $crate::compensator::tuned::Tuned = $crate::compensator::tuned::Tuned::new(
+                stringify!($name),
+                $value,
+                $crate::compensator::tuned::Unit::$unit,
+                $why,
+            );
+        )*
+
+        /// All of them.
+        pub const TABLE: &[$crate::compensator::tuned::Tuned] = &[$($name),*];
+    };
+}
+
+tuned! {
+    // Sensors.
+    BAD_FRAMES = 2e-3, Second,
+        "Time of bad frames of the motor's encoder after which its angle is lost: less than half of the 5 ms in which a \
+         lost encoder is to be named";
+    FRAME_RECOVERY = 0.4, One,
+        "Bad frames that a good one makes up for: a reading in four may be bad";
+    ENCODER_NOISE = 4.0, Count,
+        "Noise that a count of the motor's encoder may have, besides its motion: few counts of any resolution, which a \
+         bad frame exceeds by far";
+    DETECTION_MARGIN = 1.5, One,
+        "Acceleration of the motor that is a bad frame, and position error that is a fault, over the largest that the torques of a \
+         sound joint make: half as much again for their uncertainty";
+    MOTOR_PATH = 0.5, Radian,
+        "Commanded path of the motor in which its encoder moves, unless it is frozen: an angle, whatever the gear";
+    OUTPUT_PATH = 2.0, Radian,
+        "The same for the output's encoder: more than the torsion from one peak torque to the other, as the motor turns, \
+         of the default gear";
+    DRIVE_CORNER = 7.0, RadianPerSecond,
+        "Corner between commanded and measured motor torque: noise of the measurement above it, a drive's errors below it";
+    MEASURED_TORQUE_CORNER = 100.0, RadianPerSecond,
+        "Low pass of the measured torque where another controller moves the motor, whose command is unknown";
+    GROSS_TORQUE = 0.05, One,
+        "Difference of measured and commanded torque that is no noise, in motor's peak torques: some ten times the noise \
+         of the default joint's measurement";
+    DRIVE_LACK = 0.5, One,
+        "Part of its command that a drive at a limit of its own may lack: one at 60 % still follows";
+    TORQUE_UNCERTAINTY = 0.25, One,
+        "Part of a torque by the motor that is uncertain: it is known no better than the torque constant and the inertia \
+         that it accelerates";
+    TORSION_UNCERTAINTY = 0.3, One,
+        "Part of the torque by the torsion that is uncertain: 10 % of the torque constant, 10 % of stiffness, as much hysteresis";
+    GAUGE_UNCERTAINTY = 0.1, One,
+        "Part of a change of the torque by the torque sensor that is uncertain: 10 % of the torque constant";
+    OVERLOADED = 0.8e-3, Second,
+        "Time that an overload or a following error lasts: one round, the soonest that can be told";
+    NOT_FOLLOWING = 2.4e-3, Second,
+        "Time that a drive does not follow: longer than four time constants of one of 1 kHz, three rounds";
+    DISAGREEING = 8e-3, Second,
+        "Time that a sensor at the output disagrees with the motor's side, ten rounds: what is uncertain of both for a \
+         moment is none";
+
+    // Estimates.
+    STANDSTILL_TIME = 0.02, Second,
+        "Time without motion of its encoder after which a motor stands, and the observer's gains are those of one that a \
+         brake may hold";
+    CORRECTION_TIME = 3.2e-3, Second,
+        "Low pass of the corrections of the external torque that widen the declared deviations: a persistent one counts, \
+         noise does not";
+    STIFFNESS_TORQUE = 0.03, One,
+        "Bound of the torque that a stiffness error explains at no torsion, in rated torques: hysteresis, and the encoders' zero";
+    LONGEST_LOAD = 0.15, Second,
+        "Time that a load step is beyond the dead zone: longer is an oscillation of the loop through the disturbance path";
+    LOAD_RECOVERY = 0.1, One,
+        "Part of the time within the dead zone that is taken off the time beyond it: an oscillation is within for some of it";
+    LOAD_REVERSALS = 3.0, One,
+        "Reversals beyond the dead zone that are an oscillation: a load that comes and goes has two, with its ringing";
+
+    // References.
+    SETPOINT_TIME = 0.02, Second,
+        "Age at which a setpoint is stale, and time in which a slip of it is forgotten: twenty periods of an outer controller of \
+         1 kHz";
+    LOST_REFERENCE = 2.0, One,
+        "Position error of a lost reference, in those at which the cascade asks for all of the motor's torque";
+    APPROACH_RATE = 25.0, PerSecond,
+        "Rate at which a setpoint that cannot be followed is approached near by: a fifth of the default gear's position \
+         gain";
+    JERK_TIME = 0.005, Second,
+        "Time to the whole acceleration of an approach: five periods of an outer controller of 1 kHz";
+    LOAD_SHARE = 0.8, One,
+        "Largest part of the torque that a load takes from an approach: a fifth of it is left, for any estimate";
+    REST_SPEED = 1e-4, RadianPerSecond,
+        "Speed below which a braked reference rests: an absolute speed, whatever the joint";
+    LARGEST_SHIFT = 0.01, Radian,
+        "Largest shift of the reference by the output feedback: more than a gear's torsion at peak torque, of the default gear";
+    SLOW_SPEED = 0.05, One,
+        "Fastest setpoint at which the output feedback integrates, in joint's speeds: before the error of a fast move changes its \
+         sign";
+    RESTING_NOISE = 1.5, Count,
+        "Dead zone of the output encoder's angle at rest: its rounding, and a count of noise";
+    FADING_TIME = 0.5, Second,
+        "Time in which the friction that is fed forward fades at rest: a joint of less friction than the model's is not \
+         driven by it";
+    CROSSOVER = 0.01, One,
+        "Speed up to which the gains of either direction are mixed, in joint's speeds: no step of a gain at a reversal";
+
+    // Torque command.
+    GAIN_RAMP = 0.02, Second,
+        "Time in which a gain goes from 0 to 1: a gain that is switched makes no step of the output, at most 6 % of it at \
+         a time";
+    GEAR_TORQUE = 0.85, One,
+        "Bound of the torque through the gear, in peak ratings: 10 % of the torque constant, and the time to the command";
+    BRAKING_SHARE = 0.1, One,
+        "Deceleration that the position error may ask for, in accelerations of an approach: the rest is the setpoint's, a load's \
+         and a weak drive's";
+    COARSE_COUNT = 0.015, One,
+        "Torque by a count of the motor's encoder with which the observer's speed damps a resting motor, in motor's peak torques. \
+         Of 1250 runs of training joints 2 keep oscillating and 140 are worse than a baseline; with 0.05 6 and 139, without the \
+         observer's speed 12 and 139, without a bound 3 and 148: these three at any distance from the reference";
+    NEAR_REFERENCE = 4.0, Count,
+        "Distance to its reference within which a resting motor takes its speed from the observer: its own motion between counts is \
+         less than two";
+    QUIET_TIME = 0.1, Second,
+        "Time without a fault of its inputs after which the model is trusted again: it is not switched with every single \
+         fault";
+    TORQUE_RAMP = 0.01, Second,
+        "Time of a ramp of the motor's torque from one end of its range to the other: a fallback makes no step of the \
+         torque";
+    OVERRUN_TIME = 2e-3, Second,
+        "Time after which an overrun of the control is forgotten: twenty periods";
+    OVERRUNS = 5.0, One,
+        "Overruns, none of them forgotten, that switch the drive off: within 10 ms";
+
+    // Adaptation.
+    GRAVITY_RATE_COSINE = 2.0, PerSecond,
+        "Rate of the learnt gravity's cosine: slow against a reversal of the motion";
+    GRAVITY_RATE_SINE = 8.0, PerSecond,
+        "Rate of its sine, which a joint within a part of a revolution excites less";
+    LARGEST_GRAVITY = 1.0, One,
+        "Largest coefficient of gravity, in rated torques: a joint is built to hold its load";
+    RIPPLE_SAMPLE = 0.125, One,
+        "Position error that counts for a ripple, in largest ripples: beyond it is a load that swings";
+    RIPPLE_PER_RADIAN = 0.2, One,
+        "Rate at which a ripple is learnt over the frequency of its wave: what a constant moves there and back, of itself";
+    STEADY_SPEED = 0.25, One,
+        "Relative change of a steady speed in a radian of the motor: ripple is learnt apart from errors of inertia and friction";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_is_so_many_periods() {
+        let time = |value| Tuned::new("TIME", value, Unit::Second, "an example");
+        assert_eq!([2e-3, 0.02, 3.2e-3, 1e-9].map(|value| time(value).periods(1e-4)), [20, 200, 32, 1]);
+        assert_eq!((STANDSTILL_TIME.periods(2e-4), CORRECTION_TIME.periods(2e-4)), (100, 16));
+    }
+
+    #[test]
+    fn no_name_is_there_twice_and_every_reason_is_one() {
+        for (k, one) in TABLE.iter().enumerate() {
+            assert!(TABLE[..k].iter().all(|other| other.name != one.name), "{}", one.name);
+            assert!(one.why.len() > 20 && one.value.is_finite() && one.value > 0.0, "{}", one.name);
+        }
+    }
+}
