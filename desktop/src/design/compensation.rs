@@ -29,79 +29,25 @@ use strainwave::compensator::estimate::disturbance::DisturbanceParams;
 use strainwave::compensator::reference::measured_feedback::MeasuredFeedbackParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
+use strainwave::compensator::tuned::Tuned;
 
 use crate::design::feedback::feedback_params;
+use crate::design::tuned;
 use crate::io::gear_file::{Drive, Friction, GearFile};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
-/// Damping ratio that the output feedback adds to the torsion mode, by the estimate.
-const ADDED_DAMPING: f64 = 0.125;
-/// The same by the output encoder, in slow motion and at rest, where more of it opposes a load step.
-const MEASURED_DAMPING: [f64; 2] = [0.4, 0.55];
-/// P, alike.
-const PROPORTIONAL: [f64; 2] = [0.4, 0.26];
-/// omega_m as a multiple of omega: a count of the output encoder moves the reference of a joint in slow motion by
-/// P + 2*zeta*omega_m/omega = 4.4 counts.
-const MEASURED_CORNER: f64 = 5.0;
-/// Largest change of the torque by a count of the output encoder in slow motion, of the motor's peak torque.
-const COUNT_TORQUE: f64 = 0.05;
-/// Part of the motor's peak torque that the rotor takes to follow the largest shift at the torsion mode's frequency: the rest is
-/// left to the load and to the cascade's damping. With 0.2 a joint whose reflected rotor is ten times its load goes from limit to
-/// limit after a load step, with 0.15 it does not.
-const SHIFT_TORQUE: f64 = 0.1;
-/// Largest torque that P and D ask for at a step of the rated torque, in motor's peak torques: with more, a motor at its
-/// limit no longer damps, and a load far lighter than its rotor is lost. Without it one run more of 500 training joints shakes
-/// and 3 of its 135 joints with both encoders more are worse than a baseline in S1.
-const STEP_TORQUE: f64 = 5.0;
-/// k without and with an output encoder, in slow motion and at rest, as fractions of the outer frequency.
-const INTEGRAL: [f64; 2] = [0.0, 0.3];
-const INTEGRAL_AT_REST: [f64; 2] = [0.0, 0.25];
-/// omega_y as a multiple of omega: z takes a damping ratio of 0.03 off the mode, of 0.125 without its poles.
-const FILTER_CORNER: f64 = 1.5;
-/// Outer frequency over the position gain, at most.
-const OUTER_TO_POSITION: f64 = 1.75;
-
-/// Corner of the disturbance path's slow part, as a fraction of the outer frequency.
-const SLOW_CORNER: f64 = 0.2;
-/// Fraction of a sudden load that the gear is wound up for.
-const FAST_SHARE: f64 = 0.5;
-
-/// Room that a factor has beyond the file's tolerances.
-const ROOM: f64 = 1.25;
-/// Rate of the inertia's factor where its torque is the rated one (1/s).
-const INERTIA_RATE: f64 = 30.0;
 /// Between two steps of the adaptation: two rounds (s).
 const ADAPTATION_PERIOD: f64 = 2.0 * SLOW_PERIODS as f64 * CONTROL_PERIOD;
-/// Fraction of the rate at which a step of the adaptation at the peak torque is no longer stable.
-const STABLE_SHARE: f64 = 0.75;
-/// Rate of the friction's factor at its Coulomb level, on the motor's and on the output's side (1/s).
-const FRICTION_RATES: [f64; 2] = [1.2, 0.3];
-/// The same of the presliding's shape and of its stiffness, where both weigh as much as the Coulomb levels.
-const PRESLIDING_RATES: [f64; 2] = [8.0, 40.0];
-/// Largest deviation of both from their nominal values: from nearly order 1 on, stiffness by 0.5 to 2.3.
-const PRESLIDING_BOUND: f64 = 0.9;
-/// Rate of the compliance's factor at the rated torque's torsion (1/s).
-const COMPLIANCE_RATE: f64 = 80.0;
-/// The same without an output encoder, at a flexing torque of so many rated torques, which is also the largest that
-/// counts.
-const FLEXING_RATE: f64 = 60.0;
-const FLEXING_LEVEL: f64 = 0.06;
-/// Half width of the dead zone, in rated torques.
-const DEAD_ZONE: f64 = 0.001;
-/// Corners of F(s) and of the slow part (rad/s).
-const CORNERS: [f64; 2] = [200.0, 2.0];
 
-/// Rate of the ripple of position, as a fraction of the outer frequency. Learning a ripple of the frequency f closes a loop
-/// through the torsion mode, stable for a rate below 2*zeta*omega*(1 - (f/omega)^2) over the number of orders: a fraction
-/// of 0.036 for the damping ratio zeta = 0.1, and omega at the ends of its tolerance.
-const POSITION_RIPPLE_RATE: f64 = 1.0 / 64.0;
-/// Rate of the ripple of torque (1/s).
-const TORQUE_RIPPLE_RATE: f64 = 1.0;
-/// Largest ripple of position (rad), and of torque in Coulomb levels of the motor's side.
-const RIPPLE_BOUNDS: [f64; 2] = [3e-4, 0.3];
-/// Speeds of the motor between which ripple is learnt, as fractions of the torsion mode's frequency; the upper is of order
-/// 1, well below the mode, where the sign of the output's response changes.
-const RIPPLE_SPEEDS: [f64; 2] = [1.0 / 160.0, 0.375];
+/// Damping ratios that the output encoder adds, in slow motion and at rest.
+fn measured_damping() -> [f64; 2] {
+    [tuned::MEASURED_DAMPING, tuned::MEASURED_DAMPING_AT_REST].map(Tuned::get)
+}
+
+/// P, alike.
+fn proportional() -> [f64; 2] {
+    [tuned::PROPORTIONAL, tuned::PROPORTIONAL_AT_REST].map(Tuned::get)
+}
 
 /// Delay of the drive, the longest, and lag of its slowest current loop (s), in whole control periods.
 fn drive_delay(drive: &Drive) -> f64 {
@@ -122,7 +68,7 @@ fn mode_frequency(file: &GearFile) -> f64 {
 
 /// Outer frequency (rad/s).
 fn outer_frequency(file: &GearFile) -> f64 {
-    mode_frequency(file).min(OUTER_TO_POSITION * feedback_params::<f64>(file).position_gain)
+    mode_frequency(file).min(tuned::OUTER_TO_POSITION.get() * feedback_params::<f64>(file).position_gain)
 }
 
 /// Fraction of a shift's gains, 0..=1, that the phase of the motor at the torsion mode allows, with this delay (s).
@@ -155,27 +101,28 @@ fn output_count(file: &GearFile) -> f64 {
 }
 
 /// Fraction of P and D in slow motion, where nothing hides the encoder's rounding: so much of them that a count changes the
-/// torque by no more than [`COUNT_TORQUE`] of the motor's peak torque.
+/// torque by no more than [`tuned::COUNT_TORQUE`] of the motor's peak torque.
 fn slow_fraction(file: &GearFile) -> f64 {
-    let gain = measured_level(file) * (PROPORTIONAL[0] + 2.0 * MEASURED_DAMPING[0] * MEASURED_CORNER);
+    let gain = measured_level(file)
+        * (proportional()[0] + 2.0 * measured_damping()[0] * tuned::MEASURED_CORNER.get());
     // P and D of a joint whose torsion mode is too fast for any are 0: no count changes its torque.
     let by_count = (gain * output_count(file) * torque_by_shift(file)).max(f64::MIN_POSITIVE);
-    (COUNT_TORQUE * file.motor.peak_torque / by_count).min(1.0)
+    (tuned::COUNT_TORQUE.get() * file.motor.peak_torque / by_count).min(1.0)
 }
 
-/// Fraction of P and D at rest: so much of them that a step of the rated torque asks for no more than [`STEP_TORQUE`] of
+/// Fraction of P and D at rest: so much of them that a step of the rated torque asks for no more than [`tuned::STEP_TORQUE`] of
 /// the motor's peak torque. Its error goes up to 2*T/K1, at a speed of up to omega*T/K1.
 fn rest_fraction(file: &GearFile) -> f64 {
-    let gain = 2.0 * (PROPORTIONAL[1] + MEASURED_DAMPING[1]);
+    let gain = 2.0 * (proportional()[1] + measured_damping()[1]);
     let by_step = gain * file.gear.rated_torque / file.stiffness.k1 * torque_by_shift(file);
-    (STEP_TORQUE * file.motor.peak_torque / by_step).min(1.0)
+    (tuned::STEP_TORQUE.get() * file.motor.peak_torque / by_step).min(1.0)
 }
 
-/// Largest shift by the output encoder's angle (rad at the motor), which takes [`SHIFT_TORQUE`] of the motor's peak torque:
+/// Largest shift by the output encoder's angle (rad at the motor), which takes [`tuned::SHIFT_TORQUE`] of the motor's peak torque:
 /// `J_wg*omega^2` times its amplitude.
 fn largest_shift(file: &GearFile) -> f64 {
     let stiffness = file.inertia.wave_generator * mode_frequency(file).powi(2);
-    SHIFT_TORQUE * file.motor.peak_torque / stiffness
+    tuned::SHIFT_TORQUE.get() * file.motor.peak_torque / stiffness
 }
 
 /// The disturbance path, from the uncertainty of the joint.
@@ -190,22 +137,24 @@ pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
     let level = |side: &Friction| side.static_level.or(side.coulomb).unwrap_or_default();
     let hidden = n * level(&file.friction.input) + level(&file.friction.output);
     DisturbanceParams {
-        slow_corner: R::lit(SLOW_CORNER * outer_frequency(file)),
+        slow_corner: R::lit(tuned::SLOW_CORNER.get() * outer_frequency(file)),
         fast_corner: R::lit(1.0 / lateness(&file.drive)),
         dead_zone: R::lit(hidden),
         tolerance: R::lit(n * (file.drive.torque_constant + file.tolerances.rotor_inertia)),
-        wind_up_fraction: R::lit(FAST_SHARE),
+        wind_up_fraction: R::lit(tuned::FAST_SHARE.get()),
     }
 }
 
 /// Gains without and with an output encoder.
 pub fn output_feedback_params<R: Real>(file: &GearFile) -> [OutputFeedbackParams<R>; 2] {
     let (frequency, outer) = (mode_frequency(file), outer_frequency(file));
+    let [integral, integral_at_rest] =
+        [tuned::INTEGRAL, tuned::INTEGRAL_AT_REST].map(|with_output| [0.0, with_output.get()]);
     std::array::from_fn(|k| OutputFeedbackParams {
-        damping: R::lit(estimated_level(file) * 2.0 * ADDED_DAMPING / frequency),
-        integral: R::lit(INTEGRAL[k] * outer),
-        integral_at_rest: R::lit(INTEGRAL_AT_REST[k] * outer),
-        filter_corner: R::lit(FILTER_CORNER * frequency),
+        damping: R::lit(estimated_level(file) * 2.0 * tuned::ADDED_DAMPING.get() / frequency),
+        integral: R::lit(integral[k] * outer),
+        integral_at_rest: R::lit(integral_at_rest[k] * outer),
+        filter_corner: R::lit(tuned::FILTER_CORNER.get() * frequency),
     })
 }
 
@@ -213,13 +162,14 @@ pub fn output_feedback_params<R: Real>(file: &GearFile) -> [OutputFeedbackParams
 ///
 /// There the motor follows a shift by `|T| = k_p/omega/sqrt(1 + (omega/omega_v)^2)`, at worst a quarter of a period late, and P takes
 /// a damping ratio of `P*|T|/2` from the mode: half of what it has is left to it. Nor does a count move the torque by more than
-/// [`COUNT_TORQUE`] of the motor's peak torque.
+/// [`tuned::COUNT_TORQUE`] of the motor's peak torque.
 fn proportional_of_fast_mode(file: &GearFile) -> f64 {
     let (frequency, cascade) = (mode_frequency(file), feedback_params::<f64>(file));
     let late = (frequency / (TAU * file.feedback.velocity_bandwidth)).hypot(1.0);
     let by_damping = file.damping.torsion_mode_ratio * frequency / cascade.position_gain * late;
-    let by_count = COUNT_TORQUE * file.motor.peak_torque / (output_count(file) * torque_by_shift(file));
-    by_damping.min(by_count).min(PROPORTIONAL[0])
+    let by_count =
+        tuned::COUNT_TORQUE.get() * file.motor.peak_torque / (output_count(file) * torque_by_shift(file));
+    by_damping.min(by_count).min(proportional()[0])
 }
 
 /// Gains of the output encoder's angle.
@@ -228,15 +178,15 @@ pub fn measured_feedback_params<R: Real>(file: &GearFile) -> MeasuredFeedbackPar
     let levels = [level * slow_fraction(file), level * rest_fraction(file)];
     let least = proportional_of_fast_mode(file);
     let [proportional, proportional_at_rest] =
-        [0, 1].map(|k: usize| R::lit((levels[k] * PROPORTIONAL[k]).max(least)));
+        [0, 1].map(|k: usize| R::lit((levels[k] * proportional()[k]).max(least)));
     let [derivative, derivative_at_rest] =
-        [0, 1].map(|k: usize| R::lit(levels[k] * 2.0 * MEASURED_DAMPING[k] / frequency));
+        [0, 1].map(|k: usize| R::lit(levels[k] * 2.0 * measured_damping()[k] / frequency));
     MeasuredFeedbackParams {
         proportional,
         proportional_at_rest,
         derivative,
         derivative_at_rest,
-        corner: R::lit(MEASURED_CORNER * frequency),
+        corner: R::lit(tuned::MEASURED_CORNER.get() * frequency),
         largest_shift: R::lit(largest_shift(file)),
     }
 }
@@ -258,23 +208,23 @@ fn adaptation_params<R: Real>(file: &GearFile) -> AdaptationParams<R> {
     let (input, output) = (n * coulomb(&file.friction.input), coulomb(&file.friction.output));
     let rated = file.gear.rated_torque;
     let overload = file.gear.peak_torque / rated;
-    let fastest = STABLE_SHARE / (ADAPTATION_PERIOD * overload * overload);
+    let fastest = tuned::STABLE_SHARE.get() / (ADAPTATION_PERIOD * overload * overload);
     AdaptationParams {
         bounds: Factors {
-            inertia: R::lit(ROOM * file.tolerances.load_inertia),
-            input_friction: R::lit(ROOM * file.tolerances.friction),
-            output_friction: R::lit(ROOM * file.tolerances.friction),
-            compliance: R::lit(ROOM * file.tolerances.stiffness),
-            presliding: R::lit(PRESLIDING_BOUND),
-            presliding_stiffness: R::lit(PRESLIDING_BOUND),
+            inertia: R::lit(tuned::FACTOR_ROOM.get() * file.tolerances.load_inertia),
+            input_friction: R::lit(tuned::FACTOR_ROOM.get() * file.tolerances.friction),
+            output_friction: R::lit(tuned::FACTOR_ROOM.get() * file.tolerances.friction),
+            compliance: R::lit(tuned::FACTOR_ROOM.get() * file.tolerances.stiffness),
+            presliding: R::lit(tuned::PRESLIDING_BOUND.get()),
+            presliding_stiffness: R::lit(tuned::PRESLIDING_BOUND.get()),
         },
         rates: Factors {
-            inertia: R::lit(INERTIA_RATE.min(fastest)),
-            input_friction: R::lit(FRICTION_RATES[0]),
-            output_friction: R::lit(FRICTION_RATES[1]),
-            compliance: R::lit(COMPLIANCE_RATE.min(fastest)),
-            presliding: R::lit(PRESLIDING_RATES[0]),
-            presliding_stiffness: R::lit(PRESLIDING_RATES[1]),
+            inertia: R::lit(tuned::INERTIA_RATE.get().min(fastest)),
+            input_friction: R::lit(tuned::FRICTION_RATE.get()),
+            output_friction: R::lit(tuned::OUTPUT_FRICTION_RATE.get()),
+            compliance: R::lit(tuned::COMPLIANCE_RATE.get().min(fastest)),
+            presliding: R::lit(tuned::PRESLIDING_RATE.get()),
+            presliding_stiffness: R::lit(tuned::PRESLIDING_STIFFNESS_RATE.get()),
         },
         levels: Factors {
             inertia: R::lit(rated),
@@ -284,11 +234,11 @@ fn adaptation_params<R: Real>(file: &GearFile) -> AdaptationParams<R> {
             presliding: R::lit(input + output),
             presliding_stiffness: R::lit(input + output),
         },
-        dead_zone: R::lit(DEAD_ZONE * rated),
-        filter_corner: R::lit(CORNERS[0]),
-        bias_corner: R::lit(CORNERS[1]),
-        flexing_rate: R::lit(FLEXING_RATE),
-        flexing_level: R::lit(FLEXING_LEVEL * rated),
+        dead_zone: R::lit(tuned::RESIDUAL_DEAD_ZONE.get() * rated),
+        filter_corner: R::lit(tuned::REGRESSOR_CORNER.get()),
+        bias_corner: R::lit(tuned::BIAS_CORNER.get()),
+        flexing_rate: R::lit(tuned::FLEXING_RATE.get()),
+        flexing_level: R::lit(tuned::FLEXING_LEVEL.get() * rated),
         // Of the kinematic error most is twice a revolution.
         flexing_speed: R::lit(0.5 / (n * mode(file))),
     }
@@ -304,11 +254,14 @@ fn learnt_ripple_params<R: Real>(file: &GearFile) -> LearntRippleParams<R> {
     }
     LearntRippleParams {
         orders,
-        position_rate: R::lit(POSITION_RIPPLE_RATE * outer_frequency(file)),
-        torque_rate: R::lit(TORQUE_RIPPLE_RATE),
-        position_bound: R::lit(RIPPLE_BOUNDS[0]),
-        torque_bound: R::lit(RIPPLE_BOUNDS[1] * file.friction.input.coulomb.unwrap_or_default()),
-        speeds: RIPPLE_SPEEDS.map(|fraction| R::lit(fraction * mode_frequency(file))),
+        position_rate: R::lit(tuned::POSITION_RIPPLE_RATE.get() * outer_frequency(file)),
+        torque_rate: R::lit(tuned::TORQUE_RIPPLE_RATE.get()),
+        position_bound: R::lit(tuned::LARGEST_RIPPLE.get()),
+        torque_bound: R::lit(
+            tuned::LARGEST_TORQUE_RIPPLE.get() * file.friction.input.coulomb.unwrap_or_default(),
+        ),
+        speeds: [tuned::LEAST_RIPPLE_SPEED, tuned::LARGEST_RIPPLE_SPEED]
+            .map(|fraction| R::lit(fraction.get() * mode_frequency(file))),
     }
 }
 
@@ -361,8 +314,8 @@ mod tests {
         let (light, lighter) = (gains(0.005), gains(0.0025));
         assert_eq!((light.derivative, light.proportional), (0.0, light.proportional_at_rest));
         assert!(light.proportional > 0.1 && lighter.proportional > 1.5 * light.proportional);
-        assert_eq!(gains(1e-5).proportional, PROPORTIONAL[0]);
-        assert_eq!(gains(1.0).proportional_at_rest, PROPORTIONAL[1]);
+        assert_eq!(gains(1e-5).proportional, proportional()[0]);
+        assert_eq!(gains(1.0).proportional_at_rest, proportional()[1]);
     }
 
     /// A count of a coarse encoder would be a pulse of torque.

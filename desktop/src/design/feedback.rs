@@ -6,10 +6,8 @@ use std::f64::consts::TAU;
 use strainwave::Real;
 use strainwave::compensator::actuate::cascade::FeedbackParams;
 
+use crate::design::tuned::FILTER_TO_VELOCITY;
 use crate::io::gear_file::GearFile;
-
-/// omega_f over omega_v.
-const FILTER_TO_VELOCITY: f64 = 10.0;
 
 /// The compensator's motor-side cascade, from the bandwidths of the file's `[feedback]`.
 ///
@@ -26,7 +24,7 @@ pub fn feedback_params<R: Real>(file: &GearFile) -> FeedbackParams<R> {
         position_gain: R::lit(TAU * file.feedback.position_bandwidth),
         velocity_gain: R::lit(velocity * inertia),
         integral_time: R::lit(file.feedback.integral_time),
-        filter_corner: R::lit(FILTER_TO_VELOCITY * velocity),
+        filter_corner: R::lit(FILTER_TO_VELOCITY.get() * velocity),
         torque_limit: R::lit(file.motor.peak_torque),
     }
 }

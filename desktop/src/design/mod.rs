@@ -7,7 +7,7 @@
 //! or (within its dead zone) nothing; [`judge`] finds the worst. Margins say how far a stable loop is from an unstable one;
 //! that it is stable the poles say ([`poles`]). Gains with margins follow by rule: the cascade's ([`cascade_rule`]), and how
 //! much of every other function there may be on top of it ([`level_rule`]). They are offered as an alternative to the gains that
-//! [`crate::design::joint::joint_params`] gives the firmware. [`sweep`] measures the same L in the loop of the real code.
+//! [`crate::design::joint::joint_params`] gives the firmware, by rules whose constants stand in [`tuned`]. [`sweep`] measures the same L in the loop of the real code.
 
 pub mod buildable;
 pub mod capability;
@@ -33,4 +33,5 @@ pub mod poles;
 pub mod required;
 pub mod response;
 pub mod sweep;
+pub mod tuned;
 pub mod variant;

@@ -10,14 +10,16 @@
 //!
 //! Noise: encoders by their resolution (q/sqrt(12)) plus jitter in counts of a 19-bit encoder; motor torque and
 //! strain gauge by the gear file; a fraction of the Coulomb friction of either side, renewed every control period; an
-//! external torque that wanders ([`DESIGN`]). s wanders by what the stiffness takes of that, b by what a brake takes of
+//! external torque that wanders ([`WANDER`]). s wanders by what the stiffness takes of that, b by what a brake takes of
 //! it, r times.
-
-use std::f64::consts::FRAC_1_SQRT_2;
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
+use strainwave::compensator::tuned::Tuned;
 
+use crate::design::tuned::{
+    JITTER, OUTPUT_JITTER, RENEWED_FRICTION, STANDING_FRICTION, STANDING_WANDER, WANDER,
+};
 use crate::io::gear_file::{Friction, GearFile};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
@@ -41,26 +43,19 @@ pub(super) struct Unknown {
     pub output_jitter: f64,
 }
 
-/// As the gains are designed. They grow with the wander: where the stiffness is off by 10 %, the filter of the motor
-/// encoder alone loses its stability at a wander below 1.7.
-pub(super) const DESIGN: Unknown =
-    Unknown { wander: 0.15, friction: 0.05, jitter: 3.0 * FRAC_1_SQRT_2, output_jitter: 4.0 };
-
-/// Factors on random walk and renewed friction while the motor stands.
-const STANDING: [f64; 2] = [0.1, 0.2];
-
 impl Unknown {
     /// As the gains of a gear are designed, whose file may have a wander and encoder noise of its own, for a motor that
     /// moves or stands.
     pub(super) fn designed(file: &GearFile, stands: bool) -> Self {
         let own = file.compensation.external_torque_wander.map(|wander| wander / file.gear.rated_torque);
         let counts = |noise: Option<f64>| noise.map(|noise| noise / resolution(19));
-        let [wander, friction] = if stands { STANDING } else { [1.0; 2] };
+        let [wander, friction] =
+            if stands { [STANDING_WANDER, STANDING_FRICTION].map(Tuned::get) } else { [1.0; 2] };
         Self {
-            wander: wander * own.unwrap_or(DESIGN.wander),
-            friction: friction * DESIGN.friction,
-            jitter: counts(file.sensors.motor_encoder_noise).unwrap_or(DESIGN.jitter),
-            output_jitter: counts(file.sensors.output_encoder_noise).unwrap_or(DESIGN.output_jitter),
+            wander: wander * own.unwrap_or(WANDER.get()),
+            friction: friction * RENEWED_FRICTION.get(),
+            jitter: counts(file.sensors.motor_encoder_noise).unwrap_or(JITTER.get()),
+            output_jitter: counts(file.sensors.output_encoder_noise).unwrap_or(OUTPUT_JITTER.get()),
         }
     }
 }

@@ -21,21 +21,14 @@ use strainwave::compensator::estimate::observer::{Correction, GainSets, Gains, O
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use strainwave::{Error, Real};
 
+use crate::design::tuned::{
+    FOLLOWED_FRICTION, HELD_FRICTION, MOTION_THRESHOLD, OUTPUT_FRICTION, STILL_NOISE, UNOBSERVED_RATE,
+};
 use crate::io::gear_file::{Friction, GearFile};
 use linearised::{DT, Linearised, Sensor, Sixth, Unknown, encoder_noise, resolution};
 
 /// Eigenvalue from which on a mode counts as one that the motor's encoder does not show: slower than a second.
 const UNSEEN: f64 = 1.0 - 1e-4;
-/// Noise of a motor encoder that stands, besides its resolution, in counts of 2^19 a revolution.
-const STILL: f64 = 0.5;
-/// Way of the motor that is a motion, in deviations of its encoder's noise.
-const THRESHOLD: f64 = 8.0;
-/// Speed at which a load that is not seen may grow, in rated torques a second.
-const UNOBSERVED_RATE: f64 = 1.0;
-/// Deviation of friction at rest, where it may be anything up to break-away, as a fraction of its static level: at the
-/// motor, whose path an encoder follows; at a motor that a brake may hold; at the output, whose presliding is shorter
-/// than what is known of its path.
-const PATH: [f64; 3] = [0.03, 0.4, 0.75];
 
 /// Parameters of a gear's observer.
 ///
@@ -46,7 +39,9 @@ pub fn observer_params<R: Real>(file: &GearFile) -> Result<ObserverParams<R>, Er
     Ok(ObserverParams {
         moving: sets(file, Sixth::Stiffness)?,
         standing: sets(file, Sixth::Held)?,
-        motion_threshold: R::lit(THRESHOLD * encoder_noise(file.sensors.motor_encoder_bits, STILL)),
+        motion_threshold: R::lit(
+            MOTION_THRESHOLD.get() * encoder_noise(file.sensors.motor_encoder_bits, STILL_NOISE.get()),
+        ),
         output_encoder_delay: file.sensors.output_encoder_delay,
         output_encoder_period: file.sensors.output_encoder_period,
         output_count: R::lit(resolution(file.sensors.output_bits())),
@@ -282,6 +277,7 @@ impl Filter {
         let moving_balance = !(self.has_torque || standing && self.has_output);
         let blind = !self.has_output && !self.has_torque;
         // Each encoder's zero is known to half a count; of a resting output a count more is taken for nothing.
+        let at_rest = if standing { HELD_FRICTION } else { FOLLOWED_FRICTION };
         let counts = if standing { 1.5 } else { 0.5 };
         let zero = if self.has_output { counts * resolution(file.sensors.output_bits()) } else { 0.0 };
         let static_level = |side: &Friction| side.static_level.or(side.coulomb).unwrap_or_default();
@@ -292,8 +288,8 @@ impl Filter {
                 output_velocity: R::lit(state(3)),
                 torsion: R::lit(of(&self.model.torsion) + zero),
                 transmitted_torque: R::lit(of(&self.model.transmitted)),
-                input_friction: R::lit(PATH[usize::from(standing)] * static_level(&file.friction.input)),
-                output_friction: R::lit(PATH[2] * static_level(&file.friction.output)),
+                input_friction: R::lit(at_rest.get() * static_level(&file.friction.input)),
+                output_friction: R::lit(OUTPUT_FRICTION.get() * static_level(&file.friction.output)),
                 external_torque: R::lit(state(4)),
             },
             torque_by_friction: fraction(moving_balance, n),
@@ -305,7 +301,10 @@ impl Filter {
                 1.0 / file.stiffness.k1
             }),
             velocity_by_torque: R::lit(time / inertia),
-            unobserved: [fraction(blind, UNOBSERVED_RATE * rated * DT), fraction(blind, rated / 3f64.sqrt())],
+            unobserved: [
+                fraction(blind, UNOBSERVED_RATE.get() * rated * DT),
+                fraction(blind, rated / 3f64.sqrt()),
+            ],
             settling: R::lit(settling),
             inverse_settling: R::lit(1.0 / settling),
             inverse_sliding_speed: R::lit(
