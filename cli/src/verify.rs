@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, value_parser};
 use strainwave_desktop::catalogue::Set;
+use strainwave_desktop::design::tuned;
 use strainwave_desktop::plant::unknowns::Which;
 use strainwave_desktop::verify::bounds;
 use strainwave_desktop::verify::faults;
 use strainwave_desktop::verify::robustness::Robustness;
 use strainwave_desktop::verify::{self, Measured};
-use strainwave_desktop::verify::{catalogue, compensator, identify, replay, robustness};
+use strainwave_desktop::verify::{catalogue, compensator, constants, identify, replay, robustness};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::rerun;
 use strainwave_emulator::verify::{self as emulated, Parts};
@@ -26,6 +27,8 @@ const FIRMWARE: &str = "firmware";
 const ROBUSTNESS: &str = "robustness";
 /// The part that runs joints all over the catalogue, by itself too.
 const CATALOGUE: &str = "catalogue";
+/// The part that halves and doubles every tuned constant, by itself too.
+const CONSTANTS: &str = "constants";
 /// The part that identifies measured joints and predicts what did not train, by itself too: it misses bounds.
 const IDENTIFY: &str = "identify";
 /// The part that injects faults, by itself too.
@@ -37,7 +40,7 @@ const FAULTS: &str = "faults";
 ///
 /// The parts `firmware` and `flexspline` boot the image in the emulator and run S1-S6, both together once; that takes
 /// some minutes; `hysteresis` boots an image of its own. Every figure repeats exactly; times by the clock are `bench`'s. The
-/// parts `robustness`, `catalogue` and `identify` are measured only when they are named.
+/// parts `robustness`, `catalogue`, `identify` and `constants` are measured only when they are named.
 #[derive(Args)]
 pub struct Arguments {
     /// Only this part; every part when left out
@@ -52,7 +55,8 @@ pub struct Arguments {
     /// Of `robustness`, only this unknown, such as drive.delay; may be given several times
     #[arg(long = "row", value_name = "NAME", value_parser = row_parser())]
     rows: Vec<String>,
-    /// Of `robustness`, plants of each row (6 when left out); of `catalogue`, joints (all 500)
+    /// Of `robustness`, plants of each row (6 when left out); of `catalogue`, joints (all 500); of
+    /// `constants`, training joints (24, half of them with an output encoder)
     #[arg(long, value_name = "COUNT", value_parser = value_parser!(u64).range(1..=100_000))]
     seeds: Option<u64>,
     /// The first plant of `robustness` or joint of `catalogue`; 1 to 999 are for choosing gains, from 10000 on for claims
@@ -64,6 +68,11 @@ pub struct Arguments {
     /// Of `catalogue`, how many joints are named, the worst first
     #[arg(long, value_name = "COUNT", default_value_t = 10)]
     named: usize,
+    /// Of `constants`, only this tuned constant, such as FADING_TIME; may be given several times
+    ///
+    /// Each is halved and doubled, and the default gear with either set of sensors and the training joints run S1-S5 with it.
+    #[arg(long = "constant", value_name = "NAME", value_parser = constant_parser(), hide_possible_values = true)]
+    constants: Vec<String>,
     /// Of `robustness`, noises on each plant
     #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = value_parser!(u32).range(1..=1000))]
     noises: u32,
@@ -94,10 +103,17 @@ fn row_parser() -> impl TypedValueParser<Value = String> {
     PossibleValuesParser::new(rows).map(String::from)
 }
 
+fn constant_parser() -> impl TypedValueParser<Value = String> {
+    let constants = tuned::every().map(|constant| PossibleValue::new(constant.name).help(constant.why));
+    PossibleValuesParser::new(constants).map(String::from)
+}
+
 fn part_parser() -> impl TypedValueParser<Value = String> {
     let names = verify::Part::ALL.map(verify::Part::name);
-    PossibleValuesParser::new(names.into_iter().chain([FIRMWARE, ROBUSTNESS, CATALOGUE, IDENTIFY, FAULTS]))
-        .map(String::from)
+    PossibleValuesParser::new(
+        names.into_iter().chain([FIRMWARE, ROBUSTNESS, CATALOGUE, IDENTIFY, FAULTS, CONSTANTS]),
+    )
+    .map(String::from)
 }
 
 /// Measures the requested parts, and renews the page of figures.
@@ -124,6 +140,9 @@ fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
     }
     if arguments.part.as_deref() == Some(IDENTIFY) {
         return identified(arguments);
+    }
+    if arguments.part.as_deref() == Some(CONSTANTS) {
+        return with_scaled_constants(arguments);
     }
     if arguments.part.as_deref() == Some(FAULTS) {
         let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
@@ -232,6 +251,32 @@ fn across_the_catalogue(arguments: &Arguments) -> Result<Figures, BadInput> {
         say(format_args!("{note}"));
     }
     Ok(Figures::new(measured.figures, &arguments.figures))
+}
+
+/// With every tuned constant halved and doubled; its table is one line a constant.
+fn with_scaled_constants(arguments: &Arguments) -> Result<Figures, BadInput> {
+    let is_named = |name: &str| arguments.constants.iter().any(|named| named == name);
+    let all = arguments.constants.is_empty();
+    let requested: Vec<_> = tuned::every().filter(|constant| all || is_named(constant.name)).collect();
+    let seeds = arguments.seeds.unwrap_or(constants::SEEDS);
+    if seeds > constants::MOST_SEEDS {
+        let most = constants::MOST_SEEDS;
+        return Err(BadInput::message(format!(
+            "--seeds {seeds}: no such training joints; allowed: 1..{most}"
+        )));
+    }
+    let mut progress = Progress::new(1000, "tuned constants");
+    let measured = constants::measure(&requested, seeds, |fraction| progress.set((fraction * 1e3) as u64));
+    drop(progress);
+    let found = measured.map_err(BadInput::message)?;
+    say(format_args!("{}", columns(&found.table())));
+    let Measured { figures, notes } = found.measured(all);
+    let bounded: Vec<_> = figures.iter().filter(|figure| figure.bound.is_some()).cloned().collect();
+    for note in notes.iter().cloned().chain(bounded.iter().filter_map(bounds::misses_target)) {
+        say(format_args!("{note}"));
+    }
+    say(format_args!("\n{}", figures_table(&bounded)));
+    Ok(Figures::silent(figures, &arguments.figures))
 }
 
 /// On measured joints; what is not judged is noted above the table.

@@ -63,6 +63,7 @@ const PARTS: &[Part] = &[
         prefixes: &["catalogue."],
         command: "strainwave verify catalogue",
     },
+    Part { title: "Tuned constants", prefixes: &["constants."], command: "strainwave verify constants" },
 ];
 
 /// Why a page cannot be renewed.

@@ -7,6 +7,7 @@ pub mod baselines;
 pub mod bounds;
 pub mod catalogue;
 pub mod compensator;
+pub mod constants;
 pub mod faults;
 pub mod flexspline;
 pub mod friction;

@@ -5,6 +5,7 @@
 
 mod catalogue;
 mod compensator;
+mod constants;
 mod design;
 mod faults;
 mod flexspline;
@@ -33,10 +34,11 @@ pub struct Bound {
 pub const LOOSE: f64 = 10.0;
 
 /// Every bound, by part.
-pub const BOUNDS: [&[Bound]; 10] = [
+pub const BOUNDS: [&[Bound]; 11] = [
     joint::ROWS,
     catalogue::ROWS,
     compensator::ROWS,
+    constants::ROWS,
     design::ROWS,
     faults::ROWS,
     flexspline::ROWS,
@@ -60,6 +62,7 @@ pub const TARGETS: &[(&str, f64)] = &[
     ("compensator.both.s5.peak_to_b0", 0.55),
     ("compensator.motor.s5.steady_to_b0", 0.2),
     ("compensator.replay.joints_at_half", 6.0),
+    ("constants.count", 35.0),
 ];
 
 /// Line for a figure that misses its target.

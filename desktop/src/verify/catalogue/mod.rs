@@ -17,7 +17,7 @@
 //! A metric that neither has counts for nothing: where the load swings so slowly that a rest between two steps is shorter than
 //! a period, there is no vibration to be measured.
 
-mod summary;
+pub(super) mod summary;
 
 use strainwave::Error;
 
@@ -68,7 +68,11 @@ pub fn measure(request: &Request, mut progress: impl FnMut(f64)) -> Result<Repor
 }
 
 impl Outcome {
-    fn of(joint: &Joint) -> Result<Self, Error> {
+    /// Of one joint.
+    ///
+    /// # Errors
+    /// A joint that no plant or baseline can be built for.
+    pub(super) fn of(joint: &Joint) -> Result<Self, Error> {
         let sample = joint.plant()?;
         let (known, sensors) = (&joint.known, SensorSet::of(&joint.known));
         let judged = Judged::of(known, &sample.params);
@@ -81,21 +85,33 @@ impl Outcome {
             .filter(|kind| sensors == SensorSet::Both || kind.sensors() == SensorSet::Motor)
             .map(|kind| judged.results(bench(kind.sensors())?, Baseline::build(known, kind)?, &JUDGED))
             .collect::<Result<_, _>>()?;
+        Self { joint: joint.clone(), baselines, compensated: RunResults::default(), refused: None }.again()
+    }
+
+    /// The same joint with the same baselines, and its compensator built and run again.
+    ///
+    /// # Errors
+    /// A joint that no plant can be built for.
+    pub(super) fn again(&self) -> Result<Self, Error> {
+        let (sample, known) = (self.joint.plant()?, &self.joint.known);
         let built = joint_params(known).and_then(|joint| HostCompensator::build(&joint));
         let refused = built.as_ref().err().copied();
         let compensated = match built {
-            Ok(compensator) => judged.results(bench(sensors)?, compensator, &JUDGED)?,
+            Ok(compensator) => {
+                let bench = Bench::condensed_of(&sample, &Conditions::of(known, self.joint.seed))?;
+                Judged::of(known, &sample.params).results(bench, compensator, &JUDGED)?
+            }
             Err(_) => RunResults::default(),
         };
-        Ok(Self { joint: joint.clone(), baselines, compensated, refused })
+        Ok(Self { compensated, refused, ..self.clone() })
     }
 
-    fn sensors(&self) -> SensorSet {
+    pub(super) fn sensors(&self) -> SensorSet {
         SensorSet::of(&self.joint.known)
     }
 
     /// The runs of one scenario.
-    fn run(&self, place: usize) -> Run<'_> {
+    pub(super) fn run(&self, place: usize) -> Run<'_> {
         Run {
             ours: self.compensated[place].as_ref(),
             b0: self.baselines.first().and_then(|results| results[place].as_ref()),
@@ -114,8 +130,8 @@ impl Outcome {
 }
 
 /// The compensator in one scenario, against the baselines; none of what diverged.
-struct Run<'a> {
-    ours: Option<&'a RunResult>,
+pub(super) struct Run<'a> {
+    pub(super) ours: Option<&'a RunResult>,
     b0: Option<&'a RunResult>,
     best: Option<RunResult>,
 }

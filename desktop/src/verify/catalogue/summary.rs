@@ -20,10 +20,10 @@ pub struct Report {
 
 /// Counts of some runs, and ratios of their output error to the best baseline's.
 #[derive(Clone, Debug, Default, PartialEq)]
-struct Tally {
-    runs: usize,
-    shakes: usize,
-    worse: usize,
+pub(in crate::verify) struct Tally {
+    pub(in crate::verify) runs: usize,
+    pub(in crate::verify) shakes: usize,
+    pub(in crate::verify) worse: usize,
     limited: usize,
     stopped: usize,
     /// From the smallest on.
@@ -52,7 +52,7 @@ impl Run<'_> {
         matches!((self.ours, self.b0), (Some(ours), Some(b0)) if ours.is_limited(b0))
     }
 
-    fn is_stopped(&self) -> bool {
+    pub(in crate::verify) fn is_stopped(&self) -> bool {
         self.ours.is_some_and(|ours| ours.mode == Mode::Safe)
     }
 
@@ -68,7 +68,7 @@ impl Run<'_> {
 }
 
 impl Tally {
-    fn of<'a>(runs: impl Iterator<Item = (Scenario, Run<'a>)>) -> Self {
+    pub(in crate::verify) fn of<'a>(runs: impl Iterator<Item = (Scenario, Run<'a>)>) -> Self {
         let mut tally = Self::default();
         for (scenario, run) in runs {
             tally.runs += 1;
@@ -167,7 +167,7 @@ impl Outcome {
         (all.shakes, all.worse, all.quantile(1.0))
     }
 
-    fn runs(&self) -> impl Iterator<Item = (Scenario, Run<'_>)> {
+    pub(in crate::verify) fn runs(&self) -> impl Iterator<Item = (Scenario, Run<'_>)> {
         JUDGED.into_iter().enumerate().map(|(place, scenario)| (scenario, self.run(place)))
     }
 

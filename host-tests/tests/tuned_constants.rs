@@ -1,0 +1,157 @@
+//! Tuned constants: each of them acts, and a scaled one returns to its value.
+//!
+//! A constant is scaled for the whole process, so the tests of this file take turns.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use strainwave::compensator::tuned::{FADING_TIME, LOAD_SHARE, Tuned};
+use strainwave::compensator::{CompensationGains, Input, Output, Sensors, Setpoint};
+use strainwave_desktop::GearFile;
+use strainwave_desktop::bench::any_input::sequence;
+use strainwave_desktop::bench::controller::{Controller, HostCompensator};
+use strainwave_desktop::bench::working_motion::WorkingMotion;
+use strainwave_desktop::bench::{Bench, Conditions};
+use strainwave_desktop::catalogue::load::with_load;
+use strainwave_desktop::design::joint::joint_params;
+use strainwave_desktop::design::tuned;
+use strainwave_desktop::plant::divergence::RunError;
+
+/// Sequences of any inputs: in so many of them each constant that the control step reads has its turn.
+const SEQUENCES: u64 = 60;
+
+static TURN: Mutex<()> = Mutex::new(());
+
+fn turn() -> MutexGuard<'static, ()> {
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Joints on which one or another rule is what limits a gain.
+fn gears() -> Vec<GearFile> {
+    let with_bits = |[motor, output]: [u32; 2]| {
+        let mut gear = GearFile::default_gear();
+        gear.sensors.motor_encoder_bits = motor;
+        gear.sensors.output_encoder_bits = Some(output);
+        gear
+    };
+    let mut weak = GearFile::default_gear();
+    weak.motor.peak_torque *= 0.1;
+    let light = with_load(&GearFile::default_gear(), 0.05);
+    let coarse = [[13, 14], [14, 15], [15, 16], [16, 17]].map(with_bits);
+    [GearFile::default_gear(), weak, light].into_iter().chain(coarse).collect()
+}
+
+/// The built compensators as words; none of a joint that is refused.
+fn words(gears: &[GearFile]) -> Vec<Option<Vec<u32>>> {
+    let built = |gear: &GearFile| Some(joint_params::<f32>(gear).ok()?.build().ok()?.to_words().to_vec());
+    gears.iter().map(built).collect()
+}
+
+/// A compensator at work, and what it reads.
+struct Recorded {
+    host: HostCompensator,
+    read: Vec<Input<f32>>,
+}
+
+impl Controller for Recorded {
+    type Error = RunError;
+
+    fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, RunError> {
+        self.read.push(*input);
+        Ok(self.host.step(input))
+    }
+}
+
+/// What a joint with this gear file reads while it works.
+fn work(gear: &GearFile) -> Vec<Input<f32>> {
+    let host = HostCompensator::build(&joint_params(gear).unwrap()).unwrap();
+    let mut recorded = Recorded { host, read: Vec::new() };
+    let mut bench = Bench::condensed(gear, &Conditions::of(gear, 1)).unwrap();
+    bench.go(&WorkingMotion, &mut recorded, |_, _, _, _| ()).unwrap();
+    recorded.read
+}
+
+/// A setpoint that runs, then is stale; a setpoint far away, while the motor's torque does not move the joint.
+fn stale_and_far() -> Vec<Input<f32>> {
+    let input = |k: u32| {
+        let time = 1e-4 * f64::from(k);
+        let [position, torque] = if k < 10_000 { [0.1 * time.min(0.5), 0.0] } else { [2.0, 2.0] };
+        let velocity = if k < 5000 { 0.1 } else { 0.0 };
+        let setpoint = Setpoint {
+            position: strainwave::Angle::from_radians_f64(position),
+            velocity,
+            ..Setpoint::default()
+        };
+        Input {
+            command: setpoint.into(),
+            gains: CompensationGains::ALL.into(),
+            setpoint_age: if (5000..10_000).contains(&k) { 1.0 } else { 0.0 },
+            sensors: Sensors { motor_torque: torque, ..Sensors::default() },
+            ..Input::default()
+        }
+    };
+    (0..15_000).map(input).collect()
+}
+
+/// Fingerprint of everything that a compensator of this gear answers.
+fn answers(gear: &GearFile, inputs: &[Input<f32>]) -> Vec<String> {
+    let mut host = HostCompensator::build(&joint_params(gear).unwrap()).unwrap();
+    inputs.iter().map(|input| format!("{:?}", host.step(input))).collect()
+}
+
+/// Whether some inputs are answered otherwise.
+fn is_answered_otherwise(gear: &GearFile, inputs: &[Input<f32>], before: &[String]) -> bool {
+    let mut host = HostCompensator::build(&joint_params(gear).unwrap()).unwrap();
+    inputs.iter().zip(before).any(|(input, before)| format!("{:?}", host.step(input)) != *before)
+}
+
+#[test]
+fn every_constant_acts() {
+    let _turn = turn();
+    let (gears, coarse) = (gears(), gears().pop().unwrap());
+    let before = words(&gears);
+    let unbuilt = |constant: &Tuned| {
+        [0.5, 2.0].into_iter().all(|factor| {
+            let _scaled = constant.scale(factor).unwrap();
+            words(&gears) == before
+        })
+    };
+    let read: Vec<_> = tuned::every().filter(unbuilt).collect();
+    println!("read by the control step: {:?}", read.iter().map(|constant| constant.name).collect::<Vec<_>>());
+    let gear = GearFile::default_gear();
+    let inputs: Vec<_> = (1..=SEQUENCES)
+        .map(|seed| (&gear, sequence(&gear, seed).unwrap()))
+        .chain([(&gear, stale_and_far()), (&coarse, work(&coarse))])
+        .map(|(gear, inputs)| (gear, answers(gear, &inputs), inputs))
+        .collect();
+    let idle: Vec<_> = read
+        .into_iter()
+        .filter(|constant| {
+            [0.5, 2.0].into_iter().all(|factor| {
+                let _scaled = constant.scale(factor).unwrap();
+                !inputs.iter().any(|(gear, before, inputs)| is_answered_otherwise(gear, inputs, before))
+            })
+        })
+        .map(|constant| constant.name)
+        .collect();
+    assert!(idle.is_empty(), "nothing changes with {idle:?}");
+}
+
+#[test]
+fn a_scaled_constant_returns_to_its_value() {
+    let _turn = turn();
+    let values = || [FADING_TIME, LOAD_SHARE].map(Tuned::get);
+    let before = words(&gears()[..1]);
+    {
+        let _scaled = FADING_TIME.scale(2.0).unwrap();
+        assert_eq!(values(), [2.0 * FADING_TIME.value, LOAD_SHARE.value]);
+        assert!(LOAD_SHARE.scale(0.5).is_none(), "one constant is scaled at a time");
+        assert_ne!(words(&gears()[..1]), before);
+        let elsewhere = std::thread::spawn(move || FADING_TIME.get()).join().unwrap();
+        assert_eq!(elsewhere, 2.0 * FADING_TIME.value);
+    }
+    assert_eq!(values(), [FADING_TIME.value, LOAD_SHARE.value]);
+    assert_eq!(words(&gears()[..1]), before);
+    for constant in tuned::every() {
+        assert_eq!(constant.get().to_bits(), constant.value.to_bits(), "{}", constant.name);
+    }
+}
