@@ -70,7 +70,8 @@ pub struct Arguments {
     named: usize,
     /// Of `constants`, only this tuned constant, such as FADING_TIME; may be given several times
     ///
-    /// Each is halved and doubled, and the default gear with either set of sensors and the training joints run S1-S5 with it.
+    /// Each is halved and doubled, and the default gear with either set of sensors and the training joints run S1-S5 with it. All of them
+    /// take 15 minutes of one processor, half of that on two.
     #[arg(long = "constant", value_name = "NAME", value_parser = constant_parser(), hide_possible_values = true)]
     constants: Vec<String>,
     /// Of `robustness`, noises on each plant
