@@ -264,6 +264,23 @@ tuned! {
         "Time after which an overrun of the control is forgotten: twenty periods";
     OVERRUNS = 5.0, One,
         "Overruns, none of them forgotten, that switch the drive off: within 10 ms";
+    SHORTEST_WINDOW = 0.032, Second,
+        "Shortest window of the supervisor: four of them, and the ramp, are within the 0.15 s in which an oscillation is to end";
+    LIMIT_CYCLE_TORSION = 0.005, One,
+        "Standard deviation of the torsion that oscillates at rest, in torsions of the rated torque: 7 urad of the default \
+         gear, less than what is called shaking";
+    LIMIT_CYCLE_TORQUE = 0.5, One,
+        "The same of the torque in motion, in motor's peak torques: a sine from limit to limit has 0.7 of them";
+    LIMIT_CYCLE_WINDOWS = 3.0, One,
+        "Windows on end that oscillate before the feedback is reduced: a load step and its vibration are in two";
+    DECAYED = 0.75, One,
+        "Part of its variance that a vibration has left after a period, if it decays: a damping ratio of 0.025";
+    FEEDBACK_RETURN = 1.0, Second,
+        "Time in which the reduced feedback comes back: slow against any vibration";
+    FIRST_HOLD = 0.5, Second,
+        "Time without the feedback after an oscillation: in it a vibration of 10 Hz decays that the cascade hardly damps";
+    LONGEST_HOLD = 8.0, Second,
+        "The longest such time: an oscillation that always comes back is there for a fiftieth of the time";
 
     // Adaptation.
     GRAVITY_RATE_COSINE = 2.0, PerSecond,

@@ -26,23 +26,13 @@
 use crate::branch::seldom;
 use crate::compensator::Faults;
 use crate::compensator::schedule::SLOW_PERIODS;
+use crate::compensator::tuned::{
+    DECAYED, FEEDBACK_RETURN, FIRST_HOLD, GAIN_RAMP, LIMIT_CYCLE_TORQUE, LIMIT_CYCLE_TORSION,
+    LIMIT_CYCLE_WINDOWS, LONGEST_HOLD, SHORTEST_WINDOW,
+};
 use crate::constants::constants;
 use crate::gear::GearParams;
 use crate::real::Real;
-
-/// Shortest window (s).
-const SHORTEST: f64 = 0.032;
-/// a, in torsions of the rated torque at rest, and in the motor's peak torques in motion.
-const LEVELS: [f64; 2] = [0.005, 0.5];
-/// Of the variance of a window, what one with less in the next has decayed to.
-const DECAYED: f64 = 0.75;
-/// Windows on end.
-const WINDOWS: u32 = 3;
-/// Times of the gain's way down and back (s).
-const DOWN: f64 = 0.02;
-const BACK: f64 = 1.0;
-/// H, the first and the longest (s).
-const HOLD: [f64; 2] = [0.5, 8.0];
 
 /// The built supervisor.
 #[constants]
@@ -54,6 +44,10 @@ pub struct Supervisor<R> {
     /// Mean and inverse variance of the rounds' numbers in a window.
     middle: R,
     inverse_spread: R,
+    /// Windows on end that are an oscillation.
+    windows: u32,
+    /// What a variance is multiplied by that has not decayed.
+    decayed: R,
     /// a^2 in motion and at rest.
     levels: [R; 2],
     /// Change of the gain in a round: down and back.
@@ -118,20 +112,22 @@ impl<R: Real> Supervisor<R> {
         let rounds = |time: R| ((time / round + R::lit(0.5)).to_i32().max(2)).cast_unsigned();
         let [softest, ..] = gear.flexspline.line.stiffness;
         let period = R::lit(core::f64::consts::TAU) * (gear.flexspline_inertia / softest).sqrt();
-        let window = rounds(R::lit(SHORTEST).max(period));
+        let window = rounds(R::lit(SHORTEST_WINDOW.get()).max(period));
         let length = R::from_i32(window.cast_signed());
-        let at_rest =
-            (R::lit(LEVELS[0]) * gear.rated_torque / softest).max(count / R::from_i32(gear.ratio).abs());
-        let in_motion = R::lit(LEVELS[1]) * peak_torque;
+        let at_rest = (R::lit(LIMIT_CYCLE_TORSION.get()) * gear.rated_torque / softest)
+            .max(count / R::from_i32(gear.ratio).abs());
+        let in_motion = R::lit(LIMIT_CYCLE_TORQUE.get()) * peak_torque;
         Self {
             window,
             inverse_window: R::ONE / length,
             middle: R::lit(0.5) * (length - R::ONE),
             inverse_spread: R::lit(12.0) / (length * length - R::ONE),
+            windows: LIMIT_CYCLE_WINDOWS.get() as u32,
+            decayed: R::lit(DECAYED.get()),
             levels: [in_motion * in_motion, at_rest * at_rest],
-            down: round / R::lit(DOWN),
-            back: round / R::lit(BACK),
-            hold: HOLD.map(|time| rounds(R::lit(time))),
+            down: round / R::lit(GAIN_RAMP.get()),
+            back: round / R::lit(FEEDBACK_RETURN.get()),
+            hold: [FIRST_HOLD, LONGEST_HOLD].map(|time| rounds(R::lit(time.get()))),
         }
     }
 
@@ -179,14 +175,14 @@ impl<R: Real> Supervisor<R> {
         let variance = self.inverse_window * state.squares - mean * mean - by_trend;
         let oscillates = variance > self.levels[usize::from(state.rests)]
             && variance > by_trend
-            && variance > R::lit(DECAYED) * state.variance;
+            && variance > self.decayed * state.variance;
         state.windows = if oscillates { state.windows + 1 } else { 0 };
         (state.variance, state.rounds) = (variance, 0);
-        if state.windows < WINDOWS {
+        if state.windows < self.windows {
             return;
         }
         seldom();
-        state.windows = WINDOWS;
+        state.windows = self.windows;
         let [first, longest] = self.hold;
         if state.held == 0 {
             state.hold = (2 * state.hold).max(first).min(longest);
