@@ -55,7 +55,7 @@ fn largest_shift() -> f32 {
     let damped = OutputFeedbackParams { damping: 1.0, ..OutputFeedbackParams::default() };
     let feedback = OutputFeedback::build(&[damped; 2], 1.0, 1.0, 1e-5, 1e-3).unwrap();
     let error = OutputError { velocity: 1.0, ..OutputError::default() };
-    feedback.step(&mut OutputFeedbackState::default(), &error).angle
+    feedback.step(&mut OutputFeedbackState::default(), &error, 1.0).angle
 }
 
 /// A compensator at work, and what it reads.

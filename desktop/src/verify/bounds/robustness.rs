@@ -7,19 +7,19 @@ pub(super) const ROWS: &[Bound] = &[
         name: "robustness.shakes",
         value: 0.0,
         unit: "run",
-        why: "runs of S1-S5 on judged plants that diverge or keep oscillating at rest: stability on every judged plant",
+        why: "runs of S1-S5 on judged plants of one row that diverge or keep oscillating at rest: stability on every judged plant",
     },
     Bound {
         name: "robustness.limited",
         value: 0.0,
         unit: "run",
-        why: "runs of S1-S5 on judged plants that stay at the torque limit for more than 10 ms: no move or load requires it",
+        why: "runs of S1-S5 on judged plants of one row that stay at the torque limit for more than 10 ms: no move or load requires it",
     },
     Bound {
         name: "robustness.worse",
         value: 0.0,
         unit: "run",
-        why: "runs of S1-S5 on judged plants of which a metric is worse than the cascade's by more than 5 % and 12 urad: \
+        why: "runs of S1-S5 on judged plants of one row, of which a metric is worse than the cascade's by more than 5 % and 12 urad: \
               compensation never degrades a run",
     },
     Bound {
@@ -52,6 +52,7 @@ pub(super) const ROWS: &[Bound] = &[
         name: "robustness.rest.torque",
         value: 2.0,
         unit: "1",
-        why: "motor torque's oscillation at rest over that of the cascade alone, median of judged plants: a quiet and cool drive",
+        why: "motor torque's oscillation at rest over that of the cascade alone, which counts as a ten-thousandth of the \
+              rated torque at least, median of judged plants: a quiet and cool drive",
     },
 ];

@@ -12,7 +12,7 @@
 
 use strainwave::Error;
 
-use super::run_result::{JUDGED, Judged, RunResult};
+use super::run_result::{JUDGED, Judged, RunResult, torque_ratio};
 use super::summary::{RATIOS, Robustness, reads_no_more};
 use super::{Outcome, RIVALS, Rival};
 use crate::bench::controller::Controller;
@@ -75,7 +75,7 @@ impl Claim {
             Self::Shakes => beside_b0(|ours, b0| ours.shaking(b0).into_iter().fold(0.0, f64::max)),
             Self::Limited => ours.limited,
             Self::Worse => beside_b0(RunResult::worst_ratio),
-            Self::RestTorque => beside_b0(|ours, b0| ours.torque_at_rest / b0.torque_at_rest),
+            Self::RestTorque => beside_b0(|ours, b0| torque_ratio(ours.torque_at_rest, b0.torque_at_rest)),
             Self::Ratio(_, _, metric) => {
                 let fair = RIVALS.iter().zip(rivals).filter(|(rival, _)| reads_no_more(rival, sensors));
                 let metrics =

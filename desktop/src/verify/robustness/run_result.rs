@@ -49,8 +49,16 @@ const LONGEST_LIMITED: f64 = 0.01;
 const TIMES: f64 = 3.0;
 /// Nor does it below this torsion (rad), and this fraction of the rated torque.
 const QUIET: [f64; 2] = [10e-6, 0.02];
+/// Oscillation of the torque that counts as none beside another, in rated torques: a drive that resolves its current in 12 bits rounds
+/// it by some times as much, and a cascade may stand still exactly within static friction.
+const STILL: f64 = 1e-4;
 /// A metric is worse than B0's when it is both by this factor, and by this angle: a count of an encoder of 19 bits (rad).
 const WORSE: (f64, f64) = (1.05, 12e-6);
+
+/// Oscillation of the torque at rest over that of another controller, both in rated torques.
+pub(super) fn torque_ratio(ours: f64, other: f64) -> f64 {
+    ours / other.max(STILL)
+}
 
 /// Oscillation of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -264,6 +272,12 @@ mod tests {
 
     fn result(error: f64) -> RunResult {
         RunResult { metrics: vec![error], ..B0 }
+    }
+
+    #[test]
+    fn beside_a_torque_that_stands_still_a_ratio_is_finite() {
+        assert_eq!(torque_ratio(2.0 * STILL, 1e-14), 2.0);
+        assert_eq!(torque_ratio(0.03, 0.01), 3.0);
     }
 
     #[test]

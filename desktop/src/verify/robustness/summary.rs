@@ -1,6 +1,6 @@
 //! Summary of a row's runs.
 
-use super::run_result::{JUDGED, Oscillation, RunResult};
+use super::run_result::{JUDGED, Oscillation, RunResult, torque_ratio};
 use super::{Outcome, RIVALS, Rival};
 use crate::bench::scenario::Scenario;
 use crate::io::figure::{Figure, number};
@@ -158,7 +158,7 @@ impl OfSensors {
                         .iter()
                         .map(|result| result.as_ref().map_or(f64::INFINITY, |c| c.torque_at_rest)))
                 };
-                at_rest(&ours(outcome)) / at_rest(&outcome.rivals[0])
+                torque_ratio(at_rest(&ours(outcome)), at_rest(&outcome.rivals[0]))
             })),
             untold: has_untold.then(|| [untold(0), untold(1)]),
             bad: bad(sensors, outcomes),
