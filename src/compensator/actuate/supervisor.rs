@@ -103,6 +103,23 @@ impl<R: Real> SupervisorState<R> {
     pub fn gain(&self) -> R {
         self.gain
     }
+
+    /// Begins a window with its first s.
+    #[inline(always)]
+    fn begin(&mut self, first: R) {
+        (self.first, self.rounds) = (first, 1);
+        (self.sum, self.squares, self.products) = (R::ZERO, R::ZERO, R::ZERO);
+    }
+
+    /// Adds the next s to the window.
+    #[inline(always)]
+    fn add(&mut self, supervised: R) {
+        let difference = supervised - self.first;
+        self.sum += difference;
+        self.squares += difference * difference;
+        self.products += R::from_i32(self.rounds.cast_signed()) * difference;
+        self.rounds += 1;
+    }
 }
 
 impl<R: Real> Supervisor<R> {
@@ -146,17 +163,12 @@ impl<R: Real> Supervisor<R> {
             seldom();
             *state =
                 SupervisorState { rests, gain: state.gain, held: state.held, ..SupervisorState::default() };
-        }
-        if state.rounds == 0 {
-            (state.first, state.sum, state.squares, state.products) = (supervised, R::ZERO, R::ZERO, R::ZERO);
-        }
-        let difference = supervised - state.first;
-        state.sum += difference;
-        state.squares += difference * difference;
-        state.products += R::from_i32(state.rounds.cast_signed()) * difference;
-        state.rounds += 1;
-        if state.rounds >= self.window {
+            state.begin(supervised);
+        } else if state.rounds < self.window {
+            state.add(supervised);
+        } else {
             self.judge(state);
+            state.begin(supervised);
         }
         if state.gain < R::ONE {
             seldom();
@@ -177,7 +189,7 @@ impl<R: Real> Supervisor<R> {
             && variance > by_trend
             && variance > self.decayed * state.variance;
         state.windows = if oscillates { state.windows + 1 } else { 0 };
-        (state.variance, state.rounds) = (variance, 0);
+        state.variance = variance;
         if state.windows < self.windows {
             return;
         }

@@ -2,6 +2,7 @@
 
 use crate::branch::seldom;
 use crate::compensator::actuate::cascade::CascadeInput;
+use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::sense::clock::Elapsed;
 use crate::compensator::sense::encoder::Reading;
 use crate::compensator::tuned::NEAR_REFERENCE;
@@ -35,6 +36,17 @@ impl<R: Real> Compensator<R> {
             state.motor_reference = Default::default();
         }
         R::ZERO
+    }
+
+    /// Supervises the feedback functions, once a round.
+    #[inline(always)]
+    pub(super) fn supervise(&self, state: &mut State<R>) {
+        let mut faults = Faults::NONE;
+        let MotorReference { closed, rests, .. } = state.motor_reference;
+        let torque = if closed { state.fallback.torque() } else { R::ZERO };
+        let torsion = state.observer.torsion();
+        self.supervisor.step(&mut state.supervisor, torsion, torque, rests, &mut faults);
+        state.faults.supervisor = faults;
     }
 
     /// Torque command of the cascade, in every period.

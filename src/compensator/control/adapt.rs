@@ -3,7 +3,6 @@
 use crate::angle::Angle;
 use crate::compensator::adapt::parameters::{Factors, Observed};
 use crate::compensator::estimate::disturbance::DisturbanceInput;
-use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::schedule::SlowSlot;
 use crate::compensator::sense::validation::CommandedMotion;
 use crate::compensator::{Compensator, Directions, Faults, State};
@@ -13,7 +12,7 @@ impl<R: Real> Compensator<R> {
     /// The slot of the slow disturbance estimate, of the feed-forward's line and hysteresis, and of the adaptation.
     #[inline(always)]
     pub(super) fn learn(&self, state: &mut State<R>, gains: &Directions<R>, motor: Angle<R>) {
-        let supervised = self.supervise(state);
+        let supervised = state.supervisor.gain();
         let joint = DisturbanceInput {
             motor_torque: state.motor_reference.torque,
             rests: state.commander.velocity() == R::ZERO,
@@ -54,18 +53,6 @@ impl<R: Real> Compensator<R> {
         }
         state.slow = state.slow.next(settled);
         state.faults.collect();
-    }
-
-    /// Gain of the feedback functions, by the torsion and the torque of the position control.
-    #[inline(always)]
-    fn supervise(&self, state: &mut State<R>) -> R {
-        let mut faults = Faults::NONE;
-        let MotorReference { closed, rests, .. } = state.motor_reference;
-        let torque = if closed { state.fallback.torque() } else { R::ZERO };
-        let torsion = state.observer.torsion();
-        self.supervisor.step(&mut state.supervisor, torsion, torque, rests, &mut faults);
-        state.faults.supervisor = faults;
-        state.supervisor.gain()
     }
 
     /// The factors' slot.

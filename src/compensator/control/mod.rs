@@ -150,7 +150,10 @@ impl<R: Real> Compensator<R> {
                 self.observe(state, motor.angle, state.output_reading.is_some());
             }
             Slot::Check => self.check(state),
-            Slot::Model => self.model(state, motor.angle),
+            Slot::Model => {
+                self.model(state, motor.angle);
+                self.supervise(state);
+            }
             Slot::Observe | Slot::ObserveSecond | Slot::ObserveLast => {
                 self.observe(state, motor.angle, false);
             }
