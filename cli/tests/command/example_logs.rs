@@ -1,7 +1,7 @@
 //! The page on one's own joint, walked on the logs of `examples/logs/`: every command as it stands there, in its order.
 //!
-//! Left out: logs of other actuators, which are not there; scenarios, which other tests run; what leaves the folder. Without an
-//! emulator all of `pil` is left out.
+//! Left out: logs of other actuators, which are not there; scenarios, which other tests run; what leaves the folder; what flashes
+//! a chip, which a test must not. Without an emulator what runs on it is left out.
 
 use std::path::Path;
 
@@ -15,6 +15,16 @@ const PAGE: &str = include_str!("../../../docs/src/your-joint.md");
 fn commands() -> impl Iterator<Item = &'static str> {
     let blocks = PAGE.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
     blocks.flat_map(str::lines).filter_map(|line| line.strip_prefix("strainwave "))
+}
+
+/// Whether a command reaches for a chip.
+fn flashes_a_chip(words: &str) -> bool {
+    words.starts_with("flash") && !words.contains("--board mps2") && !words.contains("--dry-run")
+}
+
+/// Whether a command runs an image on the emulator.
+fn needs_emulator(words: &str) -> bool {
+    words.starts_with("pil") || words.contains("--board mps2")
 }
 
 /// A folder with the example logs.
@@ -42,7 +52,10 @@ fn every_command_of_the_page_runs_on_the_example_logs() {
     let emulator = setup::present_emulator(&ThisHost).is_some();
     let mut walked = 0;
     for words in commands().filter(|words| !words.contains("--operator") && !words.contains("--scenario")) {
-        if words.starts_with("pil") && !emulator {
+        if flashes_a_chip(words) {
+            continue;
+        }
+        if needs_emulator(words) && !emulator {
             println!("skipped, no emulator: {words}");
             continue;
         }
