@@ -75,8 +75,8 @@ pub const LIBRARIES: [Library; 3] = [
 pub struct ElementaryFunction {
     /// The function.
     pub name: &'static str,
-    /// The library.
-    pub library: &'static str,
+    /// The library that it is from.
+    pub origin: &'static str,
     /// Cost of a call.
     pub counts: Counts,
     /// Bytes of its code and of all that it calls; constants between the code count, those elsewhere do not.
@@ -103,7 +103,7 @@ impl ElementaryFunctions {
                 let counts = count_program(&image, &[(name, &block)])?;
                 let Some((_, counts)) = counts.into_iter().next() else { continue };
                 let (table, error) = (library.tables[place] as u32, library.errors()[place]);
-                found.push(ElementaryFunction { name, library: library.name, counts, code, table, error });
+                found.push(ElementaryFunction { name, origin: library.name, counts, code, table, error });
             }
         }
         Ok(found)
@@ -120,7 +120,7 @@ fn code(image: &Image, symbol: &str) -> Result<u32, Error> {
 impl ElementaryFunction {
     /// Its figures on a board.
     pub fn figures(&self, board: &str) -> Vec<Figure> {
-        let name = |what: &str| format!("budget.{board}.elementary.{}.{}.{what}", self.name, self.library);
+        let name = |what: &str| format!("budget.{board}.elementary.{}.{}.{what}", self.name, self.origin);
         let cycles = self.counts.cycles.map(|cycles| cycles.max as f64);
         let cycles = cycles.map(|max| Figure::reported(name("cycles_max"), max, "cycle"));
         let bytes = [("code", self.code), ("table", self.table)]

@@ -147,7 +147,7 @@ fn elementary_functions(functions: &[ElementaryFunction]) -> Table {
         let cycles = function.counts.cycles;
         table.add_row([
             function.name.to_owned(),
-            function.library.to_owned(),
+            function.origin.to_owned(),
             cycles.map_or_else(|| "-".to_owned(), |cycles| cycles.max.to_string()),
             cycles.map_or_else(|| "-".to_owned(), |cycles| format!("{:.0}", cycles.mean)),
             function.code.to_string(),
@@ -266,7 +266,7 @@ mod tests {
         let counts = measurement().counts[0].1;
         let function = ElementaryFunction {
             name: "sine_cosine",
-            library: "ours",
+            origin: "ours",
             counts,
             code: 80,
             table: 1024,
