@@ -9,8 +9,9 @@
 //! ```
 //!
 //! The gain multiplies what responds to the output's measured and estimated angle, P, D and damping, and to the estimated
-//! load; while it is below 1, the output's integral stands still. What is left is the motor-side cascade with all feed-forward,
-//! whose stability depends on no model of the load.
+//! load; while it is below 1, the output's integral stands still and nothing is learnt. What is left is the motor-side cascade with all
+//! feed-forward. Two estimates stay in it: the slow part of the estimated load, and with a coarse encoder the observer's speed of a resting
+//! motor ([`crate::compensator::actuate::cascade`]), without which a count would keep that cascade moving.
 //!
 //! A resting gear winds up for a load, to another place, and vibrates about it; but within a period of the torsion mode, of the
 //! load J_fs on the softest slope K_1 of the stiffness line, a damping ratio of 0.025 takes more than a quarter of
