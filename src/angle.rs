@@ -209,7 +209,7 @@ impl Ratio {
 
     /// r without a division, to 2^-31.
     #[inline(always)]
-    fn rounded<R: Real>(self) -> R {
+    pub(crate) fn rounded<R: Real>(self) -> R {
         R::from_i32(self.high) * R::lit(1.0 / 2_147_483_648.0)
     }
 

@@ -365,7 +365,7 @@ pub const JOINT: JointParams<f32> = JointParams {
         OutputFeedbackParams {
             damping: 0.0015554276,
             integral: 48.218254,
-            integral_at_rest: 40.181877,
+            integral_at_rest: 64.29101,
             filter_corner: 241.09126,
         },
     ],

@@ -51,7 +51,7 @@ strainwave::tuned! {
     PROPORTIONAL = 0.4, One,
         "Stiffness that the output encoder's angle adds in slow motion, of the joint's own";
     PROPORTIONAL_AT_REST = 0.26, One,
-        "The same at rest";
+        "The same at rest, where a load step asks for torque by it";
     MEASURED_CORNER = 5.0, One,
         "Corner of the low pass on the output encoder's angle over the torsion mode's frequency: a count moves the reference by \
          P + 2*zeta*this = 4.4 counts in slow motion";
@@ -67,11 +67,11 @@ strainwave::tuned! {
          than a baseline in S1";
     INTEGRAL = 0.3, One,
         "Integral of the output's error in slow motion, of the outer frequency";
-    INTEGRAL_AT_REST = 0.25, One,
-        "The same at rest";
+    INTEGRAL_AT_REST = 0.4, One,
+        "The same at rest, where the motor's lag is counted: with more of it joints of the training set shake";
     FILTER_CORNER = 1.5, One,
-        "Corner of the integral's poles over the torsion mode's frequency: it takes a damping ratio of 0.03 off the mode, of 0.125 without \
-         them";
+        "Corner of the integral's poles over the torsion mode's frequency: at rest it takes a damping ratio of 0.05 off the mode, of 0.2 \
+         without them";
     OUTER_TO_POSITION = 1.75, One,
         "Largest outer frequency over the position gain: an integral is no faster than the position loop bears";
 

@@ -2,21 +2,26 @@
 //!
 //! ```text
 //! e      = theta_fs - q,   e' = omega_fs - dq,   e'' = (tau_t - tau_fric_out + d - J_fs*ddq)/J_fs
-//! shift  = -(b*e' + z),    dshift = -(b*e'' + k*y),    dz/dt = k*y,    y = two poles at omega_y on m
+//! shift  = -(b*e' + z),    dshift = -(b*e'' + k*y),    dz/dt = k*y,    y = two poles at omega_y on m + c*r*x
 //! ```
 //!
 //! theta_fs, omega_fs, tau_t and tau_fric_out are the observer's, q the setpoint, J_fs*ddq as in the feed-forward's
 //! wind-up, d the external torque: its slow part whole, its fast part as far as it is compensated
 //! ([`crate::compensator::estimate::disturbance`]). With the slow part behind its dead zone, too, e'' would not be zero
 //! under a constant load, and the reference would ramp between two slots and jump back in each. m is the output encoder's
-//! angle less q, of which P and D act in every control period ([`super::measured_feedback`]); without that encoder e. The
-//! shift (rad at the output) is added to the motor's reference, and the cascade follows it.
+//! angle less q, of which P and D act in every control period ([`super::measured_feedback`]); without that encoder e. x is
+//! what the motor has yet to go to its reference, r the gear's ratio. The shift (rad at the output) is added to the motor's
+//! reference, and the cascade follows it.
 //!
 //! With a motor that follows, the load on its spring obeys J_fs*e'' = K*(shift - e): the torsion mode of frequency
 //! omega = sqrt(K/J_fs) is damped by b*omega/2, and z closes a loop of crossover k through two poles and that
 //! mode, of which it takes a damping ratio of k/(2*omega)*cos(2*a)/(1 + tan(a)^2), a = atan(omega/omega_y): none where
 //! omega_y is omega, k/(2*omega) where it is far above. b becomes a negative damping only where the motor's delay passes a
 //! quarter of the mode's period. The gains scale with omega.
+//!
+//! A motor in static friction does not move until the cascade's torque has grown to the break-away torque. An integral of m
+//! alone would by then have sent its reference far beyond, and the joint would hunt: with c*r*x added z stands still where
+//! it has asked for 1/c of what is missing.
 //!
 //! While the setpoint rests, m with an output encoder passes a dead zone of half a count, its rounding: static friction
 //! and the integral would respond to every change of the last count. z integrates the measured angle, not the estimated
@@ -28,7 +33,7 @@
 //! A. De Luca, W. Book, "Robots with flexible elements", Springer Handbook of Robotics (2016), chapter 11: damping by
 //! link-side velocity, and the effect of the motor's lag on it.
 
-use crate::compensator::tuned::{LARGEST_SHIFT, SLOW_SPEED};
+use crate::compensator::tuned::{LARGEST_SHIFT, MOTOR_LAG, SLOW_SPEED};
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::low_pass::LowPass;
@@ -75,7 +80,7 @@ pub struct OutputFeedbackState<R> {
     filtered: R,
     /// dz/dt (rad/s).
     integral_rate: R,
-    /// m of the last slot (rad), whether it was measured, and whether the setpoint rested.
+    /// m + c*r*x of the last slot (rad), whether m was measured, and whether the setpoint rested.
     error: R,
     measures: bool,
     rests: bool,
@@ -86,6 +91,8 @@ pub struct OutputFeedbackState<R> {
 pub struct OutputError<R> {
     /// m where the output encoder reads, else e (rad).
     pub position: R,
+    /// r*x (rad).
+    pub motor_lag: R,
     /// e' (rad/s).
     pub velocity: R,
     /// dq (rad/s).
@@ -145,7 +152,8 @@ impl<R: Real> OutputFeedback<R> {
         supervised: R,
     ) -> Shift<R> {
         let set = usize::from(output.measures);
-        state.error = if self.is_slow(output.setpoint_velocity) { output.position } else { R::ZERO };
+        let missing = output.position + R::lit(MOTOR_LAG.get()) * output.motor_lag;
+        state.error = if self.is_slow(output.setpoint_velocity) { missing } else { R::ZERO };
         state.rests = output.setpoint_velocity == R::ZERO;
         state.measures = output.measures;
         let damping = supervised * self.gains[set].damping;
@@ -210,8 +218,7 @@ mod tests {
         let (mut e, mut rate, mut torque, mut largest) = (1e-3f64, 0.0, 0.0, 0.0f64);
         let periods = (seconds / DT) as usize;
         for k in 0..periods {
-            let error =
-                OutputError { position: e, velocity: rate, torque, measures: false, setpoint_velocity: 0.0 };
+            let error = OutputError { position: e, velocity: rate, torque, ..OutputError::default() };
             let shift = stepped(&feedback, &mut state, &error, true);
             for _ in 0..16 {
                 torque = STIFFNESS * (shift.angle - e) + load;
@@ -245,6 +252,27 @@ mod tests {
         assert!((damped - alone).abs() < 1e-3 * alone, "{damped}");
         let (_, integrated) = decay(OutputFeedbackParams { integral_at_rest: 20.0, ..GAINS }, 40.0, 2.0);
         assert!(integrated.abs() < 1e-3 * alone, "{integrated}");
+    }
+
+    /// A motor that does not move: the reference goes beyond by 1/c of the error; without its lag, to the bound.
+    #[test]
+    fn a_motor_in_static_friction_is_not_sent_far() {
+        const ERROR: f64 = 1e-3;
+        let feedback = feedback(OutputFeedbackParams { integral_at_rest: 30.0, ..GAINS });
+        let shift = |moves: f64| {
+            let (mut state, mut shift) = (OutputFeedbackState::default(), Shift::default());
+            for _ in 0..5000 {
+                let error = OutputError {
+                    position: ERROR,
+                    motor_lag: (1.0 - moves) * shift.angle,
+                    ..OutputError::default()
+                };
+                shift = stepped(&feedback, &mut state, &error, true);
+            }
+            shift.angle
+        };
+        assert!((shift(0.0) + ERROR / MOTOR_LAG.get()).abs() < 1e-3 * ERROR, "{}", shift(0.0));
+        assert_eq!(shift(1.0), -LARGEST_SHIFT.get());
     }
 
     /// The decay of the mode does not depend on an integral whose poles are at the mode.
