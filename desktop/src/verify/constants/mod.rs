@@ -49,10 +49,9 @@ fn default_joints() -> impl Iterator<Item = Joint> {
     let seeds = Set::Training.first()..;
     SensorSet::ALL.into_iter().zip(seeds).map(|(sensors, seed)| {
         let mut known = GearFile::default_gear();
-        if sensors == SensorSet::Motor {
-            known.sensors.output_encoder_bits = None;
-            known.sensors.output_encoder_zero = None;
-        }
+        let output = (sensors == SensorSet::Both).then(|| known.sensors.output_bits());
+        known.sensors.output_encoder_bits = output;
+        known.sensors.output_encoder_zero = output.map(|_| 0.0);
         Joint { seed, known }
     })
 }
