@@ -22,7 +22,7 @@ use strainwave::compensator::estimate::observer::{GainSets, Gains};
 use strainwave::compensator::reference::measured_feedback::MeasuredFeedbackParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
-use strainwave::compensator::tuned::DRIVE_CORNER;
+use strainwave::compensator::tuned::{DRIVE_CORNER, MOTOR_LAG};
 use strainwave::friction::ModelName;
 
 use super::mode::Mode;
@@ -322,7 +322,9 @@ impl Controller {
         let position =
             x[FLANGE_ERROR] + dt * (x[FLANGE_SPEED] - r * x[MOTOR_SPEED]) + r * x[MOTOR_RESIDUAL] + r * motor;
         let mean = std::mem::take(&mut x[ROUND_SUM]) / SLOTS as f64;
-        let measured = if self.has_output { mean } else { position };
+        let motor_lag = if self.stands { r * x[MOTOR_ERROR] } else { 0.0 };
+        let read = if self.has_output { mean } else { position };
+        let missing = read + MOTOR_LAG.get() * motor_lag;
         let gains = &self.output_feedback;
         let whole = x[MEAN] + self.disturbance.wind_up_fraction * x[FAST];
         let torque = x[TRANSMITTED] - x[FRICTION[1]] + whole;
@@ -332,7 +334,7 @@ impl Controller {
         x[REFERENCE_SPEED] = -rate / r;
         // Of the next slot, where nothing else changes what it rests on.
         let filter = fraction(round * gains.filter_corner);
-        x[FIRST_POLE] += filter * (measured - x[FIRST_POLE]);
+        x[FIRST_POLE] += filter * (missing - x[FIRST_POLE]);
         x[FILTERED] += filter * (x[FIRST_POLE] - x[FILTERED]);
         let way = round * gains.integral * x[FILTERED];
         x[SHIFTED] = if gains.integral > 0.0 { x[SHIFTED] + way } else { 0.0 };

@@ -10,8 +10,8 @@
 //! ([`crate::compensator::estimate::disturbance`]). With the slow part behind its dead zone, too, e'' would not be zero
 //! under a constant load, and the reference would ramp between two slots and jump back in each. m is the output encoder's
 //! angle less q, of which P and D act in every control period ([`super::measured_feedback`]); without that encoder e. x is
-//! what the motor has yet to go to its reference, r the gear's ratio. The shift (rad at the output) is added to the motor's
-//! reference, and the cascade follows it.
+//! what a motor at rest has yet to go to its reference, 0 in motion, r the gear's ratio. The shift (rad at the output) is
+//! added to the motor's reference, and the cascade follows it.
 //!
 //! With a motor that follows, the load on its spring obeys J_fs*e'' = K*(shift - e): the torsion mode of frequency
 //! omega = sqrt(K/J_fs) is damped by b*omega/2, and z closes a loop of crossover k through two poles and that
@@ -91,7 +91,7 @@ pub struct OutputFeedbackState<R> {
 pub struct OutputError<R> {
     /// m where the output encoder reads, else e (rad).
     pub position: R,
-    /// r*x (rad).
+    /// r*x, 0 where the setpoint moves (rad).
     pub motor_lag: R,
     /// e' (rad/s).
     pub velocity: R,
