@@ -32,7 +32,7 @@ use crate::io::gear_file::{Friction, GearFile};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// States.
-pub const STATES: usize = 36;
+pub const STATES: usize = 37;
 /// Inputs of the controller: theta_m, theta_o, tau_measured, tau_t, d_in.
 pub const INPUTS: usize = 5;
 /// Slots of a round.
@@ -78,6 +78,7 @@ const FILTERED: usize = 32;
 const READING: usize = 33;
 const MEASURED: usize = 34;
 const ROUND_SUM: usize = 35;
+const OUTPUT_ERROR: usize = 36;
 
 /// A linear controller at one operating point.
 #[derive(Clone, Debug)]
@@ -215,8 +216,11 @@ impl Controller {
         x[MOTOR_ERROR] += dt * (x[REFERENCE_SPEED] + x[WIND_SPEED]) - moved;
         if slot == OUTPUT_SLOT {
             x[READING] = output;
-        } else if slot == OUTPUT_SLOT + 1 && self.has_output {
-            self.read_output(x);
+        } else if slot == OUTPUT_SLOT + 1 {
+            self.integrate(x);
+            if self.has_output {
+                self.read_output(x);
+            }
         }
         match slot {
             0 | 2 | 4 | 6 => self.observe(slot, x, motor, gauge, open.then_some(load)),
@@ -316,15 +320,13 @@ impl Controller {
     }
 
     fn plan(&self, x: &mut [f64], motor: f64) {
-        let (dt, r, round) = (CONTROL_PERIOD, self.ratio, ROUND_TIME);
+        let (dt, r) = (CONTROL_PERIOD, self.ratio);
         let compensated = x[SLOW] + self.disturbance.wind_up_fraction * x[FAST];
         let wound = -compensated / self.stiffness;
         let position =
             x[FLANGE_ERROR] + dt * (x[FLANGE_SPEED] - r * x[MOTOR_SPEED]) + r * x[MOTOR_RESIDUAL] + r * motor;
         let mean = std::mem::take(&mut x[ROUND_SUM]) / SLOTS as f64;
-        let motor_lag = if self.stands { r * x[MOTOR_ERROR] } else { 0.0 };
-        let read = if self.has_output { mean } else { position };
-        let missing = read + MOTOR_LAG.get() * motor_lag;
+        x[OUTPUT_ERROR] = if self.has_output { mean } else { position };
         let gains = &self.output_feedback;
         let whole = x[MEAN] + self.disturbance.wind_up_fraction * x[FAST];
         let torque = x[TRANSMITTED] - x[FRICTION[1]] + whole;
@@ -332,11 +334,17 @@ impl Controller {
         let rate = gains.damping * torque / self.inertias[1] + gains.integral * x[FILTERED];
         x[MOTOR_ERROR] = (wound - angle) / r - motor;
         x[REFERENCE_SPEED] = -rate / r;
-        // Of the next slot, where nothing else changes what it rests on.
-        let filter = fraction(round * gains.filter_corner);
+    }
+
+    /// The integral of the output's error, of which the motor at rest has a part yet to go.
+    fn integrate(&self, x: &mut [f64]) {
+        let gains = &self.output_feedback;
+        let motor_lag = if self.stands { self.ratio * x[MOTOR_ERROR] } else { 0.0 };
+        let missing = x[OUTPUT_ERROR] + MOTOR_LAG.get() * motor_lag;
+        let filter = fraction(ROUND_TIME * gains.filter_corner);
         x[FIRST_POLE] += filter * (missing - x[FIRST_POLE]);
         x[FILTERED] += filter * (x[FIRST_POLE] - x[FILTERED]);
-        let way = round * gains.integral * x[FILTERED];
+        let way = ROUND_TIME * gains.integral * x[FILTERED];
         x[SHIFTED] = if gains.integral > 0.0 { x[SHIFTED] + way } else { 0.0 };
     }
 

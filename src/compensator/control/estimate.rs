@@ -2,6 +2,7 @@
 
 use crate::angle::Angle;
 use crate::compensator::estimate::observer::Measurement;
+use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::schedule::OBSERVER_PERIODS;
 use crate::compensator::sense::rotor::RotorInput;
 use crate::compensator::{Compensator, Faults, State};
@@ -44,7 +45,10 @@ impl<R: Real> Compensator<R> {
     pub(super) fn check(&self, state: &mut State<R>) {
         let mut faults = Faults::NONE;
         let runs = !state.limited && state.supervisor.gain() == R::ONE;
-        self.output_feedback.integrate(&mut state.output_feedback, runs);
+        let MotorReference { rests, position_error, .. } = state.motor_reference;
+        let motor_lag = if rests { position_error.dead_zone(self.rounding) } else { R::ZERO };
+        let at_output = self.gear.ratio().rounded::<R>() * motor_lag;
+        self.output_feedback.integrate(&mut state.output_feedback, at_output, runs);
         self.read_output(state, &mut faults);
         let reference = &state.motor_reference;
         state.followed = self.braking.gain(reference.position_error);

@@ -52,10 +52,7 @@ impl<R: Real> Compensator<R> {
             let (observer, correction) = (&state.observer, &state.gear_correction);
             demand.link_offset + self.observer.output_offset(observer, correction, position_error, self.dt)
         };
-        let motor_lag =
-            if rests { state.motor_reference.position_error.dead_zone(self.rounding) } else { R::ZERO };
         let error = OutputError {
-            motor_lag: self.gear.ratio().rounded::<R>() * motor_lag,
             position: newest.map_or_else(estimated, |newest| mean.unwrap_or(newest.error)),
             velocity: velocity - setpoint.velocity,
             setpoint_velocity: setpoint.velocity,

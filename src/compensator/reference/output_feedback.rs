@@ -80,7 +80,7 @@ pub struct OutputFeedbackState<R> {
     filtered: R,
     /// dz/dt (rad/s).
     integral_rate: R,
-    /// m + c*r*x of the last slot (rad), whether m was measured, and whether the setpoint rested.
+    /// m of the last slot (rad), whether it was measured, and whether the setpoint rested.
     error: R,
     measures: bool,
     rests: bool,
@@ -91,8 +91,6 @@ pub struct OutputFeedbackState<R> {
 pub struct OutputError<R> {
     /// m where the output encoder reads, else e (rad).
     pub position: R,
-    /// r*x, 0 where the setpoint moves (rad).
-    pub motor_lag: R,
     /// e' (rad/s).
     pub velocity: R,
     /// dq (rad/s).
@@ -152,8 +150,7 @@ impl<R: Real> OutputFeedback<R> {
         supervised: R,
     ) -> Shift<R> {
         let set = usize::from(output.measures);
-        let missing = output.position + R::lit(MOTOR_LAG.get()) * output.motor_lag;
-        state.error = if self.is_slow(output.setpoint_velocity) { missing } else { R::ZERO };
+        state.error = if self.is_slow(output.setpoint_velocity) { output.position } else { R::ZERO };
         state.rests = output.setpoint_velocity == R::ZERO;
         state.measures = output.measures;
         let damping = supervised * self.gains[set].damping;
@@ -169,13 +166,15 @@ impl<R: Real> OutputFeedback<R> {
         setpoint_velocity.abs() < self.slow
     }
 
-    /// Integrates z by the last error, in a later slot; `runs` is false while the motor cannot follow, and z is held.
+    /// Integrates z by the last error and `motor_lag`, r*x (rad), in a later slot; `runs` is false while the motor cannot follow,
+    /// and z is held.
     #[inline(always)]
-    pub fn integrate(&self, state: &mut OutputFeedbackState<R>, runs: bool) {
+    pub fn integrate(&self, state: &mut OutputFeedbackState<R>, motor_lag: R, runs: bool) {
         let set = usize::from(state.measures);
         let (gains, filter) = (&self.gains[set], self.filters[set]);
         let dead_zone = if state.measures && state.rests { self.dead_zone } else { R::ZERO };
-        filter.step(&mut state.first_pole, state.error.dead_zone(dead_zone));
+        let missing = state.error + R::lit(MOTOR_LAG.get()) * motor_lag;
+        filter.step(&mut state.first_pole, missing.dead_zone(dead_zone));
         filter.step(&mut state.filtered, state.first_pole);
         let gain = if state.rests { gains.integral_at_rest } else { gains.integral };
         state.integral_rate = gain * state.filtered;
@@ -207,7 +206,7 @@ mod tests {
         runs: bool,
     ) -> Shift<f64> {
         let shift = feedback.step(state, output, 1.0);
-        feedback.integrate(state, runs);
+        feedback.integrate(state, 0.0, runs);
         shift
     }
 
@@ -262,12 +261,9 @@ mod tests {
         let shift = |moves: f64| {
             let (mut state, mut shift) = (OutputFeedbackState::default(), Shift::default());
             for _ in 0..5000 {
-                let error = OutputError {
-                    position: ERROR,
-                    motor_lag: (1.0 - moves) * shift.angle,
-                    ..OutputError::default()
-                };
-                shift = stepped(&feedback, &mut state, &error, true);
+                let error = OutputError { position: ERROR, ..OutputError::default() };
+                shift = feedback.step(&mut state, &error, 1.0);
+                feedback.integrate(&mut state, (1.0 - moves) * shift.angle, true);
             }
             shift.angle
         };
