@@ -7,6 +7,7 @@
 //! A bound that has become ten times too loose no longer guards anything, and fails like one that is
 //! exceeded.
 
+mod count;
 mod elementary_functions;
 mod error;
 mod literal_mesh;

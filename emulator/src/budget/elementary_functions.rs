@@ -11,7 +11,7 @@ use strainwave::elementary::{libm, micromath, ours};
 use strainwave::real::RADIANS_PER_COUNT;
 use strainwave_desktop::Figure;
 
-use super::measurement::count_program;
+use super::count::count_program;
 use super::{Block, Error};
 use crate::artifact::{CallGraph, Image};
 use crate::counting::Counts;

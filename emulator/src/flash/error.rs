@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use super::probe::{INSTALL, PROGRAM};
+use super::{INSTALL, PROGRAM};
 use crate::{budget, firmware, machine, target};
 
 /// A joint that does not come onto its board.

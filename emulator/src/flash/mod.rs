@@ -22,6 +22,11 @@ use std::path::Path;
 use crate::budget::Budget;
 use crate::machine::{self, Options};
 
+/// The program that writes an image through a debug probe.
+const PROGRAM: &str = "probe-rs";
+/// Its installation.
+const INSTALL: &str = "cargo install probe-rs-tools --locked";
+
 /// How an image comes to run on a board.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Way {

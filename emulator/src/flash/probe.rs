@@ -8,12 +8,7 @@ use std::io;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use super::Error;
-
-/// The program.
-pub const PROGRAM: &str = "probe-rs";
-/// Its installation.
-pub const INSTALL: &str = "cargo install probe-rs-tools --locked";
+use super::{Error, PROGRAM};
 
 /// Part of its message when no probe is connected.
 const NO_PROBE: &str = "No connected probes were found";
