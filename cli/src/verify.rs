@@ -11,7 +11,7 @@ use strainwave_desktop::verify::bounds;
 use strainwave_desktop::verify::faults;
 use strainwave_desktop::verify::robustness::Robustness;
 use strainwave_desktop::verify::{self, Measured};
-use strainwave_desktop::verify::{catalogue, compensator, constants, identify, replay, robustness};
+use strainwave_desktop::verify::{catalogue, compensator, constants, healthy, identify, replay, robustness};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::rerun;
 use strainwave_emulator::verify::{self as emulated, Parts};
@@ -27,6 +27,8 @@ const FIRMWARE: &str = "firmware";
 const ROBUSTNESS: &str = "robustness";
 /// The part that runs joints all over the catalogue, by itself too.
 const CATALOGUE: &str = "catalogue";
+/// The part that lets healthy joints work for ten hours, by itself too.
+const HEALTHY: &str = "healthy";
 /// The part that halves and doubles every tuned constant, by itself too.
 const CONSTANTS: &str = "constants";
 /// The part that identifies measured joints and predicts what did not train, by itself too: it misses bounds.
@@ -40,7 +42,7 @@ const FAULTS: &str = "faults";
 ///
 /// The parts `firmware` and `flexspline` boot the image in the emulator and run S1-S6, both together once; that takes
 /// some minutes; `hysteresis` boots an image of its own. Every figure repeats exactly; times by the clock are `bench`'s. The
-/// parts `robustness`, `catalogue`, `identify` and `constants` are measured only when they are named.
+/// parts `robustness`, `catalogue`, `healthy`, `identify` and `constants` are measured only when they are named.
 #[derive(Args)]
 pub struct Arguments {
     /// Only this part; every part when left out
@@ -55,17 +57,17 @@ pub struct Arguments {
     /// Of `robustness`, only this unknown, such as drive.delay; may be given several times
     #[arg(long = "row", value_name = "NAME", value_parser = row_parser())]
     rows: Vec<String>,
-    /// Of `robustness`, plants of each row (6 when left out); of `catalogue`, joints (all 500); of
+    /// Of `robustness`, plants of each row (6 when left out); of `catalogue` and `healthy`, joints (all 500); of
     /// `constants`, training joints (24, half of them with an output encoder)
     #[arg(long, value_name = "COUNT", value_parser = value_parser!(u64).range(1..=100_000))]
     seeds: Option<u64>,
-    /// The first plant of `robustness` or joint of `catalogue`; 1 to 999 are for choosing gains, from 10000 on for claims
+    /// The first plant of `robustness` or joint of `catalogue` or `healthy`; 1 to 999 are for choosing gains, from 10000 on for claims
     #[arg(long, value_name = "SEED", value_parser = value_parser!(u64).range(0..=1_000_000_000))]
     first: Option<u64>,
-    /// Of `catalogue`, the joints for choosing gains
+    /// Of `catalogue` and `healthy`, the joints for choosing gains
     #[arg(long)]
     training: bool,
-    /// Of `catalogue`, how many joints are named, the worst first
+    /// Of `catalogue` and `healthy`, how many joints are named, the worst first
     #[arg(long, value_name = "COUNT", default_value_t = 10)]
     named: usize,
     /// Of `constants`, only this tuned constant, such as FADING_TIME; may be given several times
@@ -112,7 +114,7 @@ fn constant_parser() -> impl TypedValueParser<Value = String> {
 fn part_parser() -> impl TypedValueParser<Value = String> {
     let names = verify::Part::ALL.map(verify::Part::name);
     PossibleValuesParser::new(
-        names.into_iter().chain([FIRMWARE, ROBUSTNESS, CATALOGUE, IDENTIFY, FAULTS, CONSTANTS]),
+        names.into_iter().chain([FIRMWARE, ROBUSTNESS, CATALOGUE, HEALTHY, IDENTIFY, FAULTS, CONSTANTS]),
     )
     .map(String::from)
 }
@@ -138,6 +140,9 @@ fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
     }
     if arguments.part.as_deref() == Some(CATALOGUE) {
         return across_the_catalogue(arguments);
+    }
+    if arguments.part.as_deref() == Some(HEALTHY) {
+        return at_work(arguments);
     }
     if arguments.part.as_deref() == Some(IDENTIFY) {
         return identified(arguments);
@@ -230,6 +235,36 @@ fn again(arguments: &Arguments, gear: &GearFile, found: &Robustness) -> Result<V
 
 /// On joints of the catalogue; its table is one line a scenario.
 fn across_the_catalogue(arguments: &Arguments) -> Result<Figures, BadInput> {
+    let request = requested_joints(arguments)?;
+    let mut progress = Progress::new(1000, "joints of the catalogue");
+    let measured = catalogue::measure(&request, |fraction| progress.set((fraction * 1e3) as u64));
+    drop(progress);
+    let found = measured.map_err(BadInput::message)?;
+    say(format_args!("{}", columns(&found.table())));
+    let measured = found.measured(arguments.named);
+    for note in &measured.notes {
+        say(format_args!("{note}"));
+    }
+    Ok(Figures::new(measured.figures, &arguments.figures))
+}
+
+/// Healthy joints of the catalogue at work, ten hours in all.
+fn at_work(arguments: &Arguments) -> Result<Figures, BadInput> {
+    let request = requested_joints(arguments)?;
+    let mut progress = Progress::new(1000, "joints at work");
+    let measured = healthy::measure(&request, healthy::DURATION, |fraction| {
+        progress.set((fraction * 1e3) as u64);
+    });
+    drop(progress);
+    let measured = measured.map_err(BadInput::message)?.measured(arguments.named);
+    for note in &measured.notes {
+        say(format_args!("{note}"));
+    }
+    Ok(Figures::new(measured.figures, &arguments.figures))
+}
+
+/// The joints of the catalogue that are asked for.
+fn requested_joints(arguments: &Arguments) -> Result<catalogue::Request, BadInput> {
     let set = if arguments.training { Set::Training } else { Set::Judged };
     let first = arguments.first.unwrap_or(set.first());
     let count = arguments.seeds.unwrap_or(set.seeds().end.saturating_sub(first));
@@ -241,17 +276,7 @@ fn across_the_catalogue(arguments: &Arguments) -> Result<Figures, BadInput> {
             all.end - 1
         )));
     }
-    let mut progress = Progress::new(1000, "joints of the catalogue");
-    let request = catalogue::Request { set, first, count };
-    let measured = catalogue::measure(&request, |fraction| progress.set((fraction * 1e3) as u64));
-    drop(progress);
-    let found = measured.map_err(BadInput::message)?;
-    say(format_args!("{}", columns(&found.table())));
-    let measured = found.measured(arguments.named);
-    for note in &measured.notes {
-        say(format_args!("{note}"));
-    }
-    Ok(Figures::new(measured.figures, &arguments.figures))
+    Ok(catalogue::Request { set, first, count })
 }
 
 /// With every tuned constant halved and doubled; its table is one line a constant.

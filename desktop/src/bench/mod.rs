@@ -10,6 +10,7 @@ pub mod output_bounds;
 pub mod scenario;
 pub mod task;
 pub mod trajectory;
+pub mod working_life;
 pub mod working_motion;
 
 pub use joint_bench::{Bench, Conditions};

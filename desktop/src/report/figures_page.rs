@@ -63,6 +63,7 @@ const PARTS: &[Part] = &[
         prefixes: &["catalogue."],
         command: "strainwave verify catalogue",
     },
+    Part { title: "Healthy joints at work", prefixes: &["healthy."], command: "strainwave verify healthy" },
     Part { title: "Tuned constants", prefixes: &["constants."], command: "strainwave verify constants" },
 ];
 

@@ -11,6 +11,7 @@ pub mod constants;
 pub mod faults;
 pub mod flexspline;
 pub mod friction;
+pub mod healthy;
 pub mod hysteresis;
 pub mod identify;
 pub mod judge;

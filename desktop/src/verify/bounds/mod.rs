@@ -10,6 +10,7 @@ mod design;
 mod faults;
 mod flexspline;
 mod friction;
+mod healthy;
 mod hysteresis;
 mod identify;
 mod joint;
@@ -34,7 +35,7 @@ pub struct Bound {
 pub const LOOSE: f64 = 10.0;
 
 /// Every bound, by part.
-pub const BOUNDS: [&[Bound]; 11] = [
+pub const BOUNDS: [&[Bound]; 12] = [
     joint::ROWS,
     catalogue::ROWS,
     compensator::ROWS,
@@ -43,6 +44,7 @@ pub const BOUNDS: [&[Bound]; 11] = [
     faults::ROWS,
     flexspline::ROWS,
     friction::ROWS,
+    healthy::ROWS,
     hysteresis::ROWS,
     identify::ROWS,
     robustness::ROWS,

@@ -42,6 +42,14 @@ pub struct Request {
     pub count: u64,
 }
 
+impl Request {
+    /// The joints, in the order of their seeds.
+    pub(super) fn joints(&self) -> Vec<Joint> {
+        let seeds = self.first..self.first + self.count;
+        self.set.joints().into_iter().filter(|joint| seeds.contains(&joint.seed)).collect()
+    }
+}
+
 /// Everything that ran on one joint.
 #[derive(Clone, Debug)]
 pub struct Outcome {
@@ -60,10 +68,7 @@ pub struct Outcome {
 /// # Errors
 /// A joint that no plant or baseline can be built for.
 pub fn measure(request: &Request, mut progress: impl FnMut(f64)) -> Result<Report, Error> {
-    let seeds = request.first..request.first + request.count;
-    let joints: Vec<_> =
-        request.set.joints().into_iter().filter(|joint| seeds.contains(&joint.seed)).collect();
-    let outcomes = each(&joints, Outcome::of, &mut progress);
+    let outcomes = each(&request.joints(), Outcome::of, &mut progress);
     Ok(Report { outcomes: outcomes.into_iter().collect::<Result<_, _>>()? })
 }
 
