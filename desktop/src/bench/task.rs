@@ -100,3 +100,18 @@ pub(crate) fn smooth(x: f64) -> (f64, f64, f64, f64, f64) {
 pub(crate) fn integral_of_smooth(x: f64) -> f64 {
     7.0 * x.powi(5) - 14.0 * x.powi(6) + 10.0 * x.powi(7) - 2.5 * x.powi(8)
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// Without a jump: the slope of the position is the velocity, to `error` (rad/s).
+    pub(crate) fn require_one_motion(task: &impl Task, error: f64) {
+        for k in 1..periods(task) {
+            let time = k as f64 * CONTROL_PERIOD;
+            let at = |offset: f64| task.at(time + offset, &Capability::default());
+            let slope = (at(1e-6).position - at(-1e-6).position) / 2e-6;
+            assert!((slope - at(0.0).velocity).abs() < error, "{time}");
+        }
+    }
+}

@@ -5,7 +5,7 @@
 //! | distance of a move | 1 mrad to 1 rad, even over the logarithm, between -1 and 1 rad |
 //! | its duration | once to ten times the shortest, even over the logarithm |
 //! | rest after it | 0.05 to 1 s |
-//! | load from the start of the rest on, in every second on average | -40 to 40 N m, at once or within 0.1 s |
+//! | load from the start of the rest on, in every second on average | -40 to 40 N m, at once, or within 0.1 s and before the next move |
 //!
 //! The shortest duration is that in which speed and acceleration are those of S3, 50 ms at least. Loads and moves scale with the
 //! joint as those of the scenarios ([`crate::design::capability`]).
@@ -120,6 +120,7 @@ impl Task for WorkingLife {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bench::task::tests::require_one_motion;
 
     fn rows(life: &WorkingLife) -> Vec<Demand> {
         let periods = (life.duration() * 1e3) as u32;
@@ -138,15 +139,9 @@ mod tests {
         assert!(load <= LOAD.0 && load > 30.0, "{load}");
     }
 
-    /// Without a jump, the slope of the position is the velocity.
     #[test]
     fn it_is_one_motion() {
-        let life = WorkingLife::of(2, 20.0);
-        for k in 1..190_000 {
-            let at = |offset: f64| life.at(f64::from(k) * 1e-4 + offset, &Capability::default());
-            let slope = (at(1e-6).position - at(-1e-6).position) / 2e-6;
-            assert!((slope - at(0.0).velocity).abs() < 1e-4, "{k}");
-        }
+        require_one_motion(&WorkingLife::of(2, 20.0), 1e-4);
     }
 
     #[test]

@@ -58,6 +58,7 @@ impl Task for WorkingMotion {
 mod tests {
     use super::*;
     use crate::bench::controller::HostCompensator;
+    use crate::bench::task::tests::require_one_motion;
     use crate::bench::{Bench, Conditions};
     use crate::design::joint::joint_params;
     use crate::io::gear_file::GearFile;
@@ -78,14 +79,9 @@ mod tests {
         }
     }
 
-    /// Without a jump, the slope of the position is the velocity.
     #[test]
     fn it_is_one_motion() {
-        for k in 1..100_000 {
-            let at = |offset: f64| WorkingMotion.at(f64::from(k) * 1e-4 + offset, &Capability::default());
-            let slope = (at(1e-6).position - at(-1e-6).position) / 2e-6;
-            assert!((slope - at(0.0).velocity).abs() < 1e-5, "{k}");
-        }
+        require_one_motion(&WorkingMotion, 1e-5);
     }
 
     /// However often the output encoder reads, and on a late one.

@@ -27,11 +27,10 @@ use crate::verify::Measured;
 use crate::verify::bounds;
 use crate::verify::catalogue::Request;
 use crate::verify::compensator::each;
+use crate::verify::faults::LIMITS;
 
 /// Working life of a joint (s).
 pub const DURATION: f64 = 72.0;
-/// Faults of a limited command or setpoint: no alarms.
-const LIMITS: Faults = Faults::TORQUE_LIMITED.with(Faults::SETPOINT_LIMITED);
 
 /// The working life of one joint.
 #[derive(Clone, Debug)]

@@ -52,7 +52,7 @@ const BRAKE: f64 = 0.02;
 /// Full torque, as a fraction of the peak, and how long it is borne (s).
 const FULL: (f64, f64) = (0.95, 0.005);
 /// Faults of a limited command or setpoint, which do not name an injected fault.
-const LIMITS: Faults = Faults::TORQUE_LIMITED.with(Faults::SETPOINT_LIMITED);
+pub(super) const LIMITS: Faults = Faults::TORQUE_LIMITED.with(Faults::SETPOINT_LIMITED);
 
 /// The beginning of a scenario.
 struct Beginning(Scenario, f64);
