@@ -36,7 +36,7 @@ faults! {
     7 ESTIMATE_LIMITED "estimate limited": "An estimate was beyond what the joint can do; it was limited.";
     8 TORSION_BEYOND_RANGE "torsion beyond range": "The observed torsion or its rate requires more torque than the gear can transmit; the model's torque saturates there.";
     9 SETPOINT_STEP "setpoint step": "The position moved farther from one reading of the command to the next than the output can.";
-    10 OUTPUT_ENCODER_FROZEN "output encoder frozen": "The output encoder stood still while a motion of the motor was commanded; it is ignored until it moves.";
+    10 OUTPUT_ENCODER_FROZEN "output encoder frozen": "The output encoder stood still while the motor went farther than the gear's torsion allows; it is ignored until it moves.";
     11 PERIOD_OUT_OF_RANGE "period out of range": "The time since the last step was shorter than a quarter of the control period or longer than 16: the control stood still.";
     12 MOTOR_ENCODER_LOST "motor encoder lost": "The motor encoder was refused for so long that the motor's angle is no longer known.";
     13 GEAR_OVERLOAD "gear overload": "The rotor's motion under its torque shows more torque through the gear than it can transmit: an overload, or torque and motion that disagree in sign or size.";

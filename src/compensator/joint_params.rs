@@ -75,11 +75,12 @@ impl<R: Real> JointParams<R> {
         let (limits, n) = (&self.limits, self.gear.ratio);
         let [observed, round] =
             [OBSERVER_PERIODS, SLOW_PERIODS].map(|periods| R::from_i32(periods as i32) * self.dt);
-        // Periods between readings of the output encoder that the observer uses, and that the test for a frozen encoder
-        // uses.
-        let [readings, looks] = [SLOW_PERIODS, 2 * SLOW_PERIODS]
-            .map(|least| R::from_i32(self.observer.output_encoder_period.max(least) as i32));
+        // Periods between readings of the output encoder that the observer uses.
+        let readings = R::from_i32(self.observer.output_encoder_period.max(SLOW_PERIODS) as i32);
         let protection = Protection::build(&self.gear, limits, self.dt);
+        let line = self.gear.flexspline.line.build()?;
+        let count_out = count(self.output_encoder_bits);
+        let lost_motion = R::lit(2.0) * line.torsion(limits.output_torque) + count_out;
         let commander = Commander::build(&self.gear, limits, &self.feedback, &protection, round)?;
         let acceleration = commander.acceleration() * R::from_i32(n).abs();
         Ok(Compensator {
@@ -91,7 +92,7 @@ impl<R: Real> JointParams<R> {
             output_encoder: encoder(self.output_encoder_bits, limits.output_speed(n) * readings)?,
             output_zero: OutputZero::build(self.output_encoder_zero, n)?,
             frozen_encoder: FrozenEncoder::of_motor(round + round),
-            frozen_output: FrozenEncoder::of_output(self.dt * looks),
+            frozen_output: FrozenEncoder::of_output(R::from_i32(n).abs() * lost_motion),
             observer: self.observer.build(&self.gear, &self.limits, self.dt)?,
             disturbance: self.disturbance.build(&self.gear, self.dt)?,
             feed_forward: FeedForward::build(&self.gear, self.dt)?,
@@ -102,13 +103,13 @@ impl<R: Real> JointParams<R> {
                 &self.output_feedback,
                 self.gear.flexspline_inertia,
                 limits.output_speed(n),
-                count(self.output_encoder_bits),
+                count_out,
                 round,
             )?,
             measured_feedback: MeasuredFeedback::build(
                 &self.measured_feedback,
                 limits.output_speed(n),
-                count(self.output_encoder_bits),
+                count_out,
                 self.dt,
             )?,
             learning: self.learning.build(&self.gear, &self.limits, self.dt)?,

@@ -40,6 +40,7 @@ impl<R: Real> Compensator<R> {
             last_output: None,
             last_motor: Angle::default(),
             motor_moved: false,
+            motor_at_output: Angle::default(),
             commander: CommanderState::default(),
             since_plan: R::ZERO,
             observer: self.observer.rest(),

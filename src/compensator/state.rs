@@ -43,6 +43,8 @@ pub struct State<R: Real> {
     /// Motor's angle when it was last tested for a standstill, and that it has been at another one since.
     pub(super) last_motor: Angle<R>,
     pub(super) motor_moved: bool,
+    /// Motor's angle when the output encoder was last tested for a standstill.
+    pub(super) motor_at_output: Angle<R>,
     pub(super) commander: CommanderState<R>,
     /// Time of the observer's slots since the plan's last one (s).
     pub(super) since_plan: R,

@@ -167,9 +167,9 @@ tuned! {
          sound joint make: half as much again for their uncertainty";
     MOTOR_PATH = 0.5, Radian,
         "Commanded path of the motor in which its encoder moves, unless it is frozen: an angle, whatever the gear";
-    OUTPUT_PATH = 2.0, Radian,
-        "The same for the output's encoder: more than the torsion from one peak torque to the other, as the motor turns, \
-         of the default gear";
+    OUTPUT_PATH = 1.5, One,
+        "Measured path of the motor in which the output's encoder moves, in the torsion from one peak torque to the other and a \
+         count: half as much again for the uncertainty of the stiffness";
     DRIVE_CORNER = 7.0, RadianPerSecond,
         "Corner between commanded and measured motor torque: noise of the measurement above it, a drive's errors below it";
     MEASURED_TORQUE_CORNER = 100.0, RadianPerSecond,

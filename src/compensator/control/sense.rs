@@ -66,19 +66,21 @@ impl<R: Real> Compensator<R> {
         }
     }
 
-    /// Raises the faults of encoders that stand still while a motion is commanded. A joint that a brake holds against
-    /// its load is detected too: the shift of the output feedback is a commanded motion.
+    /// Raises the faults of encoders that stand still: the motor's while a motion is commanded, the output's while
+    /// the motor moves. A joint that a brake holds against its load is detected too: the shift of the output feedback is a
+    /// commanded motion.
     #[inline(always)]
     pub(super) fn detect_standstill(&self, state: &mut State<R>, motor: Angle<R>) {
         let mut faults = Faults::NONE;
         let velocity = state.motor_reference.commanded_velocity();
         let stood_still = !core::mem::replace(&mut state.motor_moved, false);
         state.last_motor = motor;
-        let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, velocity);
+        let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, velocity.abs());
         faults.raise_if(frozen && state.mode.mode().drives(), Faults::MOTOR_ENCODER_FROZEN);
         if let Some(raw) = state.output_raw.take() {
             let stood_still = state.last_output.replace(raw) == Some(raw);
-            self.frozen_output.step(&mut state.frozen_output_path, stood_still, velocity);
+            let moved = motor.minus(core::mem::replace(&mut state.motor_at_output, motor));
+            self.frozen_output.step(&mut state.frozen_output_path, stood_still, moved);
         }
         faults
             .raise_if(self.frozen_output.is_frozen(state.frozen_output_path), Faults::OUTPUT_ENCODER_FROZEN);

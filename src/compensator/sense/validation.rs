@@ -233,38 +233,41 @@ fn ramp<R: Real>(commanded: R, gain: &mut R, allowed: R, step: R, faults: &mut F
     *gain += (allowed * target - *gain).max(-step).min(step);
 }
 
-/// Detector of an encoder that stands still while a motion of the motor is commanded.
+/// Detector of an encoder that stands still while the motor moves, as commanded or as measured.
 #[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrozenEncoder<R> {
-    dt: R,
     farthest: R,
 }
 
 impl<R: Real> FrozenEncoder<R> {
-    /// The motor's, for the control period dt (s).
+    /// The motor's, whose steps are commanded velocities (rad/s) at the period dt (s).
     pub fn of_motor(dt: R) -> Self {
-        Self { dt, farthest: R::lit(MOTOR_PATH.get()) }
+        Self { farthest: R::lit(MOTOR_PATH.get()) / dt }
     }
 
-    /// The output's.
-    pub fn of_output(dt: R) -> Self {
-        Self { dt, farthest: R::lit(OUTPUT_PATH.get()) }
+    /// The output's, whose steps are the motor's measured motions (rad). It may stand still while the motor goes as far as the gear's
+    /// torsion from one peak torque to the other and a count take it (`lost_motion`, rad, at the motor).
+    pub fn of_output(lost_motion: R) -> Self {
+        Self { farthest: R::lit(OUTPUT_PATH.get()) * lost_motion }
     }
 
-    /// Adds to the path while the encoder stands still; true once the path is too long. A motor that reverses stands still for a
-    /// moment: one step is never more than half of the path.
+    /// Adds a step to the path while the encoder stands still; true once the path is too long in either direction, and until the
+    /// encoder moves. A motor that reverses stands still for a moment: one step is never more than half of the path.
     #[inline]
-    pub fn step(&self, path: &mut R, stood_still: bool, velocity: R) -> bool {
-        let step = (self.dt * velocity.abs()).min(R::lit(0.5) * self.farthest);
-        *path = if stood_still { (*path + step).min(self.farthest) } else { R::ZERO };
+    pub fn step(&self, path: &mut R, stood_still: bool, step: R) -> bool {
+        if !stood_still {
+            *path = R::ZERO;
+        } else if !self.is_frozen(*path) {
+            *path += step.limit(R::lit(0.5) * self.farthest);
+        }
         self.is_frozen(*path)
     }
 
     /// The path is too long.
     #[inline(always)]
     pub fn is_frozen(&self, path: R) -> bool {
-        path >= self.farthest
+        path.abs() >= self.farthest
     }
 }
 
@@ -280,7 +283,25 @@ mod tests {
             assert!(!encoder.step(&mut path, true, 1e4));
             assert!(!encoder.step(&mut path, false, 1e4));
         }
-        assert!(!encoder.step(&mut path, true, -1e4) && encoder.step(&mut path, true, 1e4));
+        assert!(!encoder.step(&mut path, true, 1e4) && encoder.step(&mut path, true, 1e4));
+    }
+
+    /// A motor that moves to and fro within the gear's torsion gets nowhere, and the output has not to follow it.
+    #[test]
+    fn an_oscillation_is_no_path() {
+        let (encoder, mut path) = (FrozenEncoder::<f64>::of_output(1.4), 0.0);
+        assert!((0..100_000).all(|k| !encoder.step(&mut path, true, 0.5 * f64::from(k).sin())));
+    }
+
+    /// An encoder that is frozen is so until it moves, wherever the motor goes meanwhile.
+    #[test]
+    fn a_way_back_does_not_thaw_it() {
+        for sign in [1.0, -1.0] {
+            let (encoder, mut path) = (FrozenEncoder::<f64>::of_output(1.4), 0.0);
+            assert!((0..1000).any(|_| encoder.step(&mut path, true, 5.0 * sign)));
+            assert!((0..1000).all(|_| encoder.step(&mut path, true, -5.0 * sign)));
+            assert!(!encoder.step(&mut path, false, 5.0 * sign));
+        }
     }
 
     #[test]
