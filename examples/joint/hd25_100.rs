@@ -421,6 +421,7 @@ pub const JOINT: JointParams<f32> = JointParams {
             torque_rate: 1.0,
             position_bound: 0.0003,
             torque_bound: 0.0105,
+            integral_rate: 48.218254,
             speeds: [1.004547, 60.272816],
         },
     },

@@ -256,6 +256,7 @@ fn learnt_ripple_params<R: Real>(file: &GearFile) -> LearntRippleParams<R> {
         orders,
         position_rate: R::lit(tuned::POSITION_RIPPLE_RATE.get() * outer_frequency(file)),
         torque_rate: R::lit(tuned::TORQUE_RIPPLE_RATE.get()),
+        integral_rate: R::lit(tuned::INTEGRAL.get() * outer_frequency(file)),
         position_bound: R::lit(tuned::LARGEST_RIPPLE.get()),
         torque_bound: R::lit(
             tuned::LARGEST_TORQUE_RIPPLE.get() * file.friction.input.coulomb.unwrap_or_default(),

@@ -2,8 +2,9 @@
 //!
 //! ```text
 //! ripple = sum_k a_k*cos(k*alpha) + b_k*sin(k*alpha),       alpha = theta_wg or theta_wg - theta_fs
-//! law      a_k <- limit(a_k + dt*g*D*cos(k*alpha), bound),  b_k alike with the sine;   D = m of the torque,
-//!          D = limit(m, bound/8) of the position
+//! law      a_k <- limit(a_k + dt*g*D*C, bound),  b_k alike with S;   C = cos(k*alpha), S = sin(k*alpha), D = m of the torque,
+//!          C + i*S = (u + i*(1 - u))*e^(i*k*alpha), D = limit(m, bound/8) of the position,   u = min(k*|omega_wg|/k_z, 1)
+//! rate     g = g_0 of the torque, g_0/(1 + P/P_0) of the position;   P = path of the motor that was learnt from, mean of the orders
 //! ```
 //!
 //! One map is of the position, the residual of the gear file's kinematic error (rad at the output; m is the measured
@@ -12,8 +13,16 @@
 //! to the flexspline at the output's setpoint: which gives k - k/N of both rims.
 //!
 //! With the true coefficients constant, x the error of the coefficients and V = x'x/(2*g), dV/dt = -(m's ripple)^2 +
-//! noise: the law is the gradient of m^2. The loop around it must respond within a quarter period, so that it only
-//! learns where k*|omega_wg| is below a corner, and only in motion: at rest a ripple cannot be separated from any
+//! noise where m is the ripple of x: the law is the gradient of m^2. It converges while m and that ripple are less than a
+//! quarter period apart. The loop around it lags, so that it only learns where k*|omega_wg| is below a corner. And the integral of
+//! the same error ([`crate::compensator::reference::output_feedback`]), of rate k_z in slow motion, leaves of a ripple
+//! `S = i*w/(i*w + k_z)`, w = k*|omega_wg|: it leads by atan(k_z/w), well below k_z by nearly a quarter period, and by more behind
+//! filters of less than 2*k_z. There the law without the lead hardly converges, or is unstable. u + i*(1 - u) has that lead within an
+//! eighth of a period, a quarter at standstill and none from k_z on, where the loop lags; backwards it is the conjugate. Where no
+//! integral runs, u is 1.
+//!
+//! The map of the position is a property of the gear: once an order has had the time to be learnt its rate falls with the path as that
+//! of a mean over all of it, and begins anew with each start. It learns only in motion: at rest a ripple cannot be separated from any
 //! constant. Nor can it within a part of its period: a constant m would move the coefficients there and back by m*g over
 //! k*|omega_wg|. So g is at most [`RIPPLE_PER_RADIAN`]*k*|omega_wg|: a constant moves them by that fraction of it at any speed.
 //! A position error far beyond a ripple is that of a load that swings, not a ripple: it counts for no more than an eighth
@@ -36,6 +45,11 @@ use crate::compensator::tuned::{RIPPLE_PER_RADIAN, RIPPLE_SAMPLE, STEADY_SPEED};
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::{RADIANS_PER_COUNT, Real};
+
+/// P_0 (rad): at the largest rate, [`RIPPLE_PER_RADIAN`] a radian, a ripple of order 1 is learnt but for a hundredth of it.
+fn first_path() -> f64 {
+    core::f64::consts::LN_10 * 2.0 / RIPPLE_PER_RADIAN.get()
+}
 
 /// Number of learnt orders.
 pub const RIPPLE_ORDERS: usize = 4;
@@ -68,7 +82,7 @@ pub struct RippleMap<R> {
 pub struct LearntRippleParams<R> {
     /// The orders.
     pub orders: [RippleOrder; RIPPLE_ORDERS],
-    /// g of the position (1/s), >= 0.
+    /// g_0 of the position (1/s), >= 0.
     pub position_rate: R,
     /// g of the torque (1/s), >= 0.
     pub torque_rate: R,
@@ -76,6 +90,8 @@ pub struct LearntRippleParams<R> {
     pub position_bound: R,
     /// Largest coefficient of the torque, >= 0 (N m).
     pub torque_bound: R,
+    /// k_z, rate of the output feedback's integral in slow motion (1/s), >= 0; 0 without one.
+    pub integral_rate: R,
     /// Speeds of the motor between which it learns, 0 < least < most (rad/s); `most` is of order 1.
     pub speeds: [R; 2],
 }
@@ -96,6 +112,10 @@ pub struct LearntRipple<R> {
     fastest: [R; RIPPLE_ORDERS],
     /// 1/the speed from which on each order learns at the whole rate of position and of torque (s/rad).
     by_speed: [[R; 2]; RIPPLE_ORDERS],
+    /// k/k_z (s); 1/`least`, which makes u 1, without an integral.
+    by_integral: [R; RIPPLE_ORDERS],
+    /// Time from one sample of the position to the next over P_0 (s/rad).
+    by_path: R,
     /// Phase advance per speed to the middle of the slots that a wave is held for (counts of 2^32 a revolution, s).
     phase_advance: R,
     dt: R,
@@ -115,6 +135,8 @@ pub struct RippleNow<R> {
     basis: [R; 2],
     /// Angle of the wave generator since its speed is steady, up to 1 (rad).
     steady: R,
+    /// 1 - g/g_0 of the position.
+    fallen: R,
 }
 
 /// Sample of the ripple's residual in one slot.
@@ -126,6 +148,8 @@ pub struct RippleSample<R> {
     pub acceleration: R,
     /// Measured output less setpoint (rad), where there is an output encoder.
     pub position: Option<R>,
+    /// The output feedback integrates `position`.
+    pub integrates: bool,
     /// Residual torque at the motor (N m).
     pub torque: R,
 }
@@ -140,6 +164,7 @@ impl<R: Real> LearntRippleParams<R> {
         let round = R::from_i32(RIPPLE_ORDERS as i32) * dt;
         let rate = |rate: R| rate >= R::ZERO && rate * (round + round) < R::ONE;
         require(rate(self.position_rate) && rate(self.torque_rate), "ripple_rate")?;
+        require(self.integral_rate.is_finite() && self.integral_rate >= R::ZERO, "ripple_integral_rate")?;
         let bound = |bound: R| bound.is_finite() && bound >= R::ZERO;
         require(bound(self.position_bound) && bound(self.torque_bound), "ripple_bound")?;
         let [least, most] = self.speeds;
@@ -161,6 +186,11 @@ impl<R: Real> LearntRippleParams<R> {
                 [self.position_rate, self.torque_rate]
                     .map(|rate| if rate > R::ZERO { frequency / rate } else { R::ZERO })
             }),
+            by_integral: self.orders.map(|order| {
+                let integral = if self.integral_rate > R::ZERO { self.integral_rate } else { least };
+                R::from_i32(order.order.cast_signed()) / integral
+            }),
+            by_path: R::lit(2.0 / first_path()) * dt,
             phase_advance: R::lit(0.5 / RADIANS_PER_COUNT) * (round - dt),
             dt,
         })
@@ -227,9 +257,23 @@ impl<R: Real> LearntRipple<R> {
             let by = level(1) * self.torque_gain * sample.torque;
             add(&mut map.torque[order], [by * cosine, by * sine], self.torque_bound);
         } else if let Some(position) = sample.position {
-            let by = level(0) * self.position_gain * position.limit(self.largest_sample);
-            add(&mut map.position[order], [by * cosine, by * sine], self.position_bound);
+            let rate = R::ONE - now.fallen;
+            now.fallen += self.by_path * speed * rate * rate;
+            let by = rate * level(0) * self.position_gain * position.limit(self.largest_sample);
+            let [real, imaginary] = self.lead(order, sample);
+            let turned = [real * cosine - imaginary * sine, real * sine + imaginary * cosine];
+            add(&mut map.position[order], turned.map(|wave| by * wave), self.position_bound);
         }
+    }
+
+    /// u + i*(1 - u) of an order, its conjugate backwards.
+    #[inline(always)]
+    fn lead(&self, order: usize, sample: &RippleSample<R>) -> [R; 2] {
+        if !sample.integrates {
+            return [R::ONE, R::ZERO];
+        }
+        let u = (self.by_integral[order] * sample.speed.abs()).min(R::ONE);
+        [u, if sample.speed < R::ZERO { u - R::ONE } else { R::ONE - u }]
     }
 }
 
@@ -253,6 +297,7 @@ mod tests {
             torque_rate: 5.0,
             position_bound: 3e-4,
             torque_bound: 0.01,
+            integral_rate: 0.0,
             speeds: [1.0, 60.0],
         }
     }
@@ -275,6 +320,7 @@ mod tests {
                 speed,
                 acceleration: 0.0,
                 position: Some(there.position - now.position),
+                integrates: false,
                 torque: there.torque - now.torque,
             };
             ripple.learn(&mut map, &mut now, &sample);
@@ -319,6 +365,70 @@ mod tests {
         assert!(!learns(26.0) && (0..radian - 1).all(|_| !learns(0.0)) && learns(0.0));
     }
 
+    /// Largest error of the output (rad) in the last of 40 s, at `speed` (rad/s) in a loop that integrates the error at the rate of 50/s
+    /// behind two poles of 75 rad/s; `integrates` is what the law is told.
+    fn error_beside_an_integral(speed: f64, integrates: bool) -> f64 {
+        const INTEGRAL: f64 = 50.0;
+        const POLE: f64 = 75.0;
+        const STEPS: usize = 400_000;
+        let params = LearntRippleParams { integral_rate: INTEGRAL, speeds: [1.0, 100.0], ..params() };
+        let (ripple, ratio) = (params.build(CONTROL_PERIOD).unwrap(), Ratio::one_over(-20).unwrap());
+        let (mut map, mut now, mut there) =
+            (RippleMap::default(), RippleNow::default(), RippleNow::default());
+        let (mut poles, mut integral, mut largest) = ([0.0f64; 2], 0.0, 0.0f64);
+        for k in 0..STEPS {
+            let theta = Angle::from_radians_f64(speed * CONTROL_PERIOD * k as f64);
+            ripple.evaluate_next(&map, &mut now, theta, ratio.apply(theta), speed);
+            ripple.evaluate_next(&TRUTH, &mut there, theta, ratio.apply(theta), speed);
+            let error = there.position - now.position - integral;
+            poles[0] += CONTROL_PERIOD * POLE * (error - poles[0]);
+            poles[1] += CONTROL_PERIOD * POLE * (poles[0] - poles[1]);
+            integral += CONTROL_PERIOD * INTEGRAL * poles[1];
+            let sample = RippleSample { speed, position: Some(error), integrates, ..RippleSample::default() };
+            ripple.learn(&mut map, &mut now, &sample);
+            if k >= STEPS - STEPS / 40 {
+                largest = largest.max(error.abs());
+            }
+        }
+        largest
+    }
+
+    /// Well below the integral's rate the error leads the ripple by more than a quarter period: without the lead the law moves away from
+    /// the ripple, up to its bounds; with it, forwards and backwards, it converges, there and above the integral's rate.
+    #[test]
+    fn it_converges_beside_an_integral_of_the_same_error() {
+        let never_learnt = 1e-4;
+        assert!(
+            error_beside_an_integral(6.0, false) > 0.5 * never_learnt,
+            "{}",
+            error_beside_an_integral(6.0, false)
+        );
+        for speed in [6.0, -6.0, 20.0, 45.0] {
+            let left = error_beside_an_integral(speed, true);
+            assert!(left < 0.02 * never_learnt, "{speed}: {left}");
+        }
+    }
+
+    /// After n times its path the rate is 1/(1 + n) of the first: what is learnt tends to a mean over the path. Three of the four orders
+    /// are used.
+    #[test]
+    fn the_rate_of_the_position_falls_with_the_path() {
+        let (ripple, mut now) = (params().build(CONTROL_PERIOD).unwrap(), RippleNow::default());
+        let sample = RippleSample { speed: 20.0, position: Some(0.0), ..RippleSample::default() };
+        for paths in [1.0, 3.0, 9.0] {
+            let mut state = RippleNow { steady: 1.0, ..RippleNow::default() };
+            for slot in 0..(paths * first_path() / 20.0 / CONTROL_PERIOD) as usize {
+                state.slot = slot % (2 * RIPPLE_ORDERS);
+                ripple.learn(&mut RippleMap::default(), &mut state, &sample);
+            }
+            let rate = 1.0 - state.fallen;
+            assert!((rate * (1.0 + 0.75 * paths) - 1.0).abs() < 0.01, "{paths}: {rate}");
+        }
+        // At rest nothing is learnt, and the rate stays.
+        ripple.learn(&mut RippleMap::default(), &mut now, &RippleSample { speed: 0.0, ..sample });
+        assert_eq!(now.fallen, 0.0);
+    }
+
     #[test]
     fn an_error_beyond_a_ripple_counts_for_an_eighth_of_the_largest() {
         let ripple = params().build(CONTROL_PERIOD).unwrap();
@@ -350,6 +460,10 @@ mod tests {
         let order = RippleOrder { order: 1001, to_flexspline: false };
         assert_eq!(build(LearntRippleParams { orders: [order; 4], ..params() }), named("ripple_order"));
         assert_eq!(build(LearntRippleParams { torque_rate: -1.0, ..params() }), named("ripple_rate"));
+        assert_eq!(
+            build(LearntRippleParams { integral_rate: -1.0, ..params() }),
+            named("ripple_integral_rate")
+        );
         assert_eq!(build(LearntRippleParams { position_bound: f64::NAN, ..params() }), named("ripple_bound"));
         assert_eq!(build(LearntRippleParams { speeds: [2.0, 1.0], ..params() }), named("ripple_speeds"));
     }
