@@ -9,6 +9,7 @@
 //! | [`friction`] | every model of Table 1 and LuGre, one trait; the gear's is Bliman-Sorine to a level of speed, load and angle |
 //! | [`hysteresis`] | Preisach operator: relays, and the staircase with its Everett table |
 //! | [`kinematic_error`] | the ideal gear's position error, over either rim |
+//! | [`belt`] | tooth-belt gear: two pulleys, and the belt's spans as chains of masses, or reduced for real time |
 //! | [`gear`] | the two-port that these make: composes, no physics of its own |
 //! | [`compensator`] | encoder, observer, feed-forward, feedback, limits and faults: one `step` |
 //! | [`trajectory`] | moves from rest to rest with bounded velocity, acceleration, jerk and snap |
@@ -102,6 +103,7 @@
 extern crate std;
 
 pub mod angle;
+pub mod belt;
 mod branch;
 pub mod compensator;
 mod constants;
