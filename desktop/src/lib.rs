@@ -2,7 +2,7 @@
 //!
 //! | room | what is in it |
 //! | --- | --- |
-//! | [`io`] | files: gear files, logs, measured data, figures |
+//! | [`io`] | files: gear files, belt files, logs, measured data, figures |
 //! | [`design`] | from a gear file to parameters and gains, and their margins |
 //! | [`plant`] | the reference plant and the open-loop two-port |
 //! | [`mod@bench`] | closed loop: tasks, sensors, controllers, baselines |
@@ -30,4 +30,4 @@ pub mod speed;
 pub mod tune;
 pub mod verify;
 
-pub use io::{BadInput, Figure, GearFile};
+pub use io::{BadInput, BeltFile, Figure, GearFile};

@@ -280,6 +280,11 @@ impl<R: Real, C: FrictionModel<R>, const N: usize> Belt<R, C, N> {
         self.travel(motor, output).ends
     }
 
+    /// Torsion phi for a motion of both (rad).
+    pub fn torsion(&self, motor: &Motion<R>, output: &Motion<R>) -> R {
+        self.ends(motor, output).travel * self.inverse_output_radius
+    }
+
     fn travel(&self, motor: &Motion<R>, output: &Motion<R>) -> Travel<R> {
         let (driving, driven) =
             (self.pitch_error.motor(motor.angle), self.pitch_error.output(output.angle));

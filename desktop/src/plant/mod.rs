@@ -17,6 +17,7 @@
 //! hangs. [`Sides`] has all of it; [`Sides::IDEAL`] has none, and costs nothing but a few comparisons. What a plant may be
 //! off by, and how it is drawn, stands in [`unknowns`].
 
+pub mod belt;
 pub mod box_sample;
 pub mod clock;
 pub mod cogging;

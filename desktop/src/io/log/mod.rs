@@ -19,7 +19,7 @@ pub(crate) use commanded_motion::place;
 pub use commanded_motion::{CommandedMotion, LONGEST_MOTION};
 pub use input_output::InputOutput;
 pub use measured::MeasuredLog;
-pub use open_loop::{Drive, DriveSample, OpenLoop, OpenLoopRow, write_open_loop};
+pub use open_loop::{BeltRow, Drive, DriveSample, OpenLoop, OpenLoopRow, write_belt, write_open_loop};
 pub(crate) use soundness::BOTH_DIRECTIONS;
 pub use time::{GAP_LEAST, GAP_RATIO, Instant, Jitter, LONGEST, Time};
 pub use written::write_columns;
