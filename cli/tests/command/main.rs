@@ -1,6 +1,7 @@
 //! The built command, run in a folder of its own.
 
 mod bad_input;
+mod belt;
 mod bench;
 mod design;
 mod example_logs;

@@ -4,6 +4,7 @@
 //! exactly; times by the clock do not, and stand in [`crate::speed`].
 
 pub mod baselines;
+mod belt;
 pub mod bounds;
 pub mod catalogue;
 pub mod compensator;
@@ -79,11 +80,14 @@ pub enum Part {
     Hysteresis,
     /// Basis of the compensator: unbounded angles in f32.
     Compensator,
+    /// The belt gear against closed forms, energy, reduction, f32 against f64.
+    Belt,
 }
 
 impl Part {
     /// Every part.
-    pub const ALL: [Self; 4] = [Self::Flexspline, Self::Friction, Self::Hysteresis, Self::Compensator];
+    pub const ALL: [Self; 5] =
+        [Self::Flexspline, Self::Friction, Self::Hysteresis, Self::Compensator, Self::Belt];
 
     /// As the command names it.
     pub fn name(self) -> &'static str {
@@ -92,6 +96,7 @@ impl Part {
             Self::Friction => "friction",
             Self::Hysteresis => "hysteresis",
             Self::Compensator => "compensator",
+            Self::Belt => "belt",
         }
     }
 
@@ -105,6 +110,7 @@ impl Part {
             Self::Friction => friction::measure(),
             Self::Hysteresis => hysteresis::measure(),
             Self::Compensator => Ok(compensator::measure()),
+            Self::Belt => Ok(belt::measure()),
         };
         Ok(measured?.with_tight_bounds())
     }

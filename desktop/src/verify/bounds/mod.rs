@@ -3,6 +3,7 @@
 //! Tests and `strainwave verify` read the same rows, a file for each part; nearly all are upper bounds, [`FLOORS`] are
 //! lower ones. A row that nothing measures fails a test; a bound that has become [`LOOSE`] times too loose fails in `verify`.
 
+mod belt;
 mod catalogue;
 mod compensator;
 mod constants;
@@ -35,8 +36,9 @@ pub struct Bound {
 pub const LOOSE: f64 = 10.0;
 
 /// Every bound, by part.
-pub const BOUNDS: [&[Bound]; 12] = [
+pub const BOUNDS: [&[Bound]; 13] = [
     joint::ROWS,
+    belt::ROWS,
     catalogue::ROWS,
     compensator::ROWS,
     constants::ROWS,
