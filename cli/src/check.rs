@@ -46,7 +46,9 @@ fn belt(path: &Path) -> Result<String, BadInput> {
     let geometry = file.geometry().expect("the file is checked");
     let [motor, output] = [(&file.motor_pulley, 0), (&file.output_pulley, 1)]
         .map(|(pulley, index)| geometry.teeth_in_mesh(pulley.teeth, index));
-    let limit = require_real_time(&file).err().map_or_else(String::new, |why| format!("; only --build reference: {why}"));
+    let limit = require_real_time(&file)
+        .err()
+        .map_or_else(String::new, |why| format!("; only --build reference: {why}"));
     Ok(format!(
         ", centre distance {:.4} m, {motor:.1} and {output:.1} teeth in mesh{limit}",
         geometry.centre_distance

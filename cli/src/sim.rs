@@ -104,8 +104,8 @@ fn run_gear(arguments: &Arguments, path: &Path) -> Result<Figures, BadInput> {
     require_gauges(&arguments.gauges, build)?;
     let input = OpenLoop::read(&arguments.input)?;
     require_writable(arguments)?;
-    let rows = two_port::run(&gear, &input, build, &arguments.gauges)
-        .map_err(|error| BadInput::new(path, error))?;
+    let rows =
+        two_port::run(&gear, &input, build, &arguments.gauges).map_err(|error| BadInput::new(path, error))?;
     let mut progress = Progress::new(rows.len() as u64, "simulating");
     let mut largest = Largest::default();
     let watched = rows.enumerate().map(|(done, row)| {

@@ -60,7 +60,10 @@ fn every_required_key_is_missed_by_its_name() {
         let inner = section.split('.').fold(&mut table, |table, part| table[part].as_table_mut().unwrap());
         inner.remove(name).unwrap();
         let line = parse(&table.to_string()).unwrap_err();
-        assert!(line.starts_with(&format!("b.toml: missing key {}; allowed: {}", key.path, key.allowed)), "{line}");
+        assert!(
+            line.starts_with(&format!("b.toml: missing key {}; allowed: {}", key.path, key.allowed)),
+            "{line}"
+        );
     }
 }
 
@@ -163,11 +166,18 @@ fn both_builds_agree() {
 
 #[test]
 fn columns_of_a_gear_are_refused_by_name() {
-    let refused = |text: &str| {
-        OpenLoop::parse_belt(Path::new("in.csv"), text.as_bytes()).unwrap_err().to_string()
-    };
+    let refused =
+        |text: &str| OpenLoop::parse_belt(Path::new("in.csv"), text.as_bytes()).unwrap_err().to_string();
     let line = refused("t_s,theta_wg_rad,tau_load_nm\n0,0,0\n");
-    assert!(line.starts_with("in.csv: row 1, column \"theta_wg_rad\": unknown; known columns are t_s, theta_motor_rad"), "{line}");
+    assert!(
+        line.starts_with(
+            "in.csv: row 1, column \"theta_wg_rad\": unknown; known columns are t_s, theta_motor_rad"
+        ),
+        "{line}"
+    );
     let line = refused("t_s,tau_load_nm\n0,0\n");
-    assert!(line.starts_with("in.csv: row 1, column theta_motor_rad or omega_motor_rad_s: missing"), "{line}");
+    assert!(
+        line.starts_with("in.csv: row 1, column theta_motor_rad or omega_motor_rad_s: missing"),
+        "{line}"
+    );
 }

@@ -241,7 +241,8 @@ impl<R: Real, const N: usize> Chain<R, N> {
         self.step(&mut next, ends);
         let spans = [(&state.forward, &next.forward, R::ONE), (&state.backward, &next.backward, -R::ONE)];
         spans.into_iter().fold(R::ZERO, |sum, (before, after, sigma)| {
-            sum + self.elastic_energy(&after.displacement, ends.travel, sigma) + self.kinetic_energy(before, after)
+            sum + self.elastic_energy(&after.displacement, ends.travel, sigma)
+                + self.kinetic_energy(before, after)
         })
     }
 
@@ -390,6 +391,9 @@ mod tests {
         assert_eq!(named(SpanParams { length: 0.0, ..SPAN }, 1e-9), Error::OutOfRange("length"));
         assert_eq!(named(SpanParams { stiffness: f64::NAN, ..SPAN }, 1e-9), Error::OutOfRange("stiffness"));
         assert_eq!(named(SpanParams { mass: 0.0, ..SPAN }, 1e-9), Error::OutOfRange("mass"));
-        assert_eq!(named(SpanParams { damping_time: -1e-9, ..SPAN }, 1e-9), Error::OutOfRange("damping_time"));
+        assert_eq!(
+            named(SpanParams { damping_time: -1e-9, ..SPAN }, 1e-9),
+            Error::OutOfRange("damping_time")
+        );
     }
 }

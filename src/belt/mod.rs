@@ -186,7 +186,8 @@ impl<R: Real, P: FrictionParams<R>> BeltParams<R, P> {
 /// assert!((torques.transmitted + load).abs() < 1e-9);
 /// assert!((torques.torsion + load / params.torsional_stiffness()).abs() < 1e-9); // up to rounding
 /// let half = 0.5 * 5.0 / params.radius(&params.output);
-/// assert!((torques.forward - (300.0 - -half)).abs() < 1e-6 && (torques.backward - (300.0 - half)).abs() < 1e-6);
+/// assert!((torques.forward - 300.0 - half).abs() < 1e-6); // the load pulls the output backwards
+/// assert!((torques.backward - 300.0 + half).abs() < 1e-6);
 /// # Ok::<(), strainwave::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -286,8 +287,7 @@ impl<R: Real, C: FrictionModel<R>, const N: usize> Belt<R, C, N> {
     }
 
     fn travel(&self, motor: &Motion<R>, output: &Motion<R>) -> Travel<R> {
-        let (driving, driven) =
-            (self.pitch_error.motor(motor.angle), self.pitch_error.output(output.angle));
+        let (driving, driven) = (self.pitch_error.motor(motor.angle), self.pitch_error.output(output.angle));
         let teeth = in_teeth(motor.angle, self.teeth[0]).minus(in_teeth(output.angle, self.teeth[1]));
         let slope = [self.radius[0] + driving.slope, self.radius[1] + driven.slope];
         let ends = BeltEnds {

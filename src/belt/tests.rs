@@ -55,7 +55,8 @@ fn a_load_winds_the_belt_up_against_itself_and_half_as_stiff_once_a_span_is_slac
     let slack = 2.0 * 200.0 * radius;
     for load in [-0.9 * slack, 3.0, 0.5 * slack, 1.5 * slack, -2.0 * slack] {
         let beyond = (load.abs() - slack).max(0.0);
-        let torsion = -load.signum() * (load.abs() - beyond) / stiffness - load.signum() * beyond / (0.5 * stiffness);
+        let torsion =
+            -load.signum() * (load.abs() - beyond) / stiffness - load.signum() * beyond / (0.5 * stiffness);
         for torques in [settled::<0>(load), settled::<3>(load)] {
             assert!((torques.torsion - torsion).abs() < 1e-6 * torsion.abs(), "{torques:?} {torsion}");
             assert!((torques.transmitted + load).abs() < 1e-6 * load.abs());
@@ -135,7 +136,10 @@ fn the_power_balance_closes() {
     }
     assert!(slack && lost > 0.0);
     let end = stored(&state, &motor, &output);
-    assert!((entered - lost - (end - start)).abs() < 2e-3 * through, "{entered} {lost} {start} {end} {through}");
+    assert!(
+        (entered - lost - (end - start)).abs() < 2e-3 * through,
+        "{entered} {lost} {start} {end} {through}"
+    );
 }
 
 #[test]
@@ -189,7 +193,8 @@ fn finite<const N: usize>(dt: f32, inputs: &[(i64, u32, u32, u32)]) -> bool {
         let angle = Angle { counts, rest: f32::from_bits(rest) };
         let motor = Motion { angle, velocity: f32::from_bits(velocity) };
         let torques = belt.step(&mut state, &mut output, &motor, f32::from_bits(load));
-        let numbers = [torques.torsion, torques.transmitted, torques.forward, torques.backward, torques.motor];
+        let numbers =
+            [torques.torsion, torques.transmitted, torques.forward, torques.backward, torques.motor];
         let finite = numbers.into_iter().chain([output.velocity, output.angle.rest]).all(f32::is_finite);
         finite && torques.forward >= 0.0 && torques.backward >= 0.0
     })

@@ -18,10 +18,13 @@ fn a_belt_is_checked_and_simulated_by_either_build() {
     assert_eq!(checked.code, Some(0), "{}", checked.error);
     assert!(checked.output.starts_with("b.toml: ok, centre distance 0.27"), "{}", checked.output);
     for build in ["reference", "realtime"] {
-        let answer = bench.run(&format!("sim --belt b.toml --input motor.csv --output out.csv --json f.json --build {build}"));
+        let answer = bench.run(&format!(
+            "sim --belt b.toml --input motor.csv --output out.csv --json f.json --build {build}"
+        ));
         assert_eq!(answer.code, Some(0), "{}", answer.error);
         let text = std::fs::read_to_string(bench.path("out.csv")).unwrap();
-        let header = "t_s,theta_out_rad,omega_out_rad_s,tau_motor_nm,torsion_rad,tau_t_nm,f_forward_n,f_backward_n";
+        let header =
+            "t_s,theta_out_rad,omega_out_rad_s,tau_motor_nm,torsion_rad,tau_t_nm,f_forward_n,f_backward_n";
         assert_eq!(text.lines().next(), Some(header));
         assert_eq!(text.lines().count(), 202);
         assert!(bench.figures("f.json").iter().any(|figure| figure["name"] == "sim.span_force.min"));
@@ -31,17 +34,26 @@ fn a_belt_is_checked_and_simulated_by_either_build() {
 #[test]
 fn what_is_wrong_with_a_belt_is_told() {
     let bench = bench();
-    bench.write("none.toml", BELT.replace("pretension_n = 350.0", "pretension_n = -1").replace("teeth = 20", "teeth = 1"));
+    bench.write(
+        "none.toml",
+        BELT.replace("pretension_n = 350.0", "pretension_n = -1").replace("teeth = 20", "teeth = 1"),
+    );
     let answer = bench.run("check none.toml");
     assert_eq!(answer.code, Some(2));
     assert!(answer.error.contains("belt.pretension_n = -1 is out of range"), "{}", answer.error);
     bench.write("light.toml", BELT.replace("inertia_kg_m2 = 0.05", "inertia_kg_m2 = 1e-6"));
     for (words, part) in [
-        ("sim --belt none.toml --input motor.csv --output out.csv", "none.toml: belt.pretension_n = -1 is out of range"),
+        (
+            "sim --belt none.toml --input motor.csv --output out.csv",
+            "none.toml: belt.pretension_n = -1 is out of range",
+        ),
         ("sim --belt b.toml --gear g.toml --input motor.csv --output out.csv", "cannot be used with"),
         ("sim --belt b.toml --input motor.csv --output out.csv --mesh 8x3", "cannot be used with"),
         ("sim --input motor.csv --output out.csv", "--gear"),
-        ("sim --belt b.toml --input in.csv --output out.csv", "in.csv: row 1, column \"theta_wg_rad\": unknown"),
+        (
+            "sim --belt b.toml --input in.csv --output out.csv",
+            "in.csv: row 1, column \"theta_wg_rad\": unknown",
+        ),
         ("sim --belt b.toml --input motor.csv --output motor.csv", "are the same file"),
         ("sim --belt g.toml --input motor.csv --output out.csv", "g.toml: "),
         (

@@ -3,9 +3,7 @@
 use std::array::from_fn;
 
 use strainwave::Real;
-use strainwave::belt::{
-    BeltParams, PITCH_TERMS, PitchErrorParams, PitchTerm, PulleyParams, SpanParams,
-};
+use strainwave::belt::{BeltParams, PITCH_TERMS, PitchErrorParams, PitchTerm, PulleyParams, SpanParams};
 use strainwave::friction::AnyFrictionParams;
 
 use crate::io::belt_file::{BeltFile, PitchHarmonic, Pulley};

@@ -74,7 +74,9 @@ mod tests {
     #[test]
     fn equal_pulleys_lie_half_in_the_belt() {
         let geometry = Geometry::new(0.005, [20, 20], 120).unwrap();
-        assert!((geometry.span_length - 0.25).abs() < 1e-12 && (geometry.centre_distance - 0.25).abs() < 1e-12);
+        assert!(
+            (geometry.span_length - 0.25).abs() < 1e-12 && (geometry.centre_distance - 0.25).abs() < 1e-12
+        );
         assert_eq!(geometry.wrap, [PI, PI]);
         assert!((geometry.teeth_in_mesh(20, 0) - 10.0).abs() < 1e-12);
     }

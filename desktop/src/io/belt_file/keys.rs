@@ -7,9 +7,7 @@ use strainwave::friction::data::MOST_STATES;
 use strainwave::friction::{ModelName, RIPPLE_ORDERS};
 
 use crate::io::gear_file::friction_keys::{friction, keys_of};
-use crate::io::keyed_file::key::{
-    Allowed, Key, Relation, Schema, at_least, joined, key, optional, within,
-};
+use crate::io::keyed_file::key::{Allowed, Key, Relation, Schema, at_least, joined, key, optional, within};
 
 /// The keys in the order of the file. The ranges hold any tooth belt from a printer to a conveyor with room to spare; they keep slips of unit
 /// (mm for m, degrees for rad) and nonsense out.

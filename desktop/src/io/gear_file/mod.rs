@@ -29,6 +29,7 @@ use strainwave::friction::ModelName;
 use strainwave::hysteresis::HysteresisTable;
 use strainwave::{Ratio, Real};
 
+pub use crate::io::keyed_file::key::{Allowed, Key, Relation};
 pub use baselines::Baselines;
 pub use drive::{Drive, Tolerances};
 pub use friction::{Backward, BothFrictions, Friction, StateRow};
@@ -36,8 +37,6 @@ pub use gains::{BaselineGains, GAINS, Gain, Kind, StoredGains};
 pub use keys::{KEYS, RELATIONS};
 pub use learnt::Learnt;
 pub use sensor_set::SensorSet;
-pub(crate) use crate::io::keyed_file::line_of;
-pub use crate::io::keyed_file::key::{Allowed, Key, LONGEST_TEXT, MOST_ORDERS, Relation};
 
 /// The default gear `hd25-100`, as a file.
 pub const DEFAULT: &str = include_str!("../../../../gears/hd25-100.toml");

@@ -40,10 +40,9 @@ pub(crate) fn parse<F: KeyedFile>(path: &Path, bytes: &[u8]) -> Result<F, BadInp
         let first = faults.first().map_or("", String::as_str);
         match faults.len() {
             1 => BadInput::new(path, first),
-            count => BadInput::new(
-                path,
-                format_args!("{first}; and {} more: strainwave check {file}", count - 1),
-            ),
+            count => {
+                BadInput::new(path, format_args!("{first}; and {} more: strainwave check {file}", count - 1))
+            }
         }
     })
 }
@@ -65,8 +64,7 @@ fn checked<F: KeyedFile>(bytes: &[u8]) -> Result<F, Vec<String>> {
     let faults = check::faults(&table, &F::SCHEMA);
     let damaged: Vec<_> = faults.iter().map(check::Fault::section).collect();
     let file = F::deserialize(mended::<F>(table, &damaged)).map_err(|error| error.message().to_owned());
-    let conditions =
-        file.as_ref().map_or_else(|why| vec![why.clone()], |file| file.conditions(&damaged));
+    let conditions = file.as_ref().map_or_else(|why| vec![why.clone()], |file| file.conditions(&damaged));
     let faults: Vec<_> = faults.into_iter().map(|fault| fault.line).chain(conditions).collect();
     file.ok().filter(|_| faults.is_empty()).ok_or(faults)
 }

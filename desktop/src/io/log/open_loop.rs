@@ -187,8 +187,11 @@ impl BeltRow {
     fn numbers(&self) -> Vec<f64> {
         let Self { time, output_position, output_velocity, motor_torque, torsion, .. } = *self;
         let forces = [self.forward_force, self.backward_force];
-        [&[time, output_position, output_velocity, motor_torque, torsion, self.transmitted_torque], &forces[..]]
-            .concat()
+        [
+            &[time, output_position, output_velocity, motor_torque, torsion, self.transmitted_torque],
+            &forces[..],
+        ]
+        .concat()
     }
 }
 

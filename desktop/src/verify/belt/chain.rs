@@ -18,7 +18,7 @@ use std::array::from_fn;
 use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, SymmetricEigen};
-use strainwave::belt::{Belt, BeltParams, ChainState};
+use strainwave::belt::{Belt, BeltParams};
 use strainwave::friction::{Viscous, ViscousParams};
 use strainwave::gear::Motion;
 
@@ -125,9 +125,9 @@ impl System {
         if moved == 2 * NODES {
             output.angle = output.angle.plus(DISPLACEMENT / radius);
             // The nodes stay where they are; a state's are counted from the output's pulley.
-            let stay = [-self.belt.torsion(&output, &Motion::default()) * radius; NODES];
-            let span = |velocity| strainwave::belt::SpanState { displacement: stay, velocity };
-            state.chain = ChainState { forward: span([0.0; NODES]), backward: span([0.0; NODES]) };
+            let stay = self.belt.torsion(&Motion::default(), &output) * radius;
+            state.chain.forward.displacement = [stay; NODES];
+            state.chain.backward.displacement = [stay; NODES];
         }
         self.belt.step(&mut state, &mut output, &Motion::default(), 0.0);
         let chain = &state.chain;

@@ -65,7 +65,8 @@ impl Run {
     /// At rest, with steps of this fraction of the stable one.
     fn new(fraction: f64) -> Self {
         let params = plain(0.0, 0.0);
-        let belt: Chain = params.build(fraction * params.stable_step(NODES)).expect("the example is in range");
+        let belt: Chain =
+            params.build(fraction * params.stable_step(NODES)).expect("the example is in range");
         let inertia = params.inertia(&params.output, NODES);
         Self { state: belt.rest(), belt, output: Motion::default(), inertia }
     }

@@ -20,7 +20,7 @@ const TAUT: [f64; 4] = [-0.95, -0.3, 0.1, 0.8];
 const SLACK: [f64; 3] = [-2.5, 1.2, 3.0];
 /// Time in which the load comes on, and that in which the chain settles (s).
 const RAMP: f64 = 0.1;
-const SETTLING: f64 = 0.4;
+const SETTLING: f64 = 2.0;
 /// Damping over stiffness of the belt (s), and viscous friction at the output (N m s/rad): some 0.5 of the critical one.
 const DAMPING_TIME: f64 = 1e-5;
 const VISCOUS: f64 = 20.0;

@@ -2,8 +2,8 @@
 
 use toml::{Table, Value};
 
-use crate::io::keyed_file::key::Key;
 use super::{Fault, join, shown_after};
+use crate::io::keyed_file::key::Key;
 
 /// Every unknown key or table of the file.
 pub(super) fn faults(file: &Table, keys: &'static [Key]) -> Vec<Fault> {

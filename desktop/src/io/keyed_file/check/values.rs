@@ -3,8 +3,8 @@
 use strainwave::hysteresis::table::TABLE_LEVELS;
 use toml::{Table, Value};
 
-use crate::io::keyed_file::key::{Allowed, Key, LONGEST_TEXT, MOST_ORDERS, in_single_precision};
 use super::{Fault, join, number, shown_after};
+use crate::io::keyed_file::key::{Allowed, Key, LONGEST_TEXT, MOST_ORDERS, in_single_precision};
 
 /// Adds what is wrong with the value of every key, in the order of the table of keys.
 pub(super) fn faults(file: &Table, keys: &[Key], faults: &mut Vec<Fault>) {
