@@ -13,8 +13,9 @@
 //! F = F0 +- K*(s_1 - s_2) until the tension of one span is 0; the torsional stiffness is 2*K*r_2^2 before and K*r_2^2 after.
 //!
 //! Sign: both pulleys turn the same way. The motor pulls the forward span when it turns forwards, the backward span when it turns
-//! backwards; tension is positive. tau_load is the external torque ON the output, tau_t drives it forwards where phi > 0. With these signs the power that enters both
-//! ports is the rate of the stored energy plus losses that are never negative. Units: rad, rad/s, m, N, N m, kg m^2.
+//! backwards; tension is positive. tau_load is the external torque ON the output, tau_t drives it forwards where phi > 0. With these
+//! signs the power that enters both ports is the rate of the stored energy plus losses that are never negative. Units: rad, rad/s, m,
+//! N, N m, kg m^2.
 //!
 //! J_1 and J_2 have the belt's own mass: that which lies on the pulley, and of either span half a link. Teeth do not
 //! yield or jump; the belt on the pulleys does not stretch; centrifugal tension, rho*v^2, is left out.
@@ -46,7 +47,7 @@ pub const MOST_TEETH: i32 = 10_000;
 /// Speeds (rad/s) and torques (N m) from outside beyond this count as this.
 const LIMIT: f64 = 1e6;
 
-/// The firmware's: f32 or f64, each span one spring.
+/// For the controller: f32 or f64, each span one damped spring.
 pub type RealTimeBelt<R> = Belt<R, JointFriction<R>, 0>;
 
 /// One pulley.
@@ -114,7 +115,7 @@ impl<R: Real, P> BeltParams<R, P> {
         R::lit(2.0) * self.span.span_stiffness() * radius * radius
     }
 
-    /// Bound of the time step with `nodes` a span (s): [`Self::build`] refuses it and every longer one.
+    /// Bound of the time step with `nodes` a span (s): [`Self::build`] refuses it and every longer one. Friction is not in it.
     pub fn stable_step(&self, nodes: usize) -> R {
         let radius = self.radius(&self.output);
         self.span.stable_step(nodes, self.inertia(&self.output, nodes) / (radius * radius))

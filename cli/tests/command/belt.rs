@@ -41,7 +41,10 @@ fn what_is_wrong_with_a_belt_is_told() {
     let answer = bench.run("check none.toml");
     assert_eq!(answer.code, Some(2));
     assert!(answer.error.contains("belt.pretension_n = -1 is out of range"), "{}", answer.error);
-    bench.write("light.toml", BELT.replace("inertia_kg_m2 = 0.05", "inertia_kg_m2 = 1e-6"));
+    let light = BELT.replace("inertia_kg_m2 = 0.05", "inertia_kg_m2 = 1e-6");
+    bench.write("light.toml", light.replace("stiffness_n = 2.8e5", "stiffness_n = 2.8e7"));
+    let only = bench.run("check light.toml");
+    assert!(only.code == Some(0) && only.output.contains("; only --build reference: "), "{}", only.output);
     for (words, part) in [
         (
             "sim --belt none.toml --input motor.csv --output out.csv",
