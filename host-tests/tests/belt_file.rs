@@ -88,8 +88,8 @@ fn what_is_wrong_is_named_with_value_and_range() {
         ),
         (
             "teeth = 150",
-            "teeth = 80",
-            "b.toml: belt.teeth = 80 is out of range; allowed: at least 88, to go around pulleys of 20 and 60 teeth",
+            "teeth = 60",
+            "b.toml: belt.teeth = 60 is out of range; allowed: at least 69, to go around pulleys of 20 and 60 teeth",
         ),
         (
             "stiffness_n = 2.8e5",
