@@ -99,7 +99,7 @@ fn what_is_wrong_is_named_with_value_and_range() {
         (
             "output_mode_ratio = 0.03",
             "output_mode_ratio = 1.0",
-            "b.toml: damping.output_mode_ratio = 1.0 is out of range; allowed: a number from 0 to below 1",
+            "b.toml: damping.output_mode_ratio = 1.0 is out of range; allowed: a number from 0 below 1",
         ),
         (
             "static_nm = 0.028",
