@@ -10,6 +10,8 @@
 //! | [`hysteresis`] | Preisach operator: relays, and the staircase with its Everett table |
 //! | [`kinematic_error`] | the ideal gear's position error, over either rim |
 //! | [`gear`] | the two-port that these make: composes, no physics of its own |
+//! | [`link`] | flexible arm link with a payload at its tip, by its modes |
+//! | [`piezo`] | piezoelectric patch on the link: couple from voltage, with hysteresis, and charge from bending |
 //! | [`compensator`] | encoder, observer, feed-forward, feedback, limits and faults: one `step` |
 //! | [`trajectory`] | moves from rest to rest with bounded velocity, acceleration, jerk and snap |
 //! | [`low_pass`] | low-pass filter of one pole |
@@ -114,7 +116,9 @@ pub mod friction;
 pub mod gear;
 pub mod hysteresis;
 pub mod kinematic_error;
+pub mod link;
 pub mod low_pass;
+pub mod piezo;
 pub mod real;
 mod sine_cosine;
 pub mod trajectory;
