@@ -169,7 +169,9 @@ impl<R: Real, const L: usize, const MEMORY: usize> Piezo<R, L, MEMORY> {
     /// Moves the voltage towards the one that is asked for (V), as far as both limits allow; what is not a number leaves it.
     pub fn step(&self, state: &mut PiezoState<R, MEMORY>, asked: R) -> PiezoOutput<R> {
         let wanted = if asked == asked { asked.limit(self.voltage_limit) } else { state.voltage };
-        state.voltage += (wanted - state.voltage).limit(self.step_limit);
+        // The sum may be rounded beyond the limit.
+        let moved = state.voltage + (wanted - state.voltage).limit(self.step_limit);
+        state.voltage = moved.limit(self.voltage_limit);
         let lagging = self.hysteresis.step(&mut state.memory, state.voltage).output;
         let effective = self.share * state.voltage + lagging;
         PiezoOutput { voltage: state.voltage, couple: self.coupling * effective }

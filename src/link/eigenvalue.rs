@@ -117,8 +117,9 @@ mod tests {
                     -j * lambda.powi(3) * (c * sinh + s * cosh),
                     m * j * lambda.powi(4) * (1.0 - c * cosh),
                 ];
-                let size: f64 = terms.iter().map(|term| term.abs()).sum::<f64>().max(cosh);
-                assert!(terms.iter().sum::<f64>().abs() < 1e-11 * size * lambda, "{m} {j} {mode}: {terms:?}");
+                // What each term is the difference of.
+                let size = cosh * (1.0 + m * lambda) * (1.0 + j * lambda.powi(3));
+                assert!(terms.iter().sum::<f64>().abs() < 1e-14 * size * lambda, "{m} {j} {mode}: {terms:?}");
                 let heavier = eigenvalue(mode, Payload { mass: 1.1 * m + 1e-4, inertia: 1.1 * j + 1e-4 });
                 assert!(heavier < lambda, "{m} {j} {mode}");
             }
