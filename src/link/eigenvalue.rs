@@ -87,7 +87,8 @@ mod tests {
     #[test]
     fn the_ends_of_the_range_are_the_textbook_s() {
         let of = |mode, mass, inertia| eigenvalue(mode, Payload { mass, inertia });
-        let free = [1.875_104_068_711_961, 4.694_091_132_974_175, 7.854_757_438_237_613, 10.995_540_734_875_467];
+        let free =
+            [1.875_104_068_711_961, 4.694_091_132_974_175, 7.854_757_438_237_613, 10.995_540_734_875_467];
         for (mode, expected) in free.into_iter().enumerate() {
             assert!((of(mode, 0.0, 0.0) / expected - 1.0).abs() < 1e-14, "{mode}");
         }
@@ -104,9 +105,8 @@ mod tests {
     fn each_is_a_root_and_no_payload_raises_it() {
         let sizes = [0.0, 1e-3, 0.03, 0.2, 1.0, 7.0, 100.0, 1e3];
         for (m, j) in sizes.into_iter().flat_map(|m| sizes.map(|j| (m, j))) {
-            let found: [f64; 8] = core::array::from_fn(|mode| {
-                eigenvalue(mode, Payload { mass: m, inertia: j })
-            });
+            let found: [f64; 8] =
+                core::array::from_fn(|mode| eigenvalue(mode, Payload { mass: m, inertia: j }));
             assert!(found.windows(2).all(|pair| pair[0] < pair[1]), "{m} {j}: {found:?}");
             for (mode, lambda) in found.into_iter().enumerate() {
                 let (s, c) = libm::sincos(lambda);

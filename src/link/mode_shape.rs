@@ -47,7 +47,8 @@ impl Shape {
     pub fn at(&self, xi: f64) -> [f64; 4] {
         let Self { lambda, sigma, growing, scale } = *self;
         let falls = double::exp(-lambda * xi);
-        let (near, far) = (growing * double::exp(-lambda * (1.0 - xi)), growing * double::exp(-lambda * (1.0 + xi)));
+        let (near, far) =
+            (growing * double::exp(-lambda * (1.0 - xi)), growing * double::exp(-lambda * (1.0 + xi)));
         let (sin, cos) = double::sin_cos(lambda * xi);
         let first = scale * lambda;
         let second = first * lambda;
@@ -121,13 +122,17 @@ mod tests {
         for payload in PAYLOADS {
             for mode in 0..6 {
                 let shape = Shape::of(mode, payload);
-                let ([start, slope, curvature, shear], [tip, rotation, moment, force]) = (shape.at(0.0), shape.at(1.0));
+                let ([start, slope, curvature, shear], [tip, rotation, moment, force]) =
+                    (shape.at(0.0), shape.at(1.0));
                 let fourth = shape.lambda.powi(4);
                 assert!(start.abs() < 1e-13 && slope.abs() < 1e-12, "{mode} {start:e} {slope:e}");
                 assert!((curvature / shape.clamp_curvature() - 1.0).abs() < 1e-13);
                 assert!((shear / -shape.clamp_shear() - 1.0).abs() < 1e-13);
                 let size = shape.lambda.powi(3) * shape.clamp_curvature();
-                assert!((moment - payload.inertia * fourth * rotation).abs() < 1e-11 * size, "{payload:?} {mode}");
+                assert!(
+                    (moment - payload.inertia * fourth * rotation).abs() < 1e-11 * size,
+                    "{payload:?} {mode}"
+                );
                 assert!((force + payload.mass * fourth * tip).abs() < 1e-11 * size, "{payload:?} {mode}");
             }
         }

@@ -107,11 +107,15 @@ impl<const K: usize> Modes<K> {
             loads.iter_mut().zip(at_rest).for_each(|(load, at_rest)| *load += factor * at_rest);
         }
         for (place, shape) in modes.iter_mut().zip(&self.shapes) {
-            let of_mode = terms.iter().map(|&(x, order, factor)| factor * self.beam.mode_at(shape, x)[order]).sum();
+            let of_mode =
+                terms.iter().map(|&(x, order, factor)| factor * self.beam.mode_at(shape, x)[order]).sum();
             *place = R::lit(of_mode);
             let omega = self.omega(shape);
             let coupling = self.beam.coupling(shape);
-            loads.iter_mut().zip(coupling).for_each(|(load, of_load)| *load -= of_mode * of_load / (omega * omega));
+            loads
+                .iter_mut()
+                .zip(coupling)
+                .for_each(|(load, of_load)| *load -= of_mode * of_load / (omega * omega));
         }
         Reading { modes, loads: loads.map(R::lit) }
     }
@@ -136,8 +140,9 @@ impl<R: Real, const K: usize> LinkParams<R, K> {
         require(dt.is_positive() && dt < self.longest_step()?, "dt")?;
         let modes = self.modes()?;
         let Beam { length, density, mass, inertia, patch, .. } = modes.beam;
-        let oscillator =
-            |k: usize| Oscillator::build(modes.omega(&modes.shapes[k]), self.damping[k].to_f64(), dt.to_f64());
+        let oscillator = |k: usize| {
+            Oscillator::build(modes.omega(&modes.shapes[k]), self.damping[k].to_f64(), dt.to_f64())
+        };
         let rotation = patch.map_or([(0.0, 1, 0.0); 2], |[start, end]| [(end, 1, 1.0), (start, 1, -1.0)]);
         Ok(Link {
             modes: core::array::from_fn(oscillator),
@@ -174,7 +179,8 @@ impl<R: Real, const K: usize> LinkParams<R, K> {
         require((0.0..=LARGEST_PAYLOAD).contains(&inertia), "payload_inertia")?;
         require(self.damping.iter().all(|zeta| (R::ZERO..R::ONE).contains(zeta)), "damping")?;
         require(within(self.gravity, 0.0, 100.0), "gravity")?;
-        let in_order = |span: Span<R>| span.start >= R::ZERO && span.end > span.start && span.end <= self.length;
+        let in_order =
+            |span: Span<R>| span.start >= R::ZERO && span.end > span.start && span.end <= self.length;
         require(self.patch.is_none_or(in_order), "patch")?;
         Ok(Modes::of(beam))
     }

@@ -25,8 +25,8 @@ pub enum Allowed {
     Whole(i64, i64),
     /// A finite number between two ends, and its unit.
     Number(Bound<f64>, Bound<f64>, &'static str),
-    /// Rows of 1, 2, 3, ... numbers, 2 to [`TABLE_LEVELS`] of them, each number from 0 to the first, and its unit.
-    Triangle(f64, &'static str),
+    /// Rows of 1, 2, 3, ... numbers, 2 to [`TABLE_LEVELS`] of them, each number from the first to the second, and its unit.
+    Triangle(f64, f64, &'static str),
     /// One to so many numbers between plus and minus an end, and their unit.
     Numbers(usize, f64, &'static str),
 }
@@ -47,23 +47,38 @@ pub struct Key {
     pub optional: bool,
 }
 
-const fn key(path: &'static str, allowed: Allowed) -> Key {
+pub(in crate::io) const fn key(path: &'static str, allowed: Allowed) -> Key {
     Key { path, allowed, optional: false }
 }
 
-const fn optional(path: &'static str, allowed: Allowed) -> Key {
+pub(in crate::io) const fn optional(path: &'static str, allowed: Allowed) -> Key {
     Key { path, allowed, optional: true }
 }
 
 /// From `least` to `most`, both allowed.
-const fn within(least: f64, most: f64, unit: &'static str) -> Allowed {
+pub(in crate::io) const fn within(least: f64, most: f64, unit: &'static str) -> Allowed {
     Allowed::Number(Bound::Included(least), Bound::Included(most), unit)
 }
 
 /// More than 0, up to `most`.
-const fn positive(most: f64, unit: &'static str) -> Allowed {
+pub(in crate::io) const fn positive(most: f64, unit: &'static str) -> Allowed {
     Allowed::Number(Bound::Excluded(0.0), Bound::Included(most), unit)
 }
+
+/// What the files of a kind may hold.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::io) struct Schema {
+    /// Every key, in the order of the file.
+    pub keys: &'static [Key],
+    /// Conditions on two of them.
+    pub relations: &'static [Relation],
+    /// Sections that a file may leave out as a whole.
+    pub optional_sections: &'static [&'static str],
+}
+
+/// That of a gear file.
+pub(in crate::io) const GEAR_FILE: Schema =
+    Schema { keys: KEYS, relations: RELATIONS, optional_sections: &[] };
 
 /// Words of `gear.arrangement`.
 const ARRANGEMENTS: &[&str] = &["circular_spline_fixed", "flexspline_fixed"];
@@ -101,7 +116,7 @@ const GEAR: &[Key] = &[
     key("stiffness.t2_nm", within(1e-3, 1e5, "N m")),
     key("hysteresis.width_arcmin", within(0.0, 60.0, "arcmin")),
     optional("hysteresis.half_range_rad", within(1e-6, 0.1, "rad")),
-    optional("hysteresis.weights_nm", Allowed::Triangle(1e4, "N m")),
+    optional("hysteresis.weights_nm", Allowed::Triangle(0.0, 1e4, "N m")),
     key("kinematic_error.wave_generator[].order", Allowed::Whole(1, 20)),
     key("kinematic_error.wave_generator[].amplitude_rad", within(0.0, 0.01, "rad")),
     key("kinematic_error.wave_generator[].phase_rad", within(-PI, PI, "rad")),
@@ -252,7 +267,7 @@ const fn at_least(path: &'static str, than: &'static str) -> Relation {
     Relation { path, or_equal: true, times: 1.0, than }
 }
 
-const fn more_than(path: &'static str, times: f64, than: &'static str) -> Relation {
+pub(in crate::io) const fn more_than(path: &'static str, times: f64, than: &'static str) -> Relation {
     Relation { path, or_equal: false, times, than }
 }
 
@@ -310,7 +325,7 @@ impl Allowed {
     /// Unit of a number; none of what is no number or has no unit.
     pub fn unit(self) -> Option<&'static str> {
         match self {
-            Self::Number(.., unit) | Self::Triangle(_, unit) | Self::Numbers(.., unit) => {
+            Self::Number(.., unit) | Self::Triangle(.., unit) | Self::Numbers(.., unit) => {
                 Some(unit).filter(|unit| *unit != "1")
             }
             _ => None,
@@ -335,9 +350,10 @@ impl fmt::Display for Allowed {
                 let (end, unit) = (plain(end), unit_after(unit));
                 write!(formatter, "a list of 1 to {most} numbers from -{end} to {end}{unit}")
             }
-            Self::Triangle(most, unit) => write!(
+            Self::Triangle(least, most, unit) => write!(
                 formatter,
-                "rows of 1, 2, 3, ... numbers from 0 to {} {unit}, 2 to {TABLE_LEVELS} rows",
+                "rows of 1, 2, 3, ... numbers from {} to {} {unit}, 2 to {TABLE_LEVELS} rows",
+                plain(least),
                 plain(most)
             ),
         }

@@ -13,16 +13,16 @@
 
 mod aliases;
 mod baselines;
-mod check;
+pub(in crate::io) mod check;
 pub(crate) mod drive;
 pub mod friction;
 pub mod friction_params;
 mod gains;
-mod keys;
+pub(in crate::io) mod keys;
 mod learnt;
 mod physics;
 mod sensor_set;
-mod text;
+pub(in crate::io) mod text;
 
 use serde::{Deserialize, Serialize};
 use strainwave::friction::ModelName;

@@ -10,8 +10,8 @@ use toml_edit::{DocumentMut, TomlError};
 use super::{Baselines, DEFAULT, GearFile, Learnt, aliases, check, physics};
 use crate::io::file::{self, BadInput};
 
-/// Longest gear file (bytes).
-const LONGEST_FILE: u64 = 1 << 20;
+/// Longest file (bytes).
+pub(in crate::io) const LONGEST_FILE: u64 = 1 << 20;
 
 impl GearFile {
     /// Reads and checks `path`.
@@ -131,7 +131,7 @@ pub(super) fn edited(text: &str, put: impl FnOnce(&mut DocumentMut)) -> Result<S
 fn checked(bytes: &[u8]) -> Result<GearFile, Vec<String>> {
     let mut table = table(bytes)?;
     aliases::rename(&mut table);
-    let faults = check::faults(&table);
+    let faults = check::gear_faults(&table);
     let damaged: Vec<_> = faults.iter().map(check::Fault::section).collect();
     let gear = GearFile::deserialize(mended(table, &damaged)).map_err(|error| error.message().to_owned());
     let conditions =
@@ -141,7 +141,7 @@ fn checked(bytes: &[u8]) -> Result<GearFile, Vec<String>> {
 }
 
 /// The table that TOML text describes, or every reason why it is not TOML.
-fn table(bytes: &[u8]) -> Result<Table, Vec<String>> {
+pub(in crate::io) fn table(bytes: &[u8]) -> Result<Table, Vec<String>> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         vec![format!("line {}: not TOML: not UTF-8 text", line_at(bytes, error.valid_up_to()))]
     })?;

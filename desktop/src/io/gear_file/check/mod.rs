@@ -1,4 +1,4 @@
-//! A parsed gear file against the table of keys: everything that is wrong with it, a line each.
+//! A parsed file against its table of keys: everything that is wrong with it, a line each.
 
 mod unknown;
 mod values;
@@ -7,12 +7,12 @@ use strainwave::friction::ModelName;
 use strainwave::friction::data::MOST_STATES;
 use toml::{Table, Value};
 
-use super::keys::{KEYS, RELATIONS, Relation};
+use super::keys::{GEAR_FILE, KEYS, Relation, Schema};
 pub(super) use unknown::is_table;
 
-/// One thing that is wrong with a gear file.
+/// One thing that is wrong with a file.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Fault {
+pub(in crate::io) struct Fault {
     /// Path of the key in the file.
     pub path: String,
     /// The key, its value and what is allowed.
@@ -26,14 +26,24 @@ impl Fault {
     }
 }
 
-/// Unknown keys first, since a misspelt key is also a missing one; then every key in the table's order; then what the
-/// friction models need; then the relations between keys of which each is right by itself.
-pub(super) fn faults(file: &Table) -> Vec<Fault> {
-    let mut faults = unknown::faults(file);
-    values::faults(file, &mut faults);
-    faults.extend(["input", "output"].into_iter().filter_map(|side| missing_need(file, side)));
+/// Those of a gear file, with what its friction models need.
+pub(super) fn gear_faults(file: &Table) -> Vec<Fault> {
+    let needs = ["input", "output"].into_iter().filter_map(|side| missing_need(file, side));
+    faults(file, GEAR_FILE, needs)
+}
+
+/// Unknown keys first, since a misspelt key is also a missing one; then every key in the table's order; then `needs`; then the
+/// relations between keys of which each is right by itself.
+pub(in crate::io) fn faults(
+    file: &Table,
+    schema: Schema,
+    needs: impl IntoIterator<Item = Fault>,
+) -> Vec<Fault> {
+    let mut faults = unknown::faults(file, schema.keys);
+    values::faults(file, schema, &mut faults);
+    faults.extend(needs);
     let sound = |path: &str| !faults.iter().any(|fault| fault.path == path);
-    let relations = RELATIONS.iter().filter(|relation| sound(relation.path) && sound(relation.than));
+    let relations = schema.relations.iter().filter(|relation| sound(relation.path) && sound(relation.than));
     let unrelated: Vec<_> = relations.filter_map(|relation| violated(file, relation)).collect();
     faults.extend(unrelated);
     faults

@@ -1,53 +1,58 @@
-//! Keys that no gear file has, each with the known key that is most alike.
+//! Keys that no file of a kind has, each with the known key that is most alike.
 
 use toml::{Table, Value};
 
-use super::super::keys::KEYS;
+use super::super::keys::{KEYS, Key};
 use super::{Fault, join, shown_after};
 
 /// Every unknown key or table of the file.
-pub(super) fn faults(file: &Table) -> Vec<Fault> {
+pub(super) fn faults(file: &Table, keys: &'static [Key]) -> Vec<Fault> {
     let mut faults = Vec::new();
-    in_table(file, "", "", &mut faults);
+    in_table(file, keys, "", "", &mut faults);
     faults
 }
 
-/// `known` is the table's path as [`KEYS`] writes it, `shown` as the message does (`[]` is `[2]` there).
-fn in_table(table: &Table, known: &str, shown: &str, faults: &mut Vec<Fault>) {
+/// `known` is the table's path as the `keys` have it, `shown` as the message does (`[]` is `[2]` there).
+fn in_table(table: &Table, keys: &'static [Key], known: &str, shown: &str, faults: &mut Vec<Fault>) {
     for (name, value) in table {
         let (known, shown) = (join(known, name), join(shown, name));
         match value {
-            Value::Table(inner) if is_table(&known) => in_table(inner, &known, &shown, faults),
-            Value::Array(items) if is_table(&format!("{known}[]")) => in_list(items, &known, &shown, faults),
-            _ if is_known(&known) => {}
-            _ => faults.push(Fault { line: unknown(&shown, value), path: shown }),
+            Value::Table(inner) if has_table(keys, &known) => in_table(inner, keys, &known, &shown, faults),
+            Value::Array(items) if has_table(keys, &format!("{known}[]")) => in_list(items, keys, &known, &shown, faults),
+            _ if is_known(keys, &known) => {}
+            _ => faults.push(Fault { line: unknown(keys, &shown, value), path: shown }),
         }
     }
 }
 
-fn in_list(items: &[Value], known: &str, shown: &str, faults: &mut Vec<Fault>) {
+fn in_list(items: &[Value], keys: &'static [Key], known: &str, shown: &str, faults: &mut Vec<Fault>) {
     for (index, item) in items.iter().enumerate() {
         if let Value::Table(inner) = item {
-            in_table(inner, &format!("{known}[]"), &format!("{shown}[{index}]"), faults);
+            in_table(inner, keys, &format!("{known}[]"), &format!("{shown}[{index}]"), faults);
         }
     }
 }
 
-/// `path` is a table that holds known keys.
+/// `path` is a table of a gear file that holds known keys.
 pub(in crate::io::gear_file) fn is_table(path: &str) -> bool {
-    KEYS.iter().any(|key| key.path.strip_prefix(path).is_some_and(|rest| rest.starts_with('.')))
+    has_table(KEYS, path)
+}
+
+/// `path` is a table that holds some of the `keys`.
+fn has_table(keys: &[Key], path: &str) -> bool {
+    keys.iter().any(|key| key.path.strip_prefix(path).is_some_and(|rest| rest.starts_with('.')))
 }
 
 /// `path` is a key, a table or a list.
-fn is_known(path: &str) -> bool {
-    KEYS.iter().any(|key| {
+fn is_known(keys: &[Key], path: &str) -> bool {
+    keys.iter().any(|key| {
         key.path.strip_prefix(path).is_some_and(|rest| matches!(rest.chars().next(), None | Some('.' | '[')))
     })
 }
 
-fn unknown(path: &str, value: &Value) -> String {
-    let nearest = nearest(path);
-    let allowed = match KEYS.iter().find(|key| key.path == nearest) {
+fn unknown(keys: &'static [Key], path: &str, value: &Value) -> String {
+    let nearest = nearest(keys, path);
+    let allowed = match keys.iter().find(|key| key.path == nearest) {
         Some(key) => format!(" ({})", key.allowed),
         None => String::new(),
     };
@@ -56,17 +61,17 @@ fn unknown(path: &str, value: &Value) -> String {
 
 /// The known key or table whose name is most alike: both its last part and its whole path count, so
 /// that a slip inside a table finds its neighbour and a key in the wrong table finds the right one.
-fn nearest(path: &str) -> &'static str {
+fn nearest(keys: &'static [Key], path: &str) -> &'static str {
     let alike = |known: &str| {
         strsim::jaro_winkler(last_part(path), last_part(known)) + 0.5 * strsim::jaro_winkler(path, known)
     };
-    let best = known_paths().max_by(|a, b| alike(a).total_cmp(&alike(b)));
-    best.unwrap_or(KEYS[0].path)
+    let best = known_paths(keys).max_by(|a, b| alike(a).total_cmp(&alike(b)));
+    best.unwrap_or(keys[0].path)
 }
 
 /// Every key and every table above it.
-fn known_paths() -> impl Iterator<Item = &'static str> {
-    KEYS.iter().flat_map(|key| {
+fn known_paths(keys: &'static [Key]) -> impl Iterator<Item = &'static str> {
+    keys.iter().flat_map(|key| {
         let tables = key.path.match_indices('.').map(|(end, _)| key.path[..end].trim_end_matches("[]"));
         tables.chain([key.path])
     })
