@@ -168,7 +168,8 @@ impl<R: Real, const L: usize, const MEMORY: usize> Piezo<R, L, MEMORY> {
 
     /// Moves the voltage towards the one that is asked for (V), as far as both limits allow; what is not a number leaves it.
     pub fn step(&self, state: &mut PiezoState<R, MEMORY>, asked: R) -> PiezoOutput<R> {
-        let wanted = if asked == asked { asked.limit(self.voltage_limit) } else { state.voltage };
+        let is_number = asked.abs() >= R::ZERO;
+        let wanted = if is_number { asked.limit(self.voltage_limit) } else { state.voltage };
         // The sum may be rounded beyond the limit.
         let moved = state.voltage + (wanted - state.voltage).limit(self.step_limit);
         state.voltage = moved.limit(self.voltage_limit);

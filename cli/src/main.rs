@@ -30,6 +30,7 @@ mod report;
 mod series;
 mod setup;
 mod sim;
+mod sim_link;
 mod tune;
 mod usage;
 mod verify;

@@ -1,6 +1,6 @@
-//! `sim`: the gear as a two-port, open loop.
+//! `sim`: the gear as a two-port, open loop; or an arm link.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use strainwave_desktop::io::log::{OpenLoop, OpenLoopRow, write_open_loop};
@@ -11,6 +11,7 @@ use strainwave_desktop::{BadInput, Figure, GearFile};
 use crate::figures::{Figures, FiguresArguments};
 use crate::files;
 use crate::progress::Progress;
+use crate::sim_link;
 
 /// Run the gear as a two-port, open loop: wave-generator motion and load in, output and torques out
 ///
@@ -19,11 +20,18 @@ use crate::progress::Progress;
 /// torsion_rad, tau_t_nm, and a strain for each --gauge. SI units. Prints the intervals of the input's time stamps
 /// and the largest magnitudes of the output. Either build runs with any friction model that the gear file names. A reference run whose mesh diverges (a link strained by more than 10 %)
 /// ends with the time and the node, exit code 2, and writes nothing.
+///
+/// With --link in the place of --gear an arm link runs: IN.csv has t_s, theta_joint_rad, and where it has them tip_force_n and voltage_v;
+/// OUT.csv gets t_s, tip_deflection_m, tip_x_m, tip_y_m, tau_joint_nm, strain_at_PLACE_m of each gauge of the file, and with a patch
+/// voltage_v, couple_nm, charge_c.
 #[derive(Args)]
 pub struct Arguments {
     /// Gear file
-    #[arg(long, value_name = "G.toml")]
-    gear: PathBuf,
+    #[arg(long, value_name = "G.toml", required_unless_present = "link")]
+    gear: Option<PathBuf>,
+    /// File of an arm link, which runs in the place of a gear
+    #[arg(long, value_name = "LINK.toml", conflicts_with_all = ["gear", "build", "mesh", "step", "gauges"])]
+    link: Option<PathBuf>,
     /// Input over time; - for the standard input
     #[arg(long, value_name = "IN.csv")]
     input: PathBuf,
@@ -67,21 +75,29 @@ const SHORTEST_STEP: f64 = 1e-9;
 
 /// Reads, runs and writes.
 pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
+    match (&arguments.link, &arguments.gear) {
+        (Some(link), _) => sim_link::run(link, &arguments.input, &arguments.output, &arguments.figures),
+        (None, Some(gear)) => run_gear(gear, arguments),
+        (None, None) => Err(BadInput::message("--gear or --link is needed")),
+    }
+}
+
+fn run_gear(path: &Path, arguments: &Arguments) -> Result<Figures, BadInput> {
     let json = arguments.figures.json.as_deref();
     files::require_distinct(&[
-        ("--gear", Some(&arguments.gear)),
+        ("--gear", Some(path)),
         ("--input", Some(&arguments.input)),
         ("--output", Some(&arguments.output)),
         ("--json", json),
     ])?;
-    let gear = GearFile::read(&arguments.gear)?;
-    let build = build(arguments, &gear)?;
+    let gear = GearFile::read(path)?;
+    let build = build(path, arguments, &gear)?;
     require_gauges(&arguments.gauges, build)?;
     let input = OpenLoop::read(&arguments.input)?;
     files::require_writable(Some(&arguments.output))?;
     files::require_writable(json)?;
-    let rows = two_port::run(&gear, &input, build, &arguments.gauges)
-        .map_err(|error| BadInput::new(&arguments.gear, error))?;
+    let rows =
+        two_port::run(&gear, &input, build, &arguments.gauges).map_err(|error| BadInput::new(path, error))?;
     let mut progress = Progress::new(rows.len() as u64, "simulating");
     let mut largest = Largest::default();
     let watched = rows.enumerate().map(|(done, row)| {
@@ -96,10 +112,10 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
 }
 
 /// The build that the arguments name.
-fn build(arguments: &Arguments, gear: &GearFile) -> Result<Build, BadInput> {
+fn build(path: &Path, arguments: &Arguments, gear: &GearFile) -> Result<Build, BadInput> {
     if arguments.build == Models::Reference {
         let mesh = arguments.mesh.unwrap_or(MeshSize::DEFAULT);
-        arguments.step.map_or(Ok(()), |step| require_step(step, mesh, arguments, gear))?;
+        arguments.step.map_or(Ok(()), |step| require_step(step, mesh, path, gear))?;
         return Ok(Build::Reference { mesh, longest_step: arguments.step });
     }
     let mesh = arguments.mesh.map(|mesh| format!("--mesh {mesh}"));
@@ -112,12 +128,12 @@ fn build(arguments: &Arguments, gear: &GearFile) -> Result<Build, BadInput> {
     }
 }
 
-fn require_step(step: f64, mesh: MeshSize, arguments: &Arguments, gear: &GearFile) -> Result<(), BadInput> {
+fn require_step(step: f64, mesh: MeshSize, path: &Path, gear: &GearFile) -> Result<(), BadInput> {
     let bound = two_port::stable_step(gear, mesh);
     if (SHORTEST_STEP..bound).contains(&step) {
         return Ok(());
     }
-    let gear = arguments.gear.display();
+    let gear = path.display();
     Err(BadInput::message(format_args!(
         "--step {step:e} is out of range; allowed: from {SHORTEST_STEP:e} s to below {bound:.3e} s, the stable step \
          of the {mesh} mesh of {gear}"

@@ -20,10 +20,12 @@
 pub mod box_sample;
 pub mod clock;
 pub mod cogging;
+pub(crate) mod curve;
 pub mod divergence;
 pub mod drive;
 pub mod encoder;
 pub mod friction;
+pub mod link;
 pub mod load_side;
 pub mod mesh_size;
 pub mod payload;

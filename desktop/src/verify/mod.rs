@@ -15,6 +15,8 @@ pub mod healthy;
 pub mod hysteresis;
 pub mod identify;
 pub mod judge;
+pub mod link;
+pub mod piezo;
 pub mod replay;
 pub mod robustness;
 pub mod step_response;
@@ -77,13 +79,18 @@ pub enum Part {
     Friction,
     /// The staircase against the relays, its laws and its inverse, the default gear's loop, identification.
     Hysteresis,
+    /// The arm link against closed forms and finite elements, its laws.
+    Link,
+    /// The PZT patch against its constitutive law, its loop.
+    Piezo,
     /// Basis of the compensator: unbounded angles in f32.
     Compensator,
 }
 
 impl Part {
     /// Every part.
-    pub const ALL: [Self; 4] = [Self::Flexspline, Self::Friction, Self::Hysteresis, Self::Compensator];
+    pub const ALL: [Self; 6] =
+        [Self::Flexspline, Self::Friction, Self::Hysteresis, Self::Link, Self::Piezo, Self::Compensator];
 
     /// As the command names it.
     pub fn name(self) -> &'static str {
@@ -91,6 +98,8 @@ impl Part {
             Self::Flexspline => "flexspline",
             Self::Friction => "friction",
             Self::Hysteresis => "hysteresis",
+            Self::Link => "link",
+            Self::Piezo => "piezo",
             Self::Compensator => "compensator",
         }
     }
@@ -104,6 +113,8 @@ impl Part {
             Self::Flexspline => flexspline::measure(),
             Self::Friction => friction::measure(),
             Self::Hysteresis => hysteresis::measure(),
+            Self::Link => Ok(link::measure()),
+            Self::Piezo => Ok(piezo::measure()),
             Self::Compensator => Ok(compensator::measure()),
         };
         Ok(measured?.with_tight_bounds())

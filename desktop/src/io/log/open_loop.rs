@@ -8,8 +8,9 @@ use std::path::Path;
 
 use super::columns::{Column, Columns, Extra, Schema};
 use super::time::{Instant, TIME, Time};
+use super::written::write_rows;
 use super::{ANGLE_LIMIT, LONGEST_FILE, SPEED_LIMIT, TORQUE_LIMIT};
-use crate::io::file::{self, BadInput, WriteError};
+use crate::io::file::{self, BadInput};
 
 const POSITION: Column = Column { name: "theta_wg_rad", limit: ANGLE_LIMIT, other_names: &[] };
 const VELOCITY: Column = Column { name: "omega_wg_rad_s", limit: SPEED_LIMIT, other_names: &[] };
@@ -123,17 +124,6 @@ pub fn write_open_loop<E: Display>(
     gauges: &[String],
     rows: impl IntoIterator<Item = Result<OpenLoopRow, E>>,
 ) -> Result<(), BadInput> {
-    file::write(path, |out| {
-        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
-        let failed = |error: csv::Error| WriteError::Io(error.into());
-        writer.serialize((OUTPUT, gauges)).map_err(failed)?;
-        for row in rows {
-            let row = row.map_err(|error| WriteError::Refused(error.to_string()))?;
-            if !row.numbers().all(f64::is_finite) {
-                return Err(WriteError::Refused(format!("a value at {} s is not finite", row.time)));
-            }
-            writer.serialize(row.numbers().collect::<Vec<_>>()).map_err(failed)?;
-        }
-        Ok(writer.flush()?)
-    })
+    let names: Vec<_> = OUTPUT.into_iter().chain(gauges.iter().map(String::as_str)).collect();
+    write_rows(path, &names, rows.into_iter().map(|row| row.map(|row| row.numbers().collect())))
 }

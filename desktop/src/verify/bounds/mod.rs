@@ -14,6 +14,8 @@ mod healthy;
 mod hysteresis;
 mod identify;
 mod joint;
+mod link;
+mod piezo;
 mod robustness;
 
 use crate::io::figure::Figure;
@@ -35,7 +37,7 @@ pub struct Bound {
 pub const LOOSE: f64 = 10.0;
 
 /// Every bound, by part.
-pub const BOUNDS: [&[Bound]; 12] = [
+pub const BOUNDS: [&[Bound]; 14] = [
     joint::ROWS,
     catalogue::ROWS,
     compensator::ROWS,
@@ -47,6 +49,8 @@ pub const BOUNDS: [&[Bound]; 12] = [
     healthy::ROWS,
     hysteresis::ROWS,
     identify::ROWS,
+    link::ROWS,
+    piezo::ROWS,
     robustness::ROWS,
 ];
 

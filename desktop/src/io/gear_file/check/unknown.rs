@@ -18,7 +18,9 @@ fn in_table(table: &Table, keys: &'static [Key], known: &str, shown: &str, fault
         let (known, shown) = (join(known, name), join(shown, name));
         match value {
             Value::Table(inner) if has_table(keys, &known) => in_table(inner, keys, &known, &shown, faults),
-            Value::Array(items) if has_table(keys, &format!("{known}[]")) => in_list(items, keys, &known, &shown, faults),
+            Value::Array(items) if has_table(keys, &format!("{known}[]")) => {
+                in_list(items, keys, &known, &shown, faults)
+            }
             _ if is_known(keys, &known) => {}
             _ => faults.push(Fault { line: unknown(keys, &shown, value), path: shown }),
         }
