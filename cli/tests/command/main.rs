@@ -11,6 +11,7 @@ mod good_input;
 mod identification_page;
 mod identify;
 mod keep;
+mod link;
 mod missed;
 mod operator;
 mod own_joint;

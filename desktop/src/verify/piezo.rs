@@ -9,7 +9,6 @@ use strainwave::link::{Link, LinkInput, LinkParams, LinkState, Span};
 use strainwave::piezo::{Piezo, PiezoParams};
 
 use super::Measured;
-use crate::io::figure::Figure;
 use crate::verify::bounds;
 use crate::verify::link::motion::link_params;
 
