@@ -1,8 +1,13 @@
 //! Active damping of an arm link by a PZT patch: one patch bends it, an equal one on the other face measures by its charge.
 //!
-//! Strain-rate feedback: the voltage opposes the current of the sensor, the rate of its charge. Actuator and sensor lie at the same
-//! place and have one coupling, so that the feedback takes energy out of every mode. Hysteresis of the driven ceramic and the limits of its
-//! amplifier are in.
+//! Positive position feedback (J. Fanson, T. Caughey, AIAA Journal 28, 1990): a filter of second order at the first mode's frequency
+//! takes the sensor's charge, and its output is the voltage. At that frequency the filter lags by a quarter of a period, so that the
+//! couple opposes the speed; above it falls off, and the other modes stay as they are. Hysteresis of the driven ceramic and the
+//! limits of its amplifier are in.
+//!
+//! ```text
+//! d2eta + 2*zeta_f*omega_f*deta + omega_f^2*eta = omega_f^2*charge          voltage = gain*eta
+//! ```
 
 use std::f64::consts::TAU;
 
@@ -12,7 +17,8 @@ use strainwave::piezo::{Piezo, PiezoParams};
 
 const DT: f64 = 1e-4; // s
 const FORCE: f64 = 1.0; // N, lets go of the tip at the start
-const GAIN: f64 = 3e7; // V/A
+const GAIN: f64 = 6e7; // V/C; the link would be bent away at 3.8e8
+const FILTER_DAMPING: f64 = 0.2;
 const PATCH: Span<f64> = Span { start: 0.01, end: 0.06 };
 
 /// An aluminium strip of 500 x 40 x 4 mm with a payload of 150 g, turning about a vertical axis.
@@ -48,41 +54,62 @@ fn patch() -> Result<Piezo<f64, 24, 28>, Error> {
     params.build(DT)
 }
 
+/// The filter's output and its rate.
+#[derive(Clone, Copy, Default)]
+struct Filter {
+    eta: f64,
+    rate: f64,
+}
+
+impl Filter {
+    fn step(&mut self, omega: f64, charge: f64) -> f64 {
+        let acceleration = omega * omega * (charge - self.eta) - 2.0 * FILTER_DAMPING * omega * self.rate;
+        self.rate += DT * acceleration;
+        self.eta += DT * self.rate;
+        self.eta
+    }
+}
+
 /// Deflection of the tip after the force has gone, and the largest voltage.
 fn swing(link: &Link<f64, 2>, patch: &Piezo<f64, 24, 28>, gain: f64) -> (Vec<f64>, f64) {
     let held = LinkInput::default();
-    let pulled = LinkInput { tip_force: FORCE, ..held };
-    let (mut state, mut driven) = (link.settled(&pulled), patch.rest());
-    let mut charge = patch.charge(0.0, link.peek(&state, &pulled).rotation);
+    let mut state = link.settled(&LinkInput { tip_force: FORCE, ..held });
+    let (mut driven, mut filter) = (patch.rest(), Filter::default());
     let (mut voltage, mut most) = (0.0, 0.0_f64);
     let deflections = (0..20_000).map(|_| {
         let actuated = patch.step(&mut driven, voltage);
         most = most.max(actuated.voltage.abs());
         let output = link.step(&mut state, &LinkInput { couple: actuated.couple, ..held });
         // The sensor's amplifier holds it at 0 V.
-        let now = patch.charge(0.0, output.rotation);
-        let current = (now - charge) / DT;
-        charge = now;
-        voltage = -gain * current;
+        voltage = gain * filter.step(link.frequencies()[0], patch.charge(0.0, output.rotation));
         output.deflection
     });
     let deflections: Vec<_> = deflections.collect();
     (deflections, most)
 }
 
-/// Frequency (Hz) and damping ratio of the first mode: zero crossings, and the line through the logarithms of the peaks.
+/// Frequency (Hz) and damping ratio of the first mode: time and height of every half swing, as far as
+/// they are above a fifth of the first; the damping is the slope of the line through the heights' logarithms.
 fn decay(deflections: &[f64]) -> (f64, f64) {
-    let late = &deflections[500..]; // the second mode has died away
-    let peaks: Vec<(f64, f64)> = (1..late.len() - 1)
-        .filter(|k| late[*k] > late[k - 1] && late[*k] >= late[k + 1] && late[*k] > 1e-6)
-        .map(|k| (k as f64 * DT, late[k].ln()))
-        .collect();
+    let half_swings = deflections.chunk_by(|a, b| (*a > 0.0) == (*b > 0.0));
+    let mut start = 0;
+    let mut peaks: Vec<(f64, f64)> = Vec::new();
+    for half_swing in half_swings {
+        let largest = half_swing.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        let (place, height) = largest.map_or((0, 0.0), |(place, height)| (place, height.abs()));
+        peaks.push(((start + place) as f64 * DT, height.ln()));
+        start += half_swing.len();
+    }
+    // The first began before the force had gone, the last may be cut off.
+    peaks.truncate(peaks.len() - 1);
+    let first = peaks[1].1;
+    let peaks: Vec<_> = peaks.into_iter().skip(1).take_while(|peak| peak.1 > first - 5.0_f64.ln()).collect();
     let count = peaks.len() as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| peaks.iter().map(of).sum::<f64>() / count;
     let (time, height) = (mean(|peak| peak.0), mean(|peak| peak.1));
     let rise: f64 = peaks.iter().map(|peak| (peak.0 - time) * (peak.1 - height)).sum();
     let spread: f64 = peaks.iter().map(|peak| (peak.0 - time).powi(2)).sum();
-    let frequency = (count - 1.0) / (peaks[peaks.len() - 1].0 - peaks[0].0);
+    let frequency = 0.5 * (count - 1.0) / (peaks[peaks.len() - 1].0 - peaks[0].0);
     (frequency, -rise / spread / (TAU * frequency))
 }
 
@@ -93,7 +120,7 @@ fn main() -> Result<(), Error> {
         "                     frequency [Hz]   damping ratio   largest voltage [V]   tip after 1 s [um]"
     );
     let mut ratios = Vec::new();
-    for (name, gain) in [("without feedback", 0.0), ("strain-rate feedback", GAIN)] {
+    for (name, gain) in [("without feedback", 0.0), ("position feedback", GAIN)] {
         let (deflections, voltage) = swing(&link, &patch, gain);
         let (frequency, ratio) = decay(&deflections);
         let left = deflections[9000..11_000].iter().fold(0.0_f64, |most, w| most.max(w.abs()));

@@ -9,15 +9,15 @@ use strainwave::link::{Link, LinkInput, LinkParams, LinkState, Span};
 use strainwave::piezo::{Piezo, PiezoParams};
 
 use super::Measured;
-use crate::verify::bounds;
 use crate::verify::link::motion::link_params;
+use crate::verify::{bounds, largest};
 
 const DT: f64 = 1e-4;
 /// Gauss's points and weights of fifth degree on -1..1.
 const GAUSS: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
-/// Steps along each side of a loop.
-const SIDE: u32 = 2000;
+/// Steps along each quarter of a loop.
+const SIDE: i32 = 2000;
 
 pub(super) fn measure() -> Measured {
     let figures = vec![
@@ -128,18 +128,22 @@ fn deflection_error() -> f64 {
     (deflection / (patch.coupling() * 120.0 * arm) - 1.0).abs()
 }
 
-/// Width of the major loop of the couple at 0 V over its span, relative to the stated one.
+/// Width of the major loop of the couple over its span against stated*(1 - (V/limit)^2), the largest difference over the stated one.
 fn width_error() -> f64 {
-    let stated = piezo_params().hysteresis;
-    let limit = piezo_params().voltage_limit;
+    let PiezoParams { hysteresis: stated, voltage_limit: limit, .. } = piezo_params();
     let (patch, mut state) = (patch(stated), patch(stated).rest());
-    let mut to = |from: f64, to: f64| {
-        let way = (1..=SIDE).map(|k| from + (to - from) * f64::from(k) / f64::from(SIDE));
-        way.map(|voltage| patch.step(&mut state, voltage).couple).last().unwrap_or(f64::NAN)
+    let mut sweep = |from: i32, to: i32| -> Vec<f64> {
+        let fraction = |k: i32| f64::from(from + (to - from) * k / SIDE) / f64::from(SIDE);
+        (0..=SIDE).map(|k| patch.step(&mut state, limit * fraction(k)).couple).collect()
     };
-    let top = to(0.0, limit);
-    let falling = to(limit, 0.0);
-    let bottom = to(0.0, -limit);
-    let rising = to(-limit, 0.0);
-    ((falling - rising) / (top - bottom) / stated - 1.0).abs()
+    sweep(0, SIDE);
+    let falling = [sweep(SIDE, 0), sweep(0, -SIDE)].concat();
+    let rising = [sweep(-SIDE, 0), sweep(0, SIDE)].concat();
+    let span = falling[0] - rising[0];
+    let errors = falling.iter().zip(rising.iter().rev()).zip(0..).map(|((falling, rising), k)| {
+        // Each half ends where the next begins.
+        let place = f64::from(SIDE - k + i32::from(k > SIDE)) / f64::from(SIDE);
+        (falling - rising) / span / stated - (1.0 - place * place)
+    });
+    largest(errors)
 }
