@@ -216,9 +216,9 @@ fn stored_finite_elements_notice_a_small_error() {
     let heavier = eigenvalues::stored()[2];
     assert!(heavier.off_when_heavier(1.0001) > 1e-6);
     let exact = motion::differences(&motion::link_params());
-    let mut stiffer = motion::link_params();
+    let mut stiffer = motion::link_params::<f64>();
     stiffer.bending_stiffness *= 1.01;
-    let mut undamped = motion::link_params();
+    let mut undamped = motion::link_params::<f64>();
     undamped.damping = [0.0; 2];
     for changed in [stiffer, undamped] {
         assert!(motion::differences(&changed).torque > 5.0 * exact.torque, "{exact:?}");

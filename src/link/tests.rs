@@ -11,16 +11,20 @@ use crate::error::Error;
 const DT: f64 = 1e-4;
 
 fn params<const K: usize>() -> LinkParams<f64, K> {
+    params_of()
+}
+
+fn params_of<R: Real, const K: usize>() -> LinkParams<R, K> {
     LinkParams {
-        length: 0.6,
-        bending_stiffness: 90.0,
-        linear_density: 0.5,
-        thickness: 5e-3,
-        payload_mass: 0.4,
-        payload_inertia: 4e-4,
-        damping: [0.0; K],
-        gravity: 9.81,
-        patch: Some(Span { start: 0.03, end: 0.09 }),
+        length: R::lit(0.6),
+        bending_stiffness: R::lit(90.0),
+        linear_density: R::lit(0.5),
+        thickness: R::lit(5e-3),
+        payload_mass: R::lit(0.4),
+        payload_inertia: R::lit(4e-4),
+        damping: [R::ZERO; K],
+        gravity: R::lit(9.81),
+        patch: Some(Span { start: R::lit(0.03), end: R::lit(0.09) }),
     }
 }
 
@@ -204,18 +208,8 @@ fn a_free_joint_keeps_its_angular_momentum() {
 
 #[test]
 fn f32_follows_f64() {
-    let single = LinkParams::<f32, 2> {
-        length: 0.6,
-        bending_stiffness: 90.0,
-        linear_density: 0.5,
-        thickness: 5e-3,
-        payload_mass: 0.4,
-        payload_inertia: 4e-4,
-        damping: [0.01; 2],
-        gravity: 9.81,
-        patch: None,
-    };
-    let double = LinkParams { damping: [0.01; 2], patch: None, ..params::<2>() };
+    let single = LinkParams { damping: [0.01; 2], ..params_of::<f32, 2>() };
+    let double = LinkParams { damping: [0.01; 2], ..params::<2>() };
     let (single, double) = (single.build(1e-4).unwrap(), double.build(DT).unwrap());
     let (mut a, mut b) = (LinkState::default(), LinkState::default());
     for k in 0..30_000 {
@@ -233,10 +227,7 @@ fn f32_follows_f64() {
 proptest! {
     #[test]
     fn any_input_bits_give_finite_outputs(bits in prop::collection::vec(any::<[u32; 6]>(), 1..200)) {
-        let params = LinkParams::<f32, 3> {
-            length: 0.6, bending_stiffness: 90.0, linear_density: 0.5, thickness: 5e-3, payload_mass: 0.4,
-            payload_inertia: 4e-4, damping: [0.0; 3], gravity: 9.81, patch: Some(Span { start: 0.0, end: 0.1 }),
-        };
+        let params = params_of::<f32, 3>();
         let (link, mut state) = (params.build(1e-4).unwrap(), LinkState::default());
         let gauge = params.gauge(0.1).unwrap();
         for bits in bits {

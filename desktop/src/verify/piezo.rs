@@ -34,7 +34,7 @@ fn piezo_params() -> PiezoParams<f64> {
         span: Span { start: 0.02, end: 0.08 },
         width: 0.035,
         thickness: 0.3e-3,
-        link_thickness: link_params().thickness,
+        link_thickness: link_params::<f64>().thickness,
         youngs_modulus: 62e9,
         charge_constant: -190e-12,
         permittivity: 1.6e-8,
@@ -48,31 +48,12 @@ fn patch(hysteresis: f64) -> Piezo<f64, 24, 28> {
     PiezoParams { hysteresis, ..piezo_params() }.build(DT).expect("the parameters are in range")
 }
 
-/// The link with the patch, one mode, level and without weight.
-fn link_with_patch() -> LinkParams<f64, 1> {
-    let LinkParams {
-        length,
-        bending_stiffness,
-        linear_density,
-        thickness,
-        payload_mass,
-        payload_inertia,
-        ..
-    } = link_params();
-    LinkParams {
-        length,
-        bending_stiffness,
-        linear_density,
-        thickness,
-        payload_mass,
-        payload_inertia,
-        damping: [0.5],
-        gravity: 0.0,
-        patch: Some(piezo_params().span),
-    }
+/// The link with the patch, without weight.
+fn link_with_patch() -> LinkParams<f64> {
+    LinkParams { damping: [0.5; 2], gravity: 0.0, patch: Some(piezo_params().span), ..link_params() }
 }
 
-fn link() -> Link<f64, 1> {
+fn link() -> Link<f64, 2> {
     link_with_patch().build(DT).expect("the parameters are in range")
 }
 
@@ -123,7 +104,7 @@ fn deflection_error() -> f64 {
         let couple = patch.step(&mut driven, 120.0).couple;
         deflection = link.step(&mut state, &LinkInput { couple, ..LinkInput::default() }).deflection;
     }
-    let beam = link_params();
+    let beam = link_params::<f64>();
     let arm = (end - start) * (beam.length - f64::midpoint(start, end)) / beam.bending_stiffness;
     (deflection / (patch.coupling() * 120.0 * arm) - 1.0).abs()
 }

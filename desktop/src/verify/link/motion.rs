@@ -34,16 +34,16 @@ pub struct Differences {
 }
 
 /// The link of the motion, with two modes.
-pub fn link_params() -> LinkParams<f64> {
+pub fn link_params<R: Real>() -> LinkParams<R> {
     LinkParams {
-        length: 0.6,
-        bending_stiffness: 90.0,
-        linear_density: 0.5,
-        thickness: 5e-3,
-        payload_mass: 0.4,
-        payload_inertia: 4e-4,
-        damping: [0.01; 2],
-        gravity: 9.81,
+        length: R::lit(0.6),
+        bending_stiffness: R::lit(90.0),
+        linear_density: R::lit(0.5),
+        thickness: R::lit(5e-3),
+        payload_mass: R::lit(0.4),
+        payload_inertia: R::lit(4e-4),
+        damping: [R::lit(0.01); 2],
+        gravity: R::lit(9.81),
         patch: None,
     }
 }
@@ -97,20 +97,7 @@ fn input<R: Real>(time: f64) -> LinkInput<R> {
 
 /// Largest difference of the torque in f32 from that in f64, over the largest torque.
 fn single_precision() -> f64 {
-    let double = link_params();
-    let number = |value: f64| value as f32;
-    let single = LinkParams::<f32> {
-        length: number(double.length),
-        bending_stiffness: number(double.bending_stiffness),
-        linear_density: number(double.linear_density),
-        thickness: number(double.thickness),
-        payload_mass: number(double.payload_mass),
-        payload_inertia: number(double.payload_inertia),
-        damping: double.damping.map(number),
-        gravity: number(double.gravity),
-        patch: None,
-    };
     let steps = 50_000;
-    let (single, double) = (run(&single, steps), run(&double, steps));
+    let (single, double) = (run(&link_params::<f32>(), steps), run(&link_params::<f64>(), steps));
     largest(single.iter().zip(&double).map(|(a, b)| a[0] - b[0])) / largest(double.iter().map(|row| row[0]))
 }

@@ -1,7 +1,7 @@
 //! Deflection of the tip at rest: F*L^3/(3*EI), and mu*g*L^4/(8*EI) + M*g*L^3/(3*EI) under the weight, of two modes that have swung out.
 
 use strainwave::gear::Motion;
-use strainwave::link::{LinkInput, LinkState};
+use strainwave::link::{LinkInput, LinkParams, LinkState};
 
 use super::motion::{DT, link_params};
 use crate::io::figure::Figure;
@@ -15,7 +15,7 @@ const STEPS: u32 = 100_000;
 const DAMPING: f64 = 0.5;
 
 pub(super) fn measure() -> Vec<Figure> {
-    let params = link_params();
+    let params = link_params::<f64>();
     let (length, flexibility) = (params.length, 1.0 / params.bending_stiffness);
     let tip = length.powi(3) / 3.0 * flexibility;
     let beam = params.linear_density * length.powi(4) / 8.0 * flexibility;
@@ -30,7 +30,7 @@ pub(super) fn measure() -> Vec<Figure> {
 
 /// Deflection (m) where the link, straight at first, comes to rest under a force (N) and the acceleration of gravity (m/s^2).
 fn settled(tip_force: f64, gravity: f64) -> f64 {
-    let params = strainwave::link::LinkParams { gravity, damping: [DAMPING; 2], ..link_params() };
+    let params = LinkParams { gravity, damping: [DAMPING; 2], ..link_params() };
     let link = params.build(DT).expect("the parameters are in range");
     let input = LinkInput { joint: Motion::default(), tip_force, ..LinkInput::default() };
     let mut state = LinkState::default();
