@@ -67,7 +67,7 @@
 //! ```
 //!
 //! More are in `examples/`: a whole control loop, a measured log through the observer, a move fed forward, the inverse of
-//! the hysteresis, the friction models compared.
+//! the hysteresis, the friction models compared, a link damped by a patch.
 //!
 //! Equation, figure and table numbers are those of "Modeling of torsional vibration in harmonic drives".
 //! Everything has one shape: `Params` in SI units; `build` checks them once and names the first that is out

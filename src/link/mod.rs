@@ -186,8 +186,8 @@ impl<R: Real, const K: usize> Link<R, K> {
         self.inertia
     }
 
-    /// Change of the torque with the acceleration of the same sample (kg m^2): what a joint turns at once. The torque of a step is
-    /// that of [`Self::peek`] without acceleration, and this times the acceleration, but for the weight of the bending.
+    /// Change of the torque with the acceleration of the same sample (kg m^2): what a joint turns at once. The torque of a step is that of
+    /// the same step of a copy without acceleration, and this times the acceleration, but for the weight of the bending.
     pub fn immediate_inertia(&self) -> R {
         let follows = self.modes.iter().zip(&self.coupling);
         follows.fold(self.inertia, |sum, (mode, of_load)| sum - of_load[0] * of_load[0] * mode.response())

@@ -5,8 +5,8 @@ Consistent mass and stiffness of Euler-Bernoulli elements (cubic Hermite), paylo
 continuous beam and no code of the library is used.
 
 eigenvalues.csv: lambda_1 to lambda_4 of omega = lambda^2*sqrt(EI/(mu*L^4)) for payloads m = M/(mu*L), j = J/(mu*L^3). The generalised
-eigenproblem is solved by inverse iteration on the flexibility, which the lowest modes come out of to full relative accuracy. Two meshes,
-extrapolated; refused unless they agree to 1e-7.
+eigenproblem is solved for the largest eigenvalues of the flexibility, which have full relative accuracy. Two meshes, extrapolated; refused
+unless the finer one agrees with that to 1e-7.
 
 motion.csv: torque that the joint must supply, and deflection of the tip, while the joint turns about a horizontal axis by
 theta = a*(x - sin(2*pi*x)/(2*pi)), x = t/T, from rest, holds, and a force pulls at the tip; the payload's weight and the beam's
