@@ -167,6 +167,19 @@ fn messages_read_well() {
     }
 }
 
+#[test]
+fn identified_hysteresis_of_either_sign_is_read() {
+    let mut table = full();
+    table["piezo"].as_table_mut().unwrap().remove("hysteresis_width");
+    let patch = parse(&table.to_string()).unwrap().patch().unwrap().unwrap();
+    let mut state = patch.rest();
+    let mut couple = |voltage: f64| (0..10).map(|_| patch.step(&mut state, voltage).couple).last().unwrap();
+    let full = couple(200.0) / patch.coupling();
+    assert!((full - (0.8 * 200.0 + 15.0)).abs() < 1e-6, "{full}");
+    let (falling, _, rising) = (couple(0.0), couple(-200.0), couple(0.0));
+    assert!(falling != rising, "{falling} {rising}");
+}
+
 /// More modes than the period of control shows are refused with the bound; as many as it shows are not.
 #[test]
 fn modes_that_the_step_cannot_carry_are_named_with_the_bound() {
