@@ -1,23 +1,25 @@
-//! `check`: everything that is wrong with a gear or belt file.
+//! `check`: everything that is wrong with a gear, belt or link file.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use strainwave_desktop::design::buildable::use_of;
+use strainwave_desktop::io::keyed_file::FileKind;
 use strainwave_desktop::plant::belt::require_real_time;
-use strainwave_desktop::{BadInput, BeltFile, GearFile};
+use strainwave_desktop::{BadInput, BeltFile, GearFile, LinkFile};
 
 use crate::figures::{Figures, FiguresArguments, complain, say};
 use crate::files;
 
-/// Tell everything that is wrong with a gear or belt file, a line each with key, value and range
+/// Tell everything that is wrong with a gear, belt or link file, a line each with key, value and range
 ///
 /// Unknown keys with the nearest known one, missing keys, types, ranges, conditions between keys, and whether the firmware's
 /// compensator can be built. Conditions between keys are checked where those keys are right by themselves. Exit code 0
-/// and one line when nothing is wrong, else 2. A file with a table [belt] is a belt file; of it the geometry is told.
+/// and one line when nothing is wrong, else 2. A file with a table [belt] is a belt file; of it the geometry is told. A file with a
+/// table [link] is a link file.
 #[derive(Args)]
 pub struct Arguments {
-    /// Gear or belt file
+    /// Gear, belt or link file
     #[arg(value_name = "GEAR.toml")]
     gear: PathBuf,
     #[command(flatten)]
@@ -30,7 +32,11 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     files::require_distinct(&[("GEAR.toml", Some(&arguments.gear)), ("--json", json)])?;
     files::require_writable(json)?;
     let path = &arguments.gear;
-    let use_of = if BeltFile::is_at(path) { belt(path)? } else { limit(&faultless(path)?, path)? };
+    let use_of = match FileKind::at(path) {
+        FileKind::Gear => limit(&faultless(path)?, path)?,
+        FileKind::Belt => belt(path)?,
+        FileKind::Link => link(path)?,
+    };
     say(format_args!("{}: ok{use_of}", path.display()));
     Ok(Figures::silent(Vec::new(), &arguments.figures))
 }
@@ -53,6 +59,12 @@ fn belt(path: &Path) -> Result<String, BadInput> {
         ", centre distance {:.4} m, {motor:.1} and {output:.1} teeth in mesh{limit}",
         geometry.centre_distance
     ))
+}
+
+/// What is odd about a link file that is right.
+fn link(path: &Path) -> Result<String, BadInput> {
+    let file = LinkFile::faultless(path).map_err(all_but_last)?;
+    Ok(file.warning().map_or_else(String::new, |warning| format!("; {warning}")))
 }
 
 /// Tells all faults but the last one, which ends the command.

@@ -1,11 +1,12 @@
-//! `sim`: a gear or a belt gear as a two-port, open loop.
+//! `sim`: a gear or a belt gear as a two-port, open loop; or an arm link.
 
 mod belt;
+mod link;
 
 use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args, ValueEnum};
-use strainwave_desktop::io::log::{OpenLoop, OpenLoopRow, write_open_loop};
+use strainwave_desktop::io::log::{OpenLoop, OpenLoopRow, Time, write_open_loop};
 use strainwave_desktop::plant::mesh_size::MeshSize;
 use strainwave_desktop::plant::two_port::{self, Build, Gauge};
 use strainwave_desktop::{BadInput, Figure, GearFile};
@@ -14,7 +15,7 @@ use crate::figures::{Figures, FiguresArguments};
 use crate::files;
 use crate::progress::Progress;
 
-/// Run a gear or a belt gear as a two-port, open loop: motion of the motor side and load in, output and torques out
+/// Run a gear, a belt gear or an arm link, open loop: motion of the motor side and load in, output and torques out
 ///
 /// With --gear, IN.csv has the columns t_s, theta_wg_rad or omega_wg_rad_s, and tau_load_nm, the external torque ON
 /// the flexspline. OUT.csv gets a row every 0.1 ms: t_s, theta_fs_rad, omega_fs_rad_s, tau_wg_nm,
@@ -25,8 +26,12 @@ use crate::progress::Progress;
 /// With --belt, IN.csv has the columns t_s, theta_motor_rad or omega_motor_rad_s, and tau_load_nm, the external torque ON the output.
 /// OUT.csv gets a row every 0.1 ms: t_s, theta_out_rad, omega_out_rad_s, tau_motor_nm, torsion_rad, tau_t_nm, f_forward_n and
 /// f_backward_n, the tensions of the span that the motor pulls when it turns forwards and of the other.
+///
+/// With --link, IN.csv has the columns t_s, theta_joint_rad, and where it has them tip_force_n and voltage_v; OUT.csv gets t_s,
+/// tip_deflection_m, tip_x_m, tip_y_m, tau_joint_nm, strain_at_PLACE_m of each gauge of the file, and with a patch voltage_v, couple_nm,
+/// charge_c.
 #[derive(Args)]
-#[command(group(ArgGroup::new("model").required(true).args(["gear", "belt"])))]
+#[command(group(ArgGroup::new("model").required(true).args(["gear", "belt", "link"])))]
 pub struct Arguments {
     /// Gear file
     #[arg(long, value_name = "G.toml")]
@@ -34,6 +39,9 @@ pub struct Arguments {
     /// Belt file, in the place of a gear file
     #[arg(long, value_name = "BELT.toml", conflicts_with_all = ["mesh", "step", "gauges"])]
     belt: Option<PathBuf>,
+    /// File of an arm link, in the place of a gear file
+    #[arg(long, value_name = "LINK.toml", conflicts_with_all = ["build", "mesh", "step", "gauges"])]
+    link: Option<PathBuf>,
     /// Input over time; - for the standard input
     #[arg(long, value_name = "IN.csv")]
     input: PathBuf,
@@ -81,14 +89,16 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     files::require_distinct(&[
         ("--gear", arguments.gear.as_deref()),
         ("--belt", arguments.belt.as_deref()),
+        ("--link", arguments.link.as_deref()),
         ("--input", Some(&arguments.input)),
         ("--output", Some(&arguments.output)),
         ("--json", arguments.figures.json.as_deref()),
     ])?;
-    match (&arguments.gear, &arguments.belt) {
-        (Some(gear), _) => run_gear(arguments, gear),
-        (None, Some(path)) => belt::run(arguments, path),
-        (None, None) => unreachable!("the arguments have one of the two"),
+    match (&arguments.gear, &arguments.belt, &arguments.link) {
+        (Some(path), ..) => run_gear(arguments, path),
+        (None, Some(path), _) => belt::run(arguments, path),
+        (None, None, Some(path)) => link::run(arguments, path),
+        (None, None, None) => unreachable!("the arguments have one of the three"),
     }
 }
 
@@ -114,12 +124,12 @@ fn run_gear(arguments: &Arguments, path: &Path) -> Result<Figures, BadInput> {
     });
     let columns: Vec<_> = arguments.gauges.iter().map(Gauge::column).collect();
     write_open_loop(&arguments.output, &columns, watched)?;
-    Ok(answer(arguments, &input, largest.figures()))
+    Ok(answer(arguments, &input.time, largest.figures()))
 }
 
 /// The intervals of the input, then what the run measured.
-fn answer<const N: usize>(arguments: &Arguments, input: &OpenLoop, measured: [Figure; N]) -> Figures {
-    let intervals = input.time.jitter().into_iter().flat_map(|jitter| jitter.figures());
+fn answer(arguments: &Arguments, time: &Time, measured: impl IntoIterator<Item = Figure>) -> Figures {
+    let intervals = time.jitter().into_iter().flat_map(|jitter| jitter.figures());
     let figures = intervals.chain(measured).collect();
     Figures::beside(&arguments.output, figures, &arguments.figures)
 }

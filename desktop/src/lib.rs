@@ -30,4 +30,4 @@ pub mod speed;
 pub mod tune;
 pub mod verify;
 
-pub use io::{BadInput, BeltFile, Figure, GearFile};
+pub use io::{BadInput, BeltFile, Figure, GearFile, LinkFile};

@@ -31,7 +31,7 @@ pub(super) fn run(arguments: &Arguments, path: &Path) -> Result<Figures, BadInpu
         row
     });
     write_belt(&arguments.output, watched)?;
-    Ok(answer(arguments, &input, extremes.figures()))
+    Ok(answer(arguments, &input.time, extremes.figures()))
 }
 
 /// Rows, largest magnitudes and least tension of a run.

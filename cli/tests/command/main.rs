@@ -12,6 +12,7 @@ mod good_input;
 mod identification_page;
 mod identify;
 mod keep;
+mod link;
 mod missed;
 mod operator;
 mod own_joint;

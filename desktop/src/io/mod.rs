@@ -1,4 +1,4 @@
-//! Files: gear files, belt files, logs, measured data, figures.
+//! Files: gear files, belt files, link files, logs, measured data, figures.
 
 pub mod belt_file;
 pub mod data;
@@ -6,9 +6,11 @@ pub mod figure;
 pub mod file;
 pub mod gear_file;
 pub mod keyed_file;
+pub mod link_file;
 pub mod log;
 
 pub use belt_file::BeltFile;
 pub use figure::Figure;
 pub use file::BadInput;
 pub use gear_file::GearFile;
+pub use link_file::LinkFile;

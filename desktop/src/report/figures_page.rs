@@ -35,6 +35,8 @@ const PARTS: &[Part] = &[
     Part { title: "Friction", prefixes: &["friction."], command: "strainwave verify friction" },
     Part { title: "Hysteresis", prefixes: &["hysteresis."], command: "strainwave verify hysteresis" },
     Part { title: "Tooth-belt gear", prefixes: &["belt."], command: "strainwave verify belt" },
+    Part { title: "Arm link", prefixes: &["link."], command: "strainwave verify link" },
+    Part { title: "PZT patch", prefixes: &["piezo."], command: "strainwave verify piezo" },
     Part { title: "Identification", prefixes: &["identify."], command: "strainwave verify identify" },
     Part {
         title: "Compensator",

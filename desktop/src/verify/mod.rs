@@ -16,6 +16,8 @@ pub mod healthy;
 pub mod hysteresis;
 pub mod identify;
 pub mod judge;
+pub mod link;
+pub mod piezo;
 pub mod replay;
 pub mod robustness;
 pub mod step_response;
@@ -78,16 +80,27 @@ pub enum Part {
     Friction,
     /// The staircase against the relays, its laws and its inverse, the default gear's loop, identification.
     Hysteresis,
-    /// Basis of the compensator: unbounded angles in f32.
-    Compensator,
     /// The belt gear against closed forms, energy, reduction, f32 against f64.
     Belt,
+    /// The arm link against closed forms and finite elements, its laws.
+    Link,
+    /// The PZT patch against its constitutive law, its loop.
+    Piezo,
+    /// Basis of the compensator: unbounded angles in f32.
+    Compensator,
 }
 
 impl Part {
     /// Every part.
-    pub const ALL: [Self; 5] =
-        [Self::Flexspline, Self::Friction, Self::Hysteresis, Self::Compensator, Self::Belt];
+    pub const ALL: [Self; 7] = [
+        Self::Flexspline,
+        Self::Friction,
+        Self::Hysteresis,
+        Self::Belt,
+        Self::Link,
+        Self::Piezo,
+        Self::Compensator,
+    ];
 
     /// As the command names it.
     pub fn name(self) -> &'static str {
@@ -95,8 +108,10 @@ impl Part {
             Self::Flexspline => "flexspline",
             Self::Friction => "friction",
             Self::Hysteresis => "hysteresis",
-            Self::Compensator => "compensator",
             Self::Belt => "belt",
+            Self::Link => "link",
+            Self::Piezo => "piezo",
+            Self::Compensator => "compensator",
         }
     }
 
@@ -109,8 +124,10 @@ impl Part {
             Self::Flexspline => flexspline::measure(),
             Self::Friction => friction::measure(),
             Self::Hysteresis => hysteresis::measure(),
-            Self::Compensator => Ok(compensator::measure()),
             Self::Belt => Ok(belt::measure()),
+            Self::Link => Ok(link::measure()),
+            Self::Piezo => Ok(piezo::measure()),
+            Self::Compensator => Ok(compensator::measure()),
         };
         Ok(measured?.with_tight_bounds())
     }

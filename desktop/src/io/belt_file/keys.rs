@@ -46,4 +46,5 @@ const RELATIONS: &[Relation] = &[
 ];
 
 /// All of it.
-pub(super) const SCHEMA: Schema = Schema { keys: KEYS, relations: RELATIONS, sides: ["motor", "output"] };
+pub(super) const SCHEMA: Schema =
+    Schema { relations: RELATIONS, sides: &["motor", "output"], ..Schema::of(KEYS) };

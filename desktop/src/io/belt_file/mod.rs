@@ -174,12 +174,6 @@ impl BeltFile {
         keyed_file::faultless(path)
     }
 
-    /// The file at `path` is a belt file, right or wrong: it has a table `[belt]`.
-    pub fn is_at(path: &Path) -> bool {
-        let text = file::read(path, LONGEST_FILE).ok().and_then(|bytes| String::from_utf8(bytes).ok());
-        text.and_then(|text| text.parse::<toml::Table>().ok()).is_some_and(|table| table.contains_key("belt"))
-    }
-
     /// The example `at5-16`.
     pub fn example() -> Self {
         Self::parse(Path::new("at5-16.toml"), EXAMPLE.as_bytes()).expect("the example is tested")

@@ -36,7 +36,7 @@ const GEAR: &[Key] = &[
     key("stiffness.t2_nm", within(1e-3, 1e5, "N m")),
     key("hysteresis.width_arcmin", within(0.0, 60.0, "arcmin")),
     optional("hysteresis.half_range_rad", within(1e-6, 0.1, "rad")),
-    optional("hysteresis.weights_nm", Allowed::Triangle(1e4, "N m")),
+    optional("hysteresis.weights_nm", Allowed::Triangle(0.0, 1e4, "N m")),
     key("kinematic_error.wave_generator[].order", Allowed::Whole(1, 20)),
     key("kinematic_error.wave_generator[].amplitude_rad", within(0.0, 0.01, "rad")),
     key("kinematic_error.wave_generator[].phase_rad", within(-PI, PI, "rad")),
@@ -144,4 +144,5 @@ pub const RELATIONS: &[Relation] = &[
 ];
 
 /// All of it.
-pub(super) const SCHEMA: Schema = Schema { keys: KEYS, relations: RELATIONS, sides: ["input", "output"] };
+pub(super) const SCHEMA: Schema =
+    Schema { relations: RELATIONS, sides: &["input", "output"], ..Schema::of(KEYS) };

@@ -18,8 +18,8 @@ pub enum Allowed {
     Whole(i64, i64),
     /// A finite number between two ends, and its unit.
     Number(Bound<f64>, Bound<f64>, &'static str),
-    /// Rows of 1, 2, 3, ... numbers, 2 to [`TABLE_LEVELS`] of them, each number from 0 to the first, and its unit.
-    Triangle(f64, &'static str),
+    /// Rows of 1, 2, 3, ... numbers, 2 to [`TABLE_LEVELS`] of them, each number from the first to the second, and its unit.
+    Triangle(f64, f64, &'static str),
     /// One to so many numbers between plus and minus an end, and their unit.
     Numbers(usize, f64, &'static str),
 }
@@ -102,7 +102,21 @@ pub(crate) struct Schema {
     /// Relations between them.
     pub relations: &'static [Relation],
     /// Tables of `[friction]`, one for each side.
-    pub sides: [&'static str; 2],
+    pub sides: &'static [&'static str],
+    /// Sections that a file may leave out as a whole.
+    pub optional_sections: &'static [&'static str],
+}
+
+impl Schema {
+    /// These keys alone.
+    pub(crate) const fn of(keys: &'static [Key]) -> Self {
+        Self { keys, relations: &[], sides: &[], optional_sections: &[] }
+    }
+}
+
+/// The section that the key at this path is in.
+pub(crate) fn section_of(path: &str) -> &str {
+    path.split(['.', '[']).next().unwrap_or(path)
 }
 
 impl Relation {
@@ -145,7 +159,7 @@ impl Allowed {
     /// Unit of a number; none of what is no number or has no unit.
     pub fn unit(self) -> Option<&'static str> {
         match self {
-            Self::Number(.., unit) | Self::Triangle(_, unit) | Self::Numbers(.., unit) => {
+            Self::Number(.., unit) | Self::Triangle(.., unit) | Self::Numbers(.., unit) => {
                 Some(unit).filter(|unit| *unit != "1")
             }
             _ => None,
@@ -170,9 +184,10 @@ impl fmt::Display for Allowed {
                 let (end, unit) = (plain(end), unit_after(unit));
                 write!(formatter, "a list of 1 to {most} numbers from -{end} to {end}{unit}")
             }
-            Self::Triangle(most, unit) => write!(
+            Self::Triangle(least, most, unit) => write!(
                 formatter,
-                "rows of 1, 2, 3, ... numbers from 0 to {} {unit}, 2 to {TABLE_LEVELS} rows",
+                "rows of 1, 2, 3, ... numbers from {} to {} {unit}, 2 to {TABLE_LEVELS} rows",
+                plain(least),
                 plain(most)
             ),
         }

@@ -11,7 +11,7 @@ use toml::Table;
 use toml::de::DeTable;
 
 use crate::io::file::{self, BadInput};
-use key::Schema;
+use key::{Schema, section_of};
 
 /// Longest file (bytes).
 pub(crate) const LONGEST_FILE: u64 = 1 << 20;
@@ -28,6 +28,27 @@ pub(crate) trait KeyedFile: DeserializeOwned {
 
     /// Conditions on several keys at once that do not hold, of those that read none of the `damaged` sections, a line each.
     fn conditions(&self, damaged: &[&str]) -> Vec<String>;
+}
+
+/// Which kind of file is at a path, right or wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// A gear file, and whatever is none of the others.
+    Gear,
+    /// A belt file: it has a table `[belt]`.
+    Belt,
+    /// A link file: it has a table `[link]`.
+    Link,
+}
+
+impl FileKind {
+    /// That of the file at `path`.
+    pub fn at(path: &Path) -> Self {
+        let table = file::read(path, LONGEST_FILE).ok().and_then(|bytes| table(&bytes).ok());
+        let has = |name: &str| table.as_ref().is_some_and(|table| table.contains_key(name));
+        let kinds = [("belt", Self::Belt), ("link", Self::Link)];
+        kinds.into_iter().find(|(name, _)| has(name)).map_or(Self::Gear, |(_, kind)| kind)
+    }
 }
 
 /// The file in `bytes`; `path` is only named in errors.
@@ -89,7 +110,9 @@ fn mended<F: KeyedFile>(file: Table, damaged: &[&str]) -> Table {
         return file;
     }
     let mut whole: Table = F::DEFAULT.parse().expect("the default file is tested");
-    let sound = |section: &str| check::is_table(F::SCHEMA.keys, section) && !damaged.contains(&section);
+    let sound = |section: &str| {
+        F::SCHEMA.keys.iter().any(|key| section_of(key.path) == section) && !damaged.contains(&section)
+    };
     whole.extend(file.into_iter().filter(|(section, _)| sound(section)));
     whole
 }

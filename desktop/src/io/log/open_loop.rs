@@ -11,8 +11,9 @@ use std::path::Path;
 
 use super::columns::{Column, Columns, Extra, Schema};
 use super::time::{Instant, TIME, Time};
+use super::written::write_rows;
 use super::{ANGLE_LIMIT, LONGEST_FILE, SPEED_LIMIT, TORQUE_LIMIT};
-use crate::io::file::{self, BadInput, WriteError};
+use crate::io::file::{self, BadInput};
 
 const POSITION: Column = Column { name: "theta_wg_rad", limit: ANGLE_LIMIT, other_names: &[] };
 const VELOCITY: Column = Column { name: "omega_wg_rad_s", limit: SPEED_LIMIT, other_names: &[] };
@@ -215,27 +216,4 @@ pub fn write_open_loop<E: Display>(
 pub fn write_belt(path: &Path, rows: impl IntoIterator<Item = BeltRow>) -> Result<(), BadInput> {
     let rows = rows.into_iter().map(|row| Ok::<_, Infallible>(row.numbers()));
     write_rows(path, &BELT_OUTPUT, rows)
-}
-
-/// Writes rows of which the first number is the time (s), complete or not at all.
-fn write_rows<E: Display>(
-    path: &Path,
-    header: &[&str],
-    rows: impl IntoIterator<Item = Result<Vec<f64>, E>>,
-) -> Result<(), BadInput> {
-    file::write(path, |out| {
-        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
-        let failed = |error: csv::Error| WriteError::Io(error.into());
-        writer.serialize(header).map_err(failed)?;
-        for row in rows {
-            let mut row = row.map_err(|error| WriteError::Refused(error.to_string()))?;
-            if !row.iter().copied().all(f64::is_finite) {
-                return Err(WriteError::Refused(format!("a value at {} s is not finite", row[0])));
-            }
-            // Stamps on the grid, not with the last digits of their rounding.
-            row[0] = (row[0] * 1e9).round() / 1e9;
-            writer.serialize(row).map_err(failed)?;
-        }
-        Ok(writer.flush()?)
-    })
 }

@@ -15,6 +15,8 @@ mod healthy;
 mod hysteresis;
 mod identify;
 mod joint;
+mod link;
+mod piezo;
 mod robustness;
 
 use crate::io::figure::Figure;
@@ -36,7 +38,7 @@ pub struct Bound {
 pub const LOOSE: f64 = 10.0;
 
 /// Every bound, by part.
-pub const BOUNDS: [&[Bound]; 13] = [
+pub const BOUNDS: [&[Bound]; 15] = [
     joint::ROWS,
     belt::ROWS,
     catalogue::ROWS,
@@ -49,6 +51,8 @@ pub const BOUNDS: [&[Bound]; 13] = [
     healthy::ROWS,
     hysteresis::ROWS,
     identify::ROWS,
+    link::ROWS,
+    piezo::ROWS,
     robustness::ROWS,
 ];
 

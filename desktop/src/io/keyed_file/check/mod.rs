@@ -7,8 +7,7 @@ use strainwave::friction::ModelName;
 use strainwave::friction::data::MOST_STATES;
 use toml::{Table, Value};
 
-use super::key::{Relation, Schema};
-pub(super) use unknown::is_table;
+use super::key::{Relation, Schema, section_of};
 
 /// One thing that is wrong with a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +21,7 @@ pub(super) struct Fault {
 impl Fault {
     /// The section that the key is in.
     pub fn section(&self) -> &str {
-        self.path.split(['.', '[']).next().unwrap_or(&self.path)
+        section_of(&self.path)
     }
 }
 
@@ -30,8 +29,8 @@ impl Fault {
 /// friction models need; then the relations between keys of which each is right by itself.
 pub(super) fn faults(file: &Table, schema: &Schema) -> Vec<Fault> {
     let mut faults = unknown::faults(file, schema.keys);
-    values::faults(file, schema.keys, &mut faults);
-    faults.extend(schema.sides.into_iter().filter_map(|side| missing_need(file, schema, side)));
+    values::faults(file, schema, &mut faults);
+    faults.extend(schema.sides.iter().filter_map(|side| missing_need(file, schema, side)));
     let sound = |path: &str| !faults.iter().any(|fault| fault.path == path);
     let relations = schema.relations.iter().filter(|relation| sound(relation.path) && sound(relation.than));
     let unrelated: Vec<_> = relations.filter_map(|relation| violated(file, relation)).collect();

@@ -36,7 +36,7 @@ fn in_list(keys: &'static [Key], items: &[Value], [known, shown]: [&str; 2], fau
 }
 
 /// `path` is a table that holds known keys.
-pub(in crate::io::keyed_file) fn is_table(keys: &[Key], path: &str) -> bool {
+fn is_table(keys: &[Key], path: &str) -> bool {
     keys.iter().any(|key| key.path.strip_prefix(path).is_some_and(|rest| rest.starts_with('.')))
 }
 
