@@ -16,6 +16,7 @@ pub mod hysteresis;
 pub mod identify;
 pub mod judge;
 pub mod replay;
+pub mod robot;
 pub mod robustness;
 pub mod step_response;
 

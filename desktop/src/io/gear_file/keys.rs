@@ -47,21 +47,21 @@ pub struct Key {
     pub optional: bool,
 }
 
-const fn key(path: &'static str, allowed: Allowed) -> Key {
+pub(crate) const fn key(path: &'static str, allowed: Allowed) -> Key {
     Key { path, allowed, optional: false }
 }
 
-const fn optional(path: &'static str, allowed: Allowed) -> Key {
+pub(crate) const fn optional(path: &'static str, allowed: Allowed) -> Key {
     Key { path, allowed, optional: true }
 }
 
 /// From `least` to `most`, both allowed.
-const fn within(least: f64, most: f64, unit: &'static str) -> Allowed {
+pub(crate) const fn within(least: f64, most: f64, unit: &'static str) -> Allowed {
     Allowed::Number(Bound::Included(least), Bound::Included(most), unit)
 }
 
 /// More than 0, up to `most`.
-const fn positive(most: f64, unit: &'static str) -> Allowed {
+pub(crate) const fn positive(most: f64, unit: &'static str) -> Allowed {
     Allowed::Number(Bound::Excluded(0.0), Bound::Included(most), unit)
 }
 

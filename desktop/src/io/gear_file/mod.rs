@@ -34,9 +34,10 @@ pub use drive::{Drive, Tolerances};
 pub use friction::{Backward, BothFrictions, Friction, StateRow};
 pub use gains::{BaselineGains, GAINS, Gain, Kind, StoredGains};
 pub use keys::{Allowed, KEYS, Key, RELATIONS, Relation};
+pub(crate) use keys::{key, optional, positive, within};
 pub use learnt::Learnt;
 pub use sensor_set::SensorSet;
-pub(crate) use text::line_of;
+pub(crate) use text::{LONGEST_FILE, checked_table, line_of};
 
 /// The default gear `hd25-100`, as a file.
 pub const DEFAULT: &str = include_str!("../../../../gears/hd25-100.toml");

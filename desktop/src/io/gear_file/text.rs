@@ -7,11 +7,11 @@ use toml::Table;
 use toml::de::DeTable;
 use toml_edit::{DocumentMut, TomlError};
 
-use super::{Baselines, DEFAULT, GearFile, Learnt, aliases, check, physics};
+use super::{Baselines, DEFAULT, GearFile, KEYS, Key, Learnt, aliases, check, physics};
 use crate::io::file::{self, BadInput};
 
-/// Longest gear file (bytes).
-const LONGEST_FILE: u64 = 1 << 20;
+/// Longest file of this kind (bytes).
+pub(crate) const LONGEST_FILE: u64 = 1 << 20;
 
 impl GearFile {
     /// Reads and checks `path`.
@@ -127,6 +127,13 @@ pub(super) fn edited(text: &str, put: impl FnOnce(&mut DocumentMut)) -> Result<S
     Ok(document.to_string())
 }
 
+/// The table in the `bytes` of a file of other `keys`, or everything that is wrong with them, a line each.
+pub(crate) fn checked_table(bytes: &[u8], keys: &'static [Key]) -> Result<Table, Vec<String>> {
+    let table = table(bytes)?;
+    let faults = check::of_keys(&table, keys);
+    if faults.is_empty() { Ok(table) } else { Err(faults.into_iter().map(|fault| fault.line).collect()) }
+}
+
 /// The gear file in `bytes`, or everything that is wrong with it, a line each.
 fn checked(bytes: &[u8]) -> Result<GearFile, Vec<String>> {
     let mut table = table(bytes)?;
@@ -160,7 +167,7 @@ fn mended(file: Table, damaged: &[&str]) -> Table {
         return file;
     }
     let mut whole: Table = DEFAULT.parse().expect("the default gear file is tested");
-    let sound = |section: &str| check::is_table(section) && !damaged.contains(&section);
+    let sound = |section: &str| check::is_table(section, KEYS) && !damaged.contains(&section);
     whole.extend(file.into_iter().filter(|(section, _)| sound(section)));
     whole
 }

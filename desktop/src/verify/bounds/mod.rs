@@ -14,6 +14,7 @@ mod healthy;
 mod hysteresis;
 mod identify;
 mod joint;
+mod robot;
 mod robustness;
 
 use crate::io::figure::Figure;
@@ -35,7 +36,7 @@ pub struct Bound {
 pub const LOOSE: f64 = 10.0;
 
 /// Every bound, by part.
-pub const BOUNDS: [&[Bound]; 12] = [
+pub const BOUNDS: [&[Bound]; 13] = [
     joint::ROWS,
     catalogue::ROWS,
     compensator::ROWS,
@@ -47,6 +48,7 @@ pub const BOUNDS: [&[Bound]; 12] = [
     healthy::ROWS,
     hysteresis::ROWS,
     identify::ROWS,
+    robot::ROWS,
     robustness::ROWS,
 ];
 

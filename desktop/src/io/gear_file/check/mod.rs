@@ -7,7 +7,7 @@ use strainwave::friction::ModelName;
 use strainwave::friction::data::MOST_STATES;
 use toml::{Table, Value};
 
-use super::keys::{KEYS, RELATIONS, Relation};
+use super::keys::{KEYS, Key, RELATIONS, Relation};
 pub(super) use unknown::is_table;
 
 /// One thing that is wrong with a gear file.
@@ -29,13 +29,19 @@ impl Fault {
 /// Unknown keys first, since a misspelt key is also a missing one; then every key in the table's order; then what the
 /// friction models need; then the relations between keys of which each is right by itself.
 pub(super) fn faults(file: &Table) -> Vec<Fault> {
-    let mut faults = unknown::faults(file);
-    values::faults(file, &mut faults);
+    let mut faults = of_keys(file, KEYS);
     faults.extend(["input", "output"].into_iter().filter_map(|side| missing_need(file, side)));
     let sound = |path: &str| !faults.iter().any(|fault| fault.path == path);
     let relations = RELATIONS.iter().filter(|relation| sound(relation.path) && sound(relation.than));
     let unrelated: Vec<_> = relations.filter_map(|relation| violated(file, relation)).collect();
     faults.extend(unrelated);
+    faults
+}
+
+/// Unknown keys, and then what is wrong with the value of every key.
+pub(super) fn of_keys(file: &Table, keys: &'static [Key]) -> Vec<Fault> {
+    let mut faults = unknown::faults(file, keys);
+    values::faults(file, keys, &mut faults);
     faults
 }
 

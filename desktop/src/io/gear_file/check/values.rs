@@ -3,12 +3,12 @@
 use strainwave::hysteresis::table::TABLE_LEVELS;
 use toml::{Table, Value};
 
-use super::super::keys::{Allowed, KEYS, Key, LONGEST_TEXT, MOST_ORDERS, in_single_precision};
+use super::super::keys::{Allowed, Key, LONGEST_TEXT, MOST_ORDERS, in_single_precision};
 use super::{Fault, join, number, shown_after};
 
 /// Adds what is wrong with the value of every key, in the order of the table of keys.
-pub(super) fn faults(file: &Table, faults: &mut Vec<Fault>) {
-    for key in KEYS {
+pub(super) fn faults(file: &Table, keys: &[Key], faults: &mut Vec<Fault>) {
+    for key in keys {
         let mut found = Vec::new();
         for (path, value) in find(file, key, &mut found) {
             if let Err(line) = check_value(&path, value, key.allowed) {
