@@ -215,12 +215,12 @@ mod tests {
             (
                 "mass_kg = 4.0",
                 "mass = 4.0",
-                "arm.toml: unknown key joint[0].mass = 4.0; the nearest known key is joint[].mass_kg (a number above 0 to 100000 kg); and missing key joint[0].mass_kg; allowed: a number above 0 to 100000 kg",
+                "arm.toml: unknown key joint[0].mass = 4.0; the nearest known key is joint[].mass_kg (a number above 0 to 1e5 kg); and missing key joint[0].mass_kg; allowed: a number above 0 to 1e5 kg",
             ),
             (
                 "mass_kg = 4.0",
                 "mass_kg = -4.0",
-                "arm.toml: joint[0].mass_kg = -4.0 is out of range; allowed: a number above 0 to 100000 kg",
+                "arm.toml: joint[0].mass_kg = -4.0 is out of range; allowed: a number above 0 to 1e5 kg",
             ),
             (
                 "length_m = 0.40",
