@@ -6,13 +6,15 @@ use clap::{Args, value_parser};
 use strainwave::flexspline::Flexspline;
 use strainwave_desktop::bench::Trajectory;
 use strainwave_desktop::bench::baseline::Kind;
+use strainwave_desktop::bench::controller::Controller;
 use strainwave_desktop::io::gear_file::SensorSet;
 use strainwave_desktop::io::log::{CommandedMotion, write_columns};
 use strainwave_desktop::plant::divergence::RunError;
 use strainwave_desktop::robot::bench::{RobotBench, baselines, compensators};
 use strainwave_desktop::robot::circle::CircleParams;
+use strainwave_desktop::robot::file::Joint;
 use strainwave_desktop::robot::motions::{RobotTask, RobotTrajectory, RobotWork};
-use strainwave_desktop::robot::run::RobotRow;
+use strainwave_desktop::robot::run::{JointRow, RobotRow};
 use strainwave_desktop::robot::{Circle, RobotFile, RobotPlant, RobotRun, RobotSample};
 use strainwave_desktop::{BadInput, Figure};
 
@@ -84,13 +86,10 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     files::require_distinct(&named)?;
     let mut robot = RobotFile::read(&arguments.robot)?;
     if arguments.trajectories.is_empty() {
-        let circle = circle(arguments, &robot)?;
-        let judged = circle.judged();
-        return follow(arguments, &robot, &circle, judged);
+        return follow(arguments, &robot, &circle(arguments, &robot)?);
     }
     let trajectory = trajectories(arguments, &mut robot)?;
-    let judged = [0.0, trajectory.duration()];
-    follow(arguments, &robot, &trajectory, judged)
+    follow(arguments, &robot, &trajectory)
 }
 
 fn circle(arguments: &Arguments, robot: &RobotFile) -> Result<Circle, BadInput> {
@@ -112,7 +111,7 @@ fn trajectories(arguments: &Arguments, robot: &mut RobotFile) -> Result<RobotTra
             format_args!("{joints} joints; --trajectory is given {given} times"),
         ));
     }
-    let read = |(path, joint): (&PathBuf, &mut strainwave_desktop::robot::file::Joint)| {
+    let read = |(path, joint): (&PathBuf, &mut Joint)| {
         let trajectory = Trajectory::of(&CommandedMotion::read(path)?);
         trajectory.require_within(&joint.gear).map_err(|why| BadInput::new(path, why))?;
         joint.start = trajectory.zero();
@@ -123,63 +122,75 @@ fn trajectories(arguments: &Arguments, robot: &mut RobotFile) -> Result<RobotTra
     ))
 }
 
-fn follow(
-    arguments: &Arguments,
-    robot: &RobotFile,
-    task: &impl RobotTask,
-    judged: [f64; 2],
-) -> Result<Figures, BadInput> {
+/// A robot and what it is asked for.
+struct Trial<'a, T> {
+    robot: &'a RobotFile,
+    sample: RobotSample,
+    work: Option<RobotWork>,
+    task: &'a T,
+}
+
+impl<T: RobotTask> Trial<'_, T> {
+    /// A run of each controller; `progress` is called with the fraction of all that is done.
+    fn runs<F: Flexspline<f64>>(
+        &self,
+        build: fn(&RobotSample) -> Result<RobotPlant<F>, strainwave::Error>,
+        mut progress: impl FnMut(f64),
+    ) -> Result<Vec<RobotRun>, RunError> {
+        let mut of = |done: usize| {
+            let progress = &mut progress;
+            move |fraction: f64| progress((done as f64 + fraction) / CONTROLLERS.len() as f64)
+        };
+        let bench = |sensors| {
+            Ok::<_, RunError>(RobotBench::new(build(&self.sample)?, self.robot, self.sample.seed, sensors))
+        };
+        let b1 = self.run(bench(SensorSet::Motor)?, baselines(self.robot, Kind::B1)?, of(0))?;
+        let motor = self.run(bench(SensorSet::Motor)?, compensators(self.robot)?, of(1))?;
+        let both = self.run(bench(SensorSet::Both)?, compensators(self.robot)?, of(2))?;
+        Ok(vec![b1, motor, both])
+    }
+
+    fn run<F: Flexspline<f64>, C: Controller<Error = RunError>>(
+        &self,
+        bench: RobotBench<F>,
+        controllers: Vec<C>,
+        progress: impl FnMut(f64),
+    ) -> Result<RobotRun, RunError> {
+        RobotRun::of(bench, controllers, self.work.as_ref(), self.task, progress)
+    }
+}
+
+fn follow(arguments: &Arguments, robot: &RobotFile, task: &impl RobotTask) -> Result<Figures, BadInput> {
     for path in [&arguments.series, &arguments.picture, &arguments.figures.json] {
         files::require_writable(path.as_deref())?;
     }
-    let sample =
-        RobotSample::boxed(robot, arguments.seed).map_err(|why| BadInput::new(&arguments.robot, why))?;
+    let refuse = |why: RunError| BadInput::new(&arguments.robot, why);
+    let sample = RobotSample::boxed(robot, arguments.seed).map_err(|why| refuse(why.into()))?;
+    let work = (!arguments.without_work).then(|| RobotWork::of(robot));
+    let trial = Trial { robot, sample, work, task };
+    let mut progress = Progress::new(1000, "robot");
+    let fraction = |fraction: f64| progress.set((fraction * 1e3) as u64);
     let runs = if arguments.reference {
-        runs(arguments, robot, &sample, task, judged, RobotPlant::reference)
+        trial.runs(RobotPlant::reference, fraction)
     } else {
-        runs(arguments, robot, &sample, task, judged, RobotPlant::condensed)
+        trial.runs(RobotPlant::condensed, fraction)
     };
-    let runs = runs.map_err(|why| BadInput::new(&arguments.robot, why))?;
+    drop(progress);
+    publish(arguments, &runs.map_err(refuse)?)
+}
+
+fn publish(arguments: &Arguments, runs: &[RobotRun]) -> Result<Figures, BadInput> {
     if let Some(path) = &arguments.series {
-        write_series(path, &runs)?;
+        write_series(path, runs)?;
     }
     if let Some(path) = &arguments.picture {
-        picture(&runs).write(path)?;
+        picture(runs).write(path)?;
     }
-    let figures = figures(&runs);
+    let figures = figures(runs);
     Ok(match &arguments.series {
         Some(path) => Figures::beside(path, figures, &arguments.figures),
         None => Figures::new(figures, &arguments.figures),
     })
-}
-
-fn runs<F: Flexspline<f64>>(
-    arguments: &Arguments,
-    robot: &RobotFile,
-    sample: &RobotSample,
-    task: &impl RobotTask,
-    judged: [f64; 2],
-    build: fn(&RobotSample) -> Result<RobotPlant<F>, strainwave::Error>,
-) -> Result<Vec<RobotRun>, RunError> {
-    let mut progress = Progress::new(1000, "robot");
-    let work = (!arguments.without_work).then(|| RobotWork::of(robot));
-    let bench = |sensors| Ok::<_, RunError>(RobotBench::new(build(sample)?, robot, arguments.seed, sensors));
-    let count = CONTROLLERS.len() as f64;
-    let mut done = |run: f64| move |fraction: f64| (1e3 * (run + fraction) / count) as u64;
-    let b1 = baselines(robot, Kind::B1)?;
-    let (bench_b1, of_b1) = (bench(SensorSet::Motor)?, done(0.0));
-    let mut runs = vec![RobotRun::of(bench_b1, b1, work.as_ref(), task, judged, |fraction| {
-        progress.set(of_b1(fraction))
-    })?];
-    for (index, sensors) in SensorSet::ALL.into_iter().enumerate() {
-        let of = done(1.0 + index as f64);
-        let controllers = compensators(robot)?;
-        let bench = bench(sensors)?;
-        runs.push(RobotRun::of(bench, controllers, work.as_ref(), task, judged, |fraction| {
-            progress.set(of(fraction));
-        })?);
-    }
-    Ok(runs)
 }
 
 /// Errors of the tip, of those compensated over that of B1 too.
@@ -195,35 +206,55 @@ fn figures(runs: &[RobotRun]) -> Vec<Figure> {
     figures
 }
 
+/// A column's name and values.
+type Column = (String, Vec<f64>);
+
 fn write_series(path: &Path, runs: &[RobotRun]) -> Result<(), BadInput> {
-    let shared = &runs[0].rows;
-    // Stamps on the grid, not with the last digits of their rounding.
-    let mut columns = vec![column("t_s".into(), shared, |row| (row.time * 1e9).round() / 1e9)];
-    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-        columns.push(column(format!("tip_{name}_set_m"), shared, |row| row.demanded_tip[axis]));
-    }
-    for (controller, run) in CONTROLLERS.into_iter().zip(runs) {
-        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-            columns.push(column(format!("tip_{name}_{controller}_m"), &run.rows, |row| row.tip[axis]));
-        }
-    }
-    for joint in 0..shared.first().map_or(0, |row| row.joints.len()) {
-        let number = joint + 1;
-        columns.push(column(format!("theta_{number}_set_rad"), shared, |row| row.joints[joint].demanded));
-        for (name, run) in CONTROLLERS.into_iter().zip(runs) {
-            let rows = &run.rows;
-            columns.extend([
-                column(format!("theta_{number}_{name}_rad"), rows, |row| row.joints[joint].output),
-                column(format!("torsion_{number}_{name}_rad"), rows, |row| row.joints[joint].torsion),
-                column(format!("tau_load_{number}_{name}_nm"), rows, |row| row.joints[joint].load),
-                column(format!("tau_motor_{number}_{name}_nm"), rows, |row| row.joints[joint].motor_torque),
-            ]);
-        }
-    }
+    let joints = runs[0].rows.first().map_or(0, |row| row.joints.len());
+    let columns: Vec<_> = tip_columns(runs)
+        .into_iter()
+        .chain((0..joints).flat_map(|joint| joint_columns(runs, joint)))
+        .collect();
     let columns: Vec<_> = columns.iter().map(|(name, values)| (name.clone(), values.as_slice())).collect();
     write_columns(path, &columns)
 }
 
-fn column(name: String, rows: &[RobotRow], of: impl Fn(&RobotRow) -> f64) -> (String, Vec<f64>) {
+/// Time, and place of the tip (m).
+fn tip_columns(runs: &[RobotRun]) -> Vec<Column> {
+    let shared = &runs[0].rows;
+    let axes = || ["x", "y", "z"].into_iter().enumerate();
+    // Stamps on the grid, not with the last digits of their rounding.
+    let mut columns = vec![column("t_s".into(), shared, |row| (row.time * 1e9).round() / 1e9)];
+    columns.extend(
+        axes().map(|(axis, name)| column(format!("tip_{name}_set_m"), shared, |row| row.demanded_tip[axis])),
+    );
+    for (controller, run) in CONTROLLERS.into_iter().zip(runs) {
+        columns.extend(axes().map(|(axis, name)| {
+            column(format!("tip_{name}_{controller}_m"), &run.rows, |row| row.tip[axis])
+        }));
+    }
+    columns
+}
+
+/// What a joint was asked and did; joints count from 1.
+fn joint_columns(runs: &[RobotRun], joint: usize) -> Vec<Column> {
+    type Of = fn(&JointRow) -> f64;
+    const COLUMNS: [(&str, &str, Of); 4] = [
+        ("theta", "rad", |joint| joint.output),
+        ("torsion", "rad", |joint| joint.torsion),
+        ("tau_load", "nm", |joint| joint.load),
+        ("tau_motor", "nm", |joint| joint.motor_torque),
+    ];
+    let number = joint + 1;
+    let asked = column(format!("theta_{number}_set_rad"), &runs[0].rows, |row| row.joints[joint].demanded);
+    let of_runs = CONTROLLERS.into_iter().zip(runs).flat_map(|(controller, run)| {
+        COLUMNS.map(|(name, unit, of)| {
+            column(format!("{name}_{number}_{controller}_{unit}"), &run.rows, |row| of(&row.joints[joint]))
+        })
+    });
+    std::iter::once(asked).chain(of_runs).collect()
+}
+
+fn column(name: String, rows: &[RobotRow], of: impl Fn(&RobotRow) -> f64) -> Column {
     (name, rows.iter().map(of).collect())
 }

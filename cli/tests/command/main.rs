@@ -14,5 +14,6 @@ mod keep;
 mod missed;
 mod operator;
 mod own_joint;
+mod robot;
 mod set_up;
 mod trajectory;

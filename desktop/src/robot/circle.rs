@@ -120,11 +120,6 @@ impl Circle {
         Ok(())
     }
 
-    /// From here on the tip has its speed, and until then (s).
-    pub fn judged(&self) -> [f64; 2] {
-        [RAMP, self.duration() - RAMP]
-    }
-
     /// Demanded place of the tip (m).
     pub fn tip(&self, time: f64) -> [f64; 2] {
         let (sine, cosine) = (self.first + derivatives(&self.phase(time))[0]).sin_cos();
@@ -196,6 +191,11 @@ fn place([l1, l2]: [f64; 2], [q1, q2]: [f64; 2]) -> [f64; 2] {
 }
 
 impl RobotTask for Circle {
+    /// The laps at full speed.
+    fn judged(&self) -> [f64; 2] {
+        [RAMP, self.duration() - RAMP]
+    }
+
     fn duration(&self) -> f64 {
         f64::from(self.params.laps) * self.params.period + 2.0 * RAMP
     }

@@ -16,6 +16,11 @@ pub trait RobotTask {
 
     /// Demand of each joint at `time` (s), from its angle at the start on.
     fn at(&self, time: f64) -> Vec<Demand>;
+
+    /// From here on the error counts, and until then (s): all of it.
+    fn judged(&self) -> [f64; 2] {
+        [0.0, self.duration()]
+    }
 }
 
 /// Work of 10 s before a robot is judged, from which its controllers may learn: every joint makes the moves of

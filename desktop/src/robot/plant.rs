@@ -179,7 +179,10 @@ impl<F: Flexspline<f64>> RobotPlant<F> {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
     use super::*;
+    use crate::plant::load_side::LoadParams;
     use crate::robot::RobotFile;
 
     fn sample() -> RobotSample {
@@ -233,6 +236,33 @@ mod tests {
         let [shoulder, elbow] = [0, 1].map(|joint| plant.joints()[joint].output().angle.to_radians());
         assert!(shoulder < -1e-5 && elbow > 1e-6, "{shoulder} {elbow}");
         assert!(plant.loads()[1].abs() > 0.1, "{:?}", plant.loads());
+    }
+
+    /// A robot of one joint is a joint with a payload.
+    #[test]
+    fn one_joint_moves_as_a_joint_with_a_payload() {
+        let mut file = RobotFile::example();
+        file.joints.truncate(1);
+        let sample = RobotSample::boxed(&file, 5).unwrap();
+        let mut robot = RobotPlant::condensed(&sample).unwrap();
+        let link = &sample.links[0];
+        let mut params = sample.gears[0];
+        params.flexspline_inertia = link.inertia[2] + link.mass * link.centre[0].powi(2) + link.flange;
+        let load = LoadParams {
+            link: None,
+            gravity: -link.mass * link.centre[0] * sample.gravity[1],
+            hanging: -FRAC_PI_2 - sample.starts[0],
+        };
+        let mut single =
+            Plant::condensed_between(&plant_params(&params), &Sides { load, ..Sides::IDEAL }).unwrap();
+        for k in 0..5000 {
+            let torque = 0.3 * (2e-3 * f64::from(k)).sin();
+            robot.command([torque]);
+            robot.go_on(&[3.0]).unwrap();
+            single.step(torque, 3.0).unwrap();
+        }
+        let [alone, as_robot] = [&single, &robot.joints()[0]].map(|plant| plant.output().angle.to_radians());
+        assert!(alone.abs() > 0.1 && (alone - as_robot).abs() < 1e-9, "{alone} {as_robot}");
     }
 
     /// The condensed gears move the arm as the reference mesh does.

@@ -74,8 +74,7 @@ impl RobotRow {
 }
 
 impl RobotRun {
-    /// Goes through `work`, where there is some, and then through a task that counts between two times (s); `progress` is called with the
-    /// fraction done.
+    /// Goes through `work`, where there is some, and then through a task; `progress` is called with the fraction done.
     ///
     /// # Errors
     /// As [`RobotBench::go`].
@@ -84,7 +83,6 @@ impl RobotRun {
         mut controllers: Vec<C>,
         work: Option<&impl RobotTask>,
         task: &impl RobotTask,
-        judged: [f64; 2],
         mut progress: impl FnMut(f64),
     ) -> Result<Self, RunError> {
         let before = work.map_or(0.0, RobotTask::duration);
@@ -97,7 +95,7 @@ impl RobotRun {
             progress((before + moment.time) / whole);
             rows.push(RobotRow::of(moment));
         })?;
-        Ok(Self { rows, judged })
+        Ok(Self { rows, judged: task.judged() })
     }
 
     fn errors(&self) -> impl Iterator<Item = f64> {
@@ -141,11 +139,10 @@ mod tests {
             Circle::of(&file, CircleParams { period: 2.0, laps: 1, ..CircleParams::default() }).unwrap();
         let none = None::<&RobotWork>;
         let b1 = baselines(&file, Kind::B1).unwrap();
-        let b1 =
-            RobotRun::of(bench(&file, SensorSet::Motor), b1, none, &circle, circle.judged(), |_| ()).unwrap();
+        let b1 = RobotRun::of(bench(&file, SensorSet::Motor), b1, none, &circle, |_| ()).unwrap();
         let ours = |sensors| {
             let controllers = compensators(&file).unwrap();
-            RobotRun::of(bench(&file, sensors), controllers, none, &circle, circle.judged(), |_| ()).unwrap()
+            RobotRun::of(bench(&file, sensors), controllers, none, &circle, |_| ()).unwrap()
         };
         let [motor, both] = SensorSet::ALL.map(ours);
         assert!(

@@ -31,7 +31,8 @@ impl RobotTask for Beginning {
 
 pub(super) fn kernel() -> Result<Kernel, Error> {
     let robot = RobotFile::example();
-    let circle = Circle::of(&robot, CircleParams::default()).expect("the example draws its circle, which is tested");
+    let circle =
+        Circle::of(&robot, CircleParams::default()).expect("the example draws its circle, which is tested");
     let sample = RobotSample::boxed(&robot, 0).map_err(RunError::from)?;
     let plant = RobotPlant::condensed(&sample).map_err(RunError::from)?;
     let bench = RobotBench::new(plant, &robot, 0, SensorSet::Both);

@@ -6,7 +6,7 @@
 //! | `robot.rigid.swing` | largest difference of its angles from MuJoCo's over the first 2 s (rad) |
 //! | `robot.rigid.torques` | largest difference of the torques of a spatial arm's inverse dynamics from MuJoCo's, over the largest torque |
 //! | `robot.s7.motor.to_b1`, `robot.s7.both.to_b1` | tip error of S7, rms, over that of B1 at both joints on the same robot, the worst of the robots |
-//! | `robot.s7.b1`, ... | median of the tip error itself (m); only reported |
+//! | `robot.s7.b1`, `.motor`, `.both`, `.b3` | median of the tip error itself (m), of the baseline B3 with both encoders too; only reported |
 //!
 //! S7: the arm of `examples/arm/arm.toml` works 10 s under gravity ([`crate::robot::motions`]) and then draws two laps of a circle
 //! ([`crate::robot::circle`]), every controller on its own. Robots are drawn as [`crate::robot::sample`] says, their meshes condensed.

@@ -13,28 +13,38 @@ use crate::verify::Measured;
 use crate::verify::bounds;
 use crate::verify::compensator::each;
 
+/// A controller of S7.
+#[derive(Clone, Copy)]
+enum Rival {
+    Baseline(Kind),
+    Compensated(SensorSet),
+}
+
 /// Controllers by name, and the row of those whose ratio to the first is a claim.
-const CONTROLLERS: [(&str, Option<&str>); 3] =
-    [("b1", None), ("motor", Some("robot.s7.motor.to_b1")), ("both", Some("robot.s7.both.to_b1"))];
+const CONTROLLERS: [(&str, Rival, Option<&str>); 4] = [
+    ("b1", Rival::Baseline(Kind::B1), None),
+    ("motor", Rival::Compensated(SensorSet::Motor), Some("robot.s7.motor.to_b1")),
+    ("both", Rival::Compensated(SensorSet::Both), Some("robot.s7.both.to_b1")),
+    ("b3", Rival::Baseline(Kind::B3), None),
+];
 
 /// One run of S7.
 #[derive(Clone, Copy)]
 struct Job {
     seed: u64,
-    /// Place in [`CONTROLLERS`].
-    controller: usize,
+    controller: Rival,
 }
 
 impl Job {
     fn of_seed(seed: u64) -> impl Iterator<Item = Self> {
-        (0..CONTROLLERS.len()).map(move |controller| Self { seed, controller })
+        CONTROLLERS.into_iter().map(move |(_, controller, _)| Self { seed, controller })
     }
 
     /// Error of the tip, rms (m).
     fn run(&self, robot: &RobotFile, circle: &Circle) -> Result<f64, RunError> {
         match self.controller {
-            0 => self.tip_error(robot, circle, SensorSet::Motor, baselines(robot, Kind::B1)?),
-            other => self.tip_error(robot, circle, SensorSet::ALL[other - 1], compensators(robot)?),
+            Rival::Baseline(kind) => self.tip_error(robot, circle, kind.sensors(), baselines(robot, kind)?),
+            Rival::Compensated(sensors) => self.tip_error(robot, circle, sensors, compensators(robot)?),
         }
     }
 
@@ -48,7 +58,7 @@ impl Job {
         let plant = RobotPlant::condensed(&RobotSample::boxed(robot, self.seed)?)?;
         let bench = RobotBench::new(plant, robot, self.seed, sensors);
         let work = RobotWork::of(robot);
-        Ok(RobotRun::of(bench, controllers, Some(&work), circle, circle.judged(), |_| ())?.rms())
+        Ok(RobotRun::of(bench, controllers, Some(&work), circle, |_| ())?.rms())
     }
 }
 
@@ -62,8 +72,9 @@ fn scenario() -> (RobotFile, Circle) {
 
 pub(super) fn errors(seed: u64) -> Result<[f64; 3], RunError> {
     let (robot, circle) = scenario();
-    let [b1, motor, both] = [0, 1, 2].map(|controller| Job { seed, controller }.run(&robot, &circle));
-    Ok([b1?, motor?, both?])
+    let mut found = Job::of_seed(seed).take(3).map(|job| job.run(&robot, &circle));
+    let mut next = || found.next().expect("there are as many controllers");
+    Ok([next()?, next()?, next()?])
 }
 
 pub(super) fn measure(first: u64, robots: u64, mut progress: impl FnMut(f64)) -> Result<Measured, RunError> {
@@ -74,7 +85,7 @@ pub(super) fn measure(first: u64, robots: u64, mut progress: impl FnMut(f64)) ->
     let found = found.into_iter().collect::<Result<Vec<_>, _>>()?;
     let of = |controller: usize| found.iter().skip(controller).step_by(CONTROLLERS.len()).copied();
     let mut figures = Vec::new();
-    for (controller, (name, row)) in CONTROLLERS.into_iter().enumerate() {
+    for (controller, (name, _, row)) in CONTROLLERS.into_iter().enumerate() {
         let ratios = of(controller).zip(of(0)).map(|(ours, b1)| ours / b1);
         let worst = seeds.iter().zip(ratios).max_by(|a, b| a.1.total_cmp(&b.1));
         figures.extend(row.zip(worst).map(|(row, (seed, ratio))| bounds::figure(row, ratio).of_seed(*seed)));
