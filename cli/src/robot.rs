@@ -137,16 +137,16 @@ impl<T: RobotTask> Trial<'_, T> {
         build: fn(&RobotSample) -> Result<RobotPlant<F>, strainwave::Error>,
         mut progress: impl FnMut(f64),
     ) -> Result<Vec<RobotRun>, RunError> {
-        let mut of = |done: usize| {
-            let progress = &mut progress;
-            move |fraction: f64| progress((done as f64 + fraction) / CONTROLLERS.len() as f64)
-        };
+        let share = |done: f64, fraction: f64| (done + fraction) / CONTROLLERS.len() as f64;
         let bench = |sensors| {
             Ok::<_, RunError>(RobotBench::new(build(&self.sample)?, self.robot, self.sample.seed, sensors))
         };
-        let b1 = self.run(bench(SensorSet::Motor)?, baselines(self.robot, Kind::B1)?, of(0))?;
-        let motor = self.run(bench(SensorSet::Motor)?, compensators(self.robot)?, of(1))?;
-        let both = self.run(bench(SensorSet::Both)?, compensators(self.robot)?, of(2))?;
+        let b1 = self
+            .run(bench(SensorSet::Motor)?, baselines(self.robot, Kind::B1)?, |f| progress(share(0.0, f)))?;
+        let motor =
+            self.run(bench(SensorSet::Motor)?, compensators(self.robot)?, |f| progress(share(1.0, f)))?;
+        let both =
+            self.run(bench(SensorSet::Both)?, compensators(self.robot)?, |f| progress(share(2.0, f)))?;
         Ok(vec![b1, motor, both])
     }
 
