@@ -13,7 +13,7 @@ use strainwave_desktop::plant::divergence::RunError;
 use strainwave_desktop::robot::bench::{RobotBench, baselines, compensators};
 use strainwave_desktop::robot::circle::CircleParams;
 use strainwave_desktop::robot::file::Joint;
-use strainwave_desktop::robot::motions::{RobotTask, RobotTrajectory, RobotWork};
+use strainwave_desktop::robot::motions::{RobotTask, RobotTrajectory, RobotWork, require_within};
 use strainwave_desktop::robot::run::{JointRow, RobotRow};
 use strainwave_desktop::robot::{Circle, RobotFile, RobotPlant, RobotRun, RobotSample};
 use strainwave_desktop::{BadInput, Figure};
@@ -164,6 +164,7 @@ fn follow(arguments: &Arguments, robot: &RobotFile, task: &impl RobotTask) -> Re
     for path in [&arguments.series, &arguments.picture, &arguments.figures.json] {
         files::require_writable(path.as_deref())?;
     }
+    require_within(task, robot).map_err(|why| BadInput::new(&arguments.robot, why))?;
     let refuse = |why: RunError| BadInput::new(&arguments.robot, why);
     let sample = RobotSample::boxed(robot, arguments.seed).map_err(|why| refuse(why.into()))?;
     let work = (!arguments.without_work).then(|| RobotWork::of(robot));

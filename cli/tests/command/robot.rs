@@ -68,7 +68,7 @@ fn what_the_arm_cannot_do_is_refused() {
         ("--circle 0.5", "arm.toml: a circle of radius 0.5 m from the start is "),
         ("--circle nan", "arm.toml: a circle of radius NaN m from the start is "),
         ("--period 0.05", "--period 0.05 is out of range; allowed: a number from 0.1 to 60 s"),
-        ("--period 0.15", "arm.toml: a circle in 0.15 s turns joint "),
+        ("--period 0.15", "arm.toml: at "),
         ("--trajectory move.csv", "arm.toml: 2 joints; --trajectory is given 1 times"),
         ("--trajectory move.csv --trajectory leap.csv", "leap.csv: row "),
         ("--series arm.toml", "arm.toml: --series and ROBOT.toml are the same file"),

@@ -21,8 +21,6 @@ use crate::bench::task::{Demand, integral_of_smooth, smooth};
 pub const RAMP: f64 = 0.5;
 /// Closest that the circle may come to where the arm is stretched or folded, in parts of its longest reach.
 const CLEARANCE: f64 = 0.02;
-/// Fraction of a joint's fastest speed that the circle may ask.
-const SPEED: f64 = 0.95;
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,7 +81,6 @@ impl Circle {
             start,
         };
         circle.require_reach(distance)?;
-        circle.require_speed(robot)?;
         Ok(circle)
     }
 
@@ -99,31 +96,6 @@ impl Circle {
             "a circle of radius {} m from the start is {nearest:.4} to {farthest:.4} m from the base; allowed: {least:.4} to {most:.4} m",
             self.params.radius
         ))
-    }
-
-    fn require_speed(&self, robot: &RobotFile) -> Result<(), String> {
-        for k in 0..=1000 {
-            let demands = self.at(self.duration() * f64::from(k) / 1000.0);
-            for (index, (joint, demand)) in robot.joints.iter().zip(&demands).enumerate() {
-                let n = f64::from(joint.gear.gear.signed_ratio().n().unsigned_abs());
-                let most = SPEED * joint.gear.motor.rotor_speed_limit / n;
-                if demand.velocity.abs() > most {
-                    return Err(format!(
-                        "a circle in {} s turns joint {} at {:.4} rad/s; allowed: at most {most:.4} rad/s",
-                        self.params.period,
-                        index + 1,
-                        demand.velocity.abs()
-                    ));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Demanded place of the tip (m).
-    pub fn tip(&self, time: f64) -> [f64; 2] {
-        let (sine, cosine) = (self.first + derivatives(&self.phase(time))[0]).sin_cos();
-        [self.centre[0] + self.params.radius * cosine, self.centre[1] + self.params.radius * sine]
     }
 
     /// phi.
@@ -221,6 +193,12 @@ mod tests {
         Circle::of(&RobotFile::example(), CircleParams::default()).unwrap()
     }
 
+    /// Demanded place of the tip (m).
+    fn tip(circle: &Circle, time: f64) -> [f64; 2] {
+        let (sine, cosine) = (circle.first + derivatives(&circle.phase(time))[0]).sin_cos();
+        [circle.centre[0] + circle.params.radius * cosine, circle.centre[1] + circle.params.radius * sine]
+    }
+
     fn angles(circle: &Circle, time: f64) -> [f64; 2] {
         let demands = circle.at(time);
         [0, 1].map(|joint: usize| circle.start[joint] + demands[joint].position)
@@ -232,7 +210,7 @@ mod tests {
         assert_eq!(circle.duration(), 9.0);
         for k in 0..=900 {
             let time = f64::from(k) * 0.01;
-            let (found, asked) = (place(circle.lengths, angles(&circle, time)), circle.tip(time));
+            let (found, asked) = (place(circle.lengths, angles(&circle, time)), tip(&circle, time));
             assert!((found[0] - asked[0]).hypot(found[1] - asked[1]) < 1e-12, "{time}");
             assert!(((asked[0] - circle.centre[0]).hypot(asked[1] - circle.centre[1]) - 0.1).abs() < 1e-12);
         }
@@ -280,7 +258,6 @@ mod tests {
         let default = CircleParams::default();
         let line = refused(|_| (), CircleParams { radius: 0.4, ..default });
         assert!(line.starts_with("a circle of radius 0.4 m from the start is -0.1"), "{line}");
-        assert!(refused(|_| (), CircleParams { period: 0.1, ..default }).contains("turns joint"));
         let three = |robot: &mut RobotFile| robot.joints.push(robot.joints[0].clone());
         assert_eq!(refused(three, default), "3 joints; a circle is for a robot of 2");
         let twisted = refused(|robot| robot.joints[0].link.twist = 0.5, default);

@@ -2,12 +2,17 @@
 
 use crate::bench::Trajectory;
 use crate::bench::task::{Demand, Task};
+use crate::bench::trajectory::SETPOINT_SPEED;
 use crate::bench::working_motion::WorkingMotion;
 use crate::design::capability::Capability;
+use crate::robot::chain::Chain;
 use crate::robot::file::{Joint, RobotFile};
 
 /// Size of a joint's working motion, in that of the joint by itself: the others' motion loads it too.
 const SIZE: f64 = 0.5;
+
+/// Instants at which a task is checked before it is run.
+const INSTANTS: u32 = 2000;
 
 /// Task of a robot.
 pub trait RobotTask {
@@ -23,23 +28,64 @@ pub trait RobotTask {
     }
 }
 
+/// Refuses a task that asks more of a robot than its joints can do: speed of a motor, or torque through a gear by the links' inertia, motion
+/// and weight.
+///
+/// # Errors
+/// One line that names when, which joint, and what is allowed.
+pub fn require_within(task: &impl RobotTask, robot: &RobotFile) -> Result<(), String> {
+    let links: Vec<_> = robot.joints.iter().map(|joint| joint.link).collect();
+    let chain = Chain::build(&links, robot.gravity).map_err(|why| why.to_string())?;
+    let mut state = chain.rest();
+    for k in 0..=INSTANTS {
+        let time = task.duration() * f64::from(k) / f64::from(INSTANTS);
+        let demands = task.at(time);
+        for (index, (joint, demand)) in robot.joints.iter().zip(&demands).enumerate() {
+            state.set(index, [joint.start + demand.position, demand.velocity]);
+        }
+        let accelerations: Vec<_> = demands.iter().map(|demand| demand.acceleration).collect();
+        let torques = chain.torques(&state, &accelerations);
+        for (index, joint) in robot.joints.iter().enumerate() {
+            joint
+                .require(&demands[index], torques[index] - demands[index].load)
+                .map_err(|why| format!("at {time:.3} s joint {} {why}", index + 1))?;
+        }
+    }
+    Ok(())
+}
+
+impl Joint {
+    fn require(&self, demand: &Demand, torque: f64) -> Result<(), String> {
+        let gear = &self.gear.gear;
+        let n = f64::from(gear.signed_ratio().n().unsigned_abs());
+        let fastest = SETPOINT_SPEED * self.gear.motor.rotor_speed_limit / n;
+        if demand.velocity.abs() > fastest {
+            let needed = demand.velocity.abs();
+            return Err(format!("needs {needed:.4} rad/s; allowed: at most {fastest:.4} rad/s"));
+        }
+        if torque.abs() > gear.peak_torque {
+            let (needed, most) = (torque.abs(), gear.peak_torque);
+            return Err(format!("needs {needed:.4} N m; allowed: at most gear.peak_torque_nm = {most}"));
+        }
+        Ok(())
+    }
+}
+
 /// Work of 10 s before a robot is judged, from which its controllers may learn: every joint makes the moves of
 /// [`WorkingMotion`] at half their size about its start, all at once, each the other way than the one before.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotWork {
-    /// What each joint can do, and the sign of its moves.
-    joints: Vec<(Capability, f64)>,
+    /// What each joint can do; moves that go the other way are negative.
+    joints: Vec<Capability>,
 }
 
 impl RobotWork {
     /// The work of a robot.
     pub fn of(robot: &RobotFile) -> Self {
-        let joint = |(index, gear): (usize, &Joint)| {
-            let capability = Capability::of(&gear.gear);
-            (
-                Capability { moves: SIZE * capability.moves, ..capability },
-                if index % 2 == 0 { 1.0 } else { -1.0 },
-            )
+        let joint = |(index, joint): (usize, &Joint)| {
+            let capability = Capability::of(&joint.gear);
+            let size = if index % 2 == 0 { SIZE } else { -SIZE };
+            Capability { moves: size * capability.moves, ..capability }
         };
         Self { joints: robot.joints.iter().enumerate().map(joint).collect() }
     }
@@ -51,21 +97,7 @@ impl RobotTask for RobotWork {
     }
 
     fn at(&self, time: f64) -> Vec<Demand> {
-        self.joints
-            .iter()
-            .map(|(capability, sign)| turned(WorkingMotion.at(time, capability), *sign))
-            .collect()
-    }
-}
-
-fn turned(demand: Demand, sign: f64) -> Demand {
-    Demand {
-        position: sign * demand.position,
-        velocity: sign * demand.velocity,
-        acceleration: sign * demand.acceleration,
-        jerk: sign * demand.jerk,
-        snap: sign * demand.snap,
-        load: sign * demand.load,
+        self.joints.iter().map(|capability| WorkingMotion.at(time, capability)).collect()
     }
 }
 
@@ -87,6 +119,29 @@ impl RobotTask for RobotTrajectory {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The work is within the example; as heavy or as fast as this nothing is.
+    #[test]
+    fn what_the_joints_cannot_do_is_refused() {
+        let robot = RobotFile::example();
+        let work = RobotWork::of(&robot);
+        assert_eq!(require_within(&work, &robot), Ok(()));
+        let refused = |change: fn(&mut Joint)| {
+            let mut robot = robot.clone();
+            change(&mut robot.joints[1]);
+            require_within(&work, &robot).unwrap_err()
+        };
+        let line = refused(|joint| joint.link.mass *= 12.0);
+        assert!(
+            line.starts_with("at 0.000 s joint 1 needs ") && line.ends_with("gear.peak_torque_nm = 157"),
+            "{line}"
+        );
+        let line = refused(|joint| joint.gear.motor.rotor_speed_limit = 10.0);
+        assert!(
+            line.contains(" joint 2 needs ") && line.ends_with("allowed: at most 0.0950 rad/s"),
+            "{line}"
+        );
+    }
 
     #[test]
     fn all_joints_work_at_once_and_come_back() {
