@@ -188,6 +188,11 @@ impl MicroStep {
     pub(crate) fn on_flange(&self) -> f64 {
         self.torques.transmitted - self.torques.output_friction
     }
+
+    /// The micro-steps of the period may go on.
+    pub(crate) fn may_go_on(&self) -> bool {
+        may_go_on(&self.torques)
+    }
 }
 
 /// Motor, gear and load around a flexspline.
@@ -309,7 +314,7 @@ impl<F: Flexspline<f64>> Plant<F> {
         for _ in 0..steps {
             let step = self.begin(load);
             self.end(&step, step.load, self.gear.flange_acceleration(&step.torques, step.load));
-            if !may_go_on(&step.torques) {
+            if !step.may_go_on() {
                 break;
             }
         }

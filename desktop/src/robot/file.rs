@@ -237,10 +237,11 @@ mod tests {
                 "inertia_x_kg_m2 = 0.6",
                 "arm.toml: joint[0].inertia_kg_m2 = 0.06 with inertia_x_kg_m2 = 0.6 and inertia_y_kg_m2 = 0.06 is out of range; allowed: none larger than the sum of the others",
             ),
-            ("[robot]", "[robot", "arm.toml: line 4: not TOML: unclosed table, expected `]`"),
+            ("[robot]", "[robot", "arm.toml: line 4: not TOML: unclosed table, expected `]`; and line "),
         ] {
             assert!(EXAMPLE.contains(from));
-            assert_eq!(parsed(&EXAMPLE.replacen(from, to, 1)).unwrap_err(), line);
+            let found = parsed(&EXAMPLE.replacen(from, to, 1)).unwrap_err();
+            assert!(found.starts_with(line), "{found}");
         }
         let bare = parsed("[robot]\nname = \"a\"\n").unwrap_err();
         assert_eq!(bare, "arm.toml: missing key joint; allowed: a list of 1 to 8 tables");

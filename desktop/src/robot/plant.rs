@@ -110,12 +110,15 @@ impl<F: Flexspline<f64>> RobotPlant<F> {
     /// When a mesh has diverged.
     pub fn go_on(&mut self, loads: &[f64]) -> Result<(), Diverged> {
         for _ in 0..self.joints[0].micro_steps() {
-            self.micro_step(loads);
+            if !self.micro_step(loads) {
+                break;
+            }
         }
         self.joints.iter().try_for_each(Plant::check)
     }
 
-    fn micro_step(&mut self, external: &[f64]) {
+    /// Whether the micro-steps of the period may go on.
+    fn micro_step(&mut self, external: &[f64]) -> bool {
         let steps: Vec<_> =
             self.joints.iter_mut().zip(&self.loads).map(|(joint, load)| joint.begin(*load)).collect();
         let torques = self.on_links(&steps, external);
@@ -132,6 +135,7 @@ impl<F: Flexspline<f64>> RobotPlant<F> {
             self.moved += work.abs();
         }
         self.taken += 1;
+        steps.iter().all(MicroStep::may_go_on)
     }
 
     /// Torques on the links (N m): of the gears, from outside, and of the brake while it lets go.
