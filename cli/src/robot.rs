@@ -24,7 +24,7 @@ use crate::progress::Progress;
 use crate::robot_picture::picture;
 
 /// Controllers, in the order of the runs.
-pub const CONTROLLERS: [&str; 3] = ["b1", "motor", "both"];
+const CONTROLLERS: [&str; 3] = ["b1", "motor", "both"];
 
 /// Run an arm of several joints, each with its gear and a controller of its own: scenario S7, or trajectories of the user
 ///

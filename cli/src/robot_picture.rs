@@ -4,8 +4,8 @@ use strainwave_desktop::report::plot::{Colour, Page, Panel, Series};
 use strainwave_desktop::robot::RobotRun;
 use strainwave_desktop::robot::run::RobotRow;
 
-use crate::robot::CONTROLLERS;
-
+/// Titles of the runs: B1, and the compensator with either set of sensors.
+const TITLES: [&str; 3] = ["B1", "compensated, motor encoders", "compensated, both encoders"];
 /// Points of a curve.
 const POINTS: usize = 600;
 /// The largest error in the picture, in parts of the motion's size.
@@ -16,18 +16,7 @@ pub fn picture(runs: &[RobotRun]) -> Page {
     let factor = magnification(runs);
     let heading = format!("way of the tip (demanded: dashed), its error {factor} times as large");
     let page = Page::small_multiples(heading, runs.len());
-    CONTROLLERS
-        .into_iter()
-        .zip(runs)
-        .fold(page, |page, (name, run)| page.with(panel(title(name), run, factor)))
-}
-
-fn title(controller: &str) -> &'static str {
-    match controller {
-        "b1" => "B1",
-        "motor" => "compensated, motor encoders",
-        _ => "compensated, both encoders",
-    }
+    TITLES.into_iter().zip(runs).fold(page, |page, (title, run)| page.with(panel(title, run, factor)))
 }
 
 /// A power of ten, or two or five of them.
