@@ -1,6 +1,6 @@
 //! Robots of several joints: gears between motors and the links of an arm, each joint with a controller of its own.
 //!
-//! [`file`] reads a robot, [`chain`] moves its rigid links, [`plant`] couples them with the gears, [`mod@bench`] closes the loop of
+//! [`mod@file`] reads a robot, [`chain`] moves its rigid links, [`plant`] couples them with the gears, [`mod@bench`] closes the loop of
 //! every joint, [`circle`] and [`motions`] are what the arm is asked for, [`run`] is what came of it.
 
 pub mod bench;
