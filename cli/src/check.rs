@@ -1,4 +1,4 @@
-//! `check`: everything that is wrong with a gear, belt or link file.
+//! `check`: everything that is wrong with a gear, belt, link or robot file.
 
 use std::path::{Path, PathBuf};
 
@@ -6,20 +6,21 @@ use clap::Args;
 use strainwave_desktop::design::buildable::use_of;
 use strainwave_desktop::io::keyed_file::FileKind;
 use strainwave_desktop::plant::belt::require_real_time;
+use strainwave_desktop::robot::RobotFile;
 use strainwave_desktop::{BadInput, BeltFile, GearFile, LinkFile};
 
 use crate::figures::{Figures, FiguresArguments, complain, say};
 use crate::files;
 
-/// Tell everything that is wrong with a gear, belt or link file, a line each with key, value and range
+/// Tell everything that is wrong with a gear, belt, link or robot file, a line each with key, value and range
 ///
 /// Unknown keys with the nearest known one, missing keys, types, ranges, conditions between keys, and whether the firmware's
 /// compensator can be built. Conditions between keys are checked where those keys are right by themselves. Exit code 0
 /// and one line when nothing is wrong, else 2. A file with a table [belt] is a belt file; of it the geometry is told. A file with a
-/// table [link] is a link file.
+/// table [link] is a link file, one with a table [robot] a robot file, whose gear files are read too.
 #[derive(Args)]
 pub struct Arguments {
-    /// Gear, belt or link file
+    /// Gear, belt, link or robot file
     #[arg(value_name = "GEAR.toml")]
     gear: PathBuf,
     #[command(flatten)]
@@ -36,6 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         FileKind::Gear => limit(&faultless(path)?, path)?,
         FileKind::Belt => belt(path)?,
         FileKind::Link => link(path)?,
+        FileKind::Robot => robot(path)?,
     };
     say(format_args!("{}: ok{use_of}", path.display()));
     Ok(Figures::silent(Vec::new(), &arguments.figures))
@@ -65,6 +67,12 @@ fn belt(path: &Path) -> Result<String, BadInput> {
 fn link(path: &Path) -> Result<String, BadInput> {
     let file = LinkFile::faultless(path).map_err(all_but_last)?;
     Ok(file.warning().map_or_else(String::new, |warning| format!("; {warning}")))
+}
+
+/// What a robot file that is right describes.
+fn robot(path: &Path) -> Result<String, BadInput> {
+    let robot = RobotFile::faultless(path).map_err(all_but_last)?;
+    Ok(format!(", joints: {}", robot.joints.len()))
 }
 
 /// Tells all faults but the last one, which ends the command.

@@ -16,5 +16,6 @@ mod link;
 mod missed;
 mod operator;
 mod own_joint;
+mod robot;
 mod set_up;
 mod trajectory;

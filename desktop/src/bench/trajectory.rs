@@ -12,7 +12,7 @@ use crate::plant::curve::Curve;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Fraction of the output's fastest speed that a setpoint may have: the compensator keeps the rest for overshoot.
-const SETPOINT_SPEED: f64 = 0.95;
+pub(crate) const SETPOINT_SPEED: f64 = 0.95;
 /// Fraction of the output's fastest speed below which a joint at rest may be taken along at once.
 const START_SPEED: f64 = 0.01;
 

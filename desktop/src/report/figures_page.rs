@@ -60,6 +60,7 @@ const PARTS: &[Part] = &[
         command: "strainwave design gears/hd25-100.toml",
     },
     Part { title: "Injected faults", prefixes: &["faults."], command: "strainwave verify faults" },
+    Part { title: "Robots", prefixes: &["robot."], command: "strainwave verify robot" },
     Part { title: "Unknown plants", prefixes: &["robustness."], command: "strainwave verify robustness" },
     Part {
         title: "Joints of the catalogue",

@@ -19,6 +19,7 @@ pub mod judge;
 pub mod link;
 pub mod piezo;
 pub mod replay;
+pub mod robot;
 pub mod robustness;
 pub mod step_response;
 

@@ -24,10 +24,10 @@ pub enum Allowed {
     Numbers(usize, f64, &'static str),
 }
 
-/// Longest name of a gear.
+/// Longest text (characters).
 pub const LONGEST_TEXT: usize = 80;
-/// Most entries of one list of kinematic-error orders.
-pub const MOST_ORDERS: usize = 8;
+/// Most entries of a list of tables.
+pub const MOST_ENTRIES: usize = 8;
 
 /// One key: its path in the file (`[]` marks a list of tables) and what it may hold.
 #[derive(Clone, Copy, Debug)]

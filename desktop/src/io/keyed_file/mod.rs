@@ -39,6 +39,8 @@ pub enum FileKind {
     Belt,
     /// A link file: it has a table `[link]`.
     Link,
+    /// A robot file: it has a table `[robot]`.
+    Robot,
 }
 
 impl FileKind {
@@ -46,7 +48,7 @@ impl FileKind {
     pub fn at(path: &Path) -> Self {
         let table = file::read(path, LONGEST_FILE).ok().and_then(|bytes| table(&bytes).ok());
         let has = |name: &str| table.as_ref().is_some_and(|table| table.contains_key(name));
-        let kinds = [("belt", Self::Belt), ("link", Self::Link)];
+        let kinds = [("belt", Self::Belt), ("link", Self::Link), ("robot", Self::Robot)];
         kinds.into_iter().find(|(name, _)| has(name)).map_or(Self::Gear, |(_, kind)| kind)
     }
 }

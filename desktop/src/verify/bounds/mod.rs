@@ -17,6 +17,7 @@ mod identify;
 mod joint;
 mod link;
 mod piezo;
+mod robot;
 mod robustness;
 
 use crate::io::figure::Figure;
@@ -38,7 +39,7 @@ pub struct Bound {
 pub const LOOSE: f64 = 10.0;
 
 /// Every bound, by part.
-pub const BOUNDS: [&[Bound]; 15] = [
+pub const BOUNDS: [&[Bound]; 16] = [
     joint::ROWS,
     belt::ROWS,
     catalogue::ROWS,
@@ -53,6 +54,7 @@ pub const BOUNDS: [&[Bound]; 15] = [
     identify::ROWS,
     link::ROWS,
     piezo::ROWS,
+    robot::ROWS,
     robustness::ROWS,
 ];
 

@@ -7,7 +7,7 @@ use toml::{Table, Value};
 
 use super::{Fault, join, number, shown_after};
 use crate::io::keyed_file::key::{
-    Allowed, Key, LONGEST_TEXT, MOST_ORDERS, Schema, in_single_precision, section_of,
+    Allowed, Key, LONGEST_TEXT, MOST_ENTRIES, Schema, in_single_precision, section_of,
 };
 
 /// Adds what is wrong with the value of every key, in the order of the table of keys; not of sections that are left out and may be.
@@ -71,8 +71,8 @@ fn enter_list<'a>(tables: &Tables<'a>, name: &str, faults: &mut Vec<Fault>) -> T
         let path = join(parent, name);
         match table.get(name) {
             None => {}
-            Some(Value::Array(items)) if items.len() > MOST_ORDERS => {
-                let line = format!("{path} has {} entries; allowed: at most {MOST_ORDERS}", items.len());
+            Some(Value::Array(items)) if items.len() > MOST_ENTRIES => {
+                let line = format!("{path} has {} entries; allowed: at most {MOST_ENTRIES}", items.len());
                 faults.push(Fault { path, line });
             }
             Some(Value::Array(items)) => entered.append(&mut enter_items(&path, items, faults)),
