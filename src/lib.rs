@@ -9,7 +9,10 @@
 //! | [`friction`] | every model of Table 1 and LuGre, one trait; the gear's is Bliman-Sorine to a level of speed, load and angle |
 //! | [`hysteresis`] | Preisach operator: relays, and the staircase with its Everett table |
 //! | [`kinematic_error`] | the ideal gear's position error, over either rim |
+//! | [`belt`] | tooth-belt gear: two pulleys, and the belt's spans as chains of masses, or reduced for real time |
 //! | [`gear`] | the two-port that these make: composes, no physics of its own |
+//! | [`link`] | flexible arm link with a payload at its tip, by its modes |
+//! | [`piezo`] | piezoelectric patch on the link: couple from voltage, with hysteresis, and charge from bending |
 //! | [`compensator`] | encoder, observer, feed-forward, feedback, limits and faults: one `step` |
 //! | [`trajectory`] | moves from rest to rest with bounded velocity, acceleration, jerk and snap |
 //! | [`low_pass`] | low-pass filter of one pole |
@@ -65,7 +68,7 @@
 //! ```
 //!
 //! More are in `examples/`: a whole control loop, a measured log through the observer, a move fed forward, the inverse of
-//! the hysteresis, the friction models compared.
+//! the hysteresis, the friction models compared, a link damped by a patch.
 //!
 //! Equation, figure and table numbers are those of "Modeling of torsional vibration in harmonic drives".
 //! Everything has one shape: `Params` in SI units; `build` checks them once and names the first that is out
@@ -102,6 +105,7 @@
 extern crate std;
 
 pub mod angle;
+pub mod belt;
 mod branch;
 pub mod compensator;
 mod constants;
@@ -114,7 +118,9 @@ pub mod friction;
 pub mod gear;
 pub mod hysteresis;
 pub mod kinematic_error;
+pub mod link;
 pub mod low_pass;
+pub mod piezo;
 pub mod real;
 mod sine_cosine;
 pub mod trajectory;

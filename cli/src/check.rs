@@ -1,22 +1,26 @@
-//! `check`: everything that is wrong with a gear file.
+//! `check`: everything that is wrong with a gear, belt, link or robot file.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use strainwave_desktop::design::buildable::use_of;
-use strainwave_desktop::{BadInput, GearFile};
+use strainwave_desktop::io::keyed_file::FileKind;
+use strainwave_desktop::plant::belt::require_real_time;
+use strainwave_desktop::robot::RobotFile;
+use strainwave_desktop::{BadInput, BeltFile, GearFile, LinkFile};
 
 use crate::figures::{Figures, FiguresArguments, complain, say};
 use crate::files;
 
-/// Tell everything that is wrong with a gear file, a line each with key, value and range
+/// Tell everything that is wrong with a gear, belt, link or robot file, a line each with key, value and range
 ///
 /// Unknown keys with the nearest known one, missing keys, types, ranges, conditions between keys, and whether the firmware's
 /// compensator can be built. Conditions between keys are checked where those keys are right by themselves. Exit code 0
-/// and one line when nothing is wrong, else 2.
+/// and one line when nothing is wrong, else 2. A file with a table [belt] is a belt file; of it the geometry is told. A file with a
+/// table [link] is a link file, one with a table [robot] a robot file, whose gear files are read too.
 #[derive(Args)]
 pub struct Arguments {
-    /// Gear file
+    /// Gear, belt, link or robot file
     #[arg(value_name = "GEAR.toml")]
     gear: PathBuf,
     #[command(flatten)]
@@ -28,14 +32,47 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     let json = arguments.figures.json.as_deref();
     files::require_distinct(&[("GEAR.toml", Some(&arguments.gear)), ("--json", json)])?;
     files::require_writable(json)?;
-    let gear = faultless(&arguments.gear)?;
-    say(format_args!("{}: ok{}", arguments.gear.display(), limit(&gear, &arguments.gear)?));
+    let path = &arguments.gear;
+    let use_of = match FileKind::at(path) {
+        FileKind::Gear => limit(&faultless(path)?, path)?,
+        FileKind::Belt => belt(path)?,
+        FileKind::Link => link(path)?,
+        FileKind::Robot => robot(path)?,
+    };
+    say(format_args!("{}: ok{use_of}", path.display()));
     Ok(Figures::silent(Vec::new(), &arguments.figures))
 }
 
 /// A gear file with nothing wrong in it; of another all faults are told.
 pub fn faultless(path: &Path) -> Result<GearFile, BadInput> {
     GearFile::faultless(path).map_err(all_but_last)
+}
+
+/// What a belt file that is right describes, and what limits its use.
+fn belt(path: &Path) -> Result<String, BadInput> {
+    let file = BeltFile::faultless(path).map_err(all_but_last)?;
+    let geometry = file.geometry().expect("the file is checked");
+    let [motor, output] = [(&file.motor_pulley, 0), (&file.output_pulley, 1)]
+        .map(|(pulley, index)| geometry.teeth_in_mesh(pulley.teeth, index));
+    let limit = require_real_time(&file)
+        .err()
+        .map_or_else(String::new, |why| format!("; only --build reference: {why}"));
+    Ok(format!(
+        ", centre distance {:.4} m, {motor:.1} and {output:.1} teeth in mesh{limit}",
+        geometry.centre_distance
+    ))
+}
+
+/// What is odd about a link file that is right.
+fn link(path: &Path) -> Result<String, BadInput> {
+    let file = LinkFile::faultless(path).map_err(all_but_last)?;
+    Ok(file.warning().map_or_else(String::new, |warning| format!("; {warning}")))
+}
+
+/// What a robot file that is right describes.
+fn robot(path: &Path) -> Result<String, BadInput> {
+    let robot = RobotFile::faultless(path).map_err(all_but_last)?;
+    Ok(format!(", joints: {}", robot.joints.len()))
 }
 
 /// Tells all faults but the last one, which ends the command.

@@ -27,6 +27,8 @@ mod pil_plots;
 mod predict;
 mod progress;
 mod report;
+mod robot;
+mod robot_picture;
 mod series;
 mod setup;
 mod sim;
@@ -73,6 +75,7 @@ enum Command {
     Pil(pil::Arguments),
     Predict(predict::Arguments),
     Report(report::Arguments),
+    Robot(robot::Arguments),
     Setup(setup::Arguments),
     Sim(sim::Arguments),
     Tune(tune::Arguments),
@@ -94,6 +97,7 @@ fn run(command: Command) -> Result<Figures, BadInput> {
         Command::Pil(arguments) => pil::run(&arguments),
         Command::Predict(arguments) => predict::run(&arguments),
         Command::Report(arguments) => report::run(&arguments),
+        Command::Robot(arguments) => robot::run(&arguments),
         Command::Setup(arguments) => setup::run(&arguments),
         Command::Sim(arguments) => sim::run(&arguments),
         Command::Tune(arguments) => tune::run(&arguments),

@@ -1,9 +1,12 @@
-//! `sim`: the gear as a two-port, open loop.
+//! `sim`: a gear or a belt gear as a two-port, open loop; or an arm link.
 
-use std::path::PathBuf;
+mod belt;
+mod link;
 
-use clap::{Args, ValueEnum};
-use strainwave_desktop::io::log::{OpenLoop, OpenLoopRow, write_open_loop};
+use std::path::{Path, PathBuf};
+
+use clap::{ArgGroup, Args, ValueEnum};
+use strainwave_desktop::io::log::{OpenLoop, OpenLoopRow, Time, write_open_loop};
 use strainwave_desktop::plant::mesh_size::MeshSize;
 use strainwave_desktop::plant::two_port::{self, Build, Gauge};
 use strainwave_desktop::{BadInput, Figure, GearFile};
@@ -12,18 +15,33 @@ use crate::figures::{Figures, FiguresArguments};
 use crate::files;
 use crate::progress::Progress;
 
-/// Run the gear as a two-port, open loop: wave-generator motion and load in, output and torques out
+/// Run a gear, a belt gear or an arm link, open loop: motion of the motor side and load in, output and torques out
 ///
-/// IN.csv has the columns t_s, theta_wg_rad or omega_wg_rad_s, and tau_load_nm, the external torque ON
+/// With --gear, IN.csv has the columns t_s, theta_wg_rad or omega_wg_rad_s, and tau_load_nm, the external torque ON
 /// the flexspline. OUT.csv gets a row every 0.1 ms: t_s, theta_fs_rad, omega_fs_rad_s, tau_wg_nm,
 /// torsion_rad, tau_t_nm, and a strain for each --gauge. SI units. Prints the intervals of the input's time stamps
 /// and the largest magnitudes of the output. Either build runs with any friction model that the gear file names. A reference run whose mesh diverges (a link strained by more than 10 %)
 /// ends with the time and the node, exit code 2, and writes nothing.
+///
+/// With --belt, IN.csv has the columns t_s, theta_motor_rad or omega_motor_rad_s, and tau_load_nm, the external torque ON the output.
+/// OUT.csv gets a row every 0.1 ms: t_s, theta_out_rad, omega_out_rad_s, tau_motor_nm, torsion_rad, tau_t_nm, f_forward_n and
+/// f_backward_n, the tensions of the span that the motor pulls when it turns forwards and of the other.
+///
+/// With --link, IN.csv has the columns t_s, theta_joint_rad, and where it has them tip_force_n and voltage_v; OUT.csv gets t_s,
+/// tip_deflection_m, tip_x_m, tip_y_m, tau_joint_nm, strain_at_PLACE_m of each gauge of the file, and with a patch voltage_v, couple_nm,
+/// charge_c.
 #[derive(Args)]
+#[command(group(ArgGroup::new("model").required(true).args(["gear", "belt", "link"])))]
 pub struct Arguments {
     /// Gear file
     #[arg(long, value_name = "G.toml")]
-    gear: PathBuf,
+    gear: Option<PathBuf>,
+    /// Belt file, in the place of a gear file
+    #[arg(long, value_name = "BELT.toml", conflicts_with_all = ["mesh", "step", "gauges"])]
+    belt: Option<PathBuf>,
+    /// File of an arm link, in the place of a gear file
+    #[arg(long, value_name = "LINK.toml", conflicts_with_all = ["build", "mesh", "step", "gauges"])]
+    link: Option<PathBuf>,
     /// Input over time; - for the standard input
     #[arg(long, value_name = "IN.csv")]
     input: PathBuf,
@@ -56,9 +74,10 @@ pub struct Arguments {
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Models {
-    /// f64, mesh of eq. (6), micro-steps
+    /// f64, mesh of eq. (6) or spans of 16 masses, micro-steps
     Reference,
-    /// f32, condensed 8x3 mesh, one step per 0.1 ms: the code of the joint controller, where the observer steps it by 0.2 ms
+    /// f32, condensed 8x3 mesh or massless spans, one step per 0.1 ms: of a gear the code of the joint controller, where the observer
+    /// steps it by 0.2 ms
     Realtime,
 }
 
@@ -67,21 +86,36 @@ const SHORTEST_STEP: f64 = 1e-9;
 
 /// Reads, runs and writes.
 pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
-    let json = arguments.figures.json.as_deref();
     files::require_distinct(&[
-        ("--gear", Some(&arguments.gear)),
+        ("--gear", arguments.gear.as_deref()),
+        ("--belt", arguments.belt.as_deref()),
+        ("--link", arguments.link.as_deref()),
         ("--input", Some(&arguments.input)),
         ("--output", Some(&arguments.output)),
-        ("--json", json),
+        ("--json", arguments.figures.json.as_deref()),
     ])?;
-    let gear = GearFile::read(&arguments.gear)?;
-    let build = build(arguments, &gear)?;
+    match (&arguments.gear, &arguments.belt, &arguments.link) {
+        (Some(path), ..) => run_gear(arguments, path),
+        (None, Some(path), _) => belt::run(arguments, path),
+        (None, None, Some(path)) => link::run(arguments, path),
+        (None, None, None) => unreachable!("the arguments have one of the three"),
+    }
+}
+
+/// Refuses results that could not be written at the end.
+fn require_writable(arguments: &Arguments) -> Result<(), BadInput> {
+    files::require_writable(Some(&arguments.output))?;
+    files::require_writable(arguments.figures.json.as_deref())
+}
+
+fn run_gear(arguments: &Arguments, path: &Path) -> Result<Figures, BadInput> {
+    let gear = GearFile::read(path)?;
+    let build = build(arguments, &gear, path)?;
     require_gauges(&arguments.gauges, build)?;
     let input = OpenLoop::read(&arguments.input)?;
-    files::require_writable(Some(&arguments.output))?;
-    files::require_writable(json)?;
-    let rows = two_port::run(&gear, &input, build, &arguments.gauges)
-        .map_err(|error| BadInput::new(&arguments.gear, error))?;
+    require_writable(arguments)?;
+    let rows =
+        two_port::run(&gear, &input, build, &arguments.gauges).map_err(|error| BadInput::new(path, error))?;
     let mut progress = Progress::new(rows.len() as u64, "simulating");
     let mut largest = Largest::default();
     let watched = rows.enumerate().map(|(done, row)| {
@@ -90,16 +124,21 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     });
     let columns: Vec<_> = arguments.gauges.iter().map(Gauge::column).collect();
     write_open_loop(&arguments.output, &columns, watched)?;
-    let intervals = input.time.jitter().into_iter().flat_map(|jitter| jitter.figures());
-    let figures = intervals.chain(largest.figures()).collect();
-    Ok(Figures::beside(&arguments.output, figures, &arguments.figures))
+    Ok(answer(arguments, &input.time, largest.figures()))
+}
+
+/// The intervals of the input, then what the run measured.
+fn answer(arguments: &Arguments, time: &Time, measured: impl IntoIterator<Item = Figure>) -> Figures {
+    let intervals = time.jitter().into_iter().flat_map(|jitter| jitter.figures());
+    let figures = intervals.chain(measured).collect();
+    Figures::beside(&arguments.output, figures, &arguments.figures)
 }
 
 /// The build that the arguments name.
-fn build(arguments: &Arguments, gear: &GearFile) -> Result<Build, BadInput> {
+fn build(arguments: &Arguments, gear: &GearFile, path: &Path) -> Result<Build, BadInput> {
     if arguments.build == Models::Reference {
         let mesh = arguments.mesh.unwrap_or(MeshSize::DEFAULT);
-        arguments.step.map_or(Ok(()), |step| require_step(step, mesh, arguments, gear))?;
+        arguments.step.map_or(Ok(()), |step| require_step(step, mesh, gear, path))?;
         return Ok(Build::Reference { mesh, longest_step: arguments.step });
     }
     let mesh = arguments.mesh.map(|mesh| format!("--mesh {mesh}"));
@@ -112,12 +151,12 @@ fn build(arguments: &Arguments, gear: &GearFile) -> Result<Build, BadInput> {
     }
 }
 
-fn require_step(step: f64, mesh: MeshSize, arguments: &Arguments, gear: &GearFile) -> Result<(), BadInput> {
+fn require_step(step: f64, mesh: MeshSize, gear: &GearFile, path: &Path) -> Result<(), BadInput> {
     let bound = two_port::stable_step(gear, mesh);
     if (SHORTEST_STEP..bound).contains(&step) {
         return Ok(());
     }
-    let gear = arguments.gear.display();
+    let gear = path.display();
     Err(BadInput::message(format_args!(
         "--step {step:e} is out of range; allowed: from {SHORTEST_STEP:e} s to below {bound:.3e} s, the stable step \
          of the {mesh} mesh of {gear}"

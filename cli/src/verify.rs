@@ -11,7 +11,9 @@ use strainwave_desktop::verify::bounds;
 use strainwave_desktop::verify::faults;
 use strainwave_desktop::verify::robustness::Robustness;
 use strainwave_desktop::verify::{self, Measured};
-use strainwave_desktop::verify::{catalogue, compensator, constants, healthy, identify, replay, robustness};
+use strainwave_desktop::verify::{
+    catalogue, compensator, constants, healthy, identify, replay, robot, robustness,
+};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::rerun;
 use strainwave_emulator::verify::{self as emulated, Parts};
@@ -35,6 +37,8 @@ const CONSTANTS: &str = "constants";
 const IDENTIFY: &str = "identify";
 /// The part that injects faults, by itself too.
 const FAULTS: &str = "faults";
+/// The part that lets robots of two joints draw, by itself too.
+const ROBOT: &str = "robot";
 
 /// Measure every accuracy and cost figure that the project claims, with its bound
 ///
@@ -42,7 +46,7 @@ const FAULTS: &str = "faults";
 ///
 /// The parts `firmware` and `flexspline` boot the image in the emulator and run S1-S6, both together once; that takes
 /// some minutes; `hysteresis` boots an image of its own. Every figure repeats exactly; times by the clock are `bench`'s. The
-/// parts `robustness`, `catalogue`, `healthy`, `identify` and `constants` are measured only when they are named.
+/// parts `robustness`, `catalogue`, `healthy`, `identify`, `constants` and `robot` are measured only when they are named.
 #[derive(Args)]
 pub struct Arguments {
     /// Only this part; every part when left out
@@ -58,10 +62,10 @@ pub struct Arguments {
     #[arg(long = "row", value_name = "NAME", value_parser = row_parser())]
     rows: Vec<String>,
     /// Of `robustness`, plants of each row (6 when left out); of `catalogue` and `healthy`, joints (all 500); of
-    /// `constants`, training joints (24, half of them with an output encoder)
+    /// `constants`, training joints (24, half of them with an output encoder); of `robot`, robots (20)
     #[arg(long, value_name = "COUNT", value_parser = value_parser!(u64).range(1..=100_000))]
     seeds: Option<u64>,
-    /// The first plant of `robustness` or joint of `catalogue` or `healthy`; 1 to 999 are for choosing gains, from 10000 on for claims
+    /// The first plant of `robustness`, robot of `robot` or joint of `catalogue` or `healthy`; 1 to 999 are for choosing gains, from 10000 on for claims
     #[arg(long, value_name = "SEED", value_parser = value_parser!(u64).range(0..=1_000_000_000))]
     first: Option<u64>,
     /// Of `catalogue` and `healthy`, the joints for choosing gains
@@ -114,7 +118,9 @@ fn constant_parser() -> impl TypedValueParser<Value = String> {
 fn part_parser() -> impl TypedValueParser<Value = String> {
     let names = verify::Part::ALL.map(verify::Part::name);
     PossibleValuesParser::new(
-        names.into_iter().chain([FIRMWARE, ROBUSTNESS, CATALOGUE, HEALTHY, IDENTIFY, FAULTS, CONSTANTS]),
+        names
+            .into_iter()
+            .chain([FIRMWARE, ROBUSTNESS, CATALOGUE, HEALTHY, IDENTIFY, FAULTS, CONSTANTS, ROBOT]),
     )
     .map(String::from)
 }
@@ -146,6 +152,9 @@ fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
     }
     if arguments.part.as_deref() == Some(IDENTIFY) {
         return identified(arguments);
+    }
+    if arguments.part.as_deref() == Some(ROBOT) {
+        return robots(arguments);
     }
     if arguments.part.as_deref() == Some(CONSTANTS) {
         return with_scaled_constants(arguments);
@@ -277,6 +286,19 @@ fn requested_joints(arguments: &Arguments) -> Result<catalogue::Request, BadInpu
         )));
     }
     Ok(catalogue::Request { set, first, count })
+}
+
+/// Robots of two joints that draw a circle, and the rigid arm.
+fn robots(arguments: &Arguments) -> Result<Figures, BadInput> {
+    let (first, count) = (arguments.first.unwrap_or(robot::FIRST), arguments.seeds.unwrap_or(robot::ROBOTS));
+    let mut progress = Progress::new(1000, "robots");
+    let measured = robot::measure(first, count, |fraction| progress.set((fraction * 1e3) as u64))?;
+    drop(progress);
+    let missed = measured.figures.iter().filter_map(bounds::misses_target);
+    for note in measured.notes.iter().cloned().chain(missed) {
+        say(format_args!("{note}"));
+    }
+    Ok(Figures::new(measured.figures, &arguments.figures))
 }
 
 /// With every tuned constant halved and doubled; its table is one line a constant.

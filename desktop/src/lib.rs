@@ -2,10 +2,11 @@
 //!
 //! | room | what is in it |
 //! | --- | --- |
-//! | [`io`] | files: gear files, logs, measured data, figures |
+//! | [`io`] | files: gear files, belt files, logs, measured data, figures |
 //! | [`design`] | from a gear file to parameters and gains, and their margins |
 //! | [`plant`] | the reference plant and the open-loop two-port |
 //! | [`mod@bench`] | closed loop: tasks, sensors, controllers, baselines |
+//! | [`robot`] | arms of several joints, each with its gear and its controller |
 //! | [`catalogue`] | gears of sizes 8 to 100, and joints that are built with them |
 //! | [`identify`] | from measurements to parameters |
 //! | [`predict`] | blind predictions of measured logs |
@@ -26,8 +27,9 @@ pub mod io;
 pub mod plant;
 pub mod predict;
 pub mod report;
+pub mod robot;
 pub mod speed;
 pub mod tune;
 pub mod verify;
 
-pub use io::{BadInput, Figure, GearFile};
+pub use io::{BadInput, BeltFile, Figure, GearFile, LinkFile};

@@ -5,6 +5,7 @@
 //! project is about another build than the default. The feature `micromath-beside` only adds the module
 //! `micromath`, to compare with. What each costs on a Cortex-M4F, and its errors, stand in the book's chapter on figures.
 
+pub(crate) mod double;
 pub mod libm;
 #[cfg(any(feature = "micromath", feature = "micromath-beside"))]
 pub mod micromath;

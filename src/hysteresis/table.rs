@@ -21,7 +21,7 @@ pub const TABLE_WEIGHTS: usize = TABLE_LEVELS * (TABLE_LEVELS + 2) / 4;
 pub struct HysteresisTable<R> {
     /// U (rad), torsion at which the loop closes; 1e-9..=1e6.
     pub half_range: R,
-    /// mu_ij with i + j < [`TABLE_LEVELS`], row i after row i - 1 (N m); 0..=1e6.
+    /// mu_ij with i + j < [`TABLE_LEVELS`], row i after row i - 1 (N m); 0..=1e6, of [`Self::signed_weights`] from -1e6.
     pub weights: [R; TABLE_WEIGHTS],
 }
 
@@ -45,12 +45,22 @@ impl<R: Real> HysteresisTable<R> {
     /// # Errors
     /// As [`Weights::from_fn`].
     pub fn weights<const L: usize>(&self) -> Result<Weights<R, L>, Error> {
+        Weights::from_fn(|i, j| self.on_grid::<L>(i, j))
+    }
+
+    /// The same of weights of either sign.
+    ///
+    /// # Errors
+    /// As [`Weights::signed_from_fn`].
+    pub fn signed_weights<const L: usize>(&self) -> Result<Weights<R, L>, Error> {
+        Weights::signed_from_fn(|i, j| self.on_grid::<L>(i, j))
+    }
+
+    /// mu_ij on a grid of `L` levels.
+    fn on_grid<const L: usize>(&self, i: usize, j: usize) -> R {
         // The mirror images are copies, to the last bit.
-        let lower = |i: usize, j: usize| if i + j < L { (i, j) } else { (L - 1 - j, L - 1 - i) };
-        Weights::from_fn(|i, j| {
-            let (i, j) = lower(i, j);
-            resampled(|i, j| self.at(i, j), TABLE_LEVELS, L, (i, j))
-        })
+        let place = if i + j < L { (i, j) } else { (L - 1 - j, L - 1 - i) };
+        resampled(|i, j| self.at(i, j), TABLE_LEVELS, L, place)
     }
 
     /// mu_ij.

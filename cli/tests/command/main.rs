@@ -1,6 +1,7 @@
 //! The built command, run in a folder of its own.
 
 mod bad_input;
+mod belt;
 mod bench;
 mod design;
 mod example_logs;
@@ -11,8 +12,10 @@ mod good_input;
 mod identification_page;
 mod identify;
 mod keep;
+mod link;
 mod missed;
 mod operator;
 mod own_joint;
+mod robot;
 mod set_up;
 mod trajectory;

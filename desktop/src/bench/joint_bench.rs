@@ -60,7 +60,7 @@ impl Conditions {
 
 /// The joint's sensors, with noise that repeats for the same seed.
 #[derive(Clone, Debug)]
-struct SensorModel {
+pub(crate) struct SensorModel {
     motor_encoder: EncoderModel,
     output_encoder: Option<LateEncoder>,
     motor_torque_noise: Normal<f64>,
@@ -84,7 +84,8 @@ fn random(seed: u64, realisation: u32, purpose: Purpose) -> ChaCha8Rng {
 }
 
 impl SensorModel {
-    fn new(file: &GearFile, conditions: &Conditions, errors: &[EncoderErrors; 2]) -> Self {
+    /// Of the encoders of a gear file with these errors.
+    pub(crate) fn new(file: &GearFile, conditions: &Conditions, errors: &[EncoderErrors; 2]) -> Self {
         let factor = conditions.noise;
         let noise = |deviation: f64| {
             Normal::new(0.0, factor * deviation).expect("the gear file's noise is not negative")
@@ -107,7 +108,7 @@ impl SensorModel {
     }
 
     /// As they read `advance` (s) after the plant's last micro-step.
-    fn read<F: Flexspline<f64>>(&mut self, plant: &Plant<F>, advance: f64) -> Sensors<f32> {
+    pub(crate) fn read<F: Flexspline<f64>>(&mut self, plant: &Plant<F>, advance: f64) -> Sensors<f32> {
         let (random, encoder_random) = (&mut self.random, &mut self.encoder_random);
         let angle = |motion: Motion<f64>| {
             if advance > 0.0 { motion.angle.plus(motion.velocity * advance) } else { motion.angle }
@@ -127,7 +128,7 @@ impl SensorModel {
 }
 
 /// All corrections on, friction by the gear file's gain.
-fn all_gains(file: &GearFile) -> CompensationGains<f32> {
+pub(crate) fn all_gains(file: &GearFile) -> CompensationGains<f32> {
     CompensationGains { friction: file.compensation.friction_gain as f32, ..CompensationGains::ALL }
 }
 

@@ -9,6 +9,7 @@
 //! much of every other function there may be on top of it ([`level_rule`]). They are offered as an alternative to the gains that
 //! [`crate::design::joint::joint_params`] gives the firmware, by rules whose constants stand in [`tuned`]. [`sweep`] measures the same L in the loop of the real code.
 
+pub mod belt;
 pub mod buildable;
 pub mod capability;
 pub mod cascade;

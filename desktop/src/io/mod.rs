@@ -1,11 +1,16 @@
-//! Files: gear files, logs, measured data, figures.
+//! Files: gear files, belt files, link files, logs, measured data, figures.
 
+pub mod belt_file;
 pub mod data;
 pub mod figure;
 pub mod file;
 pub mod gear_file;
+pub mod keyed_file;
+pub mod link_file;
 pub mod log;
 
+pub use belt_file::BeltFile;
 pub use figure::Figure;
 pub use file::BadInput;
 pub use gear_file::GearFile;
+pub use link_file::LinkFile;

@@ -21,7 +21,7 @@ use std::f64::consts::TAU;
 use strainwave::gear::Motion;
 
 /// Release time of the brake (s).
-const RELEASE: f64 = 0.1;
+pub(crate) const RELEASE: f64 = 0.1;
 
 /// A part of the load behind a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -17,13 +17,16 @@
 //! hangs. [`Sides`] has all of it; [`Sides::IDEAL`] has none, and costs nothing but a few comparisons. What a plant may be
 //! off by, and how it is drawn, stands in [`unknowns`].
 
+pub mod belt;
 pub mod box_sample;
 pub mod clock;
 pub mod cogging;
+pub(crate) mod curve;
 pub mod divergence;
 pub mod drive;
 pub mod encoder;
 pub mod friction;
+pub mod link;
 pub mod load_side;
 pub mod mesh_size;
 pub mod payload;
@@ -173,6 +176,28 @@ pub fn plant_params(params: &GearParams<f64>) -> PlantParams {
     with_friction(params, [input, PlantFrictionParams::of(params.output_friction, params.flexspline_inertia)])
 }
 
+/// A micro-step under way: what acts before anything moves.
+pub(crate) struct MicroStep {
+    /// Torque of the motor on its shaft (N m).
+    motor: f64,
+    /// Torque of the load on the flange (N m).
+    load: f64,
+    /// Torques in the gear.
+    torques: Torques<f64>,
+}
+
+impl MicroStep {
+    /// Torque of the gear on its flange, tau_t - tau_fric_out (N m).
+    pub(crate) fn on_flange(&self) -> f64 {
+        self.torques.transmitted - self.torques.output_friction
+    }
+
+    /// The micro-steps of the period may go on.
+    pub(crate) fn may_go_on(&self) -> bool {
+        may_go_on(&self.torques)
+    }
+}
+
 /// Motor, gear and load around a flexspline.
 #[derive(Clone)]
 pub struct Plant<F: Flexspline<f64> = PlantMesh> {
@@ -209,7 +234,12 @@ impl Plant {
     /// # Errors
     /// As [`GearParams::build`].
     pub fn between(params: &PlantParams, sides: &Sides) -> Result<Self, Error> {
-        let Reference { mesh, dt, steps } = Reference::build(&params.flexspline, None)?;
+        Self::within(params, sides, None)
+    }
+
+    /// The same with micro-steps no longer than `longest` (s).
+    pub(crate) fn within(params: &PlantParams, sides: &Sides, longest: Option<f64>) -> Result<Self, Error> {
+        let Reference { mesh, dt, steps } = Reference::build(&params.flexspline, longest)?;
         Self::around(params, mesh, [dt, steps as f64], sides)
     }
 }
@@ -285,16 +315,32 @@ impl<F: Flexspline<f64>> Plant<F> {
     /// When the mesh has diverged.
     pub fn go_on(&mut self, steps: usize, load: f64) -> Result<(), Diverged> {
         for _ in 0..steps {
-            let on_shaft = self.drive.step();
-            let motor = self.motor.torque(on_shaft, self.wave_generator.angle);
-            let torques = self.torques(motor, load);
-            let acceleration = (motor - torques.0.wave_generator) / self.wave_generator_inertia;
-            self.micro_step(&torques.0, acceleration, motor, torques.1);
-            if !may_go_on(&torques.0) {
+            let step = self.begin(load);
+            self.end(&step, step.load, self.gear.flange_acceleration(&step.torques, step.load));
+            if !step.may_go_on() {
                 break;
             }
         }
         self.check()
+    }
+
+    /// Begins a micro-step: motor torque and torques in the gear under an external torque on the output (N m).
+    pub(crate) fn begin(&mut self, load: f64) -> MicroStep {
+        let on_shaft = self.drive.step();
+        let motor = self.motor.torque(on_shaft, self.wave_generator.angle);
+        let (torques, load) = self.torques(motor, load);
+        MicroStep { motor, load, torques }
+    }
+
+    /// Ends it with this acceleration of the flange (rad/s^2), which is that under this torque of the load (N m).
+    pub(crate) fn end(&mut self, step: &MicroStep, load: f64, flange_acceleration: f64) {
+        let acceleration = (step.motor - step.torques.wave_generator) / self.wave_generator_inertia;
+        self.micro_step(&step.torques, [acceleration, flange_acceleration], step.motor, load);
+    }
+
+    /// The torque of the load on the flange that makes it accelerate so: J_fs*d2theta_fs - tau_t + tau_fric_out (N m).
+    pub(crate) fn load_of(&self, step: &MicroStep, flange_acceleration: f64) -> f64 {
+        self.flexspline_inertia * flange_acceleration - step.on_flange()
     }
 
     /// One control period with the wave generator held by a brake, without current.
@@ -305,9 +351,10 @@ impl<F: Flexspline<f64>> Plant<F> {
         self.drive.rest();
         self.wave_generator.velocity = 0.0;
         for _ in 0..self.steps {
-            let torques = self.torques(0.0, load);
-            self.micro_step(&torques.0, 0.0, torques.0.wave_generator, torques.1);
-            if !may_go_on(&torques.0) {
+            let (torques, load) = self.torques(0.0, load);
+            let accelerations = [0.0, self.gear.flange_acceleration(&torques, load)];
+            self.micro_step(&torques, accelerations, torques.wave_generator, load);
+            if !may_go_on(&torques) {
                 break;
             }
         }
@@ -321,16 +368,21 @@ impl<F: Flexspline<f64>> Plant<F> {
         (self.gear.torques(&mut self.state, &self.wave_generator, &self.flange, applied), load)
     }
 
-    fn check(&self) -> Result<(), Diverged> {
+    /// The mesh has not diverged.
+    ///
+    /// # Errors
+    /// When it has.
+    pub(crate) fn check(&self) -> Result<(), Diverged> {
         let time = self.taken as f64 * self.dt;
         Diverged::check(time, self.gear.flexspline(), self.state.flexspline(), &self.torques)
     }
 
-    fn micro_step(&mut self, torques: &Torques<f64>, acceleration: f64, motor_torque: f64, load: f64) {
+    /// `accelerations` of wave generator and flange (rad/s^2).
+    fn micro_step(&mut self, torques: &Torques<f64>, accelerations: [f64; 2], motor_torque: f64, load: f64) {
         let dt = self.dt;
         let before = (self.wave_generator.velocity, self.flange.velocity);
-        self.wave_generator.advance(acceleration, dt);
-        self.flange.advance(self.gear.flange_acceleration(torques, load), dt);
+        self.wave_generator.advance(accelerations[0], dt);
+        self.flange.advance(accelerations[1], dt);
         self.torques = *torques;
         self.taken += 1;
         // Mean speeds make the kinetic part of the balance exact.

@@ -34,6 +34,9 @@ const PARTS: &[Part] = &[
     },
     Part { title: "Friction", prefixes: &["friction."], command: "strainwave verify friction" },
     Part { title: "Hysteresis", prefixes: &["hysteresis."], command: "strainwave verify hysteresis" },
+    Part { title: "Tooth-belt gear", prefixes: &["belt."], command: "strainwave verify belt" },
+    Part { title: "Arm link", prefixes: &["link."], command: "strainwave verify link" },
+    Part { title: "PZT patch", prefixes: &["piezo."], command: "strainwave verify piezo" },
     Part { title: "Identification", prefixes: &["identify."], command: "strainwave verify identify" },
     Part {
         title: "Compensator",
@@ -57,6 +60,7 @@ const PARTS: &[Part] = &[
         command: "strainwave design gears/hd25-100.toml",
     },
     Part { title: "Injected faults", prefixes: &["faults."], command: "strainwave verify faults" },
+    Part { title: "Robots", prefixes: &["robot."], command: "strainwave verify robot" },
     Part { title: "Unknown plants", prefixes: &["robustness."], command: "strainwave verify robustness" },
     Part {
         title: "Joints of the catalogue",

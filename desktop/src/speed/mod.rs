@@ -14,6 +14,7 @@ mod flexspline;
 mod floor;
 mod friction;
 mod hysteresis;
+mod robot;
 mod spread;
 
 pub use spread::Spread;
@@ -93,6 +94,7 @@ pub fn measure(file: &GearFile, rounds: usize, progress: impl FnMut(f64)) -> Res
         hysteresis::kernels().map_err(RunError::from)?,
         flexspline::kernels(file).map_err(RunError::from)?,
         compensator::kernels(file)?,
+        vec![robot::kernel()?],
     ];
     race(kernels.into_iter().flatten().collect(), rounds, progress)
 }

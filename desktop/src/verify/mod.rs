@@ -4,6 +4,7 @@
 //! exactly; times by the clock do not, and stand in [`crate::speed`].
 
 pub mod baselines;
+mod belt;
 pub mod bounds;
 pub mod catalogue;
 pub mod compensator;
@@ -15,7 +16,10 @@ pub mod healthy;
 pub mod hysteresis;
 pub mod identify;
 pub mod judge;
+pub mod link;
+pub mod piezo;
 pub mod replay;
+pub mod robot;
 pub mod robustness;
 pub mod step_response;
 
@@ -77,13 +81,27 @@ pub enum Part {
     Friction,
     /// The staircase against the relays, its laws and its inverse, the default gear's loop, identification.
     Hysteresis,
+    /// The belt gear against closed forms, energy, reduction, f32 against f64.
+    Belt,
+    /// The arm link against closed forms and finite elements, its laws.
+    Link,
+    /// The PZT patch against its constitutive law, its loop.
+    Piezo,
     /// Basis of the compensator: unbounded angles in f32.
     Compensator,
 }
 
 impl Part {
     /// Every part.
-    pub const ALL: [Self; 4] = [Self::Flexspline, Self::Friction, Self::Hysteresis, Self::Compensator];
+    pub const ALL: [Self; 7] = [
+        Self::Flexspline,
+        Self::Friction,
+        Self::Hysteresis,
+        Self::Belt,
+        Self::Link,
+        Self::Piezo,
+        Self::Compensator,
+    ];
 
     /// As the command names it.
     pub fn name(self) -> &'static str {
@@ -91,6 +109,9 @@ impl Part {
             Self::Flexspline => "flexspline",
             Self::Friction => "friction",
             Self::Hysteresis => "hysteresis",
+            Self::Belt => "belt",
+            Self::Link => "link",
+            Self::Piezo => "piezo",
             Self::Compensator => "compensator",
         }
     }
@@ -104,6 +125,9 @@ impl Part {
             Self::Flexspline => flexspline::measure(),
             Self::Friction => friction::measure(),
             Self::Hysteresis => hysteresis::measure(),
+            Self::Belt => Ok(belt::measure()),
+            Self::Link => Ok(link::measure()),
+            Self::Piezo => Ok(piezo::measure()),
             Self::Compensator => Ok(compensator::measure()),
         };
         Ok(measured?.with_tight_bounds())

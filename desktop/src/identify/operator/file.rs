@@ -20,7 +20,7 @@ use serde::Deserialize;
 use super::grid::Grid;
 use super::model::{LARGEST, LEVELS, Operator};
 use crate::io::file::{self, BadInput};
-use crate::io::gear_file::line_of;
+use crate::io::keyed_file::line_of;
 
 /// Longest file (bytes).
 const LONGEST_FILE: u64 = 1 << 20;

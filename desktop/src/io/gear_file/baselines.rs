@@ -63,8 +63,8 @@ mod tests {
     use crate::io::gear_file::GAINS;
     use crate::io::gear_file::GearFile;
     use crate::io::gear_file::KEYS;
-    use crate::io::gear_file::keys::Allowed;
     use crate::io::gear_file::text::edited;
+    use crate::io::keyed_file::key::Allowed;
 
     fn plain() -> String {
         let mut file = GearFile::default_gear();

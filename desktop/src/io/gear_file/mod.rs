@@ -13,14 +13,14 @@
 
 mod aliases;
 mod baselines;
-mod check;
 pub(crate) mod drive;
 pub mod friction;
+pub(crate) mod friction_keys;
 pub mod friction_params;
 mod gains;
 mod keys;
 mod learnt;
-mod physics;
+pub(crate) mod physics;
 mod sensor_set;
 mod text;
 
@@ -29,14 +29,14 @@ use strainwave::friction::ModelName;
 use strainwave::hysteresis::HysteresisTable;
 use strainwave::{Ratio, Real};
 
+pub use crate::io::keyed_file::key::{Allowed, Key, Relation};
 pub use baselines::Baselines;
 pub use drive::{Drive, Tolerances};
 pub use friction::{Backward, BothFrictions, Friction, StateRow};
 pub use gains::{BaselineGains, GAINS, Gain, Kind, StoredGains};
-pub use keys::{Allowed, KEYS, Key, RELATIONS, Relation};
+pub use keys::{KEYS, RELATIONS};
 pub use learnt::Learnt;
 pub use sensor_set::SensorSet;
-pub(crate) use text::line_of;
 
 /// The default gear `hd25-100`, as a file.
 pub const DEFAULT: &str = include_str!("../../../../gears/hd25-100.toml");

@@ -8,7 +8,7 @@
 //! dt^2*K3 < J_fs/4, and in which what resists in proportion to the speed must not turn a speed around,
 //! dt*(Fv + sigma1) < J.
 
-mod friction;
+pub(crate) mod friction;
 
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::flexspline::Cup;

@@ -2,16 +2,26 @@
 
 use std::path::Path;
 
-use serde::Deserialize as _;
 use toml::Table;
-use toml::de::DeTable;
 use toml_edit::{DocumentMut, TomlError};
 
-use super::{Baselines, DEFAULT, GearFile, Learnt, aliases, check, physics};
+use super::{Baselines, DEFAULT, GearFile, Learnt, aliases, keys, physics};
 use crate::io::file::{self, BadInput};
+use crate::io::keyed_file::key::Schema;
+use crate::io::keyed_file::{self, KeyedFile, LONGEST_FILE};
 
-/// Longest gear file (bytes).
-const LONGEST_FILE: u64 = 1 << 20;
+impl KeyedFile for GearFile {
+    const SCHEMA: Schema = keys::SCHEMA;
+    const DEFAULT: &'static str = DEFAULT;
+
+    fn rename(table: &mut Table) {
+        aliases::rename(table);
+    }
+
+    fn conditions(&self, damaged: &[&str]) -> Vec<String> {
+        physics::faults(self, damaged)
+    }
+}
 
 impl GearFile {
     /// Reads and checks `path`.
@@ -36,17 +46,7 @@ impl GearFile {
     /// # Errors
     /// As [`GearFile::read`].
     pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, BadInput> {
-        checked(bytes).map_err(|faults| {
-            let file = path.display();
-            let first = faults.first().map_or("", String::as_str);
-            match faults.len() {
-                1 => BadInput::new(path, first),
-                count => BadInput::new(
-                    path,
-                    format_args!("{first}; and {} more: strainwave check {file}", count - 1),
-                ),
-            }
-        })
+        keyed_file::parse(path, bytes)
     }
 
     /// Reads and checks `path`, and tells everything that is wrong with it. Conditions between keys are checked where their
@@ -55,8 +55,7 @@ impl GearFile {
     /// # Errors
     /// An error for each fault, as [`GearFile::read`] has it for the first.
     pub fn faultless(path: &Path) -> Result<Self, Vec<BadInput>> {
-        let bytes = file::read(path, LONGEST_FILE).map_err(|error| vec![error])?;
-        checked(&bytes).map_err(|faults| faults.iter().map(|why| BadInput::new(path, why)).collect())
+        keyed_file::faultless(path)
     }
 
     /// The file could be written and read again.
@@ -125,56 +124,4 @@ pub(super) fn edited(text: &str, put: impl FnOnce(&mut DocumentMut)) -> Result<S
     let mut document = text.parse()?;
     put(&mut document);
     Ok(document.to_string())
-}
-
-/// The gear file in `bytes`, or everything that is wrong with it, a line each.
-fn checked(bytes: &[u8]) -> Result<GearFile, Vec<String>> {
-    let mut table = table(bytes)?;
-    aliases::rename(&mut table);
-    let faults = check::faults(&table);
-    let damaged: Vec<_> = faults.iter().map(check::Fault::section).collect();
-    let gear = GearFile::deserialize(mended(table, &damaged)).map_err(|error| error.message().to_owned());
-    let conditions =
-        gear.as_ref().map_or_else(|why| vec![why.clone()], |gear| physics::faults(gear, &damaged));
-    let faults: Vec<_> = faults.into_iter().map(|fault| fault.line).chain(conditions).collect();
-    gear.ok().filter(|_| faults.is_empty()).ok_or(faults)
-}
-
-/// The table that TOML text describes, or every reason why it is not TOML.
-fn table(bytes: &[u8]) -> Result<Table, Vec<String>> {
-    let text = std::str::from_utf8(bytes).map_err(|error| {
-        vec![format!("line {}: not TOML: not UTF-8 text", line_at(bytes, error.valid_up_to()))]
-    })?;
-    text.parse().map_err(|_| {
-        let (_, mut errors) = DeTable::parse_recoverable(text);
-        errors.sort_by_key(|error| error.span().map_or(0, |span| span.start));
-        // One slip may be several errors of a line.
-        errors.dedup_by_key(|error| line_of(text, error));
-        errors.iter().map(|error| not_toml(text, error)).collect()
-    })
-}
-
-/// The file with the default gear's section in the place of each that is damaged, so that the others can be read.
-fn mended(file: Table, damaged: &[&str]) -> Table {
-    if damaged.is_empty() {
-        return file;
-    }
-    let mut whole: Table = DEFAULT.parse().expect("the default gear file is tested");
-    let sound = |section: &str| check::is_table(section) && !damaged.contains(&section);
-    whole.extend(file.into_iter().filter(|(section, _)| sound(section)));
-    whole
-}
-
-fn not_toml(text: &str, error: &toml::de::Error) -> String {
-    format!("line {}: not TOML: {}", line_of(text, error), error.message().replace('\n', "; "))
-}
-
-/// Line of TOML text that an error is about, from 1.
-pub(crate) fn line_of(text: &str, error: &toml::de::Error) -> usize {
-    line_at(text.as_bytes(), error.span().map_or(0, |span| span.start))
-}
-
-/// Line of the byte at `offset`, from 1.
-fn line_at(bytes: &[u8], offset: usize) -> usize {
-    1 + bytes.iter().take(offset).filter(|byte| **byte == b'\n').count()
 }

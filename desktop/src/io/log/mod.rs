@@ -8,6 +8,7 @@ mod columns;
 mod commanded_motion;
 mod input_output;
 mod joined;
+mod link_input;
 mod measured;
 mod open_loop;
 mod soundness;
@@ -18,11 +19,12 @@ pub use columns::Extra;
 pub(crate) use commanded_motion::place;
 pub use commanded_motion::{CommandedMotion, LONGEST_MOTION};
 pub use input_output::InputOutput;
+pub use link_input::LinkInputLog;
 pub use measured::MeasuredLog;
-pub use open_loop::{Drive, DriveSample, OpenLoop, OpenLoopRow, write_open_loop};
+pub use open_loop::{BeltRow, Drive, DriveSample, OpenLoop, OpenLoopRow, write_belt, write_open_loop};
 pub(crate) use soundness::BOTH_DIRECTIONS;
 pub use time::{GAP_LEAST, GAP_RATIO, Instant, Jitter, LONGEST, Time};
-pub use written::write_columns;
+pub use written::{write_columns, write_rows};
 
 /// Longest file (bytes).
 const LONGEST_FILE: u64 = 1 << 30;

@@ -1,15 +1,19 @@
-//! Files of the gear as a two-port, open loop.
+//! Files of the gear and of the belt gear as two-ports, open loop.
 //!
 //! In: `t_s`, one of `theta_wg_rad` and `omega_wg_rad_s`, and `tau_load_nm`, the external torque ON
 //! the flexspline. Out: `t_s, theta_fs_rad, omega_fs_rad_s, tau_wg_nm, torsion_rad, tau_t_nm`, and a column a gauge.
+//! Of the belt gear, in: `t_s`, `theta_motor_rad` or `omega_motor_rad_s`, `tau_load_nm`. Out: `t_s, theta_out_rad, omega_out_rad_s,
+//! tau_motor_nm, torsion_rad, tau_t_nm, f_forward_n, f_backward_n`.
 
+use std::convert::Infallible;
 use std::fmt::Display;
 use std::path::Path;
 
 use super::columns::{Column, Columns, Extra, Schema};
 use super::time::{Instant, TIME, Time};
+use super::written::write_rows;
 use super::{ANGLE_LIMIT, LONGEST_FILE, SPEED_LIMIT, TORQUE_LIMIT};
-use crate::io::file::{self, BadInput, WriteError};
+use crate::io::file::{self, BadInput};
 
 const POSITION: Column = Column { name: "theta_wg_rad", limit: ANGLE_LIMIT, other_names: &[] };
 const VELOCITY: Column = Column { name: "omega_wg_rad_s", limit: SPEED_LIMIT, other_names: &[] };
@@ -17,7 +21,15 @@ const LOAD: Column = Column { name: "tau_load_nm", limit: TORQUE_LIMIT, other_na
 const SCHEMA: Schema =
     Schema { one_of: &[&[TIME], &[POSITION, VELOCITY], &[LOAD]], optional: &[], may_ignore: false };
 
-/// Drive of the wave generator.
+const MOTOR_POSITION: Column = Column { name: "theta_motor_rad", limit: ANGLE_LIMIT, other_names: &[] };
+const MOTOR_VELOCITY: Column = Column { name: "omega_motor_rad_s", limit: SPEED_LIMIT, other_names: &[] };
+const BELT_SCHEMA: Schema = Schema {
+    one_of: &[&[TIME], &[MOTOR_POSITION, MOTOR_VELOCITY], &[LOAD]],
+    optional: &[],
+    may_ignore: false,
+};
+
+/// Drive of the wave generator, or of a belt gear's motor.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Drive {
     /// Its angle (rad).
@@ -26,7 +38,7 @@ pub enum Drive {
     Velocity(Vec<f64>),
 }
 
-/// Drive of the wave generator at one instant.
+/// Drive at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DriveSample {
     /// Its angle (rad).
@@ -45,14 +57,14 @@ impl Drive {
     }
 }
 
-/// The two inputs of the gear over time.
+/// The two inputs of a gear over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OpenLoop {
     /// Time stamps.
     pub time: Time,
-    /// Drive of the wave generator.
+    /// Drive of the input side.
     pub drive: Drive,
-    /// External torque on the flexspline (N m).
+    /// External torque on the output (N m).
     pub load_torque: Vec<f64>,
 }
 
@@ -70,11 +82,36 @@ impl OpenLoop {
     /// # Errors
     /// As [`OpenLoop::read`].
     pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, BadInput> {
-        let mut columns = Columns::parse(path, bytes, SCHEMA, Extra::Refused)?;
+        Self::parse_as(path, bytes, SCHEMA, [POSITION, VELOCITY])
+    }
+
+    /// Reads and checks the inputs of a belt gear.
+    ///
+    /// # Errors
+    /// One line that names the file, the row and the column.
+    pub fn read_belt(path: &Path) -> Result<Self, BadInput> {
+        Self::parse_belt(path, &file::read(path, LONGEST_FILE)?)
+    }
+
+    /// The same in `bytes`; `path` is only named in errors.
+    ///
+    /// # Errors
+    /// As [`OpenLoop::read_belt`].
+    pub fn parse_belt(path: &Path, bytes: &[u8]) -> Result<Self, BadInput> {
+        Self::parse_as(path, bytes, BELT_SCHEMA, [MOTOR_POSITION, MOTOR_VELOCITY])
+    }
+
+    fn parse_as(
+        path: &Path,
+        bytes: &[u8],
+        schema: Schema,
+        [position, velocity]: [Column; 2],
+    ) -> Result<Self, BadInput> {
+        let mut columns = Columns::parse(path, bytes, schema, Extra::Refused)?;
         let time = Time::check(columns.require(TIME)).map_err(|why| BadInput::new(path, why))?;
-        let drive = match columns.take(POSITION) {
+        let drive = match columns.take(position) {
             Some(position) => Drive::Position(position),
-            None => Drive::Velocity(columns.require(VELOCITY)),
+            None => Drive::Velocity(columns.require(velocity)),
         };
         Ok(Self { time, drive, load_torque: columns.require(LOAD) })
     }
@@ -104,13 +141,58 @@ pub struct OpenLoopRow {
 
 impl OpenLoopRow {
     /// The numbers in the order of the columns.
-    fn numbers(&self) -> impl Iterator<Item = f64> {
+    fn numbers(&self) -> Vec<f64> {
         let Self { output_position, output_velocity, input_torque, torsion, transmitted_torque, .. } = self;
-        // Stamps on the grid, not with the last digits of their rounding.
-        let time = (self.time * 1e9).round() / 1e9;
-        [time, *output_position, *output_velocity, *input_torque, *torsion, *transmitted_torque]
+        [self.time, *output_position, *output_velocity, *input_torque, *torsion, *transmitted_torque]
             .into_iter()
             .chain(self.strains.iter().copied())
+            .collect()
+    }
+}
+
+/// Columns of a belt gear's open-loop output.
+const BELT_OUTPUT: [&str; 8] = [
+    "t_s",
+    "theta_out_rad",
+    "omega_out_rad_s",
+    "tau_motor_nm",
+    "torsion_rad",
+    "tau_t_nm",
+    "f_forward_n",
+    "f_backward_n",
+];
+
+/// One row of a belt gear's open-loop output.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BeltRow {
+    /// Time (s).
+    pub time: f64,
+    /// Output angle (rad).
+    pub output_position: f64,
+    /// Output speed (rad/s).
+    pub output_velocity: f64,
+    /// Torque that the motor supplies (N m).
+    pub motor_torque: f64,
+    /// Torsion at the output (rad).
+    pub torsion: f64,
+    /// Torque through the belt, on the output (N m).
+    pub transmitted_torque: f64,
+    /// Tension of the forward span at the output's pulley (N).
+    pub forward_force: f64,
+    /// Tension of the backward span at the output's pulley (N).
+    pub backward_force: f64,
+}
+
+impl BeltRow {
+    /// The numbers in the order of the columns.
+    fn numbers(&self) -> Vec<f64> {
+        let Self { time, output_position, output_velocity, motor_torque, torsion, .. } = *self;
+        let forces = [self.forward_force, self.backward_force];
+        [
+            &[time, output_position, output_velocity, motor_torque, torsion, self.transmitted_torque],
+            &forces[..],
+        ]
+        .concat()
     }
 }
 
@@ -123,17 +205,15 @@ pub fn write_open_loop<E: Display>(
     gauges: &[String],
     rows: impl IntoIterator<Item = Result<OpenLoopRow, E>>,
 ) -> Result<(), BadInput> {
-    file::write(path, |out| {
-        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
-        let failed = |error: csv::Error| WriteError::Io(error.into());
-        writer.serialize((OUTPUT, gauges)).map_err(failed)?;
-        for row in rows {
-            let row = row.map_err(|error| WriteError::Refused(error.to_string()))?;
-            if !row.numbers().all(f64::is_finite) {
-                return Err(WriteError::Refused(format!("a value at {} s is not finite", row.time)));
-            }
-            writer.serialize(row.numbers().collect::<Vec<_>>()).map_err(failed)?;
-        }
-        Ok(writer.flush()?)
-    })
+    let header: Vec<&str> = OUTPUT.into_iter().chain(gauges.iter().map(String::as_str)).collect();
+    write_rows(path, &header, rows.into_iter().map(|row| row.map(|row| row.numbers())))
+}
+
+/// Writes the open-loop output of a belt gear, complete or not at all.
+///
+/// # Errors
+/// The file cannot be written, or a value is not finite.
+pub fn write_belt(path: &Path, rows: impl IntoIterator<Item = BeltRow>) -> Result<(), BadInput> {
+    let rows = rows.into_iter().map(|row| Ok::<_, Infallible>(row.numbers()));
+    write_rows(path, &BELT_OUTPUT, rows)
 }

@@ -3,6 +3,7 @@
 //! Tests and `strainwave verify` read the same rows, a file for each part; nearly all are upper bounds, [`FLOORS`] are
 //! lower ones. A row that nothing measures fails a test; a bound that has become [`LOOSE`] times too loose fails in `verify`.
 
+mod belt;
 mod catalogue;
 mod compensator;
 mod constants;
@@ -14,6 +15,9 @@ mod healthy;
 mod hysteresis;
 mod identify;
 mod joint;
+mod link;
+mod piezo;
+mod robot;
 mod robustness;
 
 use crate::io::figure::Figure;
@@ -35,8 +39,9 @@ pub struct Bound {
 pub const LOOSE: f64 = 10.0;
 
 /// Every bound, by part.
-pub const BOUNDS: [&[Bound]; 12] = [
+pub const BOUNDS: [&[Bound]; 16] = [
     joint::ROWS,
+    belt::ROWS,
     catalogue::ROWS,
     compensator::ROWS,
     constants::ROWS,
@@ -47,6 +52,9 @@ pub const BOUNDS: [&[Bound]; 12] = [
     healthy::ROWS,
     hysteresis::ROWS,
     identify::ROWS,
+    link::ROWS,
+    piezo::ROWS,
+    robot::ROWS,
     robustness::ROWS,
 ];
 

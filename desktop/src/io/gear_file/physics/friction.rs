@@ -17,7 +17,11 @@ pub(super) fn output(gear: &GearFile) -> Result<(), String> {
     check("friction.output", &gear.friction.output, gear.inertia.flexspline)
 }
 
-fn check(path: &str, side: &Friction, inertia: f64) -> Result<(), String> {
+/// The side at `path` can be built, and does not turn a speed around in a control period with this inertia (kg m^2).
+///
+/// # Errors
+/// One line that names the key, its value and what is allowed.
+pub(crate) fn check(path: &str, side: &Friction, inertia: f64) -> Result<(), String> {
     let refused = damped(side, inertia).and_then(|()| built(side));
     refused.map_err(|Refused { key, value, allowed }| {
         let value = value.map_or(String::new(), |value| format!(" = {value}"));

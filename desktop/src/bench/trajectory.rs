@@ -1,20 +1,18 @@
 //! Trajectory of a user as a task of the joint: its rows joined by a smooth curve, and what of the joint's limits it needs.
 //!
-//! Between the rows the setpoint is the curve of the least squared jerk through them (`curve.rs`), every control period; the
+//! Between the rows the setpoint is the curve of the least squared jerk through them (`plant/curve.rs`), every control period; the
 //! load is linear. The joint is at rest in the first row: its angle is the bench's zero angle, and [`Trajectory::zero`] leads
 //! back to the file's angles.
-
-mod curve;
 
 use crate::bench::task::{Demand, Task, periods};
 use crate::design::capability::Capability;
 use crate::io::gear_file::GearFile;
 use crate::io::log::{CommandedMotion, Time, place};
-use curve::Curve;
+use crate::plant::curve::Curve;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Fraction of the output's fastest speed that a setpoint may have: the compensator keeps the rest for overshoot.
-const SETPOINT_SPEED: f64 = 0.95;
+pub(crate) const SETPOINT_SPEED: f64 = 0.95;
 /// Fraction of the output's fastest speed below which a joint at rest may be taken along at once.
 const START_SPEED: f64 = 0.01;
 

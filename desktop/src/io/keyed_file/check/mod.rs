@@ -1,4 +1,4 @@
-//! A parsed gear file against the table of keys: everything that is wrong with it, a line each.
+//! A parsed file against its table of keys: everything that is wrong with it, a line each.
 
 mod unknown;
 mod values;
@@ -7,10 +7,9 @@ use strainwave::friction::ModelName;
 use strainwave::friction::data::MOST_STATES;
 use toml::{Table, Value};
 
-use super::keys::{KEYS, RELATIONS, Relation};
-pub(super) use unknown::is_table;
+use super::key::{Relation, Schema, section_of};
 
-/// One thing that is wrong with a gear file.
+/// One thing that is wrong with a file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Fault {
     /// Path of the key in the file.
@@ -22,35 +21,35 @@ pub(super) struct Fault {
 impl Fault {
     /// The section that the key is in.
     pub fn section(&self) -> &str {
-        self.path.split(['.', '[']).next().unwrap_or(&self.path)
+        section_of(&self.path)
     }
 }
 
 /// Unknown keys first, since a misspelt key is also a missing one; then every key in the table's order; then what the
 /// friction models need; then the relations between keys of which each is right by itself.
-pub(super) fn faults(file: &Table) -> Vec<Fault> {
-    let mut faults = unknown::faults(file);
-    values::faults(file, &mut faults);
-    faults.extend(["input", "output"].into_iter().filter_map(|side| missing_need(file, side)));
+pub(super) fn faults(file: &Table, schema: &Schema) -> Vec<Fault> {
+    let mut faults = unknown::faults(file, schema.keys);
+    values::faults(file, schema, &mut faults);
+    faults.extend(schema.sides.iter().filter_map(|side| missing_need(file, schema, side)));
     let sound = |path: &str| !faults.iter().any(|fault| fault.path == path);
-    let relations = RELATIONS.iter().filter(|relation| sound(relation.path) && sound(relation.than));
+    let relations = schema.relations.iter().filter(|relation| sound(relation.path) && sound(relation.than));
     let unrelated: Vec<_> = relations.filter_map(|relation| violated(file, relation)).collect();
     faults.extend(unrelated);
     faults
 }
 
 /// The first key that the friction model of a side needs and that is not there.
-fn missing_need(file: &Table, side: &str) -> Option<Fault> {
+fn missing_need(file: &Table, schema: &Schema, side: &str) -> Option<Fault> {
     let friction = file.get("friction")?.get(side)?;
     let model = friction.get("model").and_then(Value::as_str).and_then(ModelName::of_word)?;
     let name = model.needs().find(|name| friction.get(name).is_none())?;
     let path = format!("friction.{side}.{name}");
-    Some(Fault { line: needed(&path, side, model), path })
+    Some(Fault { line: needed(schema, &path, side, model), path })
 }
 
 /// A key, or the list of its table's entries.
-fn needed(path: &str, side: &str, model: ModelName) -> String {
-    let allowed = KEYS.iter().find(|key| key.path == path).map(|key| key.allowed.to_string());
+fn needed(schema: &Schema, path: &str, side: &str, model: ModelName) -> String {
+    let allowed = schema.keys.iter().find(|key| key.path == path).map(|key| key.allowed.to_string());
     let allowed = allowed.unwrap_or_else(|| format!("a list of 1 to {MOST_STATES} tables"));
     format!("missing key {path}, which friction.{side}.model = {:?} needs; allowed: {allowed}", model.word())
 }

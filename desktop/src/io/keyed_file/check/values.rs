@@ -1,14 +1,19 @@
 //! The values of a file's keys: there, of the right type, in range.
 
+use std::ops::RangeInclusive;
+
 use strainwave::hysteresis::table::TABLE_LEVELS;
 use toml::{Table, Value};
 
-use super::super::keys::{Allowed, KEYS, Key, LONGEST_TEXT, MOST_ORDERS, in_single_precision};
 use super::{Fault, join, number, shown_after};
+use crate::io::keyed_file::key::{
+    Allowed, Key, LONGEST_TEXT, MOST_ENTRIES, Schema, in_single_precision, section_of,
+};
 
-/// Adds what is wrong with the value of every key, in the order of the table of keys.
-pub(super) fn faults(file: &Table, faults: &mut Vec<Fault>) {
-    for key in KEYS {
+/// Adds what is wrong with the value of every key, in the order of the table of keys; not of sections that are left out and may be.
+pub(super) fn faults(file: &Table, schema: &Schema, faults: &mut Vec<Fault>) {
+    let left_out = |section: &str| schema.optional_sections.contains(&section) && !file.contains_key(section);
+    for key in schema.keys.iter().filter(|key| !left_out(section_of(key.path))) {
         let mut found = Vec::new();
         for (path, value) in find(file, key, &mut found) {
             if let Err(line) = check_value(&path, value, key.allowed) {
@@ -66,8 +71,8 @@ fn enter_list<'a>(tables: &Tables<'a>, name: &str, faults: &mut Vec<Fault>) -> T
         let path = join(parent, name);
         match table.get(name) {
             None => {}
-            Some(Value::Array(items)) if items.len() > MOST_ORDERS => {
-                let line = format!("{path} has {} entries; allowed: at most {MOST_ORDERS}", items.len());
+            Some(Value::Array(items)) if items.len() > MOST_ENTRIES => {
+                let line = format!("{path} has {} entries; allowed: at most {MOST_ENTRIES}", items.len());
                 faults.push(Fault { path, line });
             }
             Some(Value::Array(items)) => entered.append(&mut enter_items(&path, items, faults)),
@@ -102,8 +107,8 @@ fn check_value(path: &str, value: &Value, allowed: Allowed) -> Result<(), String
     if !right_type {
         return Err(wrong_type(path, value, allowed));
     }
-    if let (Allowed::Triangle(most, _), Value::Array(rows)) = (allowed, value) {
-        return check_triangle(path, rows, most).map_err(|why| format!("{why}; allowed: {allowed}"));
+    if let (Allowed::Triangle(least, most, _), Value::Array(rows)) = (allowed, value) {
+        return check_triangle(path, rows, least..=most).map_err(|why| format!("{why}; allowed: {allowed}"));
     }
     if let (Allowed::Numbers(most, ..), Value::Array(items)) = (allowed, value) {
         return check_list(path, items, most, allowed);
@@ -111,7 +116,7 @@ fn check_value(path: &str, value: &Value, allowed: Allowed) -> Result<(), String
     if holds(allowed, value) { Ok(()) } else { Err(out_of_range(path, value, allowed)) }
 }
 
-fn check_triangle(path: &str, rows: &[Value], most: f64) -> Result<(), String> {
+fn check_triangle(path: &str, rows: &[Value], range: RangeInclusive<f64>) -> Result<(), String> {
     if !(2..=TABLE_LEVELS).contains(&rows.len()) {
         return Err(format!("{path} has {} rows", rows.len()));
     }
@@ -121,7 +126,7 @@ fn check_triangle(path: &str, rows: &[Value], most: f64) -> Result<(), String> {
         if numbers.len() != index + 1 {
             return Err(format!("{path} is not a list of {} numbers", index + 1));
         }
-        let inside = |number: f64| (0.0..=most).contains(&number) && in_single_precision(number);
+        let inside = |number: f64| range.contains(&number) && in_single_precision(number);
         if let Some(at) = numbers.iter().position(|value| !number(value).is_some_and(inside)) {
             return Err(format!("{path}[{at}]{} is out of range", shown_after(&numbers[at])));
         }

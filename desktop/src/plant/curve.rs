@@ -31,7 +31,7 @@ const SQUARED_JERK: [[f64; 3]; 3] = [[36.0, 72.0, 120.0], [72.0, 192.0, 360.0], 
 
 /// Position and its derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Point {
+pub(crate) struct Point {
     /// (rad)
     pub position: f64,
     /// (rad/s)
@@ -49,7 +49,7 @@ type Given = [Option<f64>; 2];
 
 /// The curve.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Curve {
+pub(crate) struct Curve {
     stamps: Vec<f64>,
     /// Position, velocity and acceleration of each row.
     rows: Vec<[f64; 3]>,

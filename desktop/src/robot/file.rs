@@ -1,0 +1,292 @@
+//! The robot file: one TOML file that describes an arm, joint by joint from the base to the tip.
+//!
+//! `[robot]` has its name and gravity in the frame of the base, each `[[joint]]` the gear file of the joint, relative to the robot's
+//! file, and the link behind it ([`super::chain`]). [`KEYS`] lists every key with what it may hold. As with a gear file an unknown or missing
+//! key, a wrong type and a value out of range are refused by one line that names file, key, value and what is allowed.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::chain::{Link, is_inertia};
+use crate::design::buildable::buildable;
+use crate::io::file::{self, BadInput, folder_of};
+use crate::io::gear_file::{DEFAULT, GearFile};
+use crate::io::keyed_file::key::{Allowed, Key, MOST_ENTRIES, Schema, key, optional, positive, within};
+use crate::io::keyed_file::{self, KeyedFile, LONGEST_FILE};
+
+/// The robot of scenario S7, as a file.
+pub const EXAMPLE: &str = include_str!("../../../examples/arm/arm.toml");
+/// The gear of its elbow, as a file.
+const ELBOW: &str = include_str!("../../../examples/arm/elbow.toml");
+
+/// Largest magnitude of gravity (m/s^2), and of a length (m).
+const LARGEST: f64 = 100.0;
+/// Largest mass (kg) and inertia (kg m^2).
+const HEAVIEST: f64 = 1e5;
+
+const GRAVITY: Allowed = within(-LARGEST, LARGEST, "m/s^2");
+const PLACE: Allowed = within(-LARGEST, LARGEST, "m");
+const ANGLE: Allowed = within(-std::f64::consts::PI, std::f64::consts::PI, "rad");
+const INERTIA: Allowed = positive(HEAVIEST, "kg m^2");
+
+/// The keys in the order of the file.
+pub const KEYS: &[Key] = &[
+    key("robot.name", Allowed::Text),
+    optional("robot.gravity_x_m_per_s2", GRAVITY),
+    optional("robot.gravity_y_m_per_s2", GRAVITY),
+    optional("robot.gravity_z_m_per_s2", GRAVITY),
+    key("joint[].gear", Allowed::Text),
+    optional("joint[].start_rad", ANGLE),
+    key("joint[].length_m", within(0.0, LARGEST, "m")),
+    optional("joint[].offset_m", PLACE),
+    optional("joint[].twist_rad", ANGLE),
+    key("joint[].mass_kg", positive(HEAVIEST, "kg")),
+    key("joint[].centre_m", PLACE),
+    optional("joint[].centre_y_m", PLACE),
+    optional("joint[].centre_z_m", PLACE),
+    key("joint[].inertia_kg_m2", INERTIA),
+    optional("joint[].inertia_x_kg_m2", INERTIA),
+    optional("joint[].inertia_y_kg_m2", INERTIA),
+];
+
+/// A robot, its gear files read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotFile {
+    /// Name of the robot.
+    pub name: String,
+    /// Gravity in the frame of the base (m/s^2).
+    pub gravity: [f64; 3],
+    /// The joints, from the base on.
+    pub joints: Vec<Joint>,
+}
+
+/// A joint and the link behind it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// The gear, and all that the joint's controller knows.
+    pub gear: GearFile,
+    /// Angle at the start (rad).
+    pub start: f64,
+    /// The link; without what turns with the flange alone.
+    pub link: Link,
+}
+
+/// The file as it stands there.
+#[derive(Deserialize)]
+struct Text {
+    robot: RobotText,
+    #[serde(default)]
+    joint: Vec<JointText>,
+}
+
+#[derive(Deserialize)]
+struct RobotText {
+    name: String,
+    #[serde(default)]
+    gravity_x_m_per_s2: f64,
+    #[serde(default)]
+    gravity_y_m_per_s2: f64,
+    #[serde(default)]
+    gravity_z_m_per_s2: f64,
+}
+
+#[derive(Deserialize)]
+struct JointText {
+    gear: String,
+    #[serde(default)]
+    start_rad: f64,
+    length_m: f64,
+    #[serde(default)]
+    offset_m: f64,
+    #[serde(default)]
+    twist_rad: f64,
+    mass_kg: f64,
+    centre_m: f64,
+    #[serde(default)]
+    centre_y_m: f64,
+    #[serde(default)]
+    centre_z_m: f64,
+    inertia_kg_m2: f64,
+    inertia_x_kg_m2: Option<f64>,
+    inertia_y_kg_m2: Option<f64>,
+}
+
+impl KeyedFile for Text {
+    const SCHEMA: Schema = Schema::of(KEYS);
+    const DEFAULT: &'static str = EXAMPLE;
+
+    /// There is a joint, and bodies have their moments of inertia.
+    fn conditions(&self, damaged: &[&str]) -> Vec<String> {
+        if damaged.contains(&"joint") {
+            return Vec::new();
+        }
+        if self.joint.is_empty() {
+            return vec![format!("missing key joint; allowed: a list of 1 to {MOST_ENTRIES} tables")];
+        }
+        let joints = self.joint.iter().enumerate();
+        joints.filter_map(|(index, joint)| require_inertia(index, &joint.link()).err()).collect()
+    }
+}
+
+impl JointText {
+    fn link(&self) -> Link {
+        let about_z = self.inertia_kg_m2;
+        Link {
+            length: self.length_m,
+            offset: self.offset_m,
+            twist: self.twist_rad,
+            mass: self.mass_kg,
+            centre: [self.centre_m, self.centre_y_m, self.centre_z_m],
+            inertia: [
+                self.inertia_x_kg_m2.unwrap_or(about_z),
+                self.inertia_y_kg_m2.unwrap_or(about_z),
+                about_z,
+            ],
+            flange: 0.0,
+        }
+    }
+}
+
+impl RobotFile {
+    /// Reads and checks `path` and the gear files that it names.
+    ///
+    /// # Errors
+    /// One line that names the file, the key, its value and what is allowed.
+    pub fn read(path: &Path) -> Result<Self, BadInput> {
+        let folder = folder_of(path);
+        Self::parse(path, &file::read(path, LONGEST_FILE)?, |gear| GearFile::read(&folder.join(gear)))
+    }
+
+    /// Reads and checks `path`, and tells everything that is wrong with it; of the gear files the first thing.
+    ///
+    /// # Errors
+    /// An error for each fault, as [`RobotFile::read`] has it for the first.
+    pub fn faultless(path: &Path) -> Result<Self, Vec<BadInput>> {
+        let folder = folder_of(path);
+        let text = keyed_file::faultless(path)?;
+        Self::of(path, text, |gear| GearFile::read(&folder.join(gear))).map_err(|error| vec![error])
+    }
+
+    /// The robot file in `bytes`, its gear files by `gear`; `path` is only named in errors.
+    ///
+    /// # Errors
+    /// As [`RobotFile::read`].
+    pub fn parse(
+        path: &Path,
+        bytes: &[u8],
+        gear: impl Fn(&str) -> Result<GearFile, BadInput>,
+    ) -> Result<Self, BadInput> {
+        Self::of(path, keyed_file::parse(path, bytes)?, gear)
+    }
+
+    fn of(
+        path: &Path,
+        text: Text,
+        gear: impl Fn(&str) -> Result<GearFile, BadInput>,
+    ) -> Result<Self, BadInput> {
+        let refuse = |why: String| BadInput::new(path, why);
+        let joint = |(index, joint): (usize, &JointText)| {
+            let gear = gear(&joint.gear)?;
+            buildable(&gear)
+                .map_err(|why| refuse(format!("joint[{index}].gear = {:?}: {why}", joint.gear)))?;
+            Ok(Joint { gear, start: joint.start_rad, link: joint.link() })
+        };
+        let joints = text.joint.iter().enumerate().map(joint).collect::<Result<_, _>>()?;
+        let RobotText { name, gravity_x_m_per_s2, gravity_y_m_per_s2, gravity_z_m_per_s2 } = text.robot;
+        Ok(Self { name, gravity: [gravity_x_m_per_s2, gravity_y_m_per_s2, gravity_z_m_per_s2], joints })
+    }
+
+    /// The robot of scenario S7, `examples/arm/arm.toml`.
+    pub fn example() -> Self {
+        let gear = |path: &str| {
+            let text = if path.ends_with("hd25-100.toml") { DEFAULT } else { ELBOW };
+            GearFile::parse(Path::new(path), text.as_bytes())
+        };
+        Self::parse(Path::new("arm.toml"), EXAMPLE.as_bytes(), gear).expect("the example is tested")
+    }
+}
+
+/// Refuses moments of inertia that no body has.
+fn require_inertia(index: usize, link: &Link) -> Result<(), String> {
+    let [x, y, z] = link.inertia;
+    if is_inertia(link.inertia) {
+        return Ok(());
+    }
+    Err(format!(
+        "joint[{index}].inertia_kg_m2 = {z} with inertia_x_kg_m2 = {x} and inertia_y_kg_m2 = {y} is out of range; allowed: none \
+         larger than the sum of the others"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(text: &str) -> Result<RobotFile, String> {
+        let gear = |_: &str| Ok(GearFile::default_gear());
+        RobotFile::parse(Path::new("arm.toml"), text.as_bytes(), gear).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn the_example_is_an_arm_under_gravity() {
+        let robot = RobotFile::example();
+        assert_eq!((robot.joints.len(), robot.gravity), (2, [0.0, -9.80665, 0.0]));
+        assert_eq!(robot.joints[0].gear, GearFile::default_gear());
+        assert!(robot.joints[1].gear.gear.rated_torque < 40.0);
+        assert_eq!((robot.joints[1].link.length, robot.joints[1].start), (0.35, 1.1));
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        for (from, to, line) in [
+            (
+                "mass_kg = 4.0",
+                "mass = 4.0",
+                "arm.toml: unknown key joint[0].mass = 4.0; the nearest known key is joint[].mass_kg (a number above 0 to 1e5 kg); and 1 more: strainwave check arm.toml",
+            ),
+            (
+                "mass_kg = 4.0",
+                "mass_kg = -4.0",
+                "arm.toml: joint[0].mass_kg = -4.0 is out of range; allowed: a number above 0 to 1e5 kg",
+            ),
+            (
+                "length_m = 0.40",
+                "length_m = \"long\"",
+                "arm.toml: joint[0].length_m = \"long\" is text; allowed: a number from 0 to 100 m",
+            ),
+            (
+                "name = \"two-joint arm\"",
+                "",
+                "arm.toml: missing key robot.name; allowed: text of 1 to 80 characters",
+            ),
+            (
+                "inertia_x_kg_m2 = 0.006",
+                "inertia_x_kg_m2 = 0.6",
+                "arm.toml: joint[0].inertia_kg_m2 = 0.06 with inertia_x_kg_m2 = 0.6 and inertia_y_kg_m2 = 0.06 is out of range; allowed: none larger than the sum of the others",
+            ),
+            ("[robot]", "[robot", "arm.toml: line 4: not TOML: unclosed table, expected `]`; and "),
+        ] {
+            assert!(EXAMPLE.contains(from));
+            let found = parsed(&EXAMPLE.replacen(from, to, 1)).unwrap_err();
+            assert!(found.starts_with(line), "{found}");
+        }
+        let bare = parsed("[robot]\nname = \"a\"\n").unwrap_err();
+        assert_eq!(bare, "arm.toml: missing key joint; allowed: a list of 1 to 8 tables");
+    }
+
+    /// Of a gear file the reader names itself; a gear that cannot be built for is named by the robot's.
+    #[test]
+    fn a_gear_that_cannot_be_used_is_named() {
+        let gear = |_: &str| {
+            let mut gear = GearFile::default_gear();
+            gear.friction.input.model = strainwave::friction::ModelName::LuGre;
+            Ok(gear)
+        };
+        let line = RobotFile::parse(Path::new("arm.toml"), EXAMPLE.as_bytes(), gear).unwrap_err().to_string();
+        assert!(
+            line.starts_with("arm.toml: joint[0].gear = \"../../gears/hd25-100.toml\": friction.input.model"),
+            "{line}"
+        );
+    }
+}

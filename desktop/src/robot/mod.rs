@@ -1,0 +1,21 @@
+//! Robots of several joints: gears between motors and the links of an arm, each joint with a controller of its own.
+//!
+//! [`mod@file`] reads a robot, [`chain`] moves its rigid links, [`plant`] couples them with the gears, [`mod@bench`] closes the loop of
+//! every joint, [`circle`] and [`motions`] are what the arm is asked for, [`run`] is what came of it.
+
+pub mod bench;
+pub mod chain;
+pub mod circle;
+pub mod file;
+pub mod jet;
+pub mod motions;
+pub mod plant;
+pub mod run;
+pub mod sample;
+
+pub use bench::RobotBench;
+pub use circle::Circle;
+pub use file::RobotFile;
+pub use plant::RobotPlant;
+pub use run::RobotRun;
+pub use sample::RobotSample;

@@ -1,0 +1,75 @@
+//! Bounds of `verify belt`: closed forms, energy, reduction, precision.
+
+use super::Bound;
+
+pub(super) const ROWS: &[Bound] = &[
+    Bound {
+        name: "belt.stiffness",
+        value: 1e-15,
+        unit: "1",
+        why: "load over torsion of the settled chain, both spans taut, relative error: rounding is left; target 1e-9",
+    },
+    Bound {
+        name: "belt.stiffness.slack",
+        value: 1e-15,
+        unit: "1",
+        why: "the same under loads at which one span is slack; target 1e-9",
+    },
+    Bound {
+        name: "belt.span_forces",
+        value: 2e-16,
+        unit: "1",
+        why: "tensions of both spans, taut and slack, relative to the pretension: rounding is left; target 1e-9",
+    },
+    Bound {
+        name: "belt.chain.fixed",
+        value: 1e-14,
+        unit: "1",
+        why: "squares of a span's 16 eigenvalues between fixed ends, from the chain's own steps; target 1e-9",
+    },
+    Bound {
+        name: "belt.chain.pulley",
+        value: 1e-9,
+        unit: "1",
+        why: "the same of both spans and the output's inertia: of the slowest, the output has 3*10^4 times a node's mass, and \
+              the tensions that move it are differences; target 1e-9",
+    },
+    Bound {
+        name: "belt.energy",
+        value: 1e-6,
+        unit: "1",
+        why: "largest change in 10^5 steps at half of the stable one, the output swinging on the belt: what comes and goes with \
+              (w*dt)^2/8; target 1e-6",
+    },
+    Bound {
+        name: "belt.energy.every_mode",
+        value: 1e-6,
+        unit: "1",
+        why: "the same with every node moving, in steps of a thousandth of the stable one; target 1e-6",
+    },
+    Bound {
+        name: "belt.reduction.torsion",
+        value: 1e-2,
+        unit: "1",
+        why: "massless spans in one step of 0.1 ms against 16 nodes a span, relative to the largest torsion",
+    },
+    Bound {
+        name: "belt.reduction.forces",
+        value: 5e-3,
+        unit: "1",
+        why: "span forces, relative to the pretension, while both spans are taut",
+    },
+    Bound {
+        name: "belt.reduction.forces.slack",
+        value: 0.1,
+        unit: "1",
+        why: "the same while one goes slack and is caught: its damper's force at the moment at which it is taut again, a row of \
+              0.1 ms earlier or later",
+    },
+    Bound {
+        name: "belt.f32",
+        value: 1e-5,
+        unit: "1",
+        why: "span forces of the reduction in f32 against f64, relative to the pretension",
+    },
+];
