@@ -46,9 +46,9 @@ use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::{RADIANS_PER_COUNT, Real};
 
-/// P_0 (rad): at the largest rate, [`RIPPLE_PER_RADIAN`] a radian, a ripple of order 1 is learnt but for a hundredth of it.
+/// P_0 (rad): at the largest rate, [`RIPPLE_PER_RADIAN`] a radian, a ripple of order 1 is learnt but for a thousandth of it.
 fn first_path() -> f64 {
-    core::f64::consts::LN_10 * 2.0 / RIPPLE_PER_RADIAN.get()
+    core::f64::consts::LN_10 * 3.0 / RIPPLE_PER_RADIAN.get()
 }
 
 /// Number of learnt orders.
