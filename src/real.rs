@@ -5,9 +5,9 @@
 //! A number enters generic code as f64, through [`Real::lit`].
 //!
 //! Every square root, exponential and sine of the library is called through it, but for those of the link's mode shapes
-//! (`elementary/double.rs`). Square roots of `build` and the f64 sine are libm's. The functions of the control step are our own, because libm's `sinf` reduces its argument in
-//! f64, which a Cortex-M4F only has in software. micromath's, which do without, have errors of 1.1e-3 (sine) and
-//! 2.9e-2 (1 - e^-x from 1e-6 on), too much for torsion and presliding (measured in
+//! (`elementary/double.rs`). Square roots of `build` and the f64 sine are libm's. The functions of the control step are our
+//! own, because libm's `sinf` reduces its argument in f64, which a Cortex-M4F only has in software. micromath's, which do
+//! without, have errors of 1.1e-3 (sine) and 2.9e-2 (1 - e^-x from 1e-6 on), too much for torsion and presliding (measured in
 //! `host-tests/tests/elementary_functions.rs`). A cargo feature nevertheless chooses either crate's in their place
 //! ([`crate::elementary`]); the table is of our own:
 //!

@@ -43,9 +43,9 @@ pub use params::{LinkParams, MOST_MODES, Span};
 
 /// Loads: acceleration of the joint, force at the tip, weight, couple of the patch.
 const LOADS: usize = 4;
-/// Largest load of each kind that is believed; beyond it counts as this.
+/// Largest load of each kind; one beyond it counts as this.
 const LOAD_LIMITS: [f64; LOADS] = [1e6, 1e6, 1e3, 1e6];
-/// Largest speed of the joint that is believed (rad/s).
+/// Largest speed of the joint (rad/s), alike.
 const VELOCITY_LIMIT: f64 = 1e5;
 
 /// The beam in f64, which `build` computes in.
