@@ -84,8 +84,6 @@ pub struct LearningState<R: Real> {
     speed: R,
     /// Measured output less setpoint (rad), where there is an output encoder.
     position: Option<R>,
-    /// The output feedback integrates it.
-    integrates: bool,
     /// epsilon (N m).
     residual: R,
 }
@@ -216,17 +214,9 @@ impl<R: Real> Learning<R> {
         state.applied = state.adaptation.factors().scaled(gains.adaptation);
     }
 
-    /// Takes the feed-forward's regressors, and the measured output less the setpoint (rad) where it is measured, which the output
-    /// feedback `integrates` or does not.
+    /// Takes the feed-forward's regressors, and the measured output less the setpoint (rad) where it is measured.
     #[inline(always)]
-    pub fn follow(
-        &self,
-        state: &mut LearningState<R>,
-        excitation: &Excitation<R>,
-        position: Option<R>,
-        integrates: bool,
-    ) {
-        state.integrates = integrates;
+    pub fn follow(&self, state: &mut LearningState<R>, excitation: &Excitation<R>, position: Option<R>) {
         state.excitation = *excitation;
         state.speed = excitation.velocity * self.inverse_ratio;
         state.position = position;
@@ -237,8 +227,7 @@ impl<R: Real> Learning<R> {
     pub fn learn_ripple(&self, state: &mut LearningState<R>) {
         let torque = -self.ratio * state.residual;
         let acceleration = state.excitation.acceleration * self.inverse_ratio;
-        let LearningState { speed, position, integrates, .. } = *state;
-        let sample = RippleSample { speed, acceleration, position, integrates, torque };
+        let sample = RippleSample { speed: state.speed, acceleration, position: state.position, torque };
         self.ripple.learn(&mut state.map, &mut state.now, &sample);
     }
 }

@@ -66,8 +66,7 @@ impl<R: Real> Compensator<R> {
         let supervised = state.supervisor.gain();
         let shift = self.output_feedback.step(&mut state.output_feedback, &error, supervised);
         let gain = gains.output_feedback * R::from_i32(self.gear.ratio().n());
-        let slow = self.output_feedback.is_slow(setpoint.velocity);
-        let followed = newest.filter(|_| slow);
+        let followed = newest.filter(|_| self.output_feedback.is_slow(setpoint.velocity));
         let measured_gain = supervised * gain;
         self.measured_feedback.plan(&mut state.measured_feedback, followed, setpoint.velocity, measured_gain);
         if target.switched {
@@ -91,7 +90,7 @@ impl<R: Real> Compensator<R> {
             closed: target.torque.is_none(),
         };
         let position = newest.map(|newest| newest.error);
-        self.learning.follow(&mut state.learning, &demand.excitation, position, slow);
+        self.learning.follow(&mut state.learning, &demand.excitation, position);
     }
 
     /// Output encoder's newest reading less the setpoint of its time, where it is near the last accepted one.
