@@ -308,7 +308,10 @@ impl<F: Flexspline<f64>> Bench<F> {
 
 #[cfg(test)]
 mod tests {
+    use rand_distr::{Distribution, Normal};
+
     use super::*;
+    use crate::sensor::encoder::encoder_count;
 
     /// The same seed, the same noise; twice the factor, twice the noise.
     #[test]
@@ -321,6 +324,36 @@ mod tests {
         };
         assert_eq!(read(1.0), read(1.0));
         assert_eq!(read(2.0), read(1.0).map(|torque| 2.0 * torque));
+    }
+
+    /// Torque and a normal number of the joint's stream each, the motor's first; of the encoders the nearest count.
+    #[test]
+    fn errors_of_the_bench_are_those_of_its_gear_file_bit_for_bit() {
+        let mut file = GearFile::default_gear();
+        file.sensors.output_torque = true;
+        let conditions = Conditions { sensors: SensorSet::Both, ..Conditions::of(&file, 7) };
+        let mut bench = Bench::condensed(&file, &conditions).unwrap();
+        let mut drawn = random(7, 0, Purpose::Torque);
+        for k in 0..50 {
+            bench.plant.command(0.01 * f64::from(k), 0.0);
+            bench.plant.go_on(4, 0.0).unwrap();
+            let plant = bench.plant.clone();
+            let mut noisy = |torque: f64, deviation| {
+                (torque + Normal::new(0.0, deviation).unwrap().sample(&mut drawn)) as f32
+            };
+            let motor_torque = noisy(plant.measured_motor_torque(), file.sensors.motor_torque_noise);
+            let output_torque = noisy(plant.last_torques().transmitted, file.sensors.output_torque_noise);
+            let count = |angle: strainwave::Angle<f64>, bits: u32| {
+                encoder_count(angle.plus(std::f64::consts::PI / 2f64.powi(bits.cast_signed())), bits)
+            };
+            let expected = Sensors {
+                motor_encoder: count(plant.motor().angle, file.sensors.motor_encoder_bits),
+                output_encoder: Some(count(plant.output().angle, file.sensors.output_bits())),
+                motor_torque,
+                output_torque: Some(output_torque),
+            };
+            assert_eq!(bench.sensors.read(&plant, 0.0), expected, "{k}");
+        }
     }
 
     #[test]
