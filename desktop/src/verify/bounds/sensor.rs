@@ -5,19 +5,19 @@ use super::Bound;
 pub(super) const ROWS: &[Bound] = &[
     Bound {
         name: "sensor.encoder.quantisation",
-        value: 1e-3,
+        value: 1e-4,
         unit: "1",
         why: "rms of the rounding to counts over a count/sqrt(12), less 1, over angles that lie evenly; target 1e-2",
     },
     Bound {
         name: "sensor.encoder.delay",
-        value: 1e-6,
+        value: 2e-5,
         unit: "1",
-        why: "lag at constant speed over the stated delay, less 1, whole samples and fractions: rounding to 32 bits; target 1e-2",
+        why: "lag at constant speed over the stated delay, less 1, whole samples and fractions: up to a count of 32 bits of the least lag; target 1e-2",
     },
     Bound {
         name: "sensor.encoder.eccentricity",
-        value: 1e-6,
+        value: 3e-6,
         unit: "1",
         why: "error of each order over a revolution against the stated one, of the largest amplitude: rounding to 24 bits; target 1e-2",
     },
@@ -59,7 +59,7 @@ pub(super) const ROWS: &[Bound] = &[
     },
     Bound {
         name: "sensor.motor_current.quantisation",
-        value: 1e-3,
+        value: 5e-5,
         unit: "1",
         why: "rms of the rounding over a count/sqrt(12), less 1, over currents that lie evenly; target 1e-2",
     },
