@@ -123,10 +123,13 @@ impl ModeState {
         self.cause
     }
 
-    /// The joint is controlled, and nothing of this step changes that: [`Self::step`] need not be called.
+    /// The joint is controlled, and nothing of this step changes that: [`Self::step`] need not be called, for it would change neither
+    /// the mode nor the faults.
     #[inline(always)]
     pub fn stays_active(&self, faults: Faults, status: Status) -> bool {
-        self.settled && faults == Faults::NONE && status == Status::FINE
+        const DECIDING: Faults = UNSAFE.with(DEGRADING);
+        const STATUS: Status = Status::OVERRUN.with(Status::RESTARTED).with(Status::DRIVE_OFF);
+        self.settled && !faults.intersects(DECIDING) && !status.intersects(STATUS)
     }
 
     /// The mode with this step's faults, to which the latched cause is added.
@@ -194,6 +197,27 @@ mod tests {
             assert_eq!(mode == Mode::Safe, k + 1 == error_count_limit() / overrun_increment());
         }
         assert_eq!(step(&mut ModeState::default(), Faults::NONE, Status::RESTARTED).0, Mode::Safe);
+    }
+
+    /// Where the step is left out, it would have changed nothing; in a settled state that is every other fault, too.
+    #[test]
+    fn a_step_that_is_left_out_changes_nothing() {
+        let mut settled = ModeState::default();
+        settled.step(&mut Faults::NONE.clone(), Status::FINE);
+        let mut left_out = 0;
+        for bit in 0..24 {
+            for status in (0..32).map(Status) {
+                let (faults, mut state) = (Faults::from_bits(1 << bit), settled);
+                let answer = step(&mut state, faults, status);
+                if settled.stays_active(faults, status) {
+                    assert_eq!((answer, state), ((Mode::Active, faults), settled), "{bit} {status:?}");
+                    left_out += 1;
+                } else {
+                    assert_ne!((answer, state), ((Mode::Active, faults), settled), "{bit} {status:?}");
+                }
+            }
+        }
+        assert!(left_out > 0);
     }
 
     #[test]

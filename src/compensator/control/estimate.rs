@@ -16,7 +16,7 @@ impl<R: Real> Compensator<R> {
         let torques = [state.latch.motor_torque, state.latch.drive_errors];
         state.rotor.add(torques, state.latch.time, motor);
         state.since_plan += state.latch.time;
-        state.motor_moved |= motor != state.last_motor;
+        state.motor_moved |= motor.counts != state.last_motor.counts;
         let gauge = state.latch.output_torque.take();
         let measured = Measurement {
             motor,

@@ -212,9 +212,11 @@ impl<R: Real> Observer<R> {
         rests: bool,
         faults: &mut Faults,
     ) {
+        // By its numbers: of a reference the hot path would write the measurement to memory.
+        let first = (measured.motor, measured.motor_torque, measured.output_torque.is_some());
         if !state.started {
             seldom();
-            return self.first(gear, state, measured);
+            return self.first(gear, state, first);
         }
         let (motor, residual) = (state.motor, state.motor_residual);
         let ends = Ends {
@@ -228,7 +230,7 @@ impl<R: Real> Observer<R> {
         if !torques.torsion.is_within(self.limits.torsion) {
             seldom();
             faults.raise_if(true, Faults::OBSERVER_RESET);
-            return self.first(gear, state, measured);
+            return self.first(gear, state, first);
         }
         let acceleration = self.predict(state, &torques, measured, gear_correction);
         let predicted = state.motor_residual.is_within(self.motion_threshold_angle);
@@ -338,23 +340,29 @@ impl<R: Real> Observer<R> {
         state.gear.shape(gear, order_two, stiffening);
     }
 
-    /// The first step, also after a reset: the joint rests, with its torques unknown.
+    /// The first step, also after a reset: the joint rests, with its torques unknown. From the motor's angle and torque (N m), and
+    /// that there is a gauge.
     #[cold]
     #[inline(never)]
-    fn first(&self, gear: &RealTimeGear<R>, state: &mut ObserverState<R>, measured: &Measurement<R>) {
-        state.motor = measured.motor;
+    fn first(
+        &self,
+        gear: &RealTimeGear<R>,
+        state: &mut ObserverState<R>,
+        (motor, motor_torque, gauge): (Angle<R>, R, bool),
+    ) {
+        state.motor = motor;
         state.motor_residual = R::ZERO;
         state.wave_generator_speed = R::ZERO;
-        state.link_offset = state.gear.start_at(gear, measured.motor);
+        state.link_offset = state.gear.start_at(gear, motor);
         state.flange_speed = R::ZERO;
-        state.motor_torque = measured.motor_torque;
+        state.motor_torque = motor_torque;
         state.external_torque = R::ZERO;
         state.stiffness_torque = R::ZERO;
         state.held_torque = R::ZERO;
         state.past = Past::default();
         state.started = true;
         state.past.push(self.output_position(state).phase());
-        let set = set(&self.standing, false, measured.output_torque.is_some());
+        let set = set(&self.standing, false, gauge);
         state.deviation = set.spread.base;
         state.magnitudes = Magnitudes::default();
     }
