@@ -26,8 +26,7 @@ impl<R: Real> Compensator<R> {
         if before.drives() && mode.drives() {
             return (torque, faults);
         }
-        state.fallback.sent(R::ZERO);
-        state.limited = true;
+        let none = self.without_torque(state);
         if mode.drives() {
             state.commander = Default::default();
             state.feedback = Default::default();
@@ -35,7 +34,15 @@ impl<R: Real> Compensator<R> {
             state.measured_feedback = Default::default();
             state.motor_reference = Default::default();
         }
-        (R::ZERO, faults)
+        (none, faults)
+    }
+
+    /// No torque (N m), of a drive that is off.
+    #[inline(always)]
+    pub(super) fn without_torque(&self, state: &mut State<R>) -> R {
+        state.fallback.sent(R::ZERO);
+        state.limited = true;
+        R::ZERO
     }
 
     /// Supervises the feedback functions, once a round.

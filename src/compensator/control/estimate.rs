@@ -40,7 +40,7 @@ impl<R: Real> Compensator<R> {
         state.faults.observer = faults;
     }
 
-    /// Compares the balance of the rotor with its reference, the drive and the sensors at the output.
+    /// Compares the balance of the rotor with its reference, the drive and the sensors at the output; learns the ripple.
     #[inline(always)]
     pub(super) fn check(&self, state: &mut State<R>) {
         let mut faults = Faults::NONE;
@@ -79,5 +79,6 @@ impl<R: Real> Compensator<R> {
         }
         state.faults.rotor = faults.with(state.disabled_sensors);
         state.faults.collect();
+        self.learning.learn_ripple(&mut state.learning);
     }
 }

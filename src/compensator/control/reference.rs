@@ -25,7 +25,10 @@ impl<R: Real> Compensator<R> {
         };
         let gravity = state.learning.gravity_torque();
         let (observer, gear_correction) = (&state.observer, &state.gear_correction);
-        let now = || self.estimate(observer, gear_correction);
+        let now = || {
+            let (output_position, output_velocity) = self.output_now(observer, gear_correction);
+            Estimate { output_position, output_velocity, ..Estimate::default() }
+        };
         let controlled =
             state.motor_reference.closed && state.mode.mode().drives() && state.fallback.trusted();
         let following = Following {
@@ -95,11 +98,11 @@ impl<R: Real> Compensator<R> {
         self.learning.follow(&mut state.learning, &demand.excitation, position);
     }
 
-    /// The estimate that a reference begins at.
+    /// Estimated angle and speed (rad/s) of the output, where a reference begins.
     #[cold]
     #[inline(never)]
-    fn estimate(&self, observer: &ObserverState<R>, correction: &GearCorrection<R>) -> Estimate<R> {
-        self.observer.estimate(observer, correction)
+    fn output_now(&self, observer: &ObserverState<R>, correction: &GearCorrection<R>) -> (Angle<R>, R) {
+        self.observer.output(observer, correction)
     }
 
     /// Output encoder's newest reading less the setpoint of its time, where it is near the last accepted one.

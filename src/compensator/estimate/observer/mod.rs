@@ -285,9 +285,10 @@ impl<R: Real> Observer<R> {
     /// The estimate.
     pub fn estimate(&self, state: &ObserverState<R>, gear_correction: &GearCorrection<R>) -> Estimate<R> {
         let Magnitudes { torsion, input_friction, output_friction, .. } = state.magnitudes;
+        let (output_position, output_velocity) = self.output(state, gear_correction);
         Estimate {
-            output_position: self.output_position(state).plus(gear_correction.position),
-            output_velocity: state.flange_speed,
+            output_position,
+            output_velocity,
             torsion,
             transmitted_torque: self.transmitted(state),
             input_friction,
@@ -295,6 +296,12 @@ impl<R: Real> Observer<R> {
             external_torque: state.external_torque,
             deviation: state.deviation,
         }
+    }
+
+    /// Of the estimate, the output's angle and speed (rad/s).
+    #[inline(always)]
+    pub fn output(&self, state: &ObserverState<R>, gear_correction: &GearCorrection<R>) -> (Angle<R>, R) {
+        (self.output_position(state).plus(gear_correction.position), state.flange_speed)
     }
 
     /// theta_fs, of the model.
