@@ -78,8 +78,8 @@ impl Link {
     }
 
     /// Sends an output.
-    pub fn report(&self, output: &Output<f32>) {
-        if !self.write(&frame::encode_output(output)) {
+    pub fn report(&self, output: &mut Output<f32>) {
+        if !self.write(&frame::encode_own_output(output)) {
             fail();
         }
     }
