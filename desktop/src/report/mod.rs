@@ -11,6 +11,7 @@ mod flexspline;
 mod friction;
 mod hysteresis;
 pub mod identification;
+mod paper;
 mod picture;
 mod pictures;
 pub mod plot;
@@ -39,12 +40,14 @@ type Make = fn(&Subject<'_>, &mut dyn FnMut(f64)) -> Result<Chapter, BadInput>;
 
 /// The chapters, in the order of the page.
 const CHAPTERS: &[Make] = &[
+    |_, _| Ok(paper::chapter()),
     |subject, progress| picture::chapter(subject.gear, &subject.trials, progress),
     |subject, progress| flexspline::chapter(subject.gear, progress),
     |subject, progress| friction::chapter(subject.gear, progress),
     |subject, progress| hysteresis::chapter(subject.gear, progress),
-    |subject, progress| two_port::chapter(subject.gear, progress),
+    |subject, progress| two_port::chapter(subject.gear, &subject.trials, progress),
     |subject, progress| scenarios::chapter(&subject.trials, progress),
+    |_, progress| identification::example::chapter(progress),
 ];
 
 /// A part of the page.

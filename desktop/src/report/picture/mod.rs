@@ -22,6 +22,9 @@ use crate::verify::step_response::StepResponse;
 use motion::Motion;
 use shape::{KINDS, M, N, Shape};
 
+/// Nodes around the drawn cup.
+pub(super) const NODES_AROUND: usize = N;
+
 const SCRIPT: &str = include_str!("picture.js");
 
 /// All that the page draws from.
@@ -163,5 +166,66 @@ fn body(data: &Data, json: &str) -> Markup {
         }
         script #picture-data type="application/json" { (PreEscaped(json.replace('<', "\\u003c"))) }
         script { (PreEscaped(SCRIPT)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As the page reads them.
+    fn unpacked(text: &serde_json::Value) -> Vec<f32> {
+        let bytes = BASE64.decode(text.as_str().unwrap().as_bytes()).unwrap();
+        bytes.chunks_exact(4).map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap())).collect()
+    }
+
+    fn rounded(numbers: &[f64]) -> Vec<f32> {
+        numbers.iter().map(|number| *number as f32).collect()
+    }
+
+    /// The page of a gear that is simulated only: its motion is that of Fig. 9.
+    #[test]
+    fn the_page_holds_the_numbers_of_the_model() {
+        let mut gear = GearFile::default_gear();
+        gear.friction.input.model = strainwave::friction::ModelName::Coulomb;
+        let trials = Trials::run(&gear, |_| ()).unwrap();
+        let page = chapter(&gear, &trials, &mut |_| ()).unwrap().body.into_string();
+        let json =
+            page.split("type=\"application/json\">").nth(1).unwrap().split("</script>").next().unwrap();
+        let data: serde_json::Value = serde_json::from_str(json).unwrap();
+        let params = gear_params::<f64>(&gear);
+        let shape = Shape::build(&params.flexspline, params.rated_torque).unwrap();
+        assert_eq!(unpacked(&data["twist"]), rounded(&shape.twist()));
+        assert_eq!(unpacked(&data["ellipse"]), rounded(&shape.ellipse()));
+        for (kind, (name, _)) in KINDS.iter().enumerate() {
+            assert_eq!(data["kinds"][kind]["name"], *name);
+            assert_eq!(unpacked(&data["kinds"][kind]["series"]), rounded(&shape.series(kind)));
+        }
+        let steps = StepResponse::of(&gear, Build::RealTime).unwrap();
+        let motion = Motion::of_steps(&gear, &shape, &steps);
+        assert_eq!(data["motions"].as_array().unwrap().len(), 1);
+        assert_eq!(data["motions"][0]["name"], "fig-9");
+        assert_eq!(unpacked(&data["motions"][0]["frames"]), rounded(motion.frames.as_flattened()));
+        assert_eq!(unpacked(&data["checks"]), rounded(&shape.checks(params.rated_torque).unwrap()));
+        assert_eq!(data["teeth"], serde_json::json!([200, 202]));
+    }
+
+    /// Every element that the script asks for is on the page, and the script asks for nothing outside it.
+    #[test]
+    fn the_script_finds_what_it_looks_for() {
+        let gear = GearFile::default_gear();
+        let steps = StepResponse::of(&gear, Build::RealTime).unwrap();
+        let none = Trials::none("tested without");
+        let page = body(&Data::of(&gear, &none, &steps).unwrap(), "{}").into_string();
+        let ids: Vec<_> =
+            SCRIPT.split("element(\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
+        assert!(ids.len() > 10);
+        for id in ids {
+            assert!(page.contains(&format!("id=\"{id}\"")), "{id}");
+        }
+        for outside in ["http", "fetch", "import", "XMLHttp", "WebSocket", "innerHTML", "eval("] {
+            assert!(!SCRIPT.contains(outside), "{outside}");
+        }
+        assert!(!SCRIPT.contains("</script") && SCRIPT.lines().count() < 500);
     }
 }

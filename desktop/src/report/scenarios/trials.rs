@@ -73,12 +73,22 @@ impl Trials {
     /// A plant that diverges.
     pub fn run(file: &GearFile, mut progress: impl FnMut(f64)) -> Result<Self, BadInput> {
         if let Err(why) = file.require_firmware_friction().and_then(|()| buildable(file)) {
-            return Ok(Self { runs: Vec::new(), left_out: Some(why) });
+            return Ok(Self::none(why));
         }
         let found = each(&CONTROLLERS, |controller| of_controller(file, *controller), &mut progress);
         let found = found.into_iter().collect::<Result<Vec<_>, _>>();
         let found = found.map_err(|error| BadInput::message(format_args!("{}: {error}", file.gear.name)))?;
         Ok(Self { runs: found.into_iter().flatten().collect(), left_out: None })
+    }
+
+    /// No runs, for this reason.
+    pub fn none(why: impl Into<String>) -> Self {
+        Self { runs: Vec::new(), left_out: Some(why.into()) }
+    }
+
+    /// Largest part of the moved energy that is missing in any run; `None` where there are none.
+    pub fn imbalance(&self) -> Option<f64> {
+        self.runs.iter().map(|trial| trial.run.imbalance).reduce(f64::max)
     }
 
     /// Those of a scenario, B0 first.
