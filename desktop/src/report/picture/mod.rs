@@ -25,6 +25,9 @@ use shape::{KINDS, M, N, Shape};
 /// Nodes around the drawn cup.
 pub(super) const NODES_AROUND: usize = N;
 
+/// Motion that is shown first, where it was run.
+const FIRST: &str = "s2";
+
 const SCRIPT: &str = include_str!("picture.js");
 
 /// All that the page draws from.
@@ -72,6 +75,7 @@ impl Data {
         let shape = Shape::build(&params.flexspline, params.rated_torque)?;
         let runs = trials.compensated().map(|(scenario, run)| Motion::of_run(gear, &shape, scenario, run));
         let mut motions: Vec<_> = runs.collect();
+        motions.sort_by_key(|motion| motion.name);
         motions.push(Motion::of_steps(gear, &shape, steps));
         let torques = motions.iter().flat_map(|motion| &motion.frames).map(|frame| frame[2].abs());
         let largest = torques.fold(params.rated_torque, f64::max);
@@ -139,7 +143,7 @@ fn body(data: &Data, json: &str) -> Markup {
             div.controls {
                 button #play type="button" { "Play" }
                 label { "motion " select #motion { @for (index, motion) in data.motions.iter().enumerate() {
-                    option value=(index) { (motion.title) }
+                    option value=(index) selected[motion.name == FIRST] { (motion.title) }
                 } } }
                 label { "speed " select #speed {
                     option value="1" { "real time" } option value="0.2" { "1/5" } option value="0.05" selected { "1/20" }
@@ -156,6 +160,7 @@ fn body(data: &Data, json: &str) -> Markup {
                 label { "torsion times " input #torsion type="range" min="1" max="200" step="1" value="100"; output #torsion-times {} }
                 label { input #links type="checkbox" checked; " links" }
                 label { input #generator type="checkbox" checked; " wave generator" }
+                label { input #spline type="checkbox" checked; " circular spline" }
             }
             figcaption {
                 "Drag, or arrow keys, to rotate; wheel after a click, or plus and minus, to zoom; space to play. At the magnification 1 it "

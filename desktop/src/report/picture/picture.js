@@ -51,8 +51,8 @@
 
   const still = matchMedia("(prefers-reduced-motion: reduce)");
   const value = (id) => Number(element(id).value);
-  const view = { yaw: 0.6, pitch: 0.75, distance: 4.2 };
-  let [playing, time, last, motion, kind, dirty] = [!still.matches, 0, null, motions[0], kinds[0], true];
+  const view = { yaw: 0.6, pitch: 0.75, distance: 3.5 };
+  let [playing, time, last, motion, kind, dirty] = [!still.matches, 0, null, motions[value("motion")], kinds[value("kind")], true];
   const duration = () => motion.interval * (motion.frames.length / 4 - 1);
 
   // Frame at the time, between two of the frames there are: wave generator, flange, torque, torsion.
@@ -185,10 +185,10 @@
 
   // An elliptic plug within the rim, its major axis marked.
   function shapeGenerator(now) {
-    const wave = now[0], flange = now[1], inside = -0.03 * R;
+    const [wave, flange] = now, untwisted = Object.assign([wave, flange, 0, 0], { magnified: now.magnified, wound: 0 });
     for (let i = 0; i < RING; i++) {
       // Angle from the major axis, so that the mark stays on it.
-      const b = TAU * i / RING, [x, y] = place(b + wave - flange, 0, { 0: wave, 1: flange, 2: 0, magnified: now.magnified, wound: 0 }, inside);
+      const b = TAU * i / RING, [x, y] = place(b + wave - flange, 0, untwisted, -0.03 * R);
       const marked = Math.abs(Math.sin(b)) < 0.06 ? MARK : BRASS;
       generator.put(i, [x, y, 0.5 * FACE], marked);
       generator.put(RING + i, [x, y, 0], marked);
@@ -199,7 +199,7 @@
   // ---- WebGL ----
 
   const canvas = element("scene");
-  const gl = canvas.getContext("webgl", { antialias: true, preserveDrawingBuffer: true });
+  const gl = canvas.getContext("webgl", { alpha: false, antialias: true, preserveDrawingBuffer: true });
   if (!gl) {
     canvas.hidden = true;
     element("no-webgl").hidden = false;
@@ -263,6 +263,9 @@
     return found.slice(0, 3).map((part) => part / 255);
   }
 
+  const hidden = (solid) => (solid === generator && !element("generator").checked)
+    || (solid === circular && !element("spline").checked);
+
   function render() {
     const width = Math.round(canvas.clientWidth * devicePixelRatio) || 960;
     const height = Math.round(canvas.clientHeight * devicePixelRatio) || 600;
@@ -277,7 +280,7 @@
     gl.uniform1f(flatAt, 0);
     gl.uniform1f(nearerAt, 0);
     for (const solid of solids) {
-      if (solid === generator && !element("generator").checked) continue;
+      if (hidden(solid)) continue;
       draw(solid, true);
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, solid.indices);
       gl.drawElements(gl.TRIANGLES, solid.triangles.length, gl.UNSIGNED_SHORT, 0);
@@ -329,7 +332,7 @@
   element("time").addEventListener("input", () => { play(false); time = value("time") * duration(); });
   element("motion").addEventListener("change", () => { motion = motions[value("motion")]; time = 0; element("time").value = 0; redraw(); });
   element("kind").addEventListener("change", () => { kind = kinds[value("kind")]; redraw(); });
-  for (const id of ["part", "ellipse", "torsion", "links", "generator"]) element(id).addEventListener("input", redraw);
+  for (const id of ["part", "ellipse", "torsion", "links", "generator", "spline"]) element(id).addEventListener("input", redraw);
   const turn = (yaw, pitch) => {
     view.yaw += yaw;
     view.pitch = Math.max(-1.5, Math.min(1.5, view.pitch + pitch));

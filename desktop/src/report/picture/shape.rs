@@ -95,7 +95,7 @@ impl Shape {
                 let (i, j) = (check * 31 % N, check * 3 % M);
                 let tau = torque * (2.0 * check as f64 / (CHECKS as f64 - 1.0) - 1.0);
                 let angle = f64::from(0.7 * check as f32);
-                let at = Angle::from_radians(angle);
+                let at = Angle::from_radians_f64(angle);
                 let strain = strain(&self.reduced, kind, (i, j), tau, at)?;
                 let place = self.reduced.displacement((i, j), tau, at)?;
                 rows.extend([kind as f64, i as f64, j as f64, tau, angle, strain]);
@@ -173,9 +173,9 @@ mod tests {
             kind in 0..KINDS.len(), i in 0..N, j in 0..M, torque in -157.0..157.0f64, angle in -50.0..50.0f64,
         ) {
             let shape = shape();
-            let exact = strain(&shape.reduced, kind, (i, j), torque, Angle::from_radians(angle)).unwrap();
+            let exact = strain(&shape.reduced, kind, (i, j), torque, Angle::from_radians_f64(angle)).unwrap();
             let seen = angle - TAU * i as f64 / N as f64;
-            let drawn = shape.gauges[kind][j].strain(torque, Angle::from_radians(seen));
+            let drawn = shape.gauges[kind][j].strain(torque, Angle::from_radians_f64(seen));
             prop_assert!((drawn - exact).abs() < 1e-6, "{} against {}", drawn, exact);
             let [both, _] = shape.scales(kind, 157.0);
             prop_assert!(drawn.abs() <= both, "{} beyond the scale {}", drawn, both);
@@ -191,7 +191,7 @@ mod tests {
             let (sine, cosine) = (2.0 * (TAU * i as f64 / N as f64 - angle)).sin_cos();
             let radius = gear_params::<f64>(&GearFile::default_gear()).flexspline.cup.radius;
             let drawn = [radial * cosine, tangential * sine + torque * radius * shape.twist()[j], axial * cosine];
-            let exact = shape.reduced.displacement((i, j), torque, Angle::from_radians(angle)).unwrap();
+            let exact = shape.reduced.displacement((i, j), torque, Angle::from_radians_f64(angle)).unwrap();
             for (drawn, exact) in drawn.iter().zip(exact) {
                 prop_assert!((drawn - exact).abs() < 1e-11, "{} against {}", drawn, exact);
             }
