@@ -239,7 +239,7 @@
   function camera() {
     const [cy, sy, cp, sp] = [Math.cos(view.yaw), Math.sin(view.yaw), Math.cos(view.pitch), Math.sin(view.pitch)];
     const right = [cy, sy, 0], away = [-sy * cp, cy * cp, sp], up = [-sy * sp, cy * sp, -cp];
-    const middle = 0.35 * LENGTH, distance = view.distance * R, focal = 2.2;
+    const middle = 0.45 * LENGTH, distance = view.distance * R, focal = 2.2;
     const aspect = canvas.width / canvas.height, near = 0.1 * R, far = 20 * R;
     const row = (axis, shift) => [...axis, -axis[2] * middle + shift];
     const [x, y, w] = [row(right, 0).map((k) => k * focal / aspect), row(up, 0).map((k) => k * focal), row(away, distance)];

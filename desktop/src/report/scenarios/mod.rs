@@ -55,7 +55,7 @@ fn section(trials: &Trials, scenario: Scenario) -> Markup {
         } @else {
             (figure(&plot(&errors(&found)), &html! {
                 "Output less demanded position: above with the motor encoder alone, below B0 again beside those that read the output encoder. "
-                "Counted from " (number(scenario.judged_from())) " s on."
+                "Counted from " (scenario.judged_from()) " s on."
             }))
             (rows(&found))
         }
