@@ -57,6 +57,15 @@ pub(super) fn section(numbers: &Numbers, models: &Models) -> (Markup, Vec<Figure
     (body, told)
 }
 
+/// In % for people; rounding errors are none.
+fn percent(fraction: f64) -> String {
+    match fraction {
+        nan if nan.is_nan() => "-".into(),
+        small if small < 1e-9 => "0".into(),
+        other => number(100.0 * other),
+    }
+}
+
 fn rows(numbers: &Numbers, models: &Models) -> Vec<Row> {
     let (fc, fs, vs) = (numbers.coulomb, numbers.static_level, numbers.stribeck_velocity);
     let side = &numbers.side;
