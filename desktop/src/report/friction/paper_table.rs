@@ -39,8 +39,7 @@ pub(super) fn section(numbers: &Numbers, models: &Models) -> (Markup, Vec<Figure
     let cells: Vec<_> = rows
         .iter()
         .map(|row| {
-            let difference =
-                if row.difference.is_finite() { number(100.0 * row.difference) } else { "-".into() };
+            let difference = percent(row.difference);
             [row.model.word().into(), row.formula.into(), row.over.into(), difference, row.words.into()]
         })
         .collect();

@@ -68,7 +68,7 @@ impl Shape {
 
     /// The six numbers of each slice.
     pub fn series(&self, kind: usize) -> Vec<f64> {
-        self.gauges[kind].iter().flat_map(|gauge| numbers(gauge)).collect()
+        self.gauges[kind].iter().flat_map(numbers).collect()
     }
 
     /// Bounds of the strain's magnitude up to a torque (N m): by torque and ellipse, and by the torque alone.
