@@ -142,8 +142,16 @@ fn the_report_is_one_page_that_needs_nothing_else() {
         "Presliding: reversals that grow",
         "Stick-slip",
         "Figures with their bounds",
+        "The paper's table",
+        "Held: stiffness and hysteresis",
+        "Moving: friction and kinematic error",
     ] {
         assert!(page.contains(&format!("<h3>{title}")), "{title}");
+    }
+    let figures = (1..=9).map(|number| format!("fig-{number}"));
+    let scenarios = (1..=7).map(|number| format!("s{number}"));
+    for anchor in figures.chain(scenarios).chain(["table-1".into(), "picture".into()]) {
+        assert_eq!(page.matches(&format!("id=\"{anchor}\"")).count(), 1, "{anchor}");
     }
     for model in ModelName::WORDS {
         assert!(
@@ -151,13 +159,28 @@ fn the_report_is_one_page_that_needs_nothing_else() {
             "{model} is drawn on both motions"
         );
     }
-    for outside in ["<script", "<link", "<img", "src=", "url(", "@import"] {
+    // The picture's data and its script stand in the page; the arrows of a diagram name a mark within it.
+    assert_eq!(page.matches("<script").count(), 2);
+    for outside in [
+        "<link",
+        "<img",
+        "<iframe",
+        " src=",
+        "@import",
+        "fetch(",
+        "XMLHttpRequest",
+        "importScripts",
+        "import(",
+    ] {
         assert!(!page.contains(outside), "{outside}");
     }
+    assert_eq!(page.matches("url(").count(), page.matches("url(#tip)").count());
     let elsewhere =
         page.matches("http").count() - page.matches("xmlns=\"http://www.w3.org/2000/svg\"").count();
     assert_eq!(elsewhere, 0, "the page names an address");
-    assert!(page.matches("<svg").count() >= 6 && !page.contains("NaN") && !page.contains("inf"));
+    let (before, script) = page.split_once("<script").unwrap();
+    let drawn = [before, script.rsplit_once("</script>").unwrap().1].concat();
+    assert!(drawn.matches("<svg").count() >= 6 && !drawn.contains("NaN") && !drawn.contains("inf"));
     let text = std::fs::read_to_string(bench.path("out.json")).unwrap();
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     let figures = json["figures"].as_array().unwrap();
