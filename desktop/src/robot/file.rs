@@ -3,12 +3,15 @@
 //! `[robot]` has its name and gravity in the frame of the base, each `[[joint]]` the gear file of the joint, relative to the robot's
 //! file, and the link behind it ([`super::chain`]). [`KEYS`] lists every key with what it may hold. As with a gear file an unknown or missing
 //! key, a wrong type and a value out of range are refused by one line that names file, key, value and what is allowed.
+//!
+//! A file with the key `robot.urdf` has its links from a URDF file ([`super::urdf_file`]).
 
 use std::path::Path;
 
 use serde::Deserialize;
 
-use super::chain::{Link, is_inertia};
+use super::chain::{Link, Pose, is_inertia};
+use super::urdf_file::UrdfText;
 use crate::design::buildable::buildable;
 use crate::io::file::{self, BadInput, folder_of};
 use crate::io::gear_file::{DEFAULT, GearFile};
@@ -25,9 +28,9 @@ const LARGEST: f64 = 100.0;
 /// Largest mass (kg) and inertia (kg m^2).
 const HEAVIEST: f64 = 1e5;
 
-const GRAVITY: Allowed = within(-LARGEST, LARGEST, "m/s^2");
+pub(super) const GRAVITY: Allowed = within(-LARGEST, LARGEST, "m/s^2");
 const PLACE: Allowed = within(-LARGEST, LARGEST, "m");
-const ANGLE: Allowed = within(-std::f64::consts::PI, std::f64::consts::PI, "rad");
+pub(super) const ANGLE: Allowed = within(-std::f64::consts::PI, std::f64::consts::PI, "rad");
 const INERTIA: Allowed = positive(HEAVIEST, "kg m^2");
 
 /// The keys in the order of the file.
@@ -70,6 +73,25 @@ pub struct Joint {
     pub start: f64,
     /// The link; without what turns with the flange alone.
     pub link: Link,
+    /// What the link's joint may do, besides what the gear can.
+    pub limits: Limits,
+}
+
+/// Limits of a joint; infinite where there is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Least and largest angle (rad).
+    pub angle: [f64; 2],
+    /// Largest speed (rad/s).
+    pub velocity: f64,
+    /// Largest torque (N m).
+    pub torque: f64,
+}
+
+impl Limits {
+    /// No limit.
+    pub const NONE: Self =
+        Self { angle: [f64::NEG_INFINITY, f64::INFINITY], velocity: f64::INFINITY, torque: f64::INFINITY };
 }
 
 /// The file as it stands there.
@@ -133,9 +155,7 @@ impl JointText {
     fn link(&self) -> Link {
         let about_z = self.inertia_kg_m2;
         Link {
-            length: self.length_m,
-            offset: self.offset_m,
-            twist: self.twist_rad,
+            end: Pose::denavit_hartenberg([self.length_m, self.offset_m], self.twist_rad),
             mass: self.mass_kg,
             centre: [self.centre_m, self.centre_y_m, self.centre_z_m],
             inertia: [
@@ -143,6 +163,7 @@ impl JointText {
                 self.inertia_y_kg_m2.unwrap_or(about_z),
                 about_z,
             ],
+            products: [0.0; 3],
             flange: 0.0,
         }
     }
@@ -164,11 +185,17 @@ impl RobotFile {
     /// An error for each fault, as [`RobotFile::read`] has it for the first.
     pub fn faultless(path: &Path) -> Result<Self, Vec<BadInput>> {
         let folder = folder_of(path);
-        let text = keyed_file::faultless(path)?;
-        Self::of(path, text, |gear| GearFile::read(&folder.join(gear))).map_err(|error| vec![error])
+        let gear = |gear: &str| GearFile::read(&folder.join(gear));
+        let bytes = file::read(path, LONGEST_FILE).map_err(|error| vec![error])?;
+        let robot = if names_urdf(&bytes) {
+            keyed_file::faultless::<UrdfText>(path)?.robot(path, gear)
+        } else {
+            Self::of(path, keyed_file::faultless(path)?, gear)
+        };
+        robot.map_err(|error| vec![error])
     }
 
-    /// The robot file in `bytes`, its gear files by `gear`; `path` is only named in errors.
+    /// The robot file in `bytes`, its gear files by `gear`; `path` is named in errors, and a URDF file is relative to it.
     ///
     /// # Errors
     /// As [`RobotFile::read`].
@@ -177,6 +204,9 @@ impl RobotFile {
         bytes: &[u8],
         gear: impl Fn(&str) -> Result<GearFile, BadInput>,
     ) -> Result<Self, BadInput> {
+        if names_urdf(bytes) {
+            return keyed_file::parse::<UrdfText>(path, bytes)?.robot(path, gear);
+        }
         Self::of(path, keyed_file::parse(path, bytes)?, gear)
     }
 
@@ -185,12 +215,9 @@ impl RobotFile {
         text: Text,
         gear: impl Fn(&str) -> Result<GearFile, BadInput>,
     ) -> Result<Self, BadInput> {
-        let refuse = |why: String| BadInput::new(path, why);
         let joint = |(index, joint): (usize, &JointText)| {
-            let gear = gear(&joint.gear)?;
-            buildable(&gear)
-                .map_err(|why| refuse(format!("joint[{index}].gear = {:?}: {why}", joint.gear)))?;
-            Ok(Joint { gear, start: joint.start_rad, link: joint.link() })
+            let gear = usable(path, index, &joint.gear, &gear)?;
+            Ok(Joint { gear, start: joint.start_rad, link: joint.link(), limits: Limits::NONE })
         };
         let joints = text.joint.iter().enumerate().map(joint).collect::<Result<_, _>>()?;
         let RobotText { name, gravity_x_m_per_s2, gravity_y_m_per_s2, gravity_z_m_per_s2 } = text.robot;
@@ -205,6 +232,28 @@ impl RobotFile {
         };
         Self::parse(Path::new("arm.toml"), EXAMPLE.as_bytes(), gear).expect("the example is tested")
     }
+}
+
+/// The gear file that a joint names, which a compensator can be built for.
+///
+/// # Errors
+/// One line that names the key and what is wrong with the gear.
+pub(super) fn usable(
+    path: &Path,
+    index: usize,
+    name: &str,
+    gear: impl Fn(&str) -> Result<GearFile, BadInput>,
+) -> Result<GearFile, BadInput> {
+    let gear = gear(name)?;
+    let refuse = |why: String| BadInput::new(path, format_args!("joint[{index}].gear = {name:?}: {why}"));
+    buildable(&gear).map_err(refuse)?;
+    Ok(gear)
+}
+
+/// The robot file in `bytes` has its links from a URDF file.
+fn names_urdf(bytes: &[u8]) -> bool {
+    let table = std::str::from_utf8(bytes).ok().and_then(|text| text.parse::<toml::Table>().ok());
+    table.is_some_and(|table| table.get("robot").is_some_and(|robot| robot.get("urdf").is_some()))
 }
 
 /// Refuses moments of inertia that no body has.
@@ -234,7 +283,7 @@ mod tests {
         assert_eq!((robot.joints.len(), robot.gravity), (2, [0.0, -9.80665, 0.0]));
         assert_eq!(robot.joints[0].gear, GearFile::default_gear());
         assert!(robot.joints[1].gear.gear.rated_torque < 40.0);
-        assert_eq!((robot.joints[1].link.length, robot.joints[1].start), (0.35, 1.1));
+        assert_eq!((robot.joints[1].link.end.place[0], robot.joints[1].start), (0.35, 1.1));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Robots of several joints: gears between motors and the links of an arm, each joint with a controller of its own.
 //!
-//! [`mod@file`] reads a robot, [`chain`] moves its rigid links, [`plant`] couples them with the gears, [`mod@bench`] closes the loop of
+//! [`mod@file`] reads a robot, [`urdf`] the links of one, [`chain`] moves its rigid links, [`plant`] couples them with the gears, [`mod@bench`] closes the loop of
 //! every joint, [`circle`] and [`motions`] are what the arm is asked for, [`run`] is what came of it.
 
 pub mod bench;
@@ -12,6 +12,8 @@ pub mod motions;
 pub mod plant;
 pub mod run;
 pub mod sample;
+pub mod urdf;
+mod urdf_file;
 
 pub use bench::RobotBench;
 pub use circle::Circle;

@@ -28,8 +28,8 @@ pub trait RobotTask {
     }
 }
 
-/// Refuses a task that asks more of a robot than its joints can do: speed of a motor, or torque through a gear by the links' inertia, motion
-/// and weight.
+/// Refuses a task that asks more of a robot than its joints can do: an angle or a speed beyond the limits of a joint, speed of a motor, or torque
+/// through a gear by the links' inertia, motion and weight.
 ///
 /// # Errors
 /// One line that names when, which joint, and what is allowed.
@@ -58,7 +58,11 @@ impl Joint {
     fn require(&self, demand: &Demand, torque: f64) -> Result<(), String> {
         let gear = &self.gear.gear;
         let n = f64::from(gear.signed_ratio().n().unsigned_abs());
-        let fastest = SETPOINT_SPEED * self.gear.motor.rotor_speed_limit / n;
+        let (angle, [least, largest]) = (self.start + demand.position, self.limits.angle);
+        if !(least..=largest).contains(&angle) {
+            return Err(format!("is at {angle:.4} rad; allowed: its limits {least} to {largest} rad"));
+        }
+        let fastest = (SETPOINT_SPEED * self.gear.motor.rotor_speed_limit / n).min(self.limits.velocity);
         if demand.velocity.abs() > fastest {
             let needed = demand.velocity.abs();
             return Err(format!("needs {needed:.4} rad/s; allowed: at most {fastest:.4} rad/s"));
@@ -66,6 +70,10 @@ impl Joint {
         if torque.abs() > gear.peak_torque {
             let (needed, most) = (torque.abs(), gear.peak_torque);
             return Err(format!("needs {needed:.4} N m; allowed: at most gear.peak_torque_nm = {most}"));
+        }
+        if torque.abs() > self.limits.torque {
+            let (needed, most) = (torque.abs(), self.limits.torque);
+            return Err(format!("needs {needed:.4} N m; allowed: its limit of {most} N m"));
         }
         Ok(())
     }
@@ -141,6 +149,10 @@ mod tests {
             line.contains(" joint 2 needs ") && line.ends_with("allowed: at most 0.0950 rad/s"),
             "{line}"
         );
+        let line = refused(|joint| joint.limits.angle = [-1.0, 1.0]);
+        assert_eq!(line, "at 0.000 s joint 2 is at 1.1000 rad; allowed: its limits -1 to 1 rad");
+        let line = refused(|joint| joint.limits.torque = 1.0);
+        assert!(line.ends_with("allowed: its limit of 1 N m"), "{line}");
     }
 
     #[test]
