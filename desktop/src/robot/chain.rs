@@ -92,17 +92,17 @@ impl Link {
     }
 
     /// From coordinates of this joint's frame to those of the next.
-    fn end(&self) -> SpatialTransform {
+    pub(super) fn end(&self) -> SpatialTransform {
         let [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] = self.end.axes;
         SpatialTransform::new(Mat3::new(xx, xy, xz, yx, yy, yz, zx, zy, zz), self.tip())
     }
 
-    fn tip(&self) -> Vec3 {
+    pub(super) fn tip(&self) -> Vec3 {
         let [x, y, z] = self.end.place;
         Vec3::new(x, y, z)
     }
 
-    fn spatial_inertia(&self) -> SpatialInertia {
+    pub(super) fn spatial_inertia(&self) -> SpatialInertia {
         let [x, y, z] = self.centre;
         let ([xx, yy, zz], [xy, xz, yz]) = (self.inertia, self.products);
         let tensor = Mat3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
@@ -217,9 +217,7 @@ impl Chain {
 
     /// Place of the tip in the frame of the base (m).
     pub fn tip(&self, state: &ChainState) -> [f64; 3] {
-        let (poses, _) = forward_kinematics(&self.model, &state.0);
-        let place = poses.last().map_or(Vec3::zeros(), |pose| pose.body_to_world_point(self.last.tip()));
-        [place.x, place.y, place.z]
+        place_on_last(&self.model, &state.0, self.last.tip())
     }
 
     /// Moves an arm without gears and torques on by `dt` (s).
@@ -238,6 +236,13 @@ impl Chain {
         }
         state.put(&sum);
     }
+}
+
+/// A place on the last body, in the frame of the base (m).
+pub(super) fn place_on_last(model: &Model, state: &State, on_last: Vec3) -> [f64; 3] {
+    let (poses, _) = forward_kinematics(model, state);
+    let place = poses.last().map_or(Vec3::zeros(), |pose| pose.body_to_world_point(on_last));
+    [place.x, place.y, place.z]
 }
 
 #[cfg(test)]

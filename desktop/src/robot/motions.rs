@@ -54,6 +54,33 @@ pub fn require_within(task: &impl RobotTask, robot: &RobotFile) -> Result<(), St
     Ok(())
 }
 
+/// What is odd about a task that a robot can do: joints that have to bear more than their gear's rated torque at rest, and what its file warned of.
+///
+/// # Errors
+/// As [`Chain::build`].
+pub fn warnings(task: &impl RobotTask, robot: &RobotFile) -> Result<Vec<String>, strainwave::Error> {
+    let links: Vec<_> = robot.joints.iter().map(|joint| joint.link).collect();
+    let chain = Chain::build(&links, robot.gravity)?;
+    let (mut state, mut most) = (chain.rest(), vec![0.0f64; links.len()]);
+    for k in 0..=INSTANTS {
+        let demands = task.at(task.duration() * f64::from(k) / f64::from(INSTANTS));
+        let angles = robot.joints.iter().zip(&demands).map(|(joint, demand)| joint.start + demand.position);
+        angles.enumerate().for_each(|(index, angle)| state.set(index, [angle, 0.0]));
+        let held = chain.holding_torques(&state);
+        most.iter_mut().zip(held).for_each(|(most, held)| *most = most.max(held.abs()));
+    }
+    let over = robot.joints.iter().zip(most).enumerate().filter_map(|(index, (joint, torque))| {
+        let rated = joint.gear.gear.rated_torque;
+        (torque > rated).then(|| {
+            format!(
+                "joint {} bears a weight of up to {torque:.4} N m, more than gear.rated_torque_nm = {rated}",
+                index + 1
+            )
+        })
+    });
+    Ok(robot.warnings.iter().cloned().chain(over).collect())
+}
+
 impl Joint {
     fn require(&self, demand: &Demand, torque: f64) -> Result<(), String> {
         let gear = &self.gear.gear;
@@ -153,6 +180,21 @@ mod tests {
         assert_eq!(line, "at 0.000 s joint 2 is at 1.1000 rad; allowed: its limits -1 to 1 rad");
         let line = refused(|joint| joint.limits.torque = 1.0);
         assert!(line.ends_with("allowed: its limit of 1 N m"), "{line}");
+    }
+
+    #[test]
+    fn a_payload_beyond_the_rating_is_told() {
+        let mut robot = RobotFile::example();
+        let work = RobotWork::of(&robot);
+        assert_eq!(warnings(&work, &robot), Ok(Vec::new()));
+        robot.joints[1].link.mass *= 4.0;
+        let lines = warnings(&work, &robot).unwrap();
+        assert_eq!(lines.len(), 2, "{lines:?}");
+        assert!(
+            lines[1].starts_with("joint 2 bears a weight of up to ")
+                && lines[1].contains("rated_torque_nm = 31"),
+            "{lines:?}"
+        );
     }
 
     #[test]

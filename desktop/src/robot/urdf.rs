@@ -21,7 +21,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 use urdf_rs::JointType;
 
 use super::chain::{Link, Pose, is_inertia};
-use super::file::Limits;
+use super::joint::Limits;
 use crate::io::file::{self, BadInput};
 
 /// Longest URDF file (bytes).

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::file::{ANGLE, GRAVITY, Joint, RobotFile, usable};
+use super::joint::{ANGLE, GRAVITY, Joint, usable};
 use super::urdf::{UrdfArm, UrdfJoint};
 use crate::io::file::{BadInput, folder_of};
 use crate::io::gear_file::GearFile;
@@ -83,7 +83,8 @@ impl RobotText {
 }
 
 impl UrdfText {
-    /// The robot, its gear files by `gear`; the URDF file is relative to `path`.
+    /// Name of the robot, gravity in the frame of its first joint (m/s^2) and its joints, their gear files by `gear`; the URDF file is relative to
+    /// `path`.
     ///
     /// # Errors
     /// One line that names the file and what is wrong in it.
@@ -91,7 +92,7 @@ impl UrdfText {
         &self,
         path: &Path,
         gear: impl Fn(&str) -> Result<GearFile, BadInput>,
-    ) -> Result<RobotFile, BadInput> {
+    ) -> Result<(String, [f64; 3], Vec<Joint>), BadInput> {
         let urdf = folder_of(path).join(&self.robot.urdf);
         let arm = UrdfArm::read(&urdf, self.robot.tip.as_deref())?;
         self.require_known(&arm).map_err(|why| BadInput::new(path, why))?;
@@ -106,7 +107,7 @@ impl UrdfText {
             arm.joints.iter().map(|joint| self.joint(path, joint, &gear)).collect::<Result<_, _>>()?;
         let given = self.robot.gravity();
         let along = |axis: [f64; 3]| axis.iter().zip(given).map(|(axis, given)| axis * given).sum();
-        Ok(RobotFile { name: arm.name.clone(), gravity: arm.base.map(along), joints })
+        Ok((arm.name.clone(), arm.base.map(along), joints))
     }
 
     /// Every joint that the robot file names is one of the arm.
@@ -143,7 +144,7 @@ impl UrdfText {
             )));
         }
         let gear = usable(path, index, file, gear)?;
-        Ok(Joint { gear, start: *start_rad, link: found.link, limits: found.limits })
+        Ok(Joint { gear, start: *start_rad, link: found.link, beam: None, limits: found.limits })
     }
 }
 
@@ -151,6 +152,7 @@ impl UrdfText {
 mod tests {
     use super::*;
     use crate::io::gear_file::DEFAULT;
+    use crate::robot::RobotFile;
 
     fn folder() -> std::path::PathBuf {
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/arm")
