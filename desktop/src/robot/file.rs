@@ -246,7 +246,7 @@ impl RobotFile {
         let (mut joints, mut warnings) = (Vec::new(), Vec::new());
         for (index, joint) in text.joint.iter().enumerate() {
             let gear = usable(path, index, &joint.gear, &gear)?;
-            let file = joint.beam(&folder_of(path))?;
+            let file = joint.beam(folder_of(path))?;
             warnings.extend(
                 file.as_ref().and_then(LinkFile::warning).map(|why| format!("joint[{index}].beam: {why}")),
             );
