@@ -28,7 +28,7 @@ use strainwave::flexspline::{Reduced, StrainGauge, TorqueGauges, TorqueGaugesPar
 use strainwave::gear::GearParams;
 use strainwave::{Angle, Error, Real};
 
-use super::placed_gauge::{Flaws, GAIN, LINKS, NOISE, OFFSET, links};
+use super::placed_gauge::{Flaws, LINKS, NOISE, links};
 use crate::design::joint::{firmware_gear_params, gear_params};
 use crate::io::gear_file::GearFile;
 use crate::io::log::OpenLoop;
@@ -59,16 +59,16 @@ const TORQUE_NOISE: f64 = 0.01;
 const ENCODER_BITS: u32 = 19;
 /// Most gauges.
 pub const MOST: usize = 8;
-/// Where they are: a quarter of a revolution apart, in pairs of both diagonals; slice 1 of 4.
+/// Where they are: a quarter of a revolution apart, in pairs of both diagonals, at the rim, where torque strains most.
 pub const PLACES: [(Node, Direction); MOST] = [
-    ((0, 1), (1, 1)),
-    ((9, 1), (1, 1)),
-    ((18, 1), (-1, 1)),
-    ((27, 1), (-1, 1)),
-    ((4, 1), (-1, 1)),
-    ((13, 1), (-1, 1)),
-    ((22, 1), (1, 1)),
-    ((31, 1), (1, 1)),
+    ((0, 0), (1, 1)),
+    ((9, 0), (1, 1)),
+    ((18, 0), (-1, 1)),
+    ((27, 0), (-1, 1)),
+    ((4, 0), (-1, 1)),
+    ((13, 0), (-1, 1)),
+    ((22, 0), (1, 1)),
+    ((31, 0), (1, 1)),
 ];
 
 /// A control period of the plant.
@@ -179,27 +179,36 @@ pub fn sensor<R: Real, const G: usize>(file: &GearFile) -> Result<TorqueGauges<R
     for (gauge, (node, direction)) in gauges.iter_mut().zip(PLACES) {
         *gauge = StrainGauge::build(&cup, node, direction)?;
     }
-    params(gauges, gear.rated_torque).build()
+    let [rim_twist, ..] = cup.twist();
+    params(gauges, rim_twist, gear.rated_torque).build()
 }
 
-/// What is declared of the gauges: the standard deviations of what is drawn, uniform within its bounds.
-fn params<R: Real, const G: usize>(gauges: [StrainGauge<R>; G], rated_torque: R) -> TorqueGaugesParams<R, G> {
-    let uniform = |largest: f64| R::lit(largest / 3f64.sqrt());
+/// What is declared of the gauges, by standard deviations.
+fn params<R: Real, const G: usize>(
+    gauges: [StrainGauge<R>; G],
+    rim_twist: R,
+    rated_torque: R,
+) -> TorqueGaugesParams<R, G> {
     TorqueGaugesParams {
         gauges,
+        rim_twist,
         rated_torque,
-        gain: uniform(GAIN),
-        offset: uniform(OFFSET),
+        gain: R::lit(DECLARED_GAIN),
+        offset: R::lit(DECLARED_OFFSET),
         noise: R::lit(NOISE),
         misplacement: R::lit(MISPLACEMENT),
         reference: R::lit(REFERENCE),
     }
 }
 
-/// Declared standard deviation of the gain that misplacement leaves.
-pub const MISPLACEMENT: f64 = 0.01;
-/// Declared standard deviation of the reference's mean error (N m).
-pub const REFERENCE: f64 = 0.5;
+/// Declared standard deviation of a gain: that of +-10 %, evenly spread.
+const DECLARED_GAIN: f64 = 0.058;
+/// Of an offset (strain): the same of +-1e-4.
+const DECLARED_OFFSET: f64 = 5.8e-5;
+/// Of the gain that misplacement leaves.
+const MISPLACEMENT: f64 = 0.01;
+/// Of the reference's mean error (N m).
+const REFERENCE: f64 = 0.5;
 
 /// The motion and the load, a row every millisecond.
 fn input(file: &GearFile) -> OpenLoop {

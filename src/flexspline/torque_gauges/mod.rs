@@ -11,7 +11,7 @@
 //! ```
 //!
 //! y_g strain (without unit), tau torque through the shell (N m; the hysteresis beside the shell is not in it), t =
-//! theta_wg - theta_fs, p strain per torque (1/(N m)), tau_ref the torque as known elsewhere, by the observer or the motor's
+//! theta_wg - theta_fs - tau/K_shell (the ellipse stands on the rim, which the last torque has turned against the flange), p strain per torque (1/(N m)), tau_ref the torque as known elsewhere, by the observer or the motor's
 //! balance. c0 and p0 are those of the mesh, [`StrainGauge`]. s is the way of the wave generator (rad) since the
 //! gauge was last learnt, S its sum.
 //!
@@ -29,7 +29,8 @@
 //! **Excitation.** Learning goes with the way of the wave generator, not with time: at a standstill mu = 0 and nothing
 //! moves, at any speed a revolution teaches the same. H is a memory in rad: at first short, the prior is gone after
 //! some revolutions; then a quarter of all that was seen, so that noise is averaged over a growing way, and at
-//! most [`FORGETTING`]. In each step one gauge learns, in turn: the cost of a step is bounded.
+//! most [`FORGETTING`]. In every other step one gauge learns, in turn, in the others the deviation follows: the
+//! cost of a step is bounded.
 //!
 //! **Bounds.** Every coefficient stays within the band around the mesh's that gain, offset and misplacement can explain
 //! (projection); a residual beyond all of these, NaN included, is not learnt; torque and deviation are
@@ -59,7 +60,7 @@ const FORGETTING: f64 = 628.0;
 /// Part of the way so far that is the memory.
 const MEMORY_SHARE: f64 = 0.25;
 /// Largest way of one correction, in starting memories: the gains of one step add up to less than 2.
-const LARGEST_WAY: f64 = 0.2;
+const LARGEST_WAY: f64 = 0.3;
 /// Bands of the learnt coefficients and of what a residual may be, in declared deviations.
 const BAND: f64 = 4.0;
 /// Misfit after a step of its low pass.
@@ -70,6 +71,8 @@ const MISFIT_SHARE: f64 = 0.01;
 pub struct TorqueGaugesParams<R, const G: usize> {
     /// The gauges where they should be, as the mesh has them.
     pub gauges: [StrainGauge<R>; G],
+    /// Angle of the rim relative to the flange per torque (rad/(N m)), the first of [`super::Reduced::twist`]; 0..=0.01.
+    pub rim_twist: R,
     /// The gear's rated torque (N m), positive.
     pub rated_torque: R,
     /// Standard deviation of a gauge's gain from 1; 1e-3..=0.2.
@@ -95,13 +98,13 @@ pub struct TorqueGaugesParams<R, const G: usize> {
 /// use strainwave::flexspline::{Reduced, StrainGauge, TorqueGaugesParams};
 ///
 /// let cup = Reduced::<f32, 36, 4>::build(&JOINT.gear.flexspline, JOINT.gear.rated_torque)?;
-/// let places = [((0, 1), (1, 1)), ((9, 1), (1, 1)), ((18, 1), (-1, 1)), ((27, 1), (-1, 1))];
-/// let mut gauges = [StrainGauge::build(&cup, (0, 1), (1, 1))?; 4];
+/// let places = [((0, 0), (1, 1)), ((9, 0), (1, 1)), ((18, 0), (-1, 1)), ((27, 0), (-1, 1))];
+/// let mut gauges = [StrainGauge::build(&cup, (0, 0), (1, 1))?; 4];
 /// for (gauge, (node, direction)) in gauges.iter_mut().zip(places) {
 ///     *gauge = StrainGauge::build(&cup, node, direction)?;
 /// }
 /// let params = TorqueGaugesParams {
-///     gauges, rated_torque: JOINT.gear.rated_torque,
+///     gauges, rim_twist: cup.twist()[0], rated_torque: JOINT.gear.rated_torque,
 ///     gain: 0.06, offset: 5e-5, noise: 2e-6, misplacement: 0.01, reference: 0.5,
 /// };
 /// let sensor = params.build()?;
@@ -127,6 +130,8 @@ pub struct TorqueGaugesParams<R, const G: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorqueGauges<R, const G: usize> {
     gauges: [Prior<R>; G],
+    /// Counts of the rim's angle per torque.
+    rim_twist: R,
     largest_torque: R,
     per_rated: R,
     /// Largest reference that is learnt from (N m).
@@ -170,11 +175,15 @@ struct Learnt<R> {
 pub struct TorqueGaugesState<R, const G: usize> {
     learnt: [Learnt<R>; G],
     next: usize,
+    /// Torque of the last step (N m).
+    torque: R,
     /// Way of the wave generator that was learnt from (rad), over all gauges.
     way: R,
     /// Part of the prior's error that is left.
     left: R,
     misfit: R,
+    /// Standard deviation of the torque (N m), every other step.
+    deviation: R,
     started: bool,
 }
 
@@ -202,6 +211,7 @@ impl<R: Real, const G: usize> TorqueGaugesParams<R, G> {
         let offsets = count * self.offset * self.offset;
         Ok(TorqueGauges {
             gauges: self.gauges.map(|gauge| self.prior(&gauge)),
+            rim_twist: self.rim_twist * R::lit(1.0 / RADIANS_PER_COUNT),
             largest_torque: R::lit(RANGE) * self.rated_torque,
             per_rated: R::ONE / self.rated_torque,
             largest_reference: R::lit(RANGE) * self.rated_torque,
@@ -222,6 +232,7 @@ impl<R: Real, const G: usize> TorqueGaugesParams<R, G> {
         };
         require(self.gauges.iter().all(strained), "gauges")?;
         require(self.rated_torque.is_positive() && self.rated_torque <= R::lit(1e6), "rated_torque")?;
+        require(within(self.rim_twist, 0.0, 0.01), "rim_twist")?;
         require(within(self.gain, 1e-3, 0.2), "gain")?;
         require(within(self.offset, 0.0, 1e-2), "offset")?;
         require(within(self.noise, 1e-9, 1e-2), "noise")?;
@@ -267,9 +278,11 @@ impl<R: Real, const G: usize> TorqueGauges<R, G> {
         TorqueGaugesState {
             learnt: self.gauges.map(learnt),
             next: 0,
+            torque: R::ZERO,
             way: R::ZERO,
             left: R::ONE,
             misfit: self.least_misfit,
+            deviation: self.largest_torque,
             started: false,
         }
     }
@@ -294,7 +307,8 @@ impl<R: Real, const G: usize> TorqueGauges<R, G> {
             state.learnt.iter_mut().for_each(|gauge| gauge.phase = phase);
             state.started = true;
         }
-        let regressors = regressors(phase);
+        let turned = (self.rim_twist * state.torque).to_i32().cast_unsigned();
+        let regressors = regressors(phase.wrapping_sub(turned));
         let (mut product, mut squares, mut power) = (R::ZERO, R::ZERO, R::ZERO);
         let mut rests = [R::ZERO; G];
         for ((rest, gauge), strain) in rests.iter_mut().zip(&state.learnt).zip(strains) {
@@ -306,11 +320,16 @@ impl<R: Real, const G: usize> TorqueGauges<R, G> {
         // A gain is within its band, so `squares` is positive.
         let per_square = R::ONE / squares;
         let torque = (product * per_square).limit(self.largest_torque);
-        self.fit(state, power - torque * product);
-        if let Some(reference) = reference.filter(|torque| torque.is_within(self.largest_reference)) {
-            self.learn(state, &rests, &regressors, phase, reference);
+        state.torque = torque;
+        let turn = state.next;
+        state.next = if turn + 1 < 2 * G { turn + 1 } else { 0 };
+        if turn & 1 == 1 {
+            self.fit(state, power - torque * product);
+            state.deviation = self.deviation(state, torque, per_square);
+        } else if let Some(reference) = reference.filter(|torque| torque.is_within(self.largest_reference)) {
+            self.learn(state, turn / 2, &rests, &regressors, phase, reference);
         }
-        GaugeTorque { torque, standard_deviation: self.deviation(state, torque, per_square) }
+        GaugeTorque { torque, standard_deviation: state.deviation }
     }
 
     /// Takes the sum of squares that least squares leaves into its mean.
@@ -331,18 +350,17 @@ impl<R: Real, const G: usize> TorqueGauges<R, G> {
         variance.min(self.largest_torque * self.largest_torque).sqrt_or_zero()
     }
 
-    /// The next gauge learns.
+    /// The gauge `turn` learns.
     #[inline(always)]
     fn learn(
         &self,
         state: &mut TorqueGaugesState<R, G>,
+        turn: usize,
         rests: &[R; G],
         regressors: &[R; 4],
         phase: u32,
         reference: R,
     ) {
-        let turn = state.next;
-        state.next = if turn + 1 < G { turn + 1 } else { 0 };
         let (Some(prior), Some(gauge), Some(rest)) =
             (self.gauges.get(turn), state.learnt.get_mut(turn), rests.get(turn))
         else {
@@ -359,7 +377,7 @@ impl<R: Real, const G: usize> TorqueGauges<R, G> {
         let share = R::lit(MEMORY_SHARE / G as f64);
         let memory = (state.way * share).max(R::lit(START));
         let step = way / (memory + way);
-        // Its turn comes every G steps, as every other's: one number stands for all of them.
+        // Its turn comes as often as every other's: one number stands for all of them.
         state.left = state.left - step * state.left * R::lit(1.0 / G as f64);
         gauge.correct(prior, step * residual, regressors, reference * self.per_rated * self.per_rated);
     }
@@ -404,3 +422,6 @@ fn ripple<R: Real>(coefficients: &[R; COEFFICIENTS], regressors: &[R; 4]) -> R {
     let [constant, amplitudes @ .., _] = coefficients;
     amplitudes.iter().zip(regressors).fold(*constant, |sum, (amplitude, wave)| sum + *amplitude * *wave)
 }
+
+#[cfg(test)]
+mod tests;
