@@ -96,7 +96,8 @@ mod tests {
         #[test]
         fn it_is_every_nodes_own_displacement(torque in -300.0..300.0f64, counts: i64) {
             prop_assert!(worst::<8, 3>(torque, counts) < 1e-17);
-            prop_assert!(worst::<36, 4>(torque, counts) < 1e-17);
+            // A 36th of a revolution is no whole number of counts, to which a node alone rounds: 2*1.5e-9 rad of the ellipse.
+            prop_assert!(worst::<36, 4>(torque, counts) < 1e-12);
         }
 
         /// Neither the ellipse nor its rotation turns the rim in the mean: that is the torque's part.
