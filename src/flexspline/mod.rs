@@ -12,6 +12,7 @@
 pub mod calibration;
 mod condensation;
 pub mod cup;
+pub mod displacement_field;
 pub mod end_forces;
 pub mod mesh;
 pub mod reduced;
@@ -19,16 +20,19 @@ pub mod shell;
 mod spectrum;
 pub mod stiffness_line;
 pub mod strain_gauge;
+pub mod torque_gauges;
 pub mod two_links;
 
 pub use calibration::FlexsplineParams;
 pub use cup::Cup;
+pub use displacement_field::DisplacementField;
 pub use end_forces::NodeForce;
 pub use mesh::Mesh;
 pub use reduced::Reduced;
 pub use shell::{Bend, Shell, ShellParams, Strained};
 pub use stiffness_line::StiffnessLine;
 pub use strain_gauge::StrainGauge;
+pub use torque_gauges::{GaugeTorque, TorqueGauges, TorqueGaugesParams, TorqueGaugesState};
 pub use two_links::{TwoLinks, TwoLinksParams};
 
 use crate::angle::Angle;

@@ -104,7 +104,7 @@ pub struct Reduced<R, const N: usize, const M: usize> {
     largest_torsion: R,
     cup: Cup<R>,
     /// Displacement of every slice per torque (m/(N m)).
-    twist: Shape<R, M>,
+    pub(super) twist: Shape<R, M>,
     /// Amplitudes of harmonic 2 of every slice (m).
     ellipse: Shape<R, M>,
 }

@@ -188,6 +188,7 @@ mod tests {
                 torsion: -torsion
                     * (1.0 + 0.5 * (-25.0 * since(k)).exp() * (TAU * frequency * since(k)).cos()),
                 transmitted_torque: 0.0,
+                shell_torque: 0.0,
                 strains: Vec::new(),
             })
             .collect();

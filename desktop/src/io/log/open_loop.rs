@@ -135,6 +135,8 @@ pub struct OpenLoopRow {
     pub torsion: f64,
     /// Torque through the flexspline (N m).
     pub transmitted_torque: f64,
+    /// The part of it that strains the shell, without the hysteresis beside it (N m); in no column.
+    pub shell_torque: f64,
     /// Strain at each gauge, without unit.
     pub strains: Vec<f64>,
 }

@@ -288,6 +288,7 @@ impl<'a, R: Real, F: Gauged<R>, C: FrictionModel<R>, const L: usize, const MEMOR
             input_torque: inputs.wave_generator_inertia * acceleration + first.wave_generator.to_f64(),
             torsion: first.torsion.to_f64(),
             transmitted_torque: first.transmitted.to_f64(),
+            shell_torque: first.transmitted.to_f64() - first.hysteresis.to_f64(),
             strains,
         })
     }
