@@ -51,10 +51,11 @@
 use crate::angle::Angle;
 use crate::constants::constants;
 use crate::error::{Error, require};
-use crate::flexspline::calibration::FlexsplineParams;
+use crate::flexspline::calibration::{FlexsplineParams, Hardening};
+use crate::flexspline::chain::MeshLaw;
 use crate::flexspline::condensation::{Displacement, Link, Shape, settled};
 use crate::flexspline::cup::{Cup, DIRECTIONS};
-use crate::flexspline::stiffness_line::StiffnessLine;
+use crate::flexspline::stiffness_line::TorsionLaw;
 use crate::flexspline::{Ends, Flexspline, Reaction};
 use crate::real::Real;
 
@@ -96,15 +97,17 @@ pub type Direction = (i32, i32);
 #[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reduced<R, const N: usize, const M: usize> {
-    line: StiffnessLine<R>,
+    line: TorsionLaw<R>,
     /// Dashpot of each piece of the line (N m s/rad).
-    damping: [R; 3],
+    damping: [R; 8],
     /// End of the law's range, as a torque (N m) and as a torsion at rest (rad).
     largest_torque: R,
     largest_torsion: R,
     cup: Cup<R>,
     /// Displacement of every slice per torque (m/(N m)).
     twist: Shape<R, M>,
+    /// Rotation of every slice per torsion, that per torque apart: none where the hardening is in the contact.
+    leading: [R; M],
     /// Amplitudes of harmonic 2 of every slice (m).
     ellipse: Shape<R, M>,
 }
@@ -121,25 +124,39 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
         require((3..=32).contains(&M), "m")?;
         let largest_torque = R::lit(RANGE) * rated_torque;
         require(largest_torque.is_positive(), "rated_torque")?;
-        let contact = params.contact_line();
-        let whole = contact.in_series(params.cup.stiffness());
-        let mut damping = [params.contact_damping(); 3];
-        for (c, (k, k_contact)) in damping.iter_mut().zip(whole.stiffness.into_iter().zip(contact.stiffness))
-        {
-            *c *= (k / k_contact) * (k / k_contact);
-        }
-        let line = whole.build()?;
         let cup = params.cup;
-        let turn_per_torque = cup.radius / cup.stiffness();
-        Ok(Self {
-            line,
-            damping,
-            largest_torque,
-            largest_torsion: line.torsion(largest_torque),
-            cup,
-            twist: settled(&cup, N, 0, [R::ZERO, turn_per_torque, R::ZERO]),
-            ellipse: settled(&cup, N, 2, [cup.ellipse, R::lit(-0.5) * cup.ellipse, R::ZERO]),
-        })
+        let mut reduced = match params.hardening {
+            Hardening::Contact => Self::with_contact(params)?,
+            Hardening::Bends => Self::with_bends(params, largest_torque)?,
+        };
+        reduced.largest_torque = largest_torque;
+        reduced.largest_torsion = reduced.line.torsion(largest_torque);
+        reduced.ellipse = settled(&cup, N, 2, [cup.ellipse, R::lit(-0.5) * cup.ellipse, R::ZERO]);
+        Ok(reduced)
+    }
+
+    /// Law and twist of a linear shell in series with the contact.
+    fn with_contact(params: &FlexsplineParams<R>) -> Result<Self, Error> {
+        let contact = params.contact_line();
+        let cup = params.cup;
+        let whole = contact.in_series(cup.stiffness());
+        let piece = |k: usize| whole.stiffness[k.min(2)] / contact.stiffness[k.min(2)];
+        let damping = core::array::from_fn(|k| params.contact_damping() * (piece(k) * piece(k)));
+        let twist = settled(&cup, N, 0, [R::ZERO, cup.radius / cup.stiffness(), R::ZERO]);
+        Ok(Self::of(cup, whole.build_law()?, damping, twist, [R::ZERO; M]))
+    }
+
+    /// Law and twist of a shell whose bend links harden.
+    fn with_bends(params: &FlexsplineParams<R>, largest_torque: R) -> Result<Self, Error> {
+        let MeshLaw { line, by_torsion, by_torque } = params.mesh_law::<M>(N, largest_torque)?;
+        let twist = by_torque.map(|angle| [R::ZERO, angle * params.cup.radius, R::ZERO]);
+        Ok(Self::of(params.cup, line, [params.damping(); 8], twist, by_torsion))
+    }
+
+    /// Without range and ellipse.
+    fn of(cup: Cup<R>, line: TorsionLaw<R>, damping: [R; 8], twist: Shape<R, M>, leading: [R; M]) -> Self {
+        let ellipse = [[R::ZERO; 3]; M];
+        Self { line, damping, largest_torque: R::ZERO, largest_torsion: R::ZERO, cup, twist, leading, ellipse }
     }
 
     /// Torque at a torsion and its rate (N m), within +-[`RANGE`] times the rated torque; for NaN it is that
@@ -167,9 +184,20 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
         self.line.compliance(torque)
     }
 
-    /// Angle of each slice relative to the flange, per torque (rad/(N m)); rim first.
+    /// Angle of each slice relative to the flange, per small torque (rad/(N m)); rim first.
     pub fn twist(&self) -> [R; M] {
-        self.twist.map(|[_, tangential, _]| tangential / self.cup.radius)
+        core::array::from_fn(|j| self.turned(j, R::ONE, self.compliance(R::ZERO))[1] / self.cup.radius)
+    }
+
+    /// Angle of each slice relative to the flange under a torque at rest (rad); rim first.
+    pub fn angles(&self, torque: R) -> [R; M] {
+        core::array::from_fn(|j| self.turned(j, torque, self.torsion(torque))[1] / self.cup.radius)
+    }
+
+    /// Displacement of a slice by a torque and its torsion (m).
+    fn turned(&self, j: usize, torque: R, torsion: R) -> Displacement<R> {
+        let [radial, tangential, axial] = self.twist[j].map(|per_torque| torque * per_torque);
+        [radial, tangential + torsion * self.leading[j] * self.cup.radius, axial]
     }
 
     /// Radial, tangential and axial amplitude of each slice under the ellipse (m): at the angle b from the wave
@@ -186,7 +214,8 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
     pub fn displacement(&self, (i, j): Node, torque: R, wave_generator: Angle<R>) -> Result<[R; 3], Error> {
         require(i < N && j < M, "node")?;
         let [radial, tangential, axial] = self.pressed(i, j, wave_generator);
-        Ok([radial, tangential + torque * self.twist[j][1], axial])
+        let [_, turned, _] = self.turned(j, torque, self.torsion(torque));
+        Ok([radial, tangential + turned, axial])
     }
 
     /// Strain L/L0 - 1 of the link from `node` (i, j) that spans `direction` (around, along), either way: exact
@@ -205,16 +234,17 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
     ) -> Result<R, Error> {
         let (link, ends) = self.link(node, direction)?;
         let [near, far] = ends.map(|(i, j)| self.pressed(i, j, wave_generator));
-        Ok(link.strain(near, far) + torque * self.strain_per_torque(node, direction)?)
+        let turned = ends.map(|(_, j)| self.turned(j, torque, self.torsion(torque)));
+        Ok(link.strain(near, far) + link.linear_strain(turned[0], turned[1]))
     }
 
-    /// Strain of the same link per torque (1/(N m)).
+    /// Strain of the same link per torque (1/(N m)), that per small torque where the bend links harden.
     ///
     /// # Errors
     /// As [`Reduced::strain`].
     pub fn strain_per_torque(&self, node: Node, direction: Direction) -> Result<R, Error> {
         let (link, ends) = self.link(node, direction)?;
-        let [near, far] = ends.map(|(_, j)| self.twist[j]);
+        let [near, far] = ends.map(|(_, j)| self.turned(j, R::ONE, self.compliance(R::ZERO)));
         Ok(link.linear_strain(near, far))
     }
 
@@ -306,6 +336,7 @@ mod tests {
             },
             damping_ratio: SIZE_25.damping_ratio as f32,
             inertia: SIZE_25.inertia as f32,
+            hardening: Hardening::Contact,
             bend: Bend::LINEAR,
         };
         Reduced::build(&params, RATED as f32).unwrap()
