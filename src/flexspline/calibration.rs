@@ -25,8 +25,8 @@
 //! the whole flexspline.
 
 use crate::error::{Error, require};
-pub use crate::flexspline::condensation::unit_stiffness;
 use crate::flexspline::chain::{Chain, MeshLaw};
+pub use crate::flexspline::condensation::unit_stiffness;
 use crate::flexspline::cup::Cup;
 use crate::flexspline::shell::{Bend, ShellParams};
 use crate::flexspline::stiffness_line::StiffnessLineParams;

@@ -166,8 +166,7 @@ impl<R: Real, const M: usize> Chain<R, M> {
             (torsion, self.torque(&mut angles, torsion, &law))
         });
         // A*torsion + B*torque: as the chain turns at first, and once it is saturated.
-        let by_torque: Angles<R, M> =
-            core::array::from_fn(|j| (first.0[j] - last.0[j]) / (first.1 - last.1));
+        let by_torque: Angles<R, M> = core::array::from_fn(|j| (first.0[j] - last.0[j]) / (first.1 - last.1));
         let by_torsion = core::array::from_fn(|j| first.0[j] - by_torque[j] * first.1);
         Ok(MeshLaw { line: TorsionLaw::through(points, last.1)?, by_torsion, by_torque })
     }
@@ -245,6 +244,7 @@ fn solved<R: Real, const M: usize>(mut matrix: [Angles<R, M>; M], mut right: Ang
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::angle::Angle;
     use crate::flexspline::calibration::tests::SIZE_25;
     use crate::flexspline::{Ends, Flexspline, FlexsplineParams, Hardening, Mesh, Reduced};
@@ -278,7 +278,6 @@ mod tests {
         let torsions = [1e-5, -2e-4, 4.5e-4, 8e-4, -1.1e-3, 1.46e-3, 3e-3];
         for (torsion, torque) in torsions.iter().zip(literal::<N, M>(params, &torsions)) {
             let law = reduced.torque(*torsion, 0.0);
-            std::eprintln!("{N} x {M}: {torque} against {law} at {torsion}, line {}", SIZE_25.line.build().unwrap().torque(*torsion));
             assert!((law - torque).abs() < bound * RATED, "{N} x {M}: {torque} against {law} at {torsion}");
         }
     }
@@ -288,5 +287,134 @@ mod tests {
         against_literal::<8, 3>(&bends(), 5e-3);
         against_literal::<12, 4>(&bends(), 5e-3);
         against_literal::<36, 4>(&bends(), 5e-3);
+        let own = Bend { hardening: 3e7, saturation: 2e-4 };
+        against_literal::<8, 3>(&FlexsplineParams { bend: own, ..bends() }, 5e-3);
+    }
+
+    /// Largest change of torque up to rated torque (N m), and of a slice's or the ellipse's place.
+    fn change<const N: usize, const M: usize, const P: usize, const Q: usize>(
+        other: &FlexsplineParams<f64>,
+    ) -> (f64, f64) {
+        let a = Reduced::<f64, N, M>::build(&bends(), RATED).unwrap();
+        let b = Reduced::<f64, P, Q>::build(other, RATED).unwrap();
+        let torque = (1..=30).map(|k| 5e-5 * f64::from(k)).fold(0.0, |largest: f64, torsion| {
+            largest.max((a.torque(torsion, 0.0) - b.torque(torsion, 0.0)).abs())
+        });
+        let shape = (a.angles(40.0)[1] / b.angles(40.0)[1] - 1.0).abs();
+        let ellipse = (a.ellipse()[1][0] / b.ellipse()[1][0] - 1.0).abs();
+        (torque, shape.max(ellipse))
+    }
+
+    #[test]
+    fn law_or_shapes_follow_nodes_slices_ellipse_and_hardening() {
+        let slices = change::<8, 3, 8, 6>(&bends());
+        assert!(slices.0 > 0.1 && slices.1 > 0.1, "{slices:?}");
+        let nodes = change::<8, 3, 12, 3>(&bends());
+        assert!(nodes.1 > 0.01, "{nodes:?}");
+        let cup = Cup { ellipse: 0.4e-3, ..SIZE_25.cup };
+        let ellipse = change::<8, 3, 8, 3>(&FlexsplineParams { cup, ..bends() });
+        assert!(ellipse.1 > 0.2, "{ellipse:?}");
+        let own = Bend { hardening: 3e7, saturation: 2e-4 };
+        let hardening = change::<8, 3, 8, 3>(&FlexsplineParams { bend: own, ..bends() });
+        assert!(hardening.0 > 1.0, "{hardening:?}");
+    }
+
+    /// 3 % of the rated torque, for every mesh.
+    #[test]
+    fn the_law_follows_the_catalogue_whatever_the_mesh() {
+        fn check<const N: usize, const M: usize>() {
+            let line = SIZE_25.line.build().unwrap();
+            let reduced = Reduced::<f64, N, M>::build(&bends(), RATED).unwrap();
+            assert!((reduced.torque(1e-6, 0.0) / 3.1e-2 - 1.0).abs() < 0.01);
+            for torque in (1..=67).map(f64::from) {
+                let off = reduced.torque(line.torsion(torque), 0.0) - torque;
+                assert!(off.abs() < 0.03 * RATED, "{N} x {M}: {off} at {torque}");
+                assert!((reduced.torque(reduced.torsion(torque), 0.0) - torque).abs() < 1e-9);
+            }
+        }
+        check::<8, 3>();
+        check::<9, 3>();
+        check::<16, 4>();
+        check::<36, 4>();
+        check::<48, 6>();
+        check::<72, 8>();
+    }
+
+    #[test]
+    fn single_precision_finds_the_same_law() {
+        let double = Reduced::<f64, 8, 3>::build(&bends(), RATED).unwrap();
+        let line = crate::flexspline::stiffness_line::StiffnessLineParams {
+            stiffness: SIZE_25.line.stiffness.map(|k| k as f32),
+            knee_torque: SIZE_25.line.knee_torque.map(|torque| torque as f32),
+        };
+        let params = FlexsplineParams {
+            cup: single_cup(),
+            line,
+            damping_ratio: 0.02,
+            inertia: 1.2,
+            hardening: Hardening::Bends,
+            bend: Bend::LINEAR,
+        };
+        let single = Reduced::<f32, 8, 3>::build(&params, RATED as f32).unwrap();
+        for torsion in (-30..=30).map(|k| 1e-4 * f64::from(k)) {
+            let (a, b) = (single.torque(torsion as f32, 0.0), double.torque(torsion, 0.0));
+            assert!((f64::from(a) - b).abs() < 1e-3 * RATED, "{a} against {b} at {torsion}");
+        }
+    }
+
+    fn single_cup() -> Cup<f32> {
+        let cup = SIZE_25.cup;
+        Cup {
+            radius: cup.radius as f32,
+            length: cup.length as f32,
+            wall: cup.wall as f32,
+            ellipse: cup.ellipse as f32,
+            youngs_modulus: cup.youngs_modulus as f32,
+            poisson_ratio: cup.poisson_ratio as f32,
+            density: cup.density as f32,
+        }
+    }
+
+    /// Driven around under torsion: work at the ports is stored or lost, the hardening's torque on the wave generator included.
+    #[test]
+    fn the_literal_mesh_keeps_its_energy() {
+        let params = FlexsplineParams { damping_ratio: 0.0, ..bends() };
+        let dt = 0.3 * Mesh::<f64, 8, 3>::stable_step(&params);
+        let mesh = Mesh::<f64, 8, 3>::build(&params, dt).unwrap();
+        let mut state = mesh.rest();
+        let ends = |k: i32| {
+            let time = dt * f64::from(k);
+            Ends {
+                drive: Angle::from_radians(1.0 * time),
+                drive_rate: 1.0,
+                wave_generator: Angle::from_radians(200.0 * time),
+                wave_generator_rate: 200.0,
+                ..Ends::default()
+            }
+        };
+        let before = mesh.energy(&state, &ends(0));
+        let (mut work, steps) = (0.0, (1.5e-3 / dt) as i32);
+        for k in 0..steps {
+            let reaction = mesh.step(&mut state, &ends(k));
+            let half = if k == 0 { 0.5 } else { 1.0 };
+            work += half * dt * (reaction.contact - 200.0 * reaction.ellipse);
+        }
+        let gained = mesh.energy(&state, &ends(steps)) - before;
+        assert!(gained > 0.01 && (work / gained - 1.0).abs() < 0.03, "{work} J in, {gained} J more");
+    }
+
+    #[test]
+    fn what_bend_links_cannot_follow_is_refused_by_name() {
+        let softening = |k3: f64| {
+            let line = crate::flexspline::stiffness_line::StiffnessLineParams {
+                stiffness: [3.1e4, 3.1e4, k3],
+                ..SIZE_25.line
+            };
+            Reduced::<f64, 36, 4>::build(&FlexsplineParams { line, ..bends() }, RATED).err()
+        };
+        assert_eq!(softening(3.1e4), Some(Error::OutOfRange("stiffness")));
+        assert_eq!(softening(1.2e5), Some(Error::OutOfRange("stiffness")));
+        assert_eq!(softening(6e4), None);
+        assert_eq!(Mesh::<f64, 8, 2>::build(&bends(), 1e-9).err(), Some(Error::OutOfRange("m")));
     }
 }

@@ -335,12 +335,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
 
     /// Forces of the links; answers with the power lost in them (W), and the torque of the hardening on the rim (N m).
     #[inline(always)]
-    fn pull(
-        &self,
-        state: &MeshState<R, N, M>,
-        ends: &Ends<R>,
-        force: &mut [Slice<R, N>; M],
-    ) -> (R, R) {
+    fn pull(&self, state: &MeshState<R, N, M>, ends: &Ends<R>, force: &mut [Slice<R, N>; M]) -> (R, R) {
         if self.contact.is_some() {
             return (self.shell.pull(&state.shell, force), R::ZERO);
         }

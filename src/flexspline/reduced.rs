@@ -22,6 +22,10 @@
 //!    add, which gives `line`, and the contact's dashpot takes its fraction of the motion, and acts back through it:
 //!    `c_piece = c_contact*(K_piece/K_contact,piece)^2`.
 //!
+//! With [`Hardening::Bends`] the torsion's chain of step 1 is not linear. It is settled torsion by torsion at build, from the
+//! same links (`chain.rs`), and `line` is its torque in eight straight pieces; `twist` gets a part by the torsion. The dashpot
+//! lies across the whole.
+//!
 //! Nothing is integrated, so no time step is too long: of the two limits of the explicit mesh, 2/omega of the
 //! links (2 to 6 us) has gone with their inertia, and the dashpot's with the rim's. The joint's own mode is
 //! left, which the gear steps: dt*sqrt(K3/J_fs) = 0.022 where the scheme allows 2.
@@ -39,7 +43,8 @@
 //! | the dashpot against both springs, c_contact/(K_contact + K_shell) = 60 us, at sqrt(K1/J_fs) = 161 rad/s | (161*6e-5)^2 = 9e-5 of the damping |
 //! | the ellipse's tension in the links, second order in w0/R | 7.1e-4 of K1 (8 x 3), 3.4e-5 (36 x 4): `verify flexspline` |
 //! | the ellipse's reaction on the wave generator, zero on average | at rated torsion 3.9e-4 N m (8 x 3): `verify flexspline` |
-//! | the hardening of the bend links in the two shapes (the calibration of k has it), none by default | hardening*(4.8e-3)^2 of a bend link's stiffness |
+//! | with the hardening in the contact: that of the bend links from their free length, none by default | hardening*(4.8e-3)^2 of a bend link's stiffness |
+//! | with the hardening in the bend links: the law's straight pieces, torsion times ellipse, pre-strain | `flexspline.bends.8x3.law` |
 //! | inner slices' second-order displacement, harmonics 0 and 4 | strain 2.7e-5 (8 x 3), 5.0e-5 (36 x 4): [`super::StrainGauge`] |
 //!
 //! # Range
@@ -156,7 +161,16 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
     /// Without range and ellipse.
     fn of(cup: Cup<R>, line: TorsionLaw<R>, damping: [R; 8], twist: Shape<R, M>, leading: [R; M]) -> Self {
         let ellipse = [[R::ZERO; 3]; M];
-        Self { line, damping, largest_torque: R::ZERO, largest_torsion: R::ZERO, cup, twist, leading, ellipse }
+        Self {
+            line,
+            damping,
+            largest_torque: R::ZERO,
+            largest_torsion: R::ZERO,
+            cup,
+            twist,
+            leading,
+            ellipse,
+        }
     }
 
     /// Torque at a torsion and its rate (N m), within +-[`RANGE`] times the rated torque; for NaN it is that
@@ -384,6 +398,20 @@ mod tests {
             if reduced.line.piece(low) == reduced.line.piece(high) {
                 prop_assert!(reduced.torque(low, rate) <= reduced.torque(high, rate));
             }
+        }
+
+        /// Bend links that harden: torque rises, is the slope of the energy, and the damping never drives.
+        #[test]
+        fn a_hardening_mesh_is_monotone_and_passive(a in -0.02..0.02f64, b in -0.02..0.02f64, rate in -1e3..1e3f64) {
+            let params = FlexsplineParams { hardening: Hardening::Bends, ..SIZE_25 };
+            let reduced = Reduced::<f64, 8, 3>::build(&params, RATED).unwrap();
+            let (low, high) = (a.min(b), a.max(b));
+            prop_assert!(reduced.torque(low, rate) <= reduced.torque(high, rate));
+            prop_assert_eq!(reduced.torque(-a, -rate), -reduced.torque(a, rate));
+            let energy = |torsion| reduced.energy(&(), &ends(torsion, 0.0));
+            let slope = (energy(a + 1e-7) - energy(a - 1e-7)) / 2e-7;
+            prop_assert!((slope - reduced.torque(a, 0.0)).abs() < 5e-3);
+            prop_assert!(reduced.step(&mut (), &ends(a, rate)).loss >= 0.0);
         }
 
         /// Damping is dissipative: the torque beyond the elastic one never drives.

@@ -11,8 +11,8 @@
 pub(crate) mod friction;
 
 use strainwave::compensator::schedule::CONTROL_PERIOD;
-use strainwave::flexspline::{Bend, Cup, FlexsplineParams, Hardening as Place};
 use strainwave::flexspline::stiffness_line::{StiffnessLine, StiffnessLineParams};
+use strainwave::flexspline::{Bend, Cup, FlexsplineParams, Hardening as Place};
 use strainwave::hysteresis::table::TABLE_LEVELS;
 use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState};
 

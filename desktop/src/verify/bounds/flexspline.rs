@@ -132,7 +132,12 @@ pub(super) const ROWS: &[Bound] = &[
         why: "distance of the literal mesh from the catalogue's line up to rated torque, as a fraction of it: a cubic that \
               saturates has no knees; target 3e-2",
     },
-    Bound { name: "flexspline.bends.36x4.line", value: 3e-2, unit: "1", why: "the same of the reference mesh" },
+    Bound {
+        name: "flexspline.bends.36x4.line",
+        value: 3e-2,
+        unit: "1",
+        why: "the same of the reference mesh",
+    },
     Bound { name: "flexspline.bends.48x6.line", value: 3e-2, unit: "1", why: "the same of a finer mesh" },
     Bound {
         name: "flexspline.bends.8x3.law",
@@ -141,7 +146,12 @@ pub(super) const ROWS: &[Bound] = &[
         why: "distance of the reduced law from the literal mesh up to rated torque, as a fraction of it: eight straight pieces, \
               products of torsion and ellipse",
     },
-    Bound { name: "flexspline.bends.36x4.law", value: 1e-2, unit: "1", why: "the same of the reference mesh" },
+    Bound {
+        name: "flexspline.bends.36x4.law",
+        value: 1e-2,
+        unit: "1",
+        why: "the same of the reference mesh",
+    },
     Bound {
         name: "flexspline.bends.8x3.ripple",
         value: 1e-3,

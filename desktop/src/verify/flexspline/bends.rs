@@ -24,13 +24,25 @@ pub(super) fn measure(default: &GearFile) -> Result<Vec<Figure>, RunError> {
     let mut figures = vec![
         bounds::figure("flexspline.bends.8x3.k1", off_k1::<8, 3>(params)?),
         bounds::figure("flexspline.bends.36x4.k1", off_k1::<36, 4>(params)?),
-        bounds::figure("flexspline.bends.8x3.line", worst_off::<8, 3>(params, rated, |phi| line.torque(phi))?),
-        bounds::figure("flexspline.bends.36x4.line", worst_off::<36, 4>(params, rated, |phi| line.torque(phi))?),
-        bounds::figure("flexspline.bends.48x6.line", worst_off::<48, 6>(params, rated, |phi| line.torque(phi))?),
+        bounds::figure(
+            "flexspline.bends.8x3.line",
+            worst_off::<8, 3>(params, rated, |phi| line.torque(phi))?,
+        ),
+        bounds::figure(
+            "flexspline.bends.36x4.line",
+            worst_off::<36, 4>(params, rated, |phi| line.torque(phi))?,
+        ),
+        bounds::figure(
+            "flexspline.bends.48x6.line",
+            worst_off::<48, 6>(params, rated, |phi| line.torque(phi))?,
+        ),
         bounds::figure("flexspline.bends.8x3.law", off_law::<8, 3>(params, rated)?),
         bounds::figure("flexspline.bends.36x4.law", off_law::<36, 4>(params, rated)?),
     ];
-    figures.extend(ripple::named(&file, ["flexspline.bends.8x3.ripple", "flexspline.bends.8x3.ellipse_reaction"])?);
+    figures.extend(ripple::named(
+        &file,
+        ["flexspline.bends.8x3.ripple", "flexspline.bends.8x3.ellipse_reaction"],
+    )?);
     figures.extend(real_time::over(
         [
             (Scenario::S1, "flexspline.bends.real_time.s1.rms", "flexspline.bends.real_time.s1.max"),
