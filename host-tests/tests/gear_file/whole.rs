@@ -34,7 +34,10 @@ fn what_only_the_whole_gear_can_tell_is_refused_by_key() {
 fn hardening_in_the_bend_links_is_refused_where_they_cannot_follow() {
     let bends = "density_kg_per_m3 = 7850.0\nhardening = \"bends\"";
     for (more, expected) in [
-        ("bend_hardening = 1e4", "flexspline.bend_saturation = 0 is out of range; allowed: above 0 to 5.745e-2"),
+        (
+            "bend_hardening = 1e4",
+            "flexspline.bend_saturation = 0 is out of range; allowed: above 0 to 5.745e-2",
+        ),
         (
             "bend_hardening = 1e6\nbend_saturation = 0.05",
             "flexspline.bend_saturation = 0.05 is out of range; allowed: above 0 to 5.745e-3",
@@ -49,7 +52,10 @@ fn hardening_in_the_bend_links_is_refused_where_they_cannot_follow() {
     let text = DEFAULT.replace("density_kg_per_m3 = 7850.0", bends);
     let stiff = text.replace("k3_nm_per_rad = 5.7e4", "k3_nm_per_rad = 1.2e5");
     let line = parse(&stiff).unwrap_err();
-    assert!(line.starts_with("g.toml: stiffness.k3_nm_per_rad = 120000 is out of range; allowed: above"), "{line}");
+    assert!(
+        line.starts_with("g.toml: stiffness.k3_nm_per_rad = 120000 is out of range; allowed: above"),
+        "{line}"
+    );
     parse(&text).unwrap();
 }
 
