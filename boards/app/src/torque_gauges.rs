@@ -53,6 +53,7 @@ pub struct Answer {
 pub struct Program {
     sensor: TorqueGauges<f32, GAUGES>,
     state: TorqueGaugesState<f32, GAUGES>,
+    mesh: Reduced<f32, { MESH.0 }, { MESH.1 }>,
     field: DisplacementField<f32, { MESH.0 }, { MESH.1 }>,
 }
 
@@ -89,14 +90,15 @@ impl Program {
     pub fn build() -> Result<Self, Error> {
         let sensor = sensor()?;
         let mesh = Reduced::build(&JOINT.gear.flexspline, JOINT.gear.rated_torque)?;
-        Ok(Self { sensor, state: sensor.rest(), field: DisplacementField::build(&mesh) })
+        Ok(Self { sensor, state: sensor.rest(), mesh, field: DisplacementField::build(&mesh) })
     }
 
     /// One control period.
     pub fn step(&mut self, reading: &Reading) -> Answer {
         let wave_generator = Angle::from_counts(reading.phase.into());
         let torque = self.sensor.step(&mut self.state, &reading.strains, wave_generator, reading.reference);
-        Answer { torque, field: self.field.at(torque.torque, wave_generator) }
+        let torsion = self.mesh.torsion(torque.torque);
+        Answer { torque, field: self.field.at(torque.torque, torsion, wave_generator) }
     }
 }
 
