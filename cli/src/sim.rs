@@ -2,11 +2,13 @@
 
 mod belt;
 mod link;
+mod sensors;
 
 use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args, ValueEnum};
 use strainwave_desktop::io::log::{OpenLoop, OpenLoopRow, Time, write_open_loop};
+use strainwave_desktop::plant::measured::{MotorMotion, Truth, motion};
 use strainwave_desktop::plant::mesh_size::MeshSize;
 use strainwave_desktop::plant::two_port::{self, Build, Gauge};
 use strainwave_desktop::{BadInput, Figure, GearFile};
@@ -14,6 +16,7 @@ use strainwave_desktop::{BadInput, Figure, GearFile};
 use crate::figures::{Figures, FiguresArguments};
 use crate::files;
 use crate::progress::Progress;
+use sensors::Sensors;
 
 /// Run a gear, a belt gear or an arm link, open loop: motion of the motor side and load in, output and torques out
 ///
@@ -30,6 +33,10 @@ use crate::progress::Progress;
 /// With --link, IN.csv has the columns t_s, theta_joint_rad, and where it has them tip_force_n and voltage_v; OUT.csv gets t_s,
 /// tip_deflection_m, tip_x_m, tip_y_m, tau_joint_nm, strain_at_PLACE_m of each gauge of the file, and with a patch voltage_v, couple_nm,
 /// charge_c.
+///
+/// With --sensors, each sensor of the file that the model has a place for adds the column of its readings: motor_encoder_rad, output_encoder_rad,
+/// torque_sensor_nm, motor_current_a of a gear or a belt gear; output_encoder_rad and torque_sensor_nm at the joint, accelerometer_m_per_s2 at the tip
+/// and gauge_bridge_v of a link. Their errors against ideal sensors are printed, rms.
 #[derive(Args)]
 #[command(group(ArgGroup::new("model").required(true).args(["gear", "belt", "link"])))]
 pub struct Arguments {
@@ -68,6 +75,9 @@ pub struct Arguments {
     /// Strain L/L0 - 1, without unit, positive when longer than in the round, unloaded cup.
     #[arg(long = "gauge", value_name = "I,J,AROUND,ALONG", allow_hyphen_values = true)]
     gauges: Vec<Gauge>,
+    /// File of sensors, whose readings are added as columns
+    #[arg(long, value_name = "SENSORS.toml")]
+    sensors: Option<PathBuf>,
     #[command(flatten)]
     figures: FiguresArguments,
 }
@@ -90,6 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         ("--gear", arguments.gear.as_deref()),
         ("--belt", arguments.belt.as_deref()),
         ("--link", arguments.link.as_deref()),
+        ("--sensors", arguments.sensors.as_deref()),
         ("--input", Some(&arguments.input)),
         ("--output", Some(&arguments.output)),
         ("--json", arguments.figures.json.as_deref()),
@@ -112,19 +123,33 @@ fn run_gear(arguments: &Arguments, path: &Path) -> Result<Figures, BadInput> {
     let gear = GearFile::read(path)?;
     let build = build(arguments, &gear, path)?;
     require_gauges(&arguments.gauges, build)?;
+    let file = sensors::file(arguments)?;
     let input = OpenLoop::read(&arguments.input)?;
+    let motor = MotorMotion::of(&input);
+    let truth = |row: &OpenLoopRow| Truth {
+        motor: Some(motor.at(row.time)),
+        output: Some(motion(row.output_position, row.output_velocity)),
+        torque: Some(row.transmitted_torque),
+        motor_torque: Some(row.input_torque),
+        ..Truth::default()
+    };
+    let mut sensors = Sensors::build(arguments, file.as_ref(), &truth(&OpenLoopRow::default()))?;
     require_writable(arguments)?;
     let rows =
         two_port::run(&gear, &input, build, &arguments.gauges).map_err(|error| BadInput::new(path, error))?;
     let mut progress = Progress::new(rows.len() as u64, "simulating");
-    let mut largest = Largest::default();
+    let (mut largest, names) = (Largest::default(), sensors.columns());
     let watched = rows.enumerate().map(|(done, row)| {
         progress.set(done as u64);
-        row.inspect(|row| largest.add(row))
+        row.map(|row| {
+            largest.add(&row);
+            let readings = sensors.step(&truth(&row));
+            (row, readings)
+        })
     });
-    let columns: Vec<_> = arguments.gauges.iter().map(Gauge::column).collect();
+    let columns: Vec<_> = arguments.gauges.iter().map(Gauge::column).chain(names).collect();
     write_open_loop(&arguments.output, &columns, watched)?;
-    Ok(answer(arguments, &input.time, largest.figures()))
+    Ok(answer(arguments, &input.time, largest.figures().into_iter().chain(sensors.figures())))
 }
 
 /// The intervals of the input, then what the run measured.

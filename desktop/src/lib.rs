@@ -2,6 +2,7 @@
 //!
 //! | room | what is in it |
 //! | --- | --- |
+//! | [`sensor`] | sensors with the errors of their datasheets |
 //! | [`io`] | files: gear files, belt files, logs, measured data, figures |
 //! | [`design`] | from a gear file to parameters and gains, and their margins |
 //! | [`plant`] | the reference plant and the open-loop two-port |
@@ -28,8 +29,9 @@ pub mod plant;
 pub mod predict;
 pub mod report;
 pub mod robot;
+pub mod sensor;
 pub mod speed;
 pub mod tune;
 pub mod verify;
 
-pub use io::{BadInput, BeltFile, Figure, GearFile, LinkFile};
+pub use io::{BadInput, BeltFile, Figure, GearFile, LinkFile, SensorFile};

@@ -13,7 +13,7 @@ use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearState, Motion};
 use strainwave_desktop::GearFile;
 use strainwave_desktop::design::joint::joint_params;
-use strainwave_desktop::plant::encoder_count;
+use strainwave_desktop::sensor::encoder::encoder_count;
 
 const GAINS: CompensationGains<f32> = CompensationGains::ALL;
 

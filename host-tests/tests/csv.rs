@@ -122,7 +122,7 @@ fn row(time: f64) -> OpenLoopRow {
 
 /// As a run gives rows, none of which fails.
 fn written(path: &Path, rows: [OpenLoopRow; 2]) -> Result<(), BadInput> {
-    write_open_loop(path, &["strain_0_0_1_1".into()], rows.map(Ok::<_, String>))
+    write_open_loop(path, &["strain_0_0_1_1".into()], rows.map(|row| Ok::<_, String>((row, Vec::new()))))
 }
 
 #[test]
@@ -156,7 +156,7 @@ fn a_value_that_is_not_finite_is_not_written() {
 fn a_run_that_fails_after_some_rows_leaves_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("out.csv");
-    let rows = [Ok(row(0.0)), Err("it broke")];
+    let rows = [Ok((row(0.0), Vec::new())), Err("it broke")];
     let line = write_open_loop(&path, &["strain_0_0_1_1".into()], rows).unwrap_err().to_string();
     assert!(line.ends_with("out.csv: not written: it broke"), "{line}");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);

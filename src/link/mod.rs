@@ -153,6 +153,8 @@ pub struct LinkOutput<R> {
     pub tip: [R; 2],
     /// Speed of the tip across the link (m/s), of the modes that are not left out.
     pub tip_velocity: R,
+    /// Rate of that speed (m/s^2), of the same modes.
+    pub tip_acceleration: R,
     /// Torque that the joint must supply (N m).
     pub torque: R,
     /// Slope of the link at the end of the patch less that at its start (rad).
@@ -247,15 +249,19 @@ impl<R: Real, const K: usize> Link<R, K> {
         let [acceleration, tip_force, weight, _] = state.loads;
         let mut torque = self.inertia * acceleration - self.length * tip_force + self.moment * weight;
         let mut tip_velocity = self.length * velocity;
+        let mut tip_acceleration = self.length * acceleration;
         for ((mode, of_load), at) in self.modes.iter().zip(&self.coupling).zip(&state.modes) {
             torque += self.gravity * sine * of_load[2] * at[0];
-            torque += -of_load[0] * mode.acceleration(*at, product(of_load, &state.loads));
+            let mode_acceleration = mode.acceleration(*at, product(of_load, &state.loads));
+            torque += -of_load[0] * mode_acceleration;
             tip_velocity += of_load[1] * at[1];
+            tip_acceleration += of_load[1] * mode_acceleration;
         }
         LinkOutput {
             deflection,
             tip: [self.length * cosine - deflection * sine, self.length * sine + deflection * cosine],
             tip_velocity,
+            tip_acceleration,
             torque,
             rotation: self.rotation.of(state),
         }

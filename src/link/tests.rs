@@ -95,6 +95,31 @@ fn damping_takes_energy_and_only_that() {
     assert!((last - link.energy(&link.settled(&held), &held.joint)).abs() < 1e-9);
 }
 
+/// Trapezoids of the acceleration are the change of the speed; hanging still it is 0.
+#[test]
+fn the_tip_accelerates_as_its_speed_changes() {
+    let link = params::<2>().build(DT).unwrap();
+    let held = at(0.3, 0.0, 0.0);
+    let hanging = link.peek(&link.settled(&held), &held).tip_acceleration;
+    assert!(hanging.abs() < 1e-9, "{hanging}");
+    let (mut state, mut last) = (LinkState::default(), LinkOutput::default());
+    let (mut joint, mut most) = (Motion::default(), 0.0_f64);
+    for k in 0..2000 {
+        let acceleration = 20.0 * (1e-3 * f64::from(k) * 30.0).sin();
+        let now = link.step(&mut state, &LinkInput { joint, acceleration, ..LinkInput::default() });
+        let rise = 0.5 * DT * (now.tip_acceleration + last.tip_acceleration);
+        if k > 0 {
+            let missing = now.tip_velocity - last.tip_velocity - rise;
+            most = most.max(now.tip_velocity.abs());
+            assert!(missing.abs() < 1e-5, "{k}: {missing}");
+        }
+        last = now;
+        joint.velocity += 0.5 * DT * (acceleration + 20.0 * (1e-3 * f64::from(k + 1) * 30.0).sin());
+        joint.angle = joint.angle.plus(DT * joint.velocity);
+    }
+    assert!(most > 0.05, "{most}");
+}
+
 /// An acceleration bends the link by as much as bending accelerates the joint: each c_i is there twice.
 #[test]
 fn joint_and_modes_are_coupled_by_the_same_coefficients() {
@@ -234,8 +259,10 @@ proptest! {
             let [rest, velocity, acceleration, tip_force, couple, _] = bits.map(f32::from_bits);
             let joint = Motion { angle: Angle { counts: i64::from(bits[5]), rest }, velocity };
             let output = link.step(&mut state, &LinkInput { joint, acceleration, tip_force, couple });
-            let LinkOutput { deflection, tip, tip_velocity, torque, rotation } = output;
-            let all = [deflection, tip[0], tip[1], tip_velocity, torque, rotation, link.strain(&state, &gauge)];
+            let LinkOutput { deflection, tip, tip_velocity, tip_acceleration, torque, rotation } = output;
+            let strain = link.strain(&state, &gauge);
+            let all =
+                [deflection, tip[0], tip[1], tip_velocity, tip_acceleration, torque, rotation, strain];
             prop_assert!(all.iter().all(|number| number.is_finite()), "{output:?}");
         }
     }

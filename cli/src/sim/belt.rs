@@ -4,8 +4,10 @@ use std::path::Path;
 
 use strainwave_desktop::io::log::{BeltRow, OpenLoop, write_belt};
 use strainwave_desktop::plant::belt::{self, BeltBuild};
+use strainwave_desktop::plant::measured::{MotorMotion, Truth, motion};
 use strainwave_desktop::{BadInput, BeltFile, Figure};
 
+use super::sensors::{self, Sensors};
 use super::{Arguments, Models, answer, require_writable};
 use crate::figures::Figures;
 use crate::progress::Progress;
@@ -20,18 +22,29 @@ pub(super) fn run(arguments: &Arguments, path: &Path) -> Result<Figures, BadInpu
     if build == BeltBuild::RealTime {
         belt::require_real_time(&file).map_err(|why| BadInput::new(path, why))?;
     }
+    let set = sensors::file(arguments)?;
     let input = OpenLoop::read_belt(&arguments.input)?;
+    let motor_motion = MotorMotion::of(&input);
+    let truth = |row: &BeltRow| Truth {
+        motor: Some(motor_motion.at(row.time)),
+        output: Some(motion(row.output_position, row.output_velocity)),
+        torque: Some(row.transmitted_torque),
+        motor_torque: Some(row.motor_torque),
+        ..Truth::default()
+    };
+    let mut sensors = Sensors::build(arguments, set.as_ref(), &truth(&BeltRow::default()))?;
     require_writable(arguments)?;
     let rows = belt::run(&file, &input, build).map_err(|error| BadInput::new(path, error))?;
     let mut progress = Progress::new(rows.len() as u64, "simulating");
-    let mut extremes = Extremes::default();
+    let (mut extremes, names) = (Extremes::default(), sensors.columns());
     let watched = rows.enumerate().map(|(done, row)| {
         progress.set(done as u64);
         extremes.add(&row);
-        row
+        let readings = sensors.step(&truth(&row));
+        (row, readings)
     });
-    write_belt(&arguments.output, watched)?;
-    Ok(answer(arguments, &input.time, extremes.figures()))
+    write_belt(&arguments.output, &names, watched)?;
+    Ok(answer(arguments, &input.time, extremes.figures().into_iter().chain(sensors.figures())))
 }
 
 /// Rows, largest magnitudes and least tension of a run.

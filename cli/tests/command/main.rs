@@ -17,5 +17,6 @@ mod missed;
 mod operator;
 mod own_joint;
 mod robot;
+mod sensors;
 mod set_up;
 mod trajectory;

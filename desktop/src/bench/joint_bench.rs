@@ -3,14 +3,13 @@
 //!
 //! Each control period: the sensors are read, the controller answers, its torque acts on the plant for one
 //! period. The motor's torque is the drive's response to the command, and its measurement is noisy. An encoder
-//! gives the count whose middle is nearest to the angle ([`crate::plant::encoder`]). Torques in N m, angles in rad.
+//! gives the count whose middle is nearest to the angle ([`crate::sensor::encoder`]). Torques in N m, angles in rad.
 //!
 //! With a jittering clock ([`crate::plant::clock`]) the plant stays on its micro-steps: it goes to the last one before
 //! the instant, the encoders are read a part of a micro-step in advance at constant speed, and the new torque acts from there.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, Normal};
 use strainwave::Error;
 use strainwave::compensator::{CompensationGains, Input, Output, Sensors, Status};
 use strainwave::flexspline::Flexspline;
@@ -24,10 +23,13 @@ use crate::io::gear_file::{GearFile, SensorSet};
 use crate::plant::box_sample::BoxSample;
 use crate::plant::clock::{Clock, ClockParams};
 use crate::plant::divergence::RunError;
-use crate::plant::encoder::{EncoderErrors, EncoderModel, LateEncoder};
 use crate::plant::payload::Payload;
 use crate::plant::sample::PlantSample;
 use crate::plant::{CondensedMesh, Plant, PlantMesh, plant_params};
+use crate::sensor::{
+    AnalogueState, Encoder, EncoderErrors, EncoderParams, EncoderState, MotorCurrent, MotorCurrentParams,
+    TorqueSensor, TorqueSensorParams,
+};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Test conditions of a joint on the bench.
@@ -61,10 +63,10 @@ impl Conditions {
 /// The joint's sensors, with noise that repeats for the same seed.
 #[derive(Clone, Debug)]
 pub(crate) struct SensorModel {
-    motor_encoder: EncoderModel,
-    output_encoder: Option<LateEncoder>,
-    motor_torque_noise: Normal<f64>,
-    output_torque_noise: Option<Normal<f64>>,
+    motor_encoder: (Encoder, EncoderState),
+    output_encoder: Option<(Encoder, EncoderState)>,
+    motor_current: (MotorCurrent, AnalogueState),
+    torque_sensor: Option<(TorqueSensor, AnalogueState)>,
     random: ChaCha8Rng,
     encoder_random: ChaCha8Rng,
 }
@@ -83,48 +85,72 @@ fn random(seed: u64, realisation: u32, purpose: Purpose) -> ChaCha8Rng {
     random
 }
 
+/// Bits of an encoder that noise takes: a factor of 2 the last one, of 4 the last two.
+fn lost_bits(noise: f64, bits: u32) -> u32 {
+    (noise.log2().round().max(0.0) as u32).min(bits - 1)
+}
+
 impl SensorModel {
     /// Of the encoders of a gear file with these errors.
     pub(crate) fn new(file: &GearFile, conditions: &Conditions, errors: &[EncoderErrors; 2]) -> Self {
-        let factor = conditions.noise;
-        let noise = |deviation: f64| {
-            Normal::new(0.0, factor * deviation).expect("the gear file's noise is not negative")
+        Self::build(file, conditions, errors).expect("a gear file's sensors are in range")
+    }
+
+    fn build(file: &GearFile, conditions: &Conditions, errors: &[EncoderErrors; 2]) -> Result<Self, Error> {
+        let (sensors, factor) = (&file.sensors, conditions.noise);
+        let encoder = |bits: u32, errors| EncoderParams {
+            lost_bits: lost_bits(factor, bits),
+            errors,
+            ..EncoderParams::of_bits(bits)
         };
-        let sensors = &file.sensors;
-        let output_encoder = LateEncoder::new(
-            EncoderModel::new(sensors.output_bits(), factor, errors[1]),
-            sensors.output_encoder_delay as usize,
-            sensors.output_encoder_period as usize,
-        );
+        let output_encoder = EncoderParams {
+            delay: f64::from(sensors.output_encoder_delay) * CONTROL_PERIOD,
+            every: sensors.output_encoder_period as usize,
+            ..encoder(sensors.output_bits(), errors[1])
+        };
+        let motor_current = MotorCurrentParams::as_torque(factor * sensors.motor_torque_noise);
+        let torque_sensor = TorqueSensorParams::of_noise(factor * sensors.output_torque_noise);
+        let read = conditions.sensors == SensorSet::Both;
         let random = |purpose| random(conditions.seed, conditions.realisation, purpose);
-        Self {
-            motor_encoder: EncoderModel::new(sensors.motor_encoder_bits, factor, errors[0]),
-            output_encoder: (conditions.sensors == SensorSet::Both).then_some(output_encoder),
-            motor_torque_noise: noise(sensors.motor_torque_noise),
-            output_torque_noise: sensors.output_torque.then(|| noise(sensors.output_torque_noise)),
+        Ok(Self {
+            motor_encoder: started(encoder(sensors.motor_encoder_bits, errors[0]).build(CONTROL_PERIOD)?),
+            output_encoder: read.then(|| output_encoder.build(CONTROL_PERIOD)).transpose()?.map(started),
+            motor_current: started(motor_current.build(CONTROL_PERIOD)?),
+            torque_sensor: sensors
+                .output_torque
+                .then(|| torque_sensor.build(CONTROL_PERIOD))
+                .transpose()?
+                .map(started),
             random: random(Purpose::Torque),
             encoder_random: random(Purpose::Encoders),
-        }
+        })
     }
 
     /// As they read `advance` (s) after the plant's last micro-step.
     pub(crate) fn read<F: Flexspline<f64>>(&mut self, plant: &Plant<F>, advance: f64) -> Sensors<f32> {
         let (random, encoder_random) = (&mut self.random, &mut self.encoder_random);
-        let angle = |motion: Motion<f64>| {
-            if advance > 0.0 { motion.angle.plus(motion.velocity * advance) } else { motion.angle }
+        let advanced = |motion: Motion<f64>| {
+            let by = motion.velocity * advance;
+            Motion { angle: if advance > 0.0 { motion.angle.plus(by) } else { motion.angle }, ..motion }
         };
-        Sensors {
-            motor_encoder: self.motor_encoder.read(angle(plant.motor()), encoder_random),
-            output_encoder: self
-                .output_encoder
-                .as_mut()
-                .and_then(|encoder| encoder.read(angle(plant.output()), encoder_random)),
-            motor_torque: (plant.measured_motor_torque() + self.motor_torque_noise.sample(random)) as f32,
-            output_torque: self
-                .output_torque_noise
-                .map(|noise| (plant.last_torques().transmitted + noise.sample(random)) as f32),
-        }
+        let (encoder, state) = &mut self.motor_encoder;
+        let motor_encoder = encoder.step(state, advanced(plant.motor()), encoder_random).count;
+        let output_encoder = self.output_encoder.as_mut().and_then(|(encoder, state)| {
+            encoder.step(state, advanced(plant.output()), encoder_random).new_count()
+        });
+        let (sensor, state) = &mut self.motor_current;
+        let motor_torque = sensor.step(state, plant.measured_motor_torque(), random) as f32;
+        let output_torque = self
+            .torque_sensor
+            .as_mut()
+            .map(|(sensor, state)| sensor.step(state, plant.last_torques().transmitted, random) as f32);
+        Sensors { motor_encoder, output_encoder, motor_torque, output_torque }
     }
+}
+
+/// A sensor before its first sample.
+fn started<M, S: Default>(sensor: M) -> (M, S) {
+    (sensor, S::default())
 }
 
 /// All corrections on, friction by the gear file's gain.
@@ -282,7 +308,10 @@ impl<F: Flexspline<f64>> Bench<F> {
 
 #[cfg(test)]
 mod tests {
+    use rand_distr::{Distribution, Normal};
+
     use super::*;
+    use crate::sensor::encoder::encoder_count;
 
     /// The same seed, the same noise; twice the factor, twice the noise.
     #[test]
@@ -295,6 +324,36 @@ mod tests {
         };
         assert_eq!(read(1.0), read(1.0));
         assert_eq!(read(2.0), read(1.0).map(|torque| 2.0 * torque));
+    }
+
+    /// Torque and a normal number of the joint's stream each, the motor's first; of the encoders the nearest count.
+    #[test]
+    fn errors_of_the_bench_are_those_of_its_gear_file_bit_for_bit() {
+        let mut file = GearFile::default_gear();
+        file.sensors.output_torque = true;
+        let conditions = Conditions { sensors: SensorSet::Both, ..Conditions::of(&file, 7) };
+        let mut bench = Bench::condensed(&file, &conditions).unwrap();
+        let mut drawn = random(7, 0, Purpose::Torque);
+        for k in 0..50 {
+            bench.plant.command(0.01 * f64::from(k), 0.0);
+            bench.plant.go_on(4, 0.0).unwrap();
+            let plant = bench.plant.clone();
+            let mut noisy = |torque: f64, deviation| {
+                (torque + Normal::new(0.0, deviation).unwrap().sample(&mut drawn)) as f32
+            };
+            let motor_torque = noisy(plant.measured_motor_torque(), file.sensors.motor_torque_noise);
+            let output_torque = noisy(plant.last_torques().transmitted, file.sensors.output_torque_noise);
+            let count = |angle: strainwave::Angle<f64>, bits: u32| {
+                encoder_count(angle.plus(std::f64::consts::PI / 2f64.powi(bits.cast_signed())), bits)
+            };
+            let expected = Sensors {
+                motor_encoder: count(plant.motor().angle, file.sensors.motor_encoder_bits),
+                output_encoder: Some(count(plant.output().angle, file.sensors.output_bits())),
+                motor_torque,
+                output_torque: Some(output_torque),
+            };
+            assert_eq!(bench.sensors.read(&plant, 0.0), expected, "{k}");
+        }
     }
 
     #[test]

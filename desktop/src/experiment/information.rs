@@ -27,8 +27,8 @@ use crate::design::capability::Capability;
 use crate::design::joint::firmware_gear_params;
 use crate::identify::moving::{EVERY, OFFSET, alike, error_prior, torque_noise};
 use crate::io::gear_file::GearFile;
-use crate::plant::cogging::Wave;
 use crate::plant::unknowns::add;
+use crate::sensor::Wave;
 
 /// Step of the differences, in priors.
 const STEP: f64 = 0.02;

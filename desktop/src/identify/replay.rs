@@ -25,8 +25,8 @@ use strainwave::compensator::{Directions, Input, Sensors, Setpoint};
 use crate::bench::controller::Controller;
 use crate::io::gear_file::GearFile;
 use crate::io::log::{Drive, MeasuredLog};
-use crate::plant::encoder_count;
 use crate::plant::two_port::trajectory::Trajectory;
+use crate::sensor::encoder::encoder_count;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Time over which the motor is led to the log's first speed (s): some periods of any joint's torsion mode.

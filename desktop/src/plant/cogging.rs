@@ -7,33 +7,9 @@
 //! theta is the rotor's angle relative to the case, k and m are orders a revolution. Cogging has no mean over a revolution, so that it
 //! gives no work over one. Units: a (N m), b without. Memoryless.
 
-use strainwave::{Angle, Real};
+use strainwave::Angle;
 
-/// One sine over a revolution.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wave {
-    /// Periods a revolution.
-    pub order: u32,
-    /// Amplitude; 0 for none.
-    pub amplitude: f64,
-    /// (rad)
-    pub phase: f64,
-}
-
-impl Wave {
-    /// None.
-    pub const NONE: Self = Self { order: 0, amplitude: 0.0, phase: 0.0 };
-
-    /// Its value at an angle.
-    pub fn at(&self, angle: Angle<f64>) -> f64 {
-        if self.amplitude == 0.0 {
-            return 0.0;
-        }
-        let (sine, cosine) = f64::sin_cos_phase(self.order.wrapping_mul(angle.phase()));
-        let (of_cosine, of_sine) = self.phase.sin_cos();
-        self.amplitude * (sine * of_sine + cosine * of_cosine)
-    }
-}
+use crate::sensor::Wave;
 
 /// Both of a motor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -9,7 +9,7 @@
 
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::gear::Motion;
-use strainwave::link::{Gauge, Link, LinkInput, LinkState};
+use strainwave::link::{Gauge, Link, LinkInput, LinkOutput, LinkState};
 use strainwave::piezo::{Piezo, PiezoState};
 use strainwave::{Angle, Error};
 
@@ -32,6 +32,19 @@ pub struct LinkRow {
     pub strains: Vec<f64>,
     /// The patch, where there is one.
     pub patch: Option<PatchRow>,
+    /// What sensors on it measure; no columns of its own.
+    pub sensed: SensedLink,
+}
+
+/// True values of the sensors of a link.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SensedLink {
+    /// Of the joint.
+    pub joint: Motion<f64>,
+    /// Specific force at the tip across the link, upwards where it is horizontal (m/s^2).
+    pub specific_force: f64,
+    /// Strain at the bridge, where there is one.
+    pub strain: Option<f64>,
 }
 
 /// A patch at an instant.
@@ -71,25 +84,34 @@ pub struct LinkRun<'a> {
     pub rows: Box<dyn ExactSizeIterator<Item = LinkRow> + 'a>,
 }
 
-/// Runs the link of a file open loop.
+/// Runs the link of a file open loop, with a bridge of strain gauges at a place (m from the joint) where there is one.
 ///
 /// # Errors
-/// As [`strainwave::link::LinkParams::build`]; a file that was read has none.
-pub fn run<'a>(file: &'a LinkFile, input: &'a LinkInputLog) -> Result<LinkRun<'a>, Error> {
+/// As [`strainwave::link::LinkParams::build`]; a file that was read has none. Of the bridge as
+/// [`strainwave::link::LinkParams::gauge`].
+pub fn run<'a>(
+    file: &'a LinkFile,
+    input: &'a LinkInputLog,
+    bridge: Option<f64>,
+) -> Result<LinkRun<'a>, Error> {
     match file.link.modes {
-        1 => rows::<1>(file, input),
-        2 => rows::<2>(file, input),
-        3 => rows::<3>(file, input),
-        4 => rows::<4>(file, input),
-        5 => rows::<5>(file, input),
-        6 => rows::<6>(file, input),
-        7 => rows::<7>(file, input),
-        8 => rows::<8>(file, input),
+        1 => rows::<1>(file, input, bridge),
+        2 => rows::<2>(file, input, bridge),
+        3 => rows::<3>(file, input, bridge),
+        4 => rows::<4>(file, input, bridge),
+        5 => rows::<5>(file, input, bridge),
+        6 => rows::<6>(file, input, bridge),
+        7 => rows::<7>(file, input, bridge),
+        8 => rows::<8>(file, input, bridge),
         _ => Err(Error::OutOfRange("modes")),
     }
 }
 
-fn rows<'a, const K: usize>(file: &LinkFile, input: &'a LinkInputLog) -> Result<LinkRun<'a>, Error> {
+fn rows<'a, const K: usize>(
+    file: &LinkFile,
+    input: &'a LinkInputLog,
+    bridge: Option<f64>,
+) -> Result<LinkRun<'a>, Error> {
     let params = file.params::<K>();
     let first = input.time.stamps()[0];
     let zero = input.angle[0];
@@ -99,6 +121,8 @@ fn rows<'a, const K: usize>(file: &LinkFile, input: &'a LinkInputLog) -> Result<
     let patch = file.patch()?;
     let mut run = Run {
         gauges: file.link.gauges.iter().map(|place| params.gauge(*place)).collect::<Result<_, _>>()?,
+        bridge: bridge.map(|place| params.gauge(place)).transpose()?,
+        gravity: params.gravity,
         curve: Curve::through(&stamps, &angles, None, None),
         zero,
         state: LinkState::default(),
@@ -117,6 +141,8 @@ struct Run<'a, const K: usize> {
     link: Link<f64, K>,
     state: LinkState<f64, K>,
     gauges: Vec<Gauge<f64, K>>,
+    bridge: Option<Gauge<f64, K>>,
+    gravity: f64,
     patch: Option<(PiezoState<f64, MEMORY>, Piezo<f64, LEVELS, MEMORY>)>,
     curve: Curve,
     /// Angle of the joint in the first row (rad).
@@ -155,6 +181,18 @@ impl<const K: usize> Run<'_, K> {
             torque: output.torque,
             strains: self.gauges.iter().map(|gauge| self.link.strain(&self.state, gauge)).collect(),
             patch: charged,
+            sensed: self.sensed(&loads, &output),
+        }
+    }
+
+    /// Bending takes omega^2*w of the acceleration across the link, as the frame turns.
+    fn sensed(&self, loads: &LinkInput<f64>, output: &LinkOutput<f64>) -> SensedLink {
+        let joint = loads.joint;
+        let acceleration = output.tip_acceleration - joint.velocity.powi(2) * output.deflection;
+        SensedLink {
+            joint,
+            specific_force: acceleration + self.gravity * joint.angle.sin_cos().1,
+            strain: self.bridge.map(|bridge| self.link.strain(&self.state, &bridge)),
         }
     }
 }

@@ -6,12 +6,12 @@ use strainwave::Error;
 use strainwave::gear::GearParams;
 
 use super::clock::ClockParams;
-use super::encoder::EncoderErrors;
 use super::friction::{Drift, PlantFrictionParams, Structure};
 use super::{PlantParams, Sides, with_friction};
 use crate::design::joint::firmware_gear_params;
 use crate::io::gear_file::GearFile;
 use crate::plant::box_sample::BoxSample;
+use crate::sensor::EncoderErrors;
 
 /// A plant.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::cogging::Wave;
+use crate::sensor::Wave;
 
 /// Random numbers of one row.
 pub struct SampleStream(ChaCha8Rng);

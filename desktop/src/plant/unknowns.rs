@@ -19,11 +19,11 @@ use crate::design::capability::Capability;
 
 use crate::io::gear_file::GearFile;
 
-use super::cogging::Wave;
 use super::friction::{Drift, Structure};
 use super::load_side::LinkParams;
 use super::sample::PlantSample;
 use super::sample_stream::SampleStream;
+use crate::sensor::Wave;
 
 /// One unknown.
 pub struct Row {

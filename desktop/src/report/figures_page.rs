@@ -37,6 +37,7 @@ const PARTS: &[Part] = &[
     Part { title: "Tooth-belt gear", prefixes: &["belt."], command: "strainwave verify belt" },
     Part { title: "Arm link", prefixes: &["link."], command: "strainwave verify link" },
     Part { title: "PZT patch", prefixes: &["piezo."], command: "strainwave verify piezo" },
+    Part { title: "Sensors", prefixes: &["sensor."], command: "strainwave verify sensor" },
     Part { title: "Identification", prefixes: &["identify."], command: "strainwave verify identify" },
     Part {
         title: "Compensator",

@@ -21,6 +21,7 @@ pub mod piezo;
 pub mod replay;
 pub mod robot;
 pub mod robustness;
+mod sensor;
 pub mod step_response;
 
 use self::bounds::LOOSE;
@@ -87,19 +88,22 @@ pub enum Part {
     Link,
     /// The PZT patch against its constitutive law, its loop.
     Piezo,
+    /// Readings of the sensors against the words of their datasheets.
+    Sensor,
     /// Basis of the compensator: unbounded angles in f32.
     Compensator,
 }
 
 impl Part {
     /// Every part.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Flexspline,
         Self::Friction,
         Self::Hysteresis,
         Self::Belt,
         Self::Link,
         Self::Piezo,
+        Self::Sensor,
         Self::Compensator,
     ];
 
@@ -112,6 +116,7 @@ impl Part {
             Self::Belt => "belt",
             Self::Link => "link",
             Self::Piezo => "piezo",
+            Self::Sensor => "sensor",
             Self::Compensator => "compensator",
         }
     }
@@ -128,6 +133,7 @@ impl Part {
             Self::Belt => Ok(belt::measure()),
             Self::Link => Ok(link::measure()),
             Self::Piezo => Ok(piezo::measure()),
+            Self::Sensor => Ok(sensor::measure()),
             Self::Compensator => Ok(compensator::measure()),
         };
         Ok(measured?.with_tight_bounds())

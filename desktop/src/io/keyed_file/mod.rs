@@ -41,6 +41,8 @@ pub enum FileKind {
     Link,
     /// A robot file: it has a table `[robot]`.
     Robot,
+    /// A sensor file: it has a table `[sensor_set]`.
+    Sensor,
 }
 
 impl FileKind {
@@ -48,7 +50,12 @@ impl FileKind {
     pub fn at(path: &Path) -> Self {
         let table = file::read(path, LONGEST_FILE).ok().and_then(|bytes| table(&bytes).ok());
         let has = |name: &str| table.as_ref().is_some_and(|table| table.contains_key(name));
-        let kinds = [("belt", Self::Belt), ("link", Self::Link), ("robot", Self::Robot)];
+        let kinds = [
+            ("belt", Self::Belt),
+            ("link", Self::Link),
+            ("robot", Self::Robot),
+            ("sensor_set", Self::Sensor),
+        ];
         kinds.into_iter().find(|(name, _)| has(name)).map_or(Self::Gear, |(_, kind)| kind)
     }
 }

@@ -121,7 +121,7 @@ impl OpenLoop {
 const OUTPUT: [&str; 6] = ["t_s", "theta_fs_rad", "omega_fs_rad_s", "tau_wg_nm", "torsion_rad", "tau_t_nm"];
 
 /// One row of the open-loop output.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct OpenLoopRow {
     /// Time (s).
     pub time: f64,
@@ -165,7 +165,7 @@ const BELT_OUTPUT: [&str; 8] = [
 ];
 
 /// One row of a belt gear's open-loop output.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BeltRow {
     /// Time (s).
     pub time: f64,
@@ -198,24 +198,34 @@ impl BeltRow {
     }
 }
 
-/// Writes the open-loop output, complete or not at all; `gauges` name the columns of the rows' strains.
+/// Writes the open-loop output, complete or not at all: rows, each with the readings of sensors. `more` names the columns of the rows' strains and,
+/// behind them, of the readings.
 ///
 /// # Errors
 /// The file cannot be written, a row has failed, or a value is not finite.
 pub fn write_open_loop<E: Display>(
     path: &Path,
-    gauges: &[String],
-    rows: impl IntoIterator<Item = Result<OpenLoopRow, E>>,
+    more: &[String],
+    rows: impl IntoIterator<Item = Result<(OpenLoopRow, Vec<f64>), E>>,
 ) -> Result<(), BadInput> {
-    let header: Vec<&str> = OUTPUT.into_iter().chain(gauges.iter().map(String::as_str)).collect();
-    write_rows(path, &header, rows.into_iter().map(|row| row.map(|row| row.numbers())))
+    let rows = rows.into_iter().map(|row| row.map(|(row, readings)| [row.numbers(), readings].concat()));
+    write_rows(path, &header(&OUTPUT, more), rows)
 }
 
-/// Writes the open-loop output of a belt gear, complete or not at all.
+fn header<'a>(columns: &[&'a str], more: &'a [String]) -> Vec<&'a str> {
+    columns.iter().copied().chain(more.iter().map(String::as_str)).collect()
+}
+
+/// Writes the open-loop output of a belt gear, complete or not at all: rows, each with the readings of `sensors`.
 ///
 /// # Errors
 /// The file cannot be written, or a value is not finite.
-pub fn write_belt(path: &Path, rows: impl IntoIterator<Item = BeltRow>) -> Result<(), BadInput> {
-    let rows = rows.into_iter().map(|row| Ok::<_, Infallible>(row.numbers()));
-    write_rows(path, &BELT_OUTPUT, rows)
+pub fn write_belt(
+    path: &Path,
+    sensors: &[String],
+    rows: impl IntoIterator<Item = (BeltRow, Vec<f64>)>,
+) -> Result<(), BadInput> {
+    let numbers = |(row, readings): (BeltRow, Vec<f64>)| [row.numbers(), readings].concat();
+    let rows = rows.into_iter().map(|row| Ok::<_, Infallible>(numbers(row)));
+    write_rows(path, &header(&BELT_OUTPUT, sensors), rows)
 }

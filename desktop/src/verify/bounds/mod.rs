@@ -19,6 +19,7 @@ mod link;
 mod piezo;
 mod robot;
 mod robustness;
+mod sensor;
 
 use crate::io::figure::Figure;
 
@@ -39,7 +40,7 @@ pub struct Bound {
 pub const LOOSE: f64 = 10.0;
 
 /// Every bound, by part.
-pub const BOUNDS: [&[Bound]; 16] = [
+pub const BOUNDS: [&[Bound]; 17] = [
     joint::ROWS,
     belt::ROWS,
     catalogue::ROWS,
@@ -56,6 +57,7 @@ pub const BOUNDS: [&[Bound]; 16] = [
     piezo::ROWS,
     robot::ROWS,
     robustness::ROWS,
+    sensor::ROWS,
 ];
 
 /// Targets of the figures whose bound is the reached value instead, by name.
