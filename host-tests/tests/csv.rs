@@ -116,6 +116,7 @@ fn row(time: f64) -> OpenLoopRow {
         torsion: 1.0 / 3.0,
         transmitted_torque: -50.0,
         strains: vec![1e-4],
+        forces: None,
     }
 }
 

@@ -159,6 +159,7 @@ mod tests {
                     * (1.0 + 0.5 * (-25.0 * since(k)).exp() * (TAU * frequency * since(k)).cos()),
                 transmitted_torque: 0.0,
                 strains: Vec::new(),
+                forces: None,
             })
             .collect();
         let response = StepResponse {
