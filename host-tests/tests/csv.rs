@@ -117,6 +117,7 @@ fn row(time: f64) -> OpenLoopRow {
         transmitted_torque: -50.0,
         shell_torque: 0.0,
         strains: vec![1e-4],
+        forces: None,
     }
 }
 

@@ -291,3 +291,32 @@ fn every_subcommand_has_help() {
     }
     assert_eq!(bench.run("--version").output, format!("strainwave {}\n", env!("CARGO_PKG_VERSION")));
 }
+
+/// A row for each node of both ends at each instant, and nothing where the run cannot have them.
+#[test]
+fn forces_on_the_flexsplines_ends_are_written_beside_the_output() {
+    let bench = Bench::new();
+    let run = "sim --gear g.toml --input in.csv --output out.csv --forces f.csv";
+    let answer = bench.run(&format!("{run} --mesh 36x6 --forces-every 5e-4"));
+    assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""));
+    assert_eq!(rows(&bench, HEADER).len(), 21);
+    let text = std::fs::read_to_string(bench.path("f.csv")).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("t_s,end,node,radial_n,tangential_n,axial_n"));
+    let cells: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    assert_eq!(cells.len(), 5 * 2 * 36);
+    assert_eq!(cells[0][..3], ["0.0", "rim", "0"]);
+    assert_eq!(cells[5 * 72 - 1][..3], ["0.002", "flange", "35"]);
+    assert!(cells.iter().all(|row| row[3..].iter().all(|cell| cell.parse::<f64>().unwrap().is_finite())));
+    for (options, part) in [
+        ("--build realtime", "--forces is for --build reference"),
+        ("--forces-every 1.5e-4", "--forces-every 1.5e-4 is out of range; allowed: a multiple of 1e-4 s"),
+        ("--forces-every 0", "--forces-every 0e0 is out of range"),
+        ("--forces-every nan", "is out of range"),
+    ] {
+        let line = bench.refused(&format!("{run} {options}"));
+        assert!(line.contains(part), "{options}: {line}");
+    }
+    let line = bench.refused("sim --gear g.toml --input in.csv --output out.csv --forces out.csv");
+    assert!(line.contains("--forces and --output are the same file"), "{line}");
+}

@@ -190,6 +190,7 @@ mod tests {
                 transmitted_torque: 0.0,
                 shell_torque: 0.0,
                 strains: Vec::new(),
+                forces: None,
             })
             .collect();
         let response = StepResponse {

@@ -9,6 +9,8 @@ use std::convert::Infallible;
 use std::fmt::Display;
 use std::path::Path;
 
+use strainwave::flexspline::NodeForce;
+
 use super::columns::{Column, Columns, Extra, Schema};
 use super::time::{Instant, TIME, Time};
 use super::written::write_rows;
@@ -139,6 +141,8 @@ pub struct OpenLoopRow {
     pub shell_torque: f64,
     /// Strain at each gauge, without unit.
     pub strains: Vec<f64>,
+    /// Forces on the nodes of rim and flange (N), in the rows that have them.
+    pub forces: Option<[Vec<NodeForce<f64>>; 2]>,
 }
 
 impl OpenLoopRow {
