@@ -48,15 +48,19 @@ impl<R: Real, const N: usize, const M: usize> DisplacementField<R, N, M> {
     pub fn build(cup: &Reduced<R, N, M>) -> Self {
         let twist = cup.twist.map(|[_, tangential, _]| tangential);
         let leading = cup.leading();
-        Self { twist, leading, ellipse: cup.ellipse(), next: Angle::from_turn_fraction(2, N as i32).sin_cos() }
+        Self {
+            twist,
+            leading,
+            ellipse: cup.ellipse(),
+            next: Angle::from_turn_fraction(2, N as i32).sin_cos(),
+        }
     }
 
     /// Radial, tangential and axial displacement of node i of slice j (m), by `[j][i]`, at a torque (N m), a torsion
     /// (rad) and a wave-generator angle, seen from the flange.
     #[inline(never)] // The timing budget counts it by its symbol.
     pub fn at(&self, torque: R, torsion: R, wave_generator: Angle<R>) -> [[[R; 3]; N]; M] {
-        let turned: [R; M] =
-            core::array::from_fn(|j| self.twist[j] * torque + self.leading[j] * torsion);
+        let turned: [R; M] = core::array::from_fn(|j| self.twist[j] * torque + self.leading[j] * torsion);
         let (sine, cosine) = R::sin_cos_phase(wave_generator.phase().wrapping_mul(2));
         let mut twice = (-sine, cosine);
         let mut field = [[[R::ZERO; 3]; N]; M];

@@ -32,10 +32,11 @@ use super::placed_gauge::{Flaws, LINKS, NOISE, links};
 use crate::design::joint::{firmware_gear_params, gear_params};
 use crate::io::gear_file::GearFile;
 use crate::io::log::OpenLoop;
+use crate::plant::NODES;
 use crate::plant::divergence::RunError;
 use crate::plant::two_port::trajectory::Trajectory;
 use crate::plant::two_port::{self, Build};
-use crate::plant::{NODES, encoder_count};
+use crate::sensor::encoder::encoder_count;
 
 /// Speeds of the wave generator, one after the other (rad/s).
 pub const SPEEDS: [f64; 11] = [0.0, 100.0, -100.0, 500.0, -500.0, 20.0, -20.0, 5.0, -5.0, 500.0, -500.0];
