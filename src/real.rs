@@ -119,7 +119,7 @@ pub trait Real:
             return self;
         }
         seldom();
-        self.max(-bound).min(bound)
+        if self > Self::ZERO { bound } else { -bound }
     }
     /// Dead zone of half width `width`: 0 within it, beyond it what exceeds it.
     #[inline(always)]

@@ -12,10 +12,13 @@ use crate::progress::Progress;
 
 /// Write one self-contained HTML page: the paper's figures and ours, drawn from a gear
 ///
-/// The flexspline's chapter has eq. (1) and its curve, the assembled mesh, torque over torsion of both builds against
+/// Every figure and table of the paper has its place: ours, the paper's caption and what its text says, and what differs.
+/// The flexspline is drawn in three dimensions (WebGL), coloured by strain, over the motion of a scenario. The
+/// flexspline's chapter has eq. (1) and its curve, the assembled mesh, torque over torsion of both builds against
 /// the catalogue's line, strain at a gauge over a revolution, the mesh sizes, and the figures of `verify flexspline` beside
 /// their bounds. The friction's has every model with the numbers of the gear's input side: steady friction over speed,
-/// force over displacement in presliding, and stick-slip. The page needs no other file and no network; it prints, and follows a dark screen.
+/// force over displacement in presliding, and stick-slip. Then S1 to S7 with every baseline, and an identification from the example
+/// logs. All of it is computed now. The page needs no other file and no network; it prints, and follows a dark screen.
 #[derive(Args)]
 pub struct Arguments {
     /// Gear file; the default gear hd25-100 when left out

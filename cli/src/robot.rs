@@ -13,12 +13,13 @@ use strainwave_desktop::plant::divergence::RunError;
 use strainwave_desktop::robot::bench::{RobotBench, baselines, compensators};
 use strainwave_desktop::robot::circle::CircleParams;
 use strainwave_desktop::robot::file::Joint;
-use strainwave_desktop::robot::motions::{RobotTask, RobotTrajectory, RobotWork, require_within};
+use strainwave_desktop::robot::motions::{RobotTask, RobotTrajectory, RobotWork, require_within, warnings};
+use strainwave_desktop::robot::plant::require_modes;
 use strainwave_desktop::robot::run::{JointRow, RobotRow};
 use strainwave_desktop::robot::{Circle, RobotFile, RobotPlant, RobotRun, RobotSample};
 use strainwave_desktop::{BadInput, Figure};
 
-use crate::figures::{Figures, FiguresArguments};
+use crate::figures::{Figures, FiguresArguments, complain};
 use crate::files;
 use crate::progress::Progress;
 use crate::robot_picture::picture;
@@ -31,7 +32,8 @@ const CONTROLLERS: [&str; 3] = ["b1", "motor", "both"];
 /// Three runs on the same robot: the baseline B1 at every joint (`b1`), and the compensator at every joint with the motor encoder alone (`motor`)
 /// and with both encoders (`both`). No controller is told of gravity or of the other joints. Before the motion the joints work for 10 s, from which the
 /// compensators learn. The tip's error is its distance from where the demanded angles lead; in a circle the laps at full
-/// speed count. ROBOT.toml names the joints' gear files and describes their links. Angles, lengths and torques in SI units.
+/// speed count. ROBOT.toml names the joints' gear files and describes their links, or names a URDF file that does; a link may be a beam that
+/// bends. Angles, lengths and torques in SI units.
 #[derive(Args)]
 pub struct Arguments {
     /// Robot file, such as examples/arm/arm.toml
@@ -167,6 +169,11 @@ fn follow(arguments: &Arguments, robot: &RobotFile, task: &impl RobotTask) -> Re
     require_within(task, robot).map_err(|why| BadInput::new(&arguments.robot, why))?;
     let refuse = |why: RunError| BadInput::new(&arguments.robot, why);
     let sample = RobotSample::boxed(robot, arguments.seed).map_err(|why| refuse(why.into()))?;
+    if !arguments.reference {
+        require_modes(&sample).map_err(|why| BadInput::new(&arguments.robot, why))?;
+    }
+    let odd = warnings(task, robot).map_err(|why| refuse(why.into()))?;
+    odd.iter().for_each(|line| complain(format_args!("warning: {}: {line}", arguments.robot.display())));
     let work = (!arguments.without_work).then(|| RobotWork::of(robot));
     let trial = Trial { robot, sample, work, task };
     let mut progress = Progress::new(1000, "robot");

@@ -4,13 +4,18 @@ mod belt;
 mod link;
 mod sensors;
 
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args, ValueEnum};
-use strainwave_desktop::io::log::{OpenLoop, OpenLoopRow, Time, write_open_loop};
+use strainwave::compensator::schedule::CONTROL_PERIOD;
+use strainwave_desktop::io::file;
+use strainwave_desktop::io::log::{
+    OpenLoop, OpenLoopRow, Time, write_open_loop, write_open_loop_with_forces,
+};
 use strainwave_desktop::plant::measured::{MotorMotion, Truth, motion};
 use strainwave_desktop::plant::mesh_size::MeshSize;
-use strainwave_desktop::plant::two_port::{self, Build, Gauge};
+use strainwave_desktop::plant::two_port::{self, Build, Gauge, Measured};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 
 use crate::figures::{Figures, FiguresArguments};
@@ -22,7 +27,8 @@ use sensors::Sensors;
 ///
 /// With --gear, IN.csv has the columns t_s, theta_wg_rad or omega_wg_rad_s, and tau_load_nm, the external torque ON
 /// the flexspline. OUT.csv gets a row every 0.1 ms: t_s, theta_fs_rad, omega_fs_rad_s, tau_wg_nm,
-/// torsion_rad, tau_t_nm, and a strain for each --gauge. SI units. Prints the intervals of the input's time stamps
+/// torsion_rad, tau_t_nm, and a strain for each --gauge. FORCES.csv of --forces has a row for each node of the flexspline's ends: t_s, end
+/// (rim or flange), node, radial_n, tangential_n, axial_n. SI units. Prints the intervals of the input's time stamps
 /// and the largest magnitudes of the output. Either build runs with any friction model that the gear file names. A reference run whose mesh diverges (a link strained by more than 10 %)
 /// ends with the time and the node, exit code 2, and writes nothing.
 ///
@@ -44,10 +50,10 @@ pub struct Arguments {
     #[arg(long, value_name = "G.toml")]
     gear: Option<PathBuf>,
     /// Belt file, in the place of a gear file
-    #[arg(long, value_name = "BELT.toml", conflicts_with_all = ["mesh", "step", "gauges"])]
+    #[arg(long, value_name = "BELT.toml", conflicts_with_all = ["mesh", "step", "gauges", "forces"])]
     belt: Option<PathBuf>,
     /// File of an arm link, in the place of a gear file
-    #[arg(long, value_name = "LINK.toml", conflicts_with_all = ["build", "mesh", "step", "gauges"])]
+    #[arg(long, value_name = "LINK.toml", conflicts_with_all = ["build", "mesh", "step", "gauges", "forces"])]
     link: Option<PathBuf>,
     /// Input over time; - for the standard input
     #[arg(long, value_name = "IN.csv")]
@@ -60,7 +66,7 @@ pub struct Arguments {
     build: Models,
     /// Nodes of the reference build's mesh, around x along the axis; 36x4 when left out
     ///
-    /// One of 8x3, 12x3, 16x4, 24x4, 36x4, 48x6, 72x8.
+    /// One of 8x3, 12x3, 16x4, 24x4, 36x4, 36x6, 48x6, 72x8. With 5 slices or more a node in the middle has all 16 links.
     #[arg(long, value_name = "NxM", allow_hyphen_values = true)]
     mesh: Option<MeshSize>,
     /// Longest micro-step of the reference build (s); 0.95 of the mesh's stable step when left out
@@ -78,6 +84,15 @@ pub struct Arguments {
     /// File of sensors, whose readings are added as columns
     #[arg(long, value_name = "SENSORS.toml")]
     sensors: Option<PathBuf>,
+    /// Write the forces that hold the nodes of rim and flange, of the reference build
+    ///
+    /// Forces ON the flexspline in each node's own frame (N): outward, counter-clockwise, towards the flange. Node 0 is at the
+    /// flexspline's zero angle.
+    #[arg(long, value_name = "FORCES.csv")]
+    forces: Option<PathBuf>,
+    /// Time from one instant with forces to the next (s), a multiple of 1e-4; 1e-3 when left out
+    #[arg(long, value_name = "SECONDS", requires = "forces", allow_hyphen_values = true)]
+    forces_every: Option<f64>,
     #[command(flatten)]
     figures: FiguresArguments,
 }
@@ -103,6 +118,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         ("--sensors", arguments.sensors.as_deref()),
         ("--input", Some(&arguments.input)),
         ("--output", Some(&arguments.output)),
+        ("--forces", arguments.forces.as_deref()),
         ("--json", arguments.figures.json.as_deref()),
     ])?;
     match (&arguments.gear, &arguments.belt, &arguments.link) {
@@ -116,6 +132,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
 /// Refuses results that could not be written at the end.
 fn require_writable(arguments: &Arguments) -> Result<(), BadInput> {
     files::require_writable(Some(&arguments.output))?;
+    files::require_writable(arguments.forces.as_deref())?;
     files::require_writable(arguments.figures.json.as_deref())
 }
 
@@ -124,6 +141,7 @@ fn run_gear(arguments: &Arguments, path: &Path) -> Result<Figures, BadInput> {
     let build = build(arguments, &gear, path)?;
     require_gauges(&arguments.gauges, build)?;
     let file = sensors::file(arguments)?;
+    let measured = Measured { gauges: &arguments.gauges, forces_every: forces_every(arguments, build)? };
     let input = OpenLoop::read(&arguments.input)?;
     let motor = MotorMotion::of(&input);
     let truth = |row: &OpenLoopRow| Truth {
@@ -136,7 +154,7 @@ fn run_gear(arguments: &Arguments, path: &Path) -> Result<Figures, BadInput> {
     let mut sensors = Sensors::build(arguments, file.as_ref(), &truth(&OpenLoopRow::default()))?;
     require_writable(arguments)?;
     let rows =
-        two_port::run(&gear, &input, build, &arguments.gauges).map_err(|error| BadInput::new(path, error))?;
+        two_port::run_measured(&gear, &input, build, measured).map_err(|error| BadInput::new(path, error))?;
     let mut progress = Progress::new(rows.len() as u64, "simulating");
     let (mut largest, names) = (Largest::default(), sensors.columns());
     let watched = rows.enumerate().map(|(done, row)| {
@@ -148,7 +166,10 @@ fn run_gear(arguments: &Arguments, path: &Path) -> Result<Figures, BadInput> {
         })
     });
     let columns: Vec<_> = arguments.gauges.iter().map(Gauge::column).chain(names).collect();
-    write_open_loop(&arguments.output, &columns, watched)?;
+    match &arguments.forces {
+        Some(forces) => write_open_loop_with_forces(&arguments.output, forces, &columns, watched)?,
+        None => write_open_loop(&arguments.output, &columns, watched)?,
+    }
     Ok(answer(arguments, &input.time, largest.figures().into_iter().chain(sensors.figures())))
 }
 
@@ -186,6 +207,34 @@ fn require_step(step: f64, mesh: MeshSize, gear: &GearFile, path: &Path) -> Resu
         "--step {step:e} is out of range; allowed: from {SHORTEST_STEP:e} s to below {bound:.3e} s, the stable step \
          of the {mesh} mesh of {gear}"
     )))
+}
+
+/// Time from one instant with forces to the next when it is left out, and the longest (s).
+const FORCES_EVERY: [f64; 2] = [1e-3, 1e3];
+
+/// Rows from one with forces to the next; `None` without `--forces`.
+fn forces_every(arguments: &Arguments, build: Build) -> Result<Option<NonZeroUsize>, BadInput> {
+    let Some(path) = &arguments.forces else {
+        return Ok(None);
+    };
+    if build == Build::RealTime {
+        return Err(BadInput::message("--forces is for --build reference; the condensed mesh has no nodes"));
+    }
+    if file::is_stream(path) {
+        return Err(BadInput::message(
+            "--forces - is out of range; allowed: a file, the output's is the only stream",
+        ));
+    }
+    let every = arguments.forces_every.unwrap_or(FORCES_EVERY[0]);
+    let periods = (every / CONTROL_PERIOD).round();
+    let whole = (periods * CONTROL_PERIOD - every).abs() <= 1e-9 * every;
+    let rows = if whole && every <= FORCES_EVERY[1] { NonZeroUsize::new(periods as usize) } else { None };
+    rows.map(Some).ok_or_else(|| {
+        BadInput::message(format_args!(
+            "--forces-every {every:e} is out of range; allowed: a multiple of {CONTROL_PERIOD:e} s up to {:e} s",
+            FORCES_EVERY[1]
+        ))
+    })
 }
 
 fn require_gauges(gauges: &[Gauge], build: Build) -> Result<(), BadInput> {

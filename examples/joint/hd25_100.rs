@@ -10,7 +10,7 @@ use strainwave::compensator::reference::measured_feedback::MeasuredFeedbackParam
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::{EstimateDeviation, JointParams, Limits};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
-use strainwave::flexspline::{Bend, Cup, FlexsplineParams};
+use strainwave::flexspline::{Bend, Cup, FlexsplineParams, Hardening::*};
 use strainwave::friction::{
     Harmonics, JointFrictionParams, LoadFactors, LubricatedContactParams, Order::*, RippleParams,
 };
@@ -36,6 +36,7 @@ pub const JOINT: JointParams<f32> = JointParams {
             line: StiffnessLineParams { stiffness: [31000.0, 50000.0, 57000.0], knee_torque: [14.0, 48.0] },
             damping_ratio: 0.02,
             inertia: 1.2,
+            hardening: Contact,
             bend: Bend { hardening: 0.0, saturation: 0.0 },
         },
         hysteresis_width: 0.00029088822,

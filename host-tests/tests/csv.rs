@@ -115,7 +115,9 @@ fn row(time: f64) -> OpenLoopRow {
         input_torque: 0.0,
         torsion: 1.0 / 3.0,
         transmitted_torque: -50.0,
+        shell_torque: 0.0,
         strains: vec![1e-4],
+        forces: None,
     }
 }
 

@@ -1,12 +1,13 @@
 //! Strain gauges and mesh sizes of open-loop runs: what `sim --gauge`, `--mesh` and `--step` rest on.
 
 use std::fmt::Write;
+use std::num::NonZeroUsize;
 use std::path::Path;
 
 use strainwave_desktop::GearFile;
 use strainwave_desktop::io::log::{OpenLoop, OpenLoopRow};
 use strainwave_desktop::plant::mesh_size::MeshSize;
-use strainwave_desktop::plant::two_port::{self, Build, Gauge};
+use strainwave_desktop::plant::two_port::{self, Build, Gauge, Measured};
 
 /// A run of 40 ms over the wave generator's angle and the load at a time.
 fn run(build: Build, gauges: &[&str], motion: impl Fn(f64) -> (f64, f64)) -> Vec<OpenLoopRow> {
@@ -119,4 +120,32 @@ fn a_gauge_that_is_none_is_told_what_there_is() {
     assert_eq!(off("0,0,1,-1"), "j + along = -1 is out of range; allowed: 0 to 3 on the 36x4 mesh");
     let gauge: Gauge = "35,3,-2,-2".parse().unwrap();
     assert_eq!((gauge.require_on((36, 4)), gauge.column()), (Ok(()), "strain_35_3_-2_-2".into()));
+}
+
+/// The flange's forces are the mesh's torque, both ends balance, and they are there in the rows that were asked for. On this mesh a
+/// node in the middle has all 16 links.
+#[test]
+fn the_forces_on_both_ends_carry_the_torque() {
+    let mut gear = GearFile::default_gear();
+    gear.hysteresis.width_arcmin = 1e-3;
+    let text = "t_s,theta_wg_rad,tau_load_nm\n0,0,0\n0.002,0.2,-40\n0.004,0.2,-40\n";
+    let input = OpenLoop::parse(Path::new("in.csv"), text.as_bytes()).unwrap();
+    let measured = Measured { gauges: &[], forces_every: NonZeroUsize::new(8) };
+    let rows = |build| -> Vec<OpenLoopRow> {
+        two_port::run_measured(&gear, &input, build, measured).unwrap().collect::<Result<_, _>>().unwrap()
+    };
+    let radius = gear.flexspline.radius;
+    for (k, row) in rows(reference(MeshSize::By36x6)).iter().enumerate() {
+        let Some([rim, flange]) = &row.forces else {
+            assert!(k % 8 != 0, "{k}");
+            continue;
+        };
+        assert!(k % 8 == 0 && rim.len() == 36 && flange.len() == 36, "{k}");
+        let torque = -radius * flange.iter().map(|force| force.tangential).sum::<f64>();
+        let hysteresis = 0.02;
+        assert!((torque - row.transmitted_torque).abs() < hysteresis, "{torque} {row:?}");
+        let pressed = rim.iter().fold(0.0, |most: f64, force| most.max(force.radial));
+        assert!(pressed > 10.0, "the wave generator presses the rim outward: {pressed} N");
+    }
+    assert!(rows(Build::RealTime).iter().all(|row| row.forces.is_none()));
 }

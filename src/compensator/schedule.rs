@@ -5,8 +5,8 @@
 //! | first, third, fifth, seventh | observer and fast disturbance estimate |
 //! | second | command, feed-forward, output feedback |
 //! | fourth | slow disturbance estimate, line and hysteresis; in rotation: factors, standard deviations, the gains' ramp |
-//! | sixth | correction of the observer by the output encoder's reading of the fifth; checks of the rotor and the sensors |
-//! | eighth | the feed-forward's kinematic error and friction; learnt ripple |
+//! | sixth | correction of the observer by the output encoder's reading of the fifth; checks of the rotor and the sensors; learning of the ripple |
+//! | eighth | the feed-forward's kinematic error and friction; the learnt ripple's value |
 //!
 //! Encoders, cascade and torque command run in every period, so that the model costs in each period no more than one of
 //! its parts. Latency: motor's encoder and torque to the torque command, at most two periods; output encoder, setpoint

@@ -78,6 +78,12 @@ impl Status {
         self.0 & other.0 == other.0
     }
 
+    /// Any of `other` is set.
+    #[inline(always)]
+    pub const fn intersects(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+
     /// Both.
     #[must_use]
     pub const fn with(self, other: Self) -> Self {

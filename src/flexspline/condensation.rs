@@ -44,7 +44,7 @@ pub(super) type Stiffness<R, const M: usize> = [[Shape<R, M>; 3]; M];
 pub(super) struct Link<R> {
     around: i32,
     along: usize,
-    length: R,
+    pub(super) length: R,
     /// Sine and cosine of half the angle that it spans.
     half: (R, R),
     /// Its unit vector, in the frame that stands at its middle.

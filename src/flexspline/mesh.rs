@@ -11,15 +11,19 @@
 //! flange  = sum F . dp/dtheta_fs,     ellipse = sum F . dp/dtheta_wg
 //! ```
 //!
+//! With [`Hardening::Bends`] the rim is where the drive is, the dashpot lies across the whole flexspline, and the bend links
+//! harden from the assembled shape (`shell/assembled.rs`).
+//!
 //! Discretisation: the shell's; the contact's dashpot implicit, because it is stiff against the rim's
 //! small inertia. Stable while dt < 2/omega_max, see [`Mesh::stable_step`].
 
 use crate::angle::Angle;
 use crate::error::{Error, require};
-use crate::flexspline::calibration::FlexsplineParams;
+use crate::flexspline::calibration::{FlexsplineParams, Hardening};
+use crate::flexspline::shell::assembled::Assembled;
 use crate::flexspline::shell::ring::Ring;
 use crate::flexspline::shell::{
-    Shell, ShellParams, ShellState, Slice, Strained, UnitVectors, check_nodes, close, sum, unit_vectors,
+    Bend, Shell, ShellParams, ShellState, Slice, Strained, UnitVectors, check_nodes, close, sum, unit_vectors,
 };
 use crate::flexspline::spectrum;
 use crate::flexspline::stiffness_line::StiffnessLine;
@@ -28,6 +32,8 @@ use crate::real::Real;
 
 /// Steps that settle a mesh at its stable step from round to elliptic; a test bounds the torque that is left.
 const RELAXATION_STEPS: usize = 4000;
+/// Angles of the wave generator, between one node and the next, at which the assembled shape is taken.
+const SHAPES: i32 = 4;
 
 /// The n x m mesh with its tooth contact, stepped by a fixed dt.
 ///
@@ -56,7 +62,8 @@ const RELAXATION_STEPS: usize = 4000;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh<R, const N: usize, const M: usize> {
     shell: Shell<R, N, M>,
-    contact: StiffnessLine<R>,
+    /// None: the rim is where the drive is.
+    contact: Option<StiffnessLine<R>>,
     contact_damping: R,
     radius: R,
     ellipse: R,
@@ -118,7 +125,10 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
     /// inner slices, and the rim, which rotates as one between its links and the tooth contact.
     pub fn stable_step(params: &FlexsplineParams<R>) -> R {
         let shell = params.shell::<M>(N);
-        let contact = params.contact_line().stiffness.into_iter().fold(R::ZERO, R::max);
+        let contact = match params.hardening {
+            Hardening::Contact => params.contact_line().stiffness.into_iter().fold(R::ZERO, R::max),
+            Hardening::Bends => R::ZERO,
+        };
         let contact = contact / rim_inertia(&shell, N, M) * shell.node_mass(N, M) / shell.link_stiffness;
         let links =
             spectrum::largest(&params.cup, N, inner::<R, M>()) + spectrum::of_rim::<R, M>(&params.cup, N);
@@ -142,11 +152,10 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
         check_nodes(N, M)?;
         params.check()?;
         let shell_params = params.shell::<M>(N);
-        let shell = Shell::build(&shell_params, dt)?;
         require(dt < Self::stable_step(params), "dt")?;
         let mesh = Self {
-            shell,
-            contact: params.contact_line().build()?,
+            shell: Shell::build(&shell_params, dt)?,
+            contact: Some(params.contact_line().build()?),
             contact_damping: params.contact_damping(),
             radius: params.cup.radius,
             ellipse: params.cup.ellipse,
@@ -156,7 +165,54 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
             dt_over_rim_inertia: R::ZERO,
             rim_implicit: R::ZERO,
         };
-        Ok(mesh.with_step(dt))
+        let mesh = mesh.with_step(dt);
+        match params.hardening {
+            Hardening::Contact => Ok(mesh),
+            Hardening::Bends => mesh.hardening(params, &shell_params),
+        }
+    }
+
+    /// The same mesh without a contact spring, its bend links hardening from the assembled shape.
+    fn hardening(mut self, params: &FlexsplineParams<R>, shell: &ShellParams<R>) -> Result<Self, Error> {
+        require(M > 2, "m")?;
+        require(shell.bend.hardening > R::ZERO, "stiffness")?;
+        (self.contact, self.contact_damping, self.rim_inertia) = (None, params.damping(), R::ZERO);
+        let linear = ShellParams { bend: Bend::LINEAR, ..*shell };
+        let soft = Self { shell: Shell::build(&linear, self.dt)?, ..self.clone() };
+        let mut assembled = Assembled::ROUND;
+        for k in 0..SHAPES {
+            let wave_generator = Angle::from_turn_fraction(k, SHAPES * N as i32);
+            let ends = Ends { wave_generator, ..Ends::default() };
+            let twice = soft.twice_from_axis(Angle::default(), &ends);
+            let state = soft.rest_at(wave_generator);
+            let entries = twice.map(|ring| *ring.entries());
+            self.shell.add_assembled(&mut assembled, SHAPES, soft.placed(&state, &ends).shell(), &entries);
+        }
+        self.shell = self.shell.hardening_from(assembled);
+        Ok(self)
+    }
+
+    /// Cosine and sine of twice each node's angle from the major axis.
+    #[inline(always)]
+    fn twice_from_axis(&self, rim: Angle<R>, ends: &Ends<R>) -> [Ring<R, N>; 2] {
+        let twice = twice_between(rim, ends.wave_generator).sin_cos();
+        let mut rings = [Ring::ZERO; 2];
+        let [cosine, sine] = rings.each_mut().map(Ring::entries_mut);
+        for i in 0..N {
+            (cosine[i], sine[i]) = turned_by(&self.twice, i, twice);
+        }
+        for ring in &mut rings {
+            ring.close();
+        }
+        rings
+    }
+
+    /// The rim at the drive, where no contact spring lies between them.
+    #[inline(always)]
+    fn lead_rim(&self, state: &mut MeshState<R, N, M>, ends: &Ends<R>) {
+        if self.contact.is_none() {
+            (state.rim, state.rim_rate) = (ends.drive, ends.drive_rate);
+        }
     }
 
     /// The same mesh, stepped by dt.
@@ -211,6 +267,7 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
     /// Sets the end slices to their angles.
     #[inline(always)]
     fn place_ends(&self, state: &mut MeshState<R, N, M>, ends: &Ends<R>) -> EndShapes<R, N> {
+        self.lead_rim(state, ends);
         let (by_rim, by_wave_generator) = self.place_rim(state, ends);
         EndShapes { by_rim, by_wave_generator, by_flange: self.place_flange(&mut state.shell, ends) }
     }
@@ -222,12 +279,8 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
         state: &mut MeshState<R, N, M>,
         ends: &Ends<R>,
     ) -> (Displacement<R, N>, Displacement<R, N>) {
-        let from_axis = Angle {
-            counts: state.rim.counts.wrapping_sub(ends.wave_generator.counts).wrapping_mul(2),
-            rest: R::lit(2.0) * (state.rim.rest - ends.wave_generator.rest),
-        };
         let rotation = state.rim.sin_cos();
-        let twice = from_axis.sin_cos();
+        let twice = twice_between(state.rim, ends.wave_generator).sin_cos();
         let (mut by_rim, mut by_wave_generator) = ([[R::ZERO; N]; 2], [[R::ZERO; N]; 2]);
         let [x, y, _] = state.shell.position[0].each_mut().map(|axis| axis.entries_mut());
         for i in 0..N {
@@ -263,21 +316,46 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
         by_flange
     }
 
-    /// Moves the rim by one step, the dashpot implicit; answers with the contact's torque and loss.
+    /// Moves the rim by one step, the dashpot implicit; answers with the contact's torque, that which passes it by to the flange,
+    /// and the loss.
     #[inline(always)]
-    fn advance_rim(&self, state: &mut MeshState<R, N, M>, ends: &Ends<R>, links: R) -> (R, R) {
-        let elastic = self.contact.torque(ends.drive.minus(state.rim));
+    fn advance_rim(&self, state: &mut MeshState<R, N, M>, ends: &Ends<R>, links: R) -> [R; 3] {
+        let Some(contact) = &self.contact else {
+            let slip = ends.drive_rate - ends.flange_rate;
+            let dashpot = self.contact_damping * slip;
+            return [dashpot - links, dashpot, dashpot * slip];
+        };
+        let elastic = contact.torque(ends.drive.minus(state.rim));
         let driven = links + elastic + self.contact_damping * ends.drive_rate;
         state.rim_rate = (state.rim_rate + self.dt_over_rim_inertia * driven) * self.rim_implicit;
         state.rim = state.rim.plus(self.dt * state.rim_rate);
         let slip = ends.drive_rate - state.rim_rate;
-        (elastic + self.contact_damping * slip, self.contact_damping * slip * slip)
+        [elastic + self.contact_damping * slip, R::ZERO, self.contact_damping * slip * slip]
+    }
+
+    /// Forces of the links; answers with the power lost in them (W), and the torque of the hardening on the rim (N m).
+    #[inline(always)]
+    fn pull(&self, state: &MeshState<R, N, M>, ends: &Ends<R>, force: &mut [Slice<R, N>; M]) -> (R, R) {
+        if self.contact.is_some() {
+            return (self.shell.pull(&state.shell, force), R::ZERO);
+        }
+        let twice = self.twice_from_axis(state.rim, ends);
+        self.shell.pull_assembled(&state.shell, &twice, force)
     }
 
     /// Kinetic energy of the free nodes and the rim (J); the flange's belongs to J_fs.
     fn kinetic_energy(&self, state: &MeshState<R, N, M>) -> R {
         let rim = R::lit(0.5) * self.rim_inertia * state.rim_rate * state.rim_rate;
         self.shell.kinetic_energy(&state.shell, 1..M - 1) + rim
+    }
+}
+
+/// Twice the angle from the major axis to the rim's zero.
+#[inline(always)]
+fn twice_between<R: Real>(rim: Angle<R>, wave_generator: Angle<R>) -> Angle<R> {
+    Angle {
+        counts: rim.counts.wrapping_sub(wave_generator.counts).wrapping_mul(2),
+        rest: R::lit(2.0) * (rim.rest - wave_generator.rest),
     }
 }
 
@@ -325,15 +403,15 @@ impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Mesh<R, N, M> {
     fn step(&self, state: &mut Self::State, ends: &Ends<R>) -> Reaction<R> {
         let shapes = self.place_ends(state, ends);
         let mut force = [[Ring::ZERO; 3]; M];
-        let link_loss = self.shell.pull(&state.shell, &mut force);
+        let (link_loss, turned) = self.pull(state, ends, &mut force);
         self.shell.advance(&mut state.shell, &force, 1..M - 1);
-        let links = virtual_work(&force[0], &shapes.by_rim);
-        let (contact, contact_loss) = self.advance_rim(state, ends, links);
+        let links = virtual_work(&force[0], &shapes.by_rim) + turned;
+        let [contact, beside, contact_loss] = self.advance_rim(state, ends, links);
         Reaction {
             torsion: ends.drive.minus(ends.flange),
             contact,
-            flange: virtual_work(&force[M - 1], &shapes.by_flange),
-            ellipse: virtual_work(&force[0], &shapes.by_wave_generator),
+            flange: virtual_work(&force[M - 1], &shapes.by_flange) + beside,
+            ellipse: virtual_work(&force[0], &shapes.by_wave_generator) - turned,
             loss: link_loss + contact_loss,
             saturated: false,
         }
@@ -341,8 +419,11 @@ impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Mesh<R, N, M> {
 
     fn energy(&self, state: &Self::State, ends: &Ends<R>) -> R {
         let placed = self.placed(state, ends);
-        let contact = self.contact.energy(ends.drive.minus(placed.rim));
-        self.shell.elastic_energy(&placed.shell) + self.kinetic_energy(&placed) + contact
+        let hardening = match &self.contact {
+            Some(contact) => contact.energy(ends.drive.minus(placed.rim)),
+            None => self.shell.hardening_energy(&placed.shell, &self.twice_from_axis(placed.rim, ends)),
+        };
+        self.shell.elastic_energy(&placed.shell) + self.kinetic_energy(&placed) + hardening
     }
 
     fn largest_strain(&self, state: &Self::State) -> Option<Strained<R>> {
@@ -353,7 +434,6 @@ impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Mesh<R, N, M> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flexspline::Bend;
     use crate::flexspline::calibration::tests::SIZE_25;
 
     /// Torque on the flange with the ends held at a torsion, after settling.

@@ -3,15 +3,19 @@
 //! Both stand between the same two motions, the drive `r*theta_wg + e` at the tooth contact and the
 //! output flange, and answer with the same torques, so that [`crate::gear::Gear`] composes either.
 //!
-//! The hardening is placed in the tooth contact at the rim, in series with a linear shell. More
+//! The hardening has one of two places ([`Hardening`]). By default it is the tooth contact at the rim, in series with
+//! a linear shell. More
 //! teeth engage with torque (the paper's "non-stationary surface contact"), while the steel cup
 //! itself is linear: its own stiffness G*J/l is about three times K3. A bend link that hardened in
 //! plain L - L0 would respond mostly to the wave generator's ellipse (0.2-0.5 % of strain, rated torsion is
-//! 0.1 %) and smear the catalogue's knees.
+//! 0.1 %) and smear the catalogue's knees. As the other choice the bend links harden as in the paper, in their elongation
+//! from the assembled, elliptic shape: the mesh is then all of the gear's compliance.
 
 pub mod calibration;
+mod chain;
 mod condensation;
 pub mod cup;
+pub mod displacement_field;
 pub mod end_forces;
 pub mod mesh;
 pub mod reduced;
@@ -19,16 +23,19 @@ pub mod shell;
 mod spectrum;
 pub mod stiffness_line;
 pub mod strain_gauge;
+pub mod torque_gauges;
 pub mod two_links;
 
-pub use calibration::FlexsplineParams;
+pub use calibration::{FlexsplineParams, Hardening};
 pub use cup::Cup;
+pub use displacement_field::DisplacementField;
 pub use end_forces::NodeForce;
 pub use mesh::Mesh;
 pub use reduced::Reduced;
 pub use shell::{Bend, Shell, ShellParams, Strained};
 pub use stiffness_line::StiffnessLine;
 pub use strain_gauge::StrainGauge;
+pub use torque_gauges::{GaugeTorque, TorqueGauges, TorqueGaugesParams, TorqueGaugesState};
 pub use two_links::{TwoLinks, TwoLinksParams};
 
 use crate::angle::Angle;

@@ -22,6 +22,10 @@
 //!    add, which gives `line`, and the contact's dashpot takes its fraction of the motion, and acts back through it:
 //!    `c_piece = c_contact*(K_piece/K_contact,piece)^2`.
 //!
+//! With [`Hardening::Bends`] the torsion's chain of step 1 is not linear. It is settled torsion by torsion at build, from the
+//! same links (`chain.rs`), and `line` is its torque in eight straight pieces; `twist` gets a part by the torsion. The dashpot
+//! lies across the whole.
+//!
 //! Nothing is integrated, so no time step is too long: of the two limits of the explicit mesh, 2/omega of the
 //! links (2 to 6 us) has gone with their inertia, and the dashpot's with the rim's. The joint's own mode is
 //! left, which the gear steps: dt*sqrt(K3/J_fs) = 0.022 where the scheme allows 2.
@@ -39,7 +43,8 @@
 //! | the dashpot against both springs, c_contact/(K_contact + K_shell) = 60 us, at sqrt(K1/J_fs) = 161 rad/s | (161*6e-5)^2 = 9e-5 of the damping |
 //! | the ellipse's tension in the links, second order in w0/R | 7.1e-4 of K1 (8 x 3), 3.4e-5 (36 x 4): `verify flexspline` |
 //! | the ellipse's reaction on the wave generator, zero on average | at rated torsion 3.9e-4 N m (8 x 3): `verify flexspline` |
-//! | the hardening of the bend links in the two shapes (the calibration of k has it), none by default | hardening*(4.8e-3)^2 of a bend link's stiffness |
+//! | with the hardening in the contact: that of the bend links from their free length, none by default | hardening*(4.8e-3)^2 of a bend link's stiffness |
+//! | with the hardening in the bend links: the law's straight pieces, torsion times ellipse, pre-strain | `flexspline.bends.8x3.law` |
 //! | inner slices' second-order displacement, harmonics 0 and 4 | strain 2.7e-5 (8 x 3), 5.0e-5 (36 x 4): [`super::StrainGauge`] |
 //!
 //! # Range
@@ -51,10 +56,11 @@
 use crate::angle::Angle;
 use crate::constants::constants;
 use crate::error::{Error, require};
-use crate::flexspline::calibration::FlexsplineParams;
+use crate::flexspline::calibration::{FlexsplineParams, Hardening};
+use crate::flexspline::chain::MeshLaw;
 use crate::flexspline::condensation::{Displacement, Link, Shape, settled};
 use crate::flexspline::cup::{Cup, DIRECTIONS};
-use crate::flexspline::stiffness_line::StiffnessLine;
+use crate::flexspline::stiffness_line::TorsionLaw;
 use crate::flexspline::{Ends, Flexspline, Reaction};
 use crate::real::Real;
 
@@ -96,15 +102,17 @@ pub type Direction = (i32, i32);
 #[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reduced<R, const N: usize, const M: usize> {
-    line: StiffnessLine<R>,
+    line: TorsionLaw<R>,
     /// Dashpot of each piece of the line (N m s/rad).
-    damping: [R; 3],
+    damping: [R; 8],
     /// End of the law's range, as a torque (N m) and as a torsion at rest (rad).
     largest_torque: R,
     largest_torsion: R,
     cup: Cup<R>,
     /// Displacement of every slice per torque (m/(N m)).
-    twist: Shape<R, M>,
+    pub(super) twist: Shape<R, M>,
+    /// Rotation of every slice per torsion, that per torque apart: none where the hardening is in the contact.
+    leading: [R; M],
     /// Amplitudes of harmonic 2 of every slice (m).
     ellipse: Shape<R, M>,
 }
@@ -121,25 +129,48 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
         require((3..=32).contains(&M), "m")?;
         let largest_torque = R::lit(RANGE) * rated_torque;
         require(largest_torque.is_positive(), "rated_torque")?;
-        let contact = params.contact_line();
-        let whole = contact.in_series(params.cup.stiffness());
-        let mut damping = [params.contact_damping(); 3];
-        for (c, (k, k_contact)) in damping.iter_mut().zip(whole.stiffness.into_iter().zip(contact.stiffness))
-        {
-            *c *= (k / k_contact) * (k / k_contact);
-        }
-        let line = whole.build()?;
         let cup = params.cup;
-        let turn_per_torque = cup.radius / cup.stiffness();
-        Ok(Self {
+        let mut reduced = match params.hardening {
+            Hardening::Contact => Self::with_contact(params)?,
+            Hardening::Bends => Self::with_bends(params, largest_torque)?,
+        };
+        reduced.largest_torque = largest_torque;
+        reduced.largest_torsion = reduced.line.torsion(largest_torque);
+        reduced.ellipse = settled(&cup, N, 2, [cup.ellipse, R::lit(-0.5) * cup.ellipse, R::ZERO]);
+        Ok(reduced)
+    }
+
+    /// Law and twist of a linear shell in series with the contact.
+    fn with_contact(params: &FlexsplineParams<R>) -> Result<Self, Error> {
+        let contact = params.contact_line();
+        let cup = params.cup;
+        let whole = contact.in_series(cup.stiffness());
+        let piece = |k: usize| whole.stiffness[k.min(2)] / contact.stiffness[k.min(2)];
+        let damping = core::array::from_fn(|k| params.contact_damping() * (piece(k) * piece(k)));
+        let twist = settled(&cup, N, 0, [R::ZERO, cup.radius / cup.stiffness(), R::ZERO]);
+        Ok(Self::of(cup, whole.build_law()?, damping, twist, [R::ZERO; M]))
+    }
+
+    /// Law and twist of a shell whose bend links harden.
+    fn with_bends(params: &FlexsplineParams<R>, largest_torque: R) -> Result<Self, Error> {
+        let MeshLaw { line, by_torsion, by_torque } = params.mesh_law::<M>(N, largest_torque)?;
+        let twist = by_torque.map(|angle| [R::ZERO, angle * params.cup.radius, R::ZERO]);
+        Ok(Self::of(params.cup, line, [params.damping(); 8], twist, by_torsion))
+    }
+
+    /// Without range and ellipse.
+    fn of(cup: Cup<R>, line: TorsionLaw<R>, damping: [R; 8], twist: Shape<R, M>, leading: [R; M]) -> Self {
+        let ellipse = [[R::ZERO; 3]; M];
+        Self {
             line,
             damping,
-            largest_torque,
-            largest_torsion: line.torsion(largest_torque),
+            largest_torque: R::ZERO,
+            largest_torsion: R::ZERO,
             cup,
-            twist: settled(&cup, N, 0, [R::ZERO, turn_per_torque, R::ZERO]),
-            ellipse: settled(&cup, N, 2, [cup.ellipse, R::lit(-0.5) * cup.ellipse, R::ZERO]),
-        })
+            twist,
+            leading,
+            ellipse,
+        }
     }
 
     /// Torque at a torsion and its rate (N m), within +-[`RANGE`] times the rated torque; for NaN it is that
@@ -167,9 +198,25 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
         self.line.compliance(torque)
     }
 
-    /// Angle of each slice relative to the flange, per torque (rad/(N m)); rim first.
+    /// Angle of each slice relative to the flange, per small torque (rad/(N m)); rim first.
     pub fn twist(&self) -> [R; M] {
-        self.twist.map(|[_, tangential, _]| tangential / self.cup.radius)
+        core::array::from_fn(|j| self.turned(j, R::ONE, self.compliance(R::ZERO))[1] / self.cup.radius)
+    }
+
+    /// Angle of each slice relative to the flange under a torque at rest (rad); rim first.
+    pub fn angles(&self, torque: R) -> [R; M] {
+        core::array::from_fn(|j| self.turned(j, torque, self.torsion(torque))[1] / self.cup.radius)
+    }
+
+    /// Tangential displacement of every slice per torsion, that per torque apart (m/rad).
+    pub(super) fn leading(&self) -> [R; M] {
+        self.leading.map(|angle| angle * self.cup.radius)
+    }
+
+    /// Displacement of a slice by a torque and its torsion (m).
+    fn turned(&self, j: usize, torque: R, torsion: R) -> Displacement<R> {
+        let [radial, tangential, axial] = self.twist[j].map(|per_torque| torque * per_torque);
+        [radial, tangential + torsion * self.leading[j] * self.cup.radius, axial]
     }
 
     /// Radial, tangential and axial amplitude of each slice under the ellipse (m): at the angle b from the wave
@@ -186,7 +233,8 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
     pub fn displacement(&self, (i, j): Node, torque: R, wave_generator: Angle<R>) -> Result<[R; 3], Error> {
         require(i < N && j < M, "node")?;
         let [radial, tangential, axial] = self.pressed(i, j, wave_generator);
-        Ok([radial, tangential + torque * self.twist[j][1], axial])
+        let [_, turned, _] = self.turned(j, torque, self.torsion(torque));
+        Ok([radial, tangential + turned, axial])
     }
 
     /// Strain L/L0 - 1 of the link from `node` (i, j) that spans `direction` (around, along), either way: exact
@@ -205,16 +253,17 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
     ) -> Result<R, Error> {
         let (link, ends) = self.link(node, direction)?;
         let [near, far] = ends.map(|(i, j)| self.pressed(i, j, wave_generator));
-        Ok(link.strain(near, far) + torque * self.strain_per_torque(node, direction)?)
+        let turned = ends.map(|(_, j)| self.turned(j, torque, self.torsion(torque)));
+        Ok(link.strain(near, far) + link.linear_strain(turned[0], turned[1]))
     }
 
-    /// Strain of the same link per torque (1/(N m)).
+    /// Strain of the same link per torque (1/(N m)), that per small torque where the bend links harden.
     ///
     /// # Errors
     /// As [`Reduced::strain`].
     pub fn strain_per_torque(&self, node: Node, direction: Direction) -> Result<R, Error> {
         let (link, ends) = self.link(node, direction)?;
-        let [near, far] = ends.map(|(_, j)| self.twist[j]);
+        let [near, far] = ends.map(|(_, j)| self.turned(j, R::ONE, self.compliance(R::ZERO)));
         Ok(link.linear_strain(near, far))
     }
 
@@ -306,6 +355,7 @@ mod tests {
             },
             damping_ratio: SIZE_25.damping_ratio as f32,
             inertia: SIZE_25.inertia as f32,
+            hardening: Hardening::Contact,
             bend: Bend::LINEAR,
         };
         Reduced::build(&params, RATED as f32).unwrap()
@@ -353,6 +403,20 @@ mod tests {
             if reduced.line.piece(low) == reduced.line.piece(high) {
                 prop_assert!(reduced.torque(low, rate) <= reduced.torque(high, rate));
             }
+        }
+
+        /// Bend links that harden: torque rises, is the slope of the energy, and the damping never drives.
+        #[test]
+        fn a_hardening_mesh_is_monotone_and_passive(a in -0.02..0.02f64, b in -0.02..0.02f64, rate in -1e3..1e3f64) {
+            let params = FlexsplineParams { hardening: Hardening::Bends, ..SIZE_25 };
+            let reduced = Reduced::<f64, 8, 3>::build(&params, RATED).unwrap();
+            let (low, high) = (a.min(b), a.max(b));
+            prop_assert!(reduced.torque(low, rate) <= reduced.torque(high, rate));
+            prop_assert_eq!(reduced.torque(-a, -rate), -reduced.torque(a, rate));
+            let energy = |torsion| reduced.energy(&(), &ends(torsion, 0.0));
+            let slope = (energy(a + 1e-7) - energy(a - 1e-7)) / 2e-7;
+            prop_assert!((slope - reduced.torque(a, 0.0)).abs() < 5e-3);
+            prop_assert!(reduced.step(&mut (), &ends(a, rate)).loss >= 0.0);
         }
 
         /// Damping is dissipative: the torque beyond the elastic one never drives.

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Torsion in rad, torque in N m, stiffness in N m/rad; odd, continuous, strictly monotone. The
-//! inverse has the same form with compliances over torques. Reference: the gear makers' definition
+//! inverse has the same form with compliances over torques. A reduced mesh's law has the same form with up to eight
+//! pieces ([`TorsionLaw`]). Reference: the gear makers' definition
 //! of K1, K2, K3, T1, T2 (e.g. Harmonic Drive HFUS-2A manual, "torsional stiffness").
 
 use crate::constants::constants;
@@ -22,7 +23,15 @@ pub struct StiffnessLineParams<R> {
     pub knee_torque: [R; 2],
 }
 
-/// An odd, monotone, three-piece line and its inverse.
+/// An odd, monotone line of P straight pieces with K = P - 1 knees, and its inverse.
+#[constants]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line<R, const P: usize, const K: usize> {
+    by_torsion: Pieces<R, P, K>,
+    by_torque: Pieces<R, P, K>,
+}
+
+/// The catalogue's three-piece line.
 ///
 /// The catalogue's line of a gear of size 25 with the ratio 100: wind-up at the rated torque, its inverse, and the
 /// stored energy as the work of the torque.
@@ -40,20 +49,18 @@ pub struct StiffnessLineParams<R> {
 /// assert!((work - line.energy(rated)).abs() < 1e-9);
 /// # Ok::<(), strainwave::Error>(())
 /// ```
-#[constants]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StiffnessLine<R> {
-    by_torsion: Pieces<R>,
-    by_torque: Pieces<R>,
-}
+pub type StiffnessLine<R> = Line<R, 3, 2>;
+
+/// The line of a reduced mesh: the catalogue's, or as many pieces as hold a curve.
+pub type TorsionLaw<R> = Line<R, 8, 7>;
 
 /// Odd and continuous in x: `slope*x + offset*sign(x)` on each piece.
 #[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Pieces<R> {
-    pieces: [Piece<R>; 3],
-    /// Magnitudes of x where the second and the third begin.
-    knee: [R; 2],
+struct Pieces<R, const P: usize, const K: usize> {
+    pieces: [Piece<R>; P],
+    /// Magnitudes of x where the second piece and those after it begin.
+    knee: [R; K],
 }
 
 #[constants]
@@ -64,15 +71,16 @@ struct Piece<R> {
     offset: R,
 }
 
-impl<R: Real> Pieces<R> {
-    fn new(slope: [R; 3], knee: [R; 2]) -> Self {
-        let [first, second, third] = slope;
-        let middle = (first - second) * knee[0];
-        let offset = [R::ZERO, middle, middle + (second - third) * knee[1]];
-        Self { pieces: core::array::from_fn(|k| Piece { slope: slope[k], offset: offset[k] }), knee }
+impl<R: Real, const P: usize, const K: usize> Pieces<R, P, K> {
+    fn new(slope: [R; P], knee: [R; K]) -> Self {
+        let mut pieces = slope.map(|slope| Piece { slope, offset: R::ZERO });
+        for (k, knee) in knee.into_iter().enumerate() {
+            pieces[k + 1].offset = pieces[k].offset + (slope[k] - slope[k + 1]) * knee;
+        }
+        Self { pieces, knee }
     }
 
-    fn slopes(&self) -> [R; 3] {
+    fn slopes(&self) -> [R; P] {
         self.pieces.map(|piece| piece.slope)
     }
 
@@ -89,11 +97,30 @@ impl<R: Real> Pieces<R> {
 
     /// Integral of `value` from 0 to x.
     fn integral(&self, x: R) -> R {
-        let excess = |knee: R| (x.abs() - knee).max(R::ZERO);
-        let ([first, second, third], [near, far]) = (self.slopes(), self.knee.map(excess));
-        R::lit(0.5) * (first * x * x + (second - first) * near * near + (third - second) * far * far)
+        let mut twice = self.pieces[0].slope * x * x;
+        for (knee, pair) in self.knee.iter().zip(self.pieces.windows(2)) {
+            let excess = (x.abs() - *knee).max(R::ZERO);
+            twice += (pair[1].slope - pair[0].slope) * excess * excess;
+        }
+        R::lit(0.5) * twice
     }
 
+    /// Index of the piece that holds x: by halving, so that eight pieces take three comparisons.
+    #[inline(always)]
+    fn piece(&self, x: R) -> usize {
+        let magnitude = x.abs();
+        let beyond = |k: usize| usize::from(magnitude > self.knee[k]);
+        if K == 7 {
+            let half = 4 * beyond(3);
+            let quarter = half + 2 * beyond(half + 1);
+            quarter + beyond(quarter)
+        } else {
+            (0..K).map(beyond).sum()
+        }
+    }
+}
+
+impl<R: Real> Pieces<R, 3, 2> {
     /// Slope just above x, and where that slope ends.
     #[inline(always)]
     fn piece_from(&self, x: R) -> (R, R) {
@@ -109,13 +136,6 @@ impl<R: Real> Pieces<R> {
         } else {
             (outer, R::MAX)
         }
-    }
-
-    /// Index of the piece that holds x.
-    #[inline(always)]
-    fn piece(&self, x: R) -> usize {
-        let magnitude = x.abs();
-        usize::from(magnitude > self.knee[0]) + usize::from(magnitude > self.knee[1])
     }
 }
 
@@ -137,6 +157,15 @@ impl<R: Real> StiffnessLineParams<R> {
         })
     }
 
+    /// The same line, and how the slope goes on is of no account: pieces that are never reached follow the last.
+    ///
+    /// # Errors
+    /// As [`Self::build`].
+    pub fn build_law(&self) -> Result<TorsionLaw<R>, Error> {
+        let StiffnessLine { by_torsion, by_torque } = self.build()?;
+        Ok(TorsionLaw { by_torsion: padded(&by_torsion), by_torque: padded(&by_torque) })
+    }
+
     /// The line that is left when a linear spring in series with it is taken out: compliances subtract.
     #[must_use]
     pub fn without_series(&self, stiffness: R) -> Self {
@@ -156,7 +185,43 @@ impl<R: Real> StiffnessLineParams<R> {
     }
 }
 
+/// The same pieces and knees, the last piece repeated beyond knees that no x reaches.
+fn padded<R: Real>(three: &Pieces<R, 3, 2>) -> Pieces<R, 8, 7> {
+    Pieces {
+        pieces: core::array::from_fn(|k| three.pieces[k.min(2)]),
+        knee: core::array::from_fn(|k| if k < 2 { three.knee[k] } else { R::MAX }),
+    }
+}
+
 impl<R: Real> StiffnessLine<R> {
+    /// Slope of the piece that goes on from a torsion upwards (N m/rad), and the torsion where that ends (rad).
+    #[inline(always)]
+    pub fn piece_from(&self, torsion: R) -> (R, R) {
+        self.by_torsion.piece_from(torsion)
+    }
+}
+
+impl<R: Real> TorsionLaw<R> {
+    /// Through the points (torsion, torque), from zero, each above the last, and on with `slope` (N m/rad).
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] `stiffness` unless every piece rises and is finite.
+    pub fn through(points: [(R, R); 7], slope: R) -> Result<Self, Error> {
+        let mut slopes = [slope; 8];
+        let mut last = (R::ZERO, R::ZERO);
+        for (slope, point) in slopes.iter_mut().zip(points) {
+            *slope = (point.1 - last.1) / (point.0 - last.0);
+            last = point;
+        }
+        require(slopes.iter().all(|slope| slope.is_positive()), "stiffness")?;
+        Ok(Self {
+            by_torsion: Pieces::new(slopes, points.map(|(torsion, _)| torsion)),
+            by_torque: Pieces::new(slopes.map(|slope| R::ONE / slope), points.map(|(_, torque)| torque)),
+        })
+    }
+}
+
+impl<R: Real, const P: usize, const K: usize> Line<R, P, K> {
     /// Torque for a torsion (N m).
     #[inline(always)]
     pub fn torque(&self, torsion: R) -> R {
@@ -180,18 +245,12 @@ impl<R: Real> StiffnessLine<R> {
         self.by_torsion.slopes().into_iter().fold(R::MAX, R::min)
     }
 
-    /// Slope of the piece that goes on from a torsion upwards (N m/rad), and the torsion where that ends (rad).
-    #[inline(always)]
-    pub fn piece_from(&self, torsion: R) -> (R, R) {
-        self.by_torsion.piece_from(torsion)
-    }
-
     /// Stored energy (J).
     pub fn energy(&self, torsion: R) -> R {
         self.by_torsion.integral(torsion)
     }
 
-    /// Which of the three pieces a torsion lies on.
+    /// Index of the piece that a torsion lies on.
     #[inline(always)]
     pub fn piece(&self, torsion: R) -> usize {
         self.by_torsion.piece(torsion)

@@ -166,6 +166,16 @@ impl<R: Real, const K: usize> LinkParams<R, K> {
         Ok(Gauge(modes.reading(&[(place.to_f64(), 2, -0.5 * modes.beam.thickness)])))
     }
 
+    /// Deflection (kg^-1/2), slope and curvature of each mode of unit mass at a place (m from the joint).
+    ///
+    /// # Errors
+    /// As [`Self::gauge`].
+    pub fn mode_shapes(&self, place: R) -> Result<[[R; 3]; K], Error> {
+        let modes = self.modes()?;
+        require((R::ZERO..=self.length).contains(&place), "place")?;
+        Ok(modes.shapes.map(|shape| modes.beam.mode_at(&shape, place.to_f64()).map(R::lit)))
+    }
+
     fn modes(&self) -> Result<Modes<K>, Error> {
         require((1..=MOST_MODES).contains(&K), "modes")?;
         let within = |value: R, least: f64, most: f64| (R::lit(least)..=R::lit(most)).contains(&value);

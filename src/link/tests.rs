@@ -109,7 +109,7 @@ fn the_tip_accelerates_as_its_speed_changes() {
         let now = link.step(&mut state, &LinkInput { joint, acceleration, ..LinkInput::default() });
         let rise = 0.5 * DT * (now.tip_acceleration + last.tip_acceleration);
         if k > 0 {
-            let missing = now.tip_velocity - last.tip_velocity - rise;
+            let missing: f64 = now.tip_velocity - last.tip_velocity - rise;
             most = most.max(now.tip_velocity.abs());
             assert!(missing.abs() < 1e-5, "{k}: {missing}");
         }

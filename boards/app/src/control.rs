@@ -72,7 +72,8 @@ impl<B: Board> Control<B> {
         if self.board.reset_requested() {
             self.compensator.reset(&mut self.state);
         }
-        match self.board.input() {
+        // By reference: the interrupt's stack holds one input, not two.
+        match &mut self.board.input() {
             Some(input) => self.control(input),
             None => {
                 self.missed = self.missed.saturating_add(1);
@@ -84,33 +85,46 @@ impl<B: Board> Control<B> {
     }
 
     #[inline]
-    fn control(&mut self, mut input: Input<f32>) {
+    fn control(&mut self, input: &mut Input<f32>) {
         input.status = input.status.with(self.status);
         if self.missed > 0 && input.elapsed == 0.0 {
             // Up to a second: far beyond what the control goes on from.
             input.elapsed = CONTROL_PERIOD as f32 * (self.missed.min(RATE) + 1) as f32;
         }
         self.missed = 0;
-        let commanded = control_step(self.compensator, &mut self.state, &input);
+        let commanded = control_step(self.compensator, &mut self.state, input);
         if commanded.mode.drives() {
             self.board.command(commanded.motor_torque);
         } else {
             self.board.release();
         }
-        self.report(&input);
+        self.report(input);
     }
 
-    /// Reports the step. A function of its own: its frame is not on the stack while the control step's is.
-    #[inline(never)]
+    /// Reports the step.
+    #[inline]
     fn report(&mut self, input: &Input<f32>) {
-        let output = || self.compensator.output(&self.state);
-        self.board.report(output);
+        self.answer();
         let overran = self.board.overran();
         self.overruns = self.overruns.saturating_add(u32::from(overran));
         self.status = if overran { Status::OVERRUN } else { Status::FINE };
         if self.periods.is_multiple_of(B::REPORT_EVERY) {
-            self.sender.send(Record::new(self.periods, self.overruns, input, &output()));
+            self.record(input);
         }
+    }
+
+    /// The step's output to the board. A function of its own, as the record below: its frame is on the stack neither while the
+    /// control step's is nor while that is.
+    #[inline(never)]
+    fn answer(&mut self) {
+        self.board.report(|| self.compensator.output(&self.state));
+    }
+
+    /// A record of the step to the telemetry.
+    #[inline(never)]
+    fn record(&mut self, input: &Input<f32>) {
+        let output = self.compensator.output(&self.state);
+        self.sender.send(Record::new(self.periods, self.overruns, input, &output));
     }
 }
 

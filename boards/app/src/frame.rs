@@ -50,8 +50,14 @@ pub fn decode_input(frame: &[u8; INPUT_BYTES]) -> Option<Input<f32>> {
 
 /// The bytes of an output.
 pub fn encode_output(output: &Output<f32>) -> [u8; OUTPUT_BYTES] {
+    encode_own_output(&mut { *output })
+}
+
+/// The bytes of an output, which stays as it is: without a copy of it on the stack.
+#[inline]
+pub fn encode_own_output(output: &mut Output<f32>) -> [u8; OUTPUT_BYTES] {
     let mut writer = Writer::new();
-    writer.output(&mut { *output });
+    writer.output(output);
     writer.bytes
 }
 

@@ -16,6 +16,7 @@ pub mod logger;
 mod panic;
 pub mod slot;
 pub mod telemetry;
+pub mod torque_gauges;
 pub mod worst_case;
 
 /// The joint that this firmware controls: `strainwave export` has built its compensator.

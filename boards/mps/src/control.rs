@@ -24,7 +24,7 @@ impl<M: Machine> strainwave_app::Board for Board<M> {
     fn command(&mut self, _torque: f32) {}
 
     fn report(&mut self, output: impl FnOnce() -> Output<f32>) {
-        self.link.report(&output());
+        self.link.report(&mut output());
     }
 
     // Nobody is listening any more.

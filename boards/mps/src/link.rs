@@ -6,7 +6,7 @@
 use core::ffi::CStr;
 use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m_semihosting::{nr, syscall};
-use strainwave_app::frame::{self, INPUT_BYTES};
+use strainwave_app::frame;
 use strainwave_app::{Input, Output};
 
 static ENDED: AtomicBool = AtomicBool::new(false);
@@ -42,14 +42,15 @@ impl Link {
     }
 
     /// Waits for a frame; `None` when the host closed its end before the frame was whole.
-    fn read(&self) -> Option<[u8; INPUT_BYTES]> {
-        let mut bytes = [0u8; INPUT_BYTES];
+    pub fn read<const K: usize>(&self) -> Option<[u8; K]> {
+        let mut bytes = [0u8; K];
         // SAFETY: the block names `bytes` and its length; the host writes no further.
-        let missing = unsafe { syscall!(READ, self.sensors, bytes.as_mut_ptr(), INPUT_BYTES) };
+        let missing = unsafe { syscall!(READ, self.sensors, bytes.as_mut_ptr(), K) };
         (missing == 0).then_some(bytes)
     }
 
-    fn write(&self, bytes: &[u8]) -> bool {
+    /// Sends a frame; whether all of it went.
+    pub fn write(&self, bytes: &[u8]) -> bool {
         // SAFETY: the block names `bytes` and its length; the host only reads them.
         let missing = unsafe { syscall!(WRITE, self.command, bytes.as_ptr(), bytes.len()) };
         missing == 0
@@ -78,8 +79,8 @@ impl Link {
     }
 
     /// Sends an output.
-    pub fn report(&self, output: &Output<f32>) {
-        if !self.write(&frame::encode_output(output)) {
+    pub fn report(&self, output: &mut Output<f32>) {
+        if !self.write(&frame::encode_own_output(output)) {
             fail();
         }
     }

@@ -13,7 +13,7 @@ use strainwave_desktop::report::plot::{Colour, Page, Panel, Series};
 use strainwave_desktop::verify::judge::error;
 use strainwave_emulator::pil::TrialRun;
 
-use controller::{Controller, controllers};
+use controller::{Controller, compensator, controllers};
 pub use replay::replay;
 
 /// Points of a curve in the picture for a page of text.
@@ -60,7 +60,7 @@ fn tracking(run: &TrialRun<'_>) -> Vec<Panel> {
     let rows = &run.target.run.trace;
     let (time, commanded) = (column(rows, |row| row.time), column(rows, |row| row.demand.position));
     let output = over_time("output", "rad")
-        .with(Controller::Compensator.series(&time, &column(rows, |row| row.output)))
+        .with(compensator(run).series(&time, &column(rows, |row| row.output)))
         .with(Series::dashed("commanded", &time, &commanded).coloured(Colour::Black));
     vec![output, of_all(run, over_time("output error", "urad"), &|row| error(row) * 1e6)]
 }
@@ -99,7 +99,7 @@ fn torque(run: &TrialRun<'_>) -> Vec<Panel> {
 /// Output error with the cascade alone and with the compensator, small enough for a page of text.
 pub fn comparison(run: &TrialRun<'_>) -> Page {
     let panel = controllers(run)
-        .filter(|(controller, _)| matches!(controller, Controller::Baseline(0) | Controller::Compensator))
+        .filter(|(controller, _)| matches!(controller, Controller::Baseline(0) | Controller::Compensator(_)))
         .fold(over_time("output error", "urad"), |panel, (controller, of)| {
             panel.with(thinned_error(controller, of))
         });

@@ -229,7 +229,7 @@ fn files_that_cannot_be_read_or_written_are_named() {
 #[test]
 fn meshes_steps_and_gauges_that_there_are_not_are_refused_by_value() {
     let bench = Bench::new();
-    let sizes = "8x3, 12x3, 16x4, 24x4, 36x4, 48x6, 72x8";
+    let sizes = "8x3, 12x3, 16x4, 24x4, 36x4, 36x6, 48x6, 72x8";
     let mesh = |value: &str| format!("invalid value '{value}' for '--mesh <NxM>'");
     let gauge = |value: &str| format!("invalid value '{value}' for '--gauge <I,J,AROUND,ALONG>'");
     let stable = "is out of range; allowed: from 1e-9 s to below";

@@ -142,8 +142,16 @@ fn the_report_is_one_page_that_needs_nothing_else() {
         "Presliding: reversals that grow",
         "Stick-slip",
         "Figures with their bounds",
+        "The paper's table",
+        "Held: stiffness and hysteresis",
+        "Moving: friction and kinematic error",
     ] {
         assert!(page.contains(&format!("<h3>{title}")), "{title}");
+    }
+    let figures = (1..=9).map(|number| format!("fig-{number}"));
+    let scenarios = (1..=7).map(|number| format!("s{number}"));
+    for anchor in figures.chain(scenarios).chain(["table-1".into(), "picture".into()]) {
+        assert_eq!(page.matches(&format!("id=\"{anchor}\"")).count(), 1, "{anchor}");
     }
     for model in ModelName::WORDS {
         assert!(
@@ -151,13 +159,28 @@ fn the_report_is_one_page_that_needs_nothing_else() {
             "{model} is drawn on both motions"
         );
     }
-    for outside in ["<script", "<link", "<img", "src=", "url(", "@import"] {
+    // The picture's data and its script stand in the page; the arrows of a diagram name a mark within it.
+    assert_eq!(page.matches("<script").count(), 2);
+    for outside in [
+        "<link",
+        "<img",
+        "<iframe",
+        " src=",
+        "@import",
+        "fetch(",
+        "XMLHttpRequest",
+        "importScripts",
+        "import(",
+    ] {
         assert!(!page.contains(outside), "{outside}");
     }
+    assert_eq!(page.matches("url(").count(), page.matches("url(#tip)").count());
     let elsewhere =
         page.matches("http").count() - page.matches("xmlns=\"http://www.w3.org/2000/svg\"").count();
     assert_eq!(elsewhere, 0, "the page names an address");
-    assert!(page.matches("<svg").count() >= 6 && !page.contains("NaN") && !page.contains("inf"));
+    let (before, script) = page.split_once("<script").unwrap();
+    let drawn = [before, script.rsplit_once("</script>").unwrap().1].concat();
+    assert!(drawn.matches("<svg").count() >= 6 && !drawn.contains("NaN") && !drawn.contains("inf"));
     let text = std::fs::read_to_string(bench.path("out.json")).unwrap();
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     let figures = json["figures"].as_array().unwrap();
@@ -267,4 +290,33 @@ fn every_subcommand_has_help() {
         assert!(answer.output.contains("--json <FILE>"), "{name}");
     }
     assert_eq!(bench.run("--version").output, format!("strainwave {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+/// A row for each node of both ends at each instant, and nothing where the run cannot have them.
+#[test]
+fn forces_on_the_flexsplines_ends_are_written_beside_the_output() {
+    let bench = Bench::new();
+    let run = "sim --gear g.toml --input in.csv --output out.csv --forces f.csv";
+    let answer = bench.run(&format!("{run} --mesh 36x6 --forces-every 5e-4"));
+    assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""));
+    assert_eq!(rows(&bench, HEADER).len(), 21);
+    let text = std::fs::read_to_string(bench.path("f.csv")).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("t_s,end,node,radial_n,tangential_n,axial_n"));
+    let cells: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    assert_eq!(cells.len(), 5 * 2 * 36);
+    assert_eq!(cells[0][..3], ["0.0", "rim", "0"]);
+    assert_eq!(cells[5 * 72 - 1][..3], ["0.002", "flange", "35"]);
+    assert!(cells.iter().all(|row| row[3..].iter().all(|cell| cell.parse::<f64>().unwrap().is_finite())));
+    for (options, part) in [
+        ("--build realtime", "--forces is for --build reference"),
+        ("--forces-every 1.5e-4", "--forces-every 1.5e-4 is out of range; allowed: a multiple of 1e-4 s"),
+        ("--forces-every 0", "--forces-every 0e0 is out of range"),
+        ("--forces-every nan", "is out of range"),
+    ] {
+        let line = bench.refused(&format!("{run} {options}"));
+        assert!(line.contains(part), "{options}: {line}");
+    }
+    let line = bench.refused("sim --gear g.toml --input in.csv --output out.csv --forces out.csv");
+    assert!(line.contains("--forces and --output are the same file"), "{line}");
 }

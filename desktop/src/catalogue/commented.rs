@@ -189,6 +189,7 @@ fn cup(name: &str) -> (&'static str, Origin) {
         "youngs_modulus_pa" => ("Young's modulus", Origin::Fact("steel")),
         "poisson_ratio" => ("Poisson's ratio", Origin::Fact("steel")),
         "density_kg_per_m3" => ("density", Origin::Fact("steel")),
+        "hardening" => ("where the hardening lies, \"contact\" or \"bends\"", Origin::Fact("the default")),
         "bend_hardening" => ("hardening of the mesh's bend links", Origin::Fact("0: linear links")),
         _ => ("strain from which on they harden no more", Origin::Fact("0: linear links")),
     }

@@ -6,7 +6,7 @@
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::{JointParams, Limits};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
-use strainwave::flexspline::{Bend, Cup, FlexsplineParams};
+use strainwave::flexspline::{Bend, Cup, FlexsplineParams, Hardening};
 use strainwave::friction::AnyFrictionParams;
 use strainwave::gear::{GearParams, KINEMATIC_TERMS};
 use strainwave::kinematic_error::{KinematicErrorParams, Term};
@@ -16,7 +16,7 @@ use crate::design::dense::dense;
 use crate::design::feedback::feedback_params;
 use crate::design::{compensation, observer_design};
 use crate::io::gear_file::friction_params::{friction_params, joint_friction_params};
-use crate::io::gear_file::{GearFile, Harmonic};
+use crate::io::gear_file::{self, GearFile, Harmonic};
 
 /// The gear that a file describes.
 pub fn gear_params<R: Real>(file: &GearFile) -> GearParams<R, AnyFrictionParams<R>> {
@@ -54,6 +54,10 @@ fn with_friction<R: Real, P>(file: &GearFile, [input_friction, output_friction]:
             },
             damping_ratio: R::lit(file.damping.torsion_mode_ratio),
             inertia: R::lit(file.inertia.flexspline),
+            hardening: match cup.hardening {
+                gear_file::Hardening::Contact => Hardening::Contact,
+                gear_file::Hardening::Bends => Hardening::Bends,
+            },
             bend: Bend { hardening: R::lit(cup.bend_hardening), saturation: R::lit(cup.bend_saturation) },
         },
         hysteresis_width: R::lit(file.hysteresis.width()),
@@ -128,7 +132,7 @@ pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
          use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;\n\
          use strainwave::compensator::{{EstimateDeviation, JointParams, Limits}};\n\
          use strainwave::flexspline::stiffness_line::StiffnessLineParams;\n\
-         use strainwave::flexspline::{{Bend, Cup, FlexsplineParams}};\n\
+         use strainwave::flexspline::{{Bend, Cup, FlexsplineParams, Hardening::*}};\n\
          use strainwave::friction::{{\n    \
          Harmonics, JointFrictionParams, LoadFactors, LubricatedContactParams, Order::*, RippleParams,\n}};\n\
          use strainwave::gear::GearParams;\n{table}\

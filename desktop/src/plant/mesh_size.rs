@@ -49,6 +49,7 @@ sizes! {
     By16x4: 16 x 4,
     By24x4: 24 x 4,
     By36x4: 36 x 4,
+    By36x6: 36 x 6,
     By48x6: 48 x 6,
     By72x8: 72 x 8,
 }
@@ -118,7 +119,7 @@ mod tests {
         assert_eq!(refused("3x4"), "n = 3 is out of range; allowed: 4 nodes around or more");
         assert_eq!(refused("-8x3"), "n = -8 is out of range; allowed: 4 nodes around or more");
         assert_eq!(refused("8x1"), "m = 1 is out of range; allowed: 2 nodes along the axis or more");
-        let list = "8x3, 12x3, 16x4, 24x4, 36x4, 48x6, 72x8";
+        let list = "8x3, 12x3, 16x4, 24x4, 36x4, 36x6, 48x6, 72x8";
         assert_eq!(refused("9x3"), format!("not compiled in; allowed: {list}"));
         for text in ["", "x", "36", "36x", "36 x 4", "36x4x2", "99999999999999999999x4"] {
             assert_eq!(refused(text), format!("not NxM; allowed: {list}"));

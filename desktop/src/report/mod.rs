@@ -4,14 +4,18 @@
 //! A chapter is a file (or folder) here with one function of the gear file; `CHAPTERS` lists them. Pictures are
 //! inline SVG, drawn for paper; the style sheet turns their black and white around on a dark screen.
 
+pub mod controller;
 pub mod design;
 pub mod figures_page;
 mod flexspline;
 mod friction;
 mod hysteresis;
 pub mod identification;
+mod paper;
+mod picture;
 mod pictures;
 pub mod plot;
+mod scenarios;
 mod two_port;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -21,14 +25,30 @@ use crate::io::file::BadInput;
 use crate::io::gear_file::GearFile;
 use crate::verify::Measured;
 pub use pictures::Picture;
+use scenarios::Trials;
 
 const STYLE: &str = include_str!("style.css");
 
-/// Function that makes a chapter of a gear file; it reports the fraction done.
-type Make = fn(&GearFile, &mut dyn FnMut(f64)) -> Result<Chapter, BadInput>;
+/// What a page is of.
+struct Subject<'a> {
+    gear: &'a GearFile,
+    trials: Trials,
+}
+
+/// Function that makes a chapter of its subject; it reports the fraction done.
+type Make = fn(&Subject<'_>, &mut dyn FnMut(f64)) -> Result<Chapter, BadInput>;
 
 /// The chapters, in the order of the page.
-const CHAPTERS: &[Make] = &[flexspline::chapter, friction::chapter, hysteresis::chapter, two_port::chapter];
+const CHAPTERS: &[Make] = &[
+    |_, _| Ok(paper::chapter()),
+    |subject, progress| picture::chapter(subject.gear, &subject.trials, progress),
+    |subject, progress| flexspline::chapter(subject.gear, progress),
+    |subject, progress| friction::chapter(subject.gear, progress),
+    |subject, progress| hysteresis::chapter(subject.gear, progress),
+    |subject, progress| two_port::chapter(subject.gear, &subject.trials, progress),
+    |subject, progress| scenarios::chapter(&subject.trials, progress),
+    |_, progress| identification::example::chapter(progress),
+];
 
 /// A part of the page.
 struct Chapter {
@@ -55,10 +75,13 @@ pub struct Report {
 /// # Errors
 /// A gear that no model can be built from, or data that are there and cannot be used.
 pub fn build(gear: &GearFile, mut progress: impl FnMut(f64)) -> Result<Report, BadInput> {
+    // The runs of the scenarios come first: they count as one more chapter.
+    let mut part =
+        |done: usize, fraction: f64| progress((done as f64 + fraction) / (CHAPTERS.len() + 1) as f64);
+    let subject = Subject { gear, trials: Trials::run(gear, |fraction| part(0, fraction))? };
     let mut chapters = Vec::new();
-    for (done, make) in CHAPTERS.iter().enumerate() {
-        let mut part = |fraction: f64| progress((done as f64 + fraction) / CHAPTERS.len() as f64);
-        chapters.push(make(gear, &mut part)?);
+    for (index, make) in CHAPTERS.iter().enumerate() {
+        chapters.push(make(&subject, &mut |fraction| part(index + 1, fraction))?);
     }
     let html = of_gear(gear, &chapters).into_string();
     let pictures =

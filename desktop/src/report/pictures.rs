@@ -10,7 +10,8 @@ const STYLE: &str = "svg { background: #fff; font-family: sans-serif; } \
     .link { fill: none; stroke-width: 1.2; stroke-linecap: round; } \
     .stretch { stroke: #0072b2; } .shear { stroke: #d55e00; } .bend { stroke: #009e73; } .back { opacity: 0.25; } \
     .node { fill: #1a1a1a; } .guide { fill: none; stroke: #556; stroke-dasharray: 4 3; } .weight { fill: #0072b2; } \
-    .outline { fill: none; stroke: #ccd; }";
+    .outline { fill: none; stroke: #ccd; } .wire { fill: none; stroke: #1a1a1a; stroke-width: 1.2; } .block { stroke: #0072b2; } \
+    text.small { fill: #556; }";
 
 /// A picture of the report.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,9 +5,9 @@
 //! A_i = Rot_z(q_i) * Trans_z(d_i) * Trans_x(a_i) * Rot_x(alpha_i)
 //! ```
 //!
-//! A_i leads from the frame of link i-1's end to that of link i's (Denavit-Hartenberg): z is the axis of the joint, a the
-//! length of the link, d its offset along the axis, alpha the twist to the next axis. Centre and inertia of a link are in the
-//! frame at its joint that turns with it. J_c turns with the joint's flange alone. Sign: tau on the link, against the
+//! A_i leads from the frame of link i-1's end to that of link i's: z is the axis of the joint. What follows Rot_z may be any
+//! [`Pose`]; that of Denavit and Hartenberg has the length a of the link, its offset d along the axis, and the twist alpha to the
+//! next axis. Centre and inertia of a link are in the frame at its joint that turns with it. J_c turns with the joint's flange alone. Sign: tau on the link, against the
 //! link before. Units: rad, m, kg, kg m^2, N m, m/s^2.
 //!
 //! Forward dynamics by the articulated-body algorithm, inverse dynamics by recursive Newton-Euler (crate phyz-rigid, f64).
@@ -20,21 +20,43 @@ use phyz_model::{Model, ModelBuilder, State};
 use phyz_rigid::{aba, forward_kinematics, kinetic_energy, rnea, total_energy};
 use strainwave::Error;
 
+/// A frame as another one sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Its unit vectors x, y, z in coordinates of the other, a row each.
+    pub axes: [[f64; 3]; 3],
+    /// Its origin there (m).
+    pub place: [f64; 3],
+}
+
+impl Pose {
+    /// Trans_z(d)*Trans_x(a)*Rot_x(alpha), with a and d in m and alpha in rad.
+    pub fn denavit_hartenberg([length, offset]: [f64; 2], twist: f64) -> Self {
+        let (sine, cosine) = twist.sin_cos();
+        Self {
+            axes: [[1.0, 0.0, 0.0], [0.0, cosine, sine], [0.0, -sine, cosine]],
+            place: [length, 0.0, offset],
+        }
+    }
+
+    fn is_finite(&self) -> bool {
+        self.axes.iter().chain([&self.place]).flatten().all(|number| number.is_finite())
+    }
+}
+
 /// One link and its joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
-    /// a (m).
-    pub length: f64,
-    /// d (m).
-    pub offset: f64,
-    /// alpha (rad).
-    pub twist: f64,
+    /// The next joint, or the tip, in the frame at this joint.
+    pub end: Pose,
     /// Mass (kg).
     pub mass: f64,
     /// Centre of mass (m).
     pub centre: [f64; 3],
-    /// Principal moments about the centre, axes parallel to the frame's (kg m^2).
+    /// I_xx, I_yy, I_zz about the centre, axes parallel to the frame's (kg m^2).
     pub inertia: [f64; 3],
+    /// I_xy, I_xz, I_yz, the elements of the tensor (kg m^2).
+    pub products: [f64; 3],
     /// J_c (kg m^2).
     pub flange: f64,
 }
@@ -43,39 +65,48 @@ impl Link {
     /// Mass and inertia times `factor`.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
-        Self { mass: factor * self.mass, inertia: self.inertia.map(|moment| factor * moment), ..self }
+        let [inertia, products] =
+            [self.inertia, self.products].map(|elements| elements.map(|element| factor * element));
+        Self { mass: factor * self.mass, inertia, products, ..self }
     }
 
     /// # Errors
-    /// [`Error::OutOfRange`] with the name of a length or angle that is not finite, `mass` unless positive, `inertia` unless its
-    /// moments are positive and none exceeds the sum of the others, `flange` if negative.
+    /// [`Error::OutOfRange`] `end` or `centre` if not finite, `mass` unless positive, `inertia` unless its principal moments are
+    /// positive and none exceeds the sum of the others, `flange` if negative.
     fn check(&self) -> Result<(), Error> {
         let require = |holds: bool, name| if holds { Ok(()) } else { Err(Error::OutOfRange(name)) };
-        require(self.length.is_finite(), "length")?;
-        require(self.offset.is_finite(), "offset")?;
-        require(self.twist.is_finite(), "twist")?;
+        require(self.end.is_finite(), "end")?;
         require(self.mass.is_finite() && self.mass > 0.0, "mass")?;
         require(self.centre.iter().all(|place| place.is_finite()), "centre")?;
-        require(is_inertia(self.inertia), "inertia")?;
+        require(is_inertia(self.principal_moments()), "inertia")?;
         require(self.flange.is_finite() && self.flange >= 0.0, "flange")
     }
 
-    /// Pose of the next joint in the frame at this one.
-    fn end(&self) -> SpatialTransform {
-        let (sine, cosine) = self.twist.sin_cos();
-        // From this frame's coordinates to those of the next.
-        let rotation = Mat3::new(1.0, 0.0, 0.0, 0.0, cosine, sine, 0.0, -sine, cosine);
-        SpatialTransform::new(rotation, self.tip())
+    /// Principal moments of the inertia about the centre (kg m^2).
+    pub fn principal_moments(&self) -> [f64; 3] {
+        if self.products == [0.0; 3] {
+            return self.inertia;
+        }
+        let ([xx, yy, zz], [xy, xz, yz]) = (self.inertia, self.products);
+        nalgebra::Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz).symmetric_eigenvalues().into()
     }
 
-    fn tip(&self) -> Vec3 {
-        Vec3::new(self.length, 0.0, self.offset)
+    /// From coordinates of this joint's frame to those of the next.
+    pub(super) fn end(&self) -> SpatialTransform {
+        let [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] = self.end.axes;
+        SpatialTransform::new(Mat3::new(xx, xy, xz, yx, yy, yz, zx, zy, zz), self.tip())
     }
 
-    fn spatial_inertia(&self) -> SpatialInertia {
+    pub(super) fn tip(&self) -> Vec3 {
+        let [x, y, z] = self.end.place;
+        Vec3::new(x, y, z)
+    }
+
+    pub(super) fn spatial_inertia(&self) -> SpatialInertia {
         let [x, y, z] = self.centre;
-        let [xx, yy, zz] = self.inertia;
-        SpatialInertia::new(self.mass, Vec3::new(x, y, z), Mat3::from_diagonal(&Vec3::new(xx, yy, zz)))
+        let ([xx, yy, zz], [xy, xz, yz]) = (self.inertia, self.products);
+        let tensor = Mat3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        SpatialInertia::new(self.mass, Vec3::new(x, y, z), tensor)
     }
 }
 
@@ -186,9 +217,7 @@ impl Chain {
 
     /// Place of the tip in the frame of the base (m).
     pub fn tip(&self, state: &ChainState) -> [f64; 3] {
-        let (poses, _) = forward_kinematics(&self.model, &state.0);
-        let place = poses.last().map_or(Vec3::zeros(), |pose| pose.body_to_world_point(self.last.tip()));
-        [place.x, place.y, place.z]
+        place_on_last(&self.model, &state.0, self.last.tip())
     }
 
     /// Moves an arm without gears and torques on by `dt` (s).
@@ -209,6 +238,13 @@ impl Chain {
     }
 }
 
+/// A place on the last body, in the frame of the base (m).
+pub(super) fn place_on_last(model: &Model, state: &State, on_last: Vec3) -> [f64; 3] {
+    let (poses, _) = forward_kinematics(model, state);
+    let place = poses.last().map_or(Vec3::zeros(), |pose| pose.body_to_world_point(on_last));
+    [place.x, place.y, place.z]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -216,13 +252,16 @@ mod tests {
     const GRAVITY: f64 = 9.806_65;
 
     fn link(length: f64) -> Link {
+        twisted([length, 0.0], 0.0)
+    }
+
+    fn twisted(along: [f64; 2], twist: f64) -> Link {
         Link {
-            length,
-            offset: 0.0,
-            twist: 0.0,
+            end: Pose::denavit_hartenberg(along, twist),
             mass: 3.0,
             centre: [0.2, 0.0, 0.0],
             inertia: [0.01, 0.05, 0.05],
+            products: [0.0; 3],
             flange: 0.0,
         }
     }
@@ -260,8 +299,7 @@ mod tests {
 
     #[test]
     fn forward_dynamics_is_the_inverse_of_inverse_dynamics() {
-        let links =
-            [Link { twist: 1.2, offset: 0.1, ..link(0.4) }, Link { twist: -0.7, ..link(0.3) }, link(0.2)];
+        let links = [twisted([0.4, 0.1], 1.2), twisted([0.3, 0.0], -0.7), link(0.2)];
         let chain = Chain::build(&links, [1.0, -2.0, -9.0]).unwrap();
         let mut state = state(&chain, &[[0.3, 1.0], [-0.8, 0.5], [1.5, -2.0]]);
         let asked = [3.0, -1.0, 0.5];
@@ -287,8 +325,7 @@ mod tests {
             (0.4 * 0.3f64.cos() + 0.3 * 1f64.cos(), 0.4 * 0.3f64.sin() + 0.3 * 1f64.sin());
         assert!((x - expected_x).abs() < 1e-15 && (y - expected_y).abs() < 1e-15 && z == 0.0);
         // A quarter of twist leads the second link out of the plane.
-        let bent =
-            Chain::build(&[Link { twist: std::f64::consts::FRAC_PI_2, ..link(0.4) }, link(0.3)], [0.0; 3]);
+        let bent = Chain::build(&[twisted([0.4, 0.0], std::f64::consts::FRAC_PI_2), link(0.3)], [0.0; 3]);
         let chain = bent.unwrap();
         let [x, y, z] = chain.tip(&state(&chain, &[[0.0, 0.0], [std::f64::consts::FRAC_PI_2, 0.0]]));
         assert!((x - 0.4).abs() < 1e-12 && y.abs() < 1e-12 && (z - 0.3).abs() < 1e-12, "{x} {y} {z}");
@@ -313,7 +350,9 @@ mod tests {
         let refused = |link: Link| Chain::build(&[link], [0.0; 3]).unwrap_err();
         assert_eq!(refused(Link { mass: 0.0, ..link(0.4) }), Error::OutOfRange("mass"));
         assert_eq!(refused(Link { inertia: [0.1, 0.01, 0.01], ..link(0.4) }), Error::OutOfRange("inertia"));
-        assert_eq!(refused(Link { length: f64::NAN, ..link(0.4) }), Error::OutOfRange("length"));
+        assert_eq!(refused(link(f64::NAN)), Error::OutOfRange("end"));
+        // Each element is one of a body, the tensor is not: its least principal moment is below 0.
+        assert_eq!(refused(Link { products: [0.0, 0.0, 0.06], ..link(0.4) }), Error::OutOfRange("inertia"));
         assert_eq!(refused(Link { flange: -1.0, ..link(0.4) }), Error::OutOfRange("flange"));
         assert_eq!(Chain::build(&[], [0.0; 3]).unwrap_err(), Error::OutOfRange("links"));
     }

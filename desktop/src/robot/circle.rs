@@ -7,11 +7,12 @@
 //!
 //! The circle begins at the tip of the arm's start, with its centre c on the line from there to the base. w rises smoothly from 0 to 1
 //! over the first [`RAMP`], and falls at the end; the laps between count. p is solved for q1 and q2 with the elbow on the side of the
-//! start, order by order of their Taylor series ([`super::jet`]), so that jerk and snap of the setpoints are exact. Axes parallel, both links along x
-//! of their frames. Units: rad, m, s.
+//! start, order by order of their Taylor series ([`super::jet`]), so that jerk and snap of the setpoints are exact. Axes parallel. q1 and q2 count
+//! from where both links, from axis to axis and to the tip, lie along x: [`Circle`] holds what the joints' own zeros are off. Units: rad, m, s.
 
 use std::f64::consts::{PI, TAU};
 
+use super::chain::Link;
 use super::file::RobotFile;
 use super::jet::{Jet, ORDERS, cosine_and_sine, derivatives, of_derivatives};
 use super::motions::RobotTask;
@@ -52,6 +53,20 @@ pub struct Circle {
     start: [f64; 2],
 }
 
+/// Largest sine of the angle between axes that count as parallel.
+const PARALLEL: f64 = 1e-9;
+
+/// Lengths of both links (m), and the directions in which they lie (rad) at the angle 0 of the joints: of the first from x of its frame,
+/// of the second from the first.
+fn planar([first, second]: [&Link; 2]) -> ([f64; 2], [f64; 2]) {
+    let [ends, directions]: [[f64; 2]; 2] = {
+        let places = [first, second].map(|link| [link.end.place[0], link.end.place[1]]);
+        [places.map(|[x, y]| x.hypot(y)), places.map(|[x, y]| y.atan2(x))]
+    };
+    let turned = first.end.axes[0][1].atan2(first.end.axes[0][0]);
+    (ends, [directions[0], turned + directions[1] - directions[0]])
+}
+
 impl Circle {
     /// The circle of a robot.
     ///
@@ -61,15 +76,20 @@ impl Circle {
         let [first, second] = robot.joints.as_slice() else {
             return Err(format!("{} joints; a circle is for a robot of 2", robot.joints.len()));
         };
-        if first.link.twist != 0.0 {
+        let [x, y, along] = first.link.end.axes[2];
+        if x.hypot(y) > PARALLEL || along < 0.0 {
+            let angle = x.hypot(y).atan2(along);
             return Err(format!(
-                "joint[0].twist_rad = {}; a circle is for parallel axes, 0",
-                first.link.twist
+                "the axis of joint 2 is {angle:.4} rad off that of joint 1; a circle is for parallel axes, 0"
             ));
         }
-        let (lengths, start) = ([first.link.length, second.link.length], [first.start, second.start]);
+        let (lengths, zeros) = planar([&first.link, &second.link]);
+        let start = [first.start + zeros[0], second.start + zeros[1]];
         if let Some(index) = lengths.iter().position(|length| *length == 0.0) {
-            return Err(format!("joint[{index}].length_m = 0; a circle needs links of some length"));
+            return Err(format!(
+                "the length of link {} is 0; a circle needs links of some length",
+                index + 1
+            ));
         }
         let tip = place(lengths, start);
         let distance = tip[0].hypot(tip[1]);
@@ -188,6 +208,7 @@ fn demand(jet: &Jet, start: f64) -> Demand {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::chain::Pose;
 
     fn circle() -> Circle {
         Circle::of(&RobotFile::example(), CircleParams::default()).unwrap()
@@ -260,9 +281,11 @@ mod tests {
         assert!(line.starts_with("a circle of radius 0.4 m from the start is -0.1"), "{line}");
         let three = |robot: &mut RobotFile| robot.joints.push(robot.joints[0].clone());
         assert_eq!(refused(three, default), "3 joints; a circle is for a robot of 2");
-        let twisted = refused(|robot| robot.joints[0].link.twist = 0.5, default);
-        assert!(twisted.starts_with("joint[0].twist_rad = 0.5"), "{twisted}");
-        let short = refused(|robot| robot.joints[1].link.length = 0.0, default);
-        assert!(short.starts_with("joint[1].length_m = 0"), "{short}");
+        let twist =
+            |robot: &mut RobotFile| robot.joints[0].link.end = Pose::denavit_hartenberg([0.4, 0.0], 0.5);
+        let twisted = refused(twist, default);
+        assert!(twisted.starts_with("the axis of joint 2 is 0.5000 rad off"), "{twisted}");
+        let short = refused(|robot| robot.joints[1].link.end.place[0] = 0.0, default);
+        assert!(short.starts_with("the length of link 2 is 0"), "{short}");
     }
 }

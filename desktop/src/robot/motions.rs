@@ -28,8 +28,8 @@ pub trait RobotTask {
     }
 }
 
-/// Refuses a task that asks more of a robot than its joints can do: speed of a motor, or torque through a gear by the links' inertia, motion
-/// and weight.
+/// Refuses a task that asks more of a robot than its joints can do: an angle or a speed beyond the limits of a joint, speed of a motor, or torque
+/// through a gear by the links' inertia, motion and weight.
 ///
 /// # Errors
 /// One line that names when, which joint, and what is allowed.
@@ -54,11 +54,42 @@ pub fn require_within(task: &impl RobotTask, robot: &RobotFile) -> Result<(), St
     Ok(())
 }
 
+/// What is odd about a task that a robot can do: joints that have to bear more than their gear's rated torque at rest, and what its file warned of.
+///
+/// # Errors
+/// As [`Chain::build`].
+pub fn warnings(task: &impl RobotTask, robot: &RobotFile) -> Result<Vec<String>, strainwave::Error> {
+    let links: Vec<_> = robot.joints.iter().map(|joint| joint.link).collect();
+    let chain = Chain::build(&links, robot.gravity)?;
+    let (mut state, mut most) = (chain.rest(), vec![0.0f64; links.len()]);
+    for k in 0..=INSTANTS {
+        let demands = task.at(task.duration() * f64::from(k) / f64::from(INSTANTS));
+        let angles = robot.joints.iter().zip(&demands).map(|(joint, demand)| joint.start + demand.position);
+        angles.enumerate().for_each(|(index, angle)| state.set(index, [angle, 0.0]));
+        let held = chain.holding_torques(&state);
+        most.iter_mut().zip(held).for_each(|(most, held)| *most = most.max(held.abs()));
+    }
+    let over = robot.joints.iter().zip(most).enumerate().filter_map(|(index, (joint, torque))| {
+        let rated = joint.gear.gear.rated_torque;
+        (torque > rated).then(|| {
+            format!(
+                "joint {} bears a weight of up to {torque:.4} N m, more than gear.rated_torque_nm = {rated}",
+                index + 1
+            )
+        })
+    });
+    Ok(robot.warnings.iter().cloned().chain(over).collect())
+}
+
 impl Joint {
     fn require(&self, demand: &Demand, torque: f64) -> Result<(), String> {
         let gear = &self.gear.gear;
         let n = f64::from(gear.signed_ratio().n().unsigned_abs());
-        let fastest = SETPOINT_SPEED * self.gear.motor.rotor_speed_limit / n;
+        let (angle, [least, largest]) = (self.start + demand.position, self.limits.angle);
+        if !(least..=largest).contains(&angle) {
+            return Err(format!("is at {angle:.4} rad; allowed: its limits {least} to {largest} rad"));
+        }
+        let fastest = (SETPOINT_SPEED * self.gear.motor.rotor_speed_limit / n).min(self.limits.velocity);
         if demand.velocity.abs() > fastest {
             let needed = demand.velocity.abs();
             return Err(format!("needs {needed:.4} rad/s; allowed: at most {fastest:.4} rad/s"));
@@ -66,6 +97,10 @@ impl Joint {
         if torque.abs() > gear.peak_torque {
             let (needed, most) = (torque.abs(), gear.peak_torque);
             return Err(format!("needs {needed:.4} N m; allowed: at most gear.peak_torque_nm = {most}"));
+        }
+        if torque.abs() > self.limits.torque {
+            let (needed, most) = (torque.abs(), self.limits.torque);
+            return Err(format!("needs {needed:.4} N m; allowed: its limit of {most} N m"));
         }
         Ok(())
     }
@@ -140,6 +175,25 @@ mod tests {
         assert!(
             line.contains(" joint 2 needs ") && line.ends_with("allowed: at most 0.0950 rad/s"),
             "{line}"
+        );
+        let line = refused(|joint| joint.limits.angle = [-1.0, 1.0]);
+        assert_eq!(line, "at 0.000 s joint 2 is at 1.1000 rad; allowed: its limits -1 to 1 rad");
+        let line = refused(|joint| joint.limits.torque = 1.0);
+        assert!(line.ends_with("allowed: its limit of 1 N m"), "{line}");
+    }
+
+    #[test]
+    fn a_payload_beyond_the_rating_is_told() {
+        let mut robot = RobotFile::example();
+        let work = RobotWork::of(&robot);
+        assert_eq!(warnings(&work, &robot), Ok(Vec::new()));
+        robot.joints[1].link.mass *= 4.0;
+        let lines = warnings(&work, &robot).unwrap();
+        // The shoulder bears all of it; the elbow, 16 kg at 0.2 m, stays below its 31 N m as it is never level.
+        assert_eq!(lines.len(), 1, "{lines:?}");
+        assert!(
+            lines[0].starts_with("joint 1 bears a weight of up to ") && lines[0].ends_with(" = 67"),
+            "{lines:?}"
         );
     }
 

@@ -16,6 +16,8 @@
 //! Neglected: the gyroscopic coupling of the rotors. A rotor turns on the link before with its speed relative to that link; what that link's
 //! own motion adds to its kinetic energy is abs r, a hundredth, of what is counted. Its mass is part of that link's.
 //!
+//! Links that bend add their modes to the first line ([`super::flexible`]); they start as they hang.
+//!
 //! Discretisation: as [`crate::plant`], semi-implicit Euler with the micro-step, speeds first; M, h and g at the angles and speeds of the
 //! micro-step's start, all joints at once.
 
@@ -23,17 +25,24 @@ use strainwave::Error;
 use strainwave::flexspline::{Flexspline, Mesh};
 use strainwave::gear::GearParams;
 
+use strainwave::compensator::schedule::CONTROL_PERIOD;
+
 use super::chain::{Chain, ChainState};
+use super::flexible::{FlexibleChain, FlexibleState};
 use super::sample::RobotSample;
 use crate::plant::divergence::Diverged;
 use crate::plant::load_side::RELEASE;
-use crate::plant::{CondensedMesh, MicroStep, NODES, Plant, PlantMesh, STEP_SHARE, Sides, plant_params};
+use crate::plant::{
+    CONDENSED_STEPS, CondensedMesh, MicroStep, NODES, Plant, PlantMesh, STEP_SHARE, Sides, plant_params,
+};
 
 /// Gears and links.
 #[derive(Clone)]
 pub struct RobotPlant<F: Flexspline<f64> = PlantMesh> {
     chain: Chain,
     links: ChainState,
+    /// The links with their modes, where some bend.
+    bent: Option<(FlexibleChain, FlexibleState)>,
     /// q0 (rad).
     starts: Vec<f64>,
     joints: Vec<Plant<F>>,
@@ -51,7 +60,7 @@ impl RobotPlant {
     /// At rest in its start, on the reference mesh.
     ///
     /// # Errors
-    /// As [`Plant::between`] and [`Chain::build`].
+    /// As [`Plant::between`], [`Chain::build`] and [`FlexibleChain::build`]; `modes` of which the micro-step cannot carry the fastest.
     pub fn reference(sample: &RobotSample) -> Result<Self, Error> {
         let stable = sample
             .gears
@@ -66,7 +75,7 @@ impl RobotPlant<CondensedMesh> {
     /// At rest in its start, the meshes condensed.
     ///
     /// # Errors
-    /// As [`Plant::condensed_between`] and [`Chain::build`].
+    /// As [`RobotPlant::reference`].
     pub fn condensed(sample: &RobotSample) -> Result<Self, Error> {
         Self::around(sample, Plant::condensed)
     }
@@ -86,10 +95,16 @@ impl<F: Flexspline<f64>> RobotPlant<F> {
             build(&params)
         };
         let joints = sample.gears.iter().enumerate().map(joint).collect::<Result<Vec<_>, _>>()?;
+        let bent = bent(sample)?;
+        let dt = joints[0].micro_step_time();
+        if bent.as_ref().is_some_and(|(chain, state)| dt >= chain.longest_step(state)) {
+            return Err(Error::OutOfRange("modes"));
+        }
         Ok(Self {
             loads: vec![0.0; joints.len()],
             starts: sample.starts.clone(),
-            energy_at_rest: chain.energy(&links),
+            energy_at_rest: energy(&chain, &links, bent.as_ref()),
+            bent,
             chain,
             links,
             joints,
@@ -122,14 +137,21 @@ impl<F: Flexspline<f64>> RobotPlant<F> {
         let steps: Vec<_> =
             self.joints.iter_mut().zip(&self.loads).map(|(joint, load)| joint.begin(*load)).collect();
         let torques = self.on_links(&steps, external);
-        let accelerations = self.chain.accelerations(&mut self.links, &torques);
         let dt = self.joints[0].micro_step_time();
+        let accelerations = match &mut self.bent {
+            None => self.chain.accelerations(&mut self.links, &torques),
+            Some((chain, state)) => chain.step(state, &torques, dt),
+        };
         for (index, (joint, step)) in self.joints.iter_mut().zip(&steps).enumerate() {
             let before = joint.output().velocity;
             self.loads[index] = joint.load_of(step, accelerations[index]);
             joint.end(step, self.loads[index], accelerations[index]);
             let output = joint.output();
-            self.links.set(index, [self.starts[index] + output.angle.to_radians(), output.velocity]);
+            let motion = [self.starts[index] + output.angle.to_radians(), output.velocity];
+            self.links.set(index, motion);
+            if let Some((_, state)) = &mut self.bent {
+                state.set(index, motion);
+            }
             let work = torques[index] * 0.5 * (before + output.velocity) * dt;
             self.came += work;
             self.moved += work.abs();
@@ -145,7 +167,10 @@ impl<F: Flexspline<f64>> RobotPlant<F> {
         if held <= 0.0 {
             return gears.collect();
         }
-        let weight = self.chain.holding_torques(&self.links);
+        let weight = match &self.bent {
+            None => self.chain.holding_torques(&self.links),
+            Some((chain, state)) => chain.holding_torques(state),
+        };
         gears.zip(weight).map(|(torque, weight)| torque + held * weight).collect()
     }
 
@@ -159,7 +184,7 @@ impl<F: Flexspline<f64>> RobotPlant<F> {
         &self.starts
     }
 
-    /// The links.
+    /// The links, those that bend as they are when they do not.
     pub fn chain(&self) -> &Chain {
         &self.chain
     }
@@ -171,23 +196,64 @@ impl<F: Flexspline<f64>> RobotPlant<F> {
 
     /// Place of the tip in the frame of the base (m).
     pub fn tip(&self) -> [f64; 3] {
-        self.chain.tip(&self.links)
+        match &self.bent {
+            None => self.chain.tip(&self.links),
+            Some((chain, state)) => chain.tip(state),
+        }
     }
 
     /// Power balance of the links since the start: what is missing, as a fraction of the energy moved.
     pub fn imbalance(&self) -> f64 {
-        let stored = self.chain.energy(&self.links) - self.energy_at_rest;
-        ((self.came - stored) / self.moved.max(f64::MIN_POSITIVE)).abs()
+        let stored = energy(&self.chain, &self.links, self.bent.as_ref()) - self.energy_at_rest;
+        let lost = self.bent.as_ref().map_or(0.0, |(_, state)| state.lost);
+        ((self.came - stored - lost) / self.moved.max(f64::MIN_POSITIVE)).abs()
     }
+}
+
+/// The links with their modes, where some bend, as they hang in the start.
+fn bent(sample: &RobotSample) -> Result<Option<(FlexibleChain, FlexibleState)>, Error> {
+    if sample.beams.iter().all(Option::is_none) {
+        return Ok(None);
+    }
+    let chain = FlexibleChain::build(&sample.links, &sample.beams, sample.gravity)?;
+    let state = chain.settled(&sample.starts);
+    Ok(Some((chain, state)))
+}
+
+/// Energy of the links (J).
+fn energy(chain: &Chain, links: &ChainState, bent: Option<&(FlexibleChain, FlexibleState)>) -> f64 {
+    bent.map_or_else(|| chain.energy(links), |(chain, state)| chain.energy(state))
+}
+
+/// Refuses beams with modes too fast for the micro-step of the condensed gears.
+///
+/// # Errors
+/// One line that names the step, its bound and the keys.
+pub fn require_modes(sample: &RobotSample) -> Result<(), String> {
+    let step = CONTROL_PERIOD / CONDENSED_STEPS as f64;
+    let Some((chain, state)) = bent(sample).map_err(|why| why.to_string())? else { return Ok(()) };
+    let bound = chain.longest_step(&state);
+    if step < bound {
+        return Ok(());
+    }
+    let fastest = chain.frequencies(&state).last().copied().unwrap_or_default();
+    Err(format!(
+        "link.modes of the beams: the fastest mode of the arm has {fastest:.0} rad/s, and the step is {step:.2e} s; allowed: a step below \
+         a quarter of its period, {bound:.2e} s, so fewer modes or softer beams"
+    ))
 }
 
 #[cfg(test)]
 mod tests {
     use std::f64::consts::FRAC_PI_2;
 
+    use strainwave::link::{LinkParams, MOST_MODES};
+
     use super::*;
     use crate::plant::load_side::LoadParams;
     use crate::robot::RobotFile;
+    use crate::robot::beam::Beam;
+    use crate::robot::chain::Link;
 
     fn sample() -> RobotSample {
         RobotSample::boxed(&RobotFile::example(), 0).unwrap()
@@ -267,6 +333,58 @@ mod tests {
         }
         let [alone, as_robot] = [&single, &robot.joints()[0]].map(|plant| plant.output().angle.to_radians());
         assert!(alone.abs() > 0.1 && (alone - as_robot).abs() < 1e-9, "{alone} {as_robot}");
+    }
+
+    /// The arm with beams of this stiffness (N m^2) and number of modes.
+    fn bending(stiffness: f64, modes: usize) -> RobotSample {
+        let mut sample = sample();
+        let params = LinkParams {
+            length: 0.4,
+            bending_stiffness: stiffness,
+            linear_density: 5.0,
+            thickness: 0.05,
+            payload_mass: 1.5,
+            payload_inertia: 4e-3,
+            damping: [0.01; MOST_MODES],
+            gravity: 0.0,
+            patch: None,
+        };
+        let beam = Beam { params, modes, twist: 0.0 };
+        for (link, place) in sample.links.iter_mut().zip(&mut sample.beams) {
+            *link = Link { flange: link.flange, ..beam.straight() };
+            *place = Some(beam);
+        }
+        sample
+    }
+
+    /// Stiff beams move as the rigid links that they are, soft ones do not; the power balance closes for either.
+    #[test]
+    fn beams_become_rigid_links() {
+        let rigid = pushed(
+            RobotPlant::condensed(&RobotSample { beams: vec![None; 2], ..bending(1.0, 2) }).unwrap(),
+            1000,
+        );
+        let off = |stiffness: f64| {
+            let plant = pushed(RobotPlant::condensed(&bending(stiffness, 2)).unwrap(), 1000);
+            assert!(plant.imbalance() < 3e-3, "{stiffness}: {}", plant.imbalance());
+            let (found, asked) = (plant.tip(), rigid.tip());
+            (0..2).map(|k| (found[k] - asked[k]).powi(2)).sum::<f64>().sqrt()
+        };
+        let (soft, stiff) = (off(3e3), off(6e4));
+        assert!(soft > 1e-4 && stiff < 0.1 * soft, "{soft} m, {stiff} m");
+    }
+
+    #[test]
+    fn modes_that_the_step_cannot_carry_are_refused() {
+        assert_eq!(require_modes(&bending(3e3, 2)), Ok(()));
+        let fast = bending(3e5, 8);
+        let line = require_modes(&fast).unwrap_err();
+        assert!(
+            line.starts_with("link.modes of the beams: the fastest mode of the arm has ")
+                && line.contains("the step is 2.50e-5 s"),
+            "{line}"
+        );
+        assert_eq!(RobotPlant::condensed(&fast).err(), Some(Error::OutOfRange("modes")));
     }
 
     /// The condensed gears move the arm as the reference mesh does.

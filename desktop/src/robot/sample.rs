@@ -7,6 +7,7 @@
 use strainwave::Error;
 use strainwave::gear::GearParams;
 
+use super::beam::Beam;
 use super::chain::Link;
 use super::file::RobotFile;
 use crate::design::joint::firmware_gear_params;
@@ -21,6 +22,8 @@ pub struct RobotSample {
     pub gears: Vec<GearParams<f64>>,
     /// True links.
     pub links: Vec<Link>,
+    /// True beams, in the place of links that bend.
+    pub beams: Vec<Option<Beam>>,
     /// Angles at the start (rad).
     pub starts: Vec<f64>,
     /// Gravity in the frame of the base (m/s^2).
@@ -38,17 +41,20 @@ impl RobotSample {
     /// # Errors
     /// As [`firmware_gear_params`].
     pub fn boxed(file: &RobotFile, seed: u64) -> Result<Self, Error> {
-        let (mut gears, mut links) = (Vec::new(), Vec::new());
+        let (mut gears, mut links, mut beams) = (Vec::new(), Vec::new(), Vec::new());
         for (index, joint) in file.joints.iter().enumerate() {
             let factors = BoxSample::from_seed(seed_of_joint(seed, index));
             let params: GearParams<f64> = firmware_gear_params(&joint.gear)?;
             let cup = &params.flexspline.cup;
             let flange = cup.mass() * cup.radius * cup.radius;
-            links.push(Link { flange, ..joint.link.scaled(factors.inertia) });
+            let beam = joint.beam.map(|beam| beam.scaled(factors.inertia));
+            let link = beam.map_or_else(|| joint.link.scaled(factors.inertia), |beam| beam.straight());
+            links.push(Link { flange, ..link });
+            beams.push(beam);
             gears.push(factors.apply(&params));
         }
         let starts = file.joints.iter().map(|joint| joint.start).collect();
-        Ok(Self { seed, gears, links, starts, gravity: file.gravity })
+        Ok(Self { seed, gears, links, beams, starts, gravity: file.gravity })
     }
 }
 

@@ -94,7 +94,7 @@ pub fn measure(file: &GearFile, rounds: usize, progress: impl FnMut(f64)) -> Res
         hysteresis::kernels().map_err(RunError::from)?,
         flexspline::kernels(file).map_err(RunError::from)?,
         compensator::kernels(file)?,
-        vec![robot::kernel()?],
+        robot::kernels()?,
     ];
     race(kernels.into_iter().flatten().collect(), rounds, progress)
 }

@@ -80,10 +80,40 @@ impl StepResponse {
         ]
     }
 
-    /// Relative error of the steady wind-up against the catalogue line's torsion.
+    /// Steady wind-up, mean over the steps (rad).
+    pub fn wind_up(&self) -> f64 {
+        (1..=STEPS).map(|step| self.rows[at(step + 1) - 1].torsion.abs()).sum::<f64>() / STEPS as f64
+    }
+
+    /// Torsion of the catalogue's line under the load (rad).
+    pub fn line_torsion(&self) -> f64 {
+        self.line_torsion
+    }
+
+    /// Relative error of the steady wind-up against that torsion.
     pub fn wind_up_error(&self) -> f64 {
-        let ends = (1..=STEPS).map(|step| self.rows[at(step + 1) - 1].torsion.abs());
-        ends.sum::<f64>() / STEPS as f64 / self.line_torsion - 1.0
+        self.wind_up() / self.line_torsion - 1.0
+    }
+
+    /// Frequency of the ringing, that of the step whose frequency is farthest off the eigenvalue (Hz).
+    pub fn ringing(&self) -> f64 {
+        self.eigenfrequency * (1.0 + self.ringing_error())
+    }
+
+    /// Eigenfrequency of the output on the slope of the line under the load (Hz).
+    pub fn eigenfrequency(&self) -> f64 {
+        self.eigenfrequency
+    }
+
+    /// Largest distance of the torsion from where the last step ends, in the first and in the last quarter of it but for its last
+    /// 10 ms (rad).
+    pub fn oscillation(&self) -> [f64; 2] {
+        let rows = &self.rows[at(STEPS) + 1..at(STEPS + 1)];
+        let end = rows.last().map_or(f64::NAN, |row| row.torsion);
+        let (quarter, last) = (rows.len() / 4, rows.len() - (0.01 / CONTROL_PERIOD) as usize);
+        let largest =
+            |rows: &[OpenLoopRow]| rows.iter().map(|row| (row.torsion - end).abs()).fold(0.0, f64::max);
+        [largest(&rows[..quarter]), largest(&rows[3 * quarter..last])]
     }
 
     /// Relative error of the ringing's frequency against the eigenvalue: the worst of all steps, NaN where one does not
@@ -158,7 +188,9 @@ mod tests {
                 torsion: -torsion
                     * (1.0 + 0.5 * (-25.0 * since(k)).exp() * (TAU * frequency * since(k)).cos()),
                 transmitted_torque: 0.0,
+                shell_torque: 0.0,
                 strains: Vec::new(),
+                forces: None,
             })
             .collect();
         let response = StepResponse {

@@ -3,7 +3,7 @@
 use strainwave_desktop::GearFile;
 use strainwave_desktop::bench::baseline::{BaselineGains, Kind};
 use strainwave_desktop::io::gear_file::friction::{Backward, Friction, StateRow};
-use strainwave_desktop::io::gear_file::{Baselines, Learnt};
+use strainwave_desktop::io::gear_file::{Baselines, Hardening, Learnt};
 use toml::{Table, Value};
 
 use crate::{LARA8, parse};
@@ -19,6 +19,7 @@ pub fn full() -> Table {
     gear.sensors.output_encoder_zero = Some(0.1);
     gear.learnt = Some(learnt());
     gear.baselines = Some(baselines(&gear));
+    gear.flexspline.hardening = Hardening::Bends;
     gear.hysteresis.half_range = Some(2e-3);
     gear.hysteresis.weights = Some(vec![vec![0.1], vec![0.3, 0.2], vec![0.5, 0.3, 0.1]]);
     for side in [&mut gear.friction.input, &mut gear.friction.output] {

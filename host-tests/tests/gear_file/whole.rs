@@ -1,9 +1,10 @@
 //! Checks that need the whole gear.
 
+use strainwave_desktop::io::gear_file::DEFAULT;
 use toml::Value;
 
 use crate::full::changed;
-use crate::refusal;
+use crate::{parse, refusal};
 
 #[test]
 fn what_only_the_whole_gear_can_tell_is_refused_by_key() {
@@ -27,6 +28,35 @@ fn what_only_the_whole_gear_can_tell_is_refused_by_key() {
         let line = refusal(from, to);
         assert!(line.starts_with(&format!("g.toml: {expected}")), "{line}");
     }
+}
+
+#[test]
+fn hardening_in_the_bend_links_is_refused_where_they_cannot_follow() {
+    let bends = "density_kg_per_m3 = 7850.0\nhardening = \"bends\"";
+    for (more, expected) in [
+        (
+            "bend_hardening = 1e4",
+            "flexspline.bend_saturation = 0 is out of range; allowed: above 0 to 5.745e-2",
+        ),
+        (
+            "bend_hardening = 1e6\nbend_saturation = 0.05",
+            "flexspline.bend_saturation = 0.05 is out of range; allowed: above 0 to 5.745e-3",
+        ),
+    ] {
+        let line = refusal("density_kg_per_m3 = 7850.0", &format!("{bends}\n{more}"));
+        assert!(line.starts_with(&format!("g.toml: {expected}")), "{line}");
+    }
+    let line = refusal("density_kg_per_m3 = 7850.0", "density_kg_per_m3 = 7850.0\nhardening = \"teeth\"");
+    let expected = "flexspline.hardening = \"teeth\" is out of range; allowed: \"contact\" or \"bends\"";
+    assert_eq!(line, format!("g.toml: {expected}"));
+    let text = DEFAULT.replace("density_kg_per_m3 = 7850.0", bends);
+    let stiff = text.replace("k3_nm_per_rad = 5.7e4", "k3_nm_per_rad = 1.2e5");
+    let line = parse(&stiff).unwrap_err();
+    assert!(
+        line.starts_with("g.toml: stiffness.k3_nm_per_rad = 120000 is out of range; allowed: above"),
+        "{line}"
+    );
+    parse(&text).unwrap();
 }
 
 /// The message for a gear with these rows as its weights.

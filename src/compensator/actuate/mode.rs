@@ -123,10 +123,27 @@ impl ModeState {
         self.cause
     }
 
-    /// The joint is controlled, and nothing of this step changes that: [`Self::step`] need not be called.
+    /// The joint is controlled, and nothing of this step changes that: [`Self::step`] need not be called, for it would change neither
+    /// the mode nor the faults.
     #[inline(always)]
     pub fn stays_active(&self, faults: Faults, status: Status) -> bool {
-        self.settled && faults == Faults::NONE && status == Status::FINE
+        const DECIDING: Faults = UNSAFE.with(DEGRADING);
+        const STATUS: Status = Status::OVERRUN.with(Status::RESTARTED).with(Status::DRIVE_OFF);
+        self.settled && !faults.intersects(DECIDING) && !status.intersects(STATUS)
+    }
+
+    /// Nothing of this step changes the mode, whichever of those without a latched cause it is: [`Self::step`] need not be called.
+    #[inline(always)]
+    pub fn stays(&self, faults: Faults, status: Status) -> bool {
+        const STATUS: Status = Status::OVERRUN.with(Status::RESTARTED);
+        let mode = if status.contains(Status::DRIVE_OFF) {
+            Mode::Ready
+        } else if faults.intersects(DEGRADING) {
+            Mode::Degraded
+        } else {
+            Mode::Active
+        };
+        self.error_count == 0 && !faults.intersects(UNSAFE) && !status.intersects(STATUS) && self.mode == mode
     }
 
     /// The mode with this step's faults, to which the latched cause is added.
@@ -194,6 +211,31 @@ mod tests {
             assert_eq!(mode == Mode::Safe, k + 1 == error_count_limit() / overrun_increment());
         }
         assert_eq!(step(&mut ModeState::default(), Faults::NONE, Status::RESTARTED).0, Mode::Safe);
+    }
+
+    /// Where the step is left out, it would have changed nothing; in a settled state that is every other fault, too.
+    #[test]
+    fn a_step_that_is_left_out_changes_nothing() {
+        let before = [
+            (Faults::NONE, Status::FINE),
+            (Faults::SETPOINT_STALE, Status::FINE),
+            (Faults::NONE, Status::DRIVE_OFF),
+            (Faults::NONE, Status::OVERRUN),
+            (Faults::OVERSPEED, Status::FINE),
+        ];
+        for (k, (faults, status)) in before.into_iter().enumerate() {
+            let (mut settled, mut left_out) = (ModeState::default(), [0; 2]);
+            step(&mut settled, faults, status);
+            for (bit, status) in (0..24).flat_map(|bit| (0..32).map(move |status| (bit, Status(status)))) {
+                let (faults, mut state) = (Faults::from_bits(1 << bit), settled);
+                let same = step(&mut state, faults, status) == (settled.mode(), faults) && state == settled;
+                let stays = [settled.stays_active(faults, status), settled.stays(faults, status)];
+                assert!(same || stays == [false; 2], "{k} {bit} {status:?}");
+                assert!(!same || k == 4 || stays[1], "{k} {bit} {status:?}");
+                left_out = [0, 1].map(|which| left_out[which] + u32::from(stays[which]));
+            }
+            assert_eq!(left_out.map(|steps| steps > 0), [k == 0, k < 3], "{k}");
+        }
     }
 
     #[test]

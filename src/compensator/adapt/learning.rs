@@ -86,6 +86,8 @@ pub struct LearningState<R: Real> {
     position: Option<R>,
     /// epsilon (N m).
     residual: R,
+    /// The epsilon that the ripple learns from in this round, if it learns.
+    for_ripple: Option<R>,
 }
 
 impl<R: Real> LearningParams<R> {
@@ -118,6 +120,12 @@ impl<R: Real> LearningState<R> {
     #[inline(always)]
     pub fn gravity_torque(&self) -> R {
         self.gravity_torque
+    }
+
+    /// Keeps epsilon, which the factors' slot may renew, for the ripple's slot of this round, where it `learns`.
+    #[inline(always)]
+    pub fn keep_for_ripple(&mut self, learns: bool) {
+        self.for_ripple = learns.then_some(self.residual);
     }
 
     /// The factors as applied: times the adaptation's gain.
@@ -222,10 +230,13 @@ impl<R: Real> Learning<R> {
         state.position = position;
     }
 
-    /// Learns the ripple from this round.
+    /// Learns the ripple from this round, where it learns: in the slot of the checks, which has more time than that of the factors.
     #[inline(always)]
     pub fn learn_ripple(&self, state: &mut LearningState<R>) {
-        let torque = -self.ratio * state.residual;
+        let Some(residual) = state.for_ripple else {
+            return;
+        };
+        let torque = -self.ratio * residual;
         let acceleration = state.excitation.acceleration * self.inverse_ratio;
         let sample = RippleSample { speed: state.speed, acceleration, position: state.position, torque };
         self.ripple.learn(&mut state.map, &mut state.now, &sample);

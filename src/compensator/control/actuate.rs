@@ -10,24 +10,23 @@ use crate::compensator::{Compensator, Faults, State, Status};
 use crate::real::Real;
 
 impl<R: Real> Compensator<R> {
-    /// Torque in the mode after this step: none where the drive is off or is switched on with this step; then the
+    /// Torque (N m) and faults in the mode after this step: no torque where the drive is off or is switched on with this step; then the
     /// reference begins at the output's angle.
     #[cold]
     #[inline(never)]
     pub(super) fn change_mode(
         &self,
         state: &mut State<R>,
-        faults: &mut Faults,
+        mut faults: Faults,
         status: Status,
         torque: R,
-    ) -> R {
+    ) -> (R, Faults) {
         let before = state.mode.mode();
-        let mode = state.mode.step(faults, status);
+        let mode = state.mode.step(&mut faults, status);
         if before.drives() && mode.drives() {
-            return torque;
+            return (torque, faults);
         }
-        state.fallback.sent(R::ZERO);
-        state.limited = true;
+        let none = self.without_torque(state);
         if mode.drives() {
             state.commander = Default::default();
             state.feedback = Default::default();
@@ -35,6 +34,14 @@ impl<R: Real> Compensator<R> {
             state.measured_feedback = Default::default();
             state.motor_reference = Default::default();
         }
+        (none, faults)
+    }
+
+    /// No torque (N m), of a drive that is off.
+    #[inline(always)]
+    pub(super) fn without_torque(&self, state: &mut State<R>) -> R {
+        state.fallback.sent(R::ZERO);
+        state.limited = true;
         R::ZERO
     }
 

@@ -23,9 +23,7 @@ impl<R: Real> Compensator<R> {
         let external_torque = state.observer.external_torque();
         self.disturbance.step_slow(&mut state.disturbance, external_torque, &joint);
         self.feed_forward.step_torsion(&self.gear, &mut state.feed_forward, state.learning.applied());
-        if state.learns() {
-            self.learning.learn_ripple(&mut state.learning);
-        }
+        state.learning.keep_for_ripple(state.learns());
         (state.gear_correction, state.load_rate) =
             self.learning.gear_correction(&state.learning, state.guard.gains());
         let trusted = state.fallback.trusted();

@@ -16,7 +16,7 @@ impl<R: Real> Compensator<R> {
         let torques = [state.latch.motor_torque, state.latch.drive_errors];
         state.rotor.add(torques, state.latch.time, motor);
         state.since_plan += state.latch.time;
-        state.motor_moved |= motor != state.last_motor;
+        state.motor_moved |= motor.counts != state.last_motor.counts;
         let gauge = state.latch.output_torque.take();
         let measured = Measurement {
             motor,
@@ -40,7 +40,7 @@ impl<R: Real> Compensator<R> {
         state.faults.observer = faults;
     }
 
-    /// Compares the balance of the rotor with its reference, the drive and the sensors at the output.
+    /// Compares the balance of the rotor with its reference, the drive and the sensors at the output; learns the ripple.
     #[inline(always)]
     pub(super) fn check(&self, state: &mut State<R>) {
         let mut faults = Faults::NONE;
@@ -49,6 +49,8 @@ impl<R: Real> Compensator<R> {
         let motor_lag = if rests { position_error.dead_zone(self.rounding) } else { R::ZERO };
         let at_output = self.gear.ratio().rounded::<R>() * motor_lag;
         self.output_feedback.integrate(&mut state.output_feedback, at_output, runs);
+        // In the round that finds the zero nothing is compared with it yet: that takes time, and all of it agrees by construction.
+        let has_zero = state.output_zero.is_some();
         self.read_output(state, &mut faults);
         let reference = &state.motor_reference;
         state.followed = self.braking.gain(reference.position_error);
@@ -63,7 +65,7 @@ impl<R: Real> Compensator<R> {
         self.rotor.step(&mut state.rotor, &input, &mut faults);
         let [torque, rate, friction] = state.rotor.gear();
         self.protection.follow(&mut state.protection, torque, rate, friction);
-        if state.output_zero.is_some() {
+        if has_zero {
             if let Some(innovation) = self.observer.output_innovation(&state.observer) {
                 let torsion = state.observer.torsion() - innovation;
                 state.disabled_sensors =
@@ -77,5 +79,6 @@ impl<R: Real> Compensator<R> {
         }
         state.faults.rotor = faults.with(state.disabled_sensors);
         state.faults.collect();
+        self.learning.learn_ripple(&mut state.learning);
     }
 }

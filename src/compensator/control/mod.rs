@@ -8,6 +8,7 @@ mod sense;
 
 use zerocopy::KnownLayout;
 
+use crate::branch::seldom;
 use crate::compensator::actuate::braking::Braking;
 use crate::compensator::actuate::cascade::Feedback;
 use crate::compensator::actuate::fallback::Fallback;
@@ -134,7 +135,7 @@ impl<R: Real> Compensator<R> {
     }
 
     /// One control step.
-    #[inline(never)] // The timing budget counts it by its symbol.
+    #[inline] // Firmware's own function around it is the symbol that the timing budget counts.
     pub fn control(&self, state: &mut State<R>, input: &Input<R>) -> Commanded<R> {
         let mut faults = Faults::NONE;
         let sensors = self.guard.sensors(&mut state.guard, &input.sensors, &mut faults);
@@ -162,7 +163,12 @@ impl<R: Real> Compensator<R> {
         faults = faults.with(state.faults.all());
         let mut motor_torque = self.drive(state, &motor, &elapsed, &mut faults);
         if !state.mode.stays_active(faults, input.status) {
-            motor_torque = self.change_mode(state, &mut faults, input.status, motor_torque);
+            seldom();
+            if !state.mode.stays(faults, input.status) {
+                (motor_torque, faults) = self.change_mode(state, faults, input.status, motor_torque);
+            } else if !state.mode.mode().drives() {
+                motor_torque = self.without_torque(state);
+            }
         }
         state.sound &= faults == Faults::NONE && !state.limited;
         state.reported = faults;

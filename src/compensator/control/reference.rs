@@ -2,12 +2,13 @@
 
 use crate::angle::Angle;
 use crate::branch::seldom;
+use crate::compensator::estimate::observer::{GearCorrection, ObserverState};
 use crate::compensator::reference::command::{CommandStatus, Following};
 use crate::compensator::reference::measured_feedback::MeasuredError;
 use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::reference::output_feedback::OutputError;
 use crate::compensator::schedule::OBSERVER_PERIODS;
-use crate::compensator::{Compensator, Faults, Input, Setpoint, State};
+use crate::compensator::{Compensator, Estimate, Faults, Input, Setpoint, State};
 use crate::real::{RADIANS_PER_COUNT, Real};
 
 impl<R: Real> Compensator<R> {
@@ -23,7 +24,11 @@ impl<R: Real> Compensator<R> {
             readable: !faults.contains(Faults::INPUT_NOT_FINITE),
         };
         let gravity = state.learning.gravity_torque();
-        let now = || self.observer.estimate(&state.observer, &state.gear_correction);
+        let (observer, gear_correction) = (&state.observer, &state.gear_correction);
+        let now = || {
+            let (output_position, output_velocity) = self.output_now(observer, gear_correction);
+            Estimate { output_position, output_velocity, ..Estimate::default() }
+        };
         let controlled =
             state.motor_reference.closed && state.mode.mode().drives() && state.fallback.trusted();
         let following = Following {
@@ -91,6 +96,13 @@ impl<R: Real> Compensator<R> {
         };
         let position = newest.map(|newest| newest.error);
         self.learning.follow(&mut state.learning, &demand.excitation, position);
+    }
+
+    /// Estimated angle and speed (rad/s) of the output, where a reference begins.
+    #[cold]
+    #[inline(never)]
+    fn output_now(&self, observer: &ObserverState<R>, correction: &GearCorrection<R>) -> (Angle<R>, R) {
+        self.observer.output(observer, correction)
     }
 
     /// Output encoder's newest reading less the setpoint of its time, where it is near the last accepted one.

@@ -115,7 +115,7 @@ impl<R: Real> Approach<R> {
 
     /// The reference extrapolated by `time` (s).
     #[cold]
-    pub fn extrapolated(&self, from: &Setpoint<R>, time: R) -> Setpoint<R> {
+    pub fn extrapolated(&self, from: Setpoint<R>, time: R) -> Setpoint<R> {
         let change = time * from.acceleration;
         let position = from.position.plus(time * (from.velocity + R::lit(0.5) * change));
         let velocity = (from.velocity + change).limit(self.velocity);

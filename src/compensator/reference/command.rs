@@ -210,13 +210,22 @@ impl<R: Real> Commander<R> {
         faults.raise_if(stale, Faults::SETPOINT_STALE);
         let (kind, setpoint, torque) = match *command {
             Command::Position(setpoint) => {
+                // No setpoint is handed on by reference here: that alone would write it to memory in every round.
                 let from = state.reference.unwrap_or_else(|| {
+                    seldom();
                     state.waits = true;
                     at_rest(&estimate())
                 });
-                let commanded = if readable { setpoint } else { self.approach.extrapolated(&from, time) };
+                let commanded = if readable {
+                    setpoint
+                } else {
+                    seldom();
+                    self.approach.extrapolated(from, time)
+                };
                 let moment = Moment { time, stale, load: following.load };
-                (Kind::Position, self.positioned(state, &from, &commanded, &moment, faults), None)
+                let (next, raised) = self.positioned(state, from, commanded, moment);
+                *faults = faults.with(raised);
+                (Kind::Position, next, None)
             }
             Command::Velocity { velocity, acceleration } => {
                 let from = state.reference.unwrap_or_else(|| at_rest(&estimate()));
@@ -238,17 +247,16 @@ impl<R: Real> Commander<R> {
     fn positioned(
         &self,
         state: &mut CommanderState<R>,
-        from: &Setpoint<R>,
-        commanded: &Setpoint<R>,
-        moment: &Moment<R>,
-        faults: &mut Faults,
-    ) -> Setpoint<R> {
-        let follows = self.approach.can_follow(&mut state.slip, from, commanded, moment.time);
+        from: Setpoint<R>,
+        commanded: Setpoint<R>,
+        moment: Moment<R>,
+    ) -> (Setpoint<R>, Faults) {
+        let follows = self.approach.can_follow(&mut state.slip, &from, &commanded, moment.time);
         if follows && !state.approaches && !moment.stale {
             state.waits = false;
-            return *commanded;
+            return (commanded, Faults::NONE);
         }
-        self.approached(state, from, commanded, moment, faults)
+        self.approached(state, from, commanded, moment)
     }
 
     #[cold]
@@ -256,24 +264,23 @@ impl<R: Real> Commander<R> {
     fn approached(
         &self,
         state: &mut CommanderState<R>,
-        from: &Setpoint<R>,
-        commanded: &Setpoint<R>,
-        moment: &Moment<R>,
-        faults: &mut Faults,
-    ) -> Setpoint<R> {
+        from: Setpoint<R>,
+        commanded: Setpoint<R>,
+        moment: Moment<R>,
+    ) -> (Setpoint<R>, Faults) {
+        let mut faults = Faults::NONE;
         state.slip = R::ZERO;
         if state.waits && !self.approach.is_near(commanded.position.minus(from.position)) {
-            faults.raise_if(true, Faults::SETPOINT_STEP);
-            return Setpoint { position: from.position, ..Setpoint::default() };
+            return (Setpoint { position: from.position, ..Setpoint::default() }, Faults::SETPOINT_STEP);
         }
         state.waits = false;
         let moved = commanded.position.counts.wrapping_sub(from.position.counts).unsigned_abs();
         let stepped = moved > u64::from(self.farthest);
         faults.raise_if(!state.approaches && !moment.stale && stepped, Faults::SETPOINT_STEP);
-        let next = self.approach.step(from, commanded, moment);
+        let next = self.approach.step(&from, &commanded, &moment);
         state.approaches = next.is_some();
         faults.raise_if(state.approaches && !moment.stale, Faults::SETPOINT_LIMITED);
-        next.unwrap_or(*commanded)
+        (next.unwrap_or(commanded), faults)
     }
 
     fn integrated(

@@ -56,8 +56,20 @@ impl<R: Real> Clock<R> {
         seldom();
         let possible = measured >= self.shortest && measured <= self.longest;
         faults.raise_if(!possible, Faults::PERIOD_OUT_OF_RANGE);
-        let time = measured.finite_or(self.dt).max(self.shortest).min(self.longest);
+        let time = if possible { measured } else { self.end_of_range(measured) };
         Elapsed { time, inverse: R::ONE / time }
+    }
+
+    /// In the place of a time outside the range; dt in that of one that is not finite.
+    #[inline(always)]
+    fn end_of_range(&self, measured: R) -> R {
+        if !measured.is_finite() {
+            self.dt
+        } else if measured > self.longest {
+            self.longest
+        } else {
+            self.shortest
+        }
     }
 }
 

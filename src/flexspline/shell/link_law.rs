@@ -15,6 +15,12 @@
 //! | f64 | 2e-14 | 5e-11 | 1.5e-9 | 2e-4 |
 //! | f32 | 8e-12 | 5e-9 | 8e-8 | 1e-3 |
 //!
+//! From the assembled shape a bend link hardens by a cubic that goes on straight, with no jump of the slope: beside -k*g,
+//!
+//! ```text
+//! tension/L = k*hardening*(y^3 + 3*saturation^2*(x - y)),   x = e - e_assembled,   y = x within +-saturation
+//! ```
+//!
 //! Odd in the strain to first order, monotone and hardening; beyond `saturation` a bend link is a linear
 //! spring again, stiffer by 1 + hardening*saturation^2. The law is the derivative of its potential, exactly,
 //! so a mesh of such links keeps its energy. Beyond [`VALID_STRAIN`] it is no longer eq. (6).
@@ -55,6 +61,28 @@ impl<R: Real> Bend<R> {
     pub(super) fn factor(&self, u: R) -> R {
         let strain = (R::lit(0.5) * u).limit(self.saturation);
         R::ONE + self.hardening * strain * strain
+    }
+
+    /// What hardening adds to a bend link of constant 1 N/m: tension over length (N/m) at a strain from the assembled shape.
+    #[inline(always)]
+    pub(in crate::flexspline) fn from_assembled(&self, strain: R) -> R {
+        let inside = strain.limit(self.saturation);
+        let beyond = R::lit(3.0) * self.saturation * self.saturation * (strain - inside);
+        self.hardening * (inside * inside * inside + beyond)
+    }
+
+    /// Slope of [`Self::from_assembled`].
+    pub(in crate::flexspline) fn slope_from_assembled(&self, strain: R) -> R {
+        let inside = strain.limit(self.saturation);
+        R::lit(3.0) * self.hardening * inside * inside
+    }
+
+    /// Integral of [`Self::from_assembled`]: energy of a link of constant 1 N/m and rest length 1 m (J).
+    pub(in crate::flexspline) fn potential_from_assembled(&self, strain: R) -> R {
+        let inside = strain.limit(self.saturation);
+        let (square, beyond) = (inside * inside, strain - inside);
+        let cubic = R::lit(0.25) * square * square + square * inside * beyond;
+        self.hardening * (cubic + R::lit(1.5) * self.saturation * self.saturation * beyond * beyond)
     }
 
     /// Slope of a bend link's tension over its strain, over that of a linear one, to first order in the strain.

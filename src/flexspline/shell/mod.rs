@@ -15,6 +15,7 @@
 //!
 //! For vector code: one array an axis, `Ring`s (see `ring.rs`); the links themselves are in `pull.rs`.
 
+pub(super) mod assembled;
 mod conserved;
 pub mod link_law;
 mod pull;
@@ -31,6 +32,7 @@ use crate::error::{Error, require};
 use crate::flexspline::cup::{Cup, DIRECTIONS, link_length};
 use crate::flexspline::spectrum;
 use crate::real::Real;
+use assembled::Assembled;
 use ring::{Ring, node_at};
 
 /// A value a node of a slice, an axis each.
@@ -66,6 +68,8 @@ pub struct Shell<R, const N: usize, const M: usize> {
     directions: [Direction<R>; 8],
     stiffness: R,
     bend: Bend<R>,
+    /// Where the bend links harden from, if not from their free length.
+    assembled: Option<Assembled<R, M>>,
     radius: R,
     spacing: R,
     node_mass: R,
@@ -224,6 +228,7 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
             directions: DIRECTIONS.map(direction),
             stiffness: params.link_stiffness,
             bend: params.bend,
+            assembled: None,
             radius: params.cup.radius,
             spacing,
             node_mass,

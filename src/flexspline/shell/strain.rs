@@ -87,9 +87,10 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
         }
     }
 
-    /// The hardening of a direction's links.
+    /// The hardening of a direction's links from their free length.
     pub(super) fn bend_of(&self, direction: &Direction<R>) -> Bend<R> {
-        if is_bend((direction.around, direction.along)) { self.bend } else { Bend::LINEAR }
+        let from_length = self.assembled.is_none() && is_bend((direction.around, direction.along));
+        if from_length { self.bend } else { Bend::LINEAR }
     }
 }
 

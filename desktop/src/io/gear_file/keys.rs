@@ -17,6 +17,8 @@ use crate::io::keyed_file::key::{
 
 /// Words of `gear.arrangement`.
 const ARRANGEMENTS: &[&str] = &["circular_spline_fixed", "flexspline_fixed"];
+/// Words of `flexspline.hardening`.
+const HARDENINGS: &[&str] = &["contact", "bends"];
 /// The keys in the order of the file. The ranges hold any strain-wave gear from a finger joint to a
 /// turntable with room to spare; they keep slips of unit (mm for m, degrees for rad) and nonsense out.
 pub const KEYS: &[Key] = &joined::<
@@ -50,6 +52,7 @@ const GEAR: &[Key] = &[
     key("flexspline.youngs_modulus_pa", within(1e8, 1e12, "Pa")),
     key("flexspline.poisson_ratio", within(0.0, 0.49, "1")),
     key("flexspline.density_kg_per_m3", within(100.0, 3e4, "kg/m^3")),
+    optional("flexspline.hardening", Allowed::Word(HARDENINGS)),
     optional("flexspline.bend_hardening", within(0.0, 1e6, "1")),
     optional("flexspline.bend_saturation", within(0.0, VALID_STRAIN, "1")),
     key("inertia.wave_generator_kg_m2", within(1e-9, 10.0, "kg m^2")),

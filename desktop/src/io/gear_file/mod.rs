@@ -245,12 +245,32 @@ pub struct Flexspline {
     /// rho (kg/m^3).
     #[serde(rename = "density_kg_per_m3")]
     pub density: f64,
+    /// Where the hardening lies: in the tooth contact when the key is left out.
+    #[serde(default, skip_serializing_if = "Hardening::is_contact")]
+    pub hardening: Hardening,
     /// Gain of the mesh's bend links per strain squared; 0 when the key is left out.
     #[serde(default)]
     pub bend_hardening: f64,
     /// Strain from which on they gain no more.
     #[serde(default)]
     pub bend_saturation: f64,
+}
+
+/// Where the flexspline's hardening lies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Hardening {
+    /// In the tooth contact.
+    #[default]
+    Contact,
+    /// In the mesh's bend links.
+    Bends,
+}
+
+impl Hardening {
+    fn is_contact(&self) -> bool {
+        *self == Self::Contact
+    }
 }
 
 /// `[inertia]`

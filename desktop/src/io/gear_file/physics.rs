@@ -1,7 +1,7 @@
 //! Physical conditions on a gear file: those on several keys at once.
 //!
 //! The cup transmits the torque in series with the tooth contact, so the whole is softer than the cup,
-//! K3 < G*J/l. The hysteresis loop closes at rated torque, so it is narrower than the torsion there. Identified
+//! K3 < G*J/l. Bend links that harden can stiffen a mesh only so far, the reference mesh to three times its K1. The hysteresis loop closes at rated torque, so it is narrower than the torsion there. Identified
 //! weights are symmetric, and no branch of theirs falls faster than the line rises: the torque grows with the
 //! torsion. Nowhere does a branch fall faster than the major loop's rising one at the same torsion.
 //! The real-time build takes one semi-implicit step per control period dt, which is accurate while
@@ -11,15 +11,20 @@
 pub(crate) mod friction;
 
 use strainwave::compensator::schedule::CONTROL_PERIOD;
-use strainwave::flexspline::Cup;
 use strainwave::flexspline::stiffness_line::{StiffnessLine, StiffnessLineParams};
+use strainwave::flexspline::{Bend, Cup, FlexsplineParams, Hardening as Place};
 use strainwave::hysteresis::table::TABLE_LEVELS;
 use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState};
 
-use super::GearFile;
+use super::{GearFile, Hardening};
 
 /// Turning points of a branch that never turns: the fewest that a memory may have.
 const STEPS_BACK: usize = 8;
+
+/// Most that the bend links' slope may gain: 99 times that of the others.
+const LARGEST_GAIN: f64 = 99.0;
+/// Nodes of the reference mesh, around and along.
+const REFERENCE: (usize, usize) = (36, 4);
 
 /// A condition, and the sections whose keys it reads.
 struct Condition {
@@ -27,8 +32,9 @@ struct Condition {
     check: fn(&GearFile) -> Result<(), String>,
 }
 
-const CONDITIONS: [Condition; 7] = [
+const CONDITIONS: [Condition; 8] = [
     Condition { sections: &["stiffness", "flexspline"], check: softer_than_cup },
+    Condition { sections: &["stiffness", "flexspline"], check: bends_in_reach },
     Condition { sections: &["hysteresis", "stiffness", "gear"], check: narrow_loop },
     Condition { sections: &["hysteresis", "stiffness"], check: check_weights },
     Condition { sections: &["drive"], check: ordered_current_loop },
@@ -51,6 +57,38 @@ fn softer_than_cup(gear: &GearFile) -> Result<(), String> {
     }
     let allowed = format!("below the cup's own stiffness G*J/l = {shell:.0} N m/rad");
     refuse("stiffness.k3_nm_per_rad", gear.stiffness.k3, &allowed)
+}
+
+/// The bend links of the reference mesh can follow the line, or have a law of their own that hardens and is not too stiff.
+fn bends_in_reach(gear: &GearFile) -> Result<(), String> {
+    let cup_keys = &gear.flexspline;
+    let (hardening, saturation) = (cup_keys.bend_hardening, cup_keys.bend_saturation);
+    if cup_keys.hardening == Hardening::Contact {
+        return Ok(());
+    }
+    if hardening > 0.0 {
+        let stiffest = 3.0 * hardening * saturation * saturation;
+        if stiffest > 0.0 && stiffest <= LARGEST_GAIN {
+            return Ok(());
+        }
+        let most = (LARGEST_GAIN / (3.0 * hardening)).sqrt();
+        let allowed = format!("above 0 to {most:.3e} with hardening = \"bends\" and this bend_hardening");
+        return refuse("flexspline.bend_saturation", saturation, &allowed);
+    }
+    let params = FlexsplineParams {
+        cup: cup(gear),
+        line: stiffness_params(gear),
+        damping_ratio: gear.damping.torsion_mode_ratio,
+        inertia: gear.inertia.flexspline,
+        hardening: Place::Bends,
+        bend: Bend::LINEAR,
+    };
+    if params.shell::<{ REFERENCE.1 }>(REFERENCE.0).bend.hardening > 0.0 {
+        return Ok(());
+    }
+    let allowed = "above stiffness.k1_nm_per_rad and below what bend links can reach, some 2.8 times that, with \
+                   flexspline.hardening = \"bends\"";
+    refuse("stiffness.k3_nm_per_rad", gear.stiffness.k3, allowed)
 }
 
 fn narrow_loop(gear: &GearFile) -> Result<(), String> {
@@ -161,10 +199,13 @@ fn rated_torsion(gear: &GearFile) -> Result<f64, String> {
 }
 
 fn stiffness_line(gear: &GearFile) -> Result<StiffnessLine<f64>, String> {
+    stiffness_params(gear).build().map_err(|error| format!("stiffness: {error}"))
+}
+
+fn stiffness_params(gear: &GearFile) -> StiffnessLineParams<f64> {
     let stiffness = &gear.stiffness;
-    let line = StiffnessLineParams {
+    StiffnessLineParams {
         stiffness: [stiffness.k1, stiffness.k2, stiffness.k3],
         knee_torque: [stiffness.t1, stiffness.t2],
-    };
-    line.build().map_err(|error| format!("stiffness: {error}"))
+    }
 }

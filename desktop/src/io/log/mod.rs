@@ -6,6 +6,7 @@
 
 mod columns;
 mod commanded_motion;
+mod end_forces;
 mod input_output;
 mod joined;
 mod link_input;
@@ -18,6 +19,7 @@ mod written;
 pub use columns::Extra;
 pub(crate) use commanded_motion::place;
 pub use commanded_motion::{CommandedMotion, LONGEST_MOTION};
+pub use end_forces::write_open_loop_with_forces;
 pub use input_output::InputOutput;
 pub use link_input::LinkInputLog;
 pub use measured::MeasuredLog;

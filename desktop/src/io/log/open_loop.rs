@@ -9,6 +9,8 @@ use std::convert::Infallible;
 use std::fmt::Display;
 use std::path::Path;
 
+use strainwave::flexspline::NodeForce;
+
 use super::columns::{Column, Columns, Extra, Schema};
 use super::time::{Instant, TIME, Time};
 use super::written::write_rows;
@@ -135,8 +137,12 @@ pub struct OpenLoopRow {
     pub torsion: f64,
     /// Torque through the flexspline (N m).
     pub transmitted_torque: f64,
+    /// The part of it that strains the shell, without the hysteresis beside it (N m); in no column.
+    pub shell_torque: f64,
     /// Strain at each gauge, without unit.
     pub strains: Vec<f64>,
+    /// Forces on the nodes of rim and flange (N), in the rows that have them.
+    pub forces: Option<[Vec<NodeForce<f64>>; 2]>,
 }
 
 impl OpenLoopRow {

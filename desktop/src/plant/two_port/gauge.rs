@@ -1,4 +1,4 @@
-//! A strain gauge on the flexspline of a run, and the flexsplines that have one.
+//! What is measured on the flexspline of a run, strains and the forces on its ends, and the flexsplines that have it.
 //!
 //! A gauge is a link of the mesh: node (i, j), i of n counted from the zero angle of the flexspline, j of m from the
 //! rim, and how far the link reaches around and along. It turns with the flexspline. Strain L/L0 - 1, positive when
@@ -9,7 +9,7 @@ use std::str::FromStr;
 
 use strainwave::flexspline::cup::DIRECTIONS;
 use strainwave::flexspline::reduced::{Direction, Node};
-use strainwave::flexspline::{Ends, Flexspline, Mesh, Reaction, Reduced, Strained};
+use strainwave::flexspline::{Ends, Flexspline, Mesh, NodeForce, Reaction, Reduced, Strained};
 use strainwave::{Angle, Error, Real};
 
 use crate::plant::vectorised::Vectorised;
@@ -79,6 +79,9 @@ impl FromStr for Gauge {
     }
 }
 
+/// Forces on the nodes 0..n of the rim, then of the flange, as [`Mesh::end_forces`] has them.
+pub type EndForces<R> = [Vec<NodeForce<R>>; 2];
+
 /// A flexspline that strain gauges can be put on.
 pub trait Gauged<R: Real>: Flexspline<R> {
     /// At rest like [`Flexspline::rest`], but with the wave generator at an angle.
@@ -89,6 +92,9 @@ pub trait Gauged<R: Real>: Flexspline<R> {
     /// # Errors
     /// [`Error::OutOfRange`] for a gauge that is not on its mesh, see [`Gauge::require_on`].
     fn strain(&self, state: &Self::State, ends: &Ends<R>, gauge: &Gauge) -> Result<R, Error>;
+
+    /// Forces that hold rim and flange while the ends are there; `None` of a flexspline without nodes.
+    fn end_forces(&self, state: &Self::State, ends: &Ends<R>) -> Option<EndForces<R>>;
 }
 
 impl<R: Real, const N: usize, const M: usize> Gauged<R> for Vectorised<Mesh<R, N, M>> {
@@ -100,6 +106,11 @@ impl<R: Real, const N: usize, const M: usize> Gauged<R> for Vectorised<Mesh<R, N
         let mesh = self.model();
         mesh.shell().strain(mesh.placed(state, ends).shell(), gauge.node, gauge.direction)
     }
+
+    fn end_forces(&self, state: &Self::State, ends: &Ends<R>) -> Option<EndForces<R>> {
+        let mesh = self.model();
+        Some(mesh.end_forces(&mesh.placed(state, ends)).map(|end| end.to_vec()))
+    }
 }
 
 impl<R: Real, const N: usize, const M: usize> Gauged<R> for Reduced<R, N, M> {
@@ -109,6 +120,10 @@ impl<R: Real, const N: usize, const M: usize> Gauged<R> for Reduced<R, N, M> {
         let torque = self.torque(ends.drive.minus(ends.flange), ends.drive_rate - ends.flange_rate);
         let wave_generator = ends.wave_generator.less(ends.flange);
         Reduced::strain(self, gauge.node, gauge.direction, torque, wave_generator)
+    }
+
+    fn end_forces(&self, _state: &Self::State, _ends: &Ends<R>) -> Option<EndForces<R>> {
+        None
     }
 }
 
@@ -134,6 +149,11 @@ impl<R: Real, F: Gauged<R>> Turned<R, F> {
     /// As [`Gauged::strain`].
     pub fn strain(&self, state: &F::State, ends: &Ends<R>, gauge: &Gauge) -> Result<R, Error> {
         self.model.strain(state, &self.turned(ends), gauge)
+    }
+
+    /// As [`Gauged::end_forces`].
+    pub fn end_forces(&self, state: &F::State, ends: &Ends<R>) -> Option<EndForces<R>> {
+        self.model.end_forces(state, &self.turned(ends))
     }
 }
 

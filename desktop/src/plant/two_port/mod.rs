@@ -26,10 +26,11 @@ mod gauge;
 pub(crate) mod trajectory;
 
 use std::f64::consts::TAU;
+use std::num::NonZeroUsize;
 
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY, MESH, RealTimeFlexspline};
-use strainwave::flexspline::{FlexsplineParams, Mesh};
+use strainwave::flexspline::{FlexsplineParams, Mesh, NodeForce};
 use strainwave::friction::{
     AnyFrictionParams, FrictionModel, FrictionParams, Harmonics, JointFrictionOfOrder, JointFrictionParams,
 };
@@ -43,7 +44,7 @@ use crate::plant::divergence::{Diverged, RunError, may_go_on};
 use crate::plant::mesh_size::{MeshSize, OnMesh};
 use crate::plant::{LEVELS, MEMORY, Reference};
 pub use gauge::Gauge;
-use gauge::{Gauged, Turned};
+use gauge::{EndForces, Gauged, Turned};
 use trajectory::Trajectory;
 
 /// Time of the run-in before the start (s): several times the mesh's transient.
@@ -79,15 +80,37 @@ impl Build {
 /// The rows of a run, computed one by one, up to one that fails.
 pub type Rows<'a> = Box<dyn ExactSizeIterator<Item = Result<OpenLoopRow, RunError>> + 'a>;
 
+/// What is measured on the flexspline of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measured<'a> {
+    /// Strain gauges, in every row.
+    pub gauges: &'a [Gauge],
+    /// Forces on the flexspline's ends, in every so many rows from the first; a real-time build has none.
+    pub forces_every: Option<NonZeroUsize>,
+}
+
 /// Runs the gear of a file open loop, with the strains of some gauges.
 ///
 /// # Errors
-/// As [`GearParams::build`] and [`Reference::build`].
+/// As [`run_measured`].
 pub fn run<'a>(
     file: &GearFile,
     input: &'a OpenLoop,
     build: Build,
     gauges: &'a [Gauge],
+) -> Result<Rows<'a>, Error> {
+    run_measured(file, input, build, Measured { gauges, ..Measured::default() })
+}
+
+/// Runs the gear of a file open loop, with what is measured on its flexspline.
+///
+/// # Errors
+/// As [`GearParams::build`] and [`Reference::build`].
+pub fn run_measured<'a>(
+    file: &GearFile,
+    input: &'a OpenLoop,
+    build: Build,
+    measured: Measured<'a>,
 ) -> Result<Rows<'a>, Error> {
     let trajectory = Trajectory::new(input.time.stamps(), &input.drive);
     let first = match &input.drive {
@@ -101,7 +124,7 @@ pub fn run<'a>(
         log: input,
         start,
         ellipse: wrapped((1.0 - r) * start),
-        gauges,
+        measured,
         wave_generator_inertia: file.inertia.wave_generator,
     };
     match build {
@@ -213,7 +236,7 @@ struct Inputs<'a> {
     start: f64,
     /// Angle of its major axis on the flexspline then (rad).
     ellipse: f64,
-    gauges: &'a [Gauge],
+    measured: Measured<'a>,
     wave_generator_inertia: f64,
 }
 
@@ -237,6 +260,8 @@ struct Simulation<'a, R: Real, F: Gauged<R>, C: FrictionModel<R>, const L: usize
     dt: f64,
     /// Steps of dt in a control period.
     steps: usize,
+    /// Rows so far.
+    rows: usize,
     inputs: Inputs<'a>,
 }
 
@@ -244,7 +269,8 @@ impl<'a, R: Real, F: Gauged<R>, C: FrictionModel<R>, const L: usize, const MEMOR
     Simulation<'a, R, F, C, L, MEMORY>
 {
     fn new(gear: Gear<R, Turned<R, F>, C, L, MEMORY>, dt: f64, steps: usize, inputs: Inputs<'a>) -> Self {
-        let mut simulation = Self { state: gear.rest(), flange: Motion::default(), gear, dt, steps, inputs };
+        let (state, flange) = (gear.rest(), Motion::default());
+        let mut simulation = Self { state, flange, gear, dt, steps, rows: 0, inputs };
         simulation.run_in();
         simulation
     }
@@ -270,6 +296,8 @@ impl<'a, R: Real, F: Gauged<R>, C: FrictionModel<R>, const L: usize, const MEMOR
     fn row(&mut self, instant: Instant) -> Result<OpenLoopRow, RunError> {
         let start = self.inputs.log.time.stamps()[0];
         let strains = self.strains(instant.elapsed)?;
+        let forces = self.forces(instant.elapsed);
+        self.rows += 1;
         let flange = self.flange;
         let first = self.step(instant.elapsed);
         let (mut last, mut done) = (first, 1);
@@ -288,7 +316,9 @@ impl<'a, R: Real, F: Gauged<R>, C: FrictionModel<R>, const L: usize, const MEMOR
             input_torque: inputs.wave_generator_inertia * acceleration + first.wave_generator.to_f64(),
             torsion: first.torsion.to_f64(),
             transmitted_torque: first.transmitted.to_f64(),
+            shell_torque: first.transmitted.to_f64() - first.hysteresis.to_f64(),
             strains,
+            forces,
         })
     }
 
@@ -297,7 +327,20 @@ impl<'a, R: Real, F: Gauged<R>, C: FrictionModel<R>, const L: usize, const MEMOR
         let ends = self.gear.flexspline_ends(&self.inputs.wave_generator(elapsed), &self.flange);
         let flexspline = self.gear.flexspline();
         let strain = |gauge| flexspline.strain(self.state.flexspline(), &ends, gauge).map(R::to_f64);
-        self.inputs.gauges.iter().map(strain).collect()
+        self.inputs.measured.gauges.iter().map(strain).collect()
+    }
+
+    /// The forces on the flexspline's ends before a step, of a row that has them (N).
+    fn forces(&self, elapsed: f64) -> Option<EndForces<f64>> {
+        self.inputs.measured.forces_every.filter(|every| self.rows.is_multiple_of(every.get()))?;
+        let ends = self.gear.flexspline_ends(&self.inputs.wave_generator(elapsed), &self.flange);
+        let forces = self.gear.flexspline().end_forces(self.state.flexspline(), &ends)?;
+        let in_f64 = |force: NodeForce<R>| NodeForce {
+            radial: force.radial.to_f64(),
+            tangential: force.tangential.to_f64(),
+            axial: force.axial.to_f64(),
+        };
+        Some(forces.map(|end| end.into_iter().map(in_f64).collect()))
     }
 
     fn step(&mut self, elapsed: f64) -> Torques<R> {

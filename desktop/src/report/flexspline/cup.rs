@@ -9,8 +9,11 @@ use strainwave::flexspline::shell::ShellState;
 use strainwave::flexspline::{Flexspline, FlexsplineParams, Mesh};
 
 use super::{M, N};
+use crate::io::figure::number;
 use crate::plant::STEP_SHARE;
 use crate::report::figure;
+use crate::report::paper::{Item, beside};
+use crate::report::picture::NODES_AROUND as N_DRAWN;
 
 /// Magnification of the drawn displacement.
 const EXAGGERATION: f64 = 20.0;
@@ -47,14 +50,28 @@ pub(super) fn section(params: &FlexsplineParams<f64>) -> Result<Markup, Error> {
             span.key.stretch { "stretch" } " to the nearest, " span.key.shear { "shear" } " to the diagonal and "
             span.key.bend { "bend" } " to the next neighbours but one."
         }
-        (figure(&cup(&points, params.cup.length / radius), &html! {
-            "Fig. 1: the assembled mesh, displacements times " (EXAGGERATION) ". The wave generator presses the rim "
-            "(above) into its ellipse; the flange (below) is round and rigid. Links behind the axis are pale."
-        }))
-        (figure(&node(), &html! {
-            "Fig. 2: the 16 links of a node that is two slices or more from either end, rolled flat. With four slices a node "
-            "inside has 13 of them, one at an end 10."
-        }))
+        (beside(
+            Item::Fig1,
+            &figure(&cup(&points, params.cup.length / radius), &html! {
+                "The assembled mesh, displacements times " (EXAGGERATION) ". The wave generator presses the rim "
+                "(above) into its ellipse; the flange (below) is round and rigid. Links behind the axis are pale."
+            }),
+            &html! { (N) " nodes around, " (M) " along the axis. " a href="#picture" { "In three dimensions" } " with " (N_DRAWN) " nodes." },
+            &html! {
+                "The size is the paper's. Its rim is round: here the wave generator presses it outwards by " (number(100.0 * params.cup.ellipse / radius))
+                " % of the radius, and the torque enters through a tooth contact; with an ellipse of 0 the shell is the paper's."
+            },
+        ))
+        (beside(
+            Item::Fig2,
+            &figure(&node(), &html! { "The 16 links of a node that is two slices or more from either end, rolled flat." }),
+            &html! { "4 stretch, 4 shear and 8 bend links, in all " (mesh_links(&round)) " on the " (N) "x" (M) " mesh." },
+            &html! {
+                "With four slices no node is two or more from either end: a node inside has 13 links, one at an end 10, "
+                (number(2.0 * mesh_links(&round) as f64 / (N * M) as f64)) " in the mean and not 16. The bend links are linear by default ("
+                code { "bend_hardening" } " makes them the paper's nonlinear ones); the hardening sits in the tooth contact."
+            },
+        ))
     })
 }
 

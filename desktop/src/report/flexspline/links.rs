@@ -6,6 +6,7 @@ use strainwave::flexspline::calibration::unit_stiffness;
 use strainwave::flexspline::{FlexsplineParams, TwoLinks, TwoLinksParams};
 
 use super::{M, N};
+use crate::report::paper::{Item, beside};
 use crate::report::plot::{Page, Panel, Series};
 use crate::report::{figure, plot};
 
@@ -36,14 +37,36 @@ pub(super) fn section(params: &FlexsplineParams<f64>) -> Result<Markup, Error> {
             (format!("{:.2}", pair.stiffness * 1e-6)) " MN/m, without tension at rest. The first link is shortest, b, at "
             "dx = a."
         }
-        (figure(&drawing(), &html! {
-            "Fig. 3: the links at rest (dashed) and with the node displaced by dx. L1 gets shorter, L2 longer."
-        }))
-        (figure(&plot(&Page::new("").with(curve(&pair, &links))), &html! {
-            "Fig. 4: the force that holds the node, and what each link adds to it. Dashed: the slope at rest, "
-            "2 k (1 - L0 b²/L³) = " (format!("{:.0}", links.stiffness() * 1e-3)) " N/mm."
-        }))
+        (beside(
+            Item::Fig3,
+            &figure(&drawing(), &html! { "The links at rest (dashed) and with the node displaced by dx. L1 gets shorter, L2 longer." }),
+            &html! {
+                "a = " (format!("{:.3}", pair.reach * 1e3)) " mm, b = " (format!("{:.3}", pair.height * 1e3)) " mm, L0 = "
+                (format!("{:.3}", pair.rest_length * 1e3)) " mm: eq. (1) as printed."
+            },
+            &html! { "Nothing in the geometry. The paper leaves L0 open; here it is the length at rest, so that the links are free of tension." },
+        ))
+        (beside(
+            Item::Fig4,
+            &figure(&plot(&Page::new("").with(curve(&pair, &links))), &html! {
+                "The force that holds the node, and what each link adds to it. Dashed: the slope at rest, "
+                "2 k (1 - L0 b²/L³) = " (format!("{:.0}", links.stiffness() * 1e-3)) " N/mm."
+            }),
+            &html! {
+                "Odd and nonlinear: at dx = 2a the force is " (format!("{:.2}", links.force(2.0 * pair.reach) / (2.0 * pair.reach * links.stiffness())))
+                " times that of the slope at rest."
+            },
+            &html! {
+                "L1 is shortest at dx = a and as long as at rest only at 2a again. Between a and 2a, where the paper calls it stretched, it "
+                "gets longer but is still under pressure: at 1.5a it is " (format!("{:.3}", 1e3 * shortened(&pair, &links))) " mm shorter than at rest."
+            },
+        ))
     })
+}
+
+/// What L1 is shorter by than at rest, at dx = 1.5 a (m).
+fn shortened(pair: &TwoLinksParams<f64>, links: &TwoLinks<f64>) -> f64 {
+    pair.rest_length - links.lengths(1.5 * pair.reach)[0]
 }
 
 /// Force over displacement.

@@ -2,6 +2,7 @@
 
 mod level;
 mod models;
+mod paper_table;
 mod presliding;
 mod stick_slip;
 
@@ -27,9 +28,11 @@ pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<
     progress(0.2);
     let stick_slip = stick_slip::section(&numbers, &models);
     progress(0.5);
-    let measured = Part::Friction.measure()?;
+    let (paper_table, told) = paper_table::section(&numbers, &models);
+    let mut measured = Part::Friction.measure()?;
+    measured.figures.extend(told);
     let body = html! {
-        (introduction(gear, &numbers, &models)) (level) (presliding) (stick_slip)
+        (introduction(gear, &numbers, &models)) (paper_table) (level) (presliding) (stick_slip)
         h3 { "Figures with their bounds" }
         p { "Measured now, on the default gear: " code { "strainwave verify friction" } "." }
         (figure_table(&measured))

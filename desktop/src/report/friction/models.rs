@@ -21,7 +21,7 @@ const DWELL: f64 = 1.0;
 
 /// All that any model reads.
 pub(super) struct Numbers {
-    side: Friction,
+    pub side: Friction,
     /// Fc (N m).
     pub coulomb: f64,
     /// Fs (N m), above 0.

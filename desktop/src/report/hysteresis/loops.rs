@@ -7,6 +7,7 @@ use strainwave::friction::FrictionParams;
 use strainwave::gear::GearParams;
 
 use crate::identify::law::{Law, torques};
+use crate::report::paper::{Item, beside};
 use crate::report::plot::{Page, Panel, Series};
 use crate::report::{figure, plot};
 
@@ -37,9 +38,21 @@ pub(super) fn section<P: FrictionParams<f64>>(params: &GearParams<f64, P>) -> Re
     Ok(html! {
         h3 { "Hysteresis curve" }
         p { "The loop is " (format!("{width:.2}")) " arcmin wide at zero torque after rated torque either way." }
-        (figure(&plot(&page), &html! {
-            "Fig. 5: from rest to rated torque, around the major loop, and back to zero through ever smaller ones. Below, "
-            "what the hysteresis adds to the line: the loops lie in each other and remember where they turned."
-        }))
+        (beside(
+            Item::Fig5,
+            &figure(&plot(&page), &html! {
+                "From rest to rated torque, around the major loop, and back to zero through ever smaller ones. Below, "
+                "what the hysteresis adds to the line: the loops lie in each other and remember where they turned."
+            }),
+            &html! {
+                (format!("{width:.2}")) " arcmin wide at zero torque, where the gear file asks for "
+                (format!("{:.2}", params.hysteresis_width.to_degrees() * 60.0)) " arcmin; "
+                (format!("{:.2}", 1e3 * law.torsions(&[params.rated_torque]).first().map_or(f64::NAN, |on| on.torsion))) " mrad at rated torque."
+            },
+            &html! {
+                "The paper shows one curve of a catalogue and gives no numbers. Ours is a law: minor loops and the virgin curve come with "
+                "it, and the hardening of the curve is the stiffness line's, not the hysteresis'."
+            },
+        ))
     })
 }

@@ -10,13 +10,13 @@ use super::{Chapter, figure_table};
 use crate::design::joint::gear_params;
 use crate::io::file::BadInput;
 use crate::io::gear_file::GearFile;
-use crate::verify::Part;
+use crate::verify::{Measured, Part};
 
 pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<Chapter, BadInput> {
-    let drawn =
-        sections(gear).map_err(|error| BadInput::message(format_args!("{}: {error}", gear.gear.name)))?;
-    progress(0.1);
+    progress(0.0);
     let measured = Part::Hysteresis.measure()?;
+    let drawn = sections(gear, &measured)
+        .map_err(|error| BadInput::message(format_args!("{}: {error}", gear.gear.name)))?;
     let body = html! {
         p {
             "Torque over torsion, rate independent: the catalogue's line is in the middle of the loop, a Preisach "
@@ -34,7 +34,7 @@ pub(super) fn chapter(gear: &GearFile, progress: &mut dyn FnMut(f64)) -> Result<
     Ok(Chapter { id: "hysteresis", title: "Hysteresis", body, measured })
 }
 
-fn sections(gear: &GearFile) -> Result<Markup, Error> {
+fn sections(gear: &GearFile, measured: &Measured) -> Result<Markup, Error> {
     let params = gear_params::<f64>(gear);
-    Ok(html! { (loops::section(&params)?) (plane::section(&params)?) })
+    Ok(html! { (loops::section(&params)?) (plane::section(&params, measured)?) })
 }

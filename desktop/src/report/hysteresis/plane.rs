@@ -6,7 +6,10 @@ use strainwave::friction::FrictionParams;
 use strainwave::gear::GearParams;
 use strainwave::hysteresis::table::TABLE_LEVELS;
 
+use crate::io::figure::number;
 use crate::report::figure;
+use crate::report::paper::{Item, beside};
+use crate::verify::Measured;
 
 /// Side of the plane, and of a cell (pixels).
 const SIDE: usize = 360;
@@ -14,7 +17,20 @@ const CELL: usize = SIDE / TABLE_LEVELS;
 /// Room for the axes' names.
 const MARGIN: usize = 24;
 
-pub(super) fn section<P: FrictionParams<f64>>(params: &GearParams<f64, P>) -> Result<Markup, Error> {
+/// How far both forms of the operator are apart, as measured in this run.
+fn agreement(measured: &Measured) -> String {
+    let name = format!("hysteresis.{TABLE_LEVELS}.staircase_against_relays");
+    let found = measured.figures.iter().find(|figure| figure.name == name);
+    found.map_or_else(
+        || "compared below".into(),
+        |figure| format!("which differs from the sum by at most {} {}", number(figure.value), figure.unit),
+    )
+}
+
+pub(super) fn section<P: FrictionParams<f64>>(
+    params: &GearParams<f64, P>,
+    measured: &Measured,
+) -> Result<Markup, Error> {
     let (half_range, weights) = params.hysteresis_weights::<TABLE_LEVELS>()?;
     // On the diagonal half a cell lies in the plane: its density is twice its weight.
     let density = |i: usize, j: usize| weights.at(i, j) * if i == j { 2.0 } else { 1.0 };
@@ -23,14 +39,27 @@ pub(super) fn section<P: FrictionParams<f64>>(params: &GearParams<f64, P>) -> Re
     let shade = |i: usize, j: usize| if largest > 0.0 { density(i, j) / largest } else { 0.0 };
     Ok(html! {
         h3 { "Relay and weights" }
-        (figure(&relay(), &html! {
-            "Fig. 6, left: a relay. It switches up where the input passes alpha and down where it passes beta."
-        }))
-        (figure(&plane(&cells, shade), &html! {
-            "Fig. 6, right: the weights of all relays over the plane beta to the right, alpha upwards, " (TABLE_LEVELS)
-            " levels over ±" (format!("{:.2}", half_range * 1e3)) " mrad; full colour is "
-            (format!("{:.3}", largest)) " N m a cell, the sum " (format!("{:.2}", weights.total())) " N m."
-        }))
+        (beside(
+            Item::Fig6,
+            &html! {
+                (figure(&relay(), &html! {
+                    "Left: a relay. It switches up where the input passes alpha and down where it passes beta."
+                }))
+                (figure(&plane(&cells, shade), &html! {
+                    "Right: the weights of all relays over the plane beta to the right, alpha upwards, " (TABLE_LEVELS)
+                    " levels over ±" (format!("{:.2}", half_range * 1e3)) " mrad; full colour is "
+                    (format!("{:.3}", largest)) " N m a cell, the sum " (format!("{:.2}", weights.total())) " N m."
+                }))
+            },
+            &html! {
+                (cells.len()) " weights, none negative. The sum of eq. (9) is the reference; in real time the same operator is a staircase of turning points "
+                "with one table, " (agreement(measured)) "."
+            },
+            &html! {
+                "The paper's “intrinsic disadvantage”, that the function is not differentiable, is that of relays that jump. Here the weight of a cell is "
+                "spread evenly over it: the torque is continuous, and has a slope everywhere but at turning points."
+            },
+        ))
     })
 }
 

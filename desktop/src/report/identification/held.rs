@@ -9,7 +9,7 @@ use super::spectrum::Axes;
 use super::{Outcome, chapter, correlation, less, next, parameters, spectrum, times};
 use crate::design::joint::gear_params;
 use crate::identify::joint::{STIFFNESS, TOTAL, offset_name};
-use crate::identify::{GearLog, HELD_LOG, IdentifiedGear};
+use crate::identify::{GearLog, HELD_LOG, IdentifiedGear, Verdict};
 use crate::io::gear_file::GearFile;
 use crate::report::plot::{Colour, Page, Panel, Series};
 use crate::report::{figure, plot};
@@ -31,6 +31,20 @@ pub fn held(outcome: &Outcome, base: &GearFile, logs: &[GearLog], found: &Identi
         chapter("next", "What to measure next", next::section(outcome, &advice(base, logs, found))),
     ];
     outcome.page(&base.gear.name, "Stiffness and hysteresis", chapters)
+}
+
+/// Fit, loops and parameters alone.
+pub(super) fn summary(
+    outcome: &Outcome,
+    base: &GearFile,
+    logs: &[GearLog],
+    found: &IdentifiedGear,
+) -> Markup {
+    html! {
+        @if *outcome.verdict != Verdict::Written { p { "Its gear file would be " (outcome.verdict) "." } }
+        @for (index, log) in logs.iter().enumerate() { (fit(&outcome.logs[index], log, index, found).figure()) }
+        (loops(outcome, base, logs, found)) (table(outcome, base, found))
+    }
 }
 
 fn fit<'a>(name: &'a str, log: &GearLog, index: usize, found: &IdentifiedGear) -> Fit<'a> {
@@ -190,7 +204,7 @@ mod tests {
     use super::super::tests::check;
     use super::*;
     use crate::identify::law::{Law, torques};
-    use crate::identify::{GearOptions, Smoothing, Verdict, identify_gear};
+    use crate::identify::{GearOptions, Smoothing, identify_gear};
     use crate::io::figure::Figure;
 
     /// Loops of a gear that is softer by a tenth than the base gear, every 10 ms.

@@ -11,11 +11,13 @@
 //! | `parameters` | table of what was identified, with intervals |
 //! | `correlation` | heat map of a covariance |
 //! | `next` | what to measure next |
+//! | `example` | the chapter of `strainwave report`, with the example logs |
 //!
 //! A page is drawn from the result of the identification and from the figures that the command prints; nothing is
 //! computed anew of either. It is written also where the identified file is not: then it tells why.
 
 mod correlation;
+pub(super) mod example;
 mod fit;
 mod friction_map;
 mod held;

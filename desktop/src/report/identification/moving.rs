@@ -38,6 +38,11 @@ pub fn moving(outcome: &Outcome, base: &GearFile, found: &LearntGear) -> String 
     outcome.page(&base.gear.name, "Input friction and kinematic error", chapters)
 }
 
+/// Fit, friction and parameters alone.
+pub(super) fn summary(name: &str, base: &GearFile, found: &LearntGear) -> Markup {
+    html! { (fit(name, found, DRAWN).figure()) (friction_map::section(base, found)) (table(base, found)) }
+}
+
 /// Every so many rows; offsets are those of the rows that trained.
 fn fit<'a>(name: &'a str, found: &LearntGear, every: usize) -> Fit<'a> {
     let column = |rows: &[ReplayRow], figure: fn(&ReplayRow) -> f64| -> Vec<f64> {

@@ -64,6 +64,7 @@ pub const BOUNDS: [&[Bound]; 17] = [
 pub const TARGETS: &[(&str, f64)] = &[
     ("gear.steps.wind_up", 2e-2),
     ("friction.target.cycles", 150.0),
+    ("hysteresis.cycles.forward", 150.0),
     ("compensator.motor.s1.vibration_to_b0", 0.1),
     ("compensator.both.s1.vibration_to_b0", 0.05),
     ("compensator.motor.s3.vibration_to_b0", 0.25),

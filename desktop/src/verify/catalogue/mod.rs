@@ -13,6 +13,11 @@
 //! | `error.median`, `error.p95` | rms output error of a run over the smallest of the baselines', of all runs |
 //! | `limited` | runs that stay at the torque limit ([`RunResult::is_limited`]); only reported |
 //! | `stopped` | runs at whose end the drive is off by a fault; only reported |
+//! | `excluded` | runs of baselines that oscillate or stay at the torque limit; only reported |
+//!
+//! A run of a baseline that keeps oscillating at rest, or stays at its torque limit, by the measure that the compensator's runs are
+//! held to, is not among the baselines of that scenario: a cascade whose torque goes from limit to limit averages friction away, and no
+//! drive would be left to it. `excluded` reports the number of these runs.
 //!
 //! A metric that neither has counts for nothing: where the load swings so slowly that a rest between two steps is shorter than
 //! a period, there is no vibration to be measured.
@@ -117,16 +122,32 @@ impl Outcome {
 
     /// The runs of one scenario.
     pub(super) fn run(&self, place: usize) -> Run<'_> {
-        Run {
-            ours: self.compensated[place].as_ref(),
-            b0: self.baselines.first().and_then(|results| results[place].as_ref()),
-            best: self.best(place),
-        }
+        Run { ours: self.compensated[place].as_ref(), b0: self.b0(place), best: self.best(place) }
     }
 
-    /// A run whose every metric is the smallest of the baselines'; none where all diverged.
+    fn b0(&self, place: usize) -> Option<&RunResult> {
+        self.baselines.first().and_then(|results| results[place].as_ref())
+    }
+
+    /// The baselines' runs of one scenario, each with whether it is usable: it neither oscillates nor stays at its torque limit.
+    fn rivals(&self, place: usize) -> impl Iterator<Item = (&RunResult, bool)> {
+        let b0 = self.b0(place);
+        let usable =
+            move |run: &RunResult| b0.is_none_or(|b0| run.oscillates(b0).is_none() && !run.is_limited(b0));
+        self.baselines
+            .iter()
+            .filter_map(move |results| results[place].as_ref())
+            .map(move |run| (run, usable(run)))
+    }
+
+    /// Runs of baselines that are not usable.
+    fn excluded(&self) -> usize {
+        (0..JUDGED.len()).flat_map(|place| self.rivals(place)).filter(|(_, usable)| !usable).count()
+    }
+
+    /// A run whose every metric is the smallest of the usable baselines'; none where all diverged.
     fn best(&self, place: usize) -> Option<RunResult> {
-        let runs = self.baselines.iter().filter_map(|results| results[place].as_ref());
+        let runs = self.rivals(place).filter_map(|(run, usable)| usable.then_some(run));
         runs.cloned().reduce(|best, other| RunResult {
             metrics: best.metrics.iter().zip(&other.metrics).map(|(a, b)| a.min(*b)).collect(),
             ..best
@@ -162,6 +183,22 @@ mod tests {
         assert_eq!(best([result(&[1.0, 4.0]), result(&[2.0, 3.0])]), Some(vec![1.0, 3.0]));
         assert_eq!(best([None, result(&[2.0, 3.0])]), Some(vec![2.0, 3.0]));
         assert_eq!(best([None, None]), None);
+    }
+
+    #[test]
+    fn a_baseline_that_oscillates_or_stays_at_its_limit_is_not_among_the_best() {
+        let steady = result(&[2.0]);
+        let other = |change: fn(&mut RunResult)| {
+            let mut run = result(&[1.0]).unwrap();
+            change(&mut run);
+            outcome([steady.clone(), Some(run)], None)
+        };
+        let best = |outcome: &Outcome| outcome.best(0).map(|best| best.metrics[0]);
+        for unusable in [other(|run| run.torque_at_rest = 0.1), other(|run| run.limited = 0.1)] {
+            assert_eq!((best(&unusable), unusable.excluded()), (Some(2.0), 1));
+        }
+        let usable = other(|run| run.limited = 0.005);
+        assert_eq!((best(&usable), usable.excluded()), (Some(1.0), 0));
     }
 
     /// Any joint, built and run; the figures are there for each of its runs.

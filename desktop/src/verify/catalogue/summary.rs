@@ -114,6 +114,7 @@ impl Report {
     pub fn figures(&self) -> Vec<Figure> {
         let all = Tally::of(self.runs(None, None));
         let refused = self.outcomes.iter().filter(|outcome| outcome.refused.is_some()).count();
+        let excluded: usize = self.outcomes.iter().map(Outcome::excluded).sum();
         let mut figures = vec![
             bounds::figure("catalogue.refused", refused as f64),
             bounds::figure("catalogue.shakes", all.shakes as f64),
@@ -122,6 +123,7 @@ impl Report {
             bounds::figure("catalogue.error.p95", all.quantile(0.95)),
             Figure::reported("catalogue.limited", all.limited as f64, "run"),
             Figure::reported("catalogue.stopped", all.stopped as f64, "run"),
+            Figure::reported("catalogue.excluded", excluded as f64, "run"),
         ];
         for sensors in SensorSet::ALL {
             let set = Tally::of(self.runs(Some(sensors), None));

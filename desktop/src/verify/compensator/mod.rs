@@ -31,6 +31,7 @@ use crate::plant::two_port::Build;
 use crate::verify::Measured;
 use crate::verify::step_response::StepResponse;
 pub use claims::{CLAIMS, Claim, Reference, worst_draw};
+pub(crate) use performance::worked;
 pub use performance::{Performance, Rivals};
 
 /// Samples that every claim is judged on.

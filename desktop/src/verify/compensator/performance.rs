@@ -206,7 +206,7 @@ impl Rivals {
 }
 
 /// A joint and its compensator after the working motion.
-fn worked(
+pub(crate) fn worked(
     joint: &JointParams<f32>,
     file: &GearFile,
     conditions: &Conditions,

@@ -1,5 +1,6 @@
 //! The flexspline: mesh against catalogue, what a free shell keeps, real time against the reference.
 
+mod bends;
 mod conserved;
 mod gear;
 mod mode;
@@ -26,6 +27,7 @@ pub(super) fn measure() -> Result<Measured, BadInput> {
         real_time::measure(&gear),
         mode::measure(&gear).map_err(RunError::from),
         ripple::measure(&gear).map_err(RunError::from),
+        bends::measure(&gear),
     ];
     let figures = figures.into_iter().collect::<Result<Vec<_>, _>>().map_err(BadInput::message)?;
     Ok(Measured::from(figures.concat()))

@@ -20,8 +20,10 @@ use crate::verify::largest;
 
 /// Seed of the plant that the controller knows.
 const NOMINAL: u64 = 0;
-/// The scenarios, with their figures' names: rms and largest.
-const SCENARIOS: [(Scenario, &str, &str); 3] = [
+/// Scenarios, with their figures' names: rms and largest.
+type Scenarios = [(Scenario, &'static str, &'static str); 3];
+
+const SCENARIOS: Scenarios = [
     (Scenario::S1, "flexspline.real_time.s1.rms", "flexspline.real_time.s1.max"),
     (Scenario::S3, "flexspline.real_time.s3.rms", "flexspline.real_time.s3.max"),
     (Scenario::S6, "flexspline.real_time.s6.rms", "flexspline.real_time.s6.max"),
@@ -33,13 +35,20 @@ type RealTime = Reduced<f32, 8, 3>;
 pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, RunError> {
     let size = size_of::<RealTime>() + size_of::<<RealTime as Flexspline<f32>>::State>();
     let mut figures = vec![bounds::figure("flexspline.real_time.size", size as f64)];
+    figures.extend(over(SCENARIOS, file)?);
+    Ok(figures)
+}
+
+/// The differences of a gear's builds over scenarios.
+pub(super) fn over(scenarios: Scenarios, file: &GearFile) -> Result<Vec<Figure>, RunError> {
+    let mut figures = Vec::new();
     let runs: Vec<_> = thread::scope(|scope| {
-        let runs = SCENARIOS.map(|(scenario, _, _)| scope.spawn(move || Difference::over(scenario, file)));
+        let runs = scenarios.map(|(scenario, _, _)| scope.spawn(move || Difference::over(scenario, file)));
         runs.into_iter()
             .map(|run| run.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
             .collect()
     });
-    for ((_, rms, max), difference) in SCENARIOS.into_iter().zip(runs) {
+    for ((_, rms, max), difference) in scenarios.into_iter().zip(runs) {
         let difference = difference?;
         figures.push(bounds::figure(rms, difference.rms));
         figures.push(bounds::figure(max, difference.max));

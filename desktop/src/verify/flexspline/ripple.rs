@@ -26,12 +26,17 @@ const ANGLES: u32 = 97;
 const SETTLING: usize = 4000;
 
 pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, Error> {
+    named(file, ["flexspline.8x3.ripple", "flexspline.8x3.ellipse_reaction"])
+}
+
+/// Ripple and reaction of a gear, by these names.
+pub(super) fn named(file: &GearFile, names: [&'static str; 2]) -> Result<Vec<Figure>, Error> {
     let reactions = revolution(file)?;
     let torques: Vec<f64> = reactions.iter().map(|reaction| reaction.flange).collect();
     let reaction = largest(reactions.iter().map(|reaction| reaction.ellipse));
     Ok(vec![
-        bounds::figure("flexspline.8x3.ripple", ripple(&torques) / file.gear.rated_torque),
-        bounds::figure("flexspline.8x3.ellipse_reaction", reaction),
+        bounds::figure(names[0], ripple(&torques) / file.gear.rated_torque),
+        bounds::figure(names[1], reaction),
     ])
 }
 

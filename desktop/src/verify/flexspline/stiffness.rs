@@ -38,7 +38,7 @@ pub(super) fn measure(file: &GearFile) -> Result<Vec<Figure>, Error> {
 }
 
 /// Relative error of the small-torsion stiffness.
-fn off_k1<const N: usize, const M: usize>(params: &FlexsplineParams<f64>) -> Result<f64, Error> {
+pub(super) fn off_k1<const N: usize, const M: usize>(params: &FlexsplineParams<f64>) -> Result<f64, Error> {
     let stiffness = Settled::<N, M>::build(params, SETTLING)?.torque(SMALL, BETWEEN_NODES) / SMALL;
     Ok((stiffness / params.line.stiffness[0] - 1.0).abs())
 }
@@ -49,12 +49,22 @@ fn worst_off_line<const N: usize, const M: usize>(
     rated: f64,
 ) -> Result<f64, Error> {
     let line = params.line.build()?;
+    worst_off::<N, M>(params, rated, |torsion| line.torque(torsion))
+}
+
+/// The same from any law, at the torsions of the line.
+pub(super) fn worst_off<const N: usize, const M: usize>(
+    params: &FlexsplineParams<f64>,
+    rated: f64,
+    law: impl Fn(f64) -> f64,
+) -> Result<f64, Error> {
+    let line = params.line.build()?;
     let mut mesh = Settled::<N, M>::build(params, FROM_POINT_TO_POINT)?;
     let grid = (-POINTS..=POINTS).map(|k| rated * f64::from(k) / f64::from(POINTS));
     let knees = params.line.knee_torque.into_iter().flat_map(|knee| [-knee, knee]);
     let mut torques: Vec<f64> = grid.chain(knees.filter(|knee| knee.abs() < rated)).collect();
     torques.sort_unstable_by(f64::total_cmp);
-    let difference =
-        torques.into_iter().map(|torque| mesh.torque(line.torsion(torque), BETWEEN_NODES) - torque);
+    let torsions = torques.into_iter().map(|torque| line.torsion(torque));
+    let difference = torsions.map(|torsion| mesh.torque(torsion, BETWEEN_NODES) - law(torsion));
     Ok(largest(difference) / rated)
 }

@@ -306,7 +306,7 @@ impl<R: Real> Adaptation<R> {
     }
 
     /// One slot; learns while `learns`. Returns epsilon (N m), 0 where nothing is learnt.
-    #[inline(never)] // The timing budget counts blocks by their symbols.
+    #[inline(always)]
     pub fn step(
         &self,
         state: &mut AdaptationState<R>,

@@ -212,9 +212,11 @@ impl<R: Real> Observer<R> {
         rests: bool,
         faults: &mut Faults,
     ) {
+        // By its numbers: of a reference the hot path would write the measurement to memory.
+        let first = (measured.motor, measured.motor_torque, measured.output_torque.is_some());
         if !state.started {
             seldom();
-            return self.first(gear, state, measured);
+            return self.first(gear, state, first);
         }
         let (motor, residual) = (state.motor, state.motor_residual);
         let ends = Ends {
@@ -228,7 +230,7 @@ impl<R: Real> Observer<R> {
         if !torques.torsion.is_within(self.limits.torsion) {
             seldom();
             faults.raise_if(true, Faults::OBSERVER_RESET);
-            return self.first(gear, state, measured);
+            return self.first(gear, state, first);
         }
         let acceleration = self.predict(state, &torques, measured, gear_correction);
         let predicted = state.motor_residual.is_within(self.motion_threshold_angle);
@@ -283,9 +285,10 @@ impl<R: Real> Observer<R> {
     /// The estimate.
     pub fn estimate(&self, state: &ObserverState<R>, gear_correction: &GearCorrection<R>) -> Estimate<R> {
         let Magnitudes { torsion, input_friction, output_friction, .. } = state.magnitudes;
+        let (output_position, output_velocity) = self.output(state, gear_correction);
         Estimate {
-            output_position: self.output_position(state).plus(gear_correction.position),
-            output_velocity: state.flange_speed,
+            output_position,
+            output_velocity,
             torsion,
             transmitted_torque: self.transmitted(state),
             input_friction,
@@ -293,6 +296,12 @@ impl<R: Real> Observer<R> {
             external_torque: state.external_torque,
             deviation: state.deviation,
         }
+    }
+
+    /// Of the estimate, the output's angle and speed (rad/s).
+    #[inline(always)]
+    pub fn output(&self, state: &ObserverState<R>, gear_correction: &GearCorrection<R>) -> (Angle<R>, R) {
+        (self.output_position(state).plus(gear_correction.position), state.flange_speed)
     }
 
     /// theta_fs, of the model.
@@ -338,23 +347,29 @@ impl<R: Real> Observer<R> {
         state.gear.shape(gear, order_two, stiffening);
     }
 
-    /// The first step, also after a reset: the joint rests, with its torques unknown.
+    /// The first step, also after a reset: the joint rests, with its torques unknown. From the motor's angle and torque (N m), and
+    /// that there is a gauge.
     #[cold]
     #[inline(never)]
-    fn first(&self, gear: &RealTimeGear<R>, state: &mut ObserverState<R>, measured: &Measurement<R>) {
-        state.motor = measured.motor;
+    fn first(
+        &self,
+        gear: &RealTimeGear<R>,
+        state: &mut ObserverState<R>,
+        (motor, motor_torque, gauge): (Angle<R>, R, bool),
+    ) {
+        state.motor = motor;
         state.motor_residual = R::ZERO;
         state.wave_generator_speed = R::ZERO;
-        state.link_offset = state.gear.start_at(gear, measured.motor);
+        state.link_offset = state.gear.start_at(gear, motor);
         state.flange_speed = R::ZERO;
-        state.motor_torque = measured.motor_torque;
+        state.motor_torque = motor_torque;
         state.external_torque = R::ZERO;
         state.stiffness_torque = R::ZERO;
         state.held_torque = R::ZERO;
         state.past = Past::default();
         state.started = true;
         state.past.push(self.output_position(state).phase());
-        let set = set(&self.standing, false, measured.output_torque.is_some());
+        let set = set(&self.standing, false, gauge);
         state.deviation = set.spread.base;
         state.magnitudes = Magnitudes::default();
     }

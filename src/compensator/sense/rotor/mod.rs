@@ -162,7 +162,8 @@ impl<R: Real> RotorState<R> {
         self.torques += torques;
         self.errors += errors;
         self.time += time;
-        self.moves |= motor != self.motor;
+        // An encoder's angle has whole counts.
+        self.moves |= motor.counts != self.motor.counts;
     }
 
     /// Torque through the gear (N m), its rate (N m/s), and the rotor's friction (N m).

@@ -1,0 +1,25 @@
+//! Torque by strain gauges on the emulated board, reading by reading from the host. Wiring only.
+#![no_std]
+#![no_main]
+
+#[path = "../machine.rs"]
+mod machine;
+
+use strainwave_app::Error;
+use strainwave_app::torque_gauges::{Program, decode, encode};
+use strainwave_mps::link::Link;
+
+strainwave_mps::counted!(machine::An386, answers);
+
+fn answers() -> Result<bool, Error> {
+    let Some(link) = Link::open() else {
+        defmt::error!("sensors.fifo or command.fifo does not open");
+        return Ok(false);
+    };
+    let mut program = Program::build()?;
+    let mut sound = true;
+    while let Some(frame) = link.read().filter(|_| sound) {
+        sound = link.write(&encode(&program.step(&decode(&frame))));
+    }
+    Ok(sound)
+}
