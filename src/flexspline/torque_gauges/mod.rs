@@ -29,7 +29,7 @@
 //! **Excitation.** Learning goes with the way of the wave generator, not with time: at a standstill mu = 0 and nothing
 //! moves, at any speed a revolution teaches the same. H is a memory in rad: at first short, the prior is gone after
 //! some revolutions; then a quarter of all that was seen, so that noise is averaged over a growing way, and at
-//! most [`FORGETTING`]. In every other step one gauge learns, in turn, in the others the deviation follows: the
+//! most `FORGETTING`. In every other step one gauge learns, in turn, in the others the deviation follows: the
 //! cost of a step is bounded.
 //!
 //! **Bounds.** Every coefficient stays within the band around the mesh's that gain, offset and misplacement can explain
