@@ -10,8 +10,8 @@
 //! The external torque carries the output's inertia through the reversals and swings on top of it. The plant is the two-port of the gear file
 //! with the literal 36 x 4 mesh, hysteresis, kinematic error and friction: its links are where the gauges read
 //! ([`super::placed_gauge`]). Drawn per seed: every gauge's gain, offset, place, direction and noise; of the reference, which is
-//! the motor's torque balance, the error k of the torque constant, +-[`TORQUE_CONSTANT`], and c of the friction,
-//! +-[`FRICTION`]. The angle is that of both encoders, 19 bits. The first [`LEARNING`] seconds are for learning; the rest is judged.
+//! the motor's torque balance, the error k of the torque constant, +-`TORQUE_CONSTANT`, and c of the friction,
+//! +-`FRICTION`. The angle is that of both encoders, 19 bits. The first [`LEARNING`] seconds are for learning; the rest is judged.
 //!
 //! The truth is the torque through the shell: the hysteresis of the plant acts beside it and strains nothing.
 

@@ -6,7 +6,7 @@
 //!
 //! A joint with the key `beam` has a link that bends, from a link file ([`super::flexible`]), in the place of a rigid one.
 //!
-//! A file with the key `robot.urdf` has its links from a URDF file ([`super::urdf_file`]).
+//! A file with the key `robot.urdf` has its links from a URDF file (`super::urdf_file`).
 
 use std::path::Path;
 

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! A link that bends is a uniform beam along x of its joint's frame, clamped there, that bends about the joint's axis z
-//! ([`strainwave::link`]). Its mass lies in the [`POINTS`] points of Gauss and Legendre, each of which moves along y; its end moves along y and
+//! ([`strainwave::link`]). Its mass lies in the `POINTS` points of Gauss and Legendre, each of which moves along y; its end moves along y and
 //! turns about z, and bears the payload and the next joint. M and h are those of all these bodies at once (crate phyz-rigid), where
 //! they are in the bent arm; T takes their coordinates from angles q and modes eta. So the modes feel every joint's motion and gravity, and the
 //! links behind a bent one stand where it leads, at any posture.
