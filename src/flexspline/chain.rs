@@ -9,7 +9,7 @@
 //! ```
 //!
 //! S and B are sums of squared elongations per rad (m^2), H the hardening from the assembled shape
-//! ([`Bend::from_assembled`]): the ellipse turns no slice, so its strain cancels. The inner slices are at rest between
+//! ([`Bend::assembled_tension`]): the ellipse turns no slice, so its strain cancels. The inner slices are at rest between
 //! rim and flange; Newton's method follows them from one torsion to the next. The torque is the slope of the energy, which is
 //! convex, so that it rises; the law keeps it at [`POINTS`] torsions, joined by straight pieces.
 //!
@@ -93,7 +93,7 @@ impl<R: Real, const M: usize> Chain<R, M> {
     /// The bend links' law in this chain.
     fn hardening(&self, bend: &Bend<R>) -> impl Law<R> {
         let (strain, bend) = (self.strain, *bend);
-        move |d| [bend.from_assembled(strain * d) / strain, bend.slope_from_assembled(strain * d)]
+        move |d| [bend.assembled_tension(strain * d) / strain, bend.assembled_slope(strain * d)]
     }
 
     /// The inner slices at rest, from where they are.

@@ -100,7 +100,7 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
                 let (c, s) = (cosine.entries()[entry], sine.entries()[entry]);
                 let strain = R::lit(-0.5) * u - assembled.wave(bend, slice).at(c, s).0;
                 let square = direction.rest_length * direction.rest_length;
-                energy += self.stiffness * square * self.bend.potential_from_assembled(strain);
+                energy += self.stiffness * square * self.bend.assembled_potential(strain);
             }
         });
         energy

@@ -65,20 +65,20 @@ impl<R: Real> Bend<R> {
 
     /// What hardening adds to a bend link of constant 1 N/m: tension over length (N/m) at a strain from the assembled shape.
     #[inline(always)]
-    pub(in crate::flexspline) fn from_assembled(&self, strain: R) -> R {
+    pub(in crate::flexspline) fn assembled_tension(&self, strain: R) -> R {
         let inside = strain.limit(self.saturation);
         let beyond = R::lit(3.0) * self.saturation * self.saturation * (strain - inside);
         self.hardening * (inside * inside * inside + beyond)
     }
 
-    /// Slope of [`Self::from_assembled`].
-    pub(in crate::flexspline) fn slope_from_assembled(&self, strain: R) -> R {
+    /// Slope of [`Self::assembled_tension`].
+    pub(in crate::flexspline) fn assembled_slope(&self, strain: R) -> R {
         let inside = strain.limit(self.saturation);
         R::lit(3.0) * self.hardening * inside * inside
     }
 
-    /// Integral of [`Self::from_assembled`]: energy of a link of constant 1 N/m and rest length 1 m (J).
-    pub(in crate::flexspline) fn potential_from_assembled(&self, strain: R) -> R {
+    /// Integral of [`Self::assembled_tension`]: energy of a link of constant 1 N/m and rest length 1 m (J).
+    pub(in crate::flexspline) fn assembled_potential(&self, strain: R) -> R {
         let inside = strain.limit(self.saturation);
         let (square, beyond) = (inside * inside, strain - inside);
         let cubic = R::lit(0.25) * square * square + square * inside * beyond;

@@ -162,7 +162,7 @@ impl<R: Real, const N: usize, const M: usize> Shell<R, N, M> {
             FROM_LENGTH => g * self.bend.factor(u),
             FROM_ASSEMBLED => {
                 let (rest, slope) = row.wave.at(row.twice[0][entry], row.twice[1][entry]);
-                let added = self.bend.from_assembled(R::lit(-0.5) * u - rest);
+                let added = self.bend.assembled_tension(R::lit(-0.5) * u - rest);
                 let square = direction.rest_length * direction.rest_length;
                 *ellipse += self.stiffness * square * added * slope;
                 g - added
