@@ -1,6 +1,6 @@
 //! `new`: a joint's gear file from catalogue data.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, value_parser};
 use strainwave_desktop::catalogue::{Model, NewJoint, commented};
@@ -33,6 +33,9 @@ pub struct Arguments {
     /// Gear file to write, complete or not at all; - for the standard output
     #[arg(long, value_name = "JOINT.toml")]
     output: PathBuf,
+    /// Replace a file that holds other values: they are lost
+    #[arg(long)]
+    force: bool,
     #[command(flatten)]
     figures: FiguresArguments,
 }
@@ -46,8 +49,21 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     require_load(&joint)?;
     files::require_writable(json)?;
     let text = joint.text();
+    if !arguments.force {
+        require_nothing_lost(&arguments.output, &text)?;
+    }
     file::write(&arguments.output, |out| Ok(out.write_all(text.as_bytes())?))?;
     Ok(Figures::beside(&arguments.output, figures(&joint), &arguments.figures))
+}
+
+/// Refuses a file that holds something else: who has put values of their own into it would lose them by the same command again.
+fn require_nothing_lost(output: &Path, text: &str) -> Result<(), BadInput> {
+    let differs = output.is_file() && std::fs::read(output).is_ok_and(|held| held != text.as_bytes());
+    if differs {
+        Err(BadInput::new(output, "is there already, with other values; --force replaces it"))
+    } else {
+        Ok(())
+    }
 }
 
 /// The gear file could be read again, and a compensator built from it; without a load of the user's it always can.

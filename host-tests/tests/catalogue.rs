@@ -1,6 +1,6 @@
 //! The gear files of the catalogue are what its laws give, and a joint can be built with each.
 //!
-//! After a change of a law: `STRAINWAVE_OVERWRITE=1 cargo test -p strainwave-host-tests --test catalogue`, and review the
+//! After a change of a law: `STRAINWAVE_OVERWRITE=1 cargo test -p strainwave-host-tests catalogue`, and review the
 //! difference. What the baselines were tuned to stays.
 
 use std::path::{Path, PathBuf};

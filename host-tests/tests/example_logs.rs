@@ -9,7 +9,7 @@
 //!
 //! Kept logs and those of today agree within a count of an encoder and [`TORQUE`] of a torque: the mesh is summed by the vector
 //! instructions that a processor has. After a change of plant or catalogue: `STRAINWAVE_OVERWRITE=1 cargo test -p
-//! strainwave-host-tests --test example_logs`, and review the difference.
+//! strainwave-host-tests example_logs`, and review the difference.
 
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;

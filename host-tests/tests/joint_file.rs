@@ -2,7 +2,7 @@
 //! the parameters that the library's examples use.
 //!
 //! After a change of the gear file, of the parameters or of the built compensator: `STRAINWAVE_OVERWRITE=1 cargo test -p
-//! strainwave-host-tests --test joint_file`, and review the difference.
+//! strainwave-host-tests joint_file`, and review the difference.
 
 use std::path::Path;
 

@@ -4,6 +4,7 @@ mod bad_input;
 mod belt;
 mod bench;
 mod design;
+mod documentation;
 mod example_logs;
 mod experiment;
 mod export;

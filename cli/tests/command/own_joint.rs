@@ -221,6 +221,20 @@ fn sizes_ratios_and_loads_out_of_range_are_named() {
     }
 }
 
+#[test]
+fn values_that_were_put_into_a_file_are_not_lost() {
+    let bench = Bench::new();
+    let written = || std::fs::read_to_string(bench.path("mine.toml")).unwrap();
+    let words = "new --size 25 --ratio 100 --output mine.toml";
+    bench.write("mine.toml", "mine");
+    let line = bench.refused(words);
+    assert_eq!(line, "error: mine.toml: is there already, with other values; --force replaces it");
+    assert_eq!(written(), "mine");
+    assert_eq!(bench.run(&format!("{words} --force")).code, Some(0));
+    assert!(written().contains("[gear]"));
+    assert_eq!(bench.run(words).code, Some(0), "the same values again");
+}
+
 /// What one command writes to its standard output the next one reads.
 #[test]
 fn a_stroke_stands_for_the_standard_streams() {

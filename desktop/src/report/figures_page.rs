@@ -47,7 +47,7 @@ const PARTS: &[Part] = &[
     Part {
         title: "Condensed plant",
         prefixes: &["plant.condensed."],
-        command: "cargo test -p strainwave-host-tests --test condensed_plant",
+        command: "cargo test -p strainwave-host-tests condensed_plant",
     },
     Part {
         title: "One scenario with the firmware",

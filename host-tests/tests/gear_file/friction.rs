@@ -7,8 +7,8 @@ use strainwave_desktop::io::gear_file::DEFAULT;
 use strainwave_desktop::io::gear_file::friction_params::friction_params;
 use toml::Table;
 
-use crate::full::full;
-use crate::parse;
+use super::full::full;
+use super::parse;
 
 /// A gear whose friction has just these keys of the full one.
 fn with_friction(model: ModelName, names: &[&str]) -> Table {

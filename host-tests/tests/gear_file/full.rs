@@ -6,7 +6,7 @@ use strainwave_desktop::io::gear_file::friction::{Backward, Friction, StateRow};
 use strainwave_desktop::io::gear_file::{Baselines, Hardening, Learnt};
 use toml::{Table, Value};
 
-use crate::{LARA8, parse};
+use super::{LARA8, parse};
 
 /// A gear that has every key.
 pub fn full() -> Table {

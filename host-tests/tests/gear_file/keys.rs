@@ -6,8 +6,8 @@ use strainwave::friction::ModelName;
 use strainwave_desktop::io::gear_file::{Allowed, KEYS, RELATIONS};
 use toml::{Table, Value};
 
-use crate::full::{at, changed, full, set, shown};
-use crate::parse;
+use super::full::{at, changed, full, set, shown};
+use super::parse;
 
 /// Every path of a table, lists as `[]`.
 fn paths(value: &Value, path: &str, found: &mut BTreeSet<String>) {

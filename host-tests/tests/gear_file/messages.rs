@@ -2,7 +2,7 @@
 
 use strainwave_desktop::io::gear_file::DEFAULT;
 
-use crate::{parse, refusal};
+use super::{parse, refusal};
 
 #[test]
 fn messages_read_well() {

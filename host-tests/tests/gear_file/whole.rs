@@ -3,8 +3,8 @@
 use strainwave_desktop::io::gear_file::DEFAULT;
 use toml::Value;
 
-use crate::full::changed;
-use crate::{parse, refusal};
+use super::full::changed;
+use super::{parse, refusal};
 
 #[test]
 fn what_only_the_whole_gear_can_tell_is_refused_by_key() {

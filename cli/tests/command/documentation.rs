@@ -1,7 +1,7 @@
 //! README and book name only what exists: commands, options, files, links; and the page of figures has the rows that the
 //! table of bounds has.
 //!
-//! After a change of the table of bounds: `STRAINWAVE_OVERWRITE=1 cargo test -p strainwave-host-tests --test documentation`
+//! After a change of the table of bounds: `STRAINWAVE_OVERWRITE=1 cargo test -p strainwave-cli documentation`
 //! gives the page its rows again, with the values that it has; `strainwave verify --markdown docs/src/figures.md` measures.
 
 use std::collections::HashMap;
@@ -73,15 +73,7 @@ fn command(code: &str) -> Option<Vec<&str>> {
 
 /// Output of `strainwave WORDS`.
 fn answer(words: &[&str]) -> String {
-    let run = Command::new(env!("CARGO"))
-        .args(["run", "--quiet", "--package", "strainwave-cli"])
-        // The build that the tests have made already.
-        .args((!cfg!(debug_assertions)).then_some("--release"))
-        .arg("--")
-        .args(words)
-        .current_dir(root())
-        .output()
-        .unwrap();
+    let run = Command::new(env!("CARGO_BIN_EXE_strainwave")).args(words).output().unwrap();
     assert!(run.status.success(), "{words:?}: {}", String::from_utf8_lossy(&run.stderr));
     String::from_utf8(run.stdout).unwrap()
 }
