@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use strainwave::compensator::words::{BadWords, WORDS};
+use strainwave::compensator::words::{BadWords, WORDS, motor_encoder_bits};
 use strainwave::compensator::{CompensationGains, Compensator, Input, Sensors};
 use strainwave_desktop::GearFile;
 use strainwave_desktop::design::export::Export;
@@ -50,6 +50,16 @@ fn what_is_read_in_place_is_what_was_built_field_by_field() {
         // In place: it lies behind the header of three words.
         assert!(std::ptr::eq(std::ptr::from_ref(read).cast(), &raw const words[3]));
         assert_eq!(read.to_words(), words, "{}", gear.gear.name);
+    }
+}
+
+#[test]
+fn the_motor_encoders_bits_can_be_read_before_the_words_are_checked() {
+    const DEFAULT: u32 = motor_encoder_bits(&strainwave_app::joint::WORDS);
+    assert_eq!(DEFAULT, GearFile::default_gear().sensors.motor_encoder_bits);
+    for (gear, bits) in GEARS.map(gear).iter_mut().zip([10, 14, 17, 19, 21, 24, 32]) {
+        gear.sensors.motor_encoder_bits = bits;
+        assert_eq!(motor_encoder_bits(&built(gear).to_words()), bits, "{}", gear.gear.name);
     }
 }
 

@@ -11,11 +11,13 @@
 //! pointer or as wide as one.
 
 use core::fmt;
+use core::mem::offset_of;
 
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use zerocopy::{IntoBytes, TryFromBytes};
 
 use crate::compensator::Compensator;
+use crate::compensator::sense::motor_encoder::MotorEncoder;
 use crate::constants::{Constants, fingerprint};
 
 /// Words before the compensator's own: layout, number, checksum.
@@ -60,6 +62,27 @@ impl fmt::Display for BadWords {
 }
 
 impl core::error::Error for BadWords {}
+
+/// Resolution of the motor encoder in words of [`Compensator::to_words`]: 2^bits counts a revolution. For constants, where nothing is
+/// checked yet: a board whose encoder has fewer bits does not compile.
+///
+/// ```
+/// # mod joint { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/joint/hd25_100.rs")); }
+/// # use joint::JOINT;
+/// use strainwave::compensator::words::motor_encoder_bits;
+///
+/// let built = JOINT.build().unwrap();
+/// assert_eq!(motor_encoder_bits(&built.to_words()), built.motor_encoder_bits());
+/// ```
+///
+/// # Panics
+/// When the words are of another layout: in a constant, the build fails.
+pub const fn motor_encoder_bits(words: &[u32; WORDS]) -> u32 {
+    const SHIFT: usize =
+        HEADER + (offset_of!(Compensator<f32>, motor_encoder) + MotorEncoder::<f32>::SHIFT_OFFSET) / 4;
+    assert!(words[0] == LAYOUT, "joint file: layout of another version");
+    MotorEncoder::<f32>::bits_of(words[SHIFT])
+}
 
 impl Compensator<f32> {
     /// The compensator as words, which [`Self::from_words`] reads.

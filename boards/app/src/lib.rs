@@ -24,6 +24,10 @@ pub mod joint {
     include!(env!("STRAINWAVE_JOINT_FILE"));
 }
 
+/// Resolution of the motor encoder that the joint's gear file asks for: 2^bits counts a revolution. A board whose encoder has fewer must not
+/// compile; `strainwave_drivers::Scaled` sees to it.
+pub const MOTOR_ENCODER_BITS: u32 = compensator::words::motor_encoder_bits(&joint::WORDS);
+
 pub use control::{Board, Control, control_step};
 pub use strainwave::Error;
 pub use strainwave::compensator::{self, Input, Output};

@@ -8,7 +8,7 @@ use stm32f4xx_hal::gpio::GpioExt;
 use stm32f4xx_hal::pac::{IWDG, Peripherals, TIM2};
 use stm32f4xx_hal::rcc::{Enable, Rcc, RccExt};
 use strainwave_app::compensator::schedule::CONTROL_PERIOD;
-use strainwave_app::compensator::{CompensationGains, Sensors, Setpoint};
+use strainwave_app::compensator::{CompensationGains, Sensors, Setpoint, Status};
 use strainwave_app::jog::{Jog, LIMITS, Trajectory};
 use strainwave_app::{Compensator, Input, Output};
 
@@ -41,13 +41,7 @@ pub fn start() -> Option<(Board, &'static Compensator, Hardware)> {
     }
     let compensator = joint::compensator()?;
     let drive = Drive::new(device.DAC, a.pa4, b.pb0, compensator.limits().motor_torque, &mut rcc);
-    let encoder = MotorEncoder::new(
-        device.SPI1,
-        (a.pa5, a.pa6, a.pa7),
-        b.pb6,
-        compensator.motor_encoder_bits(),
-        &mut rcc,
-    )?;
+    let encoder = MotorEncoder::new(device.SPI1, (a.pa5, a.pa6, a.pa7), b.pb6, &mut rcc)?;
     let Ok(trajectory) = LIMITS.build(CONTROL_PERIOD as f32) else {
         defmt::error!("no moves can be planned with the joint's control period");
         return None;
@@ -107,14 +101,16 @@ impl strainwave_app::Board for Board {
     const REPORT_EVERY: u32 = 10;
 
     fn input(&mut self) -> Option<Input<f32>> {
-        let sensors = Sensors {
-            motor_encoder: self.encoder.count()?,
-            output_encoder: None,
-            motor_torque: self.torque,
-            output_torque: None,
+        // Of a failed reading the compensator makes its own prediction, for a while.
+        let (motor_encoder, status) = match self.encoder.count() {
+            Some(count) => (count, Status::FINE),
+            None => (0, Status::MOTOR_ENCODER_INVALID),
         };
+        let sensors =
+            Sensors { motor_encoder, output_encoder: None, motor_torque: self.torque, output_torque: None };
         let (setpoint, gains) = self.target();
-        Some(Input { sensors, command: setpoint.into(), gains: gains.into(), ..Input::default() })
+        let (command, gains) = (setpoint.into(), gains.into());
+        Some(Input { sensors, status, command, gains, ..Input::default() })
     }
 
     fn command(&mut self, torque: f32) {

@@ -2,7 +2,7 @@
 //!
 //! | pin | function |
 //! | --- | --- |
-//! | PA5, PA6, PA7, PB6 | motor encoder AS5047P: SPI1 clock, MISO, MOSI, select |
+//! | PA5, PA6, PA7, PB6 | motor encoder MT6835: SPI1 clock, MISO, MOSI, select |
 //! | PA4 | torque command to the motor's drive: 0..3.3 V, 1.65 V is none, the rails are the peak torque |
 //! | PB0 | drive enable, high while the joint is controlled; pull it down outside |
 //! | PA9, PA10 | USART1, 921600 Bd: telemetry (defmt) out, operator's keys in |

@@ -14,6 +14,8 @@
 //! Error counter: +10 for a refused reading, -4 for an accepted one: a reading in four may be bad. At 200, 2 ms of bad
 //! frames, the angle is lost and the next valid count begins a new one, which is used after a reset only.
 
+use core::mem::offset_of;
+
 use crate::angle::Angle;
 use crate::compensator::Limits;
 use crate::compensator::schedule::CONTROL_PERIOD;
@@ -95,9 +97,17 @@ impl<R: Real> MotorEncoder<R> {
         Ok(Self { shift, reach, noise: (ENCODER_NOISE.get() as u32) << shift, dt, inverse_dt: R::ONE / dt })
     }
 
+    /// Where the shift lies in memory, in bytes.
+    pub(crate) const SHIFT_OFFSET: usize = offset_of!(Self, shift);
+
     /// Resolution: 2^bits counts a revolution.
     pub fn bits(&self) -> u32 {
-        32 - self.shift
+        Self::bits_of(self.shift)
+    }
+
+    /// Resolution that this shift brings to 2^32 counts a revolution.
+    pub(crate) const fn bits_of(shift: u32) -> u32 {
+        32 - shift
     }
 
     /// Takes a raw count whose frame was `valid`; the second value: the angle is lost.
