@@ -10,6 +10,7 @@ extern crate std;
 pub mod as5047p;
 pub mod biss_c;
 mod bus;
+pub mod cia402;
 pub mod encoder;
 pub mod fault;
 pub mod ma732;
