@@ -1,4 +1,4 @@
-//! embedded-hal drivers of the joint's sensors.
+//! embedded-hal drivers of the joint's sensors, and of a drive behind a bus ([`cia402`]).
 //!
 //! Every encoder has a file that opens with its frame, its timing and the datasheet; what a board sees of it is
 //! [`Encoder`]. `docs/src/add-sensor.md` compares them.
