@@ -53,7 +53,7 @@ impl MotorEncoder {
         let frequency = Hertz::from_raw(INTERNAL / DIVIDER);
         let bus = Spi::new(spi, (Some(clock), Some(miso), Some(mosi)), Part::MODE, frequency, rcc);
         let device = ExclusiveDevice::new(bus, select, CycleDelay).ok()?;
-        let mut encoder = Scaled::new(Part::new(device, CycleDelay));
+        let mut encoder = Scaled::<_, MOTOR_ENCODER_BITS>::new(Part::new(device, CycleDelay));
         match encoder.check() {
             Ok(()) => Some(Self { encoder, missed: 0 }),
             Err(error) => {
