@@ -9,8 +9,8 @@ use std::fs;
 use std::path::Path;
 
 /// Source folders of the crates, but for those of the boards.
-const CRATES: [&str; 6] =
-    ["src", "desktop/src", "emulator/src", "emulator/plugin/src", "cli/src", "drivers/src"];
+const CRATES: [&str; 7] =
+    ["src", "desktop/src", "emulator/src", "emulator/plugin/src", "cli/src", "drivers/src", "service/src"];
 
 /// Path of a module in its crate, the crate's root empty.
 type Module = Vec<String>;

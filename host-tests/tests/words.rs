@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use strainwave::compensator::words::{BadWords, WORDS, motor_encoder_bits};
+use strainwave::compensator::adapt::learning::Learnt;
+use strainwave::compensator::words::{BadWords, LEARNT_WORDS, WORDS, motor_encoder_bits};
 use strainwave::compensator::{CompensationGains, Compensator, Input, Sensors};
 use strainwave_desktop::GearFile;
 use strainwave_desktop::design::export::Export;
@@ -143,4 +144,25 @@ fn a_name_of_any_characters_breaks_neither_text() {
     let c = export.c();
     assert!(c.contains("#define STRAINWAVE_GEAR \"a\\042\\134*/\\012\\303\\251\\077\\077/\"\n"), "{c}");
     assert_eq!(c.matches("*/").count(), 2, "{c}");
+}
+
+/// Whatever a store gives, the state starts from finite factors and ripple within their bounds; what is within them, unchanged.
+#[test]
+fn what_was_learnt_is_read_as_it_was_written_and_bounded_where_it_is_used() {
+    let compensator = built(&GearFile::default_gear());
+    let mut learnt = compensator.learnt(&compensator.rest());
+    learnt.factors.inertia = 1.05;
+    learnt.factors.presliding_stiffness = 0.97;
+    learnt.ripple.position[1] = [1e-6, -2e-6];
+    learnt.ripple.torque[3] = [3e-4, 4e-4];
+    let words = learnt.to_words();
+    assert_eq!(Learnt::from_words(&words), learnt);
+    for (place, (word, nominal)) in words.iter().zip(Learnt::default().to_words()).enumerate() {
+        assert_eq!(*word != nominal, [0, 5, 8, 9, 20, 21].contains(&place), "word {place}");
+    }
+    for bits in [f32::NAN, f32::INFINITY, -1e30, f32::MAX].map(f32::to_bits) {
+        let state = compensator.rest_with(&Learnt::from_words(&[bits; LEARNT_WORDS]));
+        let started = compensator.learnt(&state).to_words().map(f32::from_bits);
+        assert!(started.iter().all(|value| value.abs() < 3.0), "{bits:x}: {started:?}");
+    }
 }

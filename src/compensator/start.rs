@@ -6,6 +6,7 @@ use crate::compensator::actuate::fallback::FallbackState;
 use crate::compensator::actuate::mode::ModeState;
 use crate::compensator::actuate::protection::ProtectionState;
 use crate::compensator::actuate::supervisor::SupervisorState;
+use crate::compensator::adapt::learning::Learnt;
 use crate::compensator::estimate::disturbance::{DisturbanceState, WindUpResponse};
 use crate::compensator::estimate::observer::GearCorrection;
 use crate::compensator::reference::command::CommanderState;
@@ -71,6 +72,23 @@ impl<R: Real> Compensator<R> {
             sound: true,
         }
     }
+
+    /// The same with these learnt factors and ripple, as a store has kept them, within their bounds.
+    ///
+    /// ```
+    /// # mod joint { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/joint/hd25_100.rs")); }
+    /// # use joint::JOINT;
+    /// let compensator = JOINT.build()?;
+    /// let mut learnt = compensator.learnt(&compensator.rest());
+    /// learnt.factors.inertia = 1.1;
+    /// assert_eq!(compensator.learnt(&compensator.rest_with(&learnt)), learnt);
+    /// learnt.factors.inertia = 1e6;
+    /// assert!(compensator.learnt(&compensator.rest_with(&learnt)).factors.inertia < 2.0);
+    /// # Ok::<(), strainwave::Error>(())
+    /// ```
+    pub fn rest_with(&self, learnt: &Learnt<R>) -> State<R> {
+        State { learning: self.learning.starting_from(learnt), ..self.rest() }
+    }
 }
 
 impl<R: Real> Compensator<R> {
@@ -78,7 +96,6 @@ impl<R: Real> Compensator<R> {
     /// are initialised again. Only the learnt factors and ripple are kept. The reference begins at the output's angle
     /// and moves smoothly to the command.
     pub fn reset(&self, state: &mut State<R>) {
-        let learning = self.learning.starting_from(&self.learnt(state));
-        *state = State { learning, ..self.rest() };
+        *state = self.rest_with(&self.learnt(state));
     }
 }

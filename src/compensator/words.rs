@@ -17,6 +17,7 @@ use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use zerocopy::{IntoBytes, TryFromBytes};
 
 use crate::compensator::Compensator;
+use crate::compensator::adapt::learning::Learnt;
 use crate::compensator::sense::motor_encoder::MotorEncoder;
 use crate::constants::{Constants, fingerprint};
 
@@ -29,6 +30,12 @@ pub const WORDS: usize = HEADER + size_of::<Compensator<f32>>() / 4;
 /// Layout that this version of the library reads and writes.
 pub const LAYOUT: u32 =
     fingerprint(<Compensator<f32> as Constants>::FINGERPRINT, env!("CARGO_PKG_VERSION").as_bytes());
+
+/// Words of what a joint has learnt.
+pub const LEARNT_WORDS: usize = size_of::<Learnt<f32>>() / 4;
+
+/// Layout of what a joint has learnt: fingerprint of the names and types of all fields.
+pub const LEARNT_LAYOUT: u32 = <Learnt<f32> as Constants>::FINGERPRINT;
 
 /// Bit by bit: a table would take 1 kB.
 const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
@@ -124,5 +131,27 @@ impl Compensator<f32> {
         }
         // With the checksum right only a bool that is none could be left.
         Self::try_ref_from_bytes(own.as_bytes()).map_err(|_| BadWords::Layout)
+    }
+}
+
+/// What tells a joint's words from those of another: their checksum.
+pub const fn identity(words: &[u32; WORDS]) -> u32 {
+    let [_, _, checksum, ..] = *words;
+    checksum
+}
+
+impl Learnt<f32> {
+    /// What was learnt as words, which [`Self::from_words`] reads: f32 in the order of their fields.
+    pub fn to_words(&self) -> [u32; LEARNT_WORDS] {
+        let mut words = [0; LEARNT_WORDS];
+        self.write(words.as_mut_bytes());
+        words
+    }
+
+    /// What these words of [`LEARNT_LAYOUT`] tell: of any value, to be bounded where it is used
+    /// ([`Compensator::rest_with`]).
+    pub fn from_words(words: &[u32; LEARNT_WORDS]) -> Self {
+        // Any bits are an f32: nothing is refused.
+        Self::try_read_from_bytes(words.as_bytes()).unwrap_or_default()
     }
 }

@@ -16,7 +16,7 @@ const README_WORDS: usize = 900;
 /// The page that `strainwave verify --markdown` renews.
 const FIGURES: &str = "docs/src/figures.md";
 /// Folders whose files are named in text.
-const FOLDERS: [&str; 11] = [
+const FOLDERS: [&str; 12] = [
     ".ci",
     "boards",
     "cli",
@@ -27,6 +27,7 @@ const FOLDERS: [&str; 11] = [
     "examples",
     "gears",
     "host-tests",
+    "service",
     "src",
 ];
 
