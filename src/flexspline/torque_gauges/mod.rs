@@ -30,7 +30,7 @@
 //! moves, at any speed a revolution teaches the same. H is a memory in rad: at first short, so that the prior is gone after
 //! some revolutions; then all that was seen, and at most `FORGETTING`. The coefficients are then means over the whole way, and the
 //! reference's friction, whose error has the sign of the motion, averages out of the zero as the joint goes to and fro; a memory of a
-//! quarter of the way keeps that of the last motions, and doubles the error of S8. In every other step one gauge learns, in turn, in the
+//! quarter of the way keeps that of the last motions, and S8 has 2.5 times the error. In every other step one gauge learns, in turn, in the
 //! others the deviation follows: the cost of a step is bounded.
 //!
 //! **Bounds.** Every coefficient stays within the band around the mesh's that gain, offset and misplacement can explain
