@@ -22,8 +22,8 @@
 //!
 //! Neglected, against the settled literal mesh: the second-order displacement of the inner slices, which the
 //! reduced mesh has not, 2.7e-5 (8 x 3) and 5.0e-5 (36 x 4), none of it along the rim; and the product of
-//! torque and ellipse, the rim's turning under the ellipse by tau/K_shell, 4e-6 at rated torque
-//! (`verify flexspline`).
+//! torque and ellipse: rated torque takes 0.12 % off the ellipse's strain, 4e-6 (`verify flexspline`). In gauges a quarter of a
+//! revolution apart that products have opposite signs, as the ellipse's 2nd harmonic has.
 
 use crate::angle::Angle;
 use crate::error::Error;

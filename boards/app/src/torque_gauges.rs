@@ -71,7 +71,6 @@ pub fn sensor() -> Result<TorqueGauges<f32, GAUGES>, Error> {
     }
     let params = TorqueGaugesParams {
         gauges,
-        rim_twist: cup.twist()[0],
         rated_torque,
         gain: 0.058,
         offset: 5.8e-5,

@@ -10,6 +10,7 @@ pub mod output_bounds;
 pub mod placed_gauge;
 pub mod scenario;
 pub mod task;
+pub mod torque_fusion;
 pub mod torque_sensing;
 pub mod trajectory;
 pub mod working_life;

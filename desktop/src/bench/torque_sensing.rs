@@ -24,7 +24,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::flexspline::reduced::{Direction, Node};
-use strainwave::flexspline::{Reduced, StrainGauge, TorqueGauges, TorqueGaugesParams};
+use strainwave::flexspline::{GaugeTorque, Reduced, StrainGauge, TorqueGauges, TorqueGaugesParams};
 use strainwave::gear::GearParams;
 use strainwave::{Angle, Error, Real};
 
@@ -36,7 +36,6 @@ use crate::plant::NODES;
 use crate::plant::divergence::RunError;
 use crate::plant::two_port::trajectory::Trajectory;
 use crate::plant::two_port::{self, Build};
-use crate::sensor::encoder::encoder_count;
 
 /// Speeds of the wave generator, one after the other (rad/s).
 pub const SPEEDS: [f64; 11] = [0.0, 100.0, -100.0, 500.0, -500.0, 20.0, -20.0, 5.0, -5.0, 500.0, -500.0];
@@ -56,8 +55,10 @@ const TORQUE_CONSTANT: f64 = 0.1;
 const FRICTION: f64 = 0.2;
 /// Noise of the motor's torque, in torques that balance the rated one.
 const TORQUE_NOISE: f64 = 0.01;
-/// Bits of both encoders.
-const ENCODER_BITS: u32 = 19;
+/// Bits of a revolution's 32 that the encoders, of 19, do not have.
+const LOST_BITS: u32 = 32 - 19;
+/// Standard deviations beyond which an error is counted.
+const FAR: f64 = 3.0;
 /// Most gauges.
 pub const MOST: usize = 8;
 /// Where they are: a quarter of a revolution apart, in pairs of both diagonals, at the rim, where torque strains most.
@@ -79,6 +80,10 @@ pub struct Sample {
     pub time: f64,
     /// Torque through the shell (N m).
     pub torque: f64,
+    /// External torque on the output (N m).
+    pub load: f64,
+    /// Angle of the wave generator as its encoder has it, whole revolutions included.
+    pub motor_angle: Angle<f32>,
     /// Wave generator less flexspline, as both encoders have it.
     pub wave_generator: Angle<f32>,
     /// Torque of the motor (N m), speed (rad/s) and acceleration of the wave generator (rad/s^2).
@@ -94,6 +99,8 @@ pub struct Reading<const G: usize> {
     pub strains: [f32; G],
     /// Wave generator less flexspline.
     pub wave_generator: Angle<f32>,
+    /// Torque of the motor, as its current has it (N m).
+    pub motor_torque: f32,
     /// Torque by the motor's balance (N m).
     pub reference: f32,
 }
@@ -119,13 +126,14 @@ impl Record {
         let sample = |row: Result<crate::io::log::OpenLoopRow, RunError>| {
             let row = row?;
             let motor = trajectory.at(row.time);
-            let seen =
-                |angle| encoder_count(Angle::from_radians_f64(angle), ENCODER_BITS) << (32 - ENCODER_BITS);
-            let difference = seen(motor.angle).wrapping_sub(seen(row.output_position));
+            let seen = |angle| Angle::<f64>::from_radians_f64(angle).counts >> LOST_BITS << LOST_BITS;
+            let (motor_counts, output_counts) = (seen(motor.angle), seen(row.output_position));
             Ok(Sample {
                 time: row.time,
                 torque: row.shell_torque,
-                wave_generator: Angle::from_counts(difference.into()),
+                load: input.time.at(row.time).of(&input.load_torque),
+                motor_angle: Angle::from_counts(motor_counts),
+                wave_generator: Angle::from_counts(motor_counts - output_counts),
                 motor: [row.input_torque, motor.velocity, motor.acceleration],
                 strains: row.strains,
             })
@@ -163,8 +171,13 @@ impl Record {
             let direction = if velocity == 0.0 { 0.0 } else { velocity.signum() };
             let friction = known * (contact.coulomb * direction + contact.viscous * velocity);
             let inertia = params.wave_generator_inertia * acceleration;
-            let balance = scale * torque + torque_noise.sample(&mut random) - inertia - friction;
-            Reading { strains, wave_generator: sample.wave_generator, reference: (n * balance) as f32 }
+            let motor_torque = scale * torque + torque_noise.sample(&mut random);
+            Reading {
+                strains,
+                wave_generator: sample.wave_generator,
+                motor_torque: motor_torque as f32,
+                reference: (n * (motor_torque - inertia - friction)) as f32,
+            }
         })
     }
 }
@@ -180,19 +193,13 @@ pub fn sensor<R: Real, const G: usize>(file: &GearFile) -> Result<TorqueGauges<R
     for (gauge, (node, direction)) in gauges.iter_mut().zip(PLACES) {
         *gauge = StrainGauge::build(&cup, node, direction)?;
     }
-    let [rim_twist, ..] = cup.twist();
-    params(gauges, rim_twist, gear.rated_torque).build()
+    params(gauges, gear.rated_torque).build()
 }
 
 /// What is declared of the gauges, by standard deviations.
-fn params<R: Real, const G: usize>(
-    gauges: [StrainGauge<R>; G],
-    rim_twist: R,
-    rated_torque: R,
-) -> TorqueGaugesParams<R, G> {
+fn params<R: Real, const G: usize>(gauges: [StrainGauge<R>; G], rated_torque: R) -> TorqueGaugesParams<R, G> {
     TorqueGaugesParams {
         gauges,
-        rim_twist,
         rated_torque,
         gain: R::lit(DECLARED_GAIN),
         offset: R::lit(DECLARED_OFFSET),
@@ -241,69 +248,76 @@ pub fn unjudged() -> usize {
     (LEARNING / CONTROL_PERIOD) as usize
 }
 
-/// Errors of a sensor over the judged part of some seeds, as fractions of rated torque.
+/// Errors of a seed's gauges over the judged part.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Errors {
-    /// rms, of the worst seed.
+    /// rms, of rated torque.
     pub error: f64,
-    /// The same of the gauges as a bridge that is balanced at rest, with the mesh's strain per torque.
+    /// The same of the gauges as a full bridge, balanced at rest, with the mesh's strain per torque.
     pub raw: f64,
-    /// rms of error over standard deviation, of all seeds.
-    pub spread: f64,
+    /// Part of the time in which the error is beyond three standard deviations.
+    pub far: f64,
 }
 
-/// Judges the first G gauges of these seeds, as they run in real time.
+/// Judges the first G gauges of a seed, as `step` tells their torque control period by control period.
+///
+/// # Errors
+/// As [`sensor`], and those of `step`.
+pub fn judge<const G: usize, E: From<Error>>(
+    file: &GearFile,
+    record: &Record,
+    seed: u64,
+    mut step: impl FnMut(&Reading<G>) -> Result<GaugeTorque<f32>, E>,
+) -> Result<Errors, E> {
+    let (nominal, rated) = (sensor::<f32, G>(file)?, file.gear.rated_torque);
+    let mut bridge = Bridge::default();
+    let [mut error, mut raw] = [Mean::default(); 2];
+    let mut far = 0.0;
+    for (period, (sample, read)) in record.samples().iter().zip(record.readings::<G>(seed)).enumerate() {
+        let GaugeTorque { torque, standard_deviation } = step(&read)?;
+        let bridge_torque = bridge.torque(&nominal, &read.strains);
+        if period >= unjudged() {
+            let off = f64::from(torque) - sample.torque;
+            error.take(off / rated);
+            raw.take((bridge_torque - sample.torque) / rated);
+            far += f64::from(u8::from(off.abs() > FAR * f64::from(standard_deviation)));
+        }
+    }
+    Ok(Errors { error: error.root(), raw: raw.root(), far: far / error.count })
+}
+
+/// The same with the sensor in the firmware's precision.
 ///
 /// # Errors
 /// As [`sensor`].
-pub fn judge<const G: usize>(
-    file: &GearFile,
-    record: &Record,
-    seeds: std::ops::Range<u64>,
-) -> Result<Errors, Error> {
+pub fn judge_on_host<const G: usize>(file: &GearFile, record: &Record, seed: u64) -> Result<Errors, Error> {
     let sensor = sensor::<f32, G>(file)?;
-    let rated = file.gear.rated_torque;
-    let mut worst = Errors::default();
-    let (mut ratios, count) = (0.0, seeds.clone().count() as f64);
-    for seed in seeds {
-        let (mut state, mut bridge) = (sensor.rest(), Bridge::default());
-        let [mut error, mut raw, mut ratio] = [Mean::default(); 3];
-        for (period, (sample, read)) in record.samples().iter().zip(record.readings::<G>(seed)).enumerate() {
-            let torque = sensor.step(&mut state, &read.strains, read.wave_generator, Some(read.reference));
-            let raw_torque = bridge.torque(&sensor, &read.strains);
-            if period >= unjudged() {
-                let off = f64::from(torque.torque) - sample.torque;
-                error.take(off / rated);
-                raw.take((raw_torque - sample.torque) / rated);
-                ratio.take(off / f64::from(torque.standard_deviation));
-            }
-        }
-        worst.error = worst.error.max(error.root());
-        worst.raw = worst.raw.max(raw.root());
-        ratios += ratio.root().powi(2);
-    }
-    Ok(Errors { spread: (ratios / count).sqrt(), ..worst })
+    let mut state = sensor.rest();
+    judge(file, record, seed, |read: &Reading<G>| {
+        Ok(sensor.step(&mut state, &read.strains, read.wave_generator, Some(read.reference)))
+    })
 }
 
 /// Mean of squares.
 #[derive(Clone, Copy, Debug, Default)]
-struct Mean {
+pub(super) struct Mean {
     sum: f64,
     count: f64,
 }
 
 impl Mean {
-    fn take(&mut self, value: f64) {
+    pub(super) fn take(&mut self, value: f64) {
         self.sum += value * value;
         self.count += 1.0;
     }
 
-    fn root(self) -> f64 {
+    pub(super) fn root(self) -> f64 {
         (self.sum / self.count).sqrt()
     }
 }
 
-/// Gauges in a bridge, balanced by their first reading.
+/// The gauges in a full bridge as for torque, those of one diagonal in the arms opposite to those of the other, balanced by their first
+/// reading. Where all have their nominal gain and place, the ellipse's 2nd harmonic cancels in it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Bridge {
     balance: Option<f64>,

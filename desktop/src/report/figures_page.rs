@@ -38,6 +38,7 @@ const PARTS: &[Part] = &[
     Part { title: "Arm link", prefixes: &["link."], command: "strainwave verify link" },
     Part { title: "PZT patch", prefixes: &["piezo."], command: "strainwave verify piezo" },
     Part { title: "Sensors", prefixes: &["sensor."], command: "strainwave verify sensor" },
+    Part { title: "Strain gauges", prefixes: &["gauges."], command: "strainwave verify gauges" },
     Part { title: "Identification", prefixes: &["identify."], command: "strainwave verify identify" },
     Part {
         title: "Compensator",

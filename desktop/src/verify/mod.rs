@@ -12,6 +12,7 @@ pub mod constants;
 pub mod faults;
 pub mod flexspline;
 pub mod friction;
+pub mod gauges;
 pub mod healthy;
 pub mod hysteresis;
 pub mod identify;
@@ -90,13 +91,15 @@ pub enum Part {
     Piezo,
     /// Readings of the sensors against the words of their datasheets.
     Sensor,
+    /// Torque by strain gauges on the flexspline, and the observer with it.
+    Gauges,
     /// Basis of the compensator: unbounded angles in f32.
     Compensator,
 }
 
 impl Part {
     /// Every part.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Flexspline,
         Self::Friction,
         Self::Hysteresis,
@@ -104,6 +107,7 @@ impl Part {
         Self::Link,
         Self::Piezo,
         Self::Sensor,
+        Self::Gauges,
         Self::Compensator,
     ];
 
@@ -117,6 +121,7 @@ impl Part {
             Self::Link => "link",
             Self::Piezo => "piezo",
             Self::Sensor => "sensor",
+            Self::Gauges => "gauges",
             Self::Compensator => "compensator",
         }
     }
@@ -134,6 +139,7 @@ impl Part {
             Self::Link => Ok(link::measure()),
             Self::Piezo => Ok(piezo::measure()),
             Self::Sensor => Ok(sensor::measure()),
+            Self::Gauges => gauges::measure(),
             Self::Compensator => Ok(compensator::measure()),
         };
         Ok(measured?.with_tight_bounds())

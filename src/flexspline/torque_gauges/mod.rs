@@ -7,11 +7,11 @@
 //! c_g    += w*mu*x*e_g      x the regressor, w = 1 for the constant, 2 for the others
 //! q_g    += mu*(tau_ref/tau_rated)*e_g/tau_rated
 //! p_g     = p0_g*(c_g2.c0_g2)/(c0_g2.c0_g2)                             gain by the amplitude of the 2nd harmonic
-//! mu      = s/(H + s),   H = limit(S/4, H_least, H_most)
+//! mu      = s/(H + s),   H = limit(S, H_least, H_most)
 //! ```
 //!
 //! y_g strain (without unit), tau torque through the shell (N m; the hysteresis beside the shell is not in it), t =
-//! theta_wg - theta_fs - tau/K_shell (the ellipse stands on the rim, which the last torque has turned against the flange), p strain per torque (1/(N m)), tau_ref the torque as known elsewhere, by the observer or the motor's
+//! theta_wg - theta_fs, p strain per torque (1/(N m)), tau_ref the torque as known elsewhere, by the observer or the motor's
 //! balance. c0 and p0 are those of the mesh, [`StrainGauge`]. s is the way of the wave generator (rad) since the
 //! gauge was last learnt, S its sum.
 //!
@@ -27,10 +27,11 @@
 //! ellipse's is not seen; it is declared, [`TorqueGaugesParams::misplacement`].
 //!
 //! **Excitation.** Learning goes with the way of the wave generator, not with time: at a standstill mu = 0 and nothing
-//! moves, at any speed a revolution teaches the same. H is a memory in rad: at first short, the prior is gone after
-//! some revolutions; then a quarter of all that was seen, so that noise is averaged over a growing way, and at
-//! most `FORGETTING`. In every other step one gauge learns, in turn, in the others the deviation follows: the
-//! cost of a step is bounded.
+//! moves, at any speed a revolution teaches the same. H is a memory in rad: at first short, so that the prior is gone after
+//! some revolutions; then all that was seen, and at most `FORGETTING`. The coefficients are then means over the whole way, and the
+//! reference's friction, whose error has the sign of the motion, averages out of the zero as the joint goes to and fro; a memory of a
+//! quarter of the way keeps that of the last motions, and S8 has 2.5 times the error. In every other step one gauge learns, in turn, in the
+//! others the deviation follows: the cost of a step is bounded.
 //!
 //! **Bounds.** Every coefficient stays within the band around the mesh's that gain, offset and misplacement can explain
 //! (projection); a residual beyond all of these, NaN included, is not learnt; torque and deviation are
@@ -47,6 +48,10 @@
 //! orthogonal over half a revolution, hence one mu for each in the place of a covariance (a normalised LMS).
 //! S. Haykin, "Adaptive Filter Theory", 5th edition, 2014, chapter 7.
 
+mod reading;
+
+pub use reading::GaugeTorque;
+
 use crate::angle::Angle;
 use crate::error::{Error, require};
 use crate::flexspline::StrainGauge;
@@ -57,8 +62,6 @@ use crate::real::{RADIANS_PER_COUNT, Real};
 const START: f64 = core::f64::consts::PI;
 /// Longest memory (rad): 100 revolutions.
 const FORGETTING: f64 = 628.0;
-/// Part of the way so far that is the memory.
-const MEMORY_SHARE: f64 = 0.25;
 /// Largest way of one correction, in starting memories: the gains of one step add up to less than 2.
 const LARGEST_WAY: f64 = 0.3;
 /// Bands of the learnt coefficients and of what a residual may be, in declared deviations.
@@ -71,8 +74,6 @@ const MISFIT_SHARE: f64 = 0.01;
 pub struct TorqueGaugesParams<R, const G: usize> {
     /// The gauges where they should be, as the mesh has them.
     pub gauges: [StrainGauge<R>; G],
-    /// Angle of the rim relative to the flange per torque (rad/(N m)), the first of [`super::Reduced::twist`]; 0..=0.01.
-    pub rim_twist: R,
     /// The gear's rated torque (N m), positive.
     pub rated_torque: R,
     /// Standard deviation of a gauge's gain from 1; 1e-3..=0.2.
@@ -104,7 +105,7 @@ pub struct TorqueGaugesParams<R, const G: usize> {
 ///     *gauge = StrainGauge::build(&cup, node, direction)?;
 /// }
 /// let params = TorqueGaugesParams {
-///     gauges, rim_twist: cup.twist()[0], rated_torque: JOINT.gear.rated_torque,
+///     gauges, rated_torque: JOINT.gear.rated_torque,
 ///     gain: 0.06, offset: 5e-5, noise: 2e-6, misplacement: 0.01, reference: 0.5,
 /// };
 /// let sensor = params.build()?;
@@ -130,8 +131,6 @@ pub struct TorqueGaugesParams<R, const G: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorqueGauges<R, const G: usize> {
     gauges: [Prior<R>; G],
-    /// Counts of the rim's angle per torque.
-    rim_twist: R,
     largest_torque: R,
     per_rated: R,
     /// Largest reference that is learnt from (N m).
@@ -175,8 +174,6 @@ struct Learnt<R> {
 pub struct TorqueGaugesState<R, const G: usize> {
     learnt: [Learnt<R>; G],
     next: usize,
-    /// Torque of the last step (N m).
-    torque: R,
     /// Way of the wave generator that was learnt from (rad), over all gauges.
     way: R,
     /// Part of the prior's error that is left.
@@ -185,15 +182,6 @@ pub struct TorqueGaugesState<R, const G: usize> {
     /// Standard deviation of the torque (N m), every other step.
     deviation: R,
     started: bool,
-}
-
-/// A reading of all gauges.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct GaugeTorque<R> {
-    /// Torque through the shell (N m), within [`RANGE`] times the rated torque.
-    pub torque: R,
-    /// Its standard deviation (N m).
-    pub standard_deviation: R,
 }
 
 impl<R: Real, const G: usize> TorqueGaugesParams<R, G> {
@@ -211,7 +199,6 @@ impl<R: Real, const G: usize> TorqueGaugesParams<R, G> {
         let offsets = count * self.offset * self.offset;
         Ok(TorqueGauges {
             gauges: self.gauges.map(|gauge| self.prior(&gauge)),
-            rim_twist: self.rim_twist * R::lit(1.0 / RADIANS_PER_COUNT),
             largest_torque: R::lit(RANGE) * self.rated_torque,
             per_rated: R::ONE / self.rated_torque,
             largest_reference: R::lit(RANGE) * self.rated_torque,
@@ -232,7 +219,6 @@ impl<R: Real, const G: usize> TorqueGaugesParams<R, G> {
         };
         require(self.gauges.iter().all(strained), "gauges")?;
         require(self.rated_torque.is_positive() && self.rated_torque <= R::lit(1e6), "rated_torque")?;
-        require(within(self.rim_twist, 0.0, 0.01), "rim_twist")?;
         require(within(self.gain, 1e-3, 0.2), "gain")?;
         require(within(self.offset, 0.0, 1e-2), "offset")?;
         require(within(self.noise, 1e-9, 1e-2), "noise")?;
@@ -278,7 +264,6 @@ impl<R: Real, const G: usize> TorqueGauges<R, G> {
         TorqueGaugesState {
             learnt: self.gauges.map(learnt),
             next: 0,
-            torque: R::ZERO,
             way: R::ZERO,
             left: R::ONE,
             misfit: self.least_misfit,
@@ -307,8 +292,7 @@ impl<R: Real, const G: usize> TorqueGauges<R, G> {
             state.learnt.iter_mut().for_each(|gauge| gauge.phase = phase);
             state.started = true;
         }
-        let turned = (self.rim_twist * state.torque).to_i32().cast_unsigned();
-        let regressors = regressors(phase.wrapping_sub(turned));
+        let regressors = regressors(phase);
         let (mut product, mut squares, mut power) = (R::ZERO, R::ZERO, R::ZERO);
         let mut rests = [R::ZERO; G];
         for ((rest, gauge), strain) in rests.iter_mut().zip(&state.learnt).zip(strains) {
@@ -320,7 +304,6 @@ impl<R: Real, const G: usize> TorqueGauges<R, G> {
         // A gain is within its band, so `squares` is positive.
         let per_square = R::ONE / squares;
         let torque = (product * per_square).limit(self.largest_torque);
-        state.torque = torque;
         let turn = state.next;
         state.next = if turn + 1 < 2 * G { turn + 1 } else { 0 };
         if turn & 1 == 1 {
@@ -373,9 +356,8 @@ impl<R: Real, const G: usize> TorqueGauges<R, G> {
         if !residual.is_within(prior.residual) {
             return;
         }
-        state.way = (state.way + way).min(R::from_i32(G as i32) * R::lit(FORGETTING / MEMORY_SHARE));
-        let share = R::lit(MEMORY_SHARE / G as f64);
-        let memory = (state.way * share).max(R::lit(START));
+        state.way = (state.way + way).min(R::lit(G as f64 * FORGETTING));
+        let memory = (state.way * R::lit(1.0 / G as f64)).max(R::lit(START));
         let step = way / (memory + way);
         // Its turn comes as often as every other's: one number stands for all of them.
         state.left = state.left - step * state.left * R::lit(1.0 / G as f64);

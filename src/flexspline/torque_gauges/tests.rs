@@ -13,7 +13,6 @@ fn params() -> TorqueGaugesParams<f64, 4> {
     let gauges = PLACES.map(|(node, direction)| StrainGauge::build(&cup, node, direction).unwrap());
     TorqueGaugesParams {
         gauges,
-        rim_twist: cup.twist()[0],
         rated_torque: 67.0,
         gain: 0.06,
         offset: 5e-5,
@@ -81,7 +80,7 @@ proptest! {
         scale in 0.8..1.2f64,
     ) {
         let params = params();
-        let (sensor, rim_twist) = (params.build().unwrap(), params.rim_twist);
+        let sensor = params.build().unwrap();
         let gains = gains.map(|gain| 0.9 + 0.2 * f64::from(gain) / 255.0);
         let (mut state, mut angle) = (sensor.rest(), Angle::default());
         let mut worst = 0.0f64;
@@ -90,7 +89,7 @@ proptest! {
             let torque = 60.0 * (f64::from(period) * 1.3e-3).sin();
             let mut strains = gains;
             for (strain, gauge) in strains.iter_mut().zip(&params.gauges) {
-                *strain = *strain * gauge.strain(torque, angle.plus(-rim_twist * torque)) + offset;
+                *strain = *strain * gauge.strain(torque, angle) + offset;
             }
             let read = sensor.step(&mut state, &strains, angle, Some(scale * torque));
             if period > 25_000 {
@@ -110,7 +109,6 @@ fn what_is_out_of_range_is_named() {
     };
     let named = |name| Some(Error::OutOfRange(name));
     assert_eq!(refused(|params| params.gain = 0.0), named("gain"));
-    assert_eq!(refused(|params| params.rim_twist = -1e-6), named("rim_twist"));
     assert_eq!(refused(|params| params.offset = f64::NAN), named("offset"));
     assert_eq!(refused(|params| params.noise = 0.0), named("noise"));
     assert_eq!(refused(|params| params.misplacement = -0.1), named("misplacement"));
@@ -120,7 +118,6 @@ fn what_is_out_of_range_is_named() {
     let gauges = [params().gauges[0]];
     let one = TorqueGaugesParams {
         gauges,
-        rim_twist: 0.0,
         rated_torque: 67.0,
         gain: 0.06,
         offset: 0.0,

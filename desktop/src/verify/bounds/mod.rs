@@ -11,6 +11,7 @@ mod design;
 mod faults;
 mod flexspline;
 mod friction;
+mod gauges;
 mod healthy;
 mod hysteresis;
 mod identify;
@@ -40,7 +41,7 @@ pub struct Bound {
 pub const LOOSE: f64 = 10.0;
 
 /// Every bound, by part.
-pub const BOUNDS: [&[Bound]; 17] = [
+pub const BOUNDS: [&[Bound]; 18] = [
     joint::ROWS,
     belt::ROWS,
     catalogue::ROWS,
@@ -50,6 +51,7 @@ pub const BOUNDS: [&[Bound]; 17] = [
     faults::ROWS,
     flexspline::ROWS,
     friction::ROWS,
+    gauges::ROWS,
     healthy::ROWS,
     hysteresis::ROWS,
     identify::ROWS,
@@ -93,6 +95,7 @@ pub const FLOORS: &[Bound] = &[
     design::FLOORS[3],
     design::FLOORS[4],
     design::FLOORS[5],
+    gauges::FLOORS[0],
     Bound {
         name: "compensator.replay.joints_at_half",
         value: 3.0,
