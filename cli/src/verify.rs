@@ -12,7 +12,7 @@ use strainwave_desktop::verify::faults;
 use strainwave_desktop::verify::robustness::Robustness;
 use strainwave_desktop::verify::{self, Measured};
 use strainwave_desktop::verify::{
-    catalogue, compensator, constants, healthy, identify, replay, robot, robustness,
+    catalogue, compensator, constants, healthy, identify, replay, robot, robustness, stored_map,
 };
 use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::rerun;
@@ -80,9 +80,10 @@ pub struct Arguments {
     /// take 15 minutes of one processor, half of that on two.
     #[arg(long = "constant", value_name = "NAME", value_parser = constant_parser(), hide_possible_values = true)]
     constants: Vec<String>,
-    /// Of `robustness`, noises on each plant
-    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = value_parser!(u32).range(1..=1000))]
-    noises: u32,
+    /// Noises on each plant: of `robustness` 1 when left out, of `compensator` 4, with the stored kinematic error told, learnt and
+    /// absent 2
+    #[arg(long, value_name = "COUNT", value_parser = value_parser!(u32).range(1..=1000))]
+    noises: Option<u32>,
     /// Of `robustness`, the joint; the default gear when left out
     #[arg(long, value_name = "GEAR.toml")]
     gear: Option<PathBuf>,
@@ -182,6 +183,7 @@ fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
     if parts.contains(&verify::Part::Compensator) {
         measured.add(replay::measure()?);
         measured.add(against_baselines(arguments)?);
+        measured.add(with_the_map(arguments)?);
     }
     if let Some(parts) = emulated_parts(expected(FIRMWARE), flexspline) {
         measured.add(measure_emulated(parts)?);
@@ -195,12 +197,28 @@ fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
 
 fn against_baselines(arguments: &Arguments) -> Result<Measured, BadInput> {
     let mut progress = Progress::new(1000, "compensator and baselines");
-    let (gear, [samples, box_samples]) =
-        (GearFile::default_gear(), [arguments.samples, arguments.box_samples]);
-    compensator::against_baselines(&gear, samples, box_samples, |fraction| {
+    let gear = GearFile::default_gear();
+    let request = compensator::Request {
+        samples: arguments.samples,
+        noises: arguments.noises.unwrap_or(compensator::NOISES),
+        box_samples: arguments.box_samples,
+    };
+    let judgement = compensator::against_baselines(&gear, &request, |fraction| {
         progress.set((fraction * 1e3) as u64)
-    })
-    .map_err(BadInput::message)
+    });
+    drop(progress);
+    Ok(judgement.map_err(BadInput::message)?.figures.into())
+}
+
+/// The claims with the stored kinematic error told, learnt and absent.
+fn with_the_map(arguments: &Arguments) -> Result<Measured, BadInput> {
+    let mut progress = Progress::new(1000, "stored kinematic error");
+    let noises = arguments.noises.unwrap_or(stored_map::NOISES);
+    let figures = stored_map::measure(&GearFile::default_gear(), arguments.samples, noises, |fraction| {
+        progress.set((fraction * 1e3) as u64)
+    });
+    drop(progress);
+    Ok(figures.map_err(BadInput::message)?.into())
 }
 
 /// On plants that the controllers do not know; its table is one line a row.
@@ -212,7 +230,7 @@ fn against_unknowns(arguments: &Arguments) -> Result<Figures, BadInput> {
         },
         first: arguments.first.unwrap_or(robustness::FIRST),
         seeds: arguments.seeds.unwrap_or(robustness::SEEDS),
-        noises: arguments.noises,
+        noises: arguments.noises.unwrap_or(1),
         reference: arguments.reference,
     };
     let mut progress = Progress::new(1000, "judged plants");

@@ -20,6 +20,7 @@ mod piezo;
 mod robot;
 mod robustness;
 mod sensor;
+mod stored_map;
 
 use crate::io::figure::Figure;
 
@@ -40,7 +41,7 @@ pub struct Bound {
 pub const LOOSE: f64 = 10.0;
 
 /// Every bound, by part.
-pub const BOUNDS: [&[Bound]; 17] = [
+pub const BOUNDS: [&[Bound]; 18] = [
     joint::ROWS,
     belt::ROWS,
     catalogue::ROWS,
@@ -58,6 +59,7 @@ pub const BOUNDS: [&[Bound]; 17] = [
     robot::ROWS,
     robustness::ROWS,
     sensor::ROWS,
+    stored_map::ROWS,
 ];
 
 /// Targets of the figures whose bound is the reached value instead, by name.
