@@ -309,15 +309,11 @@ fn motions<'a>(arguments: &Arguments, trajectory: Option<&'a Trajectory>) -> Vec
 /// The compensator against the baselines on the desktop, every row the worst of many plant samples.
 fn table(gear: &GearFile) -> Result<Vec<Figure>, BadInput> {
     let mut progress = Progress::new(1000, "compensator and baselines");
-    let request = compensator::Request {
-        samples: compensator::SAMPLES,
-        noises: compensator::NOISES,
-        box_samples: 0,
-    };
-    let judgement = compensator::against_baselines(gear, &request, |fraction| {
-        progress.set((fraction * 1e3) as u64)
-    })
-    .map_err(BadInput::message)?;
+    let request =
+        compensator::Request { samples: compensator::SAMPLES, noises: compensator::NOISES, box_samples: 0 };
+    let judgement =
+        compensator::against_baselines(gear, &request, |fraction| progress.set((fraction * 1e3) as u64))
+            .map_err(BadInput::message)?;
     Ok(judgement.figures)
 }
 

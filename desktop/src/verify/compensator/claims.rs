@@ -100,7 +100,12 @@ pub fn worst_samples(samples: &[Compared], rated: f64, count: usize) -> Vec<Clai
         let mut worst = claim.on(sensors, samples, rated);
         worst.sort_by(|a, b| b.value.abs().total_cmp(&a.value.abs()));
         let mut plants = Vec::new();
-        worst.retain(|sample| !plants.contains(&sample.seed) && { plants.push(sample.seed); true });
+        worst.retain(|sample| {
+            !plants.contains(&sample.seed) && {
+                plants.push(sample.seed);
+                true
+            }
+        });
         worst.truncate(count);
         worst
     })
@@ -127,7 +132,10 @@ impl Claim {
         let all = self.on(sensors, samples, rated);
         let worst = all.into_iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
         let figure = |value| bounds::figure(self.names[sensors as usize], value);
-        worst.map_or_else(|| figure(f64::NAN), |worst| figure(worst.value).of_seed(worst.seed).of_noise(worst.realisation))
+        worst.map_or_else(
+            || figure(f64::NAN),
+            |worst| figure(worst.value).of_seed(worst.seed).of_noise(worst.realisation),
+        )
     }
 
     fn value(&self, sensors: SensorSet, sample: &Compared, rated: f64) -> f64 {

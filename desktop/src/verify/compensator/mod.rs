@@ -79,9 +79,8 @@ pub fn against_baselines(
 ) -> Result<Judgement, RunError> {
     let (rivals, rated) = (Rivals::build(file)?, file.gear.rated_torque);
     let of = |seed| Conditions::of(file, seed);
-    let claimed = (1..=request.samples).flat_map(|seed| {
-        (0..request.noises).map(move |realisation| Conditions { realisation, ..of(seed) })
-    });
+    let claimed = (1..=request.samples)
+        .flat_map(|seed| (0..request.noises).map(move |realisation| Conditions { realisation, ..of(seed) }));
     let boxed = (1..=request.box_samples).map(|seed| Conditions { noise: BOX_NOISE, ..of(seed) });
     let all: Vec<_> = claimed.chain(boxed).collect();
     let compare = |conditions: &Conditions| {
@@ -95,7 +94,8 @@ pub fn against_baselines(
     let mut samples = compared;
     let boxed = samples.split_off(all.iter().filter(|conditions| conditions.noise != BOX_NOISE).count());
     let mut figures = StepResponse::of(file, Build::REFERENCE)?.figures();
-    let claims = SensorSet::ALL.into_iter().flat_map(|sensors| CLAIMS.iter().map(move |claim| (sensors, claim)));
+    let claims =
+        SensorSet::ALL.into_iter().flat_map(|sensors| CLAIMS.iter().map(move |claim| (sensors, claim)));
     figures.extend(claims.map(|(sensors, claim)| claim.figure(sensors, &samples, rated)));
     if !boxed.is_empty() {
         figures.extend(SensorSet::ALL.into_iter().flat_map(|sensors| claims::in_the_box(sensors, &boxed)));
