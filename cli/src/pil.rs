@@ -280,8 +280,9 @@ fn trials(
         let rest = Trial { payload, ..Trial::from_rest(gear, motion, seed) };
         trials.extend(sensor_sets.iter().filter(|_| !motion.blocked()).map(|sensors| {
             let worst = |scenario| compensator::worst_draw(&figures, scenario, *sensors);
-            let seed = arguments.seed.or(motion.scenario().and_then(worst)).unwrap_or(seed);
-            let conditions = Conditions { seed, sensors: *sensors, ..rest.conditions };
+            let given = arguments.seed.map(|seed| (seed, 0));
+            let (seed, realisation) = given.or(motion.scenario().and_then(worst)).unwrap_or((seed, 0));
+            let conditions = Conditions { seed, realisation, sensors: *sensors, ..rest.conditions };
             Trial { conditions, worked: true, ..rest }
         }));
         trials.extend((sensor_sets.is_empty() || motion.blocked()).then_some(rest));
@@ -308,11 +309,12 @@ fn motions<'a>(arguments: &Arguments, trajectory: Option<&'a Trajectory>) -> Vec
 /// The compensator against the baselines on the desktop, every row the worst of many plant samples.
 fn table(gear: &GearFile) -> Result<Vec<Figure>, BadInput> {
     let mut progress = Progress::new(1000, "compensator and baselines");
-    let measured = compensator::against_baselines(gear, compensator::SAMPLES, 0, |fraction| {
-        progress.set((fraction * 1e3) as u64)
-    })
-    .map_err(BadInput::message)?;
-    Ok(measured.figures)
+    let request =
+        compensator::Request { samples: compensator::SAMPLES, noises: compensator::NOISES, box_samples: 0 };
+    let judgement =
+        compensator::against_baselines(gear, &request, |fraction| progress.set((fraction * 1e3) as u64))
+            .map_err(BadInput::message)?;
+    Ok(judgement.figures)
 }
 
 fn run_trial<'a>(

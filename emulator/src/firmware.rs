@@ -1,6 +1,7 @@
 //! Builds a board's firmware.
 
 use crate::setup::{self, Compiler};
+use crate::sources;
 use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -137,21 +138,57 @@ fn link(board: &str, program: &str, joint: Option<&Joint>) -> Result<Firmware, E
     let output = folder().join("target");
     let images = output.join("images");
     fs::create_dir_all(&images)?;
+    let image = Image {
+        elf: images.join(match joint {
+            Some(joint) => format!("{program}-{:016x}.elf", joint.digest),
+            None => format!("{program}.elf"),
+        }),
+        sources: sources::digest(&folder().join(".."), &compiler.version)?,
+    };
+    let made = || Firmware { elf: image.elf.clone(), compiler: compiler.version.clone() };
+    if image.is_fresh() {
+        return Ok(made());
+    }
     // Two joints share one cargo output: it is locked from the build until the image is out of its way.
     let lock = File::create(images.join("lock"))?;
     lock.lock()?;
-    let joint_file = joint.map(|joint| joint.keep(&images)).transpose()?;
-    run(&compiler, board, program, joint_file.as_deref(), &output)?;
-    let built = output.join(&compiler.target).join("release").join(program);
-    let elf = images.join(match joint {
-        Some(joint) => format!("{program}-{:016x}.elf", joint.digest),
-        None => format!("{program}.elf"),
-    });
-    // Renamed into place: a machine that runs the old image keeps it.
-    let fresh = images.join(format!("{program}.new"));
-    fs::copy(&built, &fresh)?;
-    fs::rename(&fresh, &elf)?;
-    Ok(Firmware { elf, compiler: compiler.version })
+    // Whoever had the lock may have built it.
+    if !image.is_fresh() {
+        let joint_file = joint.map(|joint| joint.keep(&images)).transpose()?;
+        run(&compiler, board, program, joint_file.as_deref(), &output)?;
+        image.keep(&output.join(&compiler.target).join("release").join(program))?;
+    }
+    Ok(made())
+}
+
+/// Where an image is kept, and the digest of what it is built from.
+struct Image {
+    elf: PathBuf,
+    sources: u64,
+}
+
+impl Image {
+    /// File beside the image that holds the digest of its sources.
+    fn stamp(&self) -> PathBuf {
+        self.elf.with_extension("sources")
+    }
+
+    /// The image is there, and is of these sources.
+    fn is_fresh(&self) -> bool {
+        let stamped = fs::read_to_string(self.stamp());
+        self.elf.is_file() && stamped.is_ok_and(|stamp| stamp == self.sources.to_string())
+    }
+
+    /// Takes what cargo has built. Image and stamp are renamed into place: a machine that runs the old image keeps it. The stamp
+    /// comes last: an image without its stamp is built again.
+    fn keep(&self, built: &Path) -> io::Result<()> {
+        let (fresh, stamp) = (self.elf.with_extension("new"), self.stamp());
+        let _ = fs::remove_file(&stamp);
+        fs::copy(built, &fresh)?;
+        fs::rename(&fresh, &self.elf)?;
+        fs::write(&fresh, self.sources.to_string())?;
+        fs::rename(&fresh, stamp)
+    }
 }
 
 /// Refuses a name that no board has.
@@ -245,6 +282,7 @@ fn first_error(said: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scratch::Scratch;
 
     #[test]
     fn an_unknown_board_is_answered_with_the_known_ones() {
@@ -266,6 +304,23 @@ mod tests {
     fn a_missing_joint_is_named() {
         let error = build("mps2-an386", Some(Path::new("nowhere/joint.rs"))).unwrap_err().to_string();
         assert!(error.starts_with("joint file nowhere/joint.rs: "), "{error}");
+    }
+
+    #[test]
+    fn an_image_is_fresh_as_long_as_its_sources_are() {
+        let folder = Scratch::new("image").unwrap();
+        let image = |sources| Image { elf: folder.path().join("a.elf"), sources };
+        let built = folder.path().join("built");
+        fs::write(&built, "one").unwrap();
+        assert!(!image(1).is_fresh());
+        image(1).keep(&built).unwrap();
+        assert!(image(1).is_fresh() && !image(2).is_fresh());
+        fs::write(&built, "two").unwrap();
+        image(2).keep(&built).unwrap();
+        assert!(image(2).is_fresh() && !image(1).is_fresh());
+        assert_eq!(fs::read_to_string(image(2).elf).unwrap(), "two");
+        fs::remove_file(image(2).elf).unwrap();
+        assert!(!image(2).is_fresh());
     }
 
     #[test]

@@ -14,6 +14,7 @@ mod process;
 pub mod rerun;
 mod scratch;
 pub mod setup;
+mod sources;
 pub mod target;
 pub mod telemetry;
 pub mod verify;

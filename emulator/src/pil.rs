@@ -23,7 +23,7 @@ use strainwave_desktop::io::log::MeasuredLog;
 use strainwave_desktop::plant::divergence::RunError;
 use strainwave_desktop::plant::payload::Payload;
 use strainwave_desktop::verify::bounds;
-use strainwave_desktop::verify::compensator::CLAIMS;
+use strainwave_desktop::verify::compensator::{CLAIMS, Claim};
 use strainwave_desktop::verify::judge::faults::Raised;
 use strainwave_desktop::verify::judge::{Judge, Metric};
 use strainwave_desktop::verify::robustness::{Judged, metrics};
@@ -91,7 +91,7 @@ impl<'a> Trial<'a> {
     }
 
     /// The joint on the bench.
-    fn bench(&self, file: &GearFile) -> Result<Bench, strainwave::Error> {
+    pub(crate) fn bench(&self, file: &GearFile) -> Result<Bench, strainwave::Error> {
         Bench::loaded(file, &self.conditions, &self.payload.counted_from(self.motion.zero()))
     }
 
@@ -108,6 +108,25 @@ impl<'a> Trial<'a> {
             known.kinematic_error = KinematicError::default();
         }
         known
+    }
+
+    /// Values of the compensator's claims in this motion, from its run and those of B0 and B1 on `plant`; there are none of a trajectory.
+    ///
+    /// # Errors
+    /// A plant whose stiffness line is none.
+    pub(crate) fn claimed(
+        &self,
+        file: &GearFile,
+        plant: &GearParams<f64>,
+        runs: [&Run; 3],
+    ) -> Result<Vec<(&'static Claim, f64)>, strainwave::Error> {
+        let Some(scenario) = self.motion.scenario() else { return Ok(Vec::new()) };
+        let judges = runs.map(|run| Judge::new(scenario, plant, &run.trace));
+        let value = |claim: &'static Claim| {
+            let [ours, b0, b1] = judges.each_ref().map(|judge| judge.metric(claim.metric));
+            Ok((claim, claim.relative(ours?, [b0?, b1?], file.gear.rated_torque)))
+        };
+        CLAIMS.iter().filter(|claim| claim.metric.is_of(scenario)).map(value).collect()
     }
 
     /// As its figures are named: `s2` from rest, `motor.s2` where the compensator has worked before.
@@ -193,20 +212,17 @@ impl TrialRun<'_> {
     /// A plant whose stiffness line is none.
     pub fn claims(&self, file: &GearFile) -> Result<Vec<Figure>, strainwave::Error> {
         let Trial { conditions, worked, payload, .. } = self.trial;
-        let Some(scenario) = self.trial.motion.scenario().filter(|_| payload == Payload::NONE) else {
+        if payload != Payload::NONE {
             return Ok(Vec::new());
-        };
-        let [b0, b1] = self.b0_and_b1();
-        let [ours, b0, b1] =
-            [&self.target.run, b0, b1].map(|run| Judge::new(scenario, &self.plant, &run.trace));
-        let mut figures = Vec::new();
-        for claim in CLAIMS.iter().filter(|claim| claim.metric.is_of(scenario)) {
-            let [ours, b0, b1] = [&ours, &b0, &b1].map(|judge| judge.metric(claim.metric));
-            let value = claim.relative(ours?, [b0?, b1?], file.gear.rated_torque);
-            let figure = claim.of_target(conditions.sensors, value).of_seed(conditions.seed);
-            figures.push(if worked { figure } else { figure.without_bound() });
         }
-        Ok(figures)
+        let [b0, b1] = self.b0_and_b1();
+        let values = self.trial.claimed(file, &self.plant, [&self.target.run, b0, b1])?;
+        let figure = |(claim, value): (&Claim, f64)| {
+            let figure = claim.of_target(conditions.sensors, value).of_seed(conditions.seed);
+            let figure = figure.of_noise(conditions.realisation);
+            if worked { figure } else { figure.without_bound() }
+        };
+        Ok(values.into_iter().map(figure).collect())
     }
 
     /// Width and stiffness of the loop of S6, each with the value by the plant's parameters; none in other scenarios.

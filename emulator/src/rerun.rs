@@ -3,6 +3,8 @@
 //! Every rival runs on the same plant, on the desktop. Nothing is shortened: each run is the 10 s of work, the scenario
 //! and the rest of the rows.
 
+pub mod claims;
+
 use std::path::PathBuf;
 
 use strainwave_desktop::design::joint::joint_params;

@@ -21,6 +21,9 @@ pub struct Figure {
     /// Of the worst of many samples of the plant, the seed. In JSON only where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
+    /// Which noise on that plant, where it is another than the seed's own. In JSON only there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<u32>,
     /// Name of its row in the table of bounds, where it has one. Not in JSON.
     #[serde(skip)]
     pub row: Option<&'static str>,
@@ -52,6 +55,7 @@ impl Figure {
             at_least: false,
             holds: true,
             seed: None,
+            noise: None,
             row: None,
         }
     }
@@ -66,6 +70,12 @@ impl Figure {
     #[must_use]
     pub fn of_seed(self, seed: u64) -> Self {
         Self { seed: Some(seed), ..self }
+    }
+
+    /// The same, with this noise on the sample: 0 is the seed's own.
+    #[must_use]
+    pub fn of_noise(self, realisation: u32) -> Self {
+        Self { noise: (realisation > 0).then_some(realisation), ..self }
     }
 
     /// Headings of the cells of a printed row.

@@ -149,9 +149,15 @@ fn tables(values: &HashMap<&str, f64>) -> String {
     text
 }
 
+/// The value as it is shown again when it is read from the page: 1.0003 is 1.
+fn shown(value: f64) -> String {
+    let digits = number(value);
+    digits.parse().map_or(digits, number)
+}
+
 fn line(row: &Bound, value: Option<f64>) -> String {
     let sense = if is_floor(row.name) { ">= " } else { "" };
-    let shown = value.map_or_else(|| "-".into(), number);
+    let shown = value.map_or_else(|| "-".into(), shown);
     let [target, bound] = [target(row), row.value].map(|limit| format!("{sense}{}", number(limit)));
     let why = row.why.replace('|', "\\|");
     format!(
@@ -195,6 +201,9 @@ mod tests {
         let measured = renewed(&page, &[bounds::figure(ROW, 4.4e-6)]).unwrap();
         assert_eq!((&*cells(&measured, ROW)[1], &*cells(&measured, ROW)[5]), ("4.400e-6", "met"));
         assert_eq!(renewed(&measured, &[]).unwrap(), measured);
+        let nearly_one = renewed(&page, &[bounds::figure(ROW, 1.0003)]).unwrap();
+        assert_eq!(cells(&nearly_one, ROW)[1], "1");
+        assert_eq!(renewed(&nearly_one, &[]).unwrap(), nearly_one);
         let reported = bounds::figure(ROW, 5.5e-6).without_bound();
         assert_eq!(renewed(&measured, &[reported]).unwrap(), measured);
         let other = renewed(&measured, &[bounds::figure("friction.work.f32", 1.0)]).unwrap();

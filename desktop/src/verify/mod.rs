@@ -24,6 +24,7 @@ pub mod robot;
 pub mod robustness;
 mod sensor;
 pub mod step_response;
+pub mod stored_map;
 
 use self::bounds::LOOSE;
 use crate::io::figure::Figure;

@@ -21,6 +21,7 @@ mod piezo;
 mod robot;
 mod robustness;
 mod sensor;
+mod stored_map;
 
 use crate::io::figure::Figure;
 
@@ -60,6 +61,7 @@ pub const BOUNDS: [&[Bound]; 18] = [
     robot::ROWS,
     robustness::ROWS,
     sensor::ROWS,
+    stored_map::ROWS,
 ];
 
 /// Targets of the figures whose bound is the reached value instead, by name.
@@ -76,6 +78,34 @@ pub const TARGETS: &[(&str, f64)] = &[
     ("compensator.motor.s5.peak_to_b0", 0.6),
     ("compensator.both.s5.peak_to_b0", 0.55),
     ("compensator.motor.s5.steady_to_b0", 0.2),
+    ("compensator.motor.map_told.s2.rms_to_b0", 0.15),
+    ("compensator.motor.map_learnt.s2.rms_to_b0", 0.15),
+    ("compensator.motor.map_absent.s2.rms_to_b0", 0.15),
+    ("compensator.both.map_learnt.s2.rms_to_b0", 0.05),
+    ("compensator.both.map_absent.s2.rms_to_b0", 0.05),
+    ("compensator.motor.map_told.s2.rms_to_best", 0.7),
+    ("compensator.motor.map_learnt.s2.rms_to_best", 0.7),
+    ("compensator.motor.map_absent.s2.rms_to_best", 0.7),
+    ("compensator.both.map_absent.s2.rms_to_best", 0.7),
+    ("compensator.motor.map_told.s3.vibration_to_b0", 0.25),
+    ("compensator.motor.map_learnt.s3.vibration_to_b0", 0.25),
+    ("compensator.motor.map_absent.s3.vibration_to_b0", 0.25),
+    ("compensator.both.map_told.s3.vibration_to_b0", 0.2),
+    ("compensator.both.map_learnt.s3.vibration_to_b0", 0.2),
+    ("compensator.both.map_absent.s3.vibration_to_b0", 0.2),
+    ("compensator.motor.map_learnt.s3.vibration_to_best", 0.7),
+    ("compensator.motor.map_absent.s3.vibration_to_best", 0.7),
+    ("compensator.both.map_learnt.s3.vibration_to_best", 0.7),
+    ("compensator.both.map_absent.s3.vibration_to_best", 0.7),
+    ("compensator.motor.map_told.s4.ripple_to_b0", 0.02),
+    ("compensator.motor.map_learnt.s4.ripple_to_b0", 0.02),
+    ("compensator.motor.map_absent.s4.ripple_to_b0", 0.02),
+    ("compensator.both.map_learnt.s4.ripple_to_b0", 0.05),
+    ("compensator.both.map_absent.s4.ripple_to_b0", 0.05),
+    ("compensator.motor.map_told.s4.ripple_to_best", 0.7),
+    ("compensator.motor.map_learnt.s4.ripple_to_best", 0.7),
+    ("compensator.motor.map_absent.s4.ripple_to_best", 0.7),
+    ("compensator.both.map_absent.s4.ripple_to_best", 0.7),
     ("compensator.replay.joints_at_half", 6.0),
     ("constants.count", 35.0),
 ];

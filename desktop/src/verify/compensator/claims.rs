@@ -77,13 +77,65 @@ pub const CLAIMS: &[Claim] = &[
     ),
 ];
 
+/// A claim on one sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Claimed {
+    /// Which claim.
+    pub claim: &'static Claim,
+    /// Sensors of the compensator.
+    pub sensors: SensorSet,
+    /// The sample.
+    pub seed: u64,
+    /// Its noise.
+    pub realisation: u32,
+    /// The claim's value.
+    pub value: f64,
+}
+
+/// The claims of scenarios, each with either set of sensors, on their worst plants: `count` of each, with the noise that is worst there.
+pub fn worst_samples(samples: &[Compared], rated: f64, count: usize) -> Vec<Claimed> {
+    let claims = CLAIMS.iter().filter(|claim| claim.scenario().is_some());
+    let all = claims.flat_map(|claim| SensorSet::ALL.map(|sensors| (claim, sensors)));
+    all.flat_map(|(claim, sensors)| {
+        let mut worst = claim.on(sensors, samples, rated);
+        worst.sort_by(|a, b| b.value.abs().total_cmp(&a.value.abs()));
+        let mut plants = Vec::new();
+        worst.retain(|sample| {
+            !plants.contains(&sample.seed) && {
+                plants.push(sample.seed);
+                true
+            }
+        });
+        worst.truncate(count);
+        worst
+    })
+    .collect()
+}
+
 impl Claim {
-    /// The worst of all samples with its bound, with the sample's seed; `rated` torque (N m).
-    pub fn figure(&self, sensors: SensorSet, samples: &[Compared], rated: f64) -> Figure {
-        let values = samples.iter().map(|sample| (sample.seed, self.value(sensors, sample, rated)));
-        let worst = values.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-        let (seed, value) = worst.unwrap_or((0, f64::NAN));
-        bounds::figure(self.names[sensors as usize], value).of_seed(seed)
+    /// The scenario of which it is; none of the estimates' claims, which are of all.
+    pub fn scenario(&self) -> Option<Scenario> {
+        Scenario::ALL.into_iter().find(|scenario| self.metric.is_of(*scenario))
+    }
+
+    /// On every sample.
+    fn on(&'static self, sensors: SensorSet, samples: &[Compared], rated: f64) -> Vec<Claimed> {
+        let on = |sample: &Compared| {
+            let &Compared { seed, realisation, .. } = sample;
+            Claimed { claim: self, sensors, seed, realisation, value: self.value(sensors, sample, rated) }
+        };
+        samples.iter().map(on).collect()
+    }
+
+    /// The worst of all samples with its bound, with the sample's seed and noise; `rated` torque (N m).
+    pub fn figure(&'static self, sensors: SensorSet, samples: &[Compared], rated: f64) -> Figure {
+        let all = self.on(sensors, samples, rated);
+        let worst = all.into_iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
+        let figure = |value| bounds::figure(self.names[sensors as usize], value);
+        worst.map_or_else(
+            || figure(f64::NAN),
+            |worst| figure(worst.value).of_seed(worst.seed).of_noise(worst.realisation),
+        )
     }
 
     fn value(&self, sensors: SensorSet, sample: &Compared, rated: f64) -> f64 {
@@ -108,19 +160,20 @@ impl Claim {
     }
 }
 
-/// The sample on which a scenario comes closest to its bounds, or misses them by most, among measured `figures`.
-pub fn worst_draw(figures: &[Figure], scenario: Scenario, sensors: SensorSet) -> Option<u64> {
+/// The sample on which a scenario comes closest to its bounds, or misses them by most, among measured `figures`: its seed
+/// and its noise.
+pub fn worst_draw(figures: &[Figure], scenario: Scenario, sensors: SensorSet) -> Option<(u64, u32)> {
     let names: Vec<_> = CLAIMS
         .iter()
         .filter(|claim| claim.metric.is_of(scenario))
         .map(|claim| claim.names[sensors as usize])
         .collect();
     let fraction = |figure: &&Figure| figure.value / figure.bound.unwrap_or(f64::INFINITY);
-    figures
+    let worst = figures
         .iter()
         .filter(|figure| names.contains(&figure.name.as_str()))
-        .max_by(|a, b| fraction(a).total_cmp(&fraction(b)))?
-        .seed
+        .max_by(|a, b| fraction(a).total_cmp(&fraction(b)))?;
+    Some((worst.seed?, worst.noise.unwrap_or_default()))
 }
 
 /// Runs that are unstable, and runs that are worse than B0, each with the seed of the first.
@@ -159,12 +212,12 @@ mod tests {
         let figures = [
             figure("compensator.motor.s3.vibration_to_b0", 0.05, 4),
             figure("compensator.motor.s3.settling_to_b0", 0.2, 7),
-            figure("compensator.both.s3.settling_to_b0", 0.9, 9),
+            figure("compensator.both.s3.settling_to_b0", 0.9, 9).of_noise(2),
             figure("compensator.motor.s2.rms_to_b0", 0.9, 11),
         ];
         let worst = |scenario, sensors| worst_draw(&figures, scenario, sensors);
-        assert_eq!(worst(Scenario::S3, SensorSet::Motor), Some(7));
-        assert_eq!(worst(Scenario::S3, SensorSet::Both), Some(9));
+        assert_eq!(worst(Scenario::S3, SensorSet::Motor), Some((7, 0)));
+        assert_eq!(worst(Scenario::S3, SensorSet::Both), Some((9, 2)));
         assert_eq!(worst(Scenario::S5, SensorSet::Motor), None);
     }
 }

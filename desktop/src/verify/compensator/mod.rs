@@ -3,8 +3,8 @@
 //! Every sample of the box (friction of either side +-20 %, stiffness +-10 %, load inertia +-30 %) is one plant with its
 //! noise. B0 and B1 run S1 to S5 on it from rest; the compensator first works for 10 s
 //! ([`crate::bench::working_motion`]), once with the motor's sensors alone and once with an output encoder too, and goes into
-//! each scenario from there. Metrics are those of [`crate::verify::judge`]; a claim is the worst ratio over 20 samples, and names
-//! the sample. The plant is the condensed one ([`crate::plant::Plant::condensed`]).
+//! each scenario from there. Metrics are those of [`crate::verify::judge`]; a claim is the worst ratio over 20 samples, each with
+//! four realisations of its noise, and names sample and noise. The plant is the condensed one ([`crate::plant::Plant::condensed`]).
 //!
 //! With both encoders the ripple of S4 is that of a compensator without the stored kinematic error, which has learnt it
 //! while it worked.
@@ -24,18 +24,21 @@ use std::sync::mpsc;
 use std::thread;
 
 use crate::bench::Conditions;
+use crate::io::figure::Figure;
 use crate::io::gear_file::GearFile;
 use crate::io::gear_file::SensorSet;
 use crate::plant::divergence::RunError;
 use crate::plant::two_port::Build;
 use crate::verify::Measured;
 use crate::verify::step_response::StepResponse;
-pub use claims::{CLAIMS, Claim, Reference, worst_draw};
+pub use claims::{CLAIMS, Claim, Claimed, Reference, worst_draw, worst_samples};
 pub(crate) use performance::worked;
-pub use performance::{Performance, Rivals};
+pub use performance::{Compared, Performance, Rivals};
 
 /// Samples that every claim is judged on.
 pub const SAMPLES: u64 = 20;
+/// Noises on each of them.
+pub const NOISES: u32 = 4;
 /// Samples of the whole box.
 pub const BOX_SAMPLES: u64 = 1000;
 /// Factor on the noise in the box.
@@ -46,39 +49,58 @@ pub fn measure() -> Measured {
     angle::measure().into()
 }
 
-/// Every claim on so many samples, and so many of the box; `progress` is called with the fraction done.
+/// What the claims are judged on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Request {
+    /// Plants.
+    pub samples: u64,
+    /// Noises on each of them.
+    pub noises: u32,
+    /// Plants of the whole box.
+    pub box_samples: u64,
+}
+
+/// Judged claims.
+pub struct Judgement {
+    /// Every figure.
+    pub figures: Vec<Figure>,
+    /// What each claim was judged on.
+    pub samples: Vec<Compared>,
+}
+
+/// Every claim; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// A gear that no compensator can be built for, or a baseline that diverges.
 pub fn against_baselines(
     file: &GearFile,
-    samples: u64,
-    box_samples: u64,
+    request: &Request,
     mut progress: impl FnMut(f64),
-) -> Result<Measured, RunError> {
+) -> Result<Judgement, RunError> {
     let (rivals, rated) = (Rivals::build(file)?, file.gear.rated_torque);
-    let claimed = (1..=samples).map(|seed| (seed, 1.0));
-    let all: Vec<_> = claimed.chain((1..=box_samples).map(|seed| (seed, BOX_NOISE))).collect();
-    let compare = |(seed, noise): &(u64, f64)| {
-        let conditions = Conditions { noise: *noise, ..Conditions::of(file, *seed) };
-        if *noise == BOX_NOISE {
-            rivals.compare(file, &conditions)
+    let of = |seed| Conditions::of(file, seed);
+    let claimed = (1..=request.samples)
+        .flat_map(|seed| (0..request.noises).map(move |realisation| Conditions { realisation, ..of(seed) }));
+    let boxed = (1..=request.box_samples).map(|seed| Conditions { noise: BOX_NOISE, ..of(seed) });
+    let all: Vec<_> = claimed.chain(boxed).collect();
+    let compare = |conditions: &Conditions| {
+        if conditions.noise == BOX_NOISE {
+            rivals.compare(file, conditions)
         } else {
-            rivals.compare_learning(file, &conditions)
+            rivals.compare_learning(file, conditions)
         }
     };
     let compared = each(&all, compare, &mut progress).into_iter().collect::<Result<Vec<_>, _>>()?;
-    let (claimed, boxed) = compared.split_at(samples as usize);
+    let mut samples = compared;
+    let boxed = samples.split_off(all.iter().filter(|conditions| conditions.noise != BOX_NOISE).count());
     let mut figures = StepResponse::of(file, Build::REFERENCE)?.figures();
-    figures.extend(
-        SensorSet::ALL
-            .into_iter()
-            .flat_map(|sensors| CLAIMS.iter().map(move |claim| claim.figure(sensors, claimed, rated))),
-    );
+    let claims =
+        SensorSet::ALL.into_iter().flat_map(|sensors| CLAIMS.iter().map(move |claim| (sensors, claim)));
+    figures.extend(claims.map(|(sensors, claim)| claim.figure(sensors, &samples, rated)));
     if !boxed.is_empty() {
-        figures.extend(SensorSet::ALL.into_iter().flat_map(|sensors| claims::in_the_box(sensors, boxed)));
+        figures.extend(SensorSet::ALL.into_iter().flat_map(|sensors| claims::in_the_box(sensors, &boxed)));
     }
-    Ok(figures.into())
+    Ok(Judgement { figures, samples })
 }
 
 /// Does the same work for every item on all processors; `progress` is called with the fraction done.

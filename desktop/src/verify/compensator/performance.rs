@@ -138,6 +138,8 @@ pub struct Rivals {
 pub struct Compared {
     /// The sample.
     pub seed: u64,
+    /// Its noise: 0 is the seed's own.
+    pub realisation: u32,
     /// B0 and B1.
     pub baselines: [Performance; 2],
     /// The compensator with each set of sensors.
@@ -176,6 +178,7 @@ impl Rivals {
         });
         Ok(Compared {
             seed: conditions.seed,
+            realisation: conditions.realisation,
             baselines: [baseline(b0)?, baseline(b1)?],
             compensated: [motor?, both?],
         })

@@ -18,6 +18,7 @@
 //!
 //! A rival that needs the output's encoder is none of the compensator's without it.
 
+mod map;
 mod rerun;
 mod run_result;
 mod summary;
@@ -25,7 +26,6 @@ mod summary;
 use strainwave::Error;
 use strainwave::compensator::JointParams;
 use strainwave::flexspline::Flexspline;
-use strainwave::kinematic_error::KinematicErrorParams;
 
 use crate::bench::baseline::Baseline;
 use crate::bench::controller::HostCompensator;
@@ -37,9 +37,10 @@ use crate::io::gear_file::SensorSet;
 use crate::plant::sample::PlantSample;
 use crate::plant::unknowns::Which;
 use crate::verify::compensator::each;
+pub use map::Map;
 pub use rerun::{Place, Rerun, WorstRun};
 pub use run_result::{JUDGED, Judged, Oscillation, RunResult, RunResults, metrics};
-pub use summary::{Robustness, Summary};
+pub use summary::{Robustness, Summary, best, median};
 
 /// Plants of a row when nothing else is said.
 pub const SEEDS: u64 = 6;
@@ -67,7 +68,8 @@ pub struct Rival {
     pub name: &'static str,
     /// Sensors of the controller.
     pub sensors: SensorSet,
-    build: fn(&GearFile) -> Result<Baseline, Error>,
+    /// For a joint.
+    pub build: fn(&GearFile) -> Result<Baseline, Error>,
 }
 
 /// All of them; the first is B0.
@@ -173,11 +175,8 @@ impl Job {
             Ok([motor?, both?])
         };
         let untold = || -> Result<_, Error> {
-            let mut unmapped = joint;
-            unmapped.gear.kinematic_error = KinematicErrorParams::default();
-            let mut absent = unmapped;
-            absent.learning.ripple.position_rate = 0.0;
-            Ok([both_sets(&unmapped, &[Scenario::S4])?, both_sets(&absent, &[Scenario::S4])?])
+            let [learnt, absent] = [Map::Learnt, Map::Absent].map(|map| map.joint(&joint));
+            Ok([both_sets(&learnt, &[Scenario::S4])?, both_sets(&absent, &[Scenario::S4])?])
         };
         Ok(Outcome {
             seed: self.seed,

@@ -1,6 +1,6 @@
 //! Summary of a row's runs.
 
-use super::run_result::{JUDGED, Oscillation, RunResult, torque_ratio};
+use super::run_result::{JUDGED, Oscillation, RunResult, RunResults, torque_ratio};
 use super::{Outcome, RIVALS, Rival};
 use crate::bench::scenario::Scenario;
 use crate::io::figure::{Figure, number};
@@ -123,7 +123,7 @@ impl OfSensors {
         let median_of = |result: &dyn Fn(&Outcome) -> Option<RunResult>, scenario, metric| {
             median(outcomes.iter().map(|outcome| {
                 let ours = result(outcome).map_or(f64::INFINITY, |ours| ours.metric(scenario, metric));
-                ours / best(outcome, sensors, scenario, metric)
+                ours / best(&outcome.rivals, sensors, scenario, metric)
             }))
         };
         let place = |scenario| JUDGED.iter().position(|other| *other == scenario).unwrap_or_default();
@@ -335,16 +335,16 @@ pub(super) fn reads_no_more(rival: &Rival, sensors: SensorSet) -> bool {
     sensors == SensorSet::Both || rival.sensors == SensorSet::Motor
 }
 
-/// The smallest metric of the rivals that read no more than these sensors.
-fn best(outcome: &Outcome, sensors: SensorSet, scenario: Scenario, metric: Metric) -> f64 {
-    let rivals = RIVALS.iter().zip(&outcome.rivals).filter(|(rival, _)| reads_no_more(rival, sensors));
+/// The smallest metric of those of [`RIVALS`] that read no more than these sensors; their results in that order.
+pub fn best(results: &[RunResults], sensors: SensorSet, scenario: Scenario, metric: Metric) -> f64 {
+    let rivals = RIVALS.iter().zip(results).filter(|(rival, _)| reads_no_more(rival, sensors));
     let place = JUDGED.iter().position(|other| *other == scenario).unwrap_or_default();
     let metrics = rivals.filter_map(|(_, results)| Some(results[place].as_ref()?.metric(scenario, metric)));
     metrics.fold(f64::INFINITY, f64::min)
 }
 
 /// The middle, the mean of the two middle ones of an even count; NaN counts as larger than any, and none as NaN.
-fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut values: Vec<_> = values.into_iter().map(f64::abs).collect();
     values.sort_by(f64::total_cmp);
     match values.len() {
