@@ -11,37 +11,40 @@
 /// Radians in one count of a phase of 2^32 counts a revolution.
 pub const RADIANS_PER_COUNT: f64 = core::f64::consts::TAU / 4_294_967_296.0;
 
-/// Entries; 1 kB.
-const ENTRIES: usize = 1 << ENTRIES_LOG2;
-const ENTRIES_LOG2: u32 = 7;
-/// Counts between two entries, as an exponent of 2.
-const STEP_LOG2: u32 = 32 - ENTRIES_LOG2;
+/// Steps of a revolution.
+const STEPS: usize = 1 << STEPS_LOG2;
+const STEPS_LOG2: u32 = 7;
+/// Counts of one step, as an exponent of 2.
+const STEP_LOG2: u32 = 32 - STEPS_LOG2;
+/// Steps of a quarter, which the cosine is ahead.
+const QUARTER: usize = STEPS / 4;
+/// Sines of a revolution and a quarter; 640 bytes.
+const ENTRIES: usize = STEPS + QUARTER;
 
 /// Bytes of the table.
-pub const BYTES: usize = ENTRIES * size_of::<[f32; 2]>();
+pub const BYTES: usize = ENTRIES * size_of::<f32>();
 
-/// C_k and S_k.
-static TABLE: [[f32; 2]; ENTRIES] = {
-    const QUARTER: usize = ENTRIES / 4;
-    let mut table = [[0.0; 2]; ENTRIES];
+/// S_k; C_k is S_(k + 32).
+static TABLE: [f32; ENTRIES] = {
+    let mut table = [0.0; ENTRIES];
     let mut k = 0;
     while k < ENTRIES {
         // From one quarter, so that what is symmetric has the same bits.
         let (sine, cosine) = (exact_sine(k % QUARTER), exact_sine(QUARTER - k % QUARTER));
         table[k] = match k / QUARTER {
-            0 => [cosine, sine],
-            1 => [-sine, cosine],
-            2 => [-cosine, -sine],
-            _ => [sine, -cosine],
+            1 => cosine,
+            2 => -sine,
+            3 => -cosine,
+            _ => sine,
         };
         k += 1;
     }
     table
 };
 
-/// sin(k*2*pi/[`ENTRIES`]) up to a quarter revolution, by its series.
+/// sin(k*2*pi/[`STEPS`]) up to a quarter revolution, by its series.
 const fn exact_sine(k: usize) -> f32 {
-    let x = k as f64 * (core::f64::consts::TAU / ENTRIES as f64);
+    let x = k as f64 * (core::f64::consts::TAU / STEPS as f64);
     let (mut series, mut order) = (1.0, 21.0);
     while order > 1.0 {
         series = 1.0 - series * x * x / (order * (order - 1.0));
@@ -54,7 +57,7 @@ const fn exact_sine(k: usize) -> f32 {
 #[inline(always)]
 pub fn sine_cosine_f32(phase: u32) -> (f32, f32) {
     let k = phase.wrapping_add(1 << (STEP_LOG2 - 1)) >> STEP_LOG2;
-    let [cosine, sine] = TABLE[k as usize];
+    let [sine, cosine] = [0, QUARTER].map(|ahead| TABLE[k as usize + ahead]);
     let rest = phase.wrapping_sub(k << STEP_LOG2).cast_signed() as f32 * RADIANS_PER_COUNT as f32;
     let square = rest * rest;
     let (t, h) = (rest - rest * (square * (1.0 / 6.0)), 0.5 * square);

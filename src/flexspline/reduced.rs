@@ -177,7 +177,8 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
     /// bound too.
     #[inline(never)] // The timing budget counts blocks by their symbols.
     pub fn torque(&self, torsion: R, rate: R) -> R {
-        (self.line.torque(torsion) + self.damping(torsion) * rate).limit(self.largest_torque)
+        let (torque, piece) = self.line.torque_and_piece(torsion);
+        (torque + self.damping[piece] * rate).limit(self.largest_torque)
     }
 
     /// A torque of [`Self::torque`] is at the end of its range.
@@ -288,11 +289,6 @@ impl<R: Real, const N: usize, const M: usize> Reduced<R, N, M> {
         let [radial, tangential, axial] = self.ellipse[j];
         [radial * cosine, tangential * sine, axial * cosine]
     }
-
-    #[inline(always)]
-    fn damping(&self, torsion: R) -> R {
-        self.damping[self.line.piece(torsion)]
-    }
 }
 
 impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Reduced<R, N, M> {
@@ -385,7 +381,7 @@ mod tests {
         #[test]
         fn within_the_range_it_is_line_and_dashpot(torsion in -8e-3..8e-3f64, rate in -40.0..40.0f64) {
             let reduced = reduced();
-            let whole = reduced.line.torque(torsion) + reduced.damping(torsion) * rate;
+            let whole = reduced.line.torque(torsion) + reduced.damping[reduced.line.piece(torsion)] * rate;
             prop_assert_eq!(reduced.torque(torsion, rate), whole.clamp(-LARGEST, LARGEST));
             // An angle holds the torsion to 1e-16 rad.
             prop_assume!((whole.abs() - LARGEST).abs() > 1e-9);

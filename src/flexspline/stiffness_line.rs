@@ -10,6 +10,7 @@
 //! pieces ([`TorsionLaw`]). Reference: the gear makers' definition
 //! of K1, K2, K3, T1, T2 (e.g. Harmonic Drive HFUS-2A manual, "torsional stiffness").
 
+use crate::branch::seldom;
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::Real;
@@ -86,7 +87,13 @@ impl<R: Real, const P: usize, const K: usize> Pieces<R, P, K> {
 
     #[inline(always)]
     fn value(&self, x: R) -> R {
-        let Piece { slope, offset } = self.pieces[self.piece(x)];
+        self.value_on(self.piece(x), x)
+    }
+
+    /// The same, where the index of the piece is at hand.
+    #[inline(always)]
+    fn value_on(&self, piece: usize, x: R) -> R {
+        let Piece { slope, offset } = self.pieces[piece];
         slope * x + if x < R::ZERO { -offset } else { offset }
     }
 
@@ -105,18 +112,18 @@ impl<R: Real, const P: usize, const K: usize> Pieces<R, P, K> {
         R::lit(0.5) * twice
     }
 
-    /// Index of the piece that holds x: by halving, so that eight pieces take three comparisons.
+    /// Index of the piece that holds x: the first three, which is all that most gears have, cost what a line of three costs.
     #[inline(always)]
     fn piece(&self, x: R) -> usize {
         let magnitude = x.abs();
         let beyond = |k: usize| usize::from(magnitude > self.knee[k]);
-        if K == 7 {
-            let half = 4 * beyond(3);
-            let quarter = half + 2 * beyond(half + 1);
-            quarter + beyond(quarter)
-        } else {
-            (0..K).map(beyond).sum()
+        let inner = beyond(0) + beyond(1);
+        if K == 2 || inner < 2 || beyond(2) == 0 {
+            return inner;
         }
+        seldom();
+        // The bound is no more than a proof to the compiler.
+        (3 + (3..K).map(beyond).sum::<usize>()).min(K)
     }
 }
 
@@ -226,6 +233,13 @@ impl<R: Real, const P: usize, const K: usize> Line<R, P, K> {
     #[inline(always)]
     pub fn torque(&self, torsion: R) -> R {
         self.by_torsion.value(torsion)
+    }
+
+    /// Torque for a torsion (N m), and the index of the piece that it lies on.
+    #[inline(always)]
+    pub fn torque_and_piece(&self, torsion: R) -> (R, usize) {
+        let piece = self.by_torsion.piece(torsion);
+        (self.by_torsion.value_on(piece, torsion), piece)
     }
 
     /// Torsion for a torque (rad).

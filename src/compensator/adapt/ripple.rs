@@ -200,10 +200,14 @@ impl<R: Real> RippleMap<R> {
     #[must_use]
     pub fn within(&self, ripple: &LearntRipple<R>) -> Self {
         let limited = |map: &Coefficients<R>, bound: R| {
-            core::array::from_fn(|k| match ripple.orders[k].order {
-                0 => [R::ZERO; 2],
-                _ => map[k].map(|coefficient| coefficient.finite_or(R::ZERO).limit(bound)),
-            })
+            let mut limited = *map;
+            for (place, order) in limited.iter_mut().zip(&ripple.orders) {
+                for coefficient in place {
+                    let used = if order.order == 0 { R::ZERO } else { *coefficient };
+                    *coefficient = used.finite_or(R::ZERO).limit(bound);
+                }
+            }
+            limited
         };
         Self {
             position: limited(&self.position, ripple.position_bound),

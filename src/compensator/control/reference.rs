@@ -8,7 +8,7 @@ use crate::compensator::reference::measured_feedback::MeasuredError;
 use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::reference::output_feedback::OutputError;
 use crate::compensator::schedule::OBSERVER_PERIODS;
-use crate::compensator::{Compensator, Estimate, Faults, Input, Setpoint, State};
+use crate::compensator::{Compensator, Faults, Input, Setpoint, State};
 use crate::real::{RADIANS_PER_COUNT, Real};
 
 impl<R: Real> Compensator<R> {
@@ -25,10 +25,7 @@ impl<R: Real> Compensator<R> {
         };
         let gravity = state.learning.gravity_torque();
         let (observer, gear_correction) = (&state.observer, &state.gear_correction);
-        let now = || {
-            let (output_position, output_velocity) = self.output_now(observer, gear_correction);
-            Estimate { output_position, output_velocity, ..Estimate::default() }
-        };
+        let now = || self.output_now(observer, gear_correction);
         let controlled =
             state.motor_reference.closed && state.mode.mode().drives() && state.fallback.trusted();
         let following = Following {

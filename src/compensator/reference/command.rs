@@ -35,7 +35,7 @@ use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::protection::Protection;
 use crate::compensator::reference::approach::{Approach, Moment};
 use crate::compensator::tuned::{LOST_REFERENCE, SETPOINT_TIME};
-use crate::compensator::{Estimate, Faults, Limits, Setpoint};
+use crate::compensator::{Faults, Limits, Setpoint};
 use crate::constants::constants;
 use crate::error::Error;
 use crate::gear::GearParams;
@@ -183,7 +183,7 @@ impl<R: Real> Commander<R> {
         self.approach.acceleration()
     }
 
-    /// The reference for a command that the guard let through.
+    /// The reference for a command that the guard let through; `output` gives the estimated angle and speed (rad/s) of the output.
     #[inline]
     pub fn step(
         &self,
@@ -191,7 +191,7 @@ impl<R: Real> Commander<R> {
         command: &Command<R>,
         CommandStatus { time, age, readable }: CommandStatus<R>,
         following: Following<R>,
-        estimate: impl Fn() -> Estimate<R>,
+        output: impl Fn() -> (Angle<R>, R),
         faults: &mut Faults,
     ) -> Target<R> {
         let lost = following.limited
@@ -199,7 +199,7 @@ impl<R: Real> Commander<R> {
             && moves_with(following.velocity, state.velocity());
         if lost {
             seldom();
-            let reached = Setpoint { velocity: following.velocity, ..at_rest(&estimate()) };
+            let reached = Setpoint { velocity: following.velocity, ..at_rest(output().0) };
             (state.reference, state.approaches) = (Some(reached), true);
         }
         state.unreadable = if readable { R::ZERO } else { (state.unreadable + time).min(R::ONE) };
@@ -214,7 +214,7 @@ impl<R: Real> Commander<R> {
                 let from = state.reference.unwrap_or_else(|| {
                     seldom();
                     state.waits = true;
-                    at_rest(&estimate())
+                    at_rest(output().0)
                 });
                 let commanded = if readable {
                     setpoint
@@ -228,13 +228,13 @@ impl<R: Real> Commander<R> {
                 (Kind::Position, next, None)
             }
             Command::Velocity { velocity, acceleration } => {
-                let from = state.reference.unwrap_or_else(|| at_rest(&estimate()));
+                let from = state.reference.unwrap_or_else(|| at_rest(output().0));
                 let commanded = if stale { [R::ZERO; 2] } else { [velocity, acceleration] };
                 (Kind::Velocity, self.integrated(from, commanded, time, faults), None)
             }
             Command::Torque(torque) => {
-                let estimate = estimate();
-                let setpoint = Setpoint { velocity: estimate.output_velocity, ..at_rest(&estimate) };
+                let (position, velocity) = output();
+                let setpoint = Setpoint { velocity, ..at_rest(position) };
                 (Kind::Torque, setpoint, Some(if stale { R::ZERO } else { torque }))
             }
         };
@@ -304,9 +304,9 @@ fn moves_with<R: Real>(output: R, reference: R) -> bool {
     reference * (output - R::lit(0.5) * reference) > R::ZERO
 }
 
-/// At rest at the output's angle.
-fn at_rest<R: Real>(estimate: &Estimate<R>) -> Setpoint<R> {
-    Setpoint { position: estimate.output_position, ..Setpoint::default() }
+/// At rest at an angle.
+fn at_rest<R: Real>(position: Angle<R>) -> Setpoint<R> {
+    Setpoint { position, ..Setpoint::default() }
 }
 
 #[cfg(test)]
@@ -343,7 +343,7 @@ mod tests {
             let velocity = 40.0 * accelerated;
             let command = Setpoint { position, velocity, acceleration, ..Setpoint::default() }.into();
             let status = CommandStatus { time: if told { time } else { ROUND }, age: 0.0, readable: true };
-            commander.step(&mut state, &command, status, GOOD, Estimate::default, &mut faults);
+            commander.step(&mut state, &command, status, GOOD, Default::default, &mut faults);
         }
         faults
     }
@@ -363,8 +363,7 @@ mod tests {
         for k in 0..200 {
             let speed = 4.0 * (f64::from(k) / 100.0).min(1.0);
             let at = state.position().to_radians() + ROUND * speed;
-            let behind =
-                Estimate { output_position: Angle::from_radians_f64(at - 0.1), ..Estimate::default() };
+            let behind = (Angle::from_radians_f64(at - 0.1), 0.0);
             let following = Following { error, limited: k == 199, velocity, load: 0.0 };
             target =
                 commander.step(&mut state, &moving(at, speed), status, following, || behind, &mut faults);

@@ -52,6 +52,7 @@ use super::lubricated_contact::LubricatedContact;
 use super::ripple::{Harmonics, RIPPLE_ORDERS};
 use super::{Friction, FrictionModel, LIMIT, Slip, StepTime};
 use crate::angle::Heading;
+use crate::branch::seldom;
 use crate::constants::constants;
 use crate::real::Real;
 
@@ -192,34 +193,16 @@ impl<R: Real> JointFriction<R> {
         load: R,
         wave_generator: Heading<R>,
     ) -> Friction<R> {
-        if velocity.abs() + load.abs() <= R::lit(LIMIT) {
-            self.slid(state, &Slip { velocity, duration, load, wave_generator, applied: R::ZERO })
-        } else {
-            self.slid_beyond(state, velocity, duration, load, wave_generator)
+        let mut slip = Slip { velocity, duration, load, wave_generator, applied: R::ZERO };
+        if !(velocity.abs() + load.abs() <= R::lit(LIMIT)) {
+            seldom();
+            let Some(limited) = slip.limited() else {
+                return Friction { force: state.force, held: true };
+            };
+            slip = limited;
         }
-    }
-
-    /// From beyond the limits of [`Slip`]. As long as it takes what it is called with, nothing is saved for it.
-    #[cold]
-    #[inline(never)]
-    fn slid_beyond(
-        &self,
-        state: &mut JointFrictionState<R>,
-        velocity: R,
-        duration: StepTime<R>,
-        load: R,
-        wave_generator: Heading<R>,
-    ) -> Friction<R> {
-        match (Slip { velocity, duration, load, wave_generator, applied: R::ZERO }).limited() {
-            Some(slip) => self.slid(state, &slip),
-            None => Friction { force: state.force, held: true },
-        }
-    }
-
-    #[inline(always)]
-    fn slid(&self, state: &mut JointFrictionState<R>, slip: &Slip<R>) -> Friction<R> {
         let side = if slip.velocity < R::ZERO { &self.backward } else { &self.forward };
-        let level = side.level(slip);
+        let level = side.level(&slip);
         side.presliding.approach(
             &mut state.presliding,
             state.stretch * slip.displacement().abs() / level,

@@ -241,10 +241,11 @@ impl<R: Real> Factors<R> {
     /// Each limited to 1 +- its bound; one that is not finite is 1.
     #[must_use]
     pub fn within(&self, bounds: &Self) -> Self {
-        let (values, bounds) = (self.all(), bounds.all());
-        Self::from_all(core::array::from_fn(|k| {
-            R::ONE + (values[k].finite_or(R::ONE) - R::ONE).limit(bounds[k])
-        }))
+        let mut values = self.all();
+        for (value, bound) in values.iter_mut().zip(bounds.all()) {
+            *value = R::ONE + (value.finite_or(R::ONE) - R::ONE).limit(bound);
+        }
+        Self::from_all(values)
     }
 }
 
