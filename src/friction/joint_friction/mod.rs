@@ -194,7 +194,9 @@ impl<R: Real> JointFriction<R> {
         wave_generator: Heading<R>,
     ) -> Friction<R> {
         let mut slip = Slip { velocity, duration, load, wave_generator, applied: R::ZERO };
-        if !(velocity.abs() + load.abs() <= R::lit(LIMIT)) {
+        // False for NaN, too.
+        let is_within = velocity.abs() + load.abs() <= R::lit(LIMIT);
+        if !is_within {
             seldom();
             let Some(limited) = slip.limited() else {
                 return Friction { force: state.force, held: true };

@@ -42,7 +42,7 @@ pub struct Bound {
 pub const LOOSE: f64 = 10.0;
 
 /// Every bound, by part.
-pub const BOUNDS: [&[Bound]; 18] = [
+pub const BOUNDS: [&[Bound]; 19] = [
     joint::ROWS,
     belt::ROWS,
     catalogue::ROWS,
