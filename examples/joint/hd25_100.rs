@@ -376,7 +376,7 @@ pub const JOINT: JointParams<f32> = JointParams {
         derivative: 0.0049773683,
         derivative_at_rest: 0.006843881,
         corner: 803.6376,
-        largest_shift: 0.15483871,
+        largest_shift: 0.25017577,
     },
     learning: LearningParams {
         adaptation: AdaptationParams {

@@ -3,18 +3,18 @@
 //! Output feedback ([`strainwave::compensator::reference::output_feedback`] by the estimate,
 //! [`strainwave::compensator::reference::measured_feedback`] by the output encoder): with the torsion mode's frequency
 //! omega = sqrt(K1/J_fs), `b = 2*zeta/omega` adds the damping ratio zeta, D alike; omega_y and omega_m are multiples of
-//! omega. The multiples were chosen by simulation, of the default gear and of training joints of the catalogue; no linear
-//! analysis of their margins stands behind them.
+//! omega. The multiples were chosen by simulation, of the default gear and of training joints of the catalogue.
 //!
-//! The motor follows a shift of its reference late: at the mode by
+//! Of P and D a joint has as much as is stable in every corner of its box (`output_loop.rs`). Of b it has what the lag at the mode
+//! allows: the motor follows a shift of its reference late, by
 //!
 //! ```text
 //! phase = atan(omega_3/omega_v) + omega_3*T,   omega_3 = sqrt(K3/J_fs)
 //! ```
 //!
-//! omega_v is the bandwidth of the velocity loop, T the delay: of b from a torque to the reference and half a round, of P
-//! and D, which act in every period, a period and the drive's. From 90 degrees on the shift takes damping away. So the
-//! gains are whole up to 60 degrees and fall to 0 at 90: half as much phase again as at 60 takes no damping away.
+//! omega_v is the bandwidth of the velocity loop, T the delay from a torque to the reference and half a round. From 90 degrees on the
+//! shift takes damping away. So b is whole up to 60 degrees and falls to 0 at 90: half as much phase again as at 60 takes no damping
+//! away.
 //!
 //! The corners of what is integrated, k and the disturbance path's slow part, are fractions of the outer frequency: omega,
 //! or 1.75 times the position gain where that is less. Units: rad, s, N m.
@@ -32,6 +32,7 @@ use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use strainwave::compensator::tuned::Tuned;
 
 use crate::design::feedback::feedback_params;
+use crate::design::output_loop::{self, Gains};
 use crate::design::tuned;
 use crate::io::gear_file::{Drive, Friction, GearFile};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
@@ -71,22 +72,28 @@ fn outer_frequency(file: &GearFile) -> f64 {
     mode_frequency(file).min(tuned::OUTER_TO_POSITION.get() * feedback_params::<f64>(file).position_gain)
 }
 
-/// Fraction of a shift's gains, 0..=1, that the phase of the motor at the torsion mode allows, with this delay (s).
-fn damping_level(file: &GearFile, delay: f64) -> f64 {
+/// Fraction of b, 0..=1, that the phase of the motor at the torsion mode allows.
+fn estimated_level(file: &GearFile) -> f64 {
+    let delay = lateness(&file.drive) + 0.5 * f64::from(SLOW_PERIODS) * CONTROL_PERIOD;
     let stiffest = (file.stiffness.k3 / file.inertia.flexspline).sqrt();
     let phase = (stiffest / (TAU * file.feedback.velocity_bandwidth)).atan() + stiffest * delay;
     ((FRAC_PI_2 - phase) / (FRAC_PI_2 - FRAC_PI_3)).clamp(0.0, 1.0)
 }
 
-/// Fraction of b.
-fn estimated_level(file: &GearFile) -> f64 {
-    damping_level(file, lateness(&file.drive) + 0.5 * f64::from(SLOW_PERIODS) * CONTROL_PERIOD)
+/// Whole P and D, in slow motion and at rest.
+fn measured_gains(file: &GearFile) -> [Gains; 2] {
+    let frequency = mode_frequency(file);
+    let corner = tuned::MEASURED_CORNER.get() * frequency;
+    [0, 1].map(|k: usize| Gains {
+        proportional: proportional()[k],
+        derivative: 2.0 * measured_damping()[k] / frequency,
+        corner,
+    })
 }
 
-/// Fraction of P and D.
-fn measured_level(file: &GearFile) -> f64 {
-    let late = f64::from(1 + file.sensors.output_encoder_delay) * CONTROL_PERIOD;
-    damping_level(file, late + drive_delay(&file.drive))
+/// Fractions of P and D, in slow motion and at rest, that the joint bears.
+fn measured_levels(file: &GearFile) -> [f64; 2] {
+    measured_gains(file).map(|gains| output_loop::level(file, gains))
 }
 
 /// Torque of the cascade at once for a shift of the output's reference by 1 rad (N m at the motor).
@@ -100,29 +107,18 @@ fn output_count(file: &GearFile) -> f64 {
     TAU / 2f64.powi(file.sensors.output_bits().cast_signed())
 }
 
-/// Fraction of P and D in slow motion, where nothing hides the encoder's rounding: so much of them that a count changes the
-/// torque by no more than [`tuned::COUNT_TORQUE`] of the motor's peak torque.
-fn slow_fraction(file: &GearFile) -> f64 {
-    let gain = measured_level(file)
-        * (proportional()[0] + 2.0 * measured_damping()[0] * tuned::MEASURED_CORNER.get());
-    // P and D of a joint whose torsion mode is too fast for any are 0: no count changes its torque.
+/// Fraction of P and D of which the joint bears `level`, in slow motion, where nothing hides the encoder's rounding: so much of them that a
+/// count changes the torque by no more than [`tuned::COUNT_TORQUE`] of the motor's peak torque.
+fn slow_fraction(file: &GearFile, level: f64) -> f64 {
+    let gain = level * (proportional()[0] + 2.0 * measured_damping()[0] * tuned::MEASURED_CORNER.get());
+    // Where the joint bears none no count changes its torque.
     let by_count = (gain * output_count(file) * torque_by_shift(file)).max(f64::MIN_POSITIVE);
     (tuned::COUNT_TORQUE.get() * file.motor.peak_torque / by_count).min(1.0)
 }
 
-/// Fraction of P and D at rest: so much of them that a step of the rated torque asks for no more than [`tuned::STEP_TORQUE`] of
-/// the motor's peak torque. Its error goes up to 2*T/K1, at a speed of up to omega*T/K1.
-fn rest_fraction(file: &GearFile) -> f64 {
-    let gain = 2.0 * (proportional()[1] + measured_damping()[1]);
-    let by_step = gain * file.gear.rated_torque / file.stiffness.k1 * torque_by_shift(file);
-    (tuned::STEP_TORQUE.get() * file.motor.peak_torque / by_step).min(1.0)
-}
-
-/// Largest shift by the output encoder's angle (rad at the motor), which takes [`tuned::SHIFT_TORQUE`] of the motor's peak torque:
-/// `J_wg*omega^2` times its amplitude.
+/// Largest shift by the output encoder's angle (rad at the motor): it asks for all of the motor's torque.
 fn largest_shift(file: &GearFile) -> f64 {
-    let stiffness = file.inertia.wave_generator * mode_frequency(file).powi(2);
-    tuned::SHIFT_TORQUE.get() * file.motor.peak_torque / stiffness
+    f64::from(file.gear.ratio) * file.motor.peak_torque / torque_by_shift(file)
 }
 
 /// The disturbance path, from the uncertainty of the joint.
@@ -158,7 +154,7 @@ pub fn output_feedback_params<R: Real>(file: &GearFile) -> [OutputFeedbackParams
     })
 }
 
-/// P that a joint bears whose torsion mode is too fast for the motor, where P and D by the mode's phase are none.
+/// P that a joint bears whose torsion mode is too fast for the motor, where it bears next to none of P and D together.
 ///
 /// There the motor follows a shift by `|T| = k_p/omega/sqrt(1 + (omega/omega_v)^2)`, at worst a quarter of a period late, and P takes
 /// a damping ratio of `P*|T|/2` from the mode: half of what it has is left to it. Nor does a count move the torque by more than
@@ -174,19 +170,18 @@ fn proportional_of_fast_mode(file: &GearFile) -> f64 {
 
 /// Gains of the output encoder's angle.
 pub fn measured_feedback_params<R: Real>(file: &GearFile) -> MeasuredFeedbackParams<R> {
-    let (frequency, level) = (mode_frequency(file), measured_level(file));
-    let levels = [level * slow_fraction(file), level * rest_fraction(file)];
-    let least = proportional_of_fast_mode(file);
+    let [slow, at_rest] = measured_levels(file);
+    let levels = [slow * slow_fraction(file, slow), at_rest];
+    let (gains, least) = (measured_gains(file), proportional_of_fast_mode(file));
     let [proportional, proportional_at_rest] =
-        [0, 1].map(|k: usize| R::lit((levels[k] * proportional()[k]).max(least)));
-    let [derivative, derivative_at_rest] =
-        [0, 1].map(|k: usize| R::lit(levels[k] * 2.0 * measured_damping()[k] / frequency));
+        [0, 1].map(|k: usize| R::lit((levels[k] * gains[k].proportional).max(least)));
+    let [derivative, derivative_at_rest] = [0, 1].map(|k: usize| R::lit(levels[k] * gains[k].derivative));
     MeasuredFeedbackParams {
         proportional,
         proportional_at_rest,
         derivative,
         derivative_at_rest,
-        corner: R::lit(tuned::MEASURED_CORNER.get() * frequency),
+        corner: R::lit(gains[0].corner),
         largest_shift: R::lit(largest_shift(file)),
     }
 }
@@ -278,43 +273,32 @@ mod tests {
 
     #[test]
     fn what_the_motor_is_too_late_for_is_not_damped() {
-        for level in [estimated_level, measured_level] {
-            assert_eq!(level(&GearFile::default_gear()), 1.0);
-            assert_eq!(level(&with_load(0.005)), 0.0);
-            let levels = [1.0, 0.3, 0.2, 0.1, 0.05].map(|factor| level(&with_load(factor)));
-            assert!(levels.is_sorted_by(|lighter, heavier| lighter >= heavier), "{levels:?}");
-        }
-        // What is read acts sooner than what is estimated.
-        assert!(measured_level(&with_load(0.1)) > estimated_level(&with_load(0.1)));
+        let level = |factor: f64| estimated_level(&with_load(factor));
+        assert_eq!([level(1.0), level(0.005)], [1.0, 0.0]);
+        let levels = [1.0, 0.3, 0.2, 0.1, 0.05].map(level);
+        assert!(levels.is_sorted_by(|lighter, heavier| lighter >= heavier), "{levels:?}");
     }
 
-    /// Of the motor's torque the largest shift takes the less at once, the lighter the load: it swings the faster.
     #[test]
-    fn a_light_load_is_shifted_with_less_torque() {
-        let at_once = |factor: f64| {
-            let file = crate::catalogue::load::with_load(&GearFile::default_gear(), factor * 1.2);
-            let cascade = feedback_params::<f64>(&file);
-            largest_shift(&file) * cascade.position_gain * cascade.velocity_gain / file.motor.peak_torque
-        };
-        assert!(
-            at_once(0.05) < 0.25 && at_once(0.05) < 0.5 * at_once(0.5),
-            "{} {}",
-            at_once(0.05),
-            at_once(0.5)
-        );
+    fn the_largest_shift_asks_for_all_of_the_torque() {
+        let file = GearFile::default_gear();
+        let cascade = feedback_params::<f64>(&file);
+        let torque = largest_shift(&file) * cascade.position_gain * cascade.velocity_gain;
+        assert!((torque / file.motor.peak_torque - 1.0).abs() < 1e-12, "{torque}");
     }
 
     /// Beyond the motor's loops P is what the mode's damping bears: the more, the lighter the load.
     #[test]
     fn a_fast_mode_keeps_half_of_its_damping() {
-        let gains = |factor: f64| {
+        let file = |factor: f64| {
             let mut file = with_load(factor);
             file.damping.torsion_mode_ratio = 0.002;
-            measured_feedback_params::<f64>(&file)
+            file
         };
-        let (light, lighter) = (gains(0.005), gains(0.0025));
-        assert_eq!((light.derivative, light.proportional), (0.0, light.proportional_at_rest));
-        assert!(light.proportional > 0.1 && lighter.proportional > 1.5 * light.proportional);
+        let [light, lighter] = [0.005, 0.0025].map(|factor| proportional_of_fast_mode(&file(factor)));
+        assert!(light > 0.1 && lighter > 1.5 * light, "{light} {lighter}");
+        assert!(measured_feedback_params::<f64>(&file(0.005)).proportional >= light);
+        let gains = |factor: f64| measured_feedback_params::<f64>(&file(factor));
         assert_eq!(gains(1e-5).proportional, proportional()[0]);
         assert_eq!(gains(1.0).proportional_at_rest, proportional()[1]);
     }
@@ -325,19 +309,9 @@ mod tests {
         let coarse = |bits| {
             let mut file = GearFile::default_gear();
             file.sensors.output_encoder_bits = Some(bits);
-            slow_fraction(&file)
+            slow_fraction(&file, 1.0)
         };
         assert!(coarse(19) == 1.0 && coarse(15) < 0.5 && coarse(14) < 0.6 * coarse(15));
-    }
-
-    #[test]
-    fn a_weak_motor_is_not_asked_for_more_than_its_limit_bears() {
-        let weak = |factor: f64| {
-            let mut file = GearFile::default_gear();
-            file.motor.peak_torque *= factor;
-            rest_fraction(&file)
-        };
-        assert!(weak(1.0) == 1.0 && weak(0.1) < 0.5 && (weak(0.05) / weak(0.1) - 0.5).abs() < 1e-9);
     }
 
     /// A heavier load slows the integrals down; a lighter one makes them no faster than the position loop bears.

@@ -28,6 +28,7 @@ pub mod loops;
 pub mod margins;
 pub mod mode;
 pub mod observer_design;
+mod output_loop;
 pub mod parts;
 pub mod plant;
 pub mod poles;

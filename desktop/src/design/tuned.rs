@@ -57,14 +57,6 @@ strainwave::tuned! {
          P + 2*zeta*this = 4.4 counts in slow motion";
     COUNT_TORQUE = 0.05, One,
         "Largest change of the torque by a count of the output encoder in slow motion, in motor's peak torques";
-    SHIFT_TORQUE = 0.1, One,
-        "Part of the motor's peak torque that the rotor takes to follow the largest shift at the torsion mode's frequency: the rest is the \
-         load's and the cascade's. With 0.2 a joint whose reflected rotor is ten times its load goes from limit to limit after a load \
-         step, with 0.15 it does not";
-    STEP_TORQUE = 5.0, One,
-        "Largest torque that P and D ask for at a step of the rated torque, in motor's peak torques: with more, a motor at its limit no \
-         longer damps. Without it one run more of 500 training joints shakes, and 3 of its 135 joints with both encoders more are worse \
-         than a baseline in S1";
     INTEGRAL = 0.3, One,
         "Integral of the output's error in slow motion, of the outer frequency";
     INTEGRAL_AT_REST = 0.4, One,

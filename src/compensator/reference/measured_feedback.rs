@@ -17,8 +17,7 @@
 //! torque, nor in a fast move, where they would excite the flexible mode of a load.
 //!
 //! A motor at its torque's limit follows late: with P and D in proportion to any error, a load step could keep a light joint
-//! swinging, its motor from limit to limit. So a shift takes no more than a part of the torque, and a larger error has less gain,
-//! down to the cascade's alone.
+//! swinging, its motor from limit to limit. So a shift is bounded, and a larger error has less gain, down to the cascade's alone.
 //!
 //! The mean of m over a round is for who integrates it ([`super::output_feedback`]): one reading of each round, at a speed
 //! that is a multiple of a count a round, would be off by the same part of a count each time.
