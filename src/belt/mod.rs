@@ -28,6 +28,7 @@
 
 pub mod chain;
 pub mod pitch_error;
+pub mod series;
 
 use core::f64::consts::TAU;
 
@@ -38,6 +39,7 @@ use crate::gear::{Applied, Motion};
 use crate::real::Real;
 
 pub use chain::{BeltEnds, BeltReaction, Chain, ChainState, SpanParams, SpanState, Tension};
+pub use series::{SeriesBelt, SeriesBeltParams};
 pub use pitch_error::{PitchError, PitchErrorParams, PitchTerm, TravelError};
 
 /// Most terms of each kind of the pitch error.

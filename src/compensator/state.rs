@@ -19,6 +19,7 @@ use crate::compensator::schedule::{Slot, SlowSlot};
 use crate::compensator::sense::encoder::EncoderState;
 use crate::compensator::sense::motor_encoder::MotorEncoderState;
 use crate::compensator::sense::motor_torque::MotorTorqueState;
+use crate::compensator::sense::pulleys::PulleysState;
 use crate::compensator::sense::rotor::RotorState;
 use crate::compensator::sense::validation::InputGuardState;
 use crate::real::Real;
@@ -29,6 +30,7 @@ pub struct State<R: Real> {
     pub(super) slot: Slot,
     pub(super) guard: InputGuardState<R>,
     pub(super) motor_encoder: MotorEncoderState,
+    pub(super) pulleys: PulleysState,
     pub(super) output_encoder: EncoderState,
     pub(super) latch: SensorLatch<R>,
     /// Raw count of the output encoder at the observer's last step, and its age (control periods).

@@ -36,3 +36,4 @@ pub mod response;
 pub mod sweep;
 pub mod tuned;
 pub mod variant;
+pub mod wave_generator;

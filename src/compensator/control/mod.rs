@@ -27,6 +27,7 @@ use crate::compensator::sense::encoder::Encoder;
 use crate::compensator::sense::motor_encoder::MotorEncoder;
 use crate::compensator::sense::motor_torque::MotorTorque;
 use crate::compensator::sense::output_zero::OutputZero;
+use crate::compensator::sense::pulleys::Pulleys;
 use crate::compensator::sense::rotor::Rotor;
 use crate::compensator::sense::validation::{FrozenEncoder, InputGuard};
 use crate::compensator::{Commanded, Faults, Input, Limits, Output, RealTimeGear, State};
@@ -88,6 +89,7 @@ pub struct Compensator<R: Real> {
     pub(super) clock: Clock<R>,
     pub(super) guard: InputGuard<R>,
     pub(super) motor_encoder: MotorEncoder<R>,
+    pub(super) pulleys: Pulleys<R>,
     pub(super) output_encoder: Encoder,
     pub(super) frozen_encoder: FrozenEncoder<R>,
     pub(super) frozen_output: FrozenEncoder<R>,
@@ -119,8 +121,8 @@ impl<R: Real> Compensator<R> {
     }
 
     /// Limits of motor and gear.
-    pub fn limits(&self) -> &Limits<R> {
-        &self.limits
+    pub fn limits(&self) -> Limits<R> {
+        self.pulleys.limits_at_motor(&self.limits)
     }
 
     /// Resolution of the motor encoder, 2^bits counts a revolution.
@@ -172,6 +174,7 @@ impl<R: Real> Compensator<R> {
         }
         state.sound &= faults == Faults::NONE && !state.limited;
         state.reported = faults;
+        let motor_torque = self.pulleys.at_motor(motor_torque);
         Commanded { motor_torque, faults, mode: state.mode.mode() }
     }
 
@@ -186,9 +189,13 @@ impl<R: Real> Compensator<R> {
         let external_torque = estimate.external_torque + state.learning.gravity_torque();
         estimate.external_torque = external_torque.limit(self.limits.output_torque);
         Output {
-            motor_torque: state.fallback.torque(),
-            feed_forward_torque: if driven { feed_forward.limit(self.limits.motor_torque) } else { R::ZERO },
-            motor_reference: state.motor_encoder.angle().plus(position_error),
+            motor_torque: self.pulleys.at_motor(state.fallback.torque()),
+            feed_forward_torque: if driven {
+                self.pulleys.at_motor(feed_forward.limit(self.limits.motor_torque))
+            } else {
+                R::ZERO
+            },
+            motor_reference: state.motor_encoder.angle().plus(self.pulleys.angle_at_motor(position_error)),
             estimate,
             observed: !state.slot.observes(),
             factors: *state.learning.applied(),

@@ -21,12 +21,13 @@ impl<R: Real> Compensator<R> {
         let sound = !status.contains(Status::MOTOR_ENCODER_INVALID);
         let (motor, lost) =
             self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder, sound, elapsed);
+        let motor = self.pulleys.reading(&mut state.pulleys, motor);
         faults.raise_if(!motor.accepted, Faults::MOTOR_ENCODER_JUMP);
         faults.raise_if(lost, Faults::MOTOR_ENCODER_LOST);
         let (commanded, feedback) = (state.fallback.torque(), state.guard.gains().feedback);
         let latch = &mut state.latch;
-        latch.motor_torque +=
-            self.motor_torque.step(&mut state.motor_torque, commanded, feedback, sensors.motor_torque);
+        let measured = self.pulleys.at_wave_generator(sensors.motor_torque);
+        latch.motor_torque += self.motor_torque.step(&mut state.motor_torque, commanded, feedback, measured);
         latch.drive_errors += state.motor_torque.drive_error();
         latch.time += elapsed.time;
         if sensors.output_encoder.is_some() && !status.contains(Status::OUTPUT_ENCODER_INVALID) {

@@ -19,6 +19,7 @@ use crate::compensator::Limits;
 use crate::compensator::schedule::CONTROL_PERIOD;
 use crate::compensator::sense::clock::Elapsed;
 use crate::compensator::sense::encoder::Reading;
+use crate::compensator::sense::pulleys::Pulleys;
 use crate::compensator::tuned::{BAD_FRAMES, DETECTION_MARGIN, ENCODER_NOISE, FRAME_RECOVERY};
 use crate::constants::constants;
 use crate::error::{Error, require};
@@ -93,6 +94,16 @@ impl<R: Real> MotorEncoder<R> {
         let reach = (acceleration * dt * dt * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs();
         let shift = 32 - bits;
         Ok(Self { shift, reach, noise: (ENCODER_NOISE.get() as u32) << shift, dt, inverse_dt: R::ONE / dt })
+    }
+
+    /// The same in front of a belt: the motor's acceleration is not the wave generator's.
+    #[must_use]
+    pub fn in_front_of(self, pulleys: &Pulleys<R>) -> Self {
+        if pulleys.ratio() == R::ONE {
+            return self;
+        }
+        let reach = R::from_i32(self.reach.min(i32::MAX.cast_unsigned()).cast_signed()) / pulleys.ratio();
+        Self { reach: reach.to_i32().unsigned_abs(), ..self }
     }
 
     /// Resolution: 2^bits counts a revolution.
