@@ -39,8 +39,8 @@ use crate::gear::{Applied, Motion};
 use crate::real::Real;
 
 pub use chain::{BeltEnds, BeltReaction, Chain, ChainState, SpanParams, SpanState, Tension};
-pub use series::{SeriesBelt, SeriesBeltParams};
 pub use pitch_error::{PitchError, PitchErrorParams, PitchTerm, TravelError};
+pub use series::{SeriesBelt, SeriesBeltParams};
 
 /// Most terms of each kind of the pitch error.
 pub const PITCH_TERMS: usize = 8;

@@ -116,7 +116,8 @@ mod tests {
     use proptest::prelude::*;
 
     fn belt() -> BeltParams<f64, ViscousParams<f64>> {
-        let span = SpanParams { length: 0.2, stiffness: 6e4, mass: 0.025, pretension: 20.0, damping_time: 1e-5 };
+        let span =
+            SpanParams { length: 0.2, stiffness: 6e4, mass: 0.025, pretension: 20.0, damping_time: 1e-5 };
         BeltParams {
             pitch: 0.003,
             belt_teeth: 160,

@@ -133,12 +133,7 @@ impl<R: Real> JointParams<R> {
                 self.feedback.position_gain,
                 self.dt,
             )?,
-            supervisor: Supervisor::build(
-                &self.gear,
-                limits.motor_torque,
-                motor_count,
-                self.dt,
-            ),
+            supervisor: Supervisor::build(&self.gear, limits.motor_torque, motor_count, self.dt),
             protection,
             fallback: Fallback::build(limits.motor_torque, self.dt),
             limits: *limits,

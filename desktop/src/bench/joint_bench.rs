@@ -17,8 +17,8 @@ use strainwave::gear::Motion;
 
 use crate::bench::controller::Controller;
 use crate::bench::task::{Demand, Task, periods};
-use crate::design::capability::Capability;
 use crate::design::belt::driving_belt;
+use crate::design::capability::Capability;
 use crate::design::joint::firmware_gear_params;
 use crate::design::wave_generator::at_wave_generator;
 use crate::io::gear_file::{GearFile, SensorSet};

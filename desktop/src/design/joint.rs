@@ -128,10 +128,14 @@ pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
         Some(_) => "use strainwave::hysteresis::HysteresisTable;\n",
         None => "",
     };
+    let belt = match params.belt {
+        Some(_) => "use strainwave::belt::SeriesBeltParams;\n",
+        None => "",
+    };
     let joint = dense(&format!("pub const JOINT: JointParams<f32> = {params:#?};"));
     format!(
         "// Generated from the gear file `{gear_name}`; do not edit.\n\
-         use strainwave::compensator::adapt::parameters::{{AdaptationParams, Factors}};\n\
+         {belt}use strainwave::compensator::adapt::parameters::{{AdaptationParams, Factors}};\n\
          use strainwave::compensator::actuate::cascade::FeedbackParams;\n\
          use strainwave::compensator::adapt::learning::{{LearningParams, Learnt}};\n\
          use strainwave::compensator::adapt::ripple::{{LearntRippleParams, RippleMap, RippleOrder}};\n\

@@ -66,7 +66,8 @@ mod tests {
             last = side.count((step * eighth) & ((1 << bits) - 1));
         }
         // z_2 revolutions less an eighth make z_1 revolutions less z_1/z_2 of it.
-        let whole = 2f64.powi(bits_at_wave_generator(bits, f64::from(motor) / f64::from(driven)).cast_signed());
+        let whole =
+            2f64.powi(bits_at_wave_generator(bits, f64::from(motor) / f64::from(driven)).cast_signed());
         let expected = (1.0 - f64::from(motor) / f64::from(8 * driven)) * whole;
         assert!((f64::from(last) - expected).abs() <= 1.0, "{last} {expected}");
         assert!((side.torque(1.0) - f64::from(motor) / f64::from(driven)).abs() < 1e-15);

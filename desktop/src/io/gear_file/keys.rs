@@ -160,5 +160,9 @@ pub const RELATIONS: &[Relation] = &[
 ];
 
 /// All of it.
-pub(super) const SCHEMA: Schema =
-    Schema { relations: RELATIONS, sides: &["input", "output"], optional_sections: &["belt"], ..Schema::of(KEYS) };
+pub(super) const SCHEMA: Schema = Schema {
+    relations: RELATIONS,
+    sides: &["input", "output"],
+    optional_sections: &["belt"],
+    ..Schema::of(KEYS)
+};

@@ -75,6 +75,7 @@ pub const TARGETS: &[(&str, f64)] = &[
     ("compensator.both.s5.peak_to_b0", 0.55),
     ("compensator.motor.s5.steady_to_b0", 0.2),
     ("compensator.replay.joints_at_half", 6.0),
+    ("belt.wrist.target.any_input.cycles", 2000.0),
     ("constants.count", 35.0),
 ];
 

@@ -163,7 +163,7 @@ impl<R: Real> MultiRateGear<R> {
         let slope = multi_rate.ratio + self.kinematic_error.slope;
         let mut torsion = self.kinematic_error.error - ends.link_offset;
         if multi_rate.belt.stretches() {
-            torsion = torsion - self.stretch;
+            torsion -= self.stretch;
         }
         let torsion_rate = slope * ends.wave_generator_speed - ends.flange_speed;
         let scale = R::ONE + gear_correction.stiffening;
