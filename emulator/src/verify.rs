@@ -1,6 +1,5 @@
 //! The figures that are measured on the firmware image, each with its bound.
 
-use std::collections::BTreeMap;
 use std::io;
 use std::panic::resume_unwind;
 use std::path::Path;
@@ -172,7 +171,8 @@ pub fn hysteresis() -> Result<Measured, Error> {
 pub fn wrist(mut progress: impl FnMut(f64)) -> Result<Measured, Error> {
     let file = GearFile::wrist();
     let image = pil::build(BOARD, &file)?.elf;
-    let budget = Budget { blocks: BTreeMap::new(), ..Budget::read(BOARD)? };
+    let mut budget = Budget::read(BOARD)?;
+    budget.blocks.clear();
     let mut agreement = Agreement::default();
     let measured = budget::measure(&budget, &image, |arguments| {
         let runs = scenarios(&file, &image, arguments, |fraction| progress(0.5 * fraction))?;
