@@ -2,15 +2,18 @@
 
 use std::path::Path;
 
+use strainwave::Error;
 use strainwave::belt::SeriesBeltParams;
 use strainwave::compensator::{Compensator, JointParams, Output};
+use strainwave::gear::Motion;
 use strainwave_desktop::GearFile;
 use strainwave_desktop::bench::controller::HostCompensator;
 use strainwave_desktop::bench::scenario::Scenario;
 use strainwave_desktop::bench::{Bench, Conditions};
+use strainwave_desktop::design::belt::driving_belt;
 use strainwave_desktop::design::joint::joint_params;
 use strainwave_desktop::io::gear_file::belt::WRIST;
-use strainwave_desktop::plant::driving_belt::Spans;
+use strainwave_desktop::plant::driving_belt::{DrivingBelt, Spans};
 
 /// Outputs of a compensator in a scenario, and the output's angle (rad).
 fn run(
@@ -97,7 +100,7 @@ fn what_is_wrong_with_the_belt_is_named() {
         (
             "\nteeth = 150",
             "\nteeth = 40",
-            "w.toml: belt.teeth = 40 is out of range; allowed: at least 60, to go around pulleys of 24 and 36 teeth",
+            "w.toml: belt.teeth = 40 is out of range; allowed: at least 50, to go around pulleys of 24 and 36 teeth",
         ),
         (
             "motor_pulley_teeth = 24",
@@ -124,4 +127,75 @@ fn a_belt_that_is_too_soft_is_refused_by_its_key() {
         line.starts_with("belt.stiffness_n = 600.0 is out of range; allowed, with the other keys as they"),
         "{line}"
     );
+}
+
+/// Micro-step of the belt alone (s), and the steps of a run.
+const DT: f64 = 5e-6;
+const STEPS: u32 = 40_000;
+
+fn belt(spans: Spans) -> DrivingBelt {
+    DrivingBelt::build(&driving_belt(&GearFile::wrist()).unwrap(), spans, DT).unwrap()
+}
+
+/// The motor swings a wave generator that is free, from rest.
+fn swung(mut belt: DrivingBelt, torque: impl Fn(f64) -> f64) -> (DrivingBelt, Motion<f64>) {
+    let mut wave_generator = Motion::default();
+    for k in 0..STEPS {
+        let on_gear = belt.step(Some(torque(f64::from(k) * DT)), &wave_generator);
+        wave_generator.advance(on_gear / belt.wave_generator_inertia(), DT);
+    }
+    (belt, wave_generator)
+}
+
+/// Whatever the motor does, its work is on the wave generator, stored or lost in the belt; with a span that goes slack too.
+#[test]
+fn the_power_through_the_belt_balances() {
+    for spans in [Spans::Chain, Spans::Massless] {
+        let at_rest = belt(spans).stored(&Motion::default());
+        for amplitude in [0.05, 2.0] {
+            let (belt, wave_generator) = swung(belt(spans), |time| amplitude * (300.0 * time).sin());
+            let [work, missing] = belt.balance(&wave_generator, at_rest);
+            let moved = wave_generator.velocity.abs().max(1.0);
+            assert!(missing.abs() < 0.02 * work.abs().max(1e-6 * moved), "{spans:?} {amplitude}: {missing} of {work}");
+        }
+    }
+}
+
+/// Both pulleys by their teeth, and as one inertia.
+#[test]
+fn a_steady_torque_turns_both_as_one() {
+    let file = GearFile::wrist();
+    let ratio = file.belt.unwrap().ratio();
+    let (belt, wave_generator) = swung(belt(Spans::Chain), |_| 0.01);
+    let known = strainwave_desktop::design::wave_generator::at_wave_generator(&file);
+    let expected = 0.01 / ratio / known.inertia.wave_generator * f64::from(STEPS) * DT;
+    assert!((wave_generator.velocity / expected - 1.0).abs() < 0.02, "{}", wave_generator.velocity);
+    assert!((belt.motor().velocity * ratio / wave_generator.velocity - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn a_micro_step_that_is_too_long_is_refused() {
+    let params = driving_belt(&GearFile::wrist()).unwrap();
+    let refused = DrivingBelt::build(&params, Spans::Massless, 1e-3).err();
+    assert_eq!(refused, Some(Error::OutOfRange("dt")));
+}
+
+#[test]
+#[ignore = "temporary"]
+fn print_figures() {
+    use strainwave_desktop::io::gear_file::SensorSet;
+    use strainwave_desktop::verify::compensator::Rivals;
+    use strainwave_desktop::verify::judge::Metric;
+    let catalogue = include_str!("../../gears/catalogue/hd17-050.toml");
+    let catalogue = GearFile::parse(Path::new("c.toml"), catalogue.as_bytes()).unwrap();
+    let direct = strainwave_desktop::design::wave_generator::at_wave_generator(&GearFile::wrist());
+    for (name, file) in [("catalogue", catalogue), ("direct", direct), ("wrist", GearFile::wrist())] {
+        let rivals = Rivals::build(&file).unwrap();
+        for seed in 10_000..10_008 {
+            let on = rivals.compare(&file, &Conditions { sensors: SensorSet::Motor, ..Conditions::of(&file, seed) }).unwrap();
+            let all = [Metric::StepVibration, Metric::MoveVibration, Metric::Error, Metric::Peak, Metric::Steady];
+            let values = all.map(|m| format!("{:.3e}/{:.3e}", on.compensated[0].metric(m), on.baselines[0].metric(m)));
+            println!("{name} {seed} {values:?}");
+        }
+    }
 }
