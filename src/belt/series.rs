@@ -45,6 +45,8 @@ pub struct SeriesBeltParams<R> {
 #[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeriesBelt<R> {
+    /// It stretches.
+    stretches: bool,
     compliance: R,
     slack_torque: R,
 }
@@ -72,13 +74,17 @@ impl<R: Real> SeriesBeltParams<R> {
         require((R::lit(0.125)..=R::lit(4.0)).contains(&self.ratio()), "belt_teeth")?;
         require((R::ZERO..=R::ONE).contains(&self.compliance), "belt_compliance")?;
         require(self.slack_torque.is_finite() && self.slack_torque >= R::ZERO, "belt_slack_torque")?;
-        Ok(SeriesBelt { compliance: self.compliance, slack_torque: self.slack_torque })
+        Ok(SeriesBelt {
+            stretches: self.compliance > R::ZERO,
+            compliance: self.compliance,
+            slack_torque: self.slack_torque,
+        })
     }
 }
 
 impl<R: Real> SeriesBelt<R> {
     /// None: it does not stretch.
-    pub const NONE: Self = Self { compliance: R::ZERO, slack_torque: R::ZERO };
+    pub const NONE: Self = Self { stretches: false, compliance: R::ZERO, slack_torque: R::ZERO };
 
     /// s under a torque (rad).
     #[inline(always)]
@@ -89,7 +95,7 @@ impl<R: Real> SeriesBelt<R> {
     /// It stretches.
     #[inline(always)]
     pub fn stretches(&self) -> bool {
-        self.compliance > R::ZERO
+        self.stretches
     }
 
     /// In front of this gear, at its stiffest and with a span slack, it gives way by less than half as much as the gear: with the

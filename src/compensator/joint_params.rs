@@ -75,7 +75,7 @@ impl<R: Real> JointParams<R> {
         self.limits.check()?;
         let stretch = self.belt.as_ref().map_or(Ok(SeriesBelt::NONE), SeriesBeltParams::build)?;
         let pulleys = Pulleys::build(self.belt.as_ref());
-        require(stretch.contracts(&self.gear), "belt_compliance")?;
+        require(!stretch.stretches() || stretch.contracts(&self.gear), "belt_compliance")?;
         let limits = &pulleys.limits_at_wave_generator(&self.limits);
         let encoder = |bits, speed| EncoderParams { bits, speed_limit: R::lit(2.0) * speed }.build(self.dt);
         let count = |bits: u32| R::lit(core::f64::consts::TAU) / R::from_i32(1 << bits.min(30));
@@ -99,7 +99,7 @@ impl<R: Real> JointParams<R> {
             guard,
             motor_encoder: MotorEncoder::build(self.motor_encoder_bits, &self.gear, limits, self.dt)?
                 .in_front_of(&pulleys),
-            pulleys,
+            torque_ratio: [pulleys.ratio(), pulleys.inverse_ratio()],
             output_encoder: encoder(self.output_encoder_bits, limits.output_speed(n) * readings)?,
             output_zero: OutputZero::build(self.output_encoder_zero, n)?,
             frozen_encoder: FrozenEncoder::of_motor(round + round),
@@ -125,6 +125,7 @@ impl<R: Real> JointParams<R> {
             )?,
             learning: self.learning.build(&self.gear, limits, self.dt)?,
             learnt: self.learnt,
+            pulleys,
             motor_torque: MotorTorque::build(limits.motor_torque, self.dt)?,
             rotor: Rotor::build(
                 &self.gear,

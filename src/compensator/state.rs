@@ -30,7 +30,6 @@ pub struct State<R: Real> {
     pub(super) slot: Slot,
     pub(super) guard: InputGuardState<R>,
     pub(super) motor_encoder: MotorEncoderState,
-    pub(super) pulleys: PulleysState,
     pub(super) output_encoder: EncoderState,
     pub(super) latch: SensorLatch<R>,
     /// Raw count of the output encoder at the observer's last step, and its age (control periods).
@@ -84,6 +83,7 @@ pub struct State<R: Real> {
     pub(super) limited: bool,
     /// No fault since the factors' last slot.
     pub(super) sound: bool,
+    pub(super) pulleys: PulleysState,
 }
 
 /// Sensor latch: readings since the observer's last slot.

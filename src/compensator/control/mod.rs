@@ -80,6 +80,8 @@ pub struct Compensator<R: Real> {
     pub(super) dt: R,
     /// Time from the observer's torques to the plan (s).
     pub(super) behind: R,
+    /// Torque of the motor over that at the wave generator, and the inverse.
+    pub(super) torque_ratio: [R; 2],
     /// Half a count of the motor's encoder (rad).
     pub(super) rounding: R,
     /// The speed of a resting motor is the observer's.
@@ -89,7 +91,6 @@ pub struct Compensator<R: Real> {
     pub(super) clock: Clock<R>,
     pub(super) guard: InputGuard<R>,
     pub(super) motor_encoder: MotorEncoder<R>,
-    pub(super) pulleys: Pulleys<R>,
     pub(super) output_encoder: Encoder,
     pub(super) frozen_encoder: FrozenEncoder<R>,
     pub(super) frozen_output: FrozenEncoder<R>,
@@ -110,6 +111,7 @@ pub struct Compensator<R: Real> {
     pub(super) learning: Learning<R>,
     pub(super) observer: Observer<R>,
     pub(super) gear: RealTimeGear<R>,
+    pub(super) pulleys: Pulleys<R>,
     /// Stored factors and ripple that the state starts from.
     pub(super) learnt: Learnt<R>,
 }
@@ -174,8 +176,8 @@ impl<R: Real> Compensator<R> {
         }
         state.sound &= faults == Faults::NONE && !state.limited;
         state.reported = faults;
-        let motor_torque = self.pulleys.at_motor(motor_torque);
-        Commanded { motor_torque, faults, mode: state.mode.mode() }
+        let [at_motor, _] = self.torque_ratio;
+        Commanded { motor_torque: at_motor * motor_torque, faults, mode: state.mode.mode() }
     }
 
     /// Command, references and estimates of the last step; separate from the control step, so that callers pay only on

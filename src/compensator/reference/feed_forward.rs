@@ -309,7 +309,7 @@ impl<R: Real> FeedForward<R> {
         let compliance = gear.flexspline().compliance(on_line);
         let with_hysteresis =
             |slope: R| compliance / (R::ONE + (scale * slope * compliance).max(R::lit(LEAST_SLOPE)));
-        state.line_compliance = compliance;
+        state.line_compliance = compliance + self.belt_compliance;
         state.compliances = [slope, gear.hysteresis().greatest_slope()].map(with_hysteresis);
         state.balance = on_line + scale * torque;
         state.torsion_change = state.nominal - state.torsion;
@@ -388,8 +388,14 @@ impl<R: Real> FeedForward<R> {
         state.transmitted = accelerating + on_output - load;
         let (nominal, compliance) = Self::torsion(state);
         let wind_up_gain = gains.wind_up * factors.compliance;
-        let belt_compliance = gains.wind_up * self.belt_compliance;
-        let wind_up_compliance = wind_up_gain * compliance + belt_compliance;
+        let mut wind_up_compliance = wind_up_gain * compliance;
+        let mut belt_offset = R::ZERO;
+        if self.belt.stretches() {
+            let friction = state.engaged * factors.input_friction * input_friction;
+            let stretch = self.belt.stretch(self.ratio * state.transmitted + friction);
+            belt_offset = gains.wind_up * self.ratio * stretch;
+            wind_up_compliance += gains.wind_up * self.belt_compliance;
+        }
         let transmitted_rate = accelerating_rate + state.friction_rate;
         state.nominal = nominal + self.to_learn * compliance * transmitted_rate;
 
@@ -397,12 +403,8 @@ impl<R: Real> FeedForward<R> {
         state.kinematic_error.error += state.kinematic_error.slope * moved;
         state.kinematic_error.slope += self.to_plan * state.slope_rate;
         let kinematic_error = state.kinematic_error;
-        let mut link_offset = wind_up_gain * nominal - gains.kinematic_error * kinematic_error.error - ripple;
-        if self.belt.stretches() {
-            let friction = state.engaged * factors.input_friction * input_friction;
-            let stretch = self.belt.stretch(self.ratio * state.transmitted + friction);
-            link_offset += gains.wind_up * self.ratio * stretch;
-        }
+        let link_offset =
+            wind_up_gain * nominal + belt_offset - gains.kinematic_error * kinematic_error.error - ripple;
         let link_offset_rate = wind_up_compliance * transmitted_rate
             - gains.kinematic_error * kinematic_error.slope * motor_velocity;
         let reference = gear.ratio().to_motor(setpoint.position.plus(link_offset));
@@ -432,7 +434,7 @@ impl<R: Real> FeedForward<R> {
                 + transmission * (inertia * acceleration + friction_gain * on_output)
                 + torque,
             transmission,
-            wind_up_compliance: wind_up_gain * state.line_compliance + belt_compliance,
+            wind_up_compliance: wind_up_gain * state.line_compliance,
             accelerating,
             accelerating_rate,
             excitation: Excitation {

@@ -69,6 +69,16 @@ impl<R: Real> Pulleys<R> {
         self.ratio
     }
 
+    /// z_2/z_1.
+    pub fn inverse_ratio(&self) -> R {
+        self.inverse
+    }
+
+    /// There is a belt.
+    pub fn are_present(&self) -> bool {
+        self.present
+    }
+
     /// Limits of the motor as they are at the wave generator.
     pub fn limits_at_wave_generator(&self, limits: &Limits<R>) -> Limits<R> {
         Limits {
@@ -107,22 +117,14 @@ impl<R: Real> Pulleys<R> {
         Reading { angle: Angle::from_counts(state.counts), moved: motor.moved * self.ratio, ..motor }
     }
 
-    /// A torque at the motor's shaft as it is at the wave generator (N m).
-    #[inline(always)]
-    pub fn at_wave_generator(&self, torque: R) -> R {
-        if self.present { torque * self.inverse } else { torque }
-    }
-
     /// A torque at the wave generator as it is at the motor's shaft (N m).
-    #[inline(always)]
     pub fn at_motor(&self, torque: R) -> R {
-        if self.present { torque * self.ratio } else { torque }
+        torque * self.ratio
     }
 
     /// A small angle of the wave generator as it is at the motor (rad).
-    #[inline(always)]
     pub fn angle_at_motor(&self, angle: R) -> R {
-        if self.present { angle * self.inverse } else { angle }
+        angle * self.inverse
     }
 }
 
@@ -188,7 +190,7 @@ mod tests {
     fn power_passes() {
         let pulleys = pulleys([24, 36]);
         let (torque, speed) = (0.4, 100.0);
-        let at_wave_generator = pulleys.at_wave_generator(torque);
+        let at_wave_generator = pulleys.inverse_ratio() * torque;
         assert!((at_wave_generator * speed * pulleys.ratio() - torque * speed).abs() < 1e-12);
         assert!((pulleys.at_motor(at_wave_generator) - torque).abs() < 1e-15);
     }

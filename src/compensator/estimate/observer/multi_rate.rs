@@ -161,10 +161,7 @@ impl<R: Real> MultiRateGear<R> {
             self.start_at(gear, (ends.wave_generator)());
         }
         let slope = multi_rate.ratio + self.kinematic_error.slope;
-        let mut torsion = self.kinematic_error.error - ends.link_offset;
-        if multi_rate.belt.stretches() {
-            torsion -= self.stretch;
-        }
+        let torsion = self.kinematic_error.error - ends.link_offset - self.stretch;
         let torsion_rate = slope * ends.wave_generator_speed - ends.flange_speed;
         let scale = R::ONE + gear_correction.stiffening;
         let torque = gear.flexspline().torque(scale * torsion, scale * torsion_rate);
