@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use strainwave_desktop::design::buildable::use_of;
+use strainwave_desktop::design::wave_generator::series_belt;
+use strainwave_desktop::io::belt_file::Geometry;
 use strainwave_desktop::io::keyed_file::FileKind;
 use strainwave_desktop::plant::belt::require_real_time;
 use strainwave_desktop::robot::RobotFile;
@@ -16,7 +18,7 @@ use crate::files;
 ///
 /// Unknown keys with the nearest known one, missing keys, types, ranges, conditions between keys, and whether the firmware's
 /// compensator can be built. Conditions between keys are checked where those keys are right by themselves. Exit code 0
-/// and one line when nothing is wrong, else 2. A file with a table [belt] is a belt file; of it the geometry is told. A file with a
+/// and one line when nothing is wrong, else 2. A file with a table [belt] and none [gear] is a belt file; of it the geometry is told. A file with a
 /// table [link] is a link file, one with a table [robot] a robot file, whose gear files are read too, one with a table [sensor_set] a sensor file.
 #[derive(Args)]
 pub struct Arguments {
@@ -53,15 +55,30 @@ pub fn faultless(path: &Path) -> Result<GearFile, BadInput> {
 fn belt(path: &Path) -> Result<String, BadInput> {
     let file = BeltFile::faultless(path).map_err(all_but_last)?;
     let geometry = file.geometry().expect("the file is checked");
-    let [motor, output] = [(&file.motor_pulley, 0), (&file.output_pulley, 1)]
-        .map(|(pulley, index)| geometry.teeth_in_mesh(pulley.teeth, index));
     let limit = require_real_time(&file)
         .err()
         .map_or_else(String::new, |why| format!("; only --build reference: {why}"));
-    Ok(format!(
-        ", centre distance {:.4} m, {motor:.1} and {output:.1} teeth in mesh{limit}",
-        geometry.centre_distance
-    ))
+    let pulleys = [file.motor_pulley.teeth, file.output_pulley.teeth];
+    Ok(format!(", {}{limit}", lies(&geometry, pulleys)))
+}
+
+/// How a belt lies on pulleys of so many teeth.
+fn lies(geometry: &Geometry, [motor, output]: [u32; 2]) -> String {
+    let [motor, output] =
+        [(motor, 0), (output, 1)].map(|(teeth, index)| geometry.teeth_in_mesh(teeth, index));
+    format!("centre distance {:.4} m, {motor:.1} and {output:.1} teeth in mesh", geometry.centre_distance)
+}
+
+/// How the belt in front of a gear lies, if there is one, and whether the motor can make a span go slack.
+fn driving_belt(gear: &GearFile) -> String {
+    let (Some(belt), Some(series)) = (&gear.belt, series_belt(gear)) else { return String::new() };
+    let geometry = belt.geometry().expect("the file is checked");
+    let slack = series.slack_torque * belt.ratio();
+    let lies = lies(&geometry, belt.pulley_teeth());
+    if gear.motor.peak_torque <= slack {
+        return format!(", {lies}");
+    }
+    format!(", {lies}; a span goes slack at {slack:.3} N m of the motor, below motor.peak_torque_nm")
 }
 
 /// What is odd about a link file that is right.
@@ -92,5 +109,6 @@ fn all_but_last(mut faults: Vec<BadInput>) -> BadInput {
 /// What limits the use of a file that is right.
 fn limit(gear: &GearFile, path: &Path) -> Result<String, BadInput> {
     let limit = use_of(gear).map_err(|why| BadInput::new(path, why))?;
-    Ok(limit.map_or_else(String::new, |why| format!(", for simulation only: {why}")))
+    let limit = limit.map_or_else(String::new, |why| format!(", for simulation only: {why}"));
+    Ok(driving_belt(gear) + &limit)
 }

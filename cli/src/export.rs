@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     let json = arguments.figures.json.as_deref();
     let (name, output, source) = arguments.format();
     files::require_distinct(&[("GEAR.toml", Some(&arguments.gear)), (name, Some(output)), ("--json", json)])?;
-    let gear = GearFile::read(&arguments.gear)?;
+    let (gear, _) = GearFile::read_with_text(&arguments.gear)?;
     buildable(&gear).map_err(|why| BadInput::new(&arguments.gear, why))?;
     files::require_writable(json)?;
     let text = source(&Export::of(&gear).map_err(BadInput::message)?);

@@ -74,6 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     files::require_distinct(&[("GEAR.toml", Some(&arguments.gear)), ("--json", json)])?;
     files::require_distinct(&[("--output", arguments.output.as_deref()), ("--json", json)])?;
     let (file, text) = GearFile::read_with_text(&arguments.gear)?;
+    let file = file.without_belt(&arguments.gear)?;
     file.require_firmware_friction().map_err(|why| BadInput::new(&arguments.gear, why))?;
     for path in [arguments.output.as_deref(), json] {
         files::require_writable(path)?;

@@ -12,7 +12,7 @@ use strainwave_desktop::verify::faults;
 use strainwave_desktop::verify::robustness::Robustness;
 use strainwave_desktop::verify::{self, Measured};
 use strainwave_desktop::verify::{
-    catalogue, compensator, constants, healthy, identify, replay, robot, robustness, stored_map,
+    belt, catalogue, compensator, constants, healthy, identify, replay, robot, robustness, stored_map,
 };
 use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::rerun;
@@ -181,6 +181,9 @@ fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
     if parts.contains(&verify::Part::Hysteresis) {
         measured.add(emulated::hysteresis().map_err(BadInput::message)?);
     }
+    if parts.contains(&verify::Part::Belt) {
+        measured.add(wrist()?);
+    }
     if parts.contains(&verify::Part::Compensator) {
         measured.add(replay::measure()?);
         measured.add(against_baselines(arguments)?);
@@ -194,6 +197,18 @@ fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
         say(format_args!("{note}"));
     }
     Ok(Figures::new(measured.figures, &arguments.figures))
+}
+
+/// The wrist against the baselines, and on the target.
+fn wrist() -> Result<Measured, BadInput> {
+    let mut progress = Progress::new(1000, "wrist");
+    let fraction = |fraction: f64| progress.set((fraction * 1e3) as u64);
+    let mut measured = belt::wrist::measure(fraction).map_err(BadInput::message)?;
+    drop(progress);
+    let mut progress = Progress::new(1000, "wrist on the target");
+    let fraction = |fraction: f64| progress.set((fraction * 1e3) as u64);
+    measured.add(emulated::wrist(fraction).map_err(BadInput::message)?);
+    Ok(measured)
 }
 
 fn against_baselines(arguments: &Arguments) -> Result<Measured, BadInput> {

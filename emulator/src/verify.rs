@@ -16,7 +16,8 @@ use strainwave_desktop::verify::Measured;
 use strainwave_desktop::verify::bounds;
 use strainwave_desktop::{BadInput, Figure, GearFile};
 
-use crate::artifact::Image;
+use crate::any_input;
+use crate::artifact::{CONTROL_STEP, Image};
 use crate::budget::{self, Budget};
 use crate::pil::{TargetRun, Trial};
 use crate::target::{self, Agreement};
@@ -54,6 +55,9 @@ pub enum Error {
     /// A log or gear file.
     #[error(transparent)]
     Input(#[from] BadInput),
+    /// A search that failed.
+    #[error(transparent)]
+    AnyInput(#[from] any_input::Error),
     /// The boards' folder.
     #[error("boards: {0}")]
     Boards(#[from] io::Error),
@@ -75,10 +79,11 @@ pub enum Parts {
 /// # Errors
 /// When an image cannot be built, booted or judged.
 pub fn measure(parts: Parts, mut progress: impl FnMut(f64)) -> Result<Measured, Error> {
-    let elf = pil::build(BOARD, &GearFile::default_gear())?.elf;
+    let gear = GearFile::default_gear();
+    let elf = pil::build(BOARD, &gear)?.elf;
     let mut runs = Vec::new();
     let mut run = |arguments: &[String]| -> Result<(), Error> {
-        runs = scenarios(&elf, arguments, |fraction| progress(0.9 * fraction))?;
+        runs = scenarios(&gear, &elf, arguments, |fraction| progress(0.9 * fraction))?;
         Ok(())
     };
     let costs =
@@ -158,6 +163,38 @@ pub fn hysteresis() -> Result<Measured, Error> {
     Ok(figures.into())
 }
 
+/// The control step of a wrist on the target, belt and gear: cycles of the most costly one in S1 to S6 and on any input, and steps unlike the
+/// host's.
+///
+/// # Errors
+/// When the image cannot be built, booted or counted.
+pub fn wrist(mut progress: impl FnMut(f64)) -> Result<Measured, Error> {
+    let file = GearFile::wrist();
+    let image = pil::build(BOARD, &file)?.elf;
+    let mut budget = Budget::read(BOARD)?;
+    budget.blocks.clear();
+    let mut agreement = Agreement::default();
+    let measured = budget::measure(&budget, &image, |arguments| {
+        let runs = scenarios(&file, &image, arguments, |fraction| progress(0.5 * fraction))?;
+        agreement = runs.iter().fold(agreement, |all, (_, run)| all.and(run.agreement));
+        Ok(None)
+    })?;
+    let cycles = measured.counts_of(CONTROL_STEP).and_then(|counts| Some(counts.cycles?.max));
+    let found = any_input::search(&image, &file, |fraction| progress(0.5 + 0.5 * fraction))?;
+    Ok(vec![
+        bounds::figure("belt.wrist.target.cycles", cycles.map_or(f64::NAN, |cycles| cycles as f64)),
+        bounds::figure("belt.wrist.target.any_input.cycles", found.worst.cycles as f64),
+        agreement.figure("pil.wrist.steps_unlike_host"),
+        bounds::figure_as(
+            "pil.wrist.any_input.steps_unlike_host",
+            "pil.steps_unlike_host",
+            found.unlike_host as f64,
+        ),
+        Figure::reported("pil.wrist.steps", (agreement.steps + found.steps) as f64, "1"),
+    ]
+    .into())
+}
+
 /// Panics, allocators and double precision in the images of all boards.
 fn proofs() -> Result<Vec<Figure>, Error> {
     let mut figures = Vec::new();
@@ -171,16 +208,16 @@ fn proofs() -> Result<Vec<Figure>, Error> {
 
 /// All scenarios on the target.
 fn scenarios(
+    gear: &GearFile,
     elf: &Path,
     arguments: &[String],
     mut progress: impl FnMut(f64),
 ) -> Result<Vec<(Scenario, TargetRun)>, Error> {
-    let gear = GearFile::default_gear();
     let mut runs = Vec::new();
     for (done, scenario) in Scenario::ALL.into_iter().enumerate() {
         let part = |fraction: f64| progress((done as f64 + fraction) / Scenario::ALL.len() as f64);
-        let trial = Trial::from_rest(&gear, scenario, SEED);
-        runs.push((scenario, pil::compensated(elf, arguments, &gear, &trial, part)?));
+        let trial = Trial::from_rest(gear, scenario, SEED);
+        runs.push((scenario, pil::compensated(elf, arguments, gear, &trial, part)?));
     }
     Ok(runs)
 }
@@ -194,7 +231,7 @@ fn every_board(runs: &[(Scenario, TargetRun)]) -> Result<Vec<Figure>, Error> {
     let images = images.collect::<Result<Vec<_>, firmware::Error>>()?;
     std::thread::scope(|scope| {
         let run = |elf| {
-            let runs = scenarios(elf, &[], |_| ())?;
+            let runs = scenarios(&GearFile::default_gear(), elf, &[], |_| ())?;
             Ok(runs.into_iter().map(|(_, run)| run.agreement).collect::<Vec<_>>())
         };
         let started: Vec<_> =

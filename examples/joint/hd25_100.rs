@@ -105,6 +105,7 @@ pub const JOINT: JointParams<f32> = JointParams {
         wave_generator_inertia: 6e-5,
         flexspline_inertia: 1.2,
     },
+    belt: None,
     motor_encoder_bits: 19,
     output_encoder_bits: 19,
     output_encoder_zero: Some(0.0),

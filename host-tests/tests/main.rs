@@ -37,6 +37,7 @@ mod sensors;
 mod supervisor;
 mod two_port;
 mod words;
+mod wrist;
 
 /// A file that is no module of this program would never run.
 #[test]

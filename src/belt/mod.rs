@@ -28,6 +28,7 @@
 
 pub mod chain;
 pub mod pitch_error;
+pub mod series;
 
 use core::f64::consts::TAU;
 
@@ -39,6 +40,7 @@ use crate::real::Real;
 
 pub use chain::{BeltEnds, BeltReaction, Chain, ChainState, SpanParams, SpanState, Tension};
 pub use pitch_error::{PitchError, PitchErrorParams, PitchTerm, TravelError};
+pub use series::{SeriesBelt, SeriesBeltParams};
 
 /// Most terms of each kind of the pitch error.
 pub const PITCH_TERMS: usize = 8;

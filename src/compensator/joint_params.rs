@@ -3,6 +3,7 @@
 //! Each part checks its own. Common to them, and set here: the period that each of them runs with
 //! ([`crate::compensator::schedule`]), and the largest motion of the encoders between two evaluated readings.
 
+use crate::belt::{SeriesBelt, SeriesBeltParams};
 use crate::compensator::actuate::braking::Braking;
 use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::fallback::Fallback;
@@ -21,10 +22,11 @@ use crate::compensator::sense::encoder::EncoderParams;
 use crate::compensator::sense::motor_encoder::MotorEncoder;
 use crate::compensator::sense::motor_torque::MotorTorque;
 use crate::compensator::sense::output_zero::OutputZero;
+use crate::compensator::sense::pulleys::Pulleys;
 use crate::compensator::sense::rotor::Rotor;
 use crate::compensator::sense::validation::{FrozenEncoder, InputGuard};
 use crate::compensator::{Compensator, Limits};
-use crate::error::Error;
+use crate::error::{Error, require};
 use crate::flexspline::Reduced;
 use crate::gear::GearParams;
 use crate::real::Real;
@@ -36,8 +38,10 @@ use crate::real::Real;
 pub struct JointParams<R: Real> {
     /// Control period (s).
     pub dt: R,
-    /// The gear.
+    /// The gear; behind a belt the inertia of its wave generator is that of all in front of it, as it is there.
     pub gear: GearParams<R>,
+    /// The tooth belt between motor and wave generator, where there is one.
+    pub belt: Option<SeriesBeltParams<R>>,
     /// Resolution of the motor encoder, 2^bits counts a revolution.
     pub motor_encoder_bits: u32,
     /// Resolution of the output encoder, 2^bits counts a revolution.
@@ -69,10 +73,15 @@ impl<R: Real> JointParams<R> {
     /// [`Error::OutOfRange`] with the name of the first parameter that is out of its range.
     pub fn build(&self) -> Result<Compensator<R>, Error> {
         self.limits.check()?;
+        let stretch = self.belt.as_ref().map_or(Ok(SeriesBelt::NONE), SeriesBeltParams::build)?;
+        let pulleys = Pulleys::build(self.belt.as_ref());
+        require(!stretch.stretches() || stretch.contracts(&self.gear), "belt_compliance")?;
+        let limits = &pulleys.limits_at_wave_generator(&self.limits);
         let encoder = |bits, speed| EncoderParams { bits, speed_limit: R::lit(2.0) * speed }.build(self.dt);
         let count = |bits: u32| R::lit(core::f64::consts::TAU) / R::from_i32(1 << bits.min(30));
-        let guard = InputGuard::build(&self.gear, &self.limits, self.dt)?;
-        let (limits, n) = (&self.limits, self.gear.ratio);
+        let motor_count = pulleys.ratio() * count(self.motor_encoder_bits);
+        let guard = InputGuard::build(&self.gear, limits, self.dt)?.in_front_of(&pulleys);
+        let n = self.gear.ratio;
         let [observed, round] =
             [OBSERVER_PERIODS, SLOW_PERIODS].map(|periods| R::from_i32(periods as i32) * self.dt);
         // Periods between readings of the output encoder that the observer uses.
@@ -88,16 +97,18 @@ impl<R: Real> JointParams<R> {
             commander,
             clock: Clock::build(self.dt)?,
             guard,
-            motor_encoder: MotorEncoder::build(self.motor_encoder_bits, &self.gear, limits, self.dt)?,
+            motor_encoder: MotorEncoder::build(self.motor_encoder_bits, &self.gear, limits, self.dt)?
+                .in_front_of(&pulleys),
+            torque_ratio: [pulleys.ratio(), pulleys.inverse_ratio()],
             output_encoder: encoder(self.output_encoder_bits, limits.output_speed(n) * readings)?,
             output_zero: OutputZero::build(self.output_encoder_zero, n)?,
             frozen_encoder: FrozenEncoder::of_motor(round + round),
             frozen_output: FrozenEncoder::of_output(R::from_i32(n).abs() * lost_motion),
-            observer: self.observer.build(&self.gear, &self.limits, self.dt)?,
+            observer: self.observer.build(&self.gear, limits, self.dt)?.behind(stretch),
             disturbance: self.disturbance.build(&self.gear, self.dt)?,
-            feed_forward: FeedForward::build(&self.gear, self.dt)?,
+            feed_forward: FeedForward::build(&self.gear, self.dt)?.behind(stretch),
             feedback: self.feedback.build(self.dt)?,
-            estimates_speed: self.feedback.estimates_speed(count(self.motor_encoder_bits), self.dt),
+            estimates_speed: self.feedback.estimates_speed(motor_count, self.dt),
             braking: Braking::build(self.feedback.position_gain, acceleration),
             output_feedback: OutputFeedback::build(
                 &self.output_feedback,
@@ -112,29 +123,25 @@ impl<R: Real> JointParams<R> {
                 count_out,
                 self.dt,
             )?,
-            learning: self.learning.build(&self.gear, &self.limits, self.dt)?,
+            learning: self.learning.build(&self.gear, limits, self.dt)?,
             learnt: self.learnt,
-            motor_torque: MotorTorque::build(self.limits.motor_torque, self.dt)?,
+            pulleys,
+            motor_torque: MotorTorque::build(limits.motor_torque, self.dt)?,
             rotor: Rotor::build(
                 &self.gear,
                 limits,
-                [self.motor_encoder_bits, self.output_encoder_bits],
+                [motor_count, count_out],
                 self.feedback.position_gain,
                 self.dt,
             )?,
-            supervisor: Supervisor::build(
-                &self.gear,
-                limits.motor_torque,
-                count(self.motor_encoder_bits),
-                self.dt,
-            ),
+            supervisor: Supervisor::build(&self.gear, limits.motor_torque, motor_count, self.dt),
             protection,
-            fallback: Fallback::build(self.limits.motor_torque, self.dt),
-            limits: self.limits,
+            fallback: Fallback::build(limits.motor_torque, self.dt),
+            limits: *limits,
             dt: self.dt,
             output_lost: (4 * self.observer.output_encoder_period.min(1 << 20)).max(10),
             behind: observed + self.dt,
-            rounding: R::lit(0.5) * count(self.motor_encoder_bits),
+            rounding: R::lit(0.5) * motor_count,
         })
     }
 }

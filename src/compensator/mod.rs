@@ -6,7 +6,7 @@
 //!
 //! | module | contents |
 //! | --- | --- |
-//! | [`sense`] | validation of the inputs, encoders, motor torque, balance of the rotor |
+//! | [`sense`] | validation of the inputs, encoders, pulleys of a belt, motor torque, balance of the rotor |
 //! | [`estimate`] | observer, external load |
 //! | [`mod@reference`] | command, feed-forward, motor reference, output feedback |
 //! | [`adapt`] | parameter factors, ripple |

@@ -18,6 +18,7 @@ use crate::compensator::schedule::{Slot, SlowSlot};
 use crate::compensator::sense::encoder::EncoderState;
 use crate::compensator::sense::motor_encoder::MotorEncoderState;
 use crate::compensator::sense::motor_torque::MotorTorqueState;
+use crate::compensator::sense::pulleys::PulleysState;
 use crate::compensator::sense::rotor::RotorState;
 use crate::compensator::sense::validation::InputGuardState;
 use crate::compensator::state::{SensorLatch, SlotFaults};
@@ -31,6 +32,7 @@ impl<R: Real> Compensator<R> {
             slot: Slot::default(),
             guard: InputGuardState::default(),
             motor_encoder: MotorEncoderState::default(),
+            pulleys: PulleysState::default(),
             output_encoder: EncoderState::default(),
             latch: SensorLatch::default(),
             output_reading: None,

@@ -19,6 +19,7 @@ use crate::compensator::schedule::{Slot, SlowSlot};
 use crate::compensator::sense::encoder::EncoderState;
 use crate::compensator::sense::motor_encoder::MotorEncoderState;
 use crate::compensator::sense::motor_torque::MotorTorqueState;
+use crate::compensator::sense::pulleys::PulleysState;
 use crate::compensator::sense::rotor::RotorState;
 use crate::compensator::sense::validation::InputGuardState;
 use crate::real::Real;
@@ -82,6 +83,7 @@ pub struct State<R: Real> {
     pub(super) limited: bool,
     /// No fault since the factors' last slot.
     pub(super) sound: bool,
+    pub(super) pulleys: PulleysState,
 }
 
 /// Sensor latch: readings since the observer's last slot.

@@ -3,6 +3,7 @@
 use crate::bench::Bench;
 
 const BELT: &str = include_str!("../../../gears/belt/at5-16.toml");
+const WRIST: &str = include_str!("../../../gears/belt/wrist.toml");
 
 fn bench() -> Bench {
     let bench = Bench::new();
@@ -66,5 +67,25 @@ fn what_is_wrong_with_a_belt_is_told() {
     ] {
         let line = bench.refused(words);
         assert!(line.contains(part), "{words}: {line}");
+    }
+}
+
+/// A belt in front of a gear is told by `check`, exported, and refused where nothing is known of it.
+#[test]
+fn a_wrist_is_checked_and_exported_and_not_taken_for_a_gear_alone() {
+    let bench = bench();
+    bench.write("w.toml", WRIST);
+    let checked = bench.run("check w.toml");
+    assert_eq!(checked.code, Some(0), "{}", checked.error);
+    assert!(checked.output.starts_with("w.toml: ok, centre distance 0.17"), "{}", checked.output);
+    bench.write("loose.toml", WRIST.replace("pretension_n = 45.0", "pretension_n = 20.0"));
+    let loose = bench.run("check loose.toml").output;
+    assert!(loose.contains("; a span goes slack at 0.458 N m of the motor"), "{loose}");
+    let exported = bench.run("export w.toml --rust joint.rs");
+    assert_eq!(exported.code, Some(0), "{}", exported.error);
+    for command in ["design w.toml", "sim --gear w.toml --input motor.csv --output out.csv"] {
+        let refused = bench.run(command);
+        assert_eq!(refused.code, Some(2), "{command}");
+        assert!(refused.error.contains("w.toml: section [belt] is not known here"), "{}", refused.error);
     }
 }

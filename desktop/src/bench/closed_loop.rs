@@ -149,7 +149,7 @@ where
     let (mut speed, mut load_torque) = (Vec::new(), Vec::new());
     let mut bench = Bench::build(file, &Conditions::of(file, seed)).map_err(RunError::from)?;
     bench.go(&scenario, controller, |_, demand, plant, _| {
-        speed.push(plant.motor().velocity);
+        speed.push(plant.wave_generator().velocity);
         load_torque.push(demand.load);
     })?;
     Ok(OpenLoop {

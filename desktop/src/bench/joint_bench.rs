@@ -17,12 +17,15 @@ use strainwave::gear::Motion;
 
 use crate::bench::controller::Controller;
 use crate::bench::task::{Demand, Task, periods};
+use crate::design::belt::driving_belt;
 use crate::design::capability::Capability;
 use crate::design::joint::firmware_gear_params;
+use crate::design::wave_generator::at_wave_generator;
 use crate::io::gear_file::{GearFile, SensorSet};
 use crate::plant::box_sample::BoxSample;
 use crate::plant::clock::{Clock, ClockParams};
 use crate::plant::divergence::RunError;
+use crate::plant::driving_belt::{DrivingBeltParams, Spans};
 use crate::plant::payload::Payload;
 use crate::plant::sample::PlantSample;
 use crate::plant::{CondensedMesh, Plant, PlantMesh, plant_params};
@@ -43,12 +46,14 @@ pub struct Conditions {
     pub noise: f64,
     /// Which noise on this plant: 0 is the seed's own.
     pub realisation: u32,
+    /// Of a plant behind a belt.
+    pub spans: Spans,
 }
 
 impl Conditions {
     /// The sensors of a gear file as they are, on the plant of `seed`.
     pub fn of(file: &GearFile, seed: u64) -> Self {
-        Self { seed, sensors: SensorSet::of(file), noise: 1.0, realisation: 0 }
+        Self { seed, sensors: SensorSet::of(file), noise: 1.0, realisation: 0, spans: Spans::default() }
     }
 
     /// The plant's parameters.
@@ -57,6 +62,13 @@ impl Conditions {
     /// As [`firmware_gear_params`].
     pub fn plant(&self, file: &GearFile) -> Result<strainwave::gear::GearParams<f64>, Error> {
         Ok(BoxSample::from_seed(self.seed).apply(&firmware_gear_params(file)?))
+    }
+
+    /// The plant's belt, off the controller's as its gear is: in stiffness.
+    fn belt(&self, file: &GearFile) -> Option<DrivingBeltParams> {
+        let mut belt = driving_belt(file)?;
+        belt.span.stiffness *= BoxSample::from_seed(self.seed).stiffness;
+        Some(belt)
     }
 }
 
@@ -187,7 +199,7 @@ impl Bench {
     pub fn loaded(file: &GearFile, conditions: &Conditions, payload: &Payload) -> Result<Self, Error> {
         let params = payload.on(&conditions.plant(file)?);
         let plant = Plant::between(&plant_params(&params), &payload.sides())?;
-        Ok(Self::around(plant, file, conditions))
+        Self::around(plant, file, conditions)
     }
 
     /// The same of a plant that its controller does not know; the seed is the plant's.
@@ -206,7 +218,7 @@ impl Bench<CondensedMesh> {
     /// # Errors
     /// As [`Plant::condensed`].
     pub fn condensed(file: &GearFile, conditions: &Conditions) -> Result<Self, Error> {
-        Ok(Self::around(Plant::condensed(&conditions.plant(file)?)?, file, conditions))
+        Self::around(Plant::condensed(&conditions.plant(file)?)?, file, conditions)
     }
 
     /// The same of a plant that its controller does not know; the seed is the plant's.
@@ -220,8 +232,12 @@ impl Bench<CondensedMesh> {
 }
 
 impl<F: Flexspline<f64>> Bench<F> {
-    fn around(plant: Plant<F>, file: &GearFile, conditions: &Conditions) -> Self {
-        Self::with(plant, file, conditions, &Default::default(), ClockParams::default())
+    fn around(plant: Plant<F>, file: &GearFile, conditions: &Conditions) -> Result<Self, Error> {
+        let plant = match conditions.belt(file) {
+            Some(belt) => plant.driven_by(&belt, conditions.spans)?,
+            None => plant,
+        };
+        Ok(Self::with(plant, file, conditions, &Default::default(), ClockParams::default()))
     }
 
     fn of_sample(plant: Plant<F>, sample: &PlantSample, conditions: &Conditions) -> Self {
@@ -242,7 +258,7 @@ impl<F: Flexspline<f64>> Bench<F> {
             clock: Clock::new(clock, random(conditions.seed, conditions.realisation, Purpose::Clock)),
             offset: 0,
             gains: all_gains(file),
-            capability: Capability::of(file),
+            capability: Capability::of(&at_wave_generator(file)),
             last: Output::default(),
         }
     }

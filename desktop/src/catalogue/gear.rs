@@ -76,6 +76,7 @@ impl Model {
             flexspline: self.cup(),
             inertia: Inertia { wave_generator: rotor, flexspline: rounded(NOMINAL_LOAD * n * n * rotor) },
             damping: Damping { torsion_mode_ratio: 0.02 },
+            belt: None,
             friction: BothFrictions { input: self.input_friction(), output: output_friction(rated) },
             motor: Motor {
                 peak_torque: rounded(1.5 * peak / n),

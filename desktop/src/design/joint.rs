@@ -3,6 +3,7 @@
 //! The numbers that the library does not compute itself, the observer's gains and those of the cascade, are
 //! computed here, once, off line.
 
+use strainwave::belt::SeriesBeltParams;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::{JointParams, Limits};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
@@ -14,6 +15,7 @@ use strainwave::{Error, Real};
 
 use crate::design::dense::dense;
 use crate::design::feedback::feedback_params;
+use crate::design::wave_generator::{at_wave_generator, series_belt};
 use crate::design::{compensation, observer_design};
 use crate::io::gear_file::friction_params::{friction_params, joint_friction_params};
 use crate::io::gear_file::{self, GearFile, Harmonic};
@@ -88,9 +90,17 @@ fn terms<R: Real>(harmonics: &[Harmonic]) -> [Term<R>; KINEMATIC_TERMS] {
 /// # Errors
 /// As [`firmware_gear_params`]; when the observer's gains cannot be computed for this gear.
 pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
+    let known = &at_wave_generator(file);
+    let mut gear: GearParams<R> = firmware_gear_params(file)?;
+    gear.wave_generator_inertia = R::lit(known.inertia.wave_generator);
     Ok(JointParams {
         dt: R::lit(CONTROL_PERIOD),
-        gear: firmware_gear_params(file)?,
+        gear,
+        belt: series_belt(file).map(|belt| SeriesBeltParams {
+            teeth: belt.teeth,
+            compliance: R::lit(belt.compliance),
+            slack_torque: R::lit(belt.slack_torque),
+        }),
         motor_encoder_bits: file.sensors.motor_encoder_bits,
         output_encoder_bits: file.sensors.output_bits(),
         output_encoder_zero: file.sensors.output_encoder_zero.map(R::lit),
@@ -99,12 +109,12 @@ pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
             motor_speed: R::lit(file.motor.rotor_speed_limit),
             output_torque: R::lit(file.gear.peak_torque),
         },
-        observer: observer_design::observer_params(file)?,
-        disturbance: compensation::disturbance_params(file),
-        feedback: feedback_params(file),
-        output_feedback: compensation::output_feedback_params(file),
-        measured_feedback: compensation::measured_feedback_params(file),
-        learning: compensation::learning_params(file),
+        observer: observer_design::observer_params(known)?,
+        disturbance: compensation::disturbance_params(known),
+        feedback: feedback_params(known),
+        output_feedback: compensation::output_feedback_params(known),
+        measured_feedback: compensation::measured_feedback_params(known),
+        learning: compensation::learning_params(known),
         learnt: file.learnt.as_ref().map_or_else(Default::default, |learnt| learnt.start()),
     })
 }
@@ -118,10 +128,14 @@ pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
         Some(_) => "use strainwave::hysteresis::HysteresisTable;\n",
         None => "",
     };
+    let belt = match params.belt {
+        Some(_) => "use strainwave::belt::SeriesBeltParams;\n",
+        None => "",
+    };
     let joint = dense(&format!("pub const JOINT: JointParams<f32> = {params:#?};"));
     format!(
         "// Generated from the gear file `{gear_name}`; do not edit.\n\
-         use strainwave::compensator::adapt::parameters::{{AdaptationParams, Factors}};\n\
+         {belt}use strainwave::compensator::adapt::parameters::{{AdaptationParams, Factors}};\n\
          use strainwave::compensator::actuate::cascade::FeedbackParams;\n\
          use strainwave::compensator::adapt::learning::{{LearningParams, Learnt}};\n\
          use strainwave::compensator::adapt::ripple::{{LearntRippleParams, RippleMap, RippleOrder}};\n\

@@ -37,3 +37,4 @@ pub mod response;
 pub mod sweep;
 pub mod tuned;
 pub mod variant;
+pub mod wave_generator;

@@ -15,7 +15,7 @@
 //!
 //! A real joint has more on both sides than this: a drive that is late and a motor that cogs, a load that is flexible and
 //! hangs. [`Sides`] has all of it; [`Sides::IDEAL`] has none, and costs nothing but a few comparisons. What a plant may be
-//! off by, and how it is drawn, stands in [`unknowns`].
+//! off by, and how it is drawn, stands in [`unknowns`]. A tooth belt may lie between motor and wave generator ([`driving_belt`]).
 
 pub mod belt;
 pub mod box_sample;
@@ -24,6 +24,7 @@ pub mod cogging;
 pub(crate) mod curve;
 pub mod divergence;
 pub mod drive;
+pub mod driving_belt;
 pub mod friction;
 pub mod link;
 pub mod load_side;
@@ -47,6 +48,7 @@ use crate::plant::divergence::{Diverged, may_go_on};
 use crate::plant::vectorised::Vectorised;
 use cogging::Cogging;
 use drive::{Drive, DriveParams};
+use driving_belt::{DrivingBelt, DrivingBeltParams, Spans};
 use friction::{PlantFriction, PlantFrictionParams, PlantFrictionState};
 use load_side::{Load, LoadParams};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
@@ -204,6 +206,8 @@ pub struct Plant<F: Flexspline<f64> = PlantMesh> {
     state: PlantState<F>,
     drive: Drive,
     motor: Cogging,
+    /// Belt in front of the wave generator, and its motor.
+    belt: Option<DrivingBelt>,
     load: Load,
     /// Micro-step (s) and how many of them a control period has.
     dt: f64,
@@ -278,6 +282,7 @@ impl<F: Flexspline<f64>> Plant<F> {
             gear,
             drive: Drive::new(&sides.drive, dt),
             motor: sides.motor,
+            belt: None,
             load: Load::new(&sides.load, params.flexspline_inertia),
             dt,
             steps: steps as usize,
@@ -292,6 +297,15 @@ impl<F: Flexspline<f64>> Plant<F> {
         };
         plant.energy_at_rest = plant.stored();
         Ok(plant)
+    }
+
+    /// The same with its motor in front of a belt; the inertia of the wave generator is that of the driven pulley.
+    ///
+    /// # Errors
+    /// As [`DrivingBelt::build`].
+    pub fn driven_by(self, belt: &DrivingBeltParams, spans: Spans) -> Result<Self, Error> {
+        let belt = DrivingBelt::build(belt, spans, self.dt)?;
+        Ok(Self { wave_generator_inertia: belt.wave_generator_inertia(), belt: Some(belt), ..self })
     }
 
     /// One control period under a torque command to the drive and an external torque on the output (N m).
@@ -326,7 +340,11 @@ impl<F: Flexspline<f64>> Plant<F> {
     /// Begins a micro-step: motor torque and torques in the gear under an external torque on the output (N m).
     pub(crate) fn begin(&mut self, load: f64) -> MicroStep {
         let on_shaft = self.drive.step();
-        let motor = self.motor.torque(on_shaft, self.wave_generator.angle);
+        let motor = self.motor.torque(on_shaft, self.motor().angle);
+        let motor = match &mut self.belt {
+            Some(belt) => belt.step(Some(motor), &self.wave_generator),
+            None => motor,
+        };
         let (torques, load) = self.torques(motor, load);
         MicroStep { motor, load, torques }
     }
@@ -342,17 +360,22 @@ impl<F: Flexspline<f64>> Plant<F> {
         self.flexspline_inertia * flange_acceleration - step.on_flange()
     }
 
-    /// One control period with the wave generator held by a brake, without current.
+    /// One control period with the motor held by a brake, without current.
     ///
     /// # Errors
     /// When the mesh has diverged.
     pub fn step_blocked(&mut self, load: f64) -> Result<(), Diverged> {
         self.drive.rest();
-        self.wave_generator.velocity = 0.0;
+        if self.belt.is_none() {
+            self.wave_generator.velocity = 0.0;
+        }
         for _ in 0..self.steps {
-            let (torques, load) = self.torques(0.0, load);
-            let accelerations = [0.0, self.gear.flange_acceleration(&torques, load)];
-            self.micro_step(&torques, accelerations, torques.wave_generator, load);
+            let pull = self.belt.as_mut().map(|belt| belt.step(None, &self.wave_generator));
+            let (torques, load) = self.torques(pull.unwrap_or(0.0), load);
+            let on_shaft = pull.unwrap_or(torques.wave_generator);
+            let driven = (on_shaft - torques.wave_generator) / self.wave_generator_inertia;
+            let accelerations = [driven, self.gear.flange_acceleration(&torques, load)];
+            self.micro_step(&torques, accelerations, on_shaft, load);
             if !may_go_on(&torques) {
                 break;
             }
@@ -418,6 +441,11 @@ impl<F: Flexspline<f64>> Plant<F> {
 
     /// Motion of the motor.
     pub fn motor(&self) -> Motion<f64> {
+        self.belt.as_ref().map_or(self.wave_generator, DrivingBelt::motor)
+    }
+
+    /// Motion of the wave generator.
+    pub fn wave_generator(&self) -> Motion<f64> {
         self.wave_generator
     }
 

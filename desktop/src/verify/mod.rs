@@ -4,7 +4,7 @@
 //! exactly; times by the clock do not, and stand in [`crate::speed`].
 
 pub mod baselines;
-mod belt;
+pub mod belt;
 pub mod bounds;
 pub mod catalogue;
 pub mod compensator;

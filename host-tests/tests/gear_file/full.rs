@@ -20,6 +20,7 @@ pub fn full() -> Table {
     gear.learnt = Some(learnt());
     gear.baselines = Some(baselines(&gear));
     gear.flexspline.hardening = Hardening::Bends;
+    gear.belt = GearFile::wrist().belt;
     gear.hysteresis.half_range = Some(2e-3);
     gear.hysteresis.weights = Some(vec![vec![0.1], vec![0.3, 0.2], vec![0.5, 0.3, 0.1]]);
     for side in [&mut gear.friction.input, &mut gear.friction.output] {

@@ -27,6 +27,7 @@ use crate::compensator::sense::encoder::Encoder;
 use crate::compensator::sense::motor_encoder::MotorEncoder;
 use crate::compensator::sense::motor_torque::MotorTorque;
 use crate::compensator::sense::output_zero::OutputZero;
+use crate::compensator::sense::pulleys::Pulleys;
 use crate::compensator::sense::rotor::Rotor;
 use crate::compensator::sense::validation::{FrozenEncoder, InputGuard};
 use crate::compensator::{Commanded, Faults, Input, Limits, Output, RealTimeGear, State};
@@ -79,6 +80,8 @@ pub struct Compensator<R: Real> {
     pub(super) dt: R,
     /// Time from the observer's torques to the plan (s).
     pub(super) behind: R,
+    /// Torque of the motor over that at the wave generator, and the inverse.
+    pub(super) torque_ratio: [R; 2],
     /// Half a count of the motor's encoder (rad).
     pub(super) rounding: R,
     /// The speed of a resting motor is the observer's.
@@ -108,6 +111,7 @@ pub struct Compensator<R: Real> {
     pub(super) learning: Learning<R>,
     pub(super) observer: Observer<R>,
     pub(super) gear: RealTimeGear<R>,
+    pub(super) pulleys: Pulleys<R>,
     /// Stored factors and ripple that the state starts from.
     pub(super) learnt: Learnt<R>,
 }
@@ -119,8 +123,8 @@ impl<R: Real> Compensator<R> {
     }
 
     /// Limits of motor and gear.
-    pub fn limits(&self) -> &Limits<R> {
-        &self.limits
+    pub fn limits(&self) -> Limits<R> {
+        self.pulleys.limits_at_motor(&self.limits)
     }
 
     /// Resolution of the motor encoder, 2^bits counts a revolution.
@@ -172,7 +176,8 @@ impl<R: Real> Compensator<R> {
         }
         state.sound &= faults == Faults::NONE && !state.limited;
         state.reported = faults;
-        Commanded { motor_torque, faults, mode: state.mode.mode() }
+        let [at_motor, _] = self.torque_ratio;
+        Commanded { motor_torque: at_motor * motor_torque, faults, mode: state.mode.mode() }
     }
 
     /// Command, references and estimates of the last step; separate from the control step, so that callers pay only on
@@ -186,9 +191,13 @@ impl<R: Real> Compensator<R> {
         let external_torque = estimate.external_torque + state.learning.gravity_torque();
         estimate.external_torque = external_torque.limit(self.limits.output_torque);
         Output {
-            motor_torque: state.fallback.torque(),
-            feed_forward_torque: if driven { feed_forward.limit(self.limits.motor_torque) } else { R::ZERO },
-            motor_reference: state.motor_encoder.angle().plus(position_error),
+            motor_torque: self.pulleys.at_motor(state.fallback.torque()),
+            feed_forward_torque: if driven {
+                self.pulleys.at_motor(feed_forward.limit(self.limits.motor_torque))
+            } else {
+                R::ZERO
+            },
+            motor_reference: state.motor_encoder.angle().plus(self.pulleys.angle_at_motor(position_error)),
             estimate,
             observed: !state.slot.observes(),
             factors: *state.learning.applied(),

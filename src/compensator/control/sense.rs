@@ -19,14 +19,18 @@ impl<R: Real> Compensator<R> {
         faults: &mut Faults,
     ) -> Reading<R> {
         let sound = !status.contains(Status::MOTOR_ENCODER_INVALID);
-        let (motor, lost) =
-            self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder, sound, elapsed);
+        let raw = sensors.motor_encoder;
+        let (motor, lost) = match self.motor_encoder.usual(&mut state.motor_encoder, raw, sound, elapsed) {
+            Some(motor) => (motor, false),
+            None => self.unusual_reading(state, raw, sound, elapsed),
+        };
         faults.raise_if(!motor.accepted, Faults::MOTOR_ENCODER_JUMP);
         faults.raise_if(lost, Faults::MOTOR_ENCODER_LOST);
         let (commanded, feedback) = (state.fallback.torque(), state.guard.gains().feedback);
         let latch = &mut state.latch;
-        latch.motor_torque +=
-            self.motor_torque.step(&mut state.motor_torque, commanded, feedback, sensors.motor_torque);
+        let [_, at_wave_generator] = self.torque_ratio;
+        let measured = at_wave_generator * sensors.motor_torque;
+        latch.motor_torque += self.motor_torque.step(&mut state.motor_torque, commanded, feedback, measured);
         latch.drive_errors += state.motor_torque.drive_error();
         latch.time += elapsed.time;
         if sensors.output_encoder.is_some() && !status.contains(Status::OUTPUT_ENCODER_INVALID) {
@@ -42,6 +46,20 @@ impl<R: Real> Compensator<R> {
         state.motor_reference.advance(state.wind_up.velocity, elapsed.time);
         state.motor_reference.position_error -= motor.moved;
         motor
+    }
+
+    /// A reading of the motor's encoder that is not as usual, or in front of a belt; the second value: the angle is lost.
+    #[cold]
+    #[inline(never)]
+    fn unusual_reading(
+        &self,
+        state: &mut State<R>,
+        raw: u32,
+        sound: bool,
+        elapsed: &Elapsed<R>,
+    ) -> (Reading<R>, bool) {
+        let (motor, lost) = self.motor_encoder.unusual(&mut state.motor_encoder, raw, sound, elapsed);
+        (self.pulleys.reading(&mut state.pulleys, motor), lost)
     }
 
     /// Corrects the observer by the output encoder's reading of its last step.

@@ -49,11 +49,19 @@
 //!
 //! d_ff is the estimated external torque as filtered by [`crate::compensator::estimate::disturbance`].
 //!
+//! Behind a tooth belt of the compliance c ([`crate::belt::series`]) theta_ref is the angle of the belt's input. It is ahead of the wave generator by
+//! the stretch s, and the compliances of the rates have the belt's:
+//!
+//! ```text
+//! theta_ref = (q + ... + s_w*r*s(r*tau_t + w*tau_fric_in))/r,   c*w/(1 + h*w) + r^2*c in the place of c*w/(1 + h*w)
+//! ```
+//!
 //! M. Fliess, J. Levine, P. Martin, P. Rouchon, "Flatness and defect of non-linear systems", International Journal of
 //! Control 61 (1995); A. De Luca, "Feedforward/feedback laws for the control of flexible robots", IEEE International
 //! Conference on Robotics and Automation (2000).
 
 use crate::angle::{Angle, Heading, Ratio};
+use crate::belt::SeriesBelt;
 use crate::compensator::adapt::parameters::{Excitation, Factors};
 use crate::compensator::schedule::{MODELS_TO_PLAN, PLAN_TO_LEARN, PLAN_TO_MODELS, SLOW_PERIODS};
 use crate::compensator::tuned::FADING_TIME;
@@ -131,6 +139,9 @@ pub struct FeedForward<R> {
     inverse_round: R,
     /// Half a control period (s).
     half_step: R,
+    belt: SeriesBelt<R>,
+    /// r^2*c (rad/(N m)).
+    belt_compliance: R,
 }
 
 /// State of the feed-forward.
@@ -233,7 +244,15 @@ impl<R: Real> FeedForward<R> {
             fading: (round / R::lit(FADING_TIME.get())).min(R::ONE),
             inverse_round: R::ONE / round,
             half_step: R::lit(0.5) * dt,
+            belt: SeriesBelt::NONE,
+            belt_compliance: R::ZERO,
         })
+    }
+
+    /// The same of a gear behind a belt.
+    #[must_use]
+    pub fn behind(self, belt: SeriesBelt<R>) -> Self {
+        Self { belt, belt_compliance: self.ratio * self.ratio * belt.compliance(), ..self }
     }
 
     /// Evaluates the kinematic error.
@@ -290,7 +309,7 @@ impl<R: Real> FeedForward<R> {
         let compliance = gear.flexspline().compliance(on_line);
         let with_hysteresis =
             |slope: R| compliance / (R::ONE + (scale * slope * compliance).max(R::lit(LEAST_SLOPE)));
-        state.line_compliance = compliance;
+        state.line_compliance = compliance + self.belt_compliance;
         state.compliances = [slope, gear.hysteresis().greatest_slope()].map(with_hysteresis);
         state.balance = on_line + scale * torque;
         state.torsion_change = state.nominal - state.torsion;
@@ -369,7 +388,14 @@ impl<R: Real> FeedForward<R> {
         state.transmitted = accelerating + on_output - load;
         let (nominal, compliance) = Self::torsion(state);
         let wind_up_gain = gains.wind_up * factors.compliance;
-        let wind_up_compliance = wind_up_gain * compliance;
+        let mut wind_up_compliance = wind_up_gain * compliance;
+        let mut belt_offset = R::ZERO;
+        if self.belt.stretches() {
+            let friction = state.engaged * factors.input_friction * input_friction;
+            let stretch = self.belt.stretch(self.ratio * state.transmitted + friction);
+            belt_offset = gains.wind_up * self.ratio * stretch;
+            wind_up_compliance += gains.wind_up * self.belt_compliance;
+        }
         let transmitted_rate = accelerating_rate + state.friction_rate;
         state.nominal = nominal + self.to_learn * compliance * transmitted_rate;
 
@@ -377,7 +403,8 @@ impl<R: Real> FeedForward<R> {
         state.kinematic_error.error += state.kinematic_error.slope * moved;
         state.kinematic_error.slope += self.to_plan * state.slope_rate;
         let kinematic_error = state.kinematic_error;
-        let link_offset = wind_up_gain * nominal - gains.kinematic_error * kinematic_error.error - ripple;
+        let link_offset =
+            wind_up_gain * nominal + belt_offset - gains.kinematic_error * kinematic_error.error - ripple;
         let link_offset_rate = wind_up_compliance * transmitted_rate
             - gains.kinematic_error * kinematic_error.slope * motor_velocity;
         let reference = gear.ratio().to_motor(setpoint.position.plus(link_offset));

@@ -21,6 +21,7 @@ use crate::branch::seldom;
 use crate::compensator::faults::Faults;
 use crate::compensator::reference::directions::Crossover;
 use crate::compensator::schedule::{SLOW_PERIODS, SLOW_SLOTS};
+use crate::compensator::sense::pulleys::Pulleys;
 use crate::compensator::tuned::{GAIN_RAMP, MOTOR_PATH, OUTPUT_PATH};
 use crate::compensator::{Command, CompensationGains, Directions, Limits, Sensors, Setpoint};
 use crate::constants::constants;
@@ -97,6 +98,12 @@ impl<R: Real> InputGuard<R> {
                 .min(R::ONE),
             crossover: Crossover::build(limits.output_speed(gear.ratio)),
         })
+    }
+
+    /// The same where the measured torque of the motor is that in front of a belt.
+    #[must_use]
+    pub fn in_front_of(self, pulleys: &Pulleys<R>) -> Self {
+        Self { motor_torque: pulleys.at_motor(self.motor_torque), ..self }
     }
 
     /// The outer controller's command, validated.

@@ -14,6 +14,7 @@ mod cascade;
 mod dual_loop;
 mod flat;
 pub mod gains;
+mod motor_side;
 pub(crate) mod rigid_body;
 
 use strainwave::compensator::{Command, Input, Output, Setpoint};
@@ -21,17 +22,20 @@ use strainwave::{Angle, Error, Ratio};
 
 use crate::bench::controller::Controller;
 use crate::design::joint::firmware_gear_params;
+use crate::design::wave_generator::at_wave_generator;
 pub use crate::io::gear_file::{BaselineGains, GAINS, Gain, Kind};
 use crate::io::gear_file::{GearFile, SensorSet};
 use crate::plant::divergence::RunError;
 use cascade::{Cascade, Demand};
 use dual_loop::DualLoop;
 use flat::Flat;
+use motor_side::MotorSide;
 use rigid_body::RigidBody;
 
 /// A baseline controller.
 #[derive(Clone)]
 pub struct Baseline {
+    belt: Option<MotorSide>,
     ratio: Ratio,
     cascade: Cascade,
     advance: Advance,
@@ -92,9 +96,12 @@ impl Baseline {
     /// # Errors
     /// As [`firmware_gear_params`] and the builds of what it is made of.
     pub fn with_gains(file: &GearFile, kind: Kind, gains: &BaselineGains) -> Result<Self, Error> {
+        let belt = MotorSide::of(file);
+        let file = &at_wave_generator(file);
         let (ratio, gear) = (file.gear.signed_ratio(), firmware_gear_params(file)?);
         let body = || RigidBody::new(ratio, &gear, gains.friction_gain);
         Ok(Self {
+            belt,
             ratio,
             cascade: Cascade::build(file, gains)?,
             advance: match kind {
@@ -152,7 +159,9 @@ impl Baseline {
 
     /// Torque command for one control period (N m); it follows positions alone.
     pub fn step(&mut self, input: &Input<f32>) -> f64 {
-        let motor = self.cascade.read(input.sensors.motor_encoder, input.elapsed);
+        let raw = input.sensors.motor_encoder;
+        let raw = self.belt.as_mut().map_or(raw, |belt| belt.count(raw));
+        let motor = self.cascade.read(raw, input.elapsed);
         let Command::Position(setpoint) = input.command else { return 0.0 };
         let commanded = Commanded::of(&setpoint);
         let limited = self.cascade.limited();
@@ -161,7 +170,8 @@ impl Baseline {
             None => 0.0,
         };
         let demand = self.advance.step(self.ratio, &commanded, shift);
-        self.cascade.step(&motor, &demand)
+        let torque = self.cascade.step(&motor, &demand);
+        self.belt.as_ref().map_or(torque, |belt| belt.torque(torque))
     }
 }
 

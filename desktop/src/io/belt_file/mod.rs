@@ -196,26 +196,36 @@ impl BeltFile {
 
     /// The belt goes around both pulleys, and a tooth of either is in mesh.
     fn require_engaged(&self) -> Result<(), String> {
-        let teeth = self.pulley_teeth();
-        let Some(geometry) = self.geometry() else {
-            return Err(format!(
-                "belt.teeth = {} is out of range; allowed: at least {}, to go around pulleys of {} and {} teeth",
-                self.belt.teeth,
-                Geometry::fewest_teeth(self.belt.pitch, teeth),
-                teeth[0],
-                teeth[1]
-            ));
-        };
-        for (index, name) in ["motor_pulley", "output_pulley"].into_iter().enumerate() {
-            let engaged = geometry.teeth_in_mesh(teeth[index], index);
-            if engaged < 1.0 {
-                return Err(format!(
-                    "{name}.teeth = {} is out of range: no tooth engaged, the belt lies on {engaged:.2} teeth; allowed: at \
-                     least 1 tooth in mesh",
-                    teeth[index]
-                ));
-            }
-        }
-        Ok(())
+        let names = ["motor_pulley.teeth", "output_pulley.teeth"];
+        require_engaged(self.belt.pitch, self.belt.teeth, self.pulley_teeth(), names)
     }
+}
+
+/// A belt of this pitch (m) and so many teeth goes around both pulleys, and a tooth of either is in mesh; `names` are those of
+/// the pulleys' teeth.
+pub(super) fn require_engaged(
+    pitch: f64,
+    belt_teeth: u32,
+    teeth: [u32; 2],
+    names: [&str; 2],
+) -> Result<(), String> {
+    let Some(geometry) = Geometry::new(pitch, teeth, belt_teeth) else {
+        return Err(format!(
+            "belt.teeth = {belt_teeth} is out of range; allowed: at least {}, to go around pulleys of {} and {} teeth",
+            Geometry::fewest_teeth(pitch, teeth),
+            teeth[0],
+            teeth[1]
+        ));
+    };
+    for (index, name) in names.into_iter().enumerate() {
+        let engaged = geometry.teeth_in_mesh(teeth[index], index);
+        if engaged < 1.0 {
+            return Err(format!(
+                "{name} = {} is out of range: no tooth engaged, the belt lies on {engaged:.2} teeth; allowed: at least 1 \
+                 tooth in mesh",
+                teeth[index]
+            ));
+        }
+    }
+    Ok(())
 }

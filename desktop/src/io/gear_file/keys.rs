@@ -22,8 +22,8 @@ const HARDENINGS: &[&str] = &["contact", "bends"];
 /// The keys in the order of the file. The ranges hold any strain-wave gear from a finger joint to a
 /// turntable with room to spare; they keep slips of unit (mm for m, degrees for rad) and nonsense out.
 pub const KEYS: &[Key] = &joined::<
-    { GEAR.len() + INPUT.len() + OUTPUT.len() + CONTROL.len() + BASELINES.len() },
->(&[GEAR, INPUT, OUTPUT, CONTROL, BASELINES]);
+    { GEAR.len() + BELT.len() + INPUT.len() + OUTPUT.len() + CONTROL.len() + BASELINES.len() },
+>(&[GEAR, BELT, INPUT, OUTPUT, CONTROL, BASELINES]);
 
 const GEAR: &[Key] = &[
     key("gear.name", Allowed::Text),
@@ -58,6 +58,19 @@ const GEAR: &[Key] = &[
     key("inertia.wave_generator_kg_m2", within(1e-9, 10.0, "kg m^2")),
     key("inertia.flexspline_kg_m2", within(1e-6, 1e5, "kg m^2")),
     key("damping.torsion_mode_ratio", Allowed::Number(Bound::Included(0.0), Bound::Excluded(1.0), "1")),
+];
+
+/// The belt between motor and wave generator, with the ranges of a belt file.
+const BELT: &[Key] = &[
+    key("belt.pitch_m", within(5e-4, 0.1, "m")),
+    key("belt.teeth", Allowed::Whole(10, 10_000)),
+    key("belt.stiffness_n", within(100.0, 1e9, "N")),
+    key("belt.mass_kg_per_m", within(1e-4, 100.0, "kg/m")),
+    key("belt.pretension_n", within(0.0, 1e6, "N")),
+    key("belt.motor_pulley_teeth", Allowed::Whole(1, 2000)),
+    key("belt.wave_generator_pulley_teeth", Allowed::Whole(1, 2000)),
+    key("belt.rotor_inertia_kg_m2", within(1e-9, 10.0, "kg m^2")),
+    key("belt.mode_damping_ratio", Allowed::Number(Bound::Included(0.0), Bound::Excluded(1.0), "1")),
 ];
 
 const INPUT: &[Key] = friction!("input", 1e3, 1e4, 1e3, 10.0);
@@ -147,5 +160,9 @@ pub const RELATIONS: &[Relation] = &[
 ];
 
 /// All of it.
-pub(super) const SCHEMA: Schema =
-    Schema { relations: RELATIONS, sides: &["input", "output"], ..Schema::of(KEYS) };
+pub(super) const SCHEMA: Schema = Schema {
+    relations: RELATIONS,
+    sides: &["input", "output"],
+    optional_sections: &["belt"],
+    ..Schema::of(KEYS)
+};

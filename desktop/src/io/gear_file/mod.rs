@@ -13,6 +13,7 @@
 
 mod aliases;
 mod baselines;
+pub mod belt;
 pub(crate) mod drive;
 pub mod friction;
 pub(crate) mod friction_keys;
@@ -31,6 +32,7 @@ use strainwave::{Ratio, Real};
 
 pub use crate::io::keyed_file::key::{Allowed, Key, Relation};
 pub use baselines::Baselines;
+pub use belt::DrivingBelt;
 pub use drive::{Drive, Tolerances};
 pub use friction::{Backward, BothFrictions, Friction, StateRow};
 pub use gains::{BaselineGains, GAINS, Gain, Kind, StoredGains};
@@ -71,6 +73,9 @@ pub struct GearFile {
     pub inertia: Inertia,
     /// Structural damping.
     pub damping: Damping,
+    /// Tooth belt in front of the wave generator; the motor is on its shaft when it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub belt: Option<DrivingBelt>,
     /// Friction of both sides.
     pub friction: BothFrictions,
     /// Limits of the motor.
@@ -277,7 +282,7 @@ impl Hardening {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Inertia {
-    /// J_wg, with the motor's rotor (kg m^2).
+    /// J_wg, with the motor's rotor; behind a belt with its pulley in the place of it (kg m^2).
     #[serde(rename = "wave_generator_kg_m2")]
     pub wave_generator: f64,
     /// J_fs, with the load (kg m^2).
@@ -401,6 +406,12 @@ pub struct Compensation {
 }
 
 impl GearFile {
+    /// Inertia of all in front of the gear, as it is at the wave generator (kg m^2).
+    pub fn driving_inertia(&self) -> f64 {
+        let rotor = self.belt.as_ref().map_or(0.0, |belt| belt.rotor_inertia / belt.ratio().powi(2));
+        self.inertia.wave_generator + rotor
+    }
+
     /// The friction models of both sides are those that the firmware has.
     ///
     /// # Errors

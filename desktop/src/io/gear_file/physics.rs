@@ -16,7 +16,7 @@ use strainwave::flexspline::{Bend, Cup, FlexsplineParams, Hardening as Place};
 use strainwave::hysteresis::table::TABLE_LEVELS;
 use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState};
 
-use super::{GearFile, Hardening};
+use super::{DrivingBelt, GearFile, Hardening};
 
 /// Turning points of a branch that never turns: the fewest that a memory may have.
 const STEPS_BACK: usize = 8;
@@ -32,14 +32,15 @@ struct Condition {
     check: fn(&GearFile) -> Result<(), String>,
 }
 
-const CONDITIONS: [Condition; 8] = [
+const CONDITIONS: [Condition; 9] = [
+    Condition { sections: &["belt"], check: belt_engaged },
     Condition { sections: &["stiffness", "flexspline"], check: softer_than_cup },
     Condition { sections: &["stiffness", "flexspline"], check: bends_in_reach },
     Condition { sections: &["hysteresis", "stiffness", "gear"], check: narrow_loop },
     Condition { sections: &["hysteresis", "stiffness"], check: check_weights },
     Condition { sections: &["drive"], check: ordered_current_loop },
     Condition { sections: &["inertia", "stiffness"], check: slow_mode },
-    Condition { sections: &["friction", "inertia"], check: friction::input },
+    Condition { sections: &["friction", "inertia", "belt"], check: friction::input },
     Condition { sections: &["friction", "inertia"], check: friction::output },
 ];
 
@@ -48,6 +49,10 @@ pub(super) fn faults(gear: &GearFile, damaged: &[&str]) -> Vec<String> {
     let sound = |condition: &&Condition| !condition.sections.iter().any(|section| damaged.contains(section));
     let conditions = CONDITIONS.iter().filter(sound);
     conditions.filter_map(|condition| (condition.check)(gear).err()).collect()
+}
+
+fn belt_engaged(gear: &GearFile) -> Result<(), String> {
+    gear.belt.as_ref().map_or(Ok(()), DrivingBelt::check)
 }
 
 fn softer_than_cup(gear: &GearFile) -> Result<(), String> {

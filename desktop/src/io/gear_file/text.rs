@@ -24,18 +24,18 @@ impl KeyedFile for GearFile {
 }
 
 impl GearFile {
-    /// Reads and checks `path`.
+    /// Reads and checks `path`, where nothing is known of a belt in front of the gear.
+    ///
+    /// # Errors
+    /// One line that names the file, the key, its value and what is allowed, or the section `[belt]`.
+    pub fn read(path: &Path) -> Result<Self, BadInput> {
+        Self::read_with_text(path)?.0.without_belt(path)
+    }
+
+    /// Reads and checks `path`, with the text that it was read from; it may have a belt.
     ///
     /// # Errors
     /// One line that names the file, the key, its value and what is allowed.
-    pub fn read(path: &Path) -> Result<Self, BadInput> {
-        Self::read_with_text(path).map(|(gear, _)| gear)
-    }
-
-    /// The same with the text that it was read from.
-    ///
-    /// # Errors
-    /// As [`GearFile::read`].
     pub fn read_with_text(path: &Path) -> Result<(Self, String), BadInput> {
         let bytes = file::read(path, LONGEST_FILE)?;
         Ok((Self::parse(path, &bytes)?, String::from_utf8_lossy(&bytes).into_owned()))

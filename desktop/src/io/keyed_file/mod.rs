@@ -35,7 +35,7 @@ pub(crate) trait KeyedFile: DeserializeOwned {
 pub enum FileKind {
     /// A gear file, and whatever is none of the others.
     Gear,
-    /// A belt file: it has a table `[belt]`.
+    /// A belt file: it has a table `[belt]` and none `[gear]`.
     Belt,
     /// A link file: it has a table `[link]`.
     Link,
@@ -51,6 +51,7 @@ impl FileKind {
         let table = file::read(path, LONGEST_FILE).ok().and_then(|bytes| table(&bytes).ok());
         let has = |name: &str| table.as_ref().is_some_and(|table| table.contains_key(name));
         let kinds = [
+            ("gear", Self::Gear),
             ("belt", Self::Belt),
             ("link", Self::Link),
             ("robot", Self::Robot),

@@ -5,6 +5,7 @@ mod energy;
 mod precision;
 mod reduction;
 mod statics;
+pub mod wrist;
 
 use strainwave::belt::{BeltParams, PitchErrorParams, SpanParams};
 use strainwave::friction::ViscousParams;

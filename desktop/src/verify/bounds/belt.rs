@@ -72,4 +72,96 @@ pub(super) const ROWS: &[Bound] = &[
         unit: "1",
         why: "span forces of the reduction in f32 against f64, relative to the pretension",
     },
+    Bound {
+        name: "belt.wrist.s1.vibration_to_b0",
+        value: 1.6,
+        unit: "1",
+        why: "torsion's vibration after the steps of S1 over that of the cascade alone, worst of 8 plants of \
+              the example of a wrist: 1 to 3 urad under either controller, as on the same joint without a belt",
+    },
+    Bound {
+        name: "belt.wrist.s2.rms_to_b0",
+        value: 0.05,
+        unit: "1",
+        why: "output error of S2 over that of the cascade alone, worst of 8 plants",
+    },
+    Bound {
+        name: "belt.wrist.s2.rms_to_b1",
+        value: 0.06,
+        unit: "1",
+        why: "output error of S2 over that of the cascade with a rigid joint's feed-forward, worst of 8 plants",
+    },
+    Bound {
+        name: "belt.wrist.s3.vibration_to_b0",
+        value: 2.4,
+        unit: "1",
+        why: "torsion's vibration after the move of S3 over that of the cascade alone, worst of 8 plants: \
+              0.05 to 0.2 urad under either controller, as on the same joint without a belt",
+    },
+    Bound {
+        name: "belt.wrist.s3.settling_to_b0",
+        value: 0.2,
+        unit: "1",
+        why: "time until the output stays within 20 urad after S3, over that of the cascade alone, worst of 8 plants",
+    },
+    Bound {
+        name: "belt.wrist.s4.ripple_to_b0",
+        value: 0.01,
+        unit: "1",
+        why: "output error at the orders of the kinematic error in S4 over that of the cascade alone, worst of 8 plants",
+    },
+    Bound {
+        name: "belt.wrist.s5.peak_to_b0",
+        value: 0.95,
+        unit: "1",
+        why: "largest deviation under the load step of S5 over that of the cascade alone, worst of 8 plants: the bound without a belt",
+    },
+    Bound {
+        name: "belt.wrist.s5.steady_to_b0",
+        value: 0.45,
+        unit: "1",
+        why: "steady deviation under the load step of S5 over that of the cascade alone, worst of 8 plants: the bound without a belt",
+    },
+    Bound {
+        name: "belt.wrist.s2.rms_to_rigid_belt",
+        value: 0.85,
+        unit: "1",
+        why: "output error of S2 over that of the compensator that takes the belt for rigid, rms of 8 plants",
+    },
+    Bound {
+        name: "belt.wrist.s3.vibration_to_rigid_belt",
+        value: 1.05,
+        unit: "1",
+        why: "the same of the vibration after the move of S3, which the stretch changes little",
+    },
+    Bound {
+        name: "belt.wrist.s5.steady_to_rigid_belt",
+        value: 1.0,
+        unit: "1",
+        why: "the same of the steady deviation of S5, most of which is load within static friction",
+    },
+    Bound {
+        name: "belt.wrist.s2.rms_to_massless_spans",
+        value: 1.05,
+        unit: "1",
+        why: "output error of S2 with a chain of masses in the plant over that with massless spans",
+    },
+    Bound {
+        name: "belt.wrist.s5.steady_to_massless_spans",
+        value: 1.05,
+        unit: "1",
+        why: "the same of the steady deviation of S5",
+    },
+    Bound {
+        name: "belt.wrist.target.cycles",
+        value: 1900.0,
+        unit: "cycle",
+        why: "most costly control step of S1 to S6 with the belt on a Cortex-M4F, by the model; target 2000",
+    },
+    Bound {
+        name: "belt.wrist.target.any_input.cycles",
+        value: 2700.0,
+        unit: "cycle",
+        why: "the same on any input bits, the most costly found; target 2000",
+    },
 ];

@@ -59,6 +59,7 @@ pub use params::{LONGEST_PERIOD, ObserverParams};
 pub use state::ObserverState;
 
 use crate::angle::{Angle, Ratio};
+use crate::belt::SeriesBelt;
 use crate::branch::seldom;
 use crate::compensator::faults::Faults;
 use crate::compensator::{Estimate, RealTimeGear};
@@ -162,6 +163,12 @@ pub struct OutputReading<R> {
 }
 
 impl<R: Real> Observer<R> {
+    /// The same of a gear behind a belt: theta_wg is the input angle of the belt ([`crate::belt::series`]).
+    #[must_use]
+    pub fn behind(self, belt: SeriesBelt<R>) -> Self {
+        Self { multi_rate: self.multi_rate.behind(belt), ..self }
+    }
+
     /// Angle of the output, up to whole revolutions, at the instant of a reading that came `age` control periods before
     /// the last step; `None` where that was before the start.
     pub fn output_at_reading(

@@ -13,8 +13,18 @@
 //! that are 1 + k times larger, so that its knees stay at their torques, as those of a catalogue's line do; the
 //! hysteresis is 1 + k times the model's at that torsion, its loop under a given torque as wide as the model's. Units
 //! and signs as in [`crate::gear`].
+//!
+//! Behind a tooth belt ([`crate::belt::series`]) the wave generator's angle and speed are those of the belt's input, and its
+//! inertia has the motor's. The belt's stretch s by the torques of the period before takes its part of the torsion:
+//!
+//! ```text
+//! phi = e - (theta_fs - r*theta_in) - r*s((r + de/dtheta)*tau_t + tau_fric_in)
+//! ```
+//!
+//! A fixed-point step a period, which contracts by K_3*r^2*2*c, below 0.5 ([`MultiRate::behind`]).
 
 use crate::angle::{Angle, Heading};
+use crate::belt::SeriesBelt;
 use crate::compensator::{HYSTERESIS_MEMORY, RealTimeGear};
 use crate::constants::constants;
 use crate::friction::{FrictionModel, JointFrictionState, Slip, StepTime};
@@ -33,6 +43,8 @@ pub struct MultiRateGear<R: Real> {
     /// Kinematic error of its last evaluation, extrapolated since.
     kinematic_error: ErrorAndSlope<R>,
     heading: Heading<R>,
+    /// r*s of the last period (rad).
+    stretch: R,
     /// The last period evaluated the frictions, not the kinematic error.
     friction_last: bool,
 }
@@ -92,12 +104,19 @@ pub struct MultiRate<R> {
     dt: R,
     /// 2*dt.
     round: StepTime<R>,
+    belt: SeriesBelt<R>,
 }
 
 impl<R: Real> MultiRate<R> {
     /// For a gear of this ratio r and the observer's period dt (s).
     pub fn build(ratio: R, dt: R) -> Self {
-        Self { ratio, dt, round: StepTime::new(R::lit(2.0) * dt) }
+        Self { ratio, dt, round: StepTime::new(R::lit(2.0) * dt), belt: SeriesBelt::NONE }
+    }
+
+    /// The same behind a belt.
+    #[must_use]
+    pub fn behind(self, belt: SeriesBelt<R>) -> Self {
+        Self { belt, ..self }
     }
 
     /// r.
@@ -142,7 +161,7 @@ impl<R: Real> MultiRateGear<R> {
             self.start_at(gear, (ends.wave_generator)());
         }
         let slope = multi_rate.ratio + self.kinematic_error.slope;
-        let torsion = self.kinematic_error.error - ends.link_offset;
+        let torsion = self.kinematic_error.error - ends.link_offset - self.stretch;
         let torsion_rate = slope * ends.wave_generator_speed - ends.flange_speed;
         let scale = R::ONE + gear_correction.stiffening;
         let torque = gear.flexspline().torque(scale * torsion, scale * torsion_rate);
@@ -162,12 +181,16 @@ impl<R: Real> MultiRateGear<R> {
             on_output.step(&mut self.output_friction, &slip(ends.flange_speed, transmitted));
         }
         let [input, output] = [on_input.force(&self.input_friction), on_output.force(&self.output_friction)];
+        let input_friction = input + gear_correction.friction[0] * input;
+        if multi_rate.belt.stretches() {
+            self.stretch = multi_rate.ratio * multi_rate.belt.stretch(slope * transmitted + input_friction);
+        }
         Torques {
             torsion,
             torsion_rate,
             slope,
             transmitted,
-            input_friction: input + gear_correction.friction[0] * input,
+            input_friction,
             output_friction: output + gear_correction.friction[1] * output,
             saturated: gear.flexspline().saturates(torque),
         }

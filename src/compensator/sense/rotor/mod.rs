@@ -43,7 +43,7 @@ use crate::compensator::tuned::{
 };
 use crate::compensator::{Faults, Limits};
 use crate::constants::constants;
-use crate::error::{Error, require};
+use crate::error::Error;
 use crate::flexspline::stiffness_line::StiffnessLine;
 use crate::gear::GearParams;
 use crate::low_pass::LowPass;
@@ -174,27 +174,24 @@ impl<R: Real> RotorState<R> {
 }
 
 impl<R: Real> Rotor<R> {
-    /// For a gear, encoders of the motor and of the output of 2^bits counts, the position gain k_p (1/s) of the cascade,
+    /// For a gear, a count of the motor's encoder and one of the output's (rad), the position gain k_p (1/s) of the cascade,
     /// and the control period dt (s).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `encoder_bits` outside 10..=32; as the gear's stiffness line.
+    /// As the gear's stiffness line.
     pub fn build(
         gear: &GearParams<R>,
         limits: &Limits<R>,
-        bits: [u32; 2],
+        [count, output_count]: [R; 2],
         k_p: R,
         dt: R,
     ) -> Result<Self, Error> {
-        require(bits.iter().all(|bits| (10..=32).contains(bits)), "encoder_bits")?;
         let line = gear.flexspline.line.build()?;
         let round = R::from_i32(SLOW_PERIODS as i32) * dt;
         let (n, peak) = (R::from_i32(gear.ratio), limits.output_torque);
         let sides = [&gear.input_friction.forward, &gear.input_friction.backward];
         let larger = |of: [R; 2]| of[0].max(of[1]);
         let static_level = larger(sides.map(|side| side.static_level.max(side.coulomb)));
-        let [count, output_count] =
-            bits.map(|bits| R::lit(core::f64::consts::TAU) / R::from_i32(1 << bits.min(30)));
         let noise = gear.wave_generator_inertia * count / (round * round) * n.abs();
         let inertia = gear.wave_generator_inertia + gear.flexspline_inertia / (n * n);
         let stiffest = gear.flexspline.line.stiffness[2];

@@ -10,7 +10,7 @@ use crate::io::gear_file::friction::Friction;
 use crate::io::gear_file::friction_params::friction_params;
 
 pub(super) fn input(gear: &GearFile) -> Result<(), String> {
-    check("friction.input", &gear.friction.input, gear.inertia.wave_generator)
+    check("friction.input", &gear.friction.input, gear.driving_inertia())
 }
 
 pub(super) fn output(gear: &GearFile) -> Result<(), String> {
