@@ -53,7 +53,12 @@ impl MotorEncoder {
         let frequency = Hertz::from_raw(INTERNAL / DIVIDER);
         let bus = Spi::new(spi, (Some(clock), Some(miso), Some(mosi)), Part::MODE, frequency, rcc);
         let device = ExclusiveDevice::new(bus, select, CycleDelay).ok()?;
-        let mut encoder = Scaled::<_, MOTOR_ENCODER_BITS>::new(Part::new(device, CycleDelay));
+        Self::checked(Scaled::new(Part::new(device, CycleDelay)))
+    }
+
+    // Not inlined: its stack is not the idle loop's.
+    #[inline(never)]
+    fn checked(mut encoder: Scaled<Part, MOTOR_ENCODER_BITS>) -> Option<Self> {
         match encoder.check() {
             Ok(()) => Some(Self { encoder, missed: 0 }),
             Err(error) => {
