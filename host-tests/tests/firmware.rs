@@ -305,7 +305,7 @@ fn wait_for_the_end(elf: &Path) {
 /// This very test in a process of its own, with its temporary files in `directory`, and its emulator.
 fn victim(directory: &Path) -> (Child, Pid) {
     let mut child = Command::new(std::env::current_exe().expect("has a path"))
-        .args(["--exact", "a_dying_host_takes_the_emulator_along", "--nocapture"])
+        .args(["--exact", "firmware::a_dying_host_takes_the_emulator_along", "--nocapture"])
         .env(VICTIM, "1")
         .env("TMPDIR", directory)
         .stdout(Stdio::piped())

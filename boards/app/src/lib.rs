@@ -25,8 +25,11 @@ pub mod joint {
 }
 
 /// Resolution of the motor encoder that the joint's gear file asks for: 2^bits counts a revolution. A board whose encoder has fewer must not
-/// compile; `strainwave_drivers::Scaled` sees to it.
-pub const MOTOR_ENCODER_BITS: u32 = compensator::words::motor_encoder_bits(&joint::WORDS);
+/// compile; `strainwave_drivers::Scaled` sees to it. Not a constant, which every board would evaluate: one that takes counts as they are
+/// refuses a joint of another layout when it starts.
+pub const fn motor_encoder_bits() -> u32 {
+    compensator::words::motor_encoder_bits(&joint::WORDS)
+}
 
 pub use control::{Board, Control, control_step};
 pub use strainwave::Error;

@@ -11,7 +11,7 @@ use stm32f4xx_hal::pac::SPI1;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::spi::Spi;
 use stm32f4xx_hal::time::Hertz;
-use strainwave_app::MOTOR_ENCODER_BITS;
+use strainwave_app::motor_encoder_bits;
 use strainwave_drivers::{Encoder, Mt6835, Scaled, SpiEncoder};
 
 use crate::clock::{FULL, INTERNAL, PERIPHERAL_DIVISOR};
@@ -19,6 +19,9 @@ use crate::clock::{FULL, INTERNAL, PERIPHERAL_DIVISOR};
 /// SPI1's clock divider: 84 MHz / 8 = 10.5 MHz, 6 us for an angle with its pauses.
 const DIVIDER: u32 = 8;
 const _: () = assert!(FULL / PERIPHERAL_DIVISOR / DIVIDER <= Part::FASTEST);
+
+/// Those of the joint.
+const BITS: u32 = motor_encoder_bits();
 
 /// Readings in a row after which the compensator has given the angle up: 2 ms.
 const PATIENCE: u32 = 20;
@@ -37,7 +40,7 @@ type Part = Mt6835<Device, CycleDelay>;
 
 /// The encoder in the joint's resolution.
 pub struct MotorEncoder {
-    encoder: Scaled<Part, MOTOR_ENCODER_BITS>,
+    encoder: Scaled<Part, BITS>,
     missed: u32,
 }
 
@@ -53,7 +56,12 @@ impl MotorEncoder {
         let frequency = Hertz::from_raw(INTERNAL / DIVIDER);
         let bus = Spi::new(spi, (Some(clock), Some(miso), Some(mosi)), Part::MODE, frequency, rcc);
         let device = ExclusiveDevice::new(bus, select, CycleDelay).ok()?;
-        let mut encoder = Scaled::<_, MOTOR_ENCODER_BITS>::new(Part::new(device, CycleDelay));
+        Self::checked(Scaled::new(Part::new(device, CycleDelay)))
+    }
+
+    // Not inlined: its stack is not the idle loop's.
+    #[inline(never)]
+    fn checked(mut encoder: Scaled<Part, BITS>) -> Option<Self> {
         match encoder.check() {
             Ok(()) => Some(Self { encoder, missed: 0 }),
             Err(error) => {

@@ -147,41 +147,16 @@ impl<R: Real> InputGuard<R> {
 
     #[inline(always)]
     fn setpoint(&self, last: &mut InputGuardState<R>, new: &Setpoint<R>, faults: &mut Faults) -> Setpoint<R> {
-        let within = new.position.rest.is_within(R::ONE)
-            && new.velocity.is_within(self.velocity)
-            && new.acceleration.is_within(self.acceleration)
-            && new.jerk.is_within(self.jerk)
-            && new.snap.is_within(self.snap);
-        let mut rest = new.position.rest;
-        if within {
-            (last.velocity, last.acceleration) = (new.velocity, new.acceleration);
-            (last.jerk, last.snap) = (new.jerk, new.snap);
-        } else {
-            seldom();
-            rest = self.setpoint_beyond(last, new, faults);
-        }
+        let mut none = R::ZERO;
+        let rest = pass(new.position.rest, &mut none, R::ONE, Faults::NONE, faults);
+        let mut pass = |new, last: &mut R, bound| pass(new, last, bound, Faults::SETPOINT_LIMITED, faults);
         Setpoint {
             position: Angle { rest, ..new.position },
-            velocity: last.velocity,
-            acceleration: last.acceleration,
-            jerk: last.jerk,
-            snap: last.snap,
+            velocity: pass(new.velocity, &mut last.velocity, self.velocity),
+            acceleration: pass(new.acceleration, &mut last.acceleration, self.acceleration),
+            jerk: pass(new.jerk, &mut last.jerk, self.jerk),
+            snap: pass(new.snap, &mut last.snap, self.snap),
         }
-    }
-
-    /// Validates the derivatives into `last`; returns the angle's rest. By its numbers, so that little is on the stack.
-    #[cold]
-    #[inline(never)]
-    fn setpoint_beyond(&self, last: &mut InputGuardState<R>, new: &Setpoint<R>, faults: &mut Faults) -> R {
-        let mut pass = |new, last: &mut R, bound| {
-            beyond(new, last, bound, Faults::SETPOINT_LIMITED, faults);
-        };
-        pass(new.velocity, &mut last.velocity, self.velocity);
-        pass(new.acceleration, &mut last.acceleration, self.acceleration);
-        pass(new.jerk, &mut last.jerk, self.jerk);
-        pass(new.snap, &mut last.snap, self.snap);
-        let mut none = R::ZERO;
-        beyond(new.position.rest, &mut none, R::ONE, Faults::NONE, faults)
     }
 
     /// The usual case: every gain equals its command.
@@ -245,28 +220,20 @@ fn is_same<R: Real>(one: &CompensationGains<R>, other: &CompensationGains<R>) ->
 fn pass<R: Real>(new: R, last: &mut R, bound: R, limited: Faults, faults: &mut Faults) -> R {
     if !new.is_within(bound) {
         seldom();
-        return beyond(new, last, bound, limited, faults);
+        let finite = new.is_finite();
+        faults.raise_if(true, if finite { limited } else { Faults::INPUT_NOT_FINITE });
+        // The last one is within its bound.
+        if finite {
+            *last = new.limit(bound);
+        }
+        return *last;
     }
     *last = new;
     new
 }
 
-/// The same of any value. Not inlined, for size.
-#[cold]
-#[inline(never)]
-fn beyond<R: Real>(new: R, last: &mut R, bound: R, limited: Faults, faults: &mut Faults) -> R {
-    // The last one is within its bound.
-    if new.is_finite() {
-        faults.raise_if(!new.is_within(bound), limited);
-        *last = new.limit(bound);
-    } else {
-        faults.raise_if(true, Faults::INPUT_NOT_FINITE);
-    }
-    *last
-}
-
-/// Ramps a gain towards `commanded`, limited to 0..=1, times `allowed`, by at most `step`. Not inlined, for size: there are eight.
-#[inline(never)]
+/// Ramps a gain towards `commanded`, limited to 0..=1, times `allowed`, by at most `step`.
+#[inline(always)]
 fn ramp<R: Real>(commanded: R, gain: &mut R, allowed: R, step: R, faults: &mut Faults) {
     let mut target = commanded;
     if !commanded.is_fraction() {
