@@ -22,7 +22,8 @@ impl<R: Real> Compensator<R> {
         let raw = sensors.motor_encoder;
         let (motor, lost) = match self.motor_encoder.usual(&mut state.motor_encoder, raw, sound, elapsed) {
             Some(motor) => (motor, false),
-            None => self.unusual_reading(state, raw, sound, elapsed),
+            None if self.pulleys.are_present() => self.behind_belt(state, raw, sound, elapsed),
+            None => self.motor_encoder.unusual(&mut state.motor_encoder, raw, sound, elapsed),
         };
         faults.raise_if(!motor.accepted, Faults::MOTOR_ENCODER_JUMP);
         faults.raise_if(lost, Faults::MOTOR_ENCODER_LOST);
@@ -48,17 +49,16 @@ impl<R: Real> Compensator<R> {
         motor
     }
 
-    /// A reading of the motor's encoder that is not as usual, or in front of a belt; the second value: the angle is lost.
-    #[cold]
+    /// A reading of the encoder of a motor in front of a belt, as it is behind it; the second value: the angle is lost.
     #[inline(never)]
-    fn unusual_reading(
+    fn behind_belt(
         &self,
         state: &mut State<R>,
         raw: u32,
         sound: bool,
         elapsed: &Elapsed<R>,
     ) -> (Reading<R>, bool) {
-        let (motor, lost) = self.motor_encoder.unusual(&mut state.motor_encoder, raw, sound, elapsed);
+        let (motor, lost) = self.motor_encoder.step(&mut state.motor_encoder, raw, sound, elapsed);
         (self.pulleys.reading(&mut state.pulleys, motor), lost)
     }
 

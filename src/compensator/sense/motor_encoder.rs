@@ -165,8 +165,25 @@ impl<R: Real> MotorEncoder<R> {
         Some(state.reading(phase, delta, true))
     }
 
-    /// Takes any other raw count whose frame was `valid`, and every one in front of a belt; the second value: the angle is lost.
+    /// Takes any raw count; the second value: the angle is lost.
     #[inline(always)]
+    pub fn step(
+        &self,
+        state: &mut MotorEncoderState,
+        raw: u32,
+        valid: bool,
+        elapsed: &Elapsed<R>,
+    ) -> (Reading<R>, bool) {
+        let trusted = state.started && state.error_count == 0;
+        match self.within_reach(state, raw, valid && trusted, elapsed) {
+            Some(reading) => (reading, false),
+            None => self.unusual(state, raw, valid, elapsed),
+        }
+    }
+
+    /// Takes any other raw count whose frame was `valid`; the second value: the angle is lost.
+    #[cold]
+    #[inline(never)]
     pub fn unusual(
         &self,
         state: &mut MotorEncoderState,
@@ -174,11 +191,6 @@ impl<R: Real> MotorEncoder<R> {
         valid: bool,
         elapsed: &Elapsed<R>,
     ) -> (Reading<R>, bool) {
-        if !self.direct && state.started && state.error_count == 0 {
-            if let Some(reading) = self.within_reach(state, raw, valid, elapsed) {
-                return (reading, false);
-            }
-        }
         let phase = raw << self.shift;
         let sound = valid && phase >> self.shift == raw;
         if !state.started && sound {
@@ -258,7 +270,7 @@ mod tests {
         }
     }
 
-    /// Takes a count, by whichever way.
+    /// Takes a count, as the control step does.
     fn step(
         encoder: &MotorEncoder<f64>,
         state: &mut MotorEncoderState,
@@ -266,6 +278,9 @@ mod tests {
         valid: bool,
         elapsed: &Elapsed<f64>,
     ) -> (Reading<f64>, bool) {
+        if !encoder.direct {
+            return encoder.step(state, raw, valid, elapsed);
+        }
         let usual = encoder.usual(state, raw, valid, elapsed).map(|reading| (reading, false));
         usual.unwrap_or_else(|| encoder.unusual(state, raw, valid, elapsed))
     }
