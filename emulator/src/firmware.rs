@@ -8,6 +8,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use strainwave_desktop::design::export;
 
 /// Why there is no image.
 #[derive(Debug, thiserror::Error)]
@@ -154,8 +155,9 @@ fn link(board: &str, program: &str, joint: Option<&Joint>) -> Result<Firmware, E
     lock.lock()?;
     // Whoever had the lock may have built it.
     if !image.is_fresh() {
-        let joint_file = joint.map(|joint| joint.keep(&images)).transpose()?;
-        run(&compiler, board, program, joint_file.as_deref(), &output)?;
+        let joint_file =
+            joint.map(|joint| Ok::<_, io::Error>((joint.keep(&images)?, joint.has_belt()))).transpose()?;
+        run(&compiler, board, program, joint_file, &output)?;
         image.keep(&output.join(&compiler.target).join("release").join(program))?;
     }
     Ok(made())
@@ -219,6 +221,11 @@ impl Joint {
         Ok(Self { source, digest: hasher.finish() })
     }
 
+    /// Its control step needs code for a belt.
+    fn has_belt(&self) -> bool {
+        String::from_utf8_lossy(&self.source).contains(export::WITH_BELT)
+    }
+
     /// Puts the file where the same joint is found again: cargo then has nothing to do the second time.
     fn keep(&self, folder: &Path) -> io::Result<PathBuf> {
         let path = folder.join(format!("joint-{:016x}.rs", self.digest));
@@ -233,7 +240,7 @@ fn run(
     compiler: &Compiler,
     board: &str,
     program: &str,
-    joint: Option<&Path>,
+    joint: Option<(PathBuf, bool)>,
     target: &Path,
 ) -> Result<(), Error> {
     let mut command = compiler.build_command();
@@ -242,8 +249,8 @@ fn run(
     command
         .args(["--quiet", "--locked", "--package", &control(board), "--bin", program, "--target-dir"])
         .arg(target);
-    if let Some(joint) = joint {
-        command.env("STRAINWAVE_JOINT", joint);
+    if let Some((joint, has_belt)) = joint {
+        command.env("STRAINWAVE_JOINT", joint).args(has_belt.then_some("--features=belt"));
     }
     let output = command.output()?;
     if output.status.success() {

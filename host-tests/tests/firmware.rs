@@ -13,7 +13,7 @@ use strainwave::compensator::{
 use strainwave_app::frame::{INPUT_BYTES, decode_input, encode_input, encode_output};
 use strainwave_app::{Compensator, control_step, joint};
 use strainwave_desktop::GearFile;
-use strainwave_desktop::design::export::Export;
+use strainwave_desktop::design::export::{Export, WITH_BELT};
 use strainwave_desktop::design::joint::joint_params;
 use strainwave_emulator::machine::{Error, Options};
 use strainwave_emulator::{Machine, firmware, setup};
@@ -137,6 +137,20 @@ fn a_joint_with_a_flipped_bit_or_of_another_layout_is_refused_by_name() {
         let error = machine.exchange(&encode_input(&Input::default())).expect_err("is refused").to_string();
         assert!(error.contains(&format!("joint hd25-100: {reason}")), "{error}");
     }
+}
+
+/// Without its first line nothing tells that the words are those of a joint with a belt: the image is built without code for one.
+#[test]
+fn an_image_without_code_for_a_belt_refuses_a_joint_with_one() {
+    if image().is_none() {
+        return;
+    }
+    let source = Export::of(&GearFile::wrist()).expect("is built").rust();
+    let (heading, words) = source.split_once('\n').expect("has lines");
+    assert!(heading.contains(WITH_BELT), "{heading}");
+    let mut machine = Machine::boot(&image_with(words), &[]).expect("boots");
+    let error = machine.exchange(&encode_input(&Input::default())).expect_err("is refused").to_string();
+    assert!(error.contains("joint with a belt, program without the feature `belt`"), "{error}");
 }
 
 #[test]

@@ -56,8 +56,8 @@ fn what_is_read_in_place_is_what_was_built_field_by_field() {
 
 #[test]
 fn the_motor_encoders_bits_can_be_read_before_the_words_are_checked() {
-    const DEFAULT: u32 = motor_encoder_bits(&strainwave_app::joint::WORDS);
-    assert_eq!(DEFAULT, GearFile::default_gear().sensors.motor_encoder_bits);
+    let default = motor_encoder_bits(&strainwave_app::joint::WORDS);
+    assert_eq!(default, GearFile::default_gear().sensors.motor_encoder_bits);
     for (gear, bits) in GEARS.map(gear).iter_mut().zip([10, 14, 17, 19, 21, 24, 32]) {
         gear.sensors.motor_encoder_bits = bits;
         assert_eq!(motor_encoder_bits(&built(gear).to_words()), bits, "{}", gear.gear.name);

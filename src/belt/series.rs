@@ -19,6 +19,9 @@ use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::Real;
 
+/// Whether the control step has code for a belt: the cargo feature `belt`.
+pub const ENABLED: bool = cfg!(any(feature = "belt", test));
+
 /// Parameters of the belt in front of a gear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeriesBeltParams<R> {
@@ -95,7 +98,7 @@ impl<R: Real> SeriesBelt<R> {
     /// It stretches.
     #[inline(always)]
     pub fn stretches(&self) -> bool {
-        self.stretches
+        ENABLED && self.stretches
     }
 
     /// In front of this gear, at its stiffest and with a span slack, it gives way by less than half as much as the gear: with the

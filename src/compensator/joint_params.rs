@@ -99,7 +99,6 @@ impl<R: Real> JointParams<R> {
             guard,
             motor_encoder: MotorEncoder::build(self.motor_encoder_bits, &self.gear, limits, self.dt)?
                 .in_front_of(&pulleys),
-            torque_ratio: [pulleys.ratio(), pulleys.inverse_ratio()],
             output_encoder: encoder(self.output_encoder_bits, limits.output_speed(n) * readings)?,
             output_zero: OutputZero::build(self.output_encoder_zero, n)?,
             frozen_encoder: FrozenEncoder::of_motor(round + round),

@@ -49,6 +49,8 @@ pub enum BadWords {
     Length,
     /// A bit has changed since they were written.
     Checksum,
+    /// The joint has a belt, and the program was built without the cargo feature `belt`.
+    Belt,
 }
 
 impl BadWords {
@@ -58,6 +60,7 @@ impl BadWords {
             Self::Layout => "layout of another version",
             Self::Length => "wrong number of words",
             Self::Checksum => "wrong checksum",
+            Self::Belt => "joint with a belt, program without the feature `belt`",
         }
     }
 }
@@ -84,10 +87,11 @@ impl core::error::Error for BadWords {}
 ///
 /// # Panics
 /// When the words are of another layout: in a constant, the build fails.
-pub const fn motor_encoder_bits(words: &[u32; WORDS]) -> u32 {
+pub const fn motor_encoder_bits(words: &[u32]) -> u32 {
     const SHIFT: usize =
         HEADER + (offset_of!(Compensator<f32>, motor_encoder) + MotorEncoder::<f32>::SHIFT_OFFSET) / 4;
-    assert!(words[0] == LAYOUT, "joint file: layout of another version");
+    // Of any length: joint files of another version must compile where they are written anew.
+    assert!(words.len() == WORDS && words[0] == LAYOUT, "joint file: layout of another version");
     MotorEncoder::<f32>::bits_of(words[SHIFT])
 }
 
@@ -130,7 +134,8 @@ impl Compensator<f32> {
             return Err(BadWords::Checksum);
         }
         // With the checksum right only a bool that is none could be left.
-        Self::try_ref_from_bytes(own.as_bytes()).map_err(|_| BadWords::Layout)
+        let compensator = Self::try_ref_from_bytes(own.as_bytes()).map_err(|_| BadWords::Layout)?;
+        if compensator.pulleys.lack_code() { Err(BadWords::Belt) } else { Ok(compensator) }
     }
 }
 

@@ -11,9 +11,13 @@ use crate::io::gear_file::GearFile;
 /// Words in a line of source text.
 const IN_LINE: usize = 8;
 
+/// Ends the first line of a joint whose motor drives a belt.
+pub const WITH_BELT: &str = "with a belt, for the cargo feature `belt`";
+
 /// A joint's built compensator, to be written as source text.
 pub struct Export {
     gear: String,
+    belt: bool,
     words: [u32; WORDS],
 }
 
@@ -23,7 +27,8 @@ impl Export {
     /// # Errors
     /// As [`joint_params`] and [`strainwave::compensator::JointParams::build`].
     pub fn of(file: &GearFile) -> Result<Self, Error> {
-        Ok(Self { gear: file.gear.name.clone(), words: joint_params(file)?.build()?.to_words() })
+        let (gear, belt) = (file.gear.name.clone(), file.belt.is_some());
+        Ok(Self { gear, belt, words: joint_params(file)?.build()?.to_words() })
     }
 
     /// Rust source: `GEAR`, the gear's name, and `WORDS`.
@@ -64,9 +69,10 @@ impl Export {
     /// Of what gear the words are, and how they were generated; one line.
     fn heading(&self) -> String {
         let [layout, _, checksum, ..] = self.words;
+        let belt = if self.belt { format!("; {WITH_BELT}") } else { String::new() };
         format!(
             "Compensator of the gear {:?}, built by `strainwave export` {}, layout {layout:#010x}, CRC-32 {checksum:#010x}; \
-             do not edit.",
+             do not edit{belt}.",
             self.gear,
             env!("CARGO_PKG_VERSION"),
         )

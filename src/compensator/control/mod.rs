@@ -80,8 +80,6 @@ pub struct Compensator<R: Real> {
     pub(super) dt: R,
     /// Time from the observer's torques to the plan (s).
     pub(super) behind: R,
-    /// Torque of the motor over that at the wave generator, and the inverse.
-    pub(super) torque_ratio: [R; 2],
     /// Half a count of the motor's encoder (rad).
     pub(super) rounding: R,
     /// The speed of a resting motor is the observer's.
@@ -176,8 +174,8 @@ impl<R: Real> Compensator<R> {
         }
         state.sound &= faults == Faults::NONE && !state.limited;
         state.reported = faults;
-        let [at_motor, _] = self.torque_ratio;
-        Commanded { motor_torque: at_motor * motor_torque, faults, mode: state.mode.mode() }
+        let motor_torque = self.pulleys.at_motor(motor_torque);
+        Commanded { motor_torque, faults, mode: state.mode.mode() }
     }
 
     /// Command, references and estimates of the last step; separate from the control step, so that callers pay only on

@@ -29,8 +29,7 @@ impl<R: Real> Compensator<R> {
         faults.raise_if(lost, Faults::MOTOR_ENCODER_LOST);
         let (commanded, feedback) = (state.fallback.torque(), state.guard.gains().feedback);
         let latch = &mut state.latch;
-        let [_, at_wave_generator] = self.torque_ratio;
-        let measured = at_wave_generator * sensors.motor_torque;
+        let measured = self.pulleys.at_wave_generator(sensors.motor_torque);
         latch.motor_torque += self.motor_torque.step(&mut state.motor_torque, commanded, feedback, measured);
         latch.drive_errors += state.motor_torque.drive_error();
         latch.time += elapsed.time;

@@ -309,7 +309,10 @@ impl<R: Real> FeedForward<R> {
         let compliance = gear.flexspline().compliance(on_line);
         let with_hysteresis =
             |slope: R| compliance / (R::ONE + (scale * slope * compliance).max(R::lit(LEAST_SLOPE)));
-        state.line_compliance = compliance + self.belt_compliance;
+        state.line_compliance = compliance;
+        if self.belt.stretches() {
+            state.line_compliance += self.belt_compliance;
+        }
         state.compliances = [slope, gear.hysteresis().greatest_slope()].map(with_hysteresis);
         state.balance = on_line + scale * torque;
         state.torsion_change = state.nominal - state.torsion;

@@ -13,6 +13,7 @@
 
 use crate::angle::Angle;
 use crate::belt::SeriesBeltParams;
+use crate::belt::series::ENABLED;
 use crate::compensator::Limits;
 use crate::compensator::sense::encoder::Reading;
 use crate::constants::constants;
@@ -69,14 +70,9 @@ impl<R: Real> Pulleys<R> {
         self.ratio
     }
 
-    /// z_2/z_1.
-    pub fn inverse_ratio(&self) -> R {
-        self.inverse
-    }
-
     /// There is a belt.
     pub fn are_present(&self) -> bool {
-        self.present
+        ENABLED && self.present
     }
 
     /// Limits of the motor as they are at the wave generator.
@@ -100,7 +96,7 @@ impl<R: Real> Pulleys<R> {
     /// A reading of the motor's encoder as it is at the wave generator.
     #[inline(always)]
     pub fn reading(&self, state: &mut PulleysState, motor: Reading<R>) -> Reading<R> {
-        if !self.present {
+        if !self.are_present() {
             return motor;
         }
         let phase = motor.angle.phase();
@@ -117,14 +113,26 @@ impl<R: Real> Pulleys<R> {
         Reading { angle: Angle::from_counts(state.counts), moved: motor.moved * self.ratio, ..motor }
     }
 
+    /// There is a belt, and no code for it.
+    pub(in crate::compensator) fn lack_code(&self) -> bool {
+        self.present && !ENABLED
+    }
+
     /// A torque at the wave generator as it is at the motor's shaft (N m).
+    #[inline(always)]
     pub fn at_motor(&self, torque: R) -> R {
-        torque * self.ratio
+        if ENABLED { torque * self.ratio } else { torque }
+    }
+
+    /// A torque at the motor's shaft as it is at the wave generator (N m).
+    #[inline(always)]
+    pub fn at_wave_generator(&self, torque: R) -> R {
+        if ENABLED { torque * self.inverse } else { torque }
     }
 
     /// A small angle of the wave generator as it is at the motor (rad).
     pub fn angle_at_motor(&self, angle: R) -> R {
-        angle * self.inverse
+        if ENABLED { angle * self.inverse } else { angle }
     }
 }
 
@@ -190,7 +198,7 @@ mod tests {
     fn power_passes() {
         let pulleys = pulleys([24, 36]);
         let (torque, speed) = (0.4, 100.0);
-        let at_wave_generator = pulleys.inverse_ratio() * torque;
+        let at_wave_generator = pulleys.at_wave_generator(torque);
         assert!((at_wave_generator * speed * pulleys.ratio() - torque * speed).abs() < 1e-12);
         assert!((pulleys.at_motor(at_wave_generator) - torque).abs() < 1e-15);
     }

@@ -161,7 +161,8 @@ impl<R: Real> MultiRateGear<R> {
             self.start_at(gear, (ends.wave_generator)());
         }
         let slope = multi_rate.ratio + self.kinematic_error.slope;
-        let torsion = self.kinematic_error.error - ends.link_offset - self.stretch;
+        let in_front = if multi_rate.belt.stretches() { self.stretch } else { R::ZERO };
+        let torsion = self.kinematic_error.error - ends.link_offset - in_front;
         let torsion_rate = slope * ends.wave_generator_speed - ends.flange_speed;
         let scale = R::ONE + gear_correction.stiffening;
         let torque = gear.flexspline().torque(scale * torsion, scale * torsion_rate);
