@@ -2,12 +2,14 @@
 
 use clap::Args;
 use strainwave_desktop::bench::scenario::Scenario;
+use strainwave_desktop::bench::torque_sensing::Record;
 use strainwave_desktop::io::gear_file::SensorSet;
+use strainwave_desktop::verify;
 use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::artifact::Image;
 use strainwave_emulator::budget::{self, Budget, Measurement};
 use strainwave_emulator::pil::{self, Trial};
-use strainwave_emulator::{any_input, firmware};
+use strainwave_emulator::{any_input, firmware, gauges as emulated_gauges};
 
 use crate::figures::{Figures, FiguresArguments, say};
 use crate::files;
@@ -20,7 +22,7 @@ use crate::progress::Progress;
 /// not silicon; on another core there are none, and the runs are those with both encoders alone. Proves on the linked
 /// image that no panic and no allocator is in it and that the control step reaches no double-precision routine. Counts
 /// the literal mesh of eq. (6), 8 x 3 in f32, in an image of its own beside the reduced flexspline of the control step,
-/// and hysteresis along the histories that cost most; tells one call of each elementary function, ours, micromath's and libm's, beside each
+/// hysteresis along the histories that cost most, and four strain gauges in S8; tells one call of each elementary function, ours, micromath's and libm's, beside each
 /// other: cycles, bytes and largest error. Then some hundred sequences of any input bits and of disturbed
 /// motions, varied where they cost most, look for the most costly control step of all, beside the host's build; that
 /// takes some minutes. The column `any path` is the most of any path through the code, where the code shows a bound.
@@ -81,6 +83,17 @@ fn judge(board: &str, overwrite: bool) -> Result<Vec<Figure>, BadInput> {
     if let Some(worst) = budget.worst_case.as_ref().filter(|_| budget.emulated) {
         let program = firmware::build_program(board, &worst.program).map_err(BadInput::message)?;
         worst.measure(&program.elf, &mut measured).map_err(BadInput::message)?;
+    }
+    if let Some(gauges) = budget.torque_gauges.as_ref().filter(|_| budget.emulated) {
+        let program = firmware::build_program(board, &gauges.program).map_err(BadInput::message)?;
+        let record = Record::of(&gear).map_err(BadInput::message)?;
+        let seed = verify::gauges::FIRST;
+        gauges
+            .measure(&program.elf, &mut measured, |arguments| {
+                emulated_gauges::run(&program.elf, arguments, &record, seed)?;
+                Ok(())
+            })
+            .map_err(BadInput::message)?;
     }
     if let Some(functions) = budget.elementary_functions.as_ref().filter(|_| budget.emulated) {
         let program = firmware::build_program(board, &functions.program).map_err(BadInput::message)?;

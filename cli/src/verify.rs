@@ -45,7 +45,7 @@ const ROBOT: &str = "robot";
 /// For a bound that is the reached value instead of the target, a line above the table names the missed target.
 ///
 /// The parts `firmware` and `flexspline` boot the image in the emulator and run S1-S6, both together once; that takes
-/// some minutes; `hysteresis` boots an image of its own. Every figure repeats exactly; times by the clock are `bench`'s. The
+/// some minutes; `hysteresis` and `gauges` boot an image of their own. Every figure repeats exactly; times by the clock are `bench`'s. The
 /// parts `robustness`, `catalogue`, `healthy`, `identify`, `constants` and `robot` are measured only when they are named.
 #[derive(Args)]
 pub struct Arguments {
@@ -183,6 +183,9 @@ fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
     }
     if parts.contains(&verify::Part::Belt) {
         measured.add(wrist()?);
+    }
+    if parts.contains(&verify::Part::Gauges) {
+        measured.add(emulated::gauges().map_err(BadInput::message)?);
     }
     if parts.contains(&verify::Part::Compensator) {
         measured.add(replay::measure()?);

@@ -13,12 +13,14 @@ mod error;
 mod literal_mesh;
 mod measurement;
 mod table;
+mod torque_gauges;
 mod worst_case;
 
 pub use elementary_functions::{ElementaryFunction, ElementaryFunctions, LIBRARIES, Library};
 pub use error::{Error, Failure};
 pub use literal_mesh::LiteralMesh;
 pub use measurement::{Measurement, Workload, inspect, measure};
+pub use torque_gauges::TorqueGauges;
 pub use worst_case::WorstCase;
 
 use std::collections::BTreeMap;
@@ -116,6 +118,8 @@ pub struct Budget {
     pub blocks: BTreeMap<String, Block>,
     /// The literal mesh, whose reduction one of them is.
     pub literal_mesh: Option<LiteralMesh>,
+    /// The strain gauges' torque, in S8.
+    pub torque_gauges: Option<TorqueGauges>,
     /// Workload beyond the scenarios.
     pub worst_case: Option<WorstCase>,
     /// The control step on any input.
@@ -174,7 +178,8 @@ impl Budget {
     /// The same, and what is in images of its own: the literal mesh, and what is driven through its worst case.
     pub fn rows(&self) -> impl Iterator<Item = (&str, &Block)> {
         let mesh = self.literal_mesh.iter().map(|mesh| (LITERAL_MESH, &mesh.period));
-        self.blocks().chain(mesh).chain(self.worst_case.iter().flat_map(WorstCase::rows))
+        let gauges = self.torque_gauges.iter().map(|gauges| (TORQUE_GAUGES, &gauges.step));
+        self.blocks().chain(mesh).chain(gauges).chain(self.worst_case.iter().flat_map(WorstCase::rows))
     }
 
     /// Writes what was measured, plus the headroom, as the new bounds; everything else in the file stays.
@@ -204,6 +209,7 @@ impl Budget {
             let block = match name.as_str() {
                 CONTROL_STEP => table(document, CONTROL_STEP),
                 LITERAL_MESH => table(table(document, LITERAL_MESH), "period"),
+                TORQUE_GAUGES => table(table(document, TORQUE_GAUGES), "step"),
                 driven if self.worst_case.as_ref().is_some_and(|worst| worst.blocks.contains_key(driven)) => {
                     table(table(table(document, "worst_case"), "blocks"), driven)
                 }
@@ -245,6 +251,8 @@ pub fn emulated_boards() -> Result<Vec<String>, Error> {
     Ok(emulated)
 }
 
+/// The name of the strain gauges' step beside the blocks.
+pub const TORQUE_GAUGES: &str = "torque_gauges";
 /// The name of the literal mesh's control period beside the blocks.
 pub const LITERAL_MESH: &str = "literal_mesh";
 

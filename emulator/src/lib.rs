@@ -6,6 +6,7 @@ pub mod budget;
 pub mod counting;
 pub mod firmware;
 pub mod flash;
+pub mod gauges;
 pub mod interrupt;
 mod lock;
 pub mod machine;

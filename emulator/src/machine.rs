@@ -140,13 +140,24 @@ impl Machine {
     /// One control period: the sensors in, the command out.
     ///
     /// # Errors
-    /// [`Error::Ended`] when the firmware or QEMU ended, [`Error::Hung`] when no answer came in time.
+    /// As [`Machine::exchange_frame`].
     pub fn exchange(&mut self, input: &[u8; INPUT_BYTES]) -> Result<[u8; OUTPUT_BYTES], Error> {
+        self.exchange_frame(input)
+    }
+
+    /// The same of a program whose frames are others.
+    ///
+    /// # Errors
+    /// [`Error::Ended`] when the firmware or QEMU ended, [`Error::Hung`] when no answer came in time.
+    pub fn exchange_frame<const I: usize, const O: usize>(
+        &mut self,
+        input: &[u8; I],
+    ) -> Result<[u8; O], Error> {
         // The last frame was taken before it was answered: a pipe has room for this one.
         self.sensors.write_all(input)?;
-        let mut output = [0; OUTPUT_BYTES];
+        let mut output = [0; O];
         let (mut filled, mut waited) = (0, Duration::ZERO);
-        while filled < OUTPUT_BYTES {
+        while filled < O {
             match self.command.read(&mut output[filled..]) {
                 Ok(count) => filled += count,
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => self.wait(&mut waited)?,

@@ -10,18 +10,18 @@ use strainwave_desktop::bench::baseline::Baseline;
 use strainwave_desktop::bench::closed_loop;
 use strainwave_desktop::bench::closed_loop::Run;
 use strainwave_desktop::bench::scenario::Scenario;
+use strainwave_desktop::bench::torque_sensing::Record;
 use strainwave_desktop::io::log::MeasuredLog;
 use strainwave_desktop::io::{data, gear_file};
-use strainwave_desktop::verify::Measured;
-use strainwave_desktop::verify::bounds;
+use strainwave_desktop::verify::{self, Measured, bounds};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 
 use crate::any_input;
 use crate::artifact::{CONTROL_STEP, Image};
-use crate::budget::{self, Budget};
+use crate::budget::{self, Budget, TORQUE_GAUGES};
 use crate::pil::{TargetRun, Trial};
 use crate::target::{self, Agreement};
-use crate::{firmware, pil};
+use crate::{firmware, gauges, pil};
 
 /// Board whose figures these are, but for the rows of every emulated one.
 pub const BOARD: &str = "mps2-an386";
@@ -193,6 +193,39 @@ pub fn wrist(mut progress: impl FnMut(f64)) -> Result<Measured, Error> {
         Figure::reported("pil.wrist.steps", (agreement.steps + found.steps) as f64, "1"),
     ]
     .into())
+}
+
+/// Torque by four strain gauges in S8 on the target: error, steps unlike the host's, and cycles.
+///
+/// # Errors
+/// When the plant cannot be run or the image cannot be built, booted or judged.
+pub fn gauges() -> Result<Measured, Error> {
+    let budget = Budget::read(BOARD)?;
+    let Some(row) = &budget.torque_gauges else { return Ok(Measured::default()) };
+    let mut measured = budget::inspect(&budget, &pil::build(BOARD, &GearFile::default_gear())?.elf)?;
+    let elf = firmware::build_program(BOARD, &row.program)?.elf;
+    let record = Record::of(&GearFile::default_gear()).map_err(target::Error::from)?;
+    let mut run = None;
+    row.measure(&elf, &mut measured, |arguments| {
+        run = Some(gauges::run(&elf, arguments, &record, verify::gauges::FIRST)?);
+        Ok(())
+    })?;
+    let cycles = measured.counts_of(TORQUE_GAUGES).and_then(|counts| counts.cycles);
+    let mut figures =
+        vec![bounds::figure("gauges.target.cycles", cycles.map_or(f64::NAN, |cycles| cycles.max as f64))];
+    figures.extend(
+        row.step
+            .worst_case(&Image::read(&elf).map_err(budget::Error::from)?)?
+            .map(|cycles| Figure::reported("gauges.target.any_path.cycles", cycles as f64, "cycle")),
+    );
+    figures.extend(run.into_iter().flat_map(|run| {
+        [
+            bounds::figure_as("gauges.target.s8.error", "gauges.s8.error", run.errors.error),
+            Figure::reported("gauges.target.steps", run.agreement.steps as f64, "1"),
+            run.agreement.figure("gauges.target.steps_unlike_host"),
+        ]
+    }));
+    Ok(figures.into())
 }
 
 /// Panics, allocators and double precision in the images of all boards.

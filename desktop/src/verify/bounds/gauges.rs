@@ -26,4 +26,10 @@ pub(super) const ROWS: &[Bound] = &[
         why: "error of the observer's external torque in S8 with four gauges over that with the motor's encoder and torque alone, the \
               worst of 20 seeds: better with them on each",
     },
+    Bound {
+        name: "gauges.target.cycles",
+        value: 400.0,
+        unit: "cycle",
+        why: "a step of four gauges in S8 on a Cortex-M4F, modelled at the pessimistic end",
+    },
 ];
