@@ -19,12 +19,9 @@ impl<R: Real> Compensator<R> {
         faults: &mut Faults,
     ) -> Reading<R> {
         let sound = !status.contains(Status::MOTOR_ENCODER_INVALID);
-        let raw = sensors.motor_encoder;
-        let (motor, lost) = match self.motor_encoder.usual(&mut state.motor_encoder, raw, sound, elapsed) {
-            Some(motor) => (motor, false),
-            None if self.pulleys.are_present() => self.behind_belt(state, raw, sound, elapsed),
-            None => self.motor_encoder.unusual(&mut state.motor_encoder, raw, sound, elapsed),
-        };
+        let (motor, lost) =
+            self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder, sound, elapsed);
+        let motor = self.pulleys.reading(&mut state.pulleys, motor);
         faults.raise_if(!motor.accepted, Faults::MOTOR_ENCODER_JUMP);
         faults.raise_if(lost, Faults::MOTOR_ENCODER_LOST);
         let (commanded, feedback) = (state.fallback.torque(), state.guard.gains().feedback);
@@ -46,19 +43,6 @@ impl<R: Real> Compensator<R> {
         state.motor_reference.advance(state.wind_up.velocity, elapsed.time);
         state.motor_reference.position_error -= motor.moved;
         motor
-    }
-
-    /// A reading of the encoder of a motor in front of a belt, as it is behind it; the second value: the angle is lost.
-    #[inline(never)]
-    fn behind_belt(
-        &self,
-        state: &mut State<R>,
-        raw: u32,
-        sound: bool,
-        elapsed: &Elapsed<R>,
-    ) -> (Reading<R>, bool) {
-        let (motor, lost) = self.motor_encoder.step(&mut state.motor_encoder, raw, sound, elapsed);
-        (self.pulleys.reading(&mut state.pulleys, motor), lost)
     }
 
     /// Corrects the observer by the output encoder's reading of its last step.

@@ -54,8 +54,6 @@ pub struct MotorEncoder<R> {
     noise: u32,
     dt: R,
     inverse_dt: R,
-    /// No belt is between this motor and the wave generator.
-    direct: bool,
 }
 
 /// The encoder's angle so far.
@@ -68,7 +66,7 @@ pub struct MotorEncoderState {
     refused: u32,
     error_count: u32,
     started: bool,
-    /// Started, with an error count of 0, and no belt.
+    /// Started, with an error count of 0.
     usual: bool,
 }
 
@@ -97,24 +95,14 @@ impl<R: Real> MotorEncoder<R> {
         let acceleration = R::lit(DETECTION_MARGIN.get()) * torque / gear.wave_generator_inertia;
         let reach = (acceleration * dt * dt * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs();
         let shift = 32 - bits;
-        Ok(Self {
-            shift,
-            reach,
-            noise: (ENCODER_NOISE.get() as u32) << shift,
-            dt,
-            inverse_dt: R::ONE / dt,
-            direct: true,
-        })
+        Ok(Self { shift, reach, noise: (ENCODER_NOISE.get() as u32) << shift, dt, inverse_dt: R::ONE / dt })
     }
 
     /// The same in front of a belt: the motor's acceleration is not the wave generator's.
     #[must_use]
     pub fn in_front_of(self, pulleys: &Pulleys<R>) -> Self {
-        if !pulleys.are_present() {
-            return self;
-        }
         let reach = R::from_i32(self.reach.min(i32::MAX.cast_unsigned()).cast_signed()) / pulleys.ratio();
-        Self { reach: reach.to_i32().unsigned_abs(), direct: false, ..self }
+        Self { reach: if pulleys.are_present() { reach.to_i32().unsigned_abs() } else { self.reach }, ..self }
     }
 
     /// Where the shift lies in memory, in bytes.
@@ -130,42 +118,7 @@ impl<R: Real> MotorEncoder<R> {
         32 - shift
     }
 
-    /// Takes a raw count whose frame was `valid`, after a control period as usual and others that were accepted, and without a
-    /// belt; `None` else, and nothing is taken.
-    #[inline(always)]
-    pub fn usual(
-        &self,
-        state: &mut MotorEncoderState,
-        raw: u32,
-        valid: bool,
-        elapsed: &Elapsed<R>,
-    ) -> Option<Reading<R>> {
-        let usual = state.usual;
-        self.within_reach(state, raw, valid && usual, elapsed)
-    }
-
-    /// Takes a raw count that is within reach of the last ones, after a control period as usual.
-    #[inline(always)]
-    fn within_reach(
-        &self,
-        state: &mut MotorEncoderState,
-        raw: u32,
-        valid: bool,
-        elapsed: &Elapsed<R>,
-    ) -> Option<Reading<R>> {
-        let phase = raw << self.shift;
-        let sound = valid && phase >> self.shift == raw;
-        let delta = phase.wrapping_sub(state.phase).cast_signed();
-        let residual = delta.wrapping_sub(state.step).unsigned_abs();
-        let reach = self.reach + self.noise + (state.step.unsigned_abs() >> 4);
-        if !(sound && elapsed.time == self.dt && residual <= reach) {
-            return None;
-        }
-        state.step = delta;
-        Some(state.reading(phase, delta, true))
-    }
-
-    /// Takes any raw count; the second value: the angle is lost.
+    /// Takes a raw count whose frame was `valid`; the second value: the angle is lost.
     #[inline(always)]
     pub fn step(
         &self,
@@ -174,32 +127,34 @@ impl<R: Real> MotorEncoder<R> {
         valid: bool,
         elapsed: &Elapsed<R>,
     ) -> (Reading<R>, bool) {
-        let trusted = state.started && state.error_count == 0;
-        match self.within_reach(state, raw, valid && trusted, elapsed) {
-            Some(reading) => (reading, false),
-            None => self.unusual(state, raw, valid, elapsed),
-        }
-    }
-
-    /// Takes any other raw count whose frame was `valid`; the second value: the angle is lost.
-    #[cold]
-    #[inline(never)]
-    pub fn unusual(
-        &self,
-        state: &mut MotorEncoderState,
-        raw: u32,
-        valid: bool,
-        elapsed: &Elapsed<R>,
-    ) -> (Reading<R>, bool) {
         let phase = raw << self.shift;
         let sound = valid && phase >> self.shift == raw;
+        let delta = phase.wrapping_sub(state.phase).cast_signed();
+        let residual = delta.wrapping_sub(state.step).unsigned_abs();
+        let reach = self.reach + self.noise + (state.step.unsigned_abs() >> 4);
+        if !(sound && state.usual && elapsed.time == self.dt && residual <= reach) {
+            return self.unusual(state, phase, sound, elapsed);
+        }
+        state.step = delta;
+        (state.reading(phase, delta, true), false)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn unusual(
+        &self,
+        state: &mut MotorEncoderState,
+        phase: u32,
+        sound: bool,
+        elapsed: &Elapsed<R>,
+    ) -> (Reading<R>, bool) {
         if !state.started && sound {
             let counts = i64::from(phase.cast_signed());
             *state = MotorEncoderState {
                 phase,
                 counts,
                 started: true,
-                usual: self.direct,
+                usual: true,
                 ..MotorEncoderState::default()
             };
             return (state.reading(phase, 0, true), false);
@@ -220,7 +175,7 @@ impl<R: Real> MotorEncoder<R> {
             state.step = step;
             state.refused = 0;
             state.error_count = state.error_count.saturating_sub(error_decrement());
-            state.usual = self.direct && state.error_count == 0;
+            state.usual = state.error_count == 0;
             return (state.reading(phase, delta, true), false);
         }
         state.usual = false;
@@ -266,23 +221,7 @@ mod tests {
             noise: (ENCODER_NOISE.get() as u32) << (32 - BITS),
             dt: CONTROL_PERIOD,
             inverse_dt: 1.0 / CONTROL_PERIOD,
-            direct: true,
         }
-    }
-
-    /// Takes a count, as the control step does.
-    fn step(
-        encoder: &MotorEncoder<f64>,
-        state: &mut MotorEncoderState,
-        raw: u32,
-        valid: bool,
-        elapsed: &Elapsed<f64>,
-    ) -> (Reading<f64>, bool) {
-        if !encoder.direct {
-            return encoder.step(state, raw, valid, elapsed);
-        }
-        let usual = encoder.usual(state, raw, valid, elapsed).map(|reading| (reading, false));
-        usual.unwrap_or_else(|| encoder.unusual(state, raw, valid, elapsed))
     }
 
     fn count(angle: f64) -> u32 {
@@ -299,7 +238,7 @@ mod tests {
         angles
             .into_iter()
             .map(|raw| {
-                let (reading, lost) = step(&encoder, state, raw, true, &on_time());
+                let (reading, lost) = encoder.step(state, raw, true, &on_time());
                 (reading.angle.to_radians(), reading.accepted, lost)
             })
             .collect()
@@ -339,28 +278,6 @@ mod tests {
         assert!(seen[20].1, "and begins anew");
     }
 
-    /// In front of a belt every count goes the other way, to the same angle.
-    #[test]
-    fn a_belt_changes_no_reading() {
-        let (direct, behind) = (encoder(), MotorEncoder { direct: false, ..encoder() });
-        let mut states = [MotorEncoderState::default(); 2];
-        for k in 0..300u32 {
-            let raw = if k % 50 < 3 { 0x2aaaa } else { count(1e-3 * f64::from(k)) };
-            let elapsed = if k % 7 == 0 {
-                Elapsed { time: 2.0 * CONTROL_PERIOD, inverse: 0.5 / CONTROL_PERIOD }
-            } else {
-                on_time()
-            };
-            let [one, other] = &mut states;
-            let valid = k % 31 != 0;
-            assert_eq!(
-                step(&direct, one, raw, valid, &elapsed),
-                step(&behind, other, raw, valid, &elapsed),
-                "{k}"
-            );
-        }
-    }
-
     /// A period that is late is no jump.
     #[test]
     fn a_late_reading_is_predicted_by_the_elapsed_time() {
@@ -372,7 +289,7 @@ mod tests {
             angle += speed * CONTROL_PERIOD * periods;
             let elapsed =
                 Elapsed { time: periods * CONTROL_PERIOD, inverse: 1.0 / (periods * CONTROL_PERIOD) };
-            let (reading, lost) = step(&encoder, &mut state, count(angle), true, &elapsed);
+            let (reading, lost) = encoder.step(&mut state, count(angle), true, &elapsed);
             assert!(reading.accepted && !lost, "{k}");
         }
     }
@@ -383,7 +300,7 @@ mod tests {
             let (encoder, mut state) = (encoder(), MotorEncoderState::default());
             for (raw, valid, periods) in raws {
                 let elapsed = Elapsed { time: periods * CONTROL_PERIOD, inverse: 1.0 / (periods * CONTROL_PERIOD) };
-                let (reading, _) = step(&encoder, &mut state, raw, valid, &elapsed);
+                let (reading, _) = encoder.step(&mut state, raw, valid, &elapsed);
                 prop_assert!(reading.moved.is_finite());
             }
         }
