@@ -30,8 +30,8 @@
 //! moves, at any speed a revolution teaches the same. H is a memory in rad: at first short, so that the prior is gone after
 //! some revolutions; then all that was seen, and at most `FORGETTING`. The coefficients are then means over the whole way, and the
 //! reference's friction, whose error has the sign of the motion, averages out of the zero as the joint goes to and fro; a memory of a
-//! quarter of the way keeps that of the last motions, and S8 has 2.5 times the error. In every other step one gauge learns, in turn, in the
-//! others the deviation follows: the cost of a step is bounded.
+//! quarter of the way keeps that of the last motions, and S8 has 2.5 times the error. In every third step one gauge learns, in turn; the
+//! projection of its coefficients follows in the next step, its gain and the deviation in the one after: the cost of a step is bounded.
 //!
 //! **Bounds.** Every coefficient stays within the band around the mesh's that gain, offset and misplacement can explain
 //! (projection); a residual beyond all of these, NaN included, is not learnt; torque and deviation are
@@ -169,17 +169,35 @@ struct Learnt<R> {
     phase: u32,
 }
 
-/// What the gauges have learnt, and whose turn it is.
+/// What a step does beside the torque, in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Slot {
+    /// Corrects a gauge's coefficients.
+    Learn,
+    /// Brings them back into their bands; the misfit.
+    Project,
+    /// Its gain, and the standard deviation.
+    Weight,
+}
+
+/// What the gauges have learnt, and which is next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorqueGaugesState<R, const G: usize> {
     learnt: [Learnt<R>; G],
+    slot: Slot,
     next: usize,
     /// Way of the wave generator that was learnt from (rad), over all gauges.
     way: R,
+    /// H (rad).
+    memory: R,
+    /// mu of the last correction.
+    step: R,
     /// Part of the prior's error that is left.
     left: R,
     misfit: R,
-    /// Standard deviation of the torque (N m), every other step.
+    /// 1/sum(p_g^2), every third step.
+    per_square: R,
+    /// Standard deviation of the torque (N m), every third step.
     deviation: R,
     started: bool,
 }
@@ -263,10 +281,14 @@ impl<R: Real, const G: usize> TorqueGauges<R, G> {
         };
         TorqueGaugesState {
             learnt: self.gauges.map(learnt),
+            slot: Slot::Learn,
             next: 0,
             way: R::ZERO,
+            memory: R::lit(START),
+            step: R::ZERO,
             left: R::ONE,
             misfit: self.least_misfit,
+            per_square: R::ONE / sum_of_squares(self.per_torque().into_iter()),
             deviation: self.largest_torque,
             started: false,
         }
@@ -293,24 +315,30 @@ impl<R: Real, const G: usize> TorqueGauges<R, G> {
             state.started = true;
         }
         let regressors = regressors(phase);
-        let (mut product, mut squares, mut power) = (R::ZERO, R::ZERO, R::ZERO);
-        let mut rests = [R::ZERO; G];
+        let (mut product, mut rests) = (R::ZERO, [R::ZERO; G]);
         for ((rest, gauge), strain) in rests.iter_mut().zip(&state.learnt).zip(strains) {
             *rest = *strain - ripple(&gauge.coefficients, &regressors);
             product += gauge.per_torque * *rest;
-            squares += gauge.per_torque * gauge.per_torque;
-            power += *rest * *rest;
         }
-        // A gain is within its band, so `squares` is positive.
-        let per_square = R::ONE / squares;
-        let torque = (product * per_square).limit(self.largest_torque);
-        let turn = state.next;
-        state.next = if turn + 1 < 2 * G { turn + 1 } else { 0 };
-        if turn & 1 == 1 {
-            self.fit(state, power - torque * product);
-            state.deviation = self.deviation(state, torque, per_square);
-        } else if let Some(reference) = reference.filter(|torque| torque.is_within(self.largest_reference)) {
-            self.learn(state, turn / 2, &rests, &regressors, phase, reference);
+        let torque = (product * state.per_square).limit(self.largest_torque);
+        match state.slot {
+            Slot::Learn => {
+                if let Some(reference) = reference.filter(|torque| torque.is_within(self.largest_reference)) {
+                    self.learn(state, &rests, &regressors, phase, reference);
+                }
+                state.slot = Slot::Project;
+            }
+            Slot::Project => {
+                self.project(state);
+                self.fit(state, sum_of_squares(rests.into_iter()) - torque * product);
+                state.slot = Slot::Weight;
+            }
+            Slot::Weight => {
+                self.weight(state);
+                state.deviation = self.deviation(state, torque);
+                state.next = if state.next + 1 < G { state.next + 1 } else { 0 };
+                state.slot = Slot::Learn;
+            }
         }
         GaugeTorque { torque, standard_deviation: state.deviation }
     }
@@ -325,27 +353,27 @@ impl<R: Real, const G: usize> TorqueGauges<R, G> {
     }
 
     #[inline(always)]
-    fn deviation(&self, state: &TorqueGaugesState<R, G>, torque: R, per_square: R) -> R {
-        let variance = state.misfit * self.misfit_per_gauge * per_square
+    fn deviation(&self, state: &TorqueGaugesState<R, G>, torque: R) -> R {
+        let variance = state.misfit * self.misfit_per_gauge * state.per_square
             + state.left * state.left * self.prior_variance
             + self.misplacement_variance * torque * torque
             + self.reference_variance;
         variance.min(self.largest_torque * self.largest_torque).sqrt_or_zero()
     }
 
-    /// The gauge `turn` learns.
+    /// The next gauge learns.
     #[inline(always)]
     fn learn(
         &self,
         state: &mut TorqueGaugesState<R, G>,
-        turn: usize,
         rests: &[R; G],
         regressors: &[R; 4],
         phase: u32,
         reference: R,
     ) {
+        let next = state.next;
         let (Some(prior), Some(gauge), Some(rest)) =
-            (self.gauges.get(turn), state.learnt.get_mut(turn), rests.get(turn))
+            (self.gauges.get(next), state.learnt.get_mut(next), rests.get(next))
         else {
             return;
         };
@@ -356,19 +384,39 @@ impl<R: Real, const G: usize> TorqueGauges<R, G> {
         if !residual.is_within(prior.residual) {
             return;
         }
-        state.way = (state.way + way).min(R::lit(G as f64 * FORGETTING));
-        let memory = (state.way * R::lit(1.0 / G as f64)).max(R::lit(START));
-        let step = way / (memory + way);
-        // Its turn comes as often as every other's: one number stands for all of them.
-        state.left = state.left - step * state.left * R::lit(1.0 / G as f64);
-        gauge.correct(prior, step * residual, regressors, reference * self.per_rated * self.per_rated);
+        state.way += way;
+        state.step = way / (state.memory + way);
+        gauge.correct(state.step * residual, regressors, reference * self.per_rated * self.per_rated);
+    }
+
+    /// The coefficients back into their bands, the memory, the part of the prior's error that is left.
+    #[inline(always)]
+    fn project(&self, state: &mut TorqueGaugesState<R, G>) {
+        if let (Some(prior), Some(gauge)) = (self.gauges.get(state.next), state.learnt.get_mut(state.next)) {
+            gauge.project(prior);
+        }
+        state.way = state.way.min(R::lit(G as f64 * FORGETTING));
+        state.memory = (state.way * R::lit(1.0 / G as f64)).max(R::lit(START));
+        // A gauge learns as often as every other: one number stands for all of them.
+        state.left -= state.step * state.left * R::lit(1.0 / G as f64);
+        state.step = R::ZERO;
+    }
+
+    /// The gauge's gain, and with it the sum of all.
+    #[inline(always)]
+    fn weight(&self, state: &mut TorqueGaugesState<R, G>) {
+        if let (Some(prior), Some(gauge)) = (self.gauges.get(state.next), state.learnt.get_mut(state.next)) {
+            gauge.weight(prior);
+        }
+        // Each gain is within its band, so the sum is positive.
+        state.per_square = R::ONE / sum_of_squares(state.learnt.iter().map(|gauge| gauge.per_torque));
     }
 }
 
 impl<R: Real> Learnt<R> {
-    /// Corrects the coefficients, each within its band, and the gain by them.
+    /// Corrects the coefficients.
     #[inline(always)]
-    fn correct(&mut self, prior: &Prior<R>, correction: R, regressors: &[R; 4], reference: R) {
+    fn correct(&mut self, correction: R, regressors: &[R; 4], reference: R) {
         let twice = correction + correction;
         let [cosine, sine, cosine_4, sine_4] = *regressors;
         let changes = [
@@ -379,16 +427,33 @@ impl<R: Real> Learnt<R> {
             twice * sine_4,
             correction * reference,
         ];
-        for (((learnt, change), expected), band) in
-            self.coefficients.iter_mut().zip(changes).zip(&prior.coefficients).zip(&prior.band)
+        self.coefficients.iter_mut().zip(changes).for_each(|(learnt, change)| *learnt += change);
+    }
+
+    /// Each coefficient within its band.
+    #[inline(always)]
+    fn project(&mut self, prior: &Prior<R>) {
+        for ((learnt, expected), band) in
+            self.coefficients.iter_mut().zip(&prior.coefficients).zip(&prior.band)
         {
-            *learnt = *expected + (*learnt + change - *expected).limit(*band);
+            *learnt = *expected + (*learnt - *expected).limit(*band);
         }
+    }
+
+    /// The gain by the coefficients, within its band.
+    #[inline(always)]
+    fn weight(&mut self, prior: &Prior<R>) {
         let [per_cosine, per_sine] = prior.per_amplitude;
         let gain = self.coefficients[1] * per_cosine + self.coefficients[2] * per_sine;
         let (expected, band) = (prior.coefficients[COEFFICIENTS - 1], prior.band[COEFFICIENTS - 1]);
         self.per_torque = expected + (gain - expected).limit(band);
     }
+}
+
+/// Sum of the squares.
+#[inline(always)]
+fn sum_of_squares<R: Real>(values: impl Iterator<Item = R>) -> R {
+    values.fold(R::ZERO, |sum, value| sum + value * value)
 }
 
 /// Cosine and sine of two and of four times the wave generator's angle.
