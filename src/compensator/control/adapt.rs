@@ -23,18 +23,19 @@ impl<R: Real> Compensator<R> {
         let external_torque = state.observer.external_torque();
         self.disturbance.step_slow(&mut state.disturbance, external_torque, &joint);
         self.feed_forward.step_torsion(&self.gear, &mut state.feed_forward, state.learning.applied());
-        state.learning.keep_for_ripple(state.learns());
+        let learns = state.learns();
+        state.learning.keep_for_ripple(learns);
         (state.gear_correction, state.load_rate) =
             self.learning.gear_correction(&state.learning, state.guard.gains());
         let trusted = state.fallback.trusted();
         let mut settled = true;
         let falls_back = !trusted && !self.guard.model_is_off(&state.guard);
         match if falls_back { SlowSlot::RampGains } else { state.slow } {
-            SlowSlot::Adapt => self.adapt(state),
+            SlowSlot::Adapt => self.adapt(state, learns),
             SlowSlot::StandardDeviations => {
                 self.shape(state);
                 self.observer.step_standard_deviations(&mut state.observer);
-                if state.learns() {
+                if learns {
                     let external_torque = state.observer.external_torque();
                     self.learning.learn_gravity(&mut state.learning, external_torque);
                 }
@@ -55,7 +56,7 @@ impl<R: Real> Compensator<R> {
 
     /// The factors' slot.
     #[inline(always)]
-    fn adapt(&self, state: &mut State<R>) {
+    fn adapt(&self, state: &mut State<R>, learns: bool) {
         let observed = Observed {
             external_torque: state.observer.external_torque(),
             torsion: state.observer.torsion(),
@@ -63,7 +64,6 @@ impl<R: Real> Compensator<R> {
             stiffness_torque: state.observer.stiffness_torque(),
         };
         let gains = state.guard.gains();
-        let learns = state.learns();
         let presliding = self.feed_forward.presliding(&self.gear, &state.feed_forward);
         self.learning.adapt(&mut state.learning, presliding, &observed, gains, learns);
         state.sound = true;
