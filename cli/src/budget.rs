@@ -22,10 +22,11 @@ use crate::progress::Progress;
 /// not silicon; on another core there are none, and the runs are those with both encoders alone. Proves on the linked
 /// image that no panic and no allocator is in it and that the control step reaches no double-precision routine. Counts
 /// the literal mesh of eq. (6), 8 x 3 in f32, in an image of its own beside the reduced flexspline of the control step,
-/// hysteresis along the histories that cost most, and four strain gauges in S8; tells one call of each elementary function, ours, micromath's and libm's, beside each
-/// other: cycles, bytes and largest error. Then some hundred sequences of any input bits and of disturbed
-/// motions, varied where they cost most, look for the most costly control step of all, beside the host's build; that
-/// takes some minutes. The column `any path` is the most of any path through the code, where the code shows a bound.
+/// hysteresis along the histories that cost most, and four strain gauges in S8; tells one call of each elementary
+/// function, ours, micromath's and libm's, beside each other: cycles, bytes and largest error. Then some hundred sequences
+/// of any input bits and of disturbed motions, varied where they cost most, look for the most costly control step of all,
+/// beside the host's build; that takes some minutes. The column `any path` is the most of any path through the code, where
+/// the code shows a bound.
 /// Bounds are those of boards/BOARD/budget.toml.
 #[derive(Args)]
 pub struct Arguments {

@@ -29,7 +29,7 @@ pub trait Encoder {
     /// Error of the bus.
     type Bus: fmt::Debug;
 
-    /// Once, before the drive is enabled: the encoder answers, is configured as assumed, and can be believed.
+    /// Once, before the drive is enabled: the encoder answers, is configured as assumed, and reports no fault.
     ///
     /// # Errors
     /// [`Error`], with what is wrong.

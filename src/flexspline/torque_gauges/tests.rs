@@ -62,10 +62,11 @@ proptest! {
             let read = sensor.step(&mut state, &strains, Angle::from_counts(counts), reference);
             prop_assert!(read.torque.abs() <= 5.0 * 67.0);
             prop_assert!(read.standard_deviation >= 0.0 && read.standard_deviation <= 5.0 * 67.0);
+            let finite = |gauge: &Learnt<f64>| gauge.coefficients.iter().all(|learnt| learnt.is_finite());
+            prop_assert!(state.learnt.iter().all(finite));
             // A correction is projected in the step after it.
             let projected = state.learnt.iter().zip(&sensor.gauges).filter(|_| state.slot != Slot::Project);
             for (gauge, prior) in projected {
-                prop_assert!(gauge.coefficients.iter().all(|learnt| learnt.is_finite()));
                 for ((learnt, expected), band) in
                     gauge.coefficients.iter().zip(prior.coefficients).zip(prior.band)
                 {
