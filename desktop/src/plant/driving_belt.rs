@@ -8,7 +8,7 @@
 //! tau_1 and tau_belt are the torques of the belt on its pulleys, as [`strainwave::belt`] has them, of spans of [`NODES`] nodes each or
 //! of massless ones; the inertias have the belt that moves with them. Friction is that of the gear, at the wave generator.
 //!
-//! Discretisation: semi-implicit Euler, so many steps in a micro-step of the plant as take [`STEP_SHARE`] of the chain's stable step; the wave
+//! Discretisation: semi-implicit Euler, so many steps in a micro-step of the plant as take `STEP_SHARE` of the chain's stable step; the wave
 //! generator goes on at its speed meanwhile and feels the mean torque. The plant's micro-step has to take the mode of motor and wave
 //! generator on the belt in four a radian.
 

@@ -1,8 +1,8 @@
 //! The wrist: a compensator in front of a tooth belt and a harmonic drive, against the baselines and against itself where it is not told of
 //! the stretch.
 //!
-//! S1 to S5 as `verify compensator` has them, with the motor's sensors after 10 s of work, on [`SAMPLES`] plants from seed
-//! [`FIRST`] on: a belt of spans of many nodes in front of the condensed gear; friction, stiffness of belt and gear and load inertia off
+//! S1 to S5 as `verify compensator` has them, with the motor's sensors after 10 s of work, on `SAMPLES` plants from seed
+//! `FIRST` on: a belt of spans of many nodes in front of the condensed gear; friction, stiffness of belt and gear and load inertia off
 //! by the box. A ratio to a baseline is the worst of these plants. The other compensator knows the pulleys and all inertia, as the baselines do, and
 //! takes the belt for rigid; ratios to it, and to the same compensator with massless spans in the plant, are of the sums of squares over all plants.
 
