@@ -26,8 +26,8 @@ strainwave::tuned! {
     OUTPUT_FRICTION = 0.75, One,
         "The same of the output, whose presliding is shorter than what is known of its path";
     WANDER = 0.15, One,
-        "Random walk of the external torque in a second, in rated torques: from 1.7 on the filter of the motor's encoder alone loses its \
-         stability where the stiffness is off by 10 %";
+        "Largest random walk of the external torque in a second, in rated torques, less where the loop through the disturbance path bears less: \
+         from 1.7 on the filter of the motor's encoder alone loses its stability where the stiffness is off by 10 %";
     RENEWED_FRICTION = 0.05, One,
         "Part of the Coulomb friction that the filter takes for noise, renewed in every period";
     JITTER = 3.0 * FRAC_1_SQRT_2, Count,

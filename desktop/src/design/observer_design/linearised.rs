@@ -17,6 +17,7 @@ use nalgebra::{DMatrix, DVector, RowDVector};
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use strainwave::compensator::tuned::Tuned;
 
+use super::followed_load::wander_factor;
 use crate::design::tuned::{
     JITTER, OUTPUT_JITTER, RENEWED_FRICTION, STANDING_FRICTION, STANDING_WANDER, WANDER,
 };
@@ -44,16 +45,26 @@ pub(super) struct Unknown {
 }
 
 impl Unknown {
-    /// As the gains of a gear are designed, whose file may have a wander and encoder noise of its own, for a motor that
-    /// moves or stands.
+    /// As the gains of a gear are designed, for a motor that moves or stands: with a wander of the design that the loop through the
+    /// disturbance path bears ([`wander_factor`]), or the file's own.
     pub(super) fn designed(file: &GearFile, stands: bool) -> Self {
-        let own = file.compensation.external_torque_wander.map(|wander| wander / file.gear.rated_torque);
-        let counts = |noise: Option<f64>| noise.map(|noise| noise / resolution(19));
+        let known = Self::of_file(file);
+        let borne = match file.compensation.external_torque_wander {
+            Some(_) => 1.0,
+            None => wander_factor(file, &known),
+        };
         let [wander, friction] =
             if stands { [STANDING_WANDER, STANDING_FRICTION].map(Tuned::get) } else { [1.0; 2] };
+        Self { wander: wander * borne * known.wander, friction: friction * known.friction, ..known }
+    }
+
+    /// Of a motor that moves: the design's, or where the file has a wander and encoder noise of its own, those.
+    pub(super) fn of_file(file: &GearFile) -> Self {
+        let own = file.compensation.external_torque_wander.map(|wander| wander / file.gear.rated_torque);
+        let counts = |noise: Option<f64>| noise.map(|noise| noise / resolution(19));
         Self {
-            wander: wander * own.unwrap_or(WANDER.get()),
-            friction: friction * RENEWED_FRICTION.get(),
+            wander: own.unwrap_or(WANDER.get()),
+            friction: RENEWED_FRICTION.get(),
             jitter: counts(file.sensors.motor_encoder_noise).unwrap_or(JITTER.get()),
             output_jitter: counts(file.sensors.output_encoder_noise).unwrap_or(OUTPUT_JITTER.get()),
         }

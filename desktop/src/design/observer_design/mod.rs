@@ -8,6 +8,7 @@
 //! corrects by F^D of its gain ([`strainwave::compensator::estimate::observer::past`]). Units: rad, rad/s, N m; signs as in
 //! [`strainwave::gear`].
 
+mod followed_load;
 mod linearised;
 mod riccati;
 #[cfg(test)]

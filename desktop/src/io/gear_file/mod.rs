@@ -395,8 +395,9 @@ pub struct Feedback {
 pub struct Compensation {
     /// Fraction of the friction that is fed forward: all of it can drive the joint by itself.
     pub friction_gain: f64,
-    /// By how much the external torque wanders in a second [N m/s^0.5]; the observer's design has one when it is left out. It is how much of
-    /// the motor torque that friction and inertia do not explain the observer takes for external torque.
+    /// By how much the external torque wanders in a second [N m/s^0.5]; the observer's design has one when it is left out, which the loop
+    /// through the disturbance path bears; one that is given is not limited. It is how much of the motor torque that friction and inertia do
+    /// not explain the observer takes for external torque.
     #[serde(
         rename = "external_torque_wander_nm_per_sqrt_s",
         default,
