@@ -14,10 +14,10 @@ fn is_reduced(outcome: &Outcome) -> bool {
     runs.any(|run| run.faults.contains(Faults::FEEDBACK_REDUCED))
 }
 
-/// A training joint whose motor can hardly move its load, and whose cascade alone vibrates after a fast move.
+/// A training joint of size 8 under a load of fourteen rotors.
 #[test]
 fn what_keeps_on_oscillating_is_reduced_and_named() {
-    let outcome = outcome(27);
+    let outcome = outcome(243);
     assert!(is_reduced(&outcome));
     for (run, cascade) in outcome.compensated.iter().zip(&outcome.baselines[0]) {
         let [run, cascade] = [run, cascade].map(|run| run.as_ref().unwrap());

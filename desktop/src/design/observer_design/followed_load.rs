@@ -20,10 +20,12 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 use strainwave::compensator::estimate::disturbance::DisturbanceParams;
+use strainwave::compensator::tuned::Tuned;
 
-use super::linearised::{DT, Linearised, Sixth, Unknown};
-use super::{information, optimal, riccati};
+use super::linearised::{DT, Linearised, Sixth, Unknown, information, optimal};
+use super::riccati;
 use crate::design::compensation::disturbance_params;
+use crate::design::tuned::{STANDING_FRICTION, STANDING_WANDER};
 use crate::io::gear_file::GearFile;
 
 /// Frequencies that are looked at, and their range (rad/s): up to where the filter ends.
@@ -33,8 +35,21 @@ const RANGE: [f64; 2] = [2.0, 2000.0];
 const LEAST: f64 = 1e-3;
 const HALVINGS: u32 = 12;
 
+/// As the gains of a gear are designed, for a motor that moves or stands: with a wander of the design that the loop bears, or the file's
+/// own.
+pub(super) fn designed(file: &GearFile, stands: bool) -> Unknown {
+    let known = Unknown::of_file(file);
+    let borne = match file.compensation.external_torque_wander {
+        Some(_) => 1.0,
+        None => wander_factor(file, &known),
+    };
+    let [wander, friction] =
+        if stands { [STANDING_WANDER, STANDING_FRICTION].map(Tuned::get) } else { [1.0; 2] };
+    Unknown { wander: wander * borne * known.wander, friction: friction * known.friction, ..known }
+}
+
 /// Largest factor on the wander of `unknown`, 1e-3..=1, with which the gain of the loop is at most 1.
-pub(super) fn wander_factor(file: &GearFile, unknown: &Unknown) -> f64 {
+fn wander_factor(file: &GearFile, unknown: &Unknown) -> f64 {
     let path = disturbance_params(file);
     let bears = |factor: f64| {
         let scaled = Unknown { wander: factor * unknown.wander, ..*unknown };
@@ -110,8 +125,7 @@ impl Follower {
 /// A of the joint of a gear file with the wander that its loop bears.
 #[cfg(test)]
 pub(super) fn apparent_load(file: &GearFile, omega: f64) -> f64 {
-    let designed = Unknown::designed(file, false);
-    Follower::design(file, &designed).map_or(f64::NAN, |follower| follower.apparent_load(omega))
+    Follower::design(file, &designed(file, false)).map_or(f64::NAN, |follower| follower.apparent_load(omega))
 }
 
 #[cfg(test)]
@@ -119,12 +133,8 @@ mod tests {
     use super::*;
     use crate::catalogue::load::with_load;
 
-    fn moving(file: &GearFile) -> Unknown {
-        Unknown::of_file(file)
-    }
-
     fn gain(file: &GearFile, factor: f64) -> f64 {
-        let unknown = moving(file);
+        let unknown = Unknown::of_file(file);
         let scaled = Unknown { wander: factor * unknown.wander, ..unknown };
         Follower::design(file, &scaled).unwrap().loop_gain(file, &disturbance_params(file))
     }
@@ -140,7 +150,7 @@ mod tests {
     #[test]
     fn a_constant_torque_is_taken_for_as_large_a_load() {
         for file in [heavy(1.0, 1.0), heavy(4.0, 8.0)] {
-            let follower = Follower::design(&file, &moving(&file)).unwrap();
+            let follower = Follower::design(&file, &Unknown::of_file(&file)).unwrap();
             let apparent = follower.apparent_load(1e-3);
             assert!((apparent - 1.0).abs() < 1e-3, "{apparent}");
         }
@@ -151,7 +161,7 @@ mod tests {
     fn above_the_mode_of_the_load_it_is_taken_for_a_larger_one() {
         let file = heavy(1.0, 30.0);
         let mode = (file.stiffness.k1 / file.inertia.flexspline).sqrt();
-        let follower = Follower::design(&file, &moving(&file)).unwrap();
+        let follower = Follower::design(&file, &Unknown::of_file(&file)).unwrap();
         let expected = 2f64.powi(2) - 1.0;
         let apparent = follower.apparent_load(2.0 * mode);
         assert!((0.6 * expected..1.5 * expected).contains(&apparent), "{apparent}");
@@ -161,13 +171,13 @@ mod tests {
     fn what_has_a_margin_is_left_as_it_is() {
         let file = GearFile::default_gear();
         assert!(gain(&file, 1.0) < 1.0);
-        assert_eq!(wander_factor(&file, &moving(&file)), 1.0);
+        assert_eq!(wander_factor(&file, &Unknown::of_file(&file)), 1.0);
     }
 
     #[test]
     fn a_heavy_joint_follows_as_fast_as_its_loop_bears() {
         for file in [heavy(8.0, 1.0), heavy(8.0, 10.0)] {
-            let factor = wander_factor(&file, &moving(&file));
+            let factor = wander_factor(&file, &Unknown::of_file(&file));
             assert!(factor < 0.8 && gain(&file, 1.0) > 1.0, "{factor}");
             let there = gain(&file, factor);
             assert!((0.98..=1.0).contains(&there), "{there}");
@@ -178,8 +188,8 @@ mod tests {
     #[test]
     fn the_better_the_motor_is_known_the_faster() {
         let mut file = heavy(8.0, 10.0);
-        let before = wander_factor(&file, &moving(&file));
+        let before = wander_factor(&file, &Unknown::of_file(&file));
         (file.drive.torque_constant, file.tolerances.rotor_inertia) = (0.01, 0.01);
-        assert!(wander_factor(&file, &moving(&file)) > 2.0 * before);
+        assert!(wander_factor(&file, &Unknown::of_file(&file)) > 2.0 * before);
     }
 }

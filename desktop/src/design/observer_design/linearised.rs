@@ -15,12 +15,8 @@
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
-use strainwave::compensator::tuned::Tuned;
 
-use super::followed_load::wander_factor;
-use crate::design::tuned::{
-    JITTER, OUTPUT_JITTER, RENEWED_FRICTION, STANDING_FRICTION, STANDING_WANDER, WANDER,
-};
+use crate::design::tuned::{JITTER, OUTPUT_JITTER, RENEWED_FRICTION, WANDER};
 use crate::io::gear_file::{Friction, GearFile};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
@@ -45,19 +41,6 @@ pub(super) struct Unknown {
 }
 
 impl Unknown {
-    /// As the gains of a gear are designed, for a motor that moves or stands: with a wander of the design that the loop through the
-    /// disturbance path bears ([`wander_factor`]), or the file's own.
-    pub(super) fn designed(file: &GearFile, stands: bool) -> Self {
-        let known = Self::of_file(file);
-        let borne = match file.compensation.external_torque_wander {
-            Some(_) => 1.0,
-            None => wander_factor(file, &known),
-        };
-        let [wander, friction] =
-            if stands { [STANDING_WANDER, STANDING_FRICTION].map(Tuned::get) } else { [1.0; 2] };
-        Self { wander: wander * borne * known.wander, friction: friction * known.friction, ..known }
-    }
-
     /// Of a motor that moves: the design's, or where the file has a wander and encoder noise of its own, those.
     pub(super) fn of_file(file: &GearFile) -> Self {
         let own = file.compensation.external_torque_wander.map(|wander| wander / file.gear.rated_torque);
@@ -150,6 +133,17 @@ impl Linearised {
             units,
         }
     }
+}
+
+/// Optimal gain of one sensor.
+pub(super) fn optimal(sensor: &Sensor, covariance: &DMatrix<f64>) -> DVector<f64> {
+    let read = covariance * sensor.row.transpose();
+    let variance = (&sensor.row * &read)[(0, 0)] + sensor.variance;
+    read / variance
+}
+
+pub(super) fn information<'a>(sensors: impl Iterator<Item = &'a Sensor>, size: usize) -> DMatrix<f64> {
+    sensors.fold(DMatrix::zeros(size, size), |sum, s| sum + s.row.transpose() * &s.row / s.variance)
 }
 
 fn unit(k: usize) -> [f64; 6] {

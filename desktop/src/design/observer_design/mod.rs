@@ -26,7 +26,8 @@ use crate::design::tuned::{
     FOLLOWED_FRICTION, HELD_FRICTION, MOTION_THRESHOLD, OUTPUT_FRICTION, STILL_NOISE, UNOBSERVED_RATE,
 };
 use crate::io::gear_file::{Friction, GearFile};
-use linearised::{DT, Linearised, Sensor, Sixth, Unknown, encoder_noise, resolution};
+use followed_load::designed;
+use linearised::{DT, Linearised, Sensor, Sixth, Unknown, encoder_noise, information, optimal, resolution};
 
 /// Eigenvalue from which on a mode counts as one that the motor's encoder does not show: slower than a second.
 const UNSEEN: f64 = 1.0 - 1e-4;
@@ -116,17 +117,6 @@ fn corrected(gain: &DVector<f64>, sensor: &Sensor, covariance: &DMatrix<f64>) ->
     &left * covariance * left.transpose() + gain * gain.transpose() * sensor.variance
 }
 
-/// Optimal gain of one sensor.
-fn optimal(sensor: &Sensor, covariance: &DMatrix<f64>) -> DVector<f64> {
-    let read = covariance * sensor.row.transpose();
-    let variance = (&sensor.row * &read)[(0, 0)] + sensor.variance;
-    read / variance
-}
-
-fn information<'a>(sensors: impl Iterator<Item = &'a Sensor>, size: usize) -> DMatrix<f64> {
-    sensors.fold(DMatrix::zeros(size, size), |sum, s| sum + s.row.transpose() * &s.row / s.variance)
-}
-
 fn power(matrix: &DMatrix<f64>, exponent: u32) -> DMatrix<f64> {
     (0..exponent).fold(DMatrix::identity(matrix.nrows(), matrix.nrows()), |product, _| product * matrix)
 }
@@ -141,7 +131,7 @@ impl Filter {
             (false, false, _) | (false, true, Sixth::Stiffness) => Sixth::None,
             _ => sixth,
         };
-        let model = Linearised::of(file, sixth, &Unknown::designed(file, stands));
+        let model = Linearised::of(file, sixth, &designed(file, stands));
         let sensors = &file.sensors;
         // In the observer's periods: it looks at the output once a round.
         let period = sensors.output_encoder_period.div_ceil(SLOW_PERIODS) * (SLOW_PERIODS / OBSERVER_PERIODS);

@@ -37,7 +37,7 @@ fn slowest(filter: &Filter, gear: &GearFile) -> f64 {
     let size = filter.after.nrows();
     let design = &filter.model;
     let scale = |row: usize, column: usize, units: &DVector<f64>| units[row] / units[column];
-    let other = Linearised::of(gear, filter.sixth, &Unknown::designed(gear, false));
+    let other = Linearised::of(gear, filter.sixth, &designed(gear, false));
     let a = DMatrix::from_fn(size, size, |row, column| {
         other.transition[(row, column)] * scale(row, column, &other.units) / scale(row, column, &design.units)
     });
@@ -233,7 +233,7 @@ fn deviations_hold_the_errors_of_a_moving_joint() {
 /// What the observer itself makes of an error of the motor's torque is what the bound of its loop counts with.
 #[test]
 fn an_error_of_the_torque_is_taken_for_the_load_of_the_design() {
-    let mut file = late(0, 100_000);
+    let mut file = late(0, 1);
     file.inertia.wave_generator *= 4.0;
     let twin = Twin::new(&file, 0);
     let plain = twin.run(0, 100_000);
