@@ -122,12 +122,6 @@ impl Follower {
     }
 }
 
-/// A of the joint of a gear file with the wander that its loop bears.
-#[cfg(test)]
-pub(super) fn apparent_load(file: &GearFile, omega: f64) -> f64 {
-    Follower::design(file, &designed(file, false)).map_or(f64::NAN, |follower| follower.apparent_load(omega))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -105,11 +105,6 @@ impl Twin {
     /// Estimates and the true output angle (rad) of every period of the observer: 0.1 s of acceleration, then 50
     /// rad/s at the motor, with readings of the output that are `delay` periods late, one every `period`.
     fn run(&self, delay: usize, period: usize) -> Vec<(Estimate<f64>, f64)> {
-        self.run_with(delay, period, |_| 0.0)
-    }
-
-    /// The same with an error of the motor's measured torque (N m) at a time (s).
-    fn run_with(&self, delay: usize, period: usize, error: impl Fn(f64) -> f64) -> Vec<(Estimate<f64>, f64)> {
         let (mut plant, mut state) = (self.gear.rest(), self.observer.rest());
         let (mut motor, mut flange) = (Motion::default(), Motion::default());
         let mut angles = vec![flange.angle];
@@ -122,7 +117,7 @@ impl Twin {
             motor.advance(acceleration, CONTROL_PERIOD);
             flange.advance(self.gear.flange_acceleration(&torques, 0.0), CONTROL_PERIOD);
             angles.push(flange.angle);
-            torque += motor_torque + error(k as f64 * CONTROL_PERIOD);
+            torque += motor_torque;
             let reading = angles.len().checked_sub(1 + delay).filter(|_| k % period == 0);
             (latch, age) = if reading.is_some() { (reading, 0) } else { (latch, age + 1) };
             if !(k as u32 + 1).is_multiple_of(OBSERVER_PERIODS) {
@@ -227,31 +222,5 @@ fn deviations_hold_the_errors_of_a_moving_joint() {
         assert!(fraction >= 0.99, "seed {seed}: {fraction}");
         let (last, _) = estimates.last().unwrap();
         assert!(last.deviation.external_torque < 0.12 * file.gear.rated_torque, "{last:?}");
-    }
-}
-
-/// What the observer itself makes of an error of the motor's torque is what the bound of its loop counts with.
-#[test]
-fn an_error_of_the_torque_is_taken_for_the_load_of_the_design() {
-    let mut file = late(0, 1);
-    file.inertia.wave_generator *= 4.0;
-    let twin = Twin::new(&file, 0);
-    let plain = twin.run(0, 100_000);
-    for omega in [100.0, 300.0, 600.0] {
-        let n = f64::from(file.gear.ratio);
-        let disturbed = twin.run_with(0, 100_000, |time| 0.5 / n * (omega * time).sin());
-        // The last 0.4 s, of which both quadratures are taken.
-        let loads = plain
-            .iter()
-            .zip(&disturbed)
-            .map(|((plain, _), (other, _))| other.external_torque - plain.external_torque);
-        let phasor = loads.enumerate().skip(1000).fold((0.0, 0.0), |(cosine, sine), (k, load)| {
-            let (s, c) = (omega * k as f64 * DT).sin_cos();
-            (cosine + load * c, sine + load * s)
-        });
-        let seen = phasor.0.hypot(phasor.1) / 1000.0 / 0.5;
-        let expected = followed_load::apparent_load(&file, omega);
-        println!("{omega}: {seen} {expected}");
-        assert!((seen / expected - 1.0).abs() < 0.1, "{omega}: {seen} {expected}");
     }
 }
