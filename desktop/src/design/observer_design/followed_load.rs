@@ -13,8 +13,10 @@
 //! motor by the wind-up s. Above the mode of the load on its spring A rises with omega^2, and m above that of the rotor: under a heavy load
 //! on a soft gear the path would answer to itself, from limit to limit.
 //!
-//! With G below 1 at every frequency it does not, whatever the phase (small gain). The gain falls with the wander of the load that the
-//! filter is designed for, so that this is no larger than it may be. Units: rad/s, N m.
+//! With G at most 1 at the frequencies that are looked at a joint does not whose constant and inertia are off by their standard deviations,
+//! whatever the phase (small gain). At the ends of both tolerances the gain is up to 2.5 times as large, and friction and the path's
+//! dead zone are left out: no margin over the box. The gain falls with the wander of the load that the filter is designed for, so that
+//! this is no larger than it may be. Units: rad/s, N m.
 //!
 //! K. Zhou, J. Doyle, K. Glover, "Robust and optimal control" (1996), chapter 9.
 
@@ -48,7 +50,7 @@ pub(super) fn designed(file: &GearFile, stands: bool) -> Unknown {
     Unknown { wander: wander * borne * known.wander, friction: friction * known.friction, ..known }
 }
 
-/// Largest factor on the wander of `unknown`, 1e-3..=1, with which the gain of the loop is at most 1.
+/// Largest factor on the wander of `unknown`, 1e-3..=1, with which the gain of the loop is at most 1; 1e-3 where none has that.
 fn wander_factor(file: &GearFile, unknown: &Unknown) -> f64 {
     let path = disturbance_params(file);
     let bears = |factor: f64| {
