@@ -9,7 +9,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use strainwave::compensator::schedule::SLOW_PERIODS;
+use strainwave::compensator::schedule::{SLOW_PERIODS, Slot};
 use strainwave::compensator::{Input, JointParams};
 use strainwave_desktop::GearFile;
 use strainwave_desktop::bench::any_input::{sequence, variation};
@@ -68,7 +68,7 @@ pub struct AnyInput {
     pub worst: Step,
     /// Its cycles in each function, those of its callees apart, the most first.
     pub functions: Vec<(String, u64)>,
-    /// Cycles of the most costly step of each slot, in the schedule's order.
+    /// Cycles of the most costly step of each slot, in the schedule's order; those in which it waited are its own.
     pub slots: [u64; SLOTS],
 }
 
@@ -133,22 +133,26 @@ impl Search {
 
     /// Runs the inputs of a step's sequence, and keeps its most costly steps.
     fn take(&mut self, sequence: Step) -> Result<(), Error> {
-        self.run(&sequence.inputs, &self.counting.arguments_for_calls())?;
+        let slots = self.run(&sequence.inputs, &self.counting.arguments_for_calls())?;
         let calls = self.counting.results(&self.image)?.calls;
-        for (slot, most) in self.most.iter_mut().enumerate() {
-            let of_slot = calls.iter().copied().enumerate().skip(slot).step_by(SLOTS);
-            let Some((number, cycles)) = of_slot.max_by_key(|(_, cycles)| *cycles) else { continue };
-            if cycles >= most.cycles {
+        let mut found: [Option<(u64, usize)>; SLOTS] = [None; SLOTS];
+        for (number, (cycles, slot)) in calls.into_iter().zip(slots).enumerate() {
+            found[slot as usize] = found[slot as usize].max(Some((cycles, number)));
+        }
+        for (most, found) in self.most.iter_mut().zip(found) {
+            if let Some((cycles, number)) = found.filter(|(cycles, _)| *cycles >= most.cycles) {
                 *most = Step { cycles, number, ..sequence.clone() };
             }
         }
         Ok(())
     }
 
-    /// Runs inputs from a restart, on target and host.
-    fn run(&mut self, inputs: &[Input<f32>], arguments: &[String]) -> Result<(), Error> {
+    /// Runs inputs from a restart, on target and host; the slot of each.
+    fn run(&mut self, inputs: &[Input<f32>], arguments: &[String]) -> Result<Vec<Slot>, Error> {
         let mut target = Target::new(Machine::boot(self.image.path(), arguments)?, &self.joint)?;
+        let mut slots = Vec::with_capacity(inputs.len());
         for input in inputs {
+            slots.push(target.slot());
             let output = target.step(input)?;
             if let Some(name) = beyond_bounds(&self.joint, &output) {
                 *self.unbounded.entry(name).or_default() += 1;
@@ -158,7 +162,7 @@ impl Search {
         self.steps += agreement.steps;
         self.unlike_host += agreement.different;
         target.finish()?;
-        Ok(())
+        Ok(slots)
     }
 
     /// Result, the most costly step followed once more.

@@ -1,6 +1,7 @@
 //! The firmware as a controller: every step on the emulated processor, and the same step on the host.
 
 use strainwave::compensator::adapt::learning::Learnt;
+use strainwave::compensator::schedule::Slot;
 use strainwave::compensator::{Input, JointParams, Output};
 use strainwave_app::frame::{Fields, decode_output, encode_input, encode_output};
 use strainwave_desktop::Figure;
@@ -64,6 +65,11 @@ impl Target {
     /// Number of steps in which both agreed so far.
     pub fn agreement(&self) -> Agreement {
         self.agreement
+    }
+
+    /// The slot that is next.
+    pub fn slot(&self) -> Slot {
+        self.host.slot()
     }
 
     /// Learnt factors and ripple of the host's build, which equal the target's.

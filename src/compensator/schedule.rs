@@ -11,6 +11,19 @@
 //! Encoders, cascade and torque command run in every period, so that the model costs in each period no more than one of
 //! its parts. Latency: motor's encoder and torque to the torque command, at most two periods; output encoder, setpoint
 //! and gains, up to a round and a period.
+//!
+//! A slot waits for the next period where this one has rare work of its own, so that both are never in one period:
+//!
+//! | rare work | how often at most |
+//! | --- | --- |
+//! | a count of the motor's encoder that is refused, and the first one after it | until the angle is lost ([`crate::compensator::sense::motor_encoder`]) |
+//! | a change of the drive's mode, a control overrun | five overruns within 10 ms lead to Safe ([`crate::compensator::actuate::mode`]) |
+//! | the output encoder's zero | once |
+//! | a reference that begins, or that approaches its command | the command's slot takes two periods: a round then has nine |
+//!
+//! What is integrated or averaged goes by the time and the number of steps that it took, not by the round's nominal length. While
+//! the drive is off no torque is computed. The faults of a slot count from the next period on, where the mode follows them before
+//! anything else is done.
 
 /// Control period of a joint (s): from one control step to the next.
 pub const CONTROL_PERIOD: f64 = 1e-4;

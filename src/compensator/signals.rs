@@ -84,6 +84,13 @@ impl Status {
         self.0 & other.0 != 0
     }
 
+    /// The intersection with `others`.
+    #[inline(always)]
+    #[must_use]
+    pub const fn among(self, others: Self) -> Self {
+        Self(self.0 & others.0)
+    }
+
     /// Both.
     #[must_use]
     pub const fn with(self, other: Self) -> Self {

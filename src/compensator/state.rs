@@ -10,12 +10,12 @@ use crate::compensator::actuate::supervisor::SupervisorState;
 use crate::compensator::adapt::learning::LearningState;
 use crate::compensator::estimate::disturbance::{DisturbanceState, WindUpResponse};
 use crate::compensator::estimate::observer::{GearCorrection, ObserverState};
-use crate::compensator::reference::command::CommanderState;
+use crate::compensator::reference::command::{Approached, CommanderState};
 use crate::compensator::reference::feed_forward::FeedForwardState;
 use crate::compensator::reference::measured_feedback::MeasuredFeedbackState;
 use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::reference::output_feedback::OutputFeedbackState;
-use crate::compensator::schedule::{Slot, SlowSlot};
+use crate::compensator::schedule::{OBSERVER_PERIODS, Slot, SlowSlot};
 use crate::compensator::sense::encoder::EncoderState;
 use crate::compensator::sense::motor_encoder::MotorEncoderState;
 use crate::compensator::sense::motor_torque::MotorTorqueState;
@@ -47,6 +47,8 @@ pub struct State<R: Real> {
     /// Motor's angle when the output encoder was last tested for a standstill.
     pub(super) motor_at_output: Angle<R>,
     pub(super) commander: CommanderState<R>,
+    /// Target that took the period in which it was found.
+    pub(super) approached: Option<Approached<R>>,
     /// Time of the observer's slots since the plan's last one (s).
     pub(super) since_plan: R,
     pub(super) observer: ObserverState<R>,
@@ -65,6 +67,8 @@ pub struct State<R: Real> {
     pub(super) load_rate: R,
     /// The next slow slot.
     pub(super) slow: SlowSlot,
+    /// The gains equal their commands in this round.
+    pub(super) gains_have_settled: bool,
     pub(super) motor_torque: MotorTorqueState<R>,
     pub(super) rotor: RotorState<R>,
     pub(super) protection: ProtectionState<R>,
@@ -87,13 +91,16 @@ pub struct State<R: Real> {
 }
 
 /// Sensor latch: readings since the observer's last slot.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SensorLatch<R> {
     /// Sums of the motor's torque and of the drive's torque error over the steps since then (N m), and the time since then
     /// (s).
     pub(super) motor_torque: R,
     pub(super) drive_errors: R,
     pub(super) time: R,
+    /// Steps by which the observer's slot is late, and the inverse of how many it then is of.
+    pub(super) late: u32,
+    pub(super) per_step: R,
     /// Raw count of the output encoder, and its age (control periods).
     pub(super) output: Option<u32>,
     pub(super) age: u32,
@@ -116,6 +123,39 @@ pub(super) struct SlotFaults {
     pub(super) supervisor: Faults,
 }
 
+impl<R: Real> SensorLatch<R> {
+    /// Before the first reading.
+    pub(super) fn new() -> Self {
+        Self {
+            motor_torque: R::ZERO,
+            drive_errors: R::ZERO,
+            time: R::ZERO,
+            late: 0,
+            per_step: R::lit(1.0 / OBSERVER_PERIODS as f64),
+            output: None,
+            age: 0,
+            output_phase: 0,
+            output_torque: None,
+        }
+    }
+
+    /// The slot of this period waits for the next: the observer's next one is of one step more.
+    #[inline(always)]
+    pub(super) fn wait(&mut self) {
+        self.late = self.late.saturating_add(1);
+        self.per_step = R::ONE / R::from_i32(OBSERVER_PERIODS.saturating_add(self.late).cast_signed());
+    }
+
+    /// Takes the means of the motor's torque and of the drive's torque error (N m), and the time (s) that they are of.
+    #[inline(always)]
+    pub(super) fn take_torques(&mut self) -> ([R; 2], R) {
+        let taken = ([self.per_step * self.motor_torque, self.per_step * self.drive_errors], self.time);
+        (self.motor_torque, self.drive_errors, self.time) = (R::ZERO, R::ZERO, R::ZERO);
+        (self.late, self.per_step) = (0, R::lit(1.0 / OBSERVER_PERIODS as f64));
+        taken
+    }
+}
+
 impl SlotFaults {
     /// All of them.
     #[inline(always)]
@@ -131,6 +171,11 @@ impl SlotFaults {
 }
 
 impl<R: Real> State<R> {
+    /// The slot that is next.
+    pub fn slot(&self) -> Slot {
+        self.slot
+    }
+
     /// Whether the drive may be on.
     pub fn mode(&self) -> Mode {
         self.mode.mode()

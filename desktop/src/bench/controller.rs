@@ -2,6 +2,7 @@
 
 use strainwave::Error;
 use strainwave::compensator::adapt::learning::Learnt;
+use strainwave::compensator::schedule::Slot;
 use strainwave::compensator::{Compensator, Input, JointParams, Output, State};
 
 use crate::plant::divergence::RunError;
@@ -47,6 +48,11 @@ impl HostCompensator {
     /// Learnt factors and ripple so far.
     pub fn learnt(&self) -> Learnt<f32> {
         self.model.learnt(&self.state)
+    }
+
+    /// The slot that is next.
+    pub fn slot(&self) -> Slot {
+        self.state.slot()
     }
 
     /// One control step.

@@ -74,10 +74,12 @@ pub fn replay<C: Controller>(
     let instants = log.time.resampled(CONTROL_PERIOD);
     let count = instants.len() as f64;
     for (k, instant) in instants.take_while(|instant| instant.elapsed <= until).enumerate() {
-        let motor = log.motor_position[0] + position.at(instant.elapsed).angle - start.whole_turns;
+        let motor = position.at(instant.elapsed);
+        let speed = motor.velocity;
+        let motor = log.motor_position[0] + motor.angle - start.whole_turns;
         let motor_torque = instant.of(&log.motor_torque);
         let output_torque = log.output_torque.as_ref().map(|torque| instant.of(torque));
-        let (rigid, theta) = step(controller, file, motor, motor_torque, output_torque)?;
+        let (rigid, theta) = step(controller, file, [motor, speed], motor_torque, output_torque)?;
         rows.push(ReplayRow {
             time: instant.elapsed,
             motor,
@@ -94,16 +96,21 @@ pub fn replay<C: Controller>(
     Ok(rows)
 }
 
-/// One step; the rigid gear's output and the observer's (rad).
+/// One step with the motor at an angle (rad) and a speed (rad/s); the rigid gear's output and the observer's (rad).
 fn step<C: Controller>(
     controller: &mut C,
     file: &GearFile,
-    motor: f64,
+    [motor, speed]: [f64; 2],
     motor_torque: f64,
     output_torque: Option<f64>,
 ) -> Result<(f64, f64), C::Error> {
     let motor = Angle::<f64>::from_radians_f64(motor);
     let rigid = file.gear.signed_ratio().apply(motor).to_radians();
+    let setpoint = Setpoint {
+        position: Angle::from_radians_f64(rigid),
+        velocity: (speed * file.gear.signed_ratio().value::<f64>()) as f32,
+        ..Setpoint::default()
+    };
     let input = Input {
         sensors: Sensors {
             motor_encoder: encoder_count(motor, file.sensors.motor_encoder_bits),
@@ -111,8 +118,8 @@ fn step<C: Controller>(
             output_torque: output_torque.map(|torque| torque as f32),
             ..Sensors::default()
         },
-        // Nothing is commanded: the setpoint is where the joint already is.
-        command: Setpoint { position: Angle::from_radians_f64(rigid), ..Setpoint::default() }.into(),
+        // Nothing is commanded: the setpoint moves as the joint does.
+        command: setpoint.into(),
         gains: Directions::default(),
         ..Input::default()
     };
@@ -155,9 +162,10 @@ impl Start {
     ) -> Result<(), C::Error> {
         let u = k as f64 * CONTROL_PERIOD;
         let left = (LEAD_IN - u) / 2.0 + LEAD_IN / TAU * (PI * u / LEAD_IN).sin();
+        let speed = self.speed * (0.5 - 0.5 * (PI * u / LEAD_IN).cos());
         let motor = self.motor - self.speed * left - self.whole_turns;
         let output_torque = log.output_torque.as_ref().map(|torque| torque[0]);
-        step(controller, file, motor, self.torque, output_torque).map(|_| ())
+        step(controller, file, [motor, speed], self.torque, output_torque).map(|_| ())
     }
 }
 

@@ -13,6 +13,7 @@
 //!
 //! Faults without which no control is possible switch the drive off instead ([`crate::compensator::actuate::mode`]).
 
+use crate::branch::seldom;
 use crate::compensator::Faults;
 use crate::compensator::tuned::{QUIET_TIME, TORQUE_RAMP, Tuned};
 use crate::constants::constants;
@@ -35,8 +36,6 @@ pub struct Fallback<R> {
     ramp: u32,
     /// Largest change of the torque in a period while it is ramped (N m).
     change: R,
-    /// Largest possible change (N m).
-    range: R,
 }
 
 /// State of the fallback.
@@ -73,7 +72,7 @@ impl<R: Real> Fallback<R> {
         let periods = |time: Tuned| (R::lit(time.get()) / dt).to_i32().unsigned_abs() + 1;
         let range = R::lit(2.0) * peak_torque;
         let change = (range * dt * R::lit(1.0 / TORQUE_RAMP.get())).min(range);
-        Self { quiet: periods(QUIET_TIME), ramp: periods(TORQUE_RAMP), change, range }
+        Self { quiet: periods(QUIET_TIME), ramp: periods(TORQUE_RAMP), change }
     }
 
     /// The kind of command has changed: the torque goes on by the ramp.
@@ -84,31 +83,26 @@ impl<R: Real> Fallback<R> {
     /// The torque for a target (N m) within the motor's peak.
     #[inline(always)]
     pub fn step(&self, state: &mut FallbackState<R>, target: R, faults: Faults) -> R {
-        if state.untrusted | state.ramped == 0 && !faults.intersects(UNTRUSTED) {
-            state.torque = target;
-            return target;
+        if faults.intersects(UNTRUSTED) {
+            seldom();
+            if state.untrusted == 0 {
+                state.ramped = self.ramp;
+            }
+            state.untrusted = self.quiet;
+        } else if state.untrusted > 0 {
+            seldom();
+            state.untrusted -= 1;
         }
-        self.ramp(state, target, faults)
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn ramp(&self, state: &mut FallbackState<R>, target: R, faults: Faults) -> R {
-        let untrusted = faults.intersects(UNTRUSTED);
-        let begins = untrusted && state.untrusted == 0;
-        state.untrusted = if untrusted { self.quiet } else { state.untrusted.saturating_sub(1) };
-        if begins {
-            state.ramped = self.ramp;
+        if state.ramped > 0 {
+            seldom();
+            let change = target - state.torque;
+            if !change.is_within(self.change) {
+                state.torque += self.change.copysign(change);
+                return state.torque;
+            }
+            state.ramped -= 1;
         }
-        let bound = if state.ramped > 0 { self.change } else { self.range };
-        let change = target - state.torque;
-        let limited = change.limit(bound);
-        if limited == change {
-            state.ramped = state.ramped.saturating_sub(1);
-            state.torque = target;
-        } else {
-            state.torque += limited;
-        }
-        state.torque
+        state.torque = target;
+        target
     }
 }

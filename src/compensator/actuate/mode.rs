@@ -14,8 +14,7 @@
 //!
 //! A single control overrun is reported; one is forgotten after 20 periods, five within 10 ms lead to Safe.
 
-use crate::branch::seldom;
-use crate::compensator::schedule::CONTROL_PERIOD;
+use crate::compensator::schedule::{CONTROL_PERIOD, SLOW_PERIODS};
 use crate::compensator::tuned::{OVERRUN_TIME, OVERRUNS};
 use crate::compensator::{Faults, Status};
 
@@ -38,7 +37,7 @@ pub const DEGRADING: Faults = Faults::OUTPUT_ENCODER_LOST
     .with(Faults::FEEDBACK_REDUCED)
     .with(Faults::SETPOINT_STALE);
 
-/// Increment of the error counter by an overrun; every period without one decrements it by 1.
+/// Increment of the error counter by an overrun; every period decrements it by 1, a round's at once.
 #[inline(always)]
 fn overrun_increment() -> u32 {
     OVERRUN_TIME.periods(CONTROL_PERIOD)
@@ -103,13 +102,20 @@ impl Mode {
 /// assert_eq!(state.step(&mut later, Status::FINE), Mode::Safe);
 /// assert!(later.contains(Faults::MOTOR_ENCODER_LOST) && !state.mode().drives());
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ModeState {
     mode: Mode,
     cause: Faults,
     error_count: u32,
-    /// Active, with an error count of 0.
-    settled: bool,
+    /// Faults and status that the mode was decided on, where the same lead to the same again; else `UNDECIDED`.
+    decided: (Faults, Status),
+}
+
+impl Default for ModeState {
+    /// Ready, before the first step.
+    fn default() -> Self {
+        Self { mode: Mode::Ready, cause: Faults::NONE, error_count: 0, decided: UNDECIDED }
+    }
 }
 
 impl ModeState {
@@ -123,27 +129,11 @@ impl ModeState {
         self.cause
     }
 
-    /// The joint is controlled, and nothing of this step changes that: [`Self::step`] need not be called, for it would change neither
-    /// the mode nor the faults.
-    #[inline(always)]
-    pub fn stays_active(&self, faults: Faults, status: Status) -> bool {
-        const DECIDING: Faults = UNSAFE.with(DEGRADING);
-        const STATUS: Status = Status::OVERRUN.with(Status::RESTARTED).with(Status::DRIVE_OFF);
-        self.settled && !faults.intersects(DECIDING) && !status.intersects(STATUS)
-    }
-
-    /// Nothing of this step changes the mode, whichever of those without a latched cause it is: [`Self::step`] need not be called.
+    /// Nothing that the mode depends on has changed since the last step: [`Self::step`] need not be called, for it would change neither the
+    /// mode nor the faults.
     #[inline(always)]
     pub fn stays(&self, faults: Faults, status: Status) -> bool {
-        const STATUS: Status = Status::OVERRUN.with(Status::RESTARTED);
-        let mode = if status.contains(Status::DRIVE_OFF) {
-            Mode::Ready
-        } else if faults.intersects(DEGRADING) {
-            Mode::Degraded
-        } else {
-            Mode::Active
-        };
-        self.error_count == 0 && !faults.intersects(UNSAFE) && !status.intersects(STATUS) && self.mode == mode
+        self.decided == deciding(faults, status)
     }
 
     /// The mode with this step's faults, to which the latched cause is added.
@@ -151,13 +141,13 @@ impl ModeState {
         let overrun = status.contains(Status::OVERRUN);
         faults.raise_if(overrun, Faults::CONTROL_OVERRUN);
         faults.raise_if(status.contains(Status::RESTARTED), Faults::RESTARTED);
-        self.error_count =
-            if overrun { self.error_count + overrun_increment() } else { self.error_count.saturating_sub(1) };
         self.cause = self.cause.with(faults.among(UNSAFE));
-        if self.error_count >= error_count_limit() {
-            seldom();
-            self.error_count = error_count_limit();
-            self.cause = self.cause.with(Faults::CONTROL_OVERRUN);
+        if overrun {
+            self.error_count += overrun_increment();
+            if self.error_count >= error_count_limit() {
+                self.error_count = error_count_limit();
+                self.cause = self.cause.with(Faults::CONTROL_OVERRUN);
+            }
         }
         *faults = faults.with(self.cause);
         self.mode = if self.cause != Faults::NONE {
@@ -169,9 +159,30 @@ impl ModeState {
         } else {
             Mode::Active
         };
-        self.settled = self.mode == Mode::Active && self.error_count == 0;
+        // A latched cause has to be added to the faults of every step.
+        self.decided = if self.cause == Faults::NONE {
+            deciding(*faults, status.among(Status::DRIVE_OFF))
+        } else {
+            UNDECIDED
+        };
         self.mode
     }
+
+    /// Forgets the overruns of a round ago.
+    #[inline(always)]
+    pub fn forget(&mut self) {
+        self.error_count = self.error_count.saturating_sub(SLOW_PERIODS);
+    }
+}
+
+/// What no step has.
+const UNDECIDED: (Faults, Status) = (Faults::from_bits(u32::MAX), Status::FINE);
+
+/// What of a step the mode depends on.
+#[inline(always)]
+fn deciding(faults: Faults, status: Status) -> (Faults, Status) {
+    const STATUS: Status = Status::OVERRUN.with(Status::RESTARTED).with(Status::DRIVE_OFF);
+    (faults.among(UNSAFE.with(DEGRADING)), status.among(STATUS))
 }
 
 #[cfg(test)]
@@ -213,28 +224,46 @@ mod tests {
         assert_eq!(step(&mut ModeState::default(), Faults::NONE, Status::RESTARTED).0, Mode::Safe);
     }
 
-    /// Where the step is left out, it would have changed nothing; in a settled state that is every other fault, too.
+    /// Where the step is left out, it would have changed nothing; after all but Safe it is left out with the same inputs.
     #[test]
     fn a_step_that_is_left_out_changes_nothing() {
         let before = [
-            (Faults::NONE, Status::FINE),
-            (Faults::SETPOINT_STALE, Status::FINE),
-            (Faults::NONE, Status::DRIVE_OFF),
-            (Faults::NONE, Status::OVERRUN),
-            (Faults::OVERSPEED, Status::FINE),
+            (Faults::NONE, Status::FINE, true),
+            (Faults::SETPOINT_STALE, Status::FINE, true),
+            (Faults::NONE, Status::DRIVE_OFF, true),
+            (Faults::OVERSPEED, Status::FINE, false),
+            (Faults::NONE, Status::RESTARTED, false),
         ];
-        for (k, (faults, status)) in before.into_iter().enumerate() {
-            let (mut settled, mut left_out) = (ModeState::default(), [0; 2]);
-            step(&mut settled, faults, status);
-            for (bit, status) in (0..24).flat_map(|bit| (0..32).map(move |status| (bit, Status(status)))) {
-                let (faults, mut state) = (Faults::from_bits(1 << bit), settled);
-                let same = step(&mut state, faults, status) == (settled.mode(), faults) && state == settled;
-                let stays = [settled.stays_active(faults, status), settled.stays(faults, status)];
-                assert!(same || stays == [false; 2], "{k} {bit} {status:?}");
-                assert!(!same || k == 4 || stays[1], "{k} {bit} {status:?}");
-                left_out = [0, 1].map(|which| left_out[which] + u32::from(stays[which]));
+        for (decided_on, status, lasts) in before {
+            let mut decided = ModeState::default();
+            step(&mut decided, decided_on, status);
+            assert_eq!(decided.stays(decided_on, status), lasts);
+            let later = (0..24).flat_map(|bit| (0..32).map(move |status| (bit, Status(status))));
+            for (bit, status) in
+                later.filter(|(bit, status)| decided.stays(Faults::from_bits(1 << bit), *status))
+            {
+                let (faults, mut state) = (Faults::from_bits(1 << bit), decided);
+                assert_eq!(step(&mut state, faults, status), (decided.mode(), faults), "{bit} {status:?}");
+                assert_eq!(state, decided, "{bit} {status:?}");
             }
-            assert_eq!(left_out.map(|steps| steps > 0), [k == 0, k < 3], "{k}");
+        }
+    }
+
+    /// An overrun costs one step of the mode, not one after it too.
+    #[test]
+    fn after_an_overrun_the_mode_stays() {
+        let mut state = ModeState::default();
+        step(&mut state, Faults::NONE, Status::OVERRUN);
+        assert!(state.stays(Faults::NONE, Status::FINE) && !state.stays(Faults::NONE, Status::OVERRUN));
+    }
+
+    #[test]
+    fn overruns_that_are_rare_are_forgotten() {
+        let rounds = overrun_increment().div_ceil(SLOW_PERIODS);
+        let mut state = ModeState::default();
+        for _ in 0..100 {
+            assert_eq!(step(&mut state, Faults::NONE, Status::OVERRUN).0, Mode::Active);
+            (0..rounds).for_each(|_| state.forget());
         }
     }
 

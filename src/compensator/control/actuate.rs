@@ -2,6 +2,7 @@
 
 use crate::branch::seldom;
 use crate::compensator::actuate::cascade::CascadeInput;
+use crate::compensator::actuate::mode::Mode;
 use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::sense::clock::Elapsed;
 use crate::compensator::sense::encoder::Reading;
@@ -10,37 +11,30 @@ use crate::compensator::{Compensator, Faults, State, Status};
 use crate::real::Real;
 
 impl<R: Real> Compensator<R> {
-    /// Torque (N m) and faults in the mode after this step: no torque where the drive is off or is switched on with this step; then the
-    /// reference begins at the output's angle.
+    /// The mode with this step's faults, to which a latched cause is added; true where it was Safe and is. Of a drive that is switched on
+    /// with this step the reference begins at the output's angle.
     #[cold]
     #[inline(never)]
-    pub(super) fn change_mode(
-        &self,
-        state: &mut State<R>,
-        mut faults: Faults,
-        status: Status,
-        torque: R,
-    ) -> (R, Faults) {
+    pub(super) fn step_mode(&self, state: &mut State<R>, faults: &mut Faults, status: Status) -> bool {
         let before = state.mode.mode();
-        let mode = state.mode.step(&mut faults, status);
-        if before.drives() && mode.drives() {
-            return (torque, faults);
-        }
-        let none = self.without_torque(state);
-        if mode.drives() {
+        let after = state.mode.step(faults, status);
+        if !before.drives() && after.drives() {
+            state.approached = None;
             state.commander = Default::default();
             state.feedback = Default::default();
             state.output_feedback = Default::default();
             state.measured_feedback = Default::default();
             state.motor_reference = Default::default();
         }
-        (none, faults)
+        [before, after] == [Mode::Safe; 2]
     }
 
     /// No torque (N m), of a drive that is off.
     #[inline(always)]
-    pub(super) fn without_torque(&self, state: &mut State<R>) -> R {
+    pub(super) fn without_torque(&self, state: &mut State<R>, faults: Faults) -> R {
+        self.fallback.step(&mut state.fallback, R::ZERO, faults);
         state.fallback.sent(R::ZERO);
+        state.sent = [state.motor_reference.position_error, R::ZERO];
         state.limited = true;
         R::ZERO
     }

@@ -28,7 +28,6 @@ impl<R: Real> Compensator<R> {
         (state.gear_correction, state.load_rate) =
             self.learning.gear_correction(&state.learning, state.guard.gains());
         let trusted = state.fallback.trusted();
-        let mut settled = true;
         let falls_back = !trusted && !self.guard.model_is_off(&state.guard);
         match if falls_back { SlowSlot::RampGains } else { state.slow } {
             SlowSlot::Adapt => self.adapt(state, learns),
@@ -40,7 +39,6 @@ impl<R: Real> Compensator<R> {
                     self.learning.learn_gravity(&mut state.learning, external_torque);
                 }
                 self.detect_standstill(state, motor);
-                settled = self.guard.gains_have_settled(&state.guard, gains, trusted);
                 state.faults.gains = Faults::NONE;
             }
             SlowSlot::RampGains => {
@@ -50,7 +48,7 @@ impl<R: Real> Compensator<R> {
                 state.faults.gains = faults;
             }
         }
-        state.slow = state.slow.next(settled);
+        state.slow = state.slow.next(trusted && state.gains_have_settled);
         state.faults.collect();
     }
 

@@ -3,29 +3,29 @@
 use crate::angle::Angle;
 use crate::compensator::estimate::observer::Measurement;
 use crate::compensator::reference::motor_reference::MotorReference;
-use crate::compensator::schedule::OBSERVER_PERIODS;
+use crate::compensator::schedule::Slot;
 use crate::compensator::sense::rotor::RotorInput;
-use crate::compensator::{Compensator, Faults, State};
+use crate::compensator::{Compensator, Directions, Faults, State};
 use crate::real::Real;
 
 impl<R: Real> Compensator<R> {
     /// The observer's slot.
-    #[inline(never)] // The timing budget counts this slot by its symbol.
-    pub(super) fn observe(&self, state: &mut State<R>, motor: Angle<R>, reads_output: bool) {
+    #[inline(always)]
+    pub(super) fn observe(&self, state: &mut State<R>, gains: &Directions<R>, motor: Angle<R>) {
+        let reads_output = state.slot == Slot::ObserveOutput && self.keep_output_reading(state);
         let mut faults = Faults::NONE;
-        let torques = [state.latch.motor_torque, state.latch.drive_errors];
-        state.rotor.add(torques, state.latch.time, motor);
-        state.since_plan += state.latch.time;
+        let (torques, period) = state.latch.take_torques();
+        state.rotor.add(torques, period, motor);
+        state.since_plan += period;
         state.motor_moved |= motor.counts != state.last_motor.counts;
         let gauge = state.latch.output_torque.take();
         let measured = Measurement {
             motor,
             reads_output,
-            period: state.latch.time,
-            motor_torque: R::lit(1.0 / OBSERVER_PERIODS as f64) * state.latch.motor_torque,
+            period,
+            motor_torque: torques[0],
             output_torque: gauge.filter(|_| !state.disabled_sensors.contains(Faults::TORQUE_SENSOR_OFF)),
         };
-        (state.latch.motor_torque, state.latch.drive_errors, state.latch.time) = (R::ZERO, R::ZERO, R::ZERO);
         self.observer.step(
             &self.gear,
             &mut state.observer,
@@ -38,20 +38,33 @@ impl<R: Real> Compensator<R> {
         self.disturbance.step_fast(&mut state.disturbance, state.observer.external_torque());
         state.wind_up = self.disturbance.wind_up(&state.disturbance);
         state.faults.observer = faults;
+        if state.slot == Slot::Observe {
+            state.gains_have_settled = self.guard.gains_have_settled(&state.guard, gains);
+        }
     }
 
-    /// Compares the balance of the rotor with its reference, the drive and the sensors at the output; learns the ripple.
+    /// Keeps the output encoder's reading of this period, which [`Self::check`] corrects the observer by; whether there is one.
     #[inline(always)]
-    pub(super) fn check(&self, state: &mut State<R>) {
+    fn keep_output_reading(&self, state: &mut State<R>) -> bool {
+        let age = state.latch.age;
+        let reading = state.latch.output.take().filter(|_| age == 0 || self.observer.looks_back());
+        state.output_reading = reading.map(|raw| (raw, age));
+        reading.is_some()
+    }
+
+    /// Compares the balance of the rotor with its reference, the drive and the sensors at the output; learns the ripple. False where the
+    /// output encoder's zero took this period, and all of that is left to the next.
+    #[inline(always)]
+    pub(super) fn check(&self, state: &mut State<R>) -> bool {
         let mut faults = Faults::NONE;
+        if !self.read_output(state, &mut faults) {
+            return false;
+        }
         let runs = !state.limited && state.supervisor.gain() == R::ONE;
         let MotorReference { rests, position_error, .. } = state.motor_reference;
         let motor_lag = if rests { position_error.dead_zone(self.rounding) } else { R::ZERO };
         let at_output = self.gear.ratio().rounded::<R>() * motor_lag;
         self.output_feedback.integrate(&mut state.output_feedback, at_output, runs);
-        // In the round that finds the zero nothing is compared with it yet: that takes time, and all of it agrees by construction.
-        let has_zero = state.output_zero.is_some();
-        self.read_output(state, &mut faults);
         let reference = &state.motor_reference;
         state.followed = self.braking.gain(reference.position_error);
         // With a feedback gain below 1 another controller moves the motor.
@@ -65,7 +78,7 @@ impl<R: Real> Compensator<R> {
         self.rotor.step(&mut state.rotor, &input, &mut faults);
         let [torque, rate, friction] = state.rotor.gear();
         self.protection.follow(&mut state.protection, torque, rate, friction);
-        if has_zero {
+        if state.output_zero.is_some() {
             if let Some(innovation) = self.observer.output_innovation(&state.observer) {
                 let torsion = state.observer.torsion() - innovation;
                 state.disabled_sensors =
@@ -80,5 +93,6 @@ impl<R: Real> Compensator<R> {
         state.faults.rotor = faults.with(state.disabled_sensors);
         state.faults.collect();
         self.learning.learn_ripple(&mut state.learning);
+        true
     }
 }

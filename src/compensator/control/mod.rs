@@ -8,6 +8,7 @@ mod sense;
 
 use zerocopy::KnownLayout;
 
+use crate::angle::Angle;
 use crate::branch::seldom;
 use crate::compensator::actuate::braking::Braking;
 use crate::compensator::actuate::cascade::Feedback;
@@ -137,45 +138,51 @@ impl<R: Real> Compensator<R> {
     }
 
     /// One control step.
-    #[inline] // Firmware's own function around it is the symbol that the timing budget counts.
+    #[inline(always)] // Firmware's own function around it is the symbol that the timing budget counts.
     pub fn control(&self, state: &mut State<R>, input: &Input<R>) -> Commanded<R> {
         let mut faults = Faults::NONE;
         let sensors = self.guard.sensors(&mut state.guard, &input.sensors, &mut faults);
         let elapsed = self.clock.step(input.elapsed, &mut faults);
-        let motor = self.read(state, &sensors, input.status, &elapsed, &mut faults);
-        match state.slot {
-            Slot::Plan => self.plan(state, input, motor.angle),
-            Slot::Learn => self.learn(state, &input.gains, motor.angle),
-            Slot::ObserveOutput => {
-                let age = state.latch.age;
-                let reading = state.latch.output.take().filter(|_| age == 0 || self.observer.looks_back());
-                state.output_reading = reading.map(|raw| (raw, age));
-                self.observe(state, motor.angle, state.output_reading.is_some());
-            }
-            Slot::Check => self.check(state),
-            Slot::Model => {
-                self.model(state, motor.angle);
-                self.supervise(state);
-            }
-            Slot::Observe | Slot::ObserveSecond | Slot::ObserveLast => {
-                self.observe(state, motor.angle, false);
-            }
-        }
-        state.slot = state.slot.next();
+        let (motor, usual) = self.read(state, &sensors, input.status, &elapsed, &mut faults);
         faults = faults.with(state.faults.all());
-        let mut motor_torque = self.drive(state, &motor, &elapsed, &mut faults);
-        if !state.mode.stays_active(faults, input.status) {
+        let same_mode =
+            state.mode.stays(faults, input.status) || self.step_mode(state, &mut faults, input.status);
+        let drives = state.mode.mode().drives();
+        if same_mode && usual && self.run_slot(state, input, motor.angle) {
+            state.slot = state.slot.next();
+        } else {
             seldom();
-            if !state.mode.stays(faults, input.status) {
-                (motor_torque, faults) = self.change_mode(state, faults, input.status, motor_torque);
-            } else if !state.mode.mode().drives() {
-                motor_torque = self.without_torque(state);
-            }
+            state.latch.wait();
+            state.measured_feedback.leave_out();
         }
+        let motor_torque = if drives {
+            self.drive(state, &motor, &elapsed, &mut faults)
+        } else {
+            self.without_torque(state, faults)
+        };
         state.sound &= faults == Faults::NONE && !state.limited;
         state.reported = faults;
         let motor_torque = self.pulleys.at_motor(motor_torque);
         Commanded { motor_torque, faults, mode: state.mode.mode() }
+    }
+
+    /// Runs the slot of this period; false where only a part of it is done, and it goes on in the next.
+    #[inline(always)]
+    fn run_slot(&self, state: &mut State<R>, input: &Input<R>, motor: Angle<R>) -> bool {
+        match state.slot {
+            Slot::Plan => return self.plan(state, input, motor),
+            Slot::Check => return self.check(state),
+            Slot::Learn => self.learn(state, &input.gains, motor),
+            Slot::Model => {
+                self.model(state, motor);
+                self.supervise(state);
+                state.mode.forget();
+            }
+            Slot::Observe | Slot::ObserveSecond | Slot::ObserveOutput | Slot::ObserveLast => {
+                self.observe(state, &input.gains, motor);
+            }
+        }
+        true
     }
 
     /// Command, references and estimates of the last step; separate from the control step, so that callers pay only on
@@ -197,7 +204,8 @@ impl<R: Real> Compensator<R> {
             },
             motor_reference: state.motor_encoder.angle().plus(self.pulleys.angle_at_motor(position_error)),
             estimate,
-            observed: !state.slot.observes(),
+            // The observer's slot takes the time since its last one.
+            observed: state.latch.time == R::ZERO,
             factors: *state.learning.applied(),
             faults: state.reported,
             mode: state.mode.mode(),

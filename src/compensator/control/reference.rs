@@ -3,7 +3,7 @@
 use crate::angle::Angle;
 use crate::branch::seldom;
 use crate::compensator::estimate::observer::{GearCorrection, ObserverState};
-use crate::compensator::reference::command::{CommandStatus, Following};
+use crate::compensator::reference::command::{Approached, CommandStatus, Following, Target};
 use crate::compensator::reference::measured_feedback::MeasuredError;
 use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::reference::output_feedback::OutputError;
@@ -12,9 +12,28 @@ use crate::compensator::{Compensator, Faults, Input, Setpoint, State};
 use crate::real::{RADIANS_PER_COUNT, Real};
 
 impl<R: Real> Compensator<R> {
-    /// The feed-forward's slot.
-    #[inline(never)] // The timing budget counts this slot by its symbol.
-    pub(super) fn plan(&self, state: &mut State<R>, input: &Input<R>, motor: Angle<R>) {
+    /// The feed-forward's slot; false where the command took this period, and the rest is left to the next.
+    #[inline(always)]
+    pub(super) fn plan(&self, state: &mut State<R>, input: &Input<R>, motor: Angle<R>) -> bool {
+        let target = if let Some(approached) = state.approached.take() {
+            seldom();
+            approached.after(state.latch.time)
+        } else {
+            let target = self.target(state, input);
+            if target.detours {
+                seldom();
+                state.approached = Some(Approached { target, time: state.latch.time });
+                return false;
+            }
+            target
+        };
+        self.follow(state, &target, motor);
+        true
+    }
+
+    /// The target of this round's command.
+    #[inline(always)]
+    fn target(&self, state: &mut State<R>, input: &Input<R>) -> Target<R> {
         let mut faults = Faults::NONE;
         let command = self.guard.command(&mut state.guard, &input.command, &mut faults);
         let time = core::mem::take(&mut state.since_plan);
@@ -36,6 +55,13 @@ impl<R: Real> Compensator<R> {
         };
         let target = self.commander.step(&mut state.commander, &command, status, following, now, &mut faults);
         state.faults.plan = faults;
+        target
+    }
+
+    /// The feed-forward and the feedback of the output for a target.
+    #[inline(always)]
+    fn follow(&self, state: &mut State<R>, target: &Target<R>, motor: Angle<R>) {
+        let gravity = state.learning.gravity_torque();
         let setpoint = &target.setpoint;
         let gains = state.guard.gains();
         let rests = setpoint.velocity == R::ZERO;

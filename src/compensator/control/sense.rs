@@ -1,6 +1,7 @@
 //! Stages that read the sensors.
 
 use crate::angle::Angle;
+use crate::branch::seldom;
 use crate::compensator::estimate::observer::OutputReading;
 use crate::compensator::sense::clock::Elapsed;
 use crate::compensator::sense::encoder::Reading;
@@ -8,7 +9,7 @@ use crate::compensator::{Compensator, Faults, Sensors, State, Status};
 use crate::real::Real;
 
 impl<R: Real> Compensator<R> {
-    /// Reads the sensors, in every period.
+    /// Reads the sensors, in every period; the second value: the motor's count is accepted, as the one before it was.
     #[inline(always)]
     pub(super) fn read(
         &self,
@@ -17,13 +18,11 @@ impl<R: Real> Compensator<R> {
         status: Status,
         elapsed: &Elapsed<R>,
         faults: &mut Faults,
-    ) -> Reading<R> {
+    ) -> (Reading<R>, bool) {
         let sound = !status.contains(Status::MOTOR_ENCODER_INVALID);
-        let (motor, lost) =
-            self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder, sound, elapsed);
+        let (motor, usual) =
+            self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder, sound, elapsed, faults);
         let motor = self.pulleys.reading(&mut state.pulleys, motor);
-        faults.raise_if(!motor.accepted, Faults::MOTOR_ENCODER_JUMP);
-        faults.raise_if(lost, Faults::MOTOR_ENCODER_LOST);
         let (commanded, feedback) = (state.fallback.torque(), state.guard.gains().feedback);
         let latch = &mut state.latch;
         let measured = self.pulleys.at_wave_generator(sensors.motor_torque);
@@ -42,22 +41,24 @@ impl<R: Real> Compensator<R> {
         }
         state.motor_reference.advance(state.wind_up.velocity, elapsed.time);
         state.motor_reference.position_error -= motor.moved;
-        motor
+        (motor, usual)
     }
 
-    /// Corrects the observer by the output encoder's reading of its last step.
+    /// Corrects the observer by the output encoder's reading of its last step; false where the encoder's zero took this period.
     #[inline(always)]
-    pub(super) fn read_output(&self, state: &mut State<R>, faults: &mut Faults) {
+    pub(super) fn read_output(&self, state: &mut State<R>, faults: &mut Faults) -> bool {
         let Some((raw, age)) = state.output_reading.take() else {
-            return;
+            return true;
         };
         let Reading { angle, accepted, .. } = self.output_encoder.step::<R>(&mut state.output_encoder, raw);
         faults.raise_if(!accepted, Faults::OUTPUT_ENCODER_JUMP);
         state.output_raw = Some(raw);
         // The two encoders are mounted at any angle to each other: the first readings that are both accepted tell it.
         if state.output_zero.is_none() && accepted && state.motor_encoder.is_accepted() {
+            seldom();
             let then = self.observer.output_at_reading(&self.gear, &state.observer, age);
             state.output_zero = then.map(|then| self.output_zero.of(angle.less(then)));
+            return false;
         }
         let unsound = Faults::OUTPUT_ENCODER_FROZEN.with(Faults::OUTPUT_ENCODER_OFF);
         let frozen = state.faults.standstill.with(state.disabled_sensors).intersects(unsound);
@@ -65,6 +66,7 @@ impl<R: Real> Compensator<R> {
             let reading = OutputReading { angle: angle.less(zero), age };
             self.observer.correct_output(&mut state.observer, &reading, &state.gear_correction, faults);
         }
+        true
     }
 
     /// Raises the faults of encoders that stand still: the motor's while a motion is commanded, the output's while

@@ -137,6 +137,28 @@ pub struct Target<R> {
     pub torque: Option<R>,
     /// The last command was of another kind, or the reference went on from the output.
     pub switched: bool,
+    /// The reference did not simply follow its command: it begins, approaches it, or goes on without it, which takes longer.
+    pub detours: bool,
+}
+
+/// A target of an earlier period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approached<R> {
+    /// As it was then.
+    pub target: Target<R>,
+    /// When (s).
+    pub time: R,
+}
+
+impl<R: Real> Approached<R> {
+    /// The target at a later `time` (s): its reference goes on at its speed.
+    #[inline(always)]
+    pub fn after(self, time: R) -> Target<R> {
+        let Self { mut target, time: before } = self;
+        let setpoint = &mut target.setpoint;
+        setpoint.position = setpoint.position.plus((time - before) * setpoint.velocity);
+        target
+    }
 }
 
 impl<R: Real> CommanderState<R> {
@@ -197,6 +219,7 @@ impl<R: Real> Commander<R> {
         let lost = following.limited
             && !following.error.is_within(self.lost + self.lag * state.velocity().abs())
             && moves_with(following.velocity, state.velocity());
+        let mut detours = lost || state.reference.is_none();
         if lost {
             seldom();
             let reached = Setpoint { velocity: following.velocity, ..at_rest(output().0) };
@@ -223,8 +246,13 @@ impl<R: Real> Commander<R> {
                     self.approach.extrapolated(from, time)
                 };
                 let moment = Moment { time, stale, load: following.load };
-                let (next, raised) = self.positioned(state, from, commanded, moment);
-                *faults = faults.with(raised);
+                let next = self.followed(state, from, commanded, moment).unwrap_or_else(|| {
+                    seldom();
+                    detours = true;
+                    let (next, raised) = self.approached(state, from, commanded, moment);
+                    *faults = faults.with(raised);
+                    next
+                });
                 (Kind::Position, next, None)
             }
             Command::Velocity { velocity, acceleration } => {
@@ -240,23 +268,24 @@ impl<R: Real> Commander<R> {
         };
         let switched = lost || state.reference.is_some() && state.kind != kind;
         (state.reference, state.kind) = (Some(setpoint), kind);
-        Target { setpoint, torque, switched }
+        Target { setpoint, torque, switched, detours }
     }
 
+    /// The commanded setpoint, where the joint can follow it.
     #[inline(always)]
-    fn positioned(
+    fn followed(
         &self,
         state: &mut CommanderState<R>,
         from: Setpoint<R>,
         commanded: Setpoint<R>,
         moment: Moment<R>,
-    ) -> (Setpoint<R>, Faults) {
+    ) -> Option<Setpoint<R>> {
         let follows = self.approach.can_follow(&mut state.slip, &from, &commanded, moment.time);
-        if follows && !state.approaches && !moment.stale {
+        let follows = follows && !state.approaches && !moment.stale;
+        if follows {
             state.waits = false;
-            return (commanded, Faults::NONE);
         }
-        self.approached(state, from, commanded, moment)
+        follows.then_some(commanded)
     }
 
     #[cold]

@@ -97,6 +97,14 @@ pub struct MeasuredError<R> {
     pub error: R,
 }
 
+impl<R: Real> MeasuredFeedbackState<R> {
+    /// Leaves the next step out of the mean: the round has one more period, for a slot that waits.
+    #[inline(always)]
+    pub fn leave_out(&mut self) {
+        self.sum -= self.error;
+    }
+}
+
 impl<R: Real> MeasuredFeedback<R> {
     /// From the gains, the output's fastest speed (rad/s), one count of its encoder (rad) and the control period dt (s).
     ///

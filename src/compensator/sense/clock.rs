@@ -34,6 +34,8 @@ pub struct Elapsed<R> {
     pub time: R,
     /// 1/T (1/s).
     pub inverse: R,
+    /// T is dt.
+    pub regular: bool,
 }
 
 impl<R: Real> Clock<R> {
@@ -51,13 +53,13 @@ impl<R: Real> Clock<R> {
     #[inline(always)]
     pub fn step(&self, measured: R, faults: &mut Faults) -> Elapsed<R> {
         if measured == self.dt || measured == R::ZERO {
-            return Elapsed { time: self.dt, inverse: self.inverse_dt };
+            return Elapsed { time: self.dt, inverse: self.inverse_dt, regular: true };
         }
         seldom();
         let possible = measured >= self.shortest && measured <= self.longest;
         faults.raise_if(!possible, Faults::PERIOD_OUT_OF_RANGE);
         let time = if possible { measured } else { self.end_of_range(measured) };
-        Elapsed { time, inverse: R::ONE / time }
+        Elapsed { time, inverse: R::ONE / time, regular: false }
     }
 
     /// In the place of a time outside the range; dt in that of one that is not finite.
@@ -81,7 +83,8 @@ mod tests {
     fn a_time_that_is_not_measured_is_a_control_period() {
         let (clock, mut faults) = (Clock::build(1e-4).unwrap(), Faults::NONE);
         for measured in [0.0, 1e-4] {
-            assert_eq!(clock.step(measured, &mut faults), Elapsed { time: 1e-4, inverse: 1.0 / 1e-4 });
+            let regular = Elapsed { time: 1e-4, inverse: 1.0 / 1e-4, regular: true };
+            assert_eq!(clock.step(measured, &mut faults), regular);
         }
         assert_eq!(clock.step(2e-4, &mut faults).time, 2e-4);
         assert_eq!(faults, Faults::NONE);

@@ -17,12 +17,13 @@
 use core::mem::offset_of;
 
 use crate::angle::Angle;
-use crate::compensator::Limits;
+use crate::branch::seldom;
 use crate::compensator::schedule::CONTROL_PERIOD;
 use crate::compensator::sense::clock::Elapsed;
 use crate::compensator::sense::encoder::Reading;
 use crate::compensator::sense::pulleys::Pulleys;
 use crate::compensator::tuned::{BAD_FRAMES, DETECTION_MARGIN, ENCODER_NOISE, FRAME_RECOVERY};
+use crate::compensator::{Faults, Limits};
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::gear::GearParams;
@@ -56,6 +57,12 @@ pub struct MotorEncoder<R> {
     inverse_dt: R,
 }
 
+/// Foreseen change of the angle since the last reading, and how far from it a count may lie besides its noise, in counts.
+struct Foreseen {
+    moved: i32,
+    reach: u32,
+}
+
 /// The encoder's angle so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotorEncoderState {
@@ -66,15 +73,15 @@ pub struct MotorEncoderState {
     refused: u32,
     error_count: u32,
     started: bool,
-    /// Started, with an error count of 0.
-    usual: bool,
+    /// The last reading was accepted.
+    accepted: bool,
 }
 
 impl MotorEncoderState {
     /// The last reading was accepted.
     #[inline(always)]
     pub fn is_accepted(&self) -> bool {
-        self.started && self.refused == 0
+        self.accepted
     }
 
     /// Its angle.
@@ -118,7 +125,7 @@ impl<R: Real> MotorEncoder<R> {
         32 - shift
     }
 
-    /// Takes a raw count whose frame was `valid`; the second value: the angle is lost.
+    /// Takes a raw count whose frame was `valid`; the second value: it is accepted, as the one before it was.
     #[inline(always)]
     pub fn step(
         &self,
@@ -126,19 +133,45 @@ impl<R: Real> MotorEncoder<R> {
         raw: u32,
         valid: bool,
         elapsed: &Elapsed<R>,
+        faults: &mut Faults,
     ) -> (Reading<R>, bool) {
         let phase = raw << self.shift;
         let sound = valid && phase >> self.shift == raw;
         let delta = phase.wrapping_sub(state.phase).cast_signed();
-        let residual = delta.wrapping_sub(state.step).unsigned_abs();
-        let reach = self.reach + self.noise + (state.step.unsigned_abs() >> 4);
-        if !(sound && state.usual && elapsed.time == self.dt && residual <= reach) {
-            return self.unusual(state, phase, sound, elapsed);
+        let foreseen = if elapsed.regular {
+            Foreseen { moved: state.step, reach: self.reach }
+        } else {
+            seldom();
+            self.foreseen(state, elapsed.time * self.inverse_dt)
+        };
+        if !(sound && state.accepted && self.admits(&foreseen, delta)) {
+            return (self.unusual(state, phase, sound, elapsed, faults), false);
         }
         state.step = delta;
-        (state.reading(phase, delta, true), false)
+        if !elapsed.regular {
+            seldom();
+            state.step = (R::from_i32(delta) * (elapsed.inverse * self.dt)).to_i32();
+        }
+        state.error_count = state.error_count.saturating_sub(error_decrement());
+        (state.reading(phase, delta, true), true)
     }
 
+    /// What is foreseen after so many periods.
+    #[inline(always)]
+    fn foreseen(&self, state: &MotorEncoderState, periods: R) -> Foreseen {
+        let moved = (periods * R::from_i32(state.step)).to_i32();
+        let since_accepted = state.whole_periods(periods);
+        Foreseen { moved, reach: self.reach.saturating_mul(since_accepted.saturating_mul(since_accepted)) }
+    }
+
+    /// A reading may have moved by so many counts.
+    #[inline(always)]
+    fn admits(&self, foreseen: &Foreseen, moved: i32) -> bool {
+        let reach = foreseen.reach.saturating_add(self.noise + (foreseen.moved.unsigned_abs() >> 4));
+        moved.wrapping_sub(foreseen.moved).unsigned_abs() <= reach
+    }
+
+    /// The first reading, one that is refused, or the first after one that was.
     #[cold]
     #[inline(never)]
     fn unusual(
@@ -147,52 +180,51 @@ impl<R: Real> MotorEncoder<R> {
         phase: u32,
         sound: bool,
         elapsed: &Elapsed<R>,
-    ) -> (Reading<R>, bool) {
+        faults: &mut Faults,
+    ) -> Reading<R> {
         if !state.started && sound {
             let counts = i64::from(phase.cast_signed());
             *state = MotorEncoderState {
                 phase,
                 counts,
                 started: true,
-                usual: true,
+                accepted: true,
                 ..MotorEncoderState::default()
             };
-            return (state.reading(phase, 0, true), false);
+            return state.reading(phase, 0, true);
         }
         let periods = elapsed.time * self.inverse_dt;
-        let predicted = (periods * R::from_i32(state.step)).to_i32();
-        let whole = state.refused + (periods + R::lit(0.99)).to_i32().unsigned_abs();
-        let reach = self.reach.saturating_mul(whole.saturating_mul(whole));
-        let reach = reach.saturating_add(self.noise).saturating_add(predicted.unsigned_abs() >> 4);
+        let foreseen = self.foreseen(state, periods);
         let delta = phase.wrapping_sub(state.phase).cast_signed();
-        let residual = delta.wrapping_sub(predicted);
-        if sound && state.started && residual.unsigned_abs() <= reach {
-            let step = if state.refused == 0 {
-                (R::from_i32(delta) / periods.max(R::lit(0.25))).to_i32()
-            } else {
-                state.step.wrapping_add(residual / whole.clamp(1, 1000).cast_signed())
-            };
-            state.step = step;
+        state.accepted = sound && state.started && self.admits(&foreseen, delta);
+        if state.accepted {
+            let whole = state.whole_periods(periods).clamp(1, 1000).cast_signed();
+            state.step = state.step.wrapping_add(delta.wrapping_sub(foreseen.moved) / whole);
             state.refused = 0;
             state.error_count = state.error_count.saturating_sub(error_decrement());
-            state.usual = state.error_count == 0;
-            return (state.reading(phase, delta, true), false);
+            return state.reading(phase, delta, true);
         }
-        state.usual = false;
+        faults.raise_if(true, Faults::MOTOR_ENCODER_JUMP);
         state.refused = state.refused.saturating_add(1);
         state.error_count += ERROR_INCREMENT;
-        let lost = state.error_count >= error_count_limit();
-        if lost {
+        if state.error_count >= error_count_limit() {
+            faults.raise_if(true, Faults::MOTOR_ENCODER_LOST);
             let counts = state.counts;
             *state = MotorEncoderState { counts, ..MotorEncoderState::default() };
-            return (state.reading(0, 0, false), true);
+            return state.reading(0, 0, false);
         }
-        let predicted = if state.started { predicted } else { 0 };
-        (state.reading(state.phase.wrapping_add(predicted.cast_unsigned()), predicted, false), false)
+        let moved = if state.started { foreseen.moved } else { 0 };
+        state.reading(state.phase.wrapping_add(moved.cast_unsigned()), moved, false)
     }
 }
 
 impl MotorEncoderState {
+    /// Control periods since the last reading that was accepted, a begun one as a whole one.
+    #[inline(always)]
+    fn whole_periods<R: Real>(&self, periods: R) -> u32 {
+        self.refused.saturating_add((periods + R::lit(0.99)).to_i32().unsigned_abs())
+    }
+
     #[inline(always)]
     fn reading<R: Real>(&mut self, phase: u32, moved: i32, accepted: bool) -> Reading<R> {
         self.phase = phase;
@@ -228,8 +260,13 @@ mod tests {
         ((angle / COUNT).round() as i64 as u32) & ((1 << BITS) - 1)
     }
 
+    fn elapsed(periods: f64) -> Elapsed<f64> {
+        let time = periods * CONTROL_PERIOD;
+        Elapsed { time, inverse: 1.0 / time, regular: periods == 1.0 }
+    }
+
     fn on_time() -> Elapsed<f64> {
-        Elapsed { time: CONTROL_PERIOD, inverse: 1.0 / CONTROL_PERIOD }
+        elapsed(1.0)
     }
 
     /// Angles accepted after each reading.
@@ -238,8 +275,10 @@ mod tests {
         angles
             .into_iter()
             .map(|raw| {
-                let (reading, lost) = encoder.step(state, raw, true, &on_time());
-                (reading.angle.to_radians(), reading.accepted, lost)
+                let mut faults = Faults::NONE;
+                let (reading, _) = encoder.step(state, raw, true, &on_time(), &mut faults);
+                assert_ne!(reading.accepted, faults.contains(Faults::MOTOR_ENCODER_JUMP));
+                (reading.angle.to_radians(), reading.accepted, faults.contains(Faults::MOTOR_ENCODER_LOST))
             })
             .collect()
     }
@@ -287,10 +326,11 @@ mod tests {
             let periods = if k > 0 && k % 7 == 0 { 3.0 } else { 1.0 };
             let speed = (k as f64 * 10.0f64).min(400.0);
             angle += speed * CONTROL_PERIOD * periods;
-            let elapsed =
-                Elapsed { time: periods * CONTROL_PERIOD, inverse: 1.0 / (periods * CONTROL_PERIOD) };
-            let (reading, lost) = encoder.step(&mut state, count(angle), true, &elapsed);
-            assert!(reading.accepted && !lost, "{k}");
+            let mut faults = Faults::NONE;
+            let (reading, usual) =
+                encoder.step(&mut state, count(angle), true, &elapsed(periods), &mut faults);
+            assert!(reading.accepted && faults == Faults::NONE, "{k}");
+            assert_eq!(usual, k > 0, "only the first one is not");
         }
     }
 
@@ -299,8 +339,7 @@ mod tests {
         fn any_counts_and_times(raws in prop::collection::vec((any::<u32>(), any::<bool>(), 0.25..16.0f64), 1..200)) {
             let (encoder, mut state) = (encoder(), MotorEncoderState::default());
             for (raw, valid, periods) in raws {
-                let elapsed = Elapsed { time: periods * CONTROL_PERIOD, inverse: 1.0 / (periods * CONTROL_PERIOD) };
-                let (reading, _) = encoder.step(&mut state, raw, valid, &elapsed);
+                let (reading, _) = encoder.step(&mut state, raw, valid, &elapsed(periods), &mut Faults::NONE.clone());
                 prop_assert!(reading.moved.is_finite());
             }
         }

@@ -161,8 +161,8 @@ impl<R: Real> InputGuard<R> {
 
     /// The usual case: every gain equals its command.
     #[inline(always)]
-    pub fn gains_have_settled(&self, state: &InputGuardState<R>, new: &Directions<R>, trusted: bool) -> bool {
-        trusted & is_same(&state.gains, &new.forward) & is_same(&state.gains, &new.backward)
+    pub fn gains_have_settled(&self, state: &InputGuardState<R>, new: &Directions<R>) -> bool {
+        is_same(&state.gains, &new.forward) & is_same(&state.gains, &new.backward)
     }
 
     /// All gains of model-based functions are 0.

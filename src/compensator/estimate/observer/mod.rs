@@ -237,7 +237,9 @@ impl<R: Real> Observer<R> {
         if !torques.torsion.is_within(self.limits.torsion) {
             seldom();
             faults.raise_if(true, Faults::OBSERVER_RESET);
-            return self.first(gear, state, first);
+            // It starts again with its next step: that alone costs as much as this one.
+            (state.started, state.motor) = (false, measured.motor);
+            return;
         }
         let acceleration = self.predict(state, &torques, measured, gear_correction);
         let predicted = state.motor_residual.is_within(self.motion_threshold_angle);

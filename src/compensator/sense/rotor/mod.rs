@@ -36,7 +36,7 @@
 
 use crate::angle::Angle;
 use crate::branch::seldom;
-use crate::compensator::schedule::SLOW_PERIODS;
+use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use crate::compensator::tuned::{
     DETECTION_MARGIN, DISAGREEING, DRIVE_LACK, GAUGE_UNCERTAINTY, NOT_FOLLOWING, OVERLOADED,
     TORQUE_UNCERTAINTY, TORSION_UNCERTAINTY, Tuned,
@@ -96,7 +96,7 @@ pub struct Rotor<R> {
 /// State of the rotor's balance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RotorState<R> {
-    /// Sums of the motor's torques and of the drive's torque errors (N m) of the control periods since the last round, and
+    /// Sums of the motor's torques and of the drive's torque errors (N m) of the observer's periods since the last round, and
     /// the time since (s).
     torques: R,
     errors: R,
@@ -155,7 +155,7 @@ pub fn output_inertia<R: Real>(gear: &GearParams<R>, dt: R) -> R {
 }
 
 impl<R: Real> RotorState<R> {
-    /// Adds the sums of the motor's torques and of the drive's torque errors (N m) of control periods that took `time` (s)
+    /// Adds the means of the motor's torque and of the drive's torque error (N m) over a period of the observer that took `time` (s)
     /// and ended at the angle `motor`.
     #[inline(always)]
     pub fn add(&mut self, [torques, errors]: [R; 2], time: R, motor: Angle<R>) {
@@ -252,7 +252,8 @@ impl<R: Real> Rotor<R> {
             seldom();
             R::ONE / time.max(R::lit(0.25) * self.round)
         };
-        let [torque, drive_error] = [torques, errors].map(|sum| R::lit(1.0 / SLOW_PERIODS as f64) * sum);
+        let [torque, drive_error] =
+            [torques, errors].map(|sum| R::lit(OBSERVER_PERIODS as f64 / SLOW_PERIODS as f64) * sum);
         let moved = input.motor.since(state.motor);
         let stands = moved == R::ZERO && !state.moves;
         (state.motor, state.moves) = (input.motor, false);

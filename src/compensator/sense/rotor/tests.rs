@@ -17,7 +17,7 @@ fn round(rotor: &Rotor<f64>, state: &mut RotorState<f64>, torque: f64, within: i
     for step in 1..=steps {
         let periods = f64::from(OBSERVER_PERIODS);
         let motor = angle(if step < steps { within } else { end });
-        state.add([periods * torque, 0.0], periods * CONTROL_PERIOD, motor);
+        state.add([torque, 0.0], periods * CONTROL_PERIOD, motor);
     }
     let motor = angle(end);
     let input = RotorInput { motor, reference: None, driven: true };
@@ -86,7 +86,7 @@ fn a_drive_is_judged_by_the_mean_of_a_round() {
                 let error = if alternates && step % 2 == 0 { 0.8 } else { -0.8 };
                 let periods = f64::from(OBSERVER_PERIODS);
                 let motor = Angle::from_counts(i64::from(round * 4 + step) << 20);
-                state.add([periods * (1.0 + error), periods * error], periods * CONTROL_PERIOD, motor);
+                state.add([1.0 + error, error], periods * CONTROL_PERIOD, motor);
             }
             let mut faults = Faults::NONE;
             rotor.step(
