@@ -1,15 +1,21 @@
 //! `budget`: what the control step costs on the target, against the boards' budget files.
 
+use std::panic::resume_unwind;
+use std::path::Path;
+use std::thread;
+
 use clap::Args;
 use strainwave_desktop::bench::scenario::Scenario;
 use strainwave_desktop::bench::torque_sensing::Record;
 use strainwave_desktop::io::gear_file::SensorSet;
 use strainwave_desktop::verify;
+use strainwave_desktop::verify::compensator::each;
 use strainwave_desktop::{BadInput, Figure, GearFile};
+use strainwave_emulator::any_input::{self, AnyInput};
 use strainwave_emulator::artifact::Image;
 use strainwave_emulator::budget::{self, Budget, Measurement};
 use strainwave_emulator::pil::{self, Trial};
-use strainwave_emulator::{any_input, firmware, gauges as emulated_gauges};
+use strainwave_emulator::{firmware, gauges as emulated_gauges};
 
 use crate::figures::{Figures, FiguresArguments, say};
 use crate::files;
@@ -25,8 +31,8 @@ use crate::progress::Progress;
 /// hysteresis along the histories that cost most, and four strain gauges in S8; tells one call of each elementary
 /// function, ours, micromath's and libm's, beside each other: cycles, bytes and largest error. Then some hundred sequences
 /// of any input bits and of disturbed motions, varied where they cost most, look for the most costly control step of all,
-/// beside the host's build; that takes some minutes. The column `any path` is the most of any path through the code, where
-/// the code shows a bound.
+/// beside the host's build; that takes some minutes. Boards are judged side by side, as many as there are processors. The column
+/// `any path` is the most of any path through the code, where the code shows a bound.
 /// Bounds are those of boards/BOARD/budget.toml.
 #[derive(Args)]
 pub struct Arguments {
@@ -47,47 +53,62 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         Some(board) => vec![board.clone()],
         None => firmware::boards().map_err(BadInput::message)?,
     };
+    let judged = each(&boards, |board| judge(board, arguments.overwrite), &mut |_| ());
     let mut figures = Vec::new();
-    for board in boards {
-        figures.extend(judge(&board, arguments.overwrite)?);
+    for judged in judged {
+        let (table, judged) = judged?;
+        say(format_args!("{table}"));
+        figures.extend(judged);
     }
     Ok(Figures::silent(figures, &arguments.figures))
 }
 
-fn judge(board: &str, overwrite: bool) -> Result<Vec<Figure>, BadInput> {
+/// Table and figures of a board.
+fn judge(board: &str, overwrite: bool) -> Result<(String, Vec<Figure>), BadInput> {
     let gear = GearFile::default_gear();
     let firmware = pil::build(board, &gear).map_err(BadInput::message)?;
     let mut budget = Budget::read(board).map_err(BadInput::message)?;
-    let image = Image::read(&firmware.elf).map_err(BadInput::message)?;
-    // What takes minutes is for the cycles' sake.
-    let sensors: &[SensorSet] = if image.has_cycle_model() { &SensorSet::ALL } else { &[SensorSet::Both] };
-    let mut measured: Measurement = budget::measure(&budget, &firmware.elf, |arguments| {
-        let mut deepest = None;
-        let runs =
-            sensors.iter().copied().flat_map(|sensors| Scenario::ALL.map(|scenario| (sensors, scenario)));
-        for (sensors, scenario) in runs {
-            let mut progress = Progress::new(1000, scenario.title());
-            let mut trial = Trial::from_rest(&gear, scenario, 1);
-            trial.conditions.sensors = sensors;
-            let run = pil::compensated(&firmware.elf, arguments, &gear, &trial, |fraction| {
-                progress.set((fraction * 1e3) as u64)
-            })?;
-            deepest = deepest.max(Some(run.ending.stack));
-        }
-        Ok(deepest)
-    })
-    .map_err(BadInput::message)?;
-    if let Some(mesh) = budget.literal_mesh.as_ref().filter(|_| budget.emulated) {
+    let (measured, found) = thread::scope(|scope| {
+        let found = scope.spawn(|| search(&budget, &firmware.elf, &gear));
+        (count(&budget, &firmware.elf, &gear), found.join())
+    });
+    let mut measured = measured?;
+    measured.any_input = found.unwrap_or_else(|panic| resume_unwind(panic))?;
+    if overwrite {
+        budget.overwrite(&measured).map_err(BadInput::message)?;
+        budget = Budget::read(board).map_err(BadInput::message)?;
+    }
+    Ok((measured.table(&budget), measured.figures(&budget)))
+}
+
+/// The most costly control step of all; it takes as long as all else of a board together.
+fn search(budget: &Budget, elf: &Path, gear: &GearFile) -> Result<Option<AnyInput>, BadInput> {
+    if budget.any_input.is_none() || !budget.emulated {
+        return Ok(None);
+    }
+    let mut progress = Progress::new(1000, "any input");
+    let found = any_input::search(elf, gear, |fraction| progress.set((fraction * 1e3) as u64));
+    found.map(Some).map_err(BadInput::message)
+}
+
+/// All else: the scenarios, and what has images of its own.
+fn count(budget: &Budget, elf: &Path, gear: &GearFile) -> Result<Measurement, BadInput> {
+    let board = &budget.board;
+    let mut measured = in_the_scenarios(budget, elf, gear)?;
+    if !budget.emulated {
+        return Ok(measured);
+    }
+    if let Some(mesh) = &budget.literal_mesh {
         let program = firmware::build_program(board, &mesh.program).map_err(BadInput::message)?;
         mesh.measure(&program.elf, &mut measured).map_err(BadInput::message)?;
     }
-    if let Some(worst) = budget.worst_case.as_ref().filter(|_| budget.emulated) {
+    if let Some(worst) = &budget.worst_case {
         let program = firmware::build_program(board, &worst.program).map_err(BadInput::message)?;
         worst.measure(&program.elf, &mut measured).map_err(BadInput::message)?;
     }
-    if let Some(gauges) = budget.torque_gauges.as_ref().filter(|_| budget.emulated) {
+    if let Some(gauges) = &budget.torque_gauges {
         let program = firmware::build_program(board, &gauges.program).map_err(BadInput::message)?;
-        let record = Record::of(&gear).map_err(BadInput::message)?;
+        let record = Record::of(gear).map_err(BadInput::message)?;
         let seed = verify::gauges::FIRST;
         gauges
             .measure(&program.elf, &mut measured, |arguments| {
@@ -96,19 +117,32 @@ fn judge(board: &str, overwrite: bool) -> Result<Vec<Figure>, BadInput> {
             })
             .map_err(BadInput::message)?;
     }
-    if let Some(functions) = budget.elementary_functions.as_ref().filter(|_| budget.emulated) {
+    if let Some(functions) = &budget.elementary_functions {
         let program = firmware::build_program(board, &functions.program).map_err(BadInput::message)?;
         measured.elementary_functions = functions.measure(&program.elf).map_err(BadInput::message)?;
     }
-    if budget.any_input.is_some() && budget.emulated {
-        let mut progress = Progress::new(1000, "any input");
-        let found = any_input::search(&firmware.elf, &gear, |fraction| progress.set((fraction * 1e3) as u64));
-        measured.any_input = Some(found.map_err(BadInput::message)?);
-    }
-    if overwrite {
-        budget.overwrite(&measured).map_err(BadInput::message)?;
-        budget = Budget::read(board).map_err(BadInput::message)?;
-    }
-    say(format_args!("{}", measured.table(&budget)));
-    Ok(measured.figures(&budget))
+    Ok(measured)
+}
+
+/// The image, and where it is emulated its costs over S1-S6.
+fn in_the_scenarios(budget: &Budget, elf: &Path, gear: &GearFile) -> Result<Measurement, BadInput> {
+    let image = Image::read(elf).map_err(BadInput::message)?;
+    // What takes minutes is for the cycles' sake.
+    let sensors: &[SensorSet] = if image.has_cycle_model() { &SensorSet::ALL } else { &[SensorSet::Both] };
+    let run_all = |arguments: &[String]| {
+        let mut deepest = None;
+        let runs =
+            sensors.iter().copied().flat_map(|sensors| Scenario::ALL.map(|scenario| (sensors, scenario)));
+        for (sensors, scenario) in runs {
+            let mut progress = Progress::new(1000, scenario.title());
+            let mut trial = Trial::from_rest(gear, scenario, 1);
+            trial.conditions.sensors = sensors;
+            let run = pil::compensated(elf, arguments, gear, &trial, |fraction| {
+                progress.set((fraction * 1e3) as u64)
+            })?;
+            deepest = deepest.max(Some(run.ending.stack));
+        }
+        Ok(deepest)
+    };
+    budget::measure(budget, elf, run_all).map_err(BadInput::message)
 }

@@ -1,10 +1,14 @@
 //! A progress bar for work that takes longer than a second, on a terminal only.
 
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 const PATIENCE: Duration = Duration::from_secs(1);
+
+/// The bars that are shown, a line each.
+static SHOWN: LazyLock<MultiProgress> = LazyLock::new(MultiProgress::new);
 
 /// Progress of a piece of work.
 pub struct Progress {
@@ -30,7 +34,7 @@ impl Progress {
         self.bar.set_position(done);
         if !self.shown && self.started.elapsed() > PATIENCE {
             // Draws nothing when the error stream is no terminal.
-            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+            SHOWN.add(self.bar.clone());
             self.shown = true;
         }
     }
@@ -39,6 +43,7 @@ impl Progress {
 impl Drop for Progress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
+        SHOWN.remove(&self.bar);
     }
 }
 

@@ -1,6 +1,8 @@
 //! `verify`: every claimed figure, measured here and now.
 
+use std::panic::resume_unwind;
 use std::path::PathBuf;
+use std::thread;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, value_parser};
@@ -45,7 +47,7 @@ const ROBOT: &str = "robot";
 /// For a bound that is the reached value instead of the target, a line above the table names the missed target.
 ///
 /// The parts `firmware` and `flexspline` boot the image in the emulator and run S1-S6, both together once; that takes
-/// some minutes; `hysteresis` and `gauges` boot an image of their own. Every figure repeats exactly; times by the clock are `bench`'s. The
+/// some minutes, beside all that runs without the emulator; `hysteresis` and `gauges` boot an image of their own. Every figure repeats exactly; times by the clock are `bench`'s. The
 /// parts `robustness`, `catalogue`, `healthy`, `identify`, `constants` and `robot` are measured only when they are named.
 #[derive(Args)]
 pub struct Arguments {
@@ -55,9 +57,10 @@ pub struct Arguments {
     /// Plant samples on which the compensator is compared with the baselines; the bounds are for 20
     #[arg(long, alias = "draws", value_name = "COUNT", default_value_t = compensator::SAMPLES, value_parser = value_parser!(u64).range(1..=100_000))]
     samples: u64,
-    /// Plant samples with doubled sensor noise on which it must be stable and no worse than the cascade; the bounds are for 1000
-    #[arg(long = "box", value_name = "COUNT", default_value_t = compensator::BOX_SAMPLES, value_parser = value_parser!(u64).range(0..=100_000))]
-    box_samples: u64,
+    /// Plant samples with doubled sensor noise on which it must be stable and no worse than the cascade; when left out all 1000 of the box, or
+    /// the first 100 where every part is measured
+    #[arg(long = "box", value_name = "COUNT", value_parser = value_parser!(u64).range(0..=100_000))]
+    box_samples: Option<u64>,
     /// Of `robustness`, only this unknown, such as drive.delay; may be given several times
     #[arg(long = "row", value_name = "NAME", value_parser = row_parser())]
     rows: Vec<String>,
@@ -105,6 +108,15 @@ pub struct Arguments {
     page: PageArguments,
     #[command(flatten)]
     figures: FiguresArguments,
+}
+
+impl Arguments {
+    /// Plant samples of the box.
+    fn box_samples(&self) -> u64 {
+        let usual =
+            if self.part.is_some() { compensator::BOX_SAMPLES } else { compensator::FIRST_BOX_SAMPLES };
+        self.box_samples.unwrap_or(usual)
+    }
 }
 
 fn row_parser() -> impl TypedValueParser<Value = String> {
@@ -165,36 +177,7 @@ fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
         let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
         return crate::faults::inject(&gear, 0, faults::COUNT, &arguments.figures);
     }
-    let expected = |name: &str| arguments.part.as_ref().is_none_or(|part| part == name);
-    let mut measured = Measured::default();
-    let parts: Vec<_> = verify::Part::ALL.into_iter().filter(|part| expected(part.name())).collect();
-    let mut progress = Progress::new(parts.len() as u64, "measuring");
-    for (done, part) in parts.iter().enumerate() {
-        progress.set(done as u64);
-        measured.add(part.measure()?);
-    }
-    drop(progress);
-    let flexspline = parts.contains(&verify::Part::Flexspline);
-    if parts.contains(&verify::Part::Friction) {
-        measured.add(emulated::friction().map_err(BadInput::message)?);
-    }
-    if parts.contains(&verify::Part::Hysteresis) {
-        measured.add(emulated::hysteresis().map_err(BadInput::message)?);
-    }
-    if parts.contains(&verify::Part::Belt) {
-        measured.add(wrist()?);
-    }
-    if parts.contains(&verify::Part::Gauges) {
-        measured.add(emulated::gauges().map_err(BadInput::message)?);
-    }
-    if parts.contains(&verify::Part::Compensator) {
-        measured.add(replay::measure()?);
-        measured.add(against_baselines(arguments)?);
-        measured.add(with_the_map(arguments)?);
-    }
-    if let Some(parts) = emulated_parts(expected(FIRMWARE), flexspline) {
-        measured.add(measure_emulated(parts)?);
-    }
+    let measured = measure_parts(arguments)?;
     let missed = measured.figures.iter().filter_map(bounds::misses_target);
     for note in measured.notes.iter().cloned().chain(missed) {
         say(format_args!("{note}"));
@@ -202,16 +185,71 @@ fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
     Ok(Figures::new(measured.figures, &arguments.figures))
 }
 
-/// The wrist against the baselines, and on the target.
+/// The requested parts on the desktop, and beside them, on a thread of its own, what runs in the emulator: that takes one processor.
+fn measure_parts(arguments: &Arguments) -> Result<Measured, BadInput> {
+    let is_requested = |name: &str| arguments.part.as_ref().is_none_or(|part| part == name);
+    let parts: Vec<_> = verify::Part::ALL.into_iter().filter(|part| is_requested(part.name())).collect();
+    let firmware = is_requested(FIRMWARE);
+    let (measured, emulated) = thread::scope(|scope| {
+        let emulated = scope.spawn(|| in_the_emulator(&parts, firmware));
+        (on_the_desktop(arguments, &parts), emulated.join())
+    });
+    let mut measured = measured?;
+    measured.add(emulated.unwrap_or_else(|panic| resume_unwind(panic))?);
+    Ok(measured)
+}
+
+fn on_the_desktop(arguments: &Arguments, parts: &[verify::Part]) -> Result<Measured, BadInput> {
+    let mut measured = Measured::default();
+    let mut progress = Progress::new(parts.len() as u64, "measuring");
+    for (done, part) in parts.iter().enumerate() {
+        progress.set(done as u64);
+        measured.add(part.measure()?);
+    }
+    drop(progress);
+    if parts.contains(&verify::Part::Belt) {
+        measured.add(wrist()?);
+    }
+    if parts.contains(&verify::Part::Compensator) {
+        measured.add(replay::measure()?);
+        measured.add(against_baselines(arguments)?);
+        measured.add(with_the_map(arguments)?);
+    }
+    Ok(measured)
+}
+
+/// What of the parts, and of the whole control step with `firmware`, runs in the emulator.
+fn in_the_emulator(parts: &[verify::Part], firmware: bool) -> Result<Measured, BadInput> {
+    let mut measured = Measured::default();
+    if parts.contains(&verify::Part::Friction) {
+        measured.add(emulated::friction().map_err(BadInput::message)?);
+    }
+    if parts.contains(&verify::Part::Hysteresis) {
+        measured.add(emulated::hysteresis().map_err(BadInput::message)?);
+    }
+    if parts.contains(&verify::Part::Belt) {
+        measured.add(wrist_on_the_target()?);
+    }
+    if parts.contains(&verify::Part::Gauges) {
+        measured.add(emulated::gauges().map_err(BadInput::message)?);
+    }
+    if let Some(parts) = emulated_parts(firmware, parts.contains(&verify::Part::Flexspline)) {
+        measured.add(measure_emulated(parts)?);
+    }
+    Ok(measured)
+}
+
+/// The wrist against the baselines.
 fn wrist() -> Result<Measured, BadInput> {
     let mut progress = Progress::new(1000, "wrist");
     let fraction = |fraction: f64| progress.set((fraction * 1e3) as u64);
-    let mut measured = belt::wrist::measure(fraction).map_err(BadInput::message)?;
-    drop(progress);
+    belt::wrist::measure(fraction).map_err(BadInput::message)
+}
+
+fn wrist_on_the_target() -> Result<Measured, BadInput> {
     let mut progress = Progress::new(1000, "wrist on the target");
     let fraction = |fraction: f64| progress.set((fraction * 1e3) as u64);
-    measured.add(emulated::wrist(fraction).map_err(BadInput::message)?);
-    Ok(measured)
+    emulated::wrist(fraction).map_err(BadInput::message)
 }
 
 fn against_baselines(arguments: &Arguments) -> Result<Measured, BadInput> {
@@ -220,7 +258,7 @@ fn against_baselines(arguments: &Arguments) -> Result<Measured, BadInput> {
     let request = compensator::Request {
         samples: arguments.samples,
         noises: arguments.noises.unwrap_or(compensator::NOISES),
-        box_samples: arguments.box_samples,
+        box_samples: arguments.box_samples(),
     };
     let judgement =
         compensator::against_baselines(&gear, &request, |fraction| progress.set((fraction * 1e3) as u64));

@@ -4,6 +4,8 @@ use crate::bench::Bench;
 
 const ARM: &str = include_str!("../../../examples/arm/arm.toml");
 const ELBOW: &str = include_str!("../../../examples/arm/elbow.toml");
+const WITH_WRIST: &str = include_str!("../../../examples/arm/wrist.toml");
+const WRIST: &str = include_str!("../../../gears/belt/wrist.toml");
 
 /// A folder with the example's arm; its shoulder is the default gear `g.toml`.
 fn bench() -> Bench {
@@ -99,6 +101,19 @@ fn an_arm_draws_its_circle_into_files() {
     }
     assert_eq!(series.lines().count(), 1 + 20_000);
     assert!(std::fs::read_to_string(bench.path("c.svg")).unwrap().contains("its error"));
+}
+
+#[test]
+fn a_wrist_behind_a_belt_is_a_joint_like_any_other() {
+    let bench = bench();
+    bench.write("w.toml", WRIST);
+    bench.write("arm.toml", WITH_WRIST.replace("../../gears/belt/wrist.toml", "w.toml"));
+    assert_eq!(bench.run("check arm.toml").output, "arm.toml: ok, joints: 2\n");
+    let answer = bench.run("robot arm.toml --period 1 --laps 1 --without-work --json out.json");
+    assert_eq!(answer.code, Some(0), "{}", answer.error);
+    let figures = bench.figures("out.json");
+    let ratio = figures.iter().find(|figure| figure["name"] == "robot.both.to_b1").unwrap();
+    assert!(ratio["value"].as_f64() < Some(0.5), "{ratio}");
 }
 
 #[test]

@@ -64,11 +64,9 @@ impl Conditions {
         Ok(BoxSample::from_seed(self.seed).apply(&firmware_gear_params(file)?))
     }
 
-    /// The plant's belt, off the controller's as its gear is: in stiffness.
+    /// The plant's belt.
     fn belt(&self, file: &GearFile) -> Option<DrivingBeltParams> {
-        let mut belt = driving_belt(file)?;
-        belt.span.stiffness *= BoxSample::from_seed(self.seed).stiffness;
-        Some(belt)
+        driving_belt(file).map(|belt| BoxSample::from_seed(self.seed).apply_to_belt(belt))
     }
 }
 

@@ -6,7 +6,8 @@
 
 use crate::bench::task::{Demand, Task, periods};
 use crate::design::capability::Capability;
-use crate::io::gear_file::GearFile;
+use crate::design::wave_generator::at_wave_generator;
+use crate::io::gear_file::{DrivingBelt, GearFile};
 use crate::io::log::{CommandedMotion, Time, place};
 use crate::plant::curve::Curve;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
@@ -100,19 +101,24 @@ impl Task for Trajectory {
 struct Limits<'a> {
     /// Fastest speed (rad/s).
     speed: f64,
+    /// Turns of the motor in one of the output.
     n: f64,
+    /// Inertia of all in front of the gear, as it is at the motor (kg m^2).
+    motor_inertia: f64,
     file: &'a GearFile,
 }
 
 impl<'a> Limits<'a> {
     fn of(file: &'a GearFile) -> Self {
-        let n = f64::from(file.gear.signed_ratio().n().unsigned_abs());
-        Self { speed: file.motor.rotor_speed_limit / n, n, file }
+        let belt = file.belt.as_ref().map_or(1.0, DrivingBelt::ratio);
+        let n = f64::from(file.gear.signed_ratio().n().unsigned_abs()) / belt;
+        let motor_inertia = at_wave_generator(file).inertia.wave_generator * belt * belt;
+        Self { speed: file.motor.rotor_speed_limit / n, n, motor_inertia, file }
     }
 
     fn check(&self, demand: &Demand) -> Result<(), String> {
         let Demand { velocity, acceleration, load, .. } = *demand;
-        let (gear, motor, inertia) = (&self.file.gear, &self.file.motor, &self.file.inertia);
+        let (gear, motor, inertia) = (&self.file.gear, &self.file.motor, self.motor_inertia);
         if velocity.abs() > SETPOINT_SPEED * self.speed {
             return Err(format!(
                 "needs {:.4} rad/s; allowed: at most {:.4} rad/s, {SETPOINT_SPEED} of motor.rotor_speed_limit_rad_per_s = {} over \
@@ -122,8 +128,8 @@ impl<'a> Limits<'a> {
                 motor.rotor_speed_limit
             ));
         }
-        let through_gear = inertia.flexspline * acceleration - load;
-        let at_motor = self.n * inertia.wave_generator * acceleration + through_gear / self.n;
+        let through_gear = self.file.inertia.flexspline * acceleration - load;
+        let at_motor = self.n * inertia * acceleration + through_gear / self.n;
         let torques = [
             (through_gear, "through the gear", gear.peak_torque, "gear"),
             (at_motor, "at the motor", motor.peak_torque, "motor"),
@@ -158,6 +164,18 @@ mod tests {
         let demand = trajectory.at(1.0, &Capability::default());
         assert!((demand.position - 0.1 * 2f64.sin()).abs() < 1e-9 && demand.load == 3.0);
         assert_eq!(trajectory.at(0.0, &Capability::default()).position, 0.0);
+    }
+
+    /// A motor in front of a belt turns faster than the wave generator, and so much less the output.
+    #[test]
+    fn speed_and_torque_are_those_of_a_motor_in_front_of_its_belt() {
+        let wrist = GearFile::wrist();
+        let known = at_wave_generator(&wrist);
+        let (here, there) = (Limits::of(&wrist), Limits::of(&known));
+        assert!((here.speed / there.speed - 1.0).abs() < 1e-12 && here.n > there.n);
+        let [here, there] =
+            [here, there].map(|limits| limits.n * limits.motor_inertia / limits.file.motor.peak_torque);
+        assert!((here / there - 1.0).abs() < 1e-12, "{here} {there}");
     }
 
     #[test]

@@ -5,6 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use strainwave::gear::GearParams;
 
 pub use crate::io::gear_file::drive::{FRICTION, INERTIA, STIFFNESS};
+use crate::plant::driving_belt::DrivingBeltParams;
 
 /// Factors on the plant's parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +48,12 @@ impl BoxSample {
         sampled.flexspline_inertia *= self.inertia;
         sampled.flexspline.inertia *= self.inertia;
         sampled
+    }
+
+    /// The belt in front of the gear, off in its stiffness as the gear is.
+    pub fn apply_to_belt(&self, mut belt: DrivingBeltParams) -> DrivingBeltParams {
+        belt.span.stiffness *= self.stiffness;
+        belt
     }
 }
 

@@ -195,7 +195,9 @@ impl RobotFile {
     /// One line that names the file, the key, its value and what is allowed.
     pub fn read(path: &Path) -> Result<Self, BadInput> {
         let folder = folder_of(path);
-        Self::parse(path, &file::read(path, LONGEST_FILE)?, |gear| GearFile::read(&folder.join(gear)))
+        Self::parse(path, &file::read(path, LONGEST_FILE)?, |gear| {
+            GearFile::read_with_belt(&folder.join(gear))
+        })
     }
 
     /// Reads and checks `path`, and tells everything that is wrong with it; of the gear files the first thing.
@@ -204,7 +206,7 @@ impl RobotFile {
     /// An error for each fault, as [`RobotFile::read`] has it for the first.
     pub fn faultless(path: &Path) -> Result<Self, Vec<BadInput>> {
         let folder = folder_of(path);
-        let gear = |gear: &str| GearFile::read(&folder.join(gear));
+        let gear = |gear: &str| GearFile::read_with_belt(&folder.join(gear));
         let bytes = file::read(path, LONGEST_FILE).map_err(|error| vec![error])?;
         let robot = if names_urdf(&bytes) {
             Self::of_urdf(path, &keyed_file::faultless(path)?, gear)

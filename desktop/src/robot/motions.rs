@@ -5,6 +5,7 @@ use crate::bench::task::{Demand, Task};
 use crate::bench::trajectory::SETPOINT_SPEED;
 use crate::bench::working_motion::WorkingMotion;
 use crate::design::capability::Capability;
+use crate::design::wave_generator::at_wave_generator;
 use crate::robot::chain::Chain;
 use crate::robot::file::{Joint, RobotFile};
 
@@ -89,7 +90,8 @@ impl Joint {
         if !(least..=largest).contains(&angle) {
             return Err(format!("is at {angle:.4} rad; allowed: its limits {least} to {largest} rad"));
         }
-        let fastest = (SETPOINT_SPEED * self.gear.motor.rotor_speed_limit / n).min(self.limits.velocity);
+        let of_motor = at_wave_generator(&self.gear).motor.rotor_speed_limit / n;
+        let fastest = (SETPOINT_SPEED * of_motor).min(self.limits.velocity);
         if demand.velocity.abs() > fastest {
             let needed = demand.velocity.abs();
             return Err(format!("needs {needed:.4} rad/s; allowed: at most {fastest:.4} rad/s"));
@@ -118,7 +120,7 @@ impl RobotWork {
     /// The work of a robot.
     pub fn of(robot: &RobotFile) -> Self {
         let joint = |(index, joint): (usize, &Joint)| {
-            let capability = Capability::of(&joint.gear);
+            let capability = Capability::of(&at_wave_generator(&joint.gear));
             let size = if index % 2 == 0 { SIZE } else { -SIZE };
             Capability { moves: size * capability.moves, ..capability }
         };

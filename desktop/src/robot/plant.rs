@@ -16,6 +16,9 @@
 //! Neglected: the gyroscopic coupling of the rotors. A rotor turns on the link before with its speed relative to that link; what that link's
 //! own motion adds to its kinetic energy is abs r, a hundredth, of what is counted. Its mass is part of that link's.
 //!
+//! A belt in front of a gear ([`crate::plant::driving_belt`]) has the motor and its encoder in front of it: tau_motor is then the belt's torque
+//! on the wave generator, J_wg with the driven pulley.
+//!
 //! Links that bend add their modes to the first line ([`super::flexible`]); they start as they hang.
 //!
 //! Discretisation: as [`crate::plant`], semi-implicit Euler with the micro-step, speeds first; M, h and g at the angles and speeds of the
@@ -31,6 +34,7 @@ use super::chain::{Chain, ChainState};
 use super::flexible::{FlexibleChain, FlexibleState};
 use super::sample::RobotSample;
 use crate::plant::divergence::Diverged;
+use crate::plant::driving_belt::Spans;
 use crate::plant::load_side::RELEASE;
 use crate::plant::{
     CONDENSED_STEPS, CondensedMesh, MicroStep, NODES, Plant, PlantMesh, STEP_SHARE, Sides, plant_params,
@@ -60,7 +64,7 @@ impl RobotPlant {
     /// At rest in its start, on the reference mesh.
     ///
     /// # Errors
-    /// As [`Plant::between`], [`Chain::build`] and [`FlexibleChain::build`]; `modes` of which the micro-step cannot carry the fastest.
+    /// As [`Plant::between`], [`Plant::driven_by`], [`Chain::build`] and [`FlexibleChain::build`]; `modes` of which the micro-step cannot carry the fastest.
     pub fn reference(sample: &RobotSample) -> Result<Self, Error> {
         let stable = sample
             .gears
@@ -92,7 +96,11 @@ impl<F: Flexspline<f64>> RobotPlant<F> {
         let joint = |(joint, gear): (usize, &GearParams<f64>)| {
             let mut params = *gear;
             params.flexspline_inertia = chain.free_inertia(&links, joint);
-            build(&params)
+            let plant = build(&params)?;
+            match &sample.belts[joint] {
+                Some(belt) => plant.driven_by(belt, Spans::Chain),
+                None => Ok(plant),
+            }
         };
         let joints = sample.gears.iter().enumerate().map(joint).collect::<Result<Vec<_>, _>>()?;
         let bent = bent(sample)?;
@@ -250,6 +258,8 @@ mod tests {
     use strainwave::link::{LinkParams, MOST_MODES};
 
     use super::*;
+    use crate::design::belt::driving_belt;
+    use crate::io::gear_file::GearFile;
     use crate::plant::load_side::LoadParams;
     use crate::robot::RobotFile;
     use crate::robot::beam::Beam;
@@ -270,15 +280,43 @@ mod tests {
         plant
     }
 
-    /// What goes into the links is what they have, and so in each gear.
+    /// The arm with a belt of this stiffness (N) and ratio 1 before the elbow's gear; half of the rotor's inertia is the driven pulley's.
+    fn belted(stiffness: f64) -> RobotSample {
+        let mut belt = driving_belt(&GearFile::wrist()).unwrap();
+        let mut sample = sample();
+        belt.span.stiffness = stiffness;
+        belt.output.inertia = 0.5 * sample.gears[1].wave_generator_inertia;
+        belt.motor = belt.output;
+        sample.gears[1].wave_generator_inertia =
+            [&belt.motor, &belt.output].map(|pulley| belt.inertia(pulley, 0)).iter().sum();
+        sample.belts[1] = Some(belt);
+        sample
+    }
+
+    /// What goes into the links is what they have, and so in each gear, behind a belt too.
     #[test]
     fn the_power_balance_closes() {
-        let plant = pushed(RobotPlant::condensed(&sample()).unwrap(), 5000);
-        assert!(plant.joints()[0].output().angle.to_radians().abs() > 1e-3, "it has not moved");
-        assert!(plant.imbalance() < 1e-3, "{}", plant.imbalance());
-        for joint in plant.joints() {
-            assert!(joint.imbalance() < 3e-3, "{}", joint.imbalance());
+        for sample in [sample(), belted(6e4)] {
+            let plant = pushed(RobotPlant::condensed(&sample).unwrap(), 5000);
+            assert!(plant.joints()[0].output().angle.to_radians().abs() > 1e-3, "it has not moved");
+            assert!(plant.imbalance() < 1e-3, "{}", plant.imbalance());
+            for joint in plant.joints() {
+                assert!(joint.imbalance() < 3e-3, "{}", joint.imbalance());
+            }
         }
+    }
+
+    /// A stiff belt of ratio 1 moves the arm as a motor on the shaft does, a soft one does not.
+    #[test]
+    fn a_belt_becomes_a_shaft() {
+        let without = |sample: RobotSample| RobotSample { belts: vec![None; 2], ..sample };
+        let on_shaft = pushed(RobotPlant::condensed(&without(belted(1.0))).unwrap(), 1000).tip();
+        let off = |stiffness: f64| {
+            let tip = pushed(RobotPlant::condensed(&belted(stiffness)).unwrap(), 1000).tip();
+            (0..2).map(|k| (tip[k] - on_shaft[k]).powi(2)).sum::<f64>().sqrt()
+        };
+        let (soft, stiff) = (off(5e2), off(6e4));
+        assert!(soft > 1e-5 && stiff < 0.1 * soft, "{soft} m, {stiff} m");
     }
 
     /// Gravity winds the gears up by what it takes to hold the links.

@@ -118,6 +118,8 @@ impl RobotRun {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
     use crate::bench::baseline::Kind;
     use crate::io::gear_file::SensorSet;
@@ -154,6 +156,24 @@ mod tests {
         );
         assert!(both.largest() >= both.rms() && both.rows.len() == 30_000);
         assert_eq!(ours(SensorSet::Both), both);
+    }
+
+    /// So does an arm whose wrist is behind a belt.
+    #[test]
+    fn a_compensated_wrist_draws_better() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/arm/wrist.toml");
+        let file = RobotFile::read(&path).unwrap();
+        assert!(file.joints[1].gear.belt.is_some());
+        let circle =
+            Circle::of(&file, CircleParams { period: 2.0, laps: 1, ..CircleParams::default() }).unwrap();
+        let none = None::<&RobotWork>;
+        let b1 = baselines(&file, Kind::B1).unwrap();
+        let b1 = RobotRun::of(bench(&file, SensorSet::Motor), b1, none, &circle, |_| ()).unwrap().rms();
+        let [motor, both] = SensorSet::ALL.map(|sensors| {
+            let controllers = compensators(&file).unwrap();
+            RobotRun::of(bench(&file, sensors), controllers, none, &circle, |_| ()).unwrap().rms()
+        });
+        assert!(motor < 0.3 * b1 && both < 0.1 * b1, "{b1} {motor} {both}");
     }
 
     #[test]

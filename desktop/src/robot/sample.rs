@@ -10,8 +10,10 @@ use strainwave::gear::GearParams;
 use super::beam::Beam;
 use super::chain::Link;
 use super::file::RobotFile;
+use crate::design::belt::driving_belt;
 use crate::design::joint::firmware_gear_params;
 use crate::plant::box_sample::BoxSample;
+use crate::plant::driving_belt::DrivingBeltParams;
 
 /// A robot.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +22,8 @@ pub struct RobotSample {
     pub seed: u64,
     /// True parameters of the gears.
     pub gears: Vec<GearParams<f64>>,
+    /// True belts in front of them, where there are.
+    pub belts: Vec<Option<DrivingBeltParams>>,
     /// True links.
     pub links: Vec<Link>,
     /// True beams, in the place of links that bend.
@@ -41,7 +45,8 @@ impl RobotSample {
     /// # Errors
     /// As [`firmware_gear_params`].
     pub fn boxed(file: &RobotFile, seed: u64) -> Result<Self, Error> {
-        let (mut gears, mut links, mut beams) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut gears, mut belts) = (Vec::new(), Vec::new());
+        let (mut links, mut beams) = (Vec::new(), Vec::new());
         for (index, joint) in file.joints.iter().enumerate() {
             let factors = BoxSample::from_seed(seed_of_joint(seed, index));
             let params: GearParams<f64> = firmware_gear_params(&joint.gear)?;
@@ -52,9 +57,10 @@ impl RobotSample {
             links.push(Link { flange, ..link });
             beams.push(beam);
             gears.push(factors.apply(&params));
+            belts.push(driving_belt(&joint.gear).map(|belt| factors.apply_to_belt(belt)));
         }
         let starts = file.joints.iter().map(|joint| joint.start).collect();
-        Ok(Self { seed, gears, links, beams, starts, gravity: file.gravity })
+        Ok(Self { seed, gears, belts, links, beams, starts, gravity: file.gravity })
     }
 }
 

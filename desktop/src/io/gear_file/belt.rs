@@ -90,8 +90,8 @@ impl GearFile {
         }
         Err(BadInput::new(
             path,
-            "section [belt] is not known here: a motor in front of a tooth belt is for check, pil, export and flash; allowed: \
-             a gear file without [belt]",
+            "section [belt] is not known here: a motor in front of a tooth belt is for check, pil, robot, export and flash; \
+             allowed: a gear file without [belt]",
         ))
     }
 }

@@ -29,7 +29,15 @@ impl GearFile {
     /// # Errors
     /// One line that names the file, the key, its value and what is allowed, or the section `[belt]`.
     pub fn read(path: &Path) -> Result<Self, BadInput> {
-        Self::read_with_text(path)?.0.without_belt(path)
+        Self::read_with_belt(path)?.without_belt(path)
+    }
+
+    /// Reads and checks `path`; it may have a belt.
+    ///
+    /// # Errors
+    /// One line that names the file, the key, its value and what is allowed.
+    pub fn read_with_belt(path: &Path) -> Result<Self, BadInput> {
+        Ok(Self::read_with_text(path)?.0)
     }
 
     /// Reads and checks `path`, with the text that it was read from; it may have a belt.

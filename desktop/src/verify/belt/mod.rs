@@ -1,7 +1,8 @@
-//! The belt gear against closed forms, its energy, its reduction against the chain, and f32 against f64.
+//! The belt gear against closed forms and scipy, its energy, its reduction against the chain, and f32 against f64.
 
 mod chain;
 mod energy;
+mod oracle;
 mod precision;
 mod reduction;
 mod statics;
@@ -16,8 +17,14 @@ use crate::io::belt_file::BeltFile;
 
 /// Every figure.
 pub(super) fn measure() -> Measured {
-    let figures =
-        [statics::measure(), chain::measure(), energy::measure(), reduction::measure(), precision::measure()];
+    let figures = [
+        statics::measure(),
+        chain::measure(),
+        oracle::measure(),
+        energy::measure(),
+        reduction::measure(),
+        precision::measure(),
+    ];
     Measured::from(figures.concat())
 }
 

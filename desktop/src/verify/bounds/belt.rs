@@ -35,6 +35,37 @@ pub(super) const ROWS: &[Bound] = &[
               the tensions that move it are differences; target 1e-9",
     },
     Bound {
+        name: "belt.chain.scipy.angle",
+        value: 1e-7,
+        unit: "1",
+        why: "angle of the output in motion against scipy's integration of 4 nodes a span, relative to the largest: \
+              first-order error of steps of 0.25 us",
+    },
+    Bound {
+        name: "belt.chain.scipy.forces",
+        value: 1e-5,
+        unit: "1",
+        why: "span forces while both are taut, relative to the pretension: the same error",
+    },
+    Bound {
+        name: "belt.chain.scipy.forces.slack",
+        value: 1e-5,
+        unit: "1",
+        why: "the same while one goes slack and is caught",
+    },
+    Bound {
+        name: "belt.chain.scipy.torque",
+        value: 2e-5,
+        unit: "1",
+        why: "torque that the belt takes from the motor, over the whole run, relative to the largest: the same error",
+    },
+    Bound {
+        name: "belt.chain.scipy.extrapolated",
+        value: 1e-6,
+        unit: "1",
+        why: "span forces while both are taut, extrapolated from two steps to a step of 0: without the first-order error",
+    },
+    Bound {
         name: "belt.energy",
         value: 1e-6,
         unit: "1",

@@ -176,12 +176,23 @@ pub fn worst_draw(figures: &[Figure], scenario: Scenario, sensors: SensorSet) ->
     Some((worst.seed?, worst.noise.unwrap_or_default()))
 }
 
+/// Rows of the box with the motor's sensors and with both encoders: unstable, worse than B0.
+pub type BoxRows = [[&'static str; 2]; 2];
+
+/// Rows of all samples of the box.
+pub const BOX: BoxRows = [
+    ["compensator.motor.box.unstable", "compensator.motor.box.worse_than_b0"],
+    ["compensator.both.box.unstable", "compensator.both.box.worse_than_b0"],
+];
+/// Rows of fewer samples.
+pub const BOX_SAMPLE: BoxRows = [
+    ["compensator.motor.box_sample.unstable", "compensator.motor.box_sample.worse_than_b0"],
+    ["compensator.both.box_sample.unstable", "compensator.both.box_sample.worse_than_b0"],
+];
+
 /// Runs that are unstable, and runs that are worse than B0, each with the seed of the first.
-pub fn in_the_box(sensors: SensorSet, samples: &[Compared]) -> [Figure; 2] {
-    let names = [
-        ["compensator.motor.box.unstable", "compensator.motor.box.worse_than_b0"],
-        ["compensator.both.box.unstable", "compensator.both.box.worse_than_b0"],
-    ][sensors as usize];
+pub fn in_the_box(rows: &BoxRows, sensors: SensorSet, samples: &[Compared]) -> [Figure; 2] {
+    let names = rows[sensors as usize];
     let count = |name, bad: fn(&Performance, &Performance) -> usize| {
         let bad = |sample: &Compared| bad(&sample.compensated[sensors as usize], &sample.baselines[0]);
         let figure = bounds::figure(name, samples.iter().map(bad).sum::<usize>() as f64);
