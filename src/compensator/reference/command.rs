@@ -151,12 +151,13 @@ pub struct Approached<R> {
 }
 
 impl<R: Real> Approached<R> {
-    /// The target at a later `time` (s): its reference goes on at its speed.
+    /// The target at a later `time` (s): its reference goes on at its acceleration.
     #[inline(always)]
     pub fn after(self, time: R) -> Target<R> {
         let Self { mut target, time: before } = self;
-        let setpoint = &mut target.setpoint;
-        setpoint.position = setpoint.position.plus((time - before) * setpoint.velocity);
+        let (late, setpoint) = (time - before, &mut target.setpoint);
+        setpoint.position = setpoint.position.plus(late * setpoint.velocity);
+        setpoint.velocity += late * setpoint.acceleration;
         target
     }
 }
