@@ -27,6 +27,7 @@ use crate::real::Real;
 
 impl<R: Real> Compensator<R> {
     /// The state before the first step, with the stored learnt factors and ripple within their bounds.
+    #[inline(always)]
     pub fn rest(&self) -> State<R> {
         State {
             slot: Slot::default(),
@@ -45,7 +46,7 @@ impl<R: Real> Compensator<R> {
             motor_moved: false,
             motor_at_output: Angle::default(),
             commander: CommanderState::default(),
-            approached: None,
+            found: None,
             since_plan: R::ZERO,
             observer: self.observer.rest(),
             disturbance: DisturbanceState::default(),

@@ -10,7 +10,7 @@ use crate::compensator::actuate::supervisor::SupervisorState;
 use crate::compensator::adapt::learning::LearningState;
 use crate::compensator::estimate::disturbance::{DisturbanceState, WindUpResponse};
 use crate::compensator::estimate::observer::{GearCorrection, ObserverState};
-use crate::compensator::reference::command::{Approached, CommanderState};
+use crate::compensator::reference::command::{CommanderState, Found};
 use crate::compensator::reference::feed_forward::FeedForwardState;
 use crate::compensator::reference::measured_feedback::MeasuredFeedbackState;
 use crate::compensator::reference::motor_reference::MotorReference;
@@ -47,8 +47,8 @@ pub struct State<R: Real> {
     /// Motor's angle when the output encoder was last tested for a standstill.
     pub(super) motor_at_output: Angle<R>,
     pub(super) commander: CommanderState<R>,
-    /// Target that took the period in which it was found.
-    pub(super) approached: Option<Approached<R>>,
+    /// Target that took the period in which it was found, and is followed from the next on.
+    pub(super) found: Option<Found<R>>,
     /// Time of the observer's slots since the plan's last one (s).
     pub(super) since_plan: R,
     pub(super) observer: ObserverState<R>,
@@ -125,6 +125,7 @@ pub(super) struct SlotFaults {
 
 impl<R: Real> SensorLatch<R> {
     /// Before the first reading.
+    #[inline(always)]
     pub(super) fn new() -> Self {
         Self {
             motor_torque: R::ZERO,

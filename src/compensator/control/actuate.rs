@@ -19,7 +19,7 @@ impl<R: Real> Compensator<R> {
         let before = state.mode.mode();
         let after = state.mode.step(faults, status);
         if !before.drives() && after.drives() {
-            state.approached = None;
+            state.found = None;
             state.commander = Default::default();
             state.feedback = Default::default();
             state.output_feedback = Default::default();

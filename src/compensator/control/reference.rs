@@ -3,7 +3,7 @@
 use crate::angle::Angle;
 use crate::branch::seldom;
 use crate::compensator::estimate::observer::{GearCorrection, ObserverState};
-use crate::compensator::reference::command::{Approached, CommandStatus, Following, Target};
+use crate::compensator::reference::command::{CommandStatus, Following, Found, Target};
 use crate::compensator::reference::measured_feedback::MeasuredError;
 use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::reference::output_feedback::OutputError;
@@ -15,14 +15,14 @@ impl<R: Real> Compensator<R> {
     /// The feed-forward's slot; false where the command took this period, and the rest is left to the next.
     #[inline(always)]
     pub(super) fn plan(&self, state: &mut State<R>, input: &Input<R>, motor: Angle<R>) -> bool {
-        let target = if let Some(approached) = state.approached.take() {
+        let target = if let Some(found) = state.found.take() {
             seldom();
-            approached.after(state.latch.time)
+            state.commander.target_after(found, state.latch.time)
         } else {
             let target = self.target(state, input);
             if target.detours {
                 seldom();
-                state.approached = Some(Approached { target, time: state.latch.time });
+                state.found = Some(Found { time: state.latch.time, switched: target.switched });
                 return false;
             }
             target

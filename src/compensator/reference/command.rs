@@ -137,29 +137,18 @@ pub struct Target<R> {
     pub torque: Option<R>,
     /// The last command was of another kind, or the reference went on from the output.
     pub switched: bool,
-    /// The reference did not simply follow its command: it begins, approaches it, or goes on without it, which takes longer.
+    /// The reference did not simply follow its command: it begins, approaches it, or goes on without it, which takes longer. Without a
+    /// torque.
     pub detours: bool,
 }
 
-/// A target of an earlier period.
+/// The present reference as a target, found in an earlier period.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Approached<R> {
-    /// As it was then.
-    pub target: Target<R>,
+pub struct Found<R> {
     /// When (s).
     pub time: R,
-}
-
-impl<R: Real> Approached<R> {
-    /// The target at a later `time` (s): its reference goes on at its acceleration.
-    #[inline(always)]
-    pub fn after(self, time: R) -> Target<R> {
-        let Self { mut target, time: before } = self;
-        let (late, setpoint) = (time - before, &mut target.setpoint);
-        setpoint.position = setpoint.position.plus(late * setpoint.velocity);
-        setpoint.velocity += late * setpoint.acceleration;
-        target
-    }
+    /// [`Target::switched`].
+    pub switched: bool,
 }
 
 impl<R: Real> CommanderState<R> {
@@ -167,6 +156,16 @@ impl<R: Real> CommanderState<R> {
     #[inline(always)]
     pub fn position(&self) -> Angle<R> {
         self.reference.map_or(Angle::default(), |reference| reference.position)
+    }
+
+    /// The target that was found in an earlier period, at `time` (s): its reference goes on at its acceleration.
+    #[inline(always)]
+    pub fn target_after(&self, found: Found<R>, time: R) -> Target<R> {
+        let mut setpoint = self.reference.unwrap_or_default();
+        let late = time - found.time;
+        setpoint.position = setpoint.position.plus(late * setpoint.velocity);
+        setpoint.velocity += late * setpoint.acceleration;
+        Target { setpoint, torque: None, switched: found.switched, detours: false }
     }
 
     /// Speed of the reference (rad/s).
@@ -264,6 +263,7 @@ impl<R: Real> Commander<R> {
             Command::Torque(torque) => {
                 let (position, velocity) = output();
                 let setpoint = Setpoint { velocity, ..at_rest(position) };
+                detours = false;
                 (Kind::Torque, setpoint, Some(if stale { R::ZERO } else { torque }))
             }
         };
