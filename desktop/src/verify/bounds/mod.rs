@@ -107,7 +107,6 @@ pub const TARGETS: &[(&str, f64)] = &[
     ("compensator.motor.map_absent.s4.ripple_to_best", 0.7),
     ("compensator.both.map_absent.s4.ripple_to_best", 0.7),
     ("compensator.replay.joints_at_half", 6.0),
-    ("belt.wrist.target.any_input.cycles", 2000.0),
     ("constants.count", 35.0),
 ];
 
