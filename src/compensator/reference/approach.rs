@@ -24,10 +24,11 @@
 //! the output more, and against it less. What the setpoint's own acceleration leaves of a catches up with it.
 //!
 //! A stale setpoint is not approached: the reference brakes to rest within the same limits. Units: rad, N m, s; explicit
-//! Euler over dt.
+//! Euler over dt. While it approaches, a round has one period more ([`crate::compensator::schedule`]).
 
 use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::protection::Protection;
+use crate::compensator::schedule::SLOW_PERIODS;
 use crate::compensator::tuned::{APPROACH_RATE, JERK_TIME, LOAD_SHARE, REST_SPEED, SETPOINT_TIME};
 use crate::compensator::{Limits, Setpoint};
 use crate::constants::constants;
@@ -38,7 +39,7 @@ use crate::real::Real;
 #[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Approach<R> {
-    /// h (s), and its inverse (1/s).
+    /// A round of an approach (s), whose slot takes two periods, and its inverse (1/s).
     round: R,
     inverse_round: R,
     /// a_max (rad/s^2).
@@ -78,10 +79,11 @@ impl<R: Real> Approach<R> {
         let whole = n * n * gear.wave_generator_inertia + gear.flexspline_inertia;
         let by_gear = R::lit(0.9) * protection.acceleration(gear);
         let acceleration = by_gear.min(R::lit(0.6) * limits.motor_torque * n / whole);
+        let longer = round * R::lit(f64::from(SLOW_PERIODS + 1) / f64::from(SLOW_PERIODS));
         let quarter = R::lit(0.25) * limits.motor_torque / (cascade.velocity_gain * n);
         Self {
-            round,
-            inverse_round: R::ONE / round,
+            round: longer,
+            inverse_round: R::ONE / longer,
             acceleration,
             by_load: R::ONE / protection.torque().min(limits.motor_torque * n),
             velocity: limits.setpoint_speed(gear.ratio),
