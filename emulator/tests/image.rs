@@ -81,11 +81,11 @@ fn the_way_from_the_interrupt_to_the_control_step_is_found() {
     assert!(error.starts_with("no function control_stepp in the image"), "{error}");
 }
 
-/// A moving joint, for `periods` control periods.
+/// A moving joint, for `periods` control periods: 8 rad/s with an encoder of 19 bits.
 fn run(elf: &Path, periods: u32, arguments: &[String]) {
     let mut machine = Machine::boot(elf, arguments).expect("boots");
     for period in 0..periods {
-        let sensors = Sensors { motor_encoder: period * 70_000, motor_torque: 0.1, ..Sensors::default() };
+        let sensors = Sensors { motor_encoder: period * 70, motor_torque: 0.1, ..Sensors::default() };
         let gains = CompensationGains { friction: 0.8, ..CompensationGains::ALL };
         let input = Input { sensors, gains: gains.into(), ..Input::default() };
         machine.exchange(&encode_input(&input)).expect("answers");
