@@ -21,7 +21,6 @@ use std::path::Path;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, Normal};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::flexspline::reduced::{Direction, Node};
 use strainwave::flexspline::{GaugeTorque, Reduced, StrainGauge, TorqueGauges, TorqueGaugesParams};
@@ -36,6 +35,7 @@ use crate::plant::NODES;
 use crate::plant::divergence::RunError;
 use crate::plant::two_port::trajectory::Trajectory;
 use crate::plant::two_port::{self, Build};
+use crate::sensor::Noise;
 
 /// Speeds of the wave generator, one after the other (rad/s).
 pub const SPEEDS: [f64; 11] = [0.0, 100.0, -100.0, 500.0, -500.0, 20.0, -20.0, 5.0, -5.0, 500.0, -500.0];
@@ -157,21 +157,20 @@ impl Record {
         let known = 1.0 + random.random_range(-FRICTION..FRICTION);
         let contact = params.input_friction.forward;
         let n = f64::from(params.ratio);
-        let deviation = |deviation: f64| Normal::new(0.0, deviation).expect("the deviation is finite");
-        let (noise, torque_noise) =
-            (deviation(NOISE), deviation(TORQUE_NOISE * params.rated_torque / n.abs()));
+        let white = |deviation| Noise::Rms(deviation).build(CONTROL_PERIOD).expect("the deviation is finite");
+        let (noise, torque_noise) = (white(NOISE), white(TORQUE_NOISE * params.rated_torque / n.abs()));
         self.samples.iter().map(move |sample| {
             let mut strains = [0.0; G];
             for ((strain, flaws), of_links) in
                 strains.iter_mut().zip(&flaws).zip(sample.strains.chunks(LINKS))
             {
-                *strain = (flaws.reading(of_links) + noise.sample(&mut random)) as f32;
+                *strain = (flaws.reading(of_links) + noise.step(&mut random)) as f32;
             }
             let [torque, velocity, acceleration] = sample.motor;
             let direction = if velocity == 0.0 { 0.0 } else { velocity.signum() };
             let friction = known * (contact.coulomb * direction + contact.viscous * velocity);
             let inertia = params.wave_generator_inertia * acceleration;
-            let motor_torque = scale * torque + torque_noise.sample(&mut random);
+            let motor_torque = scale * torque + torque_noise.step(&mut random);
             Reading {
                 strains,
                 wave_generator: sample.wave_generator,

@@ -37,7 +37,7 @@ impl Noise {
     }
 
     /// Sampled every `dt` (s).
-    pub(super) fn build(self, dt: f64) -> Result<White, Error> {
+    pub(crate) fn build(self, dt: f64) -> Result<White, Error> {
         let deviation = match self {
             Self::None => return Ok(White(None)),
             Self::Density(density) => density * (0.5 / dt).sqrt(),
@@ -50,7 +50,7 @@ impl Noise {
 
 /// Built.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct White(Option<Normal<f64>>);
+pub(crate) struct White(Option<Normal<f64>>);
 
 impl White {
     pub fn step(&self, random: &mut ChaCha8Rng) -> f64 {
