@@ -177,12 +177,16 @@ fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
         let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
         return crate::faults::inject(&gear, 0, faults::COUNT, &arguments.figures);
     }
-    let measured = measure_parts(arguments)?;
+    Ok(told(measure_parts(arguments)?, arguments))
+}
+
+/// The figures, below their notes and the targets that they miss.
+fn told(measured: Measured, arguments: &Arguments) -> Figures {
     let missed = measured.figures.iter().filter_map(bounds::misses_target);
     for note in measured.notes.iter().cloned().chain(missed) {
         say(format_args!("{note}"));
     }
-    Ok(Figures::new(measured.figures, &arguments.figures))
+    Figures::new(measured.figures, &arguments.figures)
 }
 
 /// The requested parts on the desktop, and beside them, on a thread of its own, what runs in the emulator: that takes one processor.
@@ -379,11 +383,7 @@ fn robots(arguments: &Arguments) -> Result<Figures, BadInput> {
     let mut progress = Progress::new(1000, "robots");
     let measured = robot::measure(first, count, |fraction| progress.set((fraction * 1e3) as u64))?;
     drop(progress);
-    let missed = measured.figures.iter().filter_map(bounds::misses_target);
-    for note in measured.notes.iter().cloned().chain(missed) {
-        say(format_args!("{note}"));
-    }
-    Ok(Figures::new(measured.figures, &arguments.figures))
+    Ok(told(measured, arguments))
 }
 
 /// With every tuned constant halved and doubled; its table is one line a constant.
