@@ -17,7 +17,8 @@
 //! | rare work | how often at most |
 //! | --- | --- |
 //! | a count of the motor's encoder that is refused, and the first one after it | until the angle is lost ([`crate::compensator::sense::motor_encoder`]) |
-//! | a change of the drive's mode, a control overrun | five overruns within 10 ms lead to Safe ([`crate::compensator::actuate::mode`]) |
+//! | a change of the drive's mode | while the drive is switched in every period, it has no reference and gives no torque |
+//! | a control overrun | five within 10 ms lead to Safe ([`crate::compensator::actuate::mode`]) |
 //! | the output encoder's zero | once |
 //! | a reference that begins, or that approaches its command | the command's slot takes two periods: a round then has nine |
 //!
