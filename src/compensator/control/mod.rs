@@ -25,7 +25,7 @@ use crate::compensator::reference::output_feedback::OutputFeedback;
 use crate::compensator::schedule::Slot;
 use crate::compensator::sense::clock::Clock;
 use crate::compensator::sense::encoder::Encoder;
-use crate::compensator::sense::motor_encoder::{Arrival, MotorEncoder};
+use crate::compensator::sense::motor_encoder::MotorEncoder;
 use crate::compensator::sense::motor_torque::MotorTorque;
 use crate::compensator::sense::output_zero::OutputZero;
 use crate::compensator::sense::pulleys::Pulleys;
@@ -143,16 +143,12 @@ impl<R: Real> Compensator<R> {
         let mut faults = Faults::NONE;
         let sensors = self.guard.sensors(&mut state.guard, &input.sensors, &mut faults);
         let elapsed = self.clock.step(input.elapsed, &mut faults);
-        let (motor, arrival) = self.read(state, &sensors, input.status, &elapsed, &mut faults);
+        let (motor, usual) = self.read(state, &sensors, input.status, &elapsed, &mut faults);
         faults = faults.with(state.faults.all());
         let same_mode =
             state.mode.stays(faults, input.status) || self.step_mode(state, &mut faults, input.status);
         let drives = state.mode.mode().drives();
-        if arrival == Arrival::Second {
-            seldom();
-            self.observer.start_from(&mut state.observer, motor.moved, motor.moved * elapsed.inverse);
-        }
-        if same_mode && arrival != Arrival::Irregular && self.run_slot(state, input, motor.angle) {
+        if same_mode && usual && self.run_slot(state, input, motor.angle) {
             state.slot = state.slot.next();
         } else {
             seldom();

@@ -5,12 +5,11 @@ use crate::branch::seldom;
 use crate::compensator::estimate::observer::OutputReading;
 use crate::compensator::sense::clock::Elapsed;
 use crate::compensator::sense::encoder::Reading;
-use crate::compensator::sense::motor_encoder::Arrival;
 use crate::compensator::{Compensator, Faults, Sensors, State, Status};
 use crate::real::Real;
 
 impl<R: Real> Compensator<R> {
-    /// Reads the sensors, in every period.
+    /// Reads the sensors, in every period; the second value: the motor's count is accepted, as the one before it was.
     #[inline(always)]
     pub(super) fn read(
         &self,
@@ -19,9 +18,9 @@ impl<R: Real> Compensator<R> {
         status: Status,
         elapsed: &Elapsed<R>,
         faults: &mut Faults,
-    ) -> (Reading<R>, Arrival) {
+    ) -> (Reading<R>, bool) {
         let sound = !status.contains(Status::MOTOR_ENCODER_INVALID);
-        let (motor, arrival) =
+        let (motor, usual) =
             self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder, sound, elapsed, faults);
         let motor = self.pulleys.reading(&mut state.pulleys, motor);
         let (commanded, feedback) = (state.fallback.torque(), state.guard.gains().feedback);
@@ -42,7 +41,7 @@ impl<R: Real> Compensator<R> {
         }
         state.motor_reference.advance(state.wind_up.velocity, elapsed.time);
         state.motor_reference.position_error -= motor.moved;
-        (motor, arrival)
+        (motor, usual)
     }
 
     /// Corrects the observer by the output encoder's reading of its last step; false where the encoder's zero took this period.

@@ -9,9 +9,7 @@
 //! was accepted. a is the acceleration of the rotor alone by the largest torques of motor, gear (twice its peak rating)
 //! and friction, with half as much again for their uncertainty; the sixteenth of the step is for an unmeasured clock. A
 //! refused reading is replaced by the predicted one, so that single bad frames do not disturb the joint. Counts are
-//! within the revolution, so that the first accepted reading after a few refused ones gives the right angle. The second
-//! reading of all may be anywhere that the motor's fastest speed admits: a joint that moves when its controller starts has its
-//! speed from two readings.
+//! within the revolution, so that the first accepted reading after a few refused ones gives the right angle.
 //!
 //! Error counter: +10 for a refused reading, -4 for an accepted one: a reading in four may be bad. At 200, 2 ms of bad
 //! frames, the angle is lost and the next valid count begins a new one, which is used after a reset only.
@@ -52,23 +50,11 @@ fn error_count_limit() -> u32 {
 pub struct MotorEncoder<R> {
     /// From raw counts to counts of 2^32 a revolution.
     shift: u32,
-    /// a*dt^2, the noise, and the fastest speed times dt, in counts of 2^32 a revolution.
+    /// a*dt^2 and the noise, in counts of 2^32 a revolution.
     reach: u32,
     noise: u32,
-    fastest: u32,
     dt: R,
     inverse_dt: R,
-}
-
-/// How a count has come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Arrival {
-    /// Accepted, as the one before it was.
-    Regular,
-    /// The second of all, which shows the speed that the motor begins with.
-    Second,
-    /// The first of all, refused, or the first after one that was.
-    Irregular,
 }
 
 /// Foreseen change of the angle since the last reading, and how far from it a count may lie besides its noise, in counts.
@@ -114,29 +100,16 @@ impl<R: Real> MotorEncoder<R> {
         let gear_torque = R::lit(2.0) * limits.output_torque / R::from_i32(gear.ratio).abs();
         let torque = limits.motor_torque + gear_torque + gear.input_friction.forward.static_level;
         let acceleration = R::lit(DETECTION_MARGIN.get()) * torque / gear.wave_generator_inertia;
-        let counts = |angle: R| (angle * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs();
+        let reach = (acceleration * dt * dt * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs();
         let shift = 32 - bits;
-        Ok(Self {
-            shift,
-            reach: counts(acceleration * dt * dt),
-            noise: (ENCODER_NOISE.get() as u32) << shift,
-            fastest: counts(limits.motor_speed * dt),
-            dt,
-            inverse_dt: R::ONE / dt,
-        })
+        Ok(Self { shift, reach, noise: (ENCODER_NOISE.get() as u32) << shift, dt, inverse_dt: R::ONE / dt })
     }
 
     /// The same in front of a belt: the motor's acceleration is not the wave generator's.
     #[must_use]
     pub fn in_front_of(self, pulleys: &Pulleys<R>) -> Self {
-        if !pulleys.are_present() {
-            return self;
-        }
-        let at_motor = |counts: u32| {
-            let counts = R::from_i32(counts.min(i32::MAX.cast_unsigned()).cast_signed());
-            (counts / pulleys.ratio()).to_i32().unsigned_abs()
-        };
-        Self { reach: at_motor(self.reach), fastest: at_motor(self.fastest), ..self }
+        let reach = R::from_i32(self.reach.min(i32::MAX.cast_unsigned()).cast_signed()) / pulleys.ratio();
+        Self { reach: if pulleys.are_present() { reach.to_i32().unsigned_abs() } else { self.reach }, ..self }
     }
 
     /// Where the shift lies in memory, in bytes.
@@ -152,7 +125,7 @@ impl<R: Real> MotorEncoder<R> {
         32 - shift
     }
 
-    /// Takes a raw count whose frame was `valid`.
+    /// Takes a raw count whose frame was `valid`; the second value: it is accepted, as the one before it was.
     #[inline(always)]
     pub fn step(
         &self,
@@ -161,7 +134,7 @@ impl<R: Real> MotorEncoder<R> {
         valid: bool,
         elapsed: &Elapsed<R>,
         faults: &mut Faults,
-    ) -> (Reading<R>, Arrival) {
+    ) -> (Reading<R>, bool) {
         let phase = raw << self.shift;
         let sound = valid && phase >> self.shift == raw;
         let delta = phase.wrapping_sub(state.phase).cast_signed();
@@ -172,7 +145,7 @@ impl<R: Real> MotorEncoder<R> {
             self.foreseen(state, elapsed.time * self.inverse_dt)
         };
         if !(sound && state.accepted && self.admits(&foreseen, delta)) {
-            return self.irregular(state, phase, sound, elapsed, faults);
+            return (self.unusual(state, phase, sound, elapsed, faults), false);
         }
         state.step = delta;
         if !elapsed.regular {
@@ -180,7 +153,7 @@ impl<R: Real> MotorEncoder<R> {
             state.step = (R::from_i32(delta) * (elapsed.inverse * self.dt)).to_i32();
         }
         state.error_count = state.error_count.saturating_sub(error_decrement());
-        (state.reading(phase, delta, true), Arrival::Regular)
+        (state.reading(phase, delta, true), true)
     }
 
     /// What is foreseen after so many periods.
@@ -198,38 +171,38 @@ impl<R: Real> MotorEncoder<R> {
         moved.wrapping_sub(foreseen.moved).unsigned_abs() <= reach
     }
 
-    /// The first two readings, one that is refused, or the first after one that was.
+    /// The first reading, one that is refused, or the first after one that was.
     #[cold]
     #[inline(never)]
-    fn irregular(
+    fn unusual(
         &self,
         state: &mut MotorEncoderState,
         phase: u32,
         sound: bool,
         elapsed: &Elapsed<R>,
         faults: &mut Faults,
-    ) -> (Reading<R>, Arrival) {
+    ) -> Reading<R> {
         if !state.started && sound {
             let counts = i64::from(phase.cast_signed());
-            *state = MotorEncoderState { phase, counts, started: true, ..MotorEncoderState::default() };
-            return (state.reading(phase, 0, true), Arrival::Irregular);
+            *state = MotorEncoderState {
+                phase,
+                counts,
+                started: true,
+                accepted: true,
+                ..MotorEncoderState::default()
+            };
+            return state.reading(phase, 0, true);
         }
         let periods = elapsed.time * self.inverse_dt;
-        let mut foreseen = self.foreseen(state, periods);
+        let foreseen = self.foreseen(state, periods);
         let delta = phase.wrapping_sub(state.phase).cast_signed();
-        let second = !state.accepted && state.refused == 0;
-        if second {
-            let fastest = self.fastest.saturating_mul(state.whole_periods(periods));
-            foreseen.reach = foreseen.reach.saturating_add(fastest);
-        }
         state.accepted = sound && state.started && self.admits(&foreseen, delta);
         if state.accepted {
             let whole = state.whole_periods(periods).clamp(1, 1000).cast_signed();
             state.step = state.step.wrapping_add(delta.wrapping_sub(foreseen.moved) / whole);
             state.refused = 0;
             state.error_count = state.error_count.saturating_sub(error_decrement());
-            let arrival = if second { Arrival::Second } else { Arrival::Irregular };
-            return (state.reading(phase, delta, true), arrival);
+            return state.reading(phase, delta, true);
         }
         faults.raise_if(true, Faults::MOTOR_ENCODER_JUMP);
         state.refused = state.refused.saturating_add(1);
@@ -238,11 +211,10 @@ impl<R: Real> MotorEncoder<R> {
             faults.raise_if(true, Faults::MOTOR_ENCODER_LOST);
             let counts = state.counts;
             *state = MotorEncoderState { counts, ..MotorEncoderState::default() };
-            return (state.reading(0, 0, false), Arrival::Irregular);
+            return state.reading(0, 0, false);
         }
         let moved = if state.started { foreseen.moved } else { 0 };
-        let foreseen = state.phase.wrapping_add(moved.cast_unsigned());
-        (state.reading(foreseen, moved, false), Arrival::Irregular)
+        state.reading(state.phase.wrapping_add(moved.cast_unsigned()), moved, false)
     }
 }
 
@@ -279,7 +251,6 @@ mod tests {
             shift: 32 - BITS,
             reach,
             noise: (ENCODER_NOISE.get() as u32) << (32 - BITS),
-            fastest: (586.0 * CONTROL_PERIOD / RADIANS_PER_COUNT) as u32,
             dt: CONTROL_PERIOD,
             inverse_dt: 1.0 / CONTROL_PERIOD,
         }
@@ -337,19 +308,6 @@ mod tests {
         }
     }
 
-    /// A joint that moves when its controller starts has its angle and speed at once, unless it is faster than it can be.
-    #[test]
-    fn a_motion_that_has_begun_is_accepted() {
-        for (speed, possible) in [(-580.0, true), (300.0, true), (900.0, false)] {
-            let angle = |k: i32| 0.3 + speed * CONTROL_PERIOD * f64::from(k);
-            let seen = go(&mut MotorEncoderState::default(), (0..5).map(|k| count(angle(k))));
-            for (k, (at, accepted, _)) in (0..5).zip(seen) {
-                assert_eq!(accepted, possible || k == 0, "{speed} {k}");
-                assert!(!accepted || (at - angle(k)).abs() < COUNT, "{speed} {k}: {at}");
-            }
-        }
-    }
-
     #[test]
     fn two_milliseconds_of_bad_frames_lose_the_angle() {
         let mut state = MotorEncoderState::default();
@@ -369,11 +327,10 @@ mod tests {
             let speed = (k as f64 * 10.0f64).min(400.0);
             angle += speed * CONTROL_PERIOD * periods;
             let mut faults = Faults::NONE;
-            let (reading, arrival) =
+            let (reading, usual) =
                 encoder.step(&mut state, count(angle), true, &elapsed(periods), &mut faults);
             assert!(reading.accepted && faults == Faults::NONE, "{k}");
-            let others = [Arrival::Irregular, Arrival::Second];
-            assert_eq!(arrival, others.get(k).copied().unwrap_or(Arrival::Regular), "{k}");
+            assert_eq!(usual, k > 0, "only the first one is not");
         }
     }
 

@@ -239,7 +239,6 @@ impl<R: Real> Observer<R> {
             faults.raise_if(true, Faults::OBSERVER_RESET);
             // It starts again with its next step: that alone costs as much as this one.
             (state.started, state.motor) = (false, measured.motor);
-            state.wave_generator_speed = measured.motor.minus(motor) / measured.period;
             return;
         }
         let acceleration = self.predict(state, &torques, measured, gear_correction);
@@ -357,15 +356,8 @@ impl<R: Real> Observer<R> {
         state.gear.shape(gear, order_two, stiffening);
     }
 
-    /// The motor has `moved` (rad) at this speed (rad/s) before the first step, which starts from it.
-    #[inline(always)]
-    pub fn start_from(&self, state: &mut ObserverState<R>, moved: R, speed: R) {
-        let stands = moved.is_within(self.motion_threshold_angle);
-        state.wave_generator_speed = if stands { R::ZERO } else { speed };
-    }
-
-    /// The first step, also after a reset: the joint moves as its motor does, with its torques unknown. From the motor's angle and
-    /// torque (N m), and that there is a gauge.
+    /// The first step, also after a reset: the joint rests, with its torques unknown. From the motor's angle and torque (N m), and
+    /// that there is a gauge.
     #[cold]
     #[inline(never)]
     fn first(
@@ -376,8 +368,9 @@ impl<R: Real> Observer<R> {
     ) {
         state.motor = motor;
         state.motor_residual = R::ZERO;
+        state.wave_generator_speed = R::ZERO;
         state.link_offset = state.gear.start_at(gear, motor);
-        state.flange_speed = self.multi_rate.ratio() * state.wave_generator_speed;
+        state.flange_speed = R::ZERO;
         state.motor_torque = motor_torque;
         state.external_torque = R::ZERO;
         state.stiffness_torque = R::ZERO;
