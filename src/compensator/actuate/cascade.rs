@@ -75,12 +75,17 @@ impl<R: Real> FeedbackParams<R> {
     /// Prepares the cascade for the control period dt (s).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] with the name of the first gain that is not finite and positive.
+    /// [`Error::OutOfRange`] with the name of the first gain that is not finite and positive, or with which the loop is
+    /// none: a sampled position loop with k_p*dt >= 1 overshoots in every period, an integral with T_i <= dt is a gain of its own. So is a
+    /// speed that is filtered more slowly than the position loop: nothing damps it.
     pub fn build(&self, dt: R) -> Result<Feedback<R>, Error> {
-        require(self.position_gain.is_positive(), "position_gain")?;
+        require(self.position_gain.is_positive() && self.position_gain * dt < R::ONE, "position_gain")?;
         require(self.velocity_gain.is_positive(), "velocity_gain")?;
-        require(self.integral_time.is_positive(), "integral_time")?;
-        require(self.filter_corner.is_positive(), "filter_corner")?;
+        require(self.integral_time.is_positive() && self.integral_time > dt, "integral_time")?;
+        require(
+            self.filter_corner.is_positive() && self.filter_corner > self.position_gain,
+            "filter_corner",
+        )?;
         require(self.torque_limit.is_positive(), "torque_limit")?;
         let filter = LowPass::build(self.filter_corner, dt);
         Ok(Feedback {

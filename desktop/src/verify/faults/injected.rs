@@ -143,9 +143,15 @@ impl Injected {
         if self.choice & 1 == 0 { 1.0 } else { -1.0 }
     }
 
-    /// The fault changes the commanded motion: the one before is no reference.
+    /// What is not a number: 0 the motor's torque, 1 the time of the period, 2 the setpoint.
+    fn input(&self) -> u32 {
+        (self.choice >> 8) % 3
+    }
+
+    /// The fault changes the commanded motion, or takes it away: the one before is no reference.
     pub fn asks_otherwise(&self) -> bool {
         matches!(self.kind, Kind::SetpointJump | Kind::SetpointFrozen)
+            || self.kind == Kind::NotANumber && self.input() == 2
     }
 }
 
@@ -267,7 +273,7 @@ impl Broken {
             Kind::TorqueFull => {
                 input.sensors.motor_torque = fault.sign() as f32 * self.params.limits.motor_torque;
             }
-            Kind::NotANumber if within(1e-3, 0.2) => match (fault.choice >> 8) % 3 {
+            Kind::NotANumber if within(1e-3, 0.2) => match fault.input() {
                 0 => input.sensors.motor_torque = f32::NAN,
                 1 => input.elapsed = f32::NAN,
                 _ => {

@@ -6,8 +6,8 @@
 //!
 //! | judged | a run is unsafe when |
 //! | --- | --- |
-//! | speed | the output is faster than its limit, motor_speed/abs n, though its twin is not |
-//! | motion | it differs by more than 20 mrad from its twin, and from its angle at the fault, until 20 ms after the drive is off, in which a brake engages; not where another motion is asked for, nor where the fault cannot be known |
+//! | speed | the output is faster than its limit, motor_speed/abs n, though its twin is not, until 20 ms after the drive is off, in which a brake engages |
+//! | motion | it differs by more than 20 mrad from its twin, and from its angle at the fault, in the same time; not where another motion is asked for, nor where the fault cannot be known |
 //! | torque | the motor gives 95 % of its peak for more than 5 ms after the fault, though its twin does not |
 //! | gear | the torque through the gear is beyond its peak rating |
 //!
@@ -147,8 +147,8 @@ fn judge(file: &GearFile, fault: Injected, released: Option<usize>, rows: &[Row]
     let limit = file.motor.rotor_speed_limit / n.abs();
     let largest =
         |rows: &[Row], of: fn(&Row) -> f64| rows.iter().map(|row| of(row).abs()).fold(0.0, f64::max);
-    let speed = |rows: &[Row]| largest(&rows[start..], |row| row.velocity) / limit;
     let watched = released.map_or(rows.len(), |at| (at + periods_of(BRAKE)).min(rows.len()));
+    let speed = |rows: &[Row]| largest(&rows[start..watched], |row| row.velocity) / limit;
     // A joint that stands has not moved, whatever its twin does.
     let from = rows[start].output;
     let difference = |k: usize| (rows[k].output - twin[k].output).abs().min((rows[k].output - from).abs());
