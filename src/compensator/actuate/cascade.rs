@@ -75,13 +75,13 @@ impl<R: Real> FeedbackParams<R> {
     /// Prepares the cascade for the control period dt (s).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] with the name of the first gain that is not finite and positive, or with which the loop is
-    /// none: a sampled position loop with k_p*dt >= 1 overshoots in every period, an integral with T_i <= dt is a gain of its own. So is a
-    /// speed that is filtered more slowly than the position loop: nothing damps it.
+    /// [`Error::OutOfRange`] with the name of the first gain that is not finite and positive, or outside of what a cascade with this
+    /// period can have: k_p*dt < 1, or each period reverses the position error; T_i >= dt; omega_f > k_p, or the speed loop is slower than
+    /// the position loop around it.
     pub fn build(&self, dt: R) -> Result<Feedback<R>, Error> {
         require(self.position_gain.is_positive() && self.position_gain * dt < R::ONE, "position_gain")?;
         require(self.velocity_gain.is_positive(), "velocity_gain")?;
-        require(self.integral_time.is_positive() && self.integral_time > dt, "integral_time")?;
+        require(self.integral_time.is_positive() && self.integral_time >= dt, "integral_time")?;
         require(
             self.filter_corner.is_positive() && self.filter_corner > self.position_gain,
             "filter_corner",
@@ -141,6 +141,22 @@ mod tests {
         filter_corner: 1900.0,
         torque_limit: 2.4,
     };
+
+    #[test]
+    fn gains_that_make_no_cascade_are_refused_by_name() {
+        let refused = |params: FeedbackParams<f64>| params.build(DT).err();
+        let named = |what| Some(Error::OutOfRange(what));
+        assert_eq!(refused(FeedbackParams { filter_corner: 9.9e3, position_gain: 9.8e3, ..PARAMS }), None);
+        assert_eq!(refused(FeedbackParams { integral_time: DT, ..PARAMS }), None);
+        for gain in [0.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(refused(FeedbackParams { position_gain: gain, ..PARAMS }), named("position_gain"));
+        }
+        let fast = FeedbackParams { filter_corner: 2e4, position_gain: 1.0 / DT, ..PARAMS };
+        assert_eq!(refused(fast), named("position_gain"));
+        assert_eq!(refused(FeedbackParams { integral_time: 0.9 * DT, ..PARAMS }), named("integral_time"));
+        let slow = FeedbackParams { filter_corner: PARAMS.position_gain, ..PARAMS };
+        assert_eq!(refused(slow), named("filter_corner"));
+    }
 
     /// The torque that a count brings at once, by the built cascade.
     fn by_a_count(bits: i32) -> f64 {
