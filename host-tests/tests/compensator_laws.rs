@@ -58,6 +58,7 @@ impl Twins {
             let measured = Measurement {
                 period: f64::from(OBSERVER_PERIODS) * CONTROL_PERIOD,
                 motor: motor.angle,
+                motor_speed: motor.velocity,
                 reads_output,
                 motor_torque: core::mem::take(&mut latch) / f64::from(OBSERVER_PERIODS),
                 output_torque: None,

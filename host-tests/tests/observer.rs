@@ -34,6 +34,7 @@ fn measured(motor: Motion<f64>, reads_output: bool, motor_torque: f64) -> Measur
     Measurement {
         period: f64::from(OBSERVER_PERIODS) * CONTROL_PERIOD,
         motor: motor.angle,
+        motor_speed: motor.velocity,
         reads_output,
         motor_torque,
         output_torque: None,

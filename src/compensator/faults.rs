@@ -48,7 +48,7 @@ faults! {
     19 OUTPUT_ENCODER_OFF "output encoder off": "The output encoder disagrees with the torque through the gear; it is ignored until a reset.";
     20 TORQUE_SENSOR_OFF "torque sensor off": "The output's torque sensor disagrees with the motor; it is ignored until a reset.";
     21 CONTROL_OVERRUN "control overrun": "A control step lasted into the next period.";
-    22 RESTARTED "restarted": "The controller was restarted by its watchdog or after a fault; it waits for a reset.";
+    22 RESTARTED "restarted": "The controller was restarted by its watchdog or after a fault, or began on a joint that moved elsewhere than commanded; it waits for a reset.";
     23 FEEDBACK_REDUCED "feedback reduced": "The torsion at rest or the motor's torque kept oscillating; the feedback functions are reduced, down to the motor-side cascade, and come back slowly.";
 }
 

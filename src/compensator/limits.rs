@@ -27,10 +27,10 @@ impl<R: Real> Limits<R> {
         require(self.output_torque.is_positive(), "output_torque")
     }
 
-    /// Fastest speed of a setpoint of the output behind a ratio 1/n (rad/s): 95 % of the output's fastest speed, a
+    /// Fastest speed of a setpoint of the output behind a ratio 1/n (rad/s): 90 % of the output's fastest speed, a
     /// margin for overshoot.
     pub fn setpoint_speed(&self, n: i32) -> R {
-        R::lit(0.95) * self.output_speed(n)
+        R::lit(0.9) * self.output_speed(n)
     }
 
     /// Fastest speed of the output behind a ratio 1/n (rad/s).

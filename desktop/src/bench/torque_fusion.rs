@@ -61,6 +61,7 @@ fn error(file: &GearFile, record: &Record, seed: u64, mut gauges: Option<Gauges>
         }
         joint.step(&Measurement {
             motor: sample.motor_angle,
+            motor_speed: 0.0,
             reads_output: false,
             period: OBSERVER_PERIODS as f32 * joint.dt,
             motor_torque: core::mem::take(&mut motor_torque) / OBSERVER_PERIODS as f32,

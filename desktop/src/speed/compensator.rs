@@ -56,8 +56,14 @@ fn observer(joint: &JointParams<f32>) -> Result<Kernel, strainwave::Error> {
     Ok(Kernel::new("observer.step", floor::NAME, OBSERVER_STEPS, move || {
         for _ in 0..OBSERVER_STEPS {
             motor = motor.plus(period * SPEED);
-            let measured =
-                Measurement { motor, reads_output: false, period, motor_torque: TORQUE, output_torque: None };
+            let measured = Measurement {
+                motor,
+                motor_speed: SPEED,
+                reads_output: false,
+                period,
+                motor_torque: TORQUE,
+                output_torque: None,
+            };
             let mut faults = Faults::NONE;
             observer.step(&gear, &mut state, &measured, &GearCorrection::default(), false, &mut faults);
             black_box(&state);

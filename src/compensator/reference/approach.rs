@@ -11,7 +11,7 @@
 //! (dq_foreseen: the extrapolated speed; a_p: what the gear's protection admits,
 //! [`crate::compensator::actuate::protection::Protection::acceleration`]), for that is a step that would take a quarter of
 //! the motor's torque. The factors leave room for 10 % of inertia at the gear, and at the motor for its friction and the
-//! feedback, too. Then the reference approaches the setpoint within the joint's speed (95 %), a and a jerk of a in T_j = 5 ms,
+//! feedback, too. Then the reference approaches the setpoint within the joint's speed (90 %), a and a jerk of a in T_j = 5 ms,
 //! until it reaches it:
 //!
 //! ```text
@@ -103,6 +103,12 @@ impl<R: Real> Approach<R> {
     #[inline(always)]
     pub fn is_near(&self, distance: R) -> bool {
         distance.is_within(self.near)
+    }
+
+    /// A speed (rad/s) that is braked to rest within a distance at which a setpoint passes unchanged.
+    #[inline(always)]
+    pub fn stops_near(&self, velocity: R) -> bool {
+        R::lit(0.5) * velocity * velocity <= self.acceleration * self.near
     }
 
     /// The joint can follow from a reference to the setpoint after `time` (s); `slip` is s (rad).

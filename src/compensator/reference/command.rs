@@ -220,10 +220,10 @@ impl<R: Real> Commander<R> {
             && !following.error.is_within(self.lost + self.lag * state.velocity().abs())
             && moves_with(following.velocity, state.velocity());
         let mut detours = lost || state.reference.is_none();
+        let reached = || Setpoint { velocity: following.velocity, ..at_rest(output().0) };
         if lost {
             seldom();
-            let reached = Setpoint { velocity: following.velocity, ..at_rest(output().0) };
-            (state.reference, state.approaches) = (Some(reached), true);
+            (state.reference, state.approaches) = (Some(reached()), true);
         }
         state.unreadable = if readable { R::ZERO } else { (state.unreadable + time).min(R::ONE) };
         // An age that is not a number is stale.
@@ -237,7 +237,7 @@ impl<R: Real> Commander<R> {
                 let from = state.reference.unwrap_or_else(|| {
                     seldom();
                     state.waits = true;
-                    at_rest(output().0)
+                    reached()
                 });
                 let commanded = if readable {
                     setpoint
@@ -256,7 +256,7 @@ impl<R: Real> Commander<R> {
                 (Kind::Position, next, None)
             }
             Command::Velocity { velocity, acceleration } => {
-                let from = state.reference.unwrap_or_else(|| at_rest(output().0));
+                let from = state.reference.unwrap_or_else(reached);
                 let commanded = if stale { [R::ZERO; 2] } else { [velocity, acceleration] };
                 (Kind::Velocity, self.integrated(from, commanded, time, faults), None)
             }
@@ -301,7 +301,10 @@ impl<R: Real> Commander<R> {
         let mut faults = Faults::NONE;
         state.slip = R::ZERO;
         if state.waits && !self.approach.is_near(commanded.position.minus(from.position)) {
-            return (Setpoint { position: from.position, ..Setpoint::default() }, Faults::SETPOINT_STEP);
+            // A joint that moves when its control begins, elsewhere than commanded: most likely the controller has started again,
+            // and the encoders do not tell in which revolution the motor is.
+            faults.raise_if(!self.approach.stops_near(from.velocity), Faults::RESTARTED);
+            return (at_rest(from.position), faults.with(Faults::SETPOINT_STEP));
         }
         state.waits = false;
         let moved = commanded.position.counts.wrapping_sub(from.position.counts).unsigned_abs();
@@ -410,6 +413,23 @@ mod tests {
             let kept = reference(error, velocity);
             assert!(!kept.switched && kept.setpoint.velocity == 4.0, "{kept:?}");
         }
+    }
+
+    /// A reference begins with the output's speed. On an output that moves, but not where the setpoint is, it does not.
+    #[test]
+    fn a_reference_that_begins_in_motion_needs_a_setpoint_near_by() {
+        let status = CommandStatus { time: ROUND, age: 0.0, readable: true };
+        let begun = |at: f64, velocity: f64| {
+            let (mut state, mut faults) = (CommanderState::default(), Faults::NONE);
+            let output = || (Angle::from_radians_f64(0.3), velocity);
+            let following = Following { velocity, ..GOOD };
+            let command = moving(at, velocity);
+            let target = commander().step(&mut state, &command, status, following, output, &mut faults);
+            (target.setpoint.velocity, faults)
+        };
+        assert_eq!(begun(0.3 + 3.0 * ROUND, 3.0), (3.0, Faults::NONE));
+        assert_eq!(begun(0.1, 0.02), (0.0, Faults::SETPOINT_STEP));
+        assert_eq!(begun(0.1, 3.0), (0.0, Faults::SETPOINT_STEP.with(Faults::RESTARTED)));
     }
 
     /// An output that a load pushes away from a reference at rest is not followed.

@@ -9,7 +9,9 @@
 //! was accepted. a is the acceleration of the rotor alone by the largest torques of motor, gear (twice its peak rating)
 //! and friction, with half as much again for their uncertainty; the sixteenth of the step is for an unmeasured clock. A
 //! refused reading is replaced by the predicted one, so that single bad frames do not disturb the joint. Counts are
-//! within the revolution, so that the first accepted reading after a few refused ones gives the right angle.
+//! within the revolution, so that the first accepted reading after a few refused ones gives the right angle. The second
+//! reading of all may be anywhere that the motor's fastest speed admits: a joint that moves when its controller starts has its
+//! speed from two readings.
 //!
 //! Error counter: +10 for a refused reading, -4 for an accepted one: a reading in four may be bad. At 200, 2 ms of bad
 //! frames, the angle is lost and the next valid count begins a new one, which is used after a reset only.
@@ -28,6 +30,10 @@ use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::{RADIANS_PER_COUNT, Real};
+
+/// The error counter after the first reading, which the next one confirms. It is odd then and at no other time: increment and
+/// decrement are even.
+const UNCONFIRMED: u32 = 1;
 
 /// Increment of the error counter by a refused reading.
 const ERROR_INCREMENT: u32 = 10;
@@ -50,9 +56,10 @@ fn error_count_limit() -> u32 {
 pub struct MotorEncoder<R> {
     /// From raw counts to counts of 2^32 a revolution.
     shift: u32,
-    /// a*dt^2 and the noise, in counts of 2^32 a revolution.
+    /// a*dt^2, the noise, and the fastest speed times dt, in counts of 2^32 a revolution.
     reach: u32,
     noise: u32,
+    fastest: u32,
     dt: R,
     inverse_dt: R,
 }
@@ -100,16 +107,29 @@ impl<R: Real> MotorEncoder<R> {
         let gear_torque = R::lit(2.0) * limits.output_torque / R::from_i32(gear.ratio).abs();
         let torque = limits.motor_torque + gear_torque + gear.input_friction.forward.static_level;
         let acceleration = R::lit(DETECTION_MARGIN.get()) * torque / gear.wave_generator_inertia;
-        let reach = (acceleration * dt * dt * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs();
+        let counts = |angle: R| (angle * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs();
         let shift = 32 - bits;
-        Ok(Self { shift, reach, noise: (ENCODER_NOISE.get() as u32) << shift, dt, inverse_dt: R::ONE / dt })
+        Ok(Self {
+            shift,
+            reach: counts(acceleration * dt * dt),
+            noise: (ENCODER_NOISE.get() as u32) << shift,
+            fastest: counts(limits.motor_speed * dt),
+            dt,
+            inverse_dt: R::ONE / dt,
+        })
     }
 
     /// The same in front of a belt: the motor's acceleration is not the wave generator's.
     #[must_use]
     pub fn in_front_of(self, pulleys: &Pulleys<R>) -> Self {
-        let reach = R::from_i32(self.reach.min(i32::MAX.cast_unsigned()).cast_signed()) / pulleys.ratio();
-        Self { reach: if pulleys.are_present() { reach.to_i32().unsigned_abs() } else { self.reach }, ..self }
+        if !pulleys.are_present() {
+            return self;
+        }
+        let at_motor = |counts: u32| {
+            let counts = R::from_i32(counts.min(i32::MAX.cast_unsigned()).cast_signed());
+            (counts / pulleys.ratio()).to_i32().unsigned_abs()
+        };
+        Self { reach: at_motor(self.reach), fastest: at_motor(self.fastest), ..self }
     }
 
     /// Where the shift lies in memory, in bytes.
@@ -123,6 +143,12 @@ impl<R: Real> MotorEncoder<R> {
     /// Resolution that this shift brings to 2^32 counts a revolution.
     pub(crate) const fn bits_of(shift: u32) -> u32 {
         32 - shift
+    }
+
+    /// Speed in the last control period (rad/s).
+    #[inline(always)]
+    pub fn speed(&self, state: &MotorEncoderState) -> R {
+        R::from_i32(state.step) * (R::lit(RADIANS_PER_COUNT) * self.inverse_dt)
     }
 
     /// Takes a raw count whose frame was `valid`; the second value: it is accepted, as the one before it was.
@@ -145,7 +171,7 @@ impl<R: Real> MotorEncoder<R> {
             self.foreseen(state, elapsed.time * self.inverse_dt)
         };
         if !(sound && state.accepted && self.admits(&foreseen, delta)) {
-            return (self.unusual(state, phase, sound, elapsed, faults), false);
+            return (self.irregular(state, phase, sound, elapsed, faults), false);
         }
         state.step = delta;
         if !elapsed.regular {
@@ -171,10 +197,10 @@ impl<R: Real> MotorEncoder<R> {
         moved.wrapping_sub(foreseen.moved).unsigned_abs() <= reach
     }
 
-    /// The first reading, one that is refused, or the first after one that was.
+    /// The first reading, a second that shows a motion, one that is refused, or the first after one that was.
     #[cold]
     #[inline(never)]
-    fn unusual(
+    fn irregular(
         &self,
         state: &mut MotorEncoderState,
         phase: u32,
@@ -187,6 +213,7 @@ impl<R: Real> MotorEncoder<R> {
             *state = MotorEncoderState {
                 phase,
                 counts,
+                error_count: UNCONFIRMED,
                 started: true,
                 accepted: true,
                 ..MotorEncoderState::default()
@@ -194,8 +221,12 @@ impl<R: Real> MotorEncoder<R> {
             return state.reading(phase, 0, true);
         }
         let periods = elapsed.time * self.inverse_dt;
-        let foreseen = self.foreseen(state, periods);
+        let mut foreseen = self.foreseen(state, periods);
         let delta = phase.wrapping_sub(state.phase).cast_signed();
+        if state.error_count == UNCONFIRMED {
+            let fastest = self.fastest.saturating_mul(state.whole_periods(periods));
+            foreseen.reach = foreseen.reach.saturating_add(fastest);
+        }
         state.accepted = sound && state.started && self.admits(&foreseen, delta);
         if state.accepted {
             let whole = state.whole_periods(periods).clamp(1, 1000).cast_signed();
@@ -206,7 +237,7 @@ impl<R: Real> MotorEncoder<R> {
         }
         faults.raise_if(true, Faults::MOTOR_ENCODER_JUMP);
         state.refused = state.refused.saturating_add(1);
-        state.error_count += ERROR_INCREMENT;
+        state.error_count = (state.error_count & !UNCONFIRMED) + ERROR_INCREMENT;
         if state.error_count >= error_count_limit() {
             faults.raise_if(true, Faults::MOTOR_ENCODER_LOST);
             let counts = state.counts;
@@ -251,6 +282,7 @@ mod tests {
             shift: 32 - BITS,
             reach,
             noise: (ENCODER_NOISE.get() as u32) << (32 - BITS),
+            fastest: (586.0 * CONTROL_PERIOD / RADIANS_PER_COUNT) as u32,
             dt: CONTROL_PERIOD,
             inverse_dt: 1.0 / CONTROL_PERIOD,
         }
@@ -305,6 +337,19 @@ mod tests {
         for (k, (at, accepted, lost)) in (2..20).zip(seen) {
             assert_eq!((accepted, lost), (k != 10, false), "{k}");
             assert!((at - angle(k)).abs() < 4.0 * COUNT, "{k}: {at}");
+        }
+    }
+
+    /// A joint that moves when its controller starts has its angle and speed at once, unless it is faster than it can be.
+    #[test]
+    fn a_motion_that_has_begun_is_accepted() {
+        for (speed, possible) in [(-580.0, true), (300.0, true), (900.0, false)] {
+            let angle = |k: i32| 0.3 + speed * CONTROL_PERIOD * f64::from(k);
+            let seen = go(&mut MotorEncoderState::default(), (0..5).map(|k| count(angle(k))));
+            for (k, (at, accepted, _)) in (0..5).zip(seen) {
+                assert_eq!(accepted, possible || k == 0, "{speed} {k}");
+                assert!(!accepted || (at - angle(k)).abs() < COUNT, "{speed} {k}: {at}");
+            }
         }
     }
 

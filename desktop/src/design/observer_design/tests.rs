@@ -129,6 +129,7 @@ impl Twin {
             let measured = Measurement {
                 period: f64::from(OBSERVER_PERIODS) * CONTROL_PERIOD,
                 motor: motor.angle,
+                motor_speed: motor.velocity,
                 reads_output: reading.is_some(),
                 motor_torque: std::mem::take(&mut torque) / f64::from(OBSERVER_PERIODS),
                 output_torque: None,

@@ -63,6 +63,7 @@ use crate::belt::SeriesBelt;
 use crate::branch::seldom;
 use crate::compensator::faults::Faults;
 use crate::compensator::{Estimate, RealTimeGear};
+use crate::compensator::schedule::CONTROL_PERIOD;
 use crate::constants::constants;
 use crate::real::{RADIANS_PER_COUNT, Real};
 use deviation::{Magnitudes, Uncertainty};
@@ -99,6 +100,7 @@ use range::Range;
 ///     if period % OBSERVER_PERIODS == OBSERVER_PERIODS - 1 {
 ///         let measured = Measurement {
 ///             motor: motor.angle,
+///             motor_speed: motor.velocity,
 ///             reads_output: false,
 ///             period: OBSERVER_PERIODS as f32 * dt,
 ///             motor_torque: torque / OBSERVER_PERIODS as f32,
@@ -143,6 +145,8 @@ pub struct Observer<R> {
 pub struct Measurement<R> {
     /// Unbounded angle of the motor.
     pub motor: Angle<R>,
+    /// Its speed in the last control period (rad/s): what the observer starts from, and nothing else.
+    pub motor_speed: R,
     /// A reading of the output encoder of this step follows ([`Observer::correct_output`]).
     pub reads_output: bool,
     /// Time since the last step of the observer (s).
@@ -219,11 +223,14 @@ impl<R: Real> Observer<R> {
         rests: bool,
         faults: &mut Faults,
     ) {
-        // By its numbers: of a reference the hot path would write the measurement to memory.
-        let first = (measured.motor, measured.motor_torque, measured.output_torque.is_some());
         if !state.started {
             seldom();
-            return self.first(gear, state, first);
+            // By its numbers: of a reference the hot path would write the measurement to memory.
+            let moved = measured.motor_speed * R::lit(CONTROL_PERIOD);
+            let stands = moved.is_within(self.motion_threshold_angle);
+            let speed = if stands { R::ZERO } else { measured.motor_speed };
+            let torques = (measured.motor_torque, measured.output_torque.is_some());
+            return self.first(gear, state, (measured.motor, speed), torques);
         }
         let (motor, residual) = (state.motor, state.motor_residual);
         let ends = Ends {
@@ -356,21 +363,22 @@ impl<R: Real> Observer<R> {
         state.gear.shape(gear, order_two, stiffening);
     }
 
-    /// The first step, also after a reset: the joint rests, with its torques unknown. From the motor's angle and torque (N m), and
-    /// that there is a gauge.
+    /// The first step, also after a reset: the joint moves as its motor does, with its torques unknown. From the motor's angle,
+    /// speed (rad/s) and torque (N m), and that there is a gauge.
     #[cold]
     #[inline(never)]
     fn first(
         &self,
         gear: &RealTimeGear<R>,
         state: &mut ObserverState<R>,
-        (motor, motor_torque, gauge): (Angle<R>, R, bool),
+        (motor, motor_speed): (Angle<R>, R),
+        (motor_torque, gauge): (R, bool),
     ) {
         state.motor = motor;
         state.motor_residual = R::ZERO;
-        state.wave_generator_speed = R::ZERO;
+        state.wave_generator_speed = motor_speed;
         state.link_offset = state.gear.start_at(gear, motor);
-        state.flange_speed = R::ZERO;
+        state.flange_speed = self.multi_rate.ratio() * motor_speed;
         state.motor_torque = motor_torque;
         state.external_torque = R::ZERO;
         state.stiffness_torque = R::ZERO;

@@ -267,10 +267,11 @@ impl<R: Real> Rotor<R> {
         let mean = R::lit(0.5) * (torque + applied_before);
         let balance = self.n * (mean - inertial - state.friction);
         if state.rounds < 2 {
-            // Two speeds make an acceleration.
+            // Two speeds make an acceleration. The output has the motor's: the joint may move when it begins.
             seldom();
             state.rounds += 1;
             (state.least, state.most) = (torque, torque);
+            state.output_speed = speed * self.inverse_n;
             return;
         }
         let stopping = R::lit(largest_torque()) * (torque.abs() + (state.gear_torque * self.inverse_n).abs())
