@@ -7,6 +7,7 @@
 mod bench;
 mod budget;
 mod check;
+mod connect;
 mod design;
 mod experiment;
 mod export;
@@ -65,6 +66,7 @@ enum Command {
     Bench(bench::Arguments),
     Budget(budget::Arguments),
     Check(check::Arguments),
+    Connect(connect::Arguments),
     Design(design::Arguments),
     Experiment(experiment::Arguments),
     Export(export::Arguments),
@@ -87,6 +89,7 @@ fn run(command: Command) -> Result<Figures, BadInput> {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Budget(arguments) => budget::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Connect(arguments) => connect::run(&arguments),
         Command::Design(arguments) => design::run(&arguments),
         Command::Experiment(arguments) => experiment::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),

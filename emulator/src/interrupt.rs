@@ -17,6 +17,10 @@ const SHELL_OFFSET: i32 = 128;
 
 static ENDING: AtomicBool = AtomicBool::new(false);
 
+/// The first interrupt is to set the flag, and has.
+static STOPPABLE: AtomicBool = AtomicBool::new(false);
+static STOPPED: AtomicBool = AtomicBool::new(false);
+
 /// Actions of an interrupt before the end, the last one first.
 static CLEAN_UPS: Mutex<Vec<fn()>> = Mutex::new(Vec::new());
 
@@ -34,8 +38,21 @@ pub fn end_in_order() {
         let expected = [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| !ignored(&status, *signal));
         // Without a handler the kernel still ends the emulators.
         let Ok(mut signals) = Signals::new(expected) else { return };
-        std::thread::spawn(move || signals.forever().next().map(end));
+        std::thread::spawn(move || signals.forever().find(|_| !stops()).map(end));
     });
+}
+
+/// From now on the first interrupt only sets the flag that is given: work that goes on until it is interrupted ends in order, with what it
+/// has. Another interrupt ends the program.
+pub fn first_stops() -> &'static AtomicBool {
+    STOPPABLE.store(true, Ordering::SeqCst);
+    end_in_order();
+    &STOPPED
+}
+
+/// This interrupt is the first of a program that stops at it.
+fn stops() -> bool {
+    STOPPABLE.load(Ordering::SeqCst) && !STOPPED.swap(true, Ordering::SeqCst)
 }
 
 fn end(signal: i32) {
@@ -64,6 +81,16 @@ pub fn hold_if_ending() {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The only test here that asks for it: the flags are the program's.
+    #[test]
+    fn the_first_interrupt_of_work_without_an_end_only_stops_it() {
+        assert!(!stops());
+        let stopped = first_stops();
+        assert!(!stopped.load(Ordering::SeqCst));
+        assert!(stops() && stopped.load(Ordering::SeqCst));
+        assert!(!stops());
+    }
 
     #[test]
     fn an_ignored_signal_is_seen_in_the_mask() {

@@ -4,12 +4,12 @@
 //! | --- | --- |
 //! | [`store`] | words that survive power loss, in two areas of NOR flash |
 //! | `simulation` | flash whose power fails, lines that garble: on the host, with the feature of that name |
-//! | [`tuning`] | the link that reads a joint and tunes it at run time, over any byte transport |
+//! | [`tuning`] | the link that reads a joint and tunes it at run time, over any byte transport; its host's side with the feature `client` |
 //!
 //! `no_std`, no allocation; no function panics on any bytes that flash or transport hand over.
 #![no_std]
 
-#[cfg(any(test, feature = "simulation"))]
+#[cfg(any(test, feature = "client", feature = "simulation"))]
 extern crate std;
 
 #[cfg(any(test, feature = "simulation"))]

@@ -3,6 +3,7 @@
 mod bad_input;
 mod belt;
 mod bench;
+mod connect;
 mod design;
 mod documentation;
 mod example_logs;
@@ -19,5 +20,6 @@ mod operator;
 mod own_joint;
 mod robot;
 mod sensors;
+mod served;
 mod set_up;
 mod trajectory;

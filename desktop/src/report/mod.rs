@@ -1,5 +1,5 @@
 //! Report: one HTML page that needs nothing but itself, with a chapter for each part of the model; and another of an
-//! identification.
+//! identification, and one of what a joint has sent.
 //!
 //! A chapter is a file (or folder) here with one function of the gear file; `CHAPTERS` lists them. Pictures are
 //! inline SVG, drawn for paper; the style sheet turns their black and white around on a dark screen.
@@ -15,6 +15,7 @@ mod paper;
 mod picture;
 mod pictures;
 pub mod plot;
+pub mod recording;
 mod scenarios;
 mod two_port;
 

@@ -6,7 +6,8 @@ use std::vec::Vec;
 use embedded_hal_nb::nb;
 use embedded_hal_nb::serial::{ErrorType, Read, Write};
 use strainwave::compensator::adapt::learning::Learnt;
-use strainwave::compensator::{CompensationGains, Compensator, Directions, Input, State};
+use strainwave::compensator::words::{self, LAYOUT};
+use strainwave::compensator::{CompensationGains, Compensator, Directions, Input, State, Status};
 
 use crate::tuning::{Answer, Hello, Joint, Order, Reading, StoreState, Trial, TuningLink};
 
@@ -72,6 +73,8 @@ pub struct RestingJoint {
     pub may_write: bool,
     /// Its sensors give nothing: it takes no order.
     pub stands_still: bool,
+    /// What its board reports with the next step.
+    pub status: Status,
     /// Gains of its last step.
     pub gains: Directions<f32>,
     trial: Trial,
@@ -92,6 +95,7 @@ impl Default for RestingJoint {
             kept: None,
             may_write: true,
             stands_still: false,
+            status: Status::FINE,
             gains: Directions::default(),
             trial: Trial::NONE,
             did: Vec::new(),
@@ -108,7 +112,8 @@ impl RestingJoint {
         }
         self.gains =
             self.trial.in_place_of(CompensationGains { friction: 0.8, ..CompensationGains::ALL }.into());
-        let input = Input { gains: self.gains, ..Input::default() };
+        let status = std::mem::take(&mut self.status);
+        let input = Input { gains: self.gains, status, ..Input::default() };
         let output = self.compensator.step(&mut self.state, &input);
         match self.order.take() {
             Some(Order::Read) => self.answer = Some(Answer::Reading(Reading::new(self.period, &output))),
@@ -133,7 +138,8 @@ impl RestingJoint {
 impl Joint for RestingJoint {
     fn hello(&mut self) -> Hello {
         let store = if self.kept.is_some() { StoreState::Sound } else { StoreState::Empty };
-        Hello { gear: Hello::name("hd25-100"), layout: 1, joint: 2, rate: 10_000, store }
+        let joint = words::identity(&self.compensator.to_words());
+        Hello { gear: Hello::name("hd25-100"), layout: LAYOUT, joint, rate: 10_000, store }
     }
 
     fn now(&self) -> u32 {

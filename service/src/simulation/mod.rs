@@ -3,4 +3,5 @@
 pub mod cuts;
 pub mod flash;
 pub mod frames;
+pub mod host;
 pub mod joint;

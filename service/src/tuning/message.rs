@@ -30,6 +30,29 @@ pub enum Request {
     Stream(#[serde(with = "postcard::fixint::le")] u16),
 }
 
+impl Request {
+    /// Its name.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Hello => "hello",
+            Self::Read => "read",
+            Self::Gains => "gains",
+            Self::SetGain(..) => "set gain",
+            Self::Reset => "reset",
+            Self::Learnt => "learnt",
+            Self::Stored => "stored",
+            Self::Keep => "keep",
+            Self::Erase => "erase",
+            Self::Stream(_) => "stream",
+        }
+    }
+
+    /// It writes the flash of the store.
+    pub const fn writes(&self) -> bool {
+        matches!(self, Self::Keep | Self::Erase)
+    }
+}
+
 /// The joint's answer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Reply {
@@ -77,6 +100,16 @@ impl Hello {
             *place = *byte;
         }
         name
+    }
+
+    /// The gear's name; what is no text of it is left out.
+    pub fn gear(&self) -> &str {
+        let name = self.gear.split(|byte| *byte == 0).next().unwrap_or_default();
+        let text = core::str::from_utf8(name);
+        text.unwrap_or_else(|error| {
+            let valid = name.get(..error.valid_up_to()).unwrap_or_default();
+            core::str::from_utf8(valid).unwrap_or_default()
+        })
     }
 }
 

@@ -9,8 +9,11 @@
 //! checksum is dropped without an answer; one of another [`VERSION`] is answered by [`Refusal::Version`] and does nothing, whatever its message.
 //!
 //! A joint serves one request at a time, outside of its control interrupt ([`link`]). Nothing that comes over the link switches a drive on
-//! but [`Request::Reset`], which leads from Safe to Ready. Gains that are set are tried: [`trial`].
+//! but [`Request::Reset`], which leads from Safe to Ready. Gains that are set are tried: [`trial`]. The host's side is in `client`, with the feature of
+//! that name.
 
+#[cfg(any(test, feature = "client"))]
+pub mod client;
 pub mod frame;
 pub mod link;
 mod message;
