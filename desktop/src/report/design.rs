@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use strainwave::compensator::tuned::Tuned;
+
 use crate::design::cascade_rule::CascadeGains;
 use crate::design::corners::{Corner, Point};
 use crate::design::judge::{Judged, Unstable, judge, unstable};
@@ -12,6 +14,7 @@ use crate::design::parts::Parts;
 use crate::design::plant::Plant;
 use crate::design::poles;
 use crate::design::required;
+use crate::design::tuned;
 use crate::design::variant::Variant;
 use crate::io::figure::{Figure, number};
 use crate::io::gear_file::GearFile;
@@ -124,44 +127,41 @@ impl Report {
             [name.to_owned(), number(value), unit.to_owned(), rule.to_owned()]
         };
         let [k_p, k_v, t_i, omega_f] = self.cascade_rules();
+        let outer = |constant: Tuned| format!("level * {} omega_o", constant.get());
+        let integral = |constant: Tuned| format!("{}, 0 without output encoder", outer(constant));
+        let damping = |ratio: Tuned| format!("level * 2*{}/sqrt(K1/J_fs)", ratio.get());
+        let of_mode = |constant: Tuned| format!("{} sqrt(K1/J_fs)", constant.get());
+        let stiffening = |fraction: Tuned| format!("level * {}, at least zeta/T(omega)", fraction.get());
+        let wind_up = format!("level * {}", tuned::FAST_SHARE.get());
         let mut rows = vec![
             row("cascade k_p", f.position_gain, "1/s", k_p),
             row("cascade k_v", f.velocity_gain, "N m s/rad", k_v),
             row("cascade T_i", f.integral_time, "s", t_i),
             row("cascade omega_f", f.filter_corner, "rad/s", omega_f),
-            row("disturbance omega_l", d.slow_corner, "rad/s", "level * 0.2 omega_o"),
+            row("disturbance omega_l", d.slow_corner, "rad/s", &outer(tuned::SLOW_CORNER)),
             row("disturbance omega_f", d.fast_corner, "rad/s", "level / lateness"),
-            row("disturbance s", d.wind_up_fraction, "1", "level * 0.5"),
+            row("disturbance s", d.wind_up_fraction, "1", &wind_up),
             row("disturbance z_0", d.dead_zone, "N m", "static friction of both sides"),
             row("disturbance t", d.tolerance, "1", "N (torque constant + rotor)"),
         ];
         for (set, b) in SensorSet::ALL.into_iter().zip(output_feedback) {
             let name = |what: &str| format!("output feedback {what} ({})", set.name());
-            rows.push(row(&name("b"), b.damping, "s", "level * 2*0.125/sqrt(K1/J_fs)"));
-            rows.push(row(&name("k"), b.integral, "1/s", "level * 0.3 omega_o, 0 without output encoder"));
-            rows.push(row(
-                &name("k at rest"),
-                b.integral_at_rest,
-                "1/s",
-                "level * 0.25 omega_o, 0 without output encoder",
-            ));
-            rows.push(row(&name("omega_y"), b.filter_corner, "rad/s", "1.5 sqrt(K1/J_fs)"));
+            rows.extend([
+                row(&name("b"), b.damping, "s", &damping(tuned::ADDED_DAMPING)),
+                row(&name("k"), b.integral, "1/s", &integral(tuned::INTEGRAL)),
+                row(&name("k at rest"), b.integral_at_rest, "1/s", &integral(tuned::INTEGRAL_AT_REST)),
+                row(&name("omega_y"), b.filter_corner, "rad/s", &of_mode(tuned::FILTER_CORNER)),
+            ]);
         }
-        rows.push(row("measured feedback P", m.proportional, "1", "level * 0.4, at least zeta/T(omega)"));
-        rows.push(row(
-            "measured feedback P at rest",
-            m.proportional_at_rest,
-            "1",
-            "level * 0.26, at least zeta/T(omega)",
-        ));
-        rows.push(row("measured feedback D", m.derivative, "s", "level * 2*0.4/sqrt(K1/J_fs)"));
-        rows.push(row(
-            "measured feedback D at rest",
-            m.derivative_at_rest,
-            "s",
-            "level * 2*0.55/sqrt(K1/J_fs)",
-        ));
-        rows.push(row("measured feedback omega_m", m.corner, "rad/s", "5 sqrt(K1/J_fs)"));
+        let name = |what: &str| format!("measured feedback {what}");
+        let (p, p_at_rest) = (stiffening(tuned::PROPORTIONAL), stiffening(tuned::PROPORTIONAL_AT_REST));
+        rows.extend([
+            row(&name("P"), m.proportional, "1", &p),
+            row(&name("P at rest"), m.proportional_at_rest, "1", &p_at_rest),
+            row(&name("D"), m.derivative, "s", &damping(tuned::MEASURED_DAMPING)),
+            row(&name("D at rest"), m.derivative_at_rest, "s", &damping(tuned::MEASURED_DAMPING_AT_REST)),
+            row(&name("omega_m"), m.corner, "rad/s", &of_mode(tuned::MEASURED_CORNER)),
+        ]);
         rows
     }
 
