@@ -118,7 +118,15 @@ pub fn targets() -> Result<Vec<String>, Error> {
 /// # Errors
 /// [`Error::UnknownBoard`], [`Error::Joint`], [`Error::Setup`], or [`Error::Build`].
 pub fn build(board: &str, joint: Option<&Path>) -> Result<Firmware, Error> {
-    link(board, &control(board), joint.map(Joint::read).transpose()?.as_ref())
+    link(board, &control(board), &[], joint.map(Joint::read).transpose()?.as_ref())
+}
+
+/// Builds the firmware of `board` that serves the tuning link too, for the joint in a file of `strainwave export`.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_served(board: &str, joint: &Path) -> Result<Firmware, Error> {
+    link(board, SERVED, &["served"], Some(&Joint::read(joint)?))
 }
 
 /// The program of a board that controls the joint.
@@ -131,10 +139,13 @@ pub fn control(board: &str) -> String {
 /// # Errors
 /// As [`build`].
 pub fn build_program(board: &str, program: &str) -> Result<Firmware, Error> {
-    link(board, program, None)
+    link(board, program, &[], None)
 }
 
-fn link(board: &str, program: &str, joint: Option<&Joint>) -> Result<Firmware, Error> {
+/// The program that serves the tuning link beside the control.
+const SERVED: &str = "strainwave-served";
+
+fn link(board: &str, program: &str, features: &[&str], joint: Option<&Joint>) -> Result<Firmware, Error> {
     let compiler = setup::compiler(&setup::ThisHost, &target(board)?)?;
     let output = folder().join("target");
     let images = output.join("images");
@@ -155,9 +166,10 @@ fn link(board: &str, program: &str, joint: Option<&Joint>) -> Result<Firmware, E
     lock.lock()?;
     // Whoever had the lock may have built it.
     if !image.is_fresh() {
-        let joint_file =
-            joint.map(|joint| Ok::<_, io::Error>((joint.keep(&images)?, joint.has_belt()))).transpose()?;
-        run(&compiler, board, program, joint_file, &output)?;
+        let joint_file = joint.map(|joint| joint.keep(&images)).transpose()?;
+        let belt = joint.filter(|joint| joint.has_belt()).map(|_| "belt");
+        let features: Vec<_> = features.iter().copied().chain(belt).collect();
+        run(&compiler, board, (program, &features), joint_file, &output)?;
         image.keep(&output.join(&compiler.target).join("release").join(program))?;
     }
     Ok(made())
@@ -239,8 +251,8 @@ impl Joint {
 fn run(
     compiler: &Compiler,
     board: &str,
-    program: &str,
-    joint: Option<(PathBuf, bool)>,
+    (program, features): (&str, &[&str]),
+    joint: Option<PathBuf>,
     target: &Path,
 ) -> Result<(), Error> {
     let mut command = compiler.build_command();
@@ -249,8 +261,9 @@ fn run(
     command
         .args(["--quiet", "--locked", "--package", &control(board), "--bin", program, "--target-dir"])
         .arg(target);
-    if let Some((joint, has_belt)) = joint {
-        command.env("STRAINWAVE_JOINT", joint).args(has_belt.then_some("--features=belt"));
+    command.args(features.iter().map(|feature| format!("--features={feature}")));
+    if let Some(joint) = joint {
+        command.env("STRAINWAVE_JOINT", joint);
     }
     let output = command.output()?;
     if output.status.success() {

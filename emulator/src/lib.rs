@@ -14,6 +14,7 @@ pub mod pil;
 mod process;
 pub mod rerun;
 mod scratch;
+pub mod served;
 pub mod setup;
 mod sources;
 pub mod target;

@@ -13,7 +13,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{CWD, Mode, OFlags, mkfifoat};
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Write};
-use std::os::unix::fs::OpenOptionsExt;
+use std::os::unix::fs::{OpenOptionsExt, symlink};
 use std::path::{Path, PathBuf};
 use std::process::ExitStatus;
 use std::sync::Arc;
@@ -84,11 +84,13 @@ pub struct Options {
     pub patience: Duration,
     /// More arguments for QEMU, such as a plugin.
     pub arguments: Vec<String>,
+    /// Files that the image opens by a name of its own, by their absolute path.
+    pub files: Vec<(String, PathBuf)>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { shift: SHIFT, patience: PATIENCE, arguments: Vec::new() }
+        Self { shift: SHIFT, patience: PATIENCE, arguments: Vec::new(), files: Vec::new() }
     }
 }
 
@@ -133,6 +135,9 @@ impl Machine {
         let directory = Scratch::new("machine")?;
         let sensors = fifo(&directory.path().join("sensors.fifo"))?;
         let command = fifo(&directory.path().join("command.fifo"))?;
+        for (name, file) in &options.files {
+            symlink(file, directory.path().join(name))?;
+        }
         let process = Process::start(&program, &arguments, directory)?;
         Ok(Self { sensors, command, process, elf, patience: options.patience })
     }
@@ -200,6 +205,11 @@ impl Machine {
     /// Process id of the emulator.
     pub fn id(&self) -> u32 {
         self.process.id()
+    }
+
+    /// The folder that the emulator works in; gone with the machine.
+    pub fn directory(&self) -> &Path {
+        self.process.directory()
     }
 
     /// Every line of telemetry so far.

@@ -279,11 +279,27 @@ fn require_emulated(board: &str) -> Result<(), Error> {
 /// # Errors
 /// As [`firmware::build`]; a gear that no compensator can be built from.
 pub fn build(board: &str, file: &GearFile) -> Result<Firmware, firmware::Error> {
+    with_joint_file(file, |joint| firmware::build(board, Some(joint)))
+}
+
+/// Builds a board's firmware that serves the tuning link too.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_served(board: &str, file: &GearFile) -> Result<Firmware, firmware::Error> {
+    with_joint_file(file, |joint| firmware::build_served(board, joint))
+}
+
+/// Builds with a file of the joint's constants.
+fn with_joint_file(
+    file: &GearFile,
+    build: impl FnOnce(&Path) -> Result<Firmware, firmware::Error>,
+) -> Result<Firmware, firmware::Error> {
     let export = Export::of(file).map_err(std::io::Error::other)?;
     let folder = Scratch::new("joint")?;
     let generated = folder.path().join("joint.rs");
     std::fs::write(&generated, export.rust())?;
-    firmware::build(board, Some(&generated))
+    build(&generated)
 }
 
 /// Runs a trial with the firmware and, from rest, every baseline that its sensors allow side by side, and counts what the control step costs

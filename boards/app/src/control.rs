@@ -2,6 +2,7 @@
 
 use crate::telemetry::{Record, Sender};
 use crate::{Compensator, State};
+use strainwave::compensator::adapt::learning::Learnt;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::{Commanded, Input, Output, Status};
 
@@ -19,6 +20,10 @@ pub trait Board {
     fn command(&mut self, torque: f32);
     /// Reports all outputs of the step, computed on request only.
     fn report(&mut self, output: impl FnOnce() -> Output<f32>);
+    /// What the step has learnt so far, computed on request only: for a board that stores it.
+    fn learnt(&mut self, learnt: impl FnOnce() -> Learnt<f32>) {
+        let _ = learnt;
+    }
     /// Takes the torque off the motor: there is no input to control it with.
     fn release(&mut self);
     /// Tells the watchdog that this period was completed: the command is out, or the motor released.
@@ -64,6 +69,11 @@ impl<B: Board> Control<B> {
             status,
             missed: 0,
         }
+    }
+
+    /// Begins with what the joint has learnt before, in the place of nothing: before the first period.
+    pub fn start_from(&mut self, learnt: &Learnt<f32>) {
+        self.state = self.compensator.rest_with(learnt);
     }
 
     /// One period: called from the board's control interrupt, never blocks on telemetry.
@@ -118,6 +128,7 @@ impl<B: Board> Control<B> {
     #[inline(never)]
     fn answer(&mut self) {
         self.board.report(|| self.compensator.output(&self.state));
+        self.board.learnt(|| self.compensator.learnt(&self.state));
     }
 
     /// A record of the step to the telemetry.

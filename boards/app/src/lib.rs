@@ -14,6 +14,8 @@ pub mod literal_mesh;
 pub mod logger;
 #[cfg(target_os = "none")]
 mod panic;
+#[cfg(feature = "served")]
+pub mod served;
 pub mod slot;
 pub mod telemetry;
 pub mod torque_gauges;

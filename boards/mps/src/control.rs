@@ -49,6 +49,15 @@ pub fn start<M: Machine>(
     telemetry: &'static mut Telemetry,
 ) -> ! {
     let (sender, log) = telemetry.split();
+    let (board, compensator) = prepare();
+    put(place, slot, board, compensator, sender);
+    idle::<M>(log, || ())
+}
+
+/// The board and its joint's compensator; without one of them the image ends, after saying why.
+// Always inlined: a call of its own costs the image 40 bytes.
+#[inline(always)]
+pub(crate) fn prepare<M: Machine>() -> (Board<M>, &'static Compensator) {
     uart::enable::<M>();
     let Some(link) = Link::open() else {
         defmt::error!("sensors.fifo or command.fifo does not open");
@@ -56,10 +65,7 @@ pub fn start<M: Machine>(
     };
     let board = Board { link, machine: PhantomData };
     match Compensator::from_words(&joint::WORDS) {
-        Ok(compensator) => {
-            put(place, slot, board, compensator, sender);
-            idle::<M>(log)
-        }
+        Ok(compensator) => return (board, compensator),
         Err(bad) => defmt::error!("joint {=str}: {=str}", joint::GEAR, bad.reason()),
     }
     fault::fail()
@@ -77,11 +83,13 @@ fn put<M: Machine>(
     }
 }
 
-fn idle<M: Machine>(mut log: Log) -> ! {
+/// Starts the control, and reports and does what else there is to do in each period until the host closes the link.
+pub(crate) fn idle<M: Machine>(mut log: Log, mut work: impl FnMut()) -> ! {
     watchdog::start::<M>();
     timer::start::<M>();
     while !link::ended() {
         log.drain();
+        work();
         cortex_m::asm::wfi();
     }
     watchdog::stop::<M>();

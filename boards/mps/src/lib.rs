@@ -8,9 +8,15 @@
 mod control;
 pub mod counted;
 pub mod fault;
+#[cfg(feature = "served")]
+mod flash_file;
 pub mod link;
 mod macros;
 mod register;
+#[cfg(feature = "served")]
+pub mod serial;
+#[cfg(feature = "served")]
+pub mod served;
 mod stack;
 pub mod timer;
 pub mod uart;

@@ -3,15 +3,15 @@
 use crate::Machine;
 use crate::register::Register;
 
-const DATA: usize = 0x0;
-const STATE: usize = 0x4;
-const CONTROL: usize = 0x8;
-const DIVISOR: usize = 0x10;
+pub(crate) const DATA: usize = 0x0;
+pub(crate) const STATE: usize = 0x4;
+pub(crate) const CONTROL: usize = 0x8;
+pub(crate) const DIVISOR: usize = 0x10;
 
-const TRANSMIT_FULL: u32 = 1 << 0;
-const TRANSMIT_ENABLE: u32 = 1 << 0;
+pub(crate) const TRANSMIT_FULL: u32 = 1 << 0;
+pub(crate) const TRANSMIT_ENABLE: u32 = 1 << 0;
 /// The smallest divisor: a sixteenth of the peripherals' clock, in bits a second.
-const FASTEST: u32 = 16;
+pub(crate) const FASTEST: u32 = 16;
 
 /// A CMSDK UART.
 #[derive(Clone, Copy, Debug)]

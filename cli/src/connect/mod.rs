@@ -12,9 +12,9 @@ use std::path::PathBuf;
 
 use clap::{Args, value_parser};
 use strainwave_desktop::io::file;
-use strainwave_desktop::{BadInput, Figure};
+use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::interrupt;
-use strainwave_service::tuning::client::{Client, Error, Patience};
+use strainwave_service::tuning::client::{Client, Error};
 
 use crate::figures::{Figures, FiguresArguments, say};
 use crate::files;
@@ -28,13 +28,14 @@ use view::View;
 /// Connect to a joint at work: show its readings, try gains, reset its faults, store what it has learnt
 ///
 /// PORT is a serial device such as /dev/ttyUSB0, tcp:HOST:PORT or unix:PATH, behind which a joint's firmware serves the tuning link of the crate
-/// strainwave-service. Orders are carried out in this sequence: --erase, --reset, --set, the readings, --keep, --stored, --learnt-to. Readings are
+/// strainwave-service. `emulated` starts a board in the emulator that moves the joint of --gear, or the default one, over and over;
+/// `emulated:FILE` keeps its flash in this file. Orders are carried out in this sequence: --erase, --reset, --set, the readings, --keep, --stored, --learnt-to. Readings are
 /// shown when no order but --set was given, or with --seconds, --log or --plot, until Ctrl-C or for --seconds: a table on a
 /// terminal, elsewhere a line each. Gains that are set are in force as long as the command runs; 1 s after its end the
 /// joint has its own again.
 #[derive(Args)]
 pub struct Arguments {
-    /// Serial device, tcp:HOST:PORT or unix:PATH
+    /// Serial device, tcp:HOST:PORT, unix:PATH, emulated or emulated:FILE
     #[arg(value_name = "PORT")]
     port: Port,
     /// Baud rate of a serial device, 1200 to 12000000; 8 bits, no parity, 1 stop bit
@@ -93,7 +94,7 @@ const RATE: [f64; 2] = [0.2, 1000.0];
 pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     arguments.check()?;
     let expected = arguments.gear.as_deref().map(Expected::read).transpose()?;
-    let mut joint = arguments.connect()?;
+    let mut joint = arguments.connect(expected.as_ref())?;
     let about = orders::describe(joint.joint());
     if let Some(expected) = &expected {
         expected.require(joint.joint()).map_err(|why| arguments.refused(why))?;
@@ -146,10 +147,10 @@ impl Arguments {
         self.plot.as_deref().map_or(Ok(()), files::require_page)
     }
 
-    fn connect(&self) -> Result<Joint, BadInput> {
-        let opened = self.port.open(self.baud);
-        let transport = opened.map_err(|error| self.refused(format_args!("cannot be opened: {error}")))?;
-        Client::connect(transport, Patience::default()).map_err(|error| self.failed(error))
+    fn connect(&self, expected: Option<&Expected>) -> Result<Joint, BadInput> {
+        let gear = expected.map_or_else(GearFile::default_gear, |expected| expected.gear().clone());
+        let transport = self.port.open(self.baud, &gear).map_err(|why| self.refused(why))?;
+        Client::connect(transport, self.port.patience()).map_err(|error| self.failed(error))
     }
 
     fn refused(&self, why: impl std::fmt::Display) -> BadInput {

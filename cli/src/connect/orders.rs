@@ -37,6 +37,11 @@ impl Expected {
         Ok(Self { joint: identity(&built.to_words()), gear, text })
     }
 
+    /// Its gear file.
+    pub fn gear(&self) -> &GearFile {
+        &self.gear
+    }
+
     /// Refuses another joint than this.
     pub fn require(&self, hello: &Hello) -> Result<(), String> {
         require_layout(hello)?;

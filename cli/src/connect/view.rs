@@ -68,7 +68,8 @@ fn line(reading: &Reading, row: &[f64]) -> String {
     let mode = format!("{:?}", reading.mode()).to_lowercase();
     let mut line = format!("t_s={} mode={mode} faults={faults}", row[0]);
     for (quantity, value) in quantities::all().zip(row).skip(quantities::STATE) {
-        let _ = write!(line, " {}={value}", quantities::column(quantity));
+        // A log has all digits.
+        let _ = write!(line, " {}={}", quantities::column(quantity), *value as f32);
     }
     line
 }

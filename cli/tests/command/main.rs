@@ -4,6 +4,7 @@ mod bad_input;
 mod belt;
 mod bench;
 mod connect;
+mod connect_emulated;
 mod design;
 mod documentation;
 mod example_logs;
