@@ -34,6 +34,7 @@ mod power_balance;
 mod range;
 mod robot;
 mod sensors;
+mod served;
 mod supervisor;
 mod two_port;
 mod words;
