@@ -344,7 +344,7 @@ pub const JOINT: JointParams<f32> = JointParams {
         uncertainty: Uncertainty { friction: 0.11547005, stiffness: 0.057735026, inertia: 0.20784609 },
     },
     disturbance: DisturbanceParams {
-        slow_corner: 32.145504,
+        slow_corner: 64.29101,
         fast_corner: 1000.0,
         dead_zone: 6.3,
         tolerance: 20.0,

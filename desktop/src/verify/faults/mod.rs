@@ -13,8 +13,9 @@
 //!
 //! Named is the first fault that the twin has not. A frozen or stuck motor encoder can be known from when torque
 //! exceeds friction: that on a motor that stands as its encoder does, of the gear what the sensors see, has changed in a
-//! round's mean by more than static friction holds from one limit to the other, and the motor is 16 counts away. Without
-//! that it cannot be known: a load that moves a joint whose encoder stands and whose motor does nothing looks like rest.
+//! round's mean by more than static friction holds from one limit to the other, in whatever phase the rounds are, and the
+//! motor is 16 counts away. Without that it cannot be known: a load that moves a joint whose encoder stands and whose
+//! motor does nothing looks like rest.
 //! Everything else can be known from when it is injected.
 
 mod injected;
@@ -203,11 +204,16 @@ fn known(file: &GearFile, fault: &Injected, rows: &[Row], start: usize) -> Optio
         sum / rows.len() as f64
     };
     let round = SLOW_PERIODS as usize;
-    let before = on_motor(rows.get(start.checked_sub(round)?..start)?);
-    (start + round..=rows.len()).find(|&k| {
-        let moved = rows[k - 1].motor - rows[start].motor;
-        moved.abs() > far && (on_motor(&rows[k - round..k]) - before).abs() > most
-    })
+    let by_rounds = |phase: usize| {
+        let last = start.checked_sub(phase)?;
+        let before = on_motor(rows.get(last.checked_sub(round)?..last)?);
+        (last + round..=rows.len()).step_by(round).find(|&k| {
+            let moved = rows[k - 1].motor - rows[start].motor;
+            moved.abs() > far && (on_motor(&rows[k - round..k]) - before).abs() > most
+        })
+    };
+    // In whatever phase the controller's rounds are.
+    (0..round).map(by_rounds).try_fold(start, |latest, known| Some(latest.max(known?)))
 }
 
 /// Largest change of torque that friction holds on a standing motor (N m), as far as joint file and sensors tell: levels
