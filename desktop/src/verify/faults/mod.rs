@@ -13,9 +13,9 @@
 //!
 //! Named is the first fault that the twin has not. A frozen or stuck motor encoder can be known from when torque
 //! exceeds friction: that on a motor that stands as its encoder does, of the gear what the sensors see, has changed in a
-//! round's mean by more than static friction holds from one limit to the other, in whatever phase the rounds are, and the
-//! motor is 16 counts away. Without that it cannot be known: a load that moves a joint whose encoder stands and whose
-//! motor does nothing looks like rest.
+//! round's mean by more than static friction holds from one limit to the other, and the motor is 16 counts away; in the
+//! phase of the rounds in which that comes last, of those in which it comes at all. Without it the fault cannot be known: a
+//! load that moves a joint whose encoder stands and whose motor does nothing looks like rest.
 //! Everything else can be known from when it is injected.
 
 mod injected;
@@ -212,8 +212,8 @@ fn known(file: &GearFile, fault: &Injected, rows: &[Row], start: usize) -> Optio
             moved.abs() > far && (on_motor(&rows[k - round..k]) - before).abs() > most
         })
     };
-    // In whatever phase the controller's rounds are.
-    (0..round).map(by_rounds).try_fold(start, |latest, known| Some(latest.max(known?)))
+    // The latest of the phases that the controller's rounds may have, of those in which it is known at all.
+    (0..round).filter_map(by_rounds).max()
 }
 
 /// Largest change of torque that friction holds on a standing motor (N m), as far as joint file and sensors tell: levels
@@ -409,6 +409,28 @@ mod tests {
         for (number, kind) in (0..count).zip(Kind::ALL) {
             assert_eq!(Injected::of(number).kind, *kind);
         }
+    }
+
+    /// A torque that changes within a round is seen whole by rounds of one phase only.
+    #[test]
+    fn a_frozen_encoder_is_known_by_rounds_of_any_phase() {
+        let file = GearFile::default_gear();
+        let fault =
+            Injected { kind: Kind::Freeze, sensors: SensorSet::Motor, gauge: false, ..Injected::of(0) };
+        let (most, start) = (most_held(&file, &fault), 80);
+        let row = |k: usize| {
+            let fraction = match k {
+                76..84 => -0.9,
+                84..120 => 0.6,
+                120.. => 1.2,
+                _ => 0.0,
+            };
+            Row { torque: fraction * most, motor: if k > start { 1.0 } else { 0.0 }, ..Row::default() }
+        };
+        let rows: Vec<_> = (0..200).map(row).collect();
+        assert_eq!(known(&file, &fault, &rows[..120], start), Some(96));
+        assert_eq!(known(&file, &fault, &rows, start), Some(132));
+        assert_eq!(known(&file, &fault, &vec![row(0); 200], start), None);
     }
 
     /// Motion that the controller would make without the fault does not count against it.
