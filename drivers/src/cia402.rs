@@ -22,7 +22,10 @@
 //!
 //! Reference: CiA 402-2 (IEC 61800-7-201), sections "Finite state automaton" and "Controlword", "Statusword"; CiA 301 for NMT.
 
-use embedded_can::{Frame, Id, StandardId};
+use embedded_can::{Frame, StandardId};
+
+pub use crate::drive::Cause;
+use crate::drive::{Guard, standard_id};
 
 /// How the drive was configured.
 #[derive(Clone, Copy, Debug)]
@@ -43,21 +46,15 @@ impl Params {
     /// `None` when the node is not 1 to 127, a torque is not positive, the peak is more than 32 times the rating, or there is no time-out.
     pub fn build(&self) -> Option<Drive> {
         let Self { node, rated_torque, peak_torque, timeout } = *self;
-        let largest = peak_torque / rated_torque * 1000.0;
+        let guard = Guard::new(peak_torque, timeout, [Cause::StatusLost, Cause::HeartbeatLost])?;
         let rated = rated_torque > 0.0 && rated_torque.is_finite();
-        let torques = rated && peak_torque > 0.0 && largest <= 32_000.0;
-        ((1..=127).contains(&node) && torques && timeout > 0).then(|| Drive {
+        let torques = rated && peak_torque / rated_torque <= 32.0;
+        ((1..=127).contains(&node) && torques).then(|| Drive {
             node: node.into(),
             per_torque: 1000.0 / rated_torque,
             torque_per: rated_torque / 1000.0,
-            largest,
-            timeout,
             state: State::NotReady,
-            cause: Some(Cause::NotStarted),
-            since_status: 0,
-            since_heartbeat: 0,
-            since_cleared: None,
-            enabled: false,
+            guard,
         })
     }
 }
@@ -118,23 +115,6 @@ const FAULT_RESET: u16 = 0x80;
 /// NMT state of a node that exchanges PDOs.
 const OPERATIONAL: u8 = 5;
 
-/// Why there is no torque.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cause {
-    /// [`Drive::reset`] was not called yet.
-    NotStarted,
-    /// The drive reports a fault.
-    DriveFault,
-    /// The drive has left the enabled state by itself.
-    Disabled,
-    /// The drive's NMT state is not operational: it has restarted.
-    NotOperational,
-    /// No status within the time-out.
-    StatusLost,
-    /// No heartbeat within the time-out.
-    HeartbeatLost,
-}
-
 /// What the drive measures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feedback {
@@ -151,17 +131,8 @@ pub struct Drive {
     /// Thousandths of the rated torque in 1 N m, and the inverse.
     per_torque: f32,
     torque_per: f32,
-    /// The peak torque in thousandths.
-    largest: f32,
-    timeout: u32,
     state: State,
-    cause: Option<Cause>,
-    since_status: u32,
-    since_heartbeat: u32,
-    /// Cycles since the fault reset was sent, once since the last [`Drive::reset`].
-    since_cleared: Option<u32>,
-    /// The drive was enabled since the last [`Drive::reset`].
-    enabled: bool,
+    guard: Guard<2>,
 }
 
 impl Drive {
@@ -172,23 +143,17 @@ impl Drive {
 
     /// Why there is no torque, if the drive is safe.
     pub fn cause(&self) -> Option<Cause> {
-        self.cause
+        self.guard.cause()
     }
 
     /// Leaves safe: a fault is reset and the drive enabled, step by step.
     pub fn reset(&mut self) {
-        self.cause = None;
-        (self.since_cleared, self.enabled) = (None, false);
-        (self.since_status, self.since_heartbeat) = (0, 0);
+        self.guard.reset();
     }
 
     /// Takes a frame from the bus; what the drive measures, if it was its status. Frames of others are left alone.
     pub fn receive(&mut self, frame: &impl Frame) -> Option<Feedback> {
-        let Id::Standard(id) = frame.id() else { return None };
-        if frame.is_remote_frame() {
-            return None;
-        }
-        match (id.as_raw().checked_sub(self.node)?, frame.data()) {
+        match (standard_id(frame)?.checked_sub(self.node)?, frame.data()) {
             (0x180, &[s0, s1, p0, p1, p2, p3, t0, t1]) => {
                 self.status(State::of(u16::from_le_bytes([s0, s1])));
                 let position = i32::from_le_bytes([p0, p1, p2, p3]);
@@ -196,9 +161,9 @@ impl Drive {
                 Some(Feedback { position, torque })
             }
             (0x700, &[state]) => {
-                self.since_heartbeat = 0;
+                self.guard.heard(Cause::HeartbeatLost);
                 if state != OPERATIONAL {
-                    self.stop(Cause::NotOperational);
+                    self.guard.stop(Cause::NotOperational);
                 }
                 None
             }
@@ -207,112 +172,49 @@ impl Drive {
     }
 
     fn status(&mut self, state: State) {
-        self.since_status = 0;
         self.state = state;
-        match state {
-            State::OperationEnabled => self.enabled = true,
-            State::Fault | State::FaultReactionActive if self.enabled => self.stop(Cause::DriveFault),
-            _ if self.enabled => self.stop(Cause::Disabled),
-            _ => {}
-        }
-    }
-
-    /// The first cause stays.
-    fn stop(&mut self, cause: Cause) {
-        self.cause.get_or_insert(cause);
+        self.guard.heard(Cause::StatusLost);
+        self.guard.status(match state {
+            State::OperationEnabled => Ok(()),
+            State::Fault | State::FaultReactionActive => Err(Cause::DriveFault),
+            _ => Err(Cause::Disabled),
+        });
     }
 
     /// Once a cycle of the bus: the frame that commands a torque (N m), or what leads there.
     ///
     /// `None` only when the frame's type holds no 4 bytes.
     pub fn step<F: Frame>(&mut self, torque: f32) -> Option<F> {
-        self.since_status = self.since_status.saturating_add(1);
-        self.since_heartbeat = self.since_heartbeat.saturating_add(1);
-        self.since_cleared = self.since_cleared.map(|periods| periods.saturating_add(1));
-        if self.since_status > self.timeout {
-            self.stop(Cause::StatusLost);
-        }
-        if self.since_heartbeat > self.timeout {
-            self.stop(Cause::HeartbeatLost);
-        }
+        self.guard.cycle();
         let controlword = self.controlword();
-        let drives = self.cause.is_none() && self.state == State::OperationEnabled;
-        let target = if drives { self.thousandths(torque) } else { 0 };
-        let ([c0, c1], [t0, t1]) = (controlword.to_le_bytes(), target.to_le_bytes());
+        let target = self.guard.torque(torque) * self.per_torque;
+        let ([c0, c1], [t0, t1]) = (controlword.to_le_bytes(), (target as i16).to_le_bytes());
         F::new(StandardId::new(0x200 + self.node)?, &[c0, c1, t0, t1])
     }
 
     fn controlword(&mut self) -> u16 {
-        if self.state == State::Fault && self.cause.is_none() {
-            return self.clear();
+        if self.guard.cause().is_some() {
+            return DISABLE_VOLTAGE;
         }
-        if self.cause.is_some() { DISABLE_VOLTAGE } else { self.state.towards_enabled() }
-    }
-
-    /// One rising edge: the word before it and those behind it are without the bit. A fault that outlasts it is another one, or stays.
-    fn clear(&mut self) -> u16 {
-        let Some(since) = self.since_cleared else {
-            self.since_cleared = Some(0);
-            return FAULT_RESET;
-        };
-        if since >= self.timeout {
-            self.stop(Cause::DriveFault);
+        if self.state != State::Fault {
+            return self.state.towards_enabled();
         }
-        DISABLE_VOLTAGE
-    }
-
-    /// 0 of what is not a number.
-    fn thousandths(&self, torque: f32) -> i16 {
-        let target = torque * self.per_torque;
-        // Not `clamp`, which panics where it cannot see that its limits are in order.
-        if target.is_nan() { 0 } else { target.max(-self.largest).min(self.largest) as i16 }
+        // One rising edge: the word before it and those behind it are without the bit.
+        match self.guard.attempt(self.guard.timeout(), Cause::DriveFault) {
+            Some(0) => FAULT_RESET,
+            _ => DISABLE_VOLTAGE,
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::{Sent, frame};
+    use embedded_can::Id;
     use proptest::prelude::*;
-    use std::vec::Vec;
-
-    #[derive(Clone, Debug, PartialEq)]
-    struct Sent(Id, Vec<u8>);
-
-    impl Frame for Sent {
-        fn new(id: impl Into<Id>, data: &[u8]) -> Option<Self> {
-            Some(Self(id.into(), data.to_vec()))
-        }
-
-        fn new_remote(_: impl Into<Id>, _: usize) -> Option<Self> {
-            None
-        }
-
-        fn is_extended(&self) -> bool {
-            matches!(self.0, Id::Extended(_))
-        }
-
-        fn is_remote_frame(&self) -> bool {
-            false
-        }
-
-        fn id(&self) -> Id {
-            self.0
-        }
-
-        fn dlc(&self) -> usize {
-            self.1.len()
-        }
-
-        fn data(&self) -> &[u8] {
-            &self.1
-        }
-    }
 
     const PARAMS: Params = Params { node: 5, rated_torque: 2.0, peak_torque: 5.0, timeout: 10 };
-
-    fn frame(id: u16, data: &[u8]) -> Sent {
-        Sent::new(StandardId::new(id).unwrap(), data).unwrap()
-    }
 
     fn status(word: u16) -> Sent {
         frame(0x185, &[word.to_le_bytes().as_slice(), &[0x40, 0xe2, 0x01, 0x00, 0x0c, 0xfe]].concat())
@@ -422,6 +324,14 @@ mod tests {
     }
 
     #[test]
+    fn a_status_from_before_a_reset_drives_nothing() {
+        let mut drive = enabled();
+        drive.reset();
+        assert_eq!(sent(&mut drive, 1.0), (0x0f, 0));
+        assert_eq!(period(&mut drive, 0x0237, 1.0), (0x0f, 500));
+    }
+
+    #[test]
     fn silence_is_noticed_after_the_timeout_and_not_before() {
         let silent = |heard: Sent, cause| {
             let mut drive = enabled();
@@ -465,7 +375,7 @@ mod tests {
         #[test]
         fn any_frames_leave_the_torque_bounded(
             frames in prop::collection::vec((0_u16..0x800, prop::collection::vec(any::<u8>(), 0..9)), 0..60),
-            torque: f32,
+            torque in prop::num::f32::ANY,
         ) {
             let mut drive = PARAMS.build().unwrap();
             drive.reset();

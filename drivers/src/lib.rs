@@ -1,4 +1,4 @@
-//! embedded-hal drivers of the joint's sensors, and of a drive behind a bus ([`cia402`]).
+//! embedded-hal drivers of the joint's sensors, and of drives behind a bus: [`cia402`], [`moteus`], [`odrive`].
 //!
 //! Every encoder has a file that opens with its frame, its timing and the datasheet; what a board sees of it is
 //! [`Encoder`]. `docs/src/add-sensor.md` compares them.
@@ -11,10 +11,13 @@ pub mod as5047p;
 pub mod biss_c;
 mod bus;
 pub mod cia402;
+pub mod drive;
 pub mod encoder;
 pub mod fault;
 pub mod ma732;
+pub mod moteus;
 pub mod mt6835;
+pub mod odrive;
 pub mod quadrature;
 #[cfg(test)]
 mod testing;

@@ -1,5 +1,6 @@
-//! What the tests of all drivers share: a bus on which frames are expected, and one on which nothing works.
+//! What the tests of all drivers share: a bus on which frames are expected, one on which nothing works, and CAN frames.
 
+use embedded_can::{Frame, Id, StandardId};
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 use embedded_hal_mock::eh1::delay::NoopDelay;
 use embedded_hal_mock::eh1::spi::{Mock, Transaction};
@@ -75,4 +76,43 @@ pub(crate) fn flipped<const N: usize>(frame: [u8; N]) -> impl Iterator<Item = [u
         other[bit / 8] ^= 0x80 >> (bit % 8);
         other
     })
+}
+
+/// A classic CAN frame.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Sent(pub(crate) Id, pub(crate) Vec<u8>);
+
+impl Frame for Sent {
+    fn new(id: impl Into<Id>, data: &[u8]) -> Option<Self> {
+        Some(Self(id.into(), data.to_vec()))
+    }
+
+    fn new_remote(_: impl Into<Id>, _: usize) -> Option<Self> {
+        None
+    }
+
+    fn is_extended(&self) -> bool {
+        matches!(self.0, Id::Extended(_))
+    }
+
+    fn is_remote_frame(&self) -> bool {
+        false
+    }
+
+    fn id(&self) -> Id {
+        self.0
+    }
+
+    fn dlc(&self) -> usize {
+        self.1.len()
+    }
+
+    fn data(&self) -> &[u8] {
+        &self.1
+    }
+}
+
+/// A frame with an 11-bit identifier.
+pub(crate) fn frame(id: u16, data: &[u8]) -> Sent {
+    Sent::new(StandardId::new(id).unwrap(), data).unwrap()
 }
