@@ -243,7 +243,7 @@ impl<R: Real> Factors<R> {
     pub fn within(&self, bounds: &Self) -> Self {
         let mut values = self.all();
         for (value, bound) in values.iter_mut().zip(bounds.all()) {
-            *value = R::ONE + (value.finite_or(R::ONE) - R::ONE).limit(bound);
+            *value = admitted(*value, bound);
         }
         Self::from_all(values)
     }
@@ -388,10 +388,22 @@ impl<R: Real> Adaptation<R> {
     }
 }
 
-/// Adds `by` to a factor, limited to 1 +- `bound` (the projection).
+/// Adds `by` to a factor, limited to 1 +- `bound`.
 #[inline(always)]
 fn learn<R: Real>(factor: &mut R, by: R, bound: R) {
-    *factor = R::ONE + (*factor + by - R::ONE).limit(bound);
+    *factor = projected(*factor + by, bound);
+}
+
+/// A stored factor, limited to 1 +- `bound`; 1 in the place of one that is not finite.
+#[inline(never)] // Of six factors, once: for size.
+fn admitted<R: Real>(factor: R, bound: R) -> R {
+    projected(factor.finite_or(R::ONE), bound)
+}
+
+/// The projection of a factor: limited to 1 +- `bound`.
+#[inline(always)]
+fn projected<R: Real>(factor: R, bound: R) -> R {
+    R::ONE + (factor - R::ONE).limit(bound)
 }
 
 #[cfg(test)]
