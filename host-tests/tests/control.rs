@@ -26,8 +26,10 @@ struct Played {
 impl Board for Played {
     const REPORT_EVERY: u32 = 1;
 
-    fn input(&mut self) -> Option<Input<f32>> {
-        self.inputs.borrow_mut().remove(0)
+    fn input(&mut self, input: &mut Input<f32>) -> bool {
+        let next = self.inputs.borrow_mut().remove(0);
+        *input = next.unwrap_or_default();
+        next.is_some()
     }
     fn command(&mut self, torque: f32) {
         self.events.borrow_mut().push(Event::Commanded(torque));

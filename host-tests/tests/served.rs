@@ -26,8 +26,10 @@ struct Played {
 impl Board for Played {
     const REPORT_EVERY: u32 = 1000;
 
-    fn input(&mut self) -> Option<Input<f32>> {
-        *self.input.borrow()
+    fn input(&mut self, input: &mut Input<f32>) -> bool {
+        let next = *self.input.borrow();
+        *input = next.unwrap_or_default();
+        next.is_some()
     }
     fn command(&mut self, torque: f32) {
         self.torques.borrow_mut().push(torque);

@@ -14,8 +14,8 @@ pub trait Board {
     /// Of how many steps one is reported: as many as the board's telemetry can carry.
     const REPORT_EVERY: u32;
 
-    /// Sensors and setpoint of this period; `None` when the board has none that can be trusted.
-    fn input(&mut self) -> Option<Input<f32>>;
+    /// Sets `input` to sensors and setpoint of this period; false when the board has none that can be trusted.
+    fn input(&mut self, input: &mut Input<f32>) -> bool;
     /// Puts a step's torque command to the motor (N m).
     fn command(&mut self, torque: f32);
     /// Reports all outputs of the step, computed on request only.
@@ -46,6 +46,8 @@ pub struct Control<B> {
     compensator: &'static Compensator,
     state: State,
     sender: Sender,
+    /// Of this period: here and not on the interrupt's stack.
+    input: Input<f32>,
     periods: u32,
     overruns: u32,
     /// Status of the next step.
@@ -64,6 +66,7 @@ impl<B: Board> Control<B> {
             compensator,
             state: compensator.rest(),
             sender,
+            input: Input::default(),
             periods: 0,
             overruns: 0,
             status,
@@ -82,20 +85,19 @@ impl<B: Board> Control<B> {
         if self.board.reset_requested() {
             self.compensator.reset(&mut self.state);
         }
-        // By reference: the interrupt's stack holds one input, not two.
-        match &mut self.board.input() {
-            Some(input) => self.control(input),
-            None => {
-                self.missed = self.missed.saturating_add(1);
-                self.board.release();
-            }
+        if self.board.input(&mut self.input) {
+            self.control();
+        } else {
+            self.missed = self.missed.saturating_add(1);
+            self.board.release();
         }
         self.board.feed_watchdog();
         self.periods = self.periods.wrapping_add(1);
     }
 
     #[inline]
-    fn control(&mut self, input: &mut Input<f32>) {
+    fn control(&mut self) {
+        let input = &mut self.input;
         input.status = input.status.with(self.status);
         if self.missed > 0 && input.elapsed == 0.0 {
             // Up to a second: far beyond what the control goes on from.
@@ -108,18 +110,18 @@ impl<B: Board> Control<B> {
         } else {
             self.board.release();
         }
-        self.report(input);
+        self.report();
     }
 
     /// Reports the step.
     #[inline]
-    fn report(&mut self, input: &Input<f32>) {
+    fn report(&mut self) {
         self.answer();
         let overran = self.board.overran();
         self.overruns = self.overruns.saturating_add(u32::from(overran));
         self.status = if overran { Status::OVERRUN } else { Status::FINE };
         if self.periods.is_multiple_of(B::REPORT_EVERY) {
-            self.record(input);
+            self.record();
         }
     }
 
@@ -133,9 +135,9 @@ impl<B: Board> Control<B> {
 
     /// A record of the step to the telemetry.
     #[inline(never)]
-    fn record(&mut self, input: &Input<f32>) {
+    fn record(&mut self) {
         let output = self.compensator.output(&self.state);
-        self.sender.send(Record::new(self.periods, self.overruns, input, &output));
+        self.sender.send(Record::new(self.periods, self.overruns, &self.input, &output));
     }
 }
 

@@ -35,30 +35,35 @@ const OBSERVED_BIT: u32 = 31;
 
 /// The bytes of an input.
 pub fn encode_input(input: &Input<f32>) -> [u8; INPUT_BYTES] {
-    let mut writer = Writer::new();
+    let mut frame = [0; INPUT_BYTES];
     // An input that there is has a valid frame.
-    let _ = writer.input(&mut { *input });
-    writer.bytes
+    let _ = Writer { rest: &mut frame }.input(&mut { *input });
+    frame
 }
 
 /// The input in a frame; `None` when a flag or kind byte is not one of its values.
 pub fn decode_input(frame: &[u8; INPUT_BYTES]) -> Option<Input<f32>> {
     let mut input = Input::default();
-    Reader { rest: frame }.input(&mut input)?;
-    Some(input)
+    read_input(frame, &mut input).then_some(input)
+}
+
+/// Reads a frame into an input, without a copy of it on the stack; false when a flag or kind byte is not one of its values.
+#[inline]
+pub fn read_input(frame: &[u8; INPUT_BYTES], input: &mut Input<f32>) -> bool {
+    Reader { rest: frame }.input(input).is_some()
 }
 
 /// The bytes of an output.
 pub fn encode_output(output: &Output<f32>) -> [u8; OUTPUT_BYTES] {
-    encode_own_output(&mut { *output })
+    let mut frame = [0; OUTPUT_BYTES];
+    write_output(&mut frame, &mut { *output });
+    frame
 }
 
-/// The bytes of an output, which stays as it is: without a copy of it on the stack.
+/// Writes an output, which stays as it is, into a frame: without a copy of either on the stack.
 #[inline]
-pub fn encode_own_output(output: &mut Output<f32>) -> [u8; OUTPUT_BYTES] {
-    let mut writer = Writer::new();
-    writer.output(output);
-    writer.bytes
+pub fn write_output(frame: &mut [u8; OUTPUT_BYTES], output: &mut Output<f32>) {
+    Writer { rest: frame }.output(output);
 }
 
 /// The output in a frame.
@@ -215,23 +220,16 @@ fn of_parts(kind: u8, setpoint: Setpoint<f32>) -> Option<Command<f32>> {
 }
 
 /// Fills a frame from its start. What would not fit is lost: the tests hold the lengths to the fields.
-struct Writer<const N: usize> {
-    bytes: [u8; N],
-    length: usize,
+struct Writer<'a> {
+    rest: &'a mut [u8],
 }
 
-impl<const N: usize> Writer<N> {
-    fn new() -> Self {
-        Self { bytes: [0; N], length: 0 }
-    }
-}
-
-impl<const N: usize> Fields for Writer<N> {
+impl Fields for Writer<'_> {
     fn bytes<const K: usize>(&mut self, bytes: &mut [u8; K]) {
-        for (slot, byte) in self.bytes.iter_mut().skip(self.length).zip(bytes) {
-            *slot = *byte;
+        if let Some((place, rest)) = core::mem::take(&mut self.rest).split_first_chunk_mut() {
+            *place = *bytes;
+            self.rest = rest;
         }
-        self.length += K;
     }
 }
 

@@ -98,14 +98,16 @@ impl<B> Served<B> {
 impl<B: Board> Board for Served<B> {
     const REPORT_EVERY: u32 = B::REPORT_EVERY;
 
-    fn input(&mut self) -> Option<Input<f32>> {
-        let mut input = self.board.input()?;
+    fn input(&mut self, input: &mut Input<f32>) -> bool {
+        if !self.board.input(input) {
+            return false;
+        }
         self.order = self.exchange.take(|order| *order != Order::Reset);
         if let Some(Order::Try(trial)) = self.order {
             self.trial = trial;
         }
         input.gains = self.trial.in_place_of(input.gains);
-        Some(input)
+        true
     }
 
     fn command(&mut self, torque: f32) {

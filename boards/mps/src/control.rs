@@ -16,8 +16,8 @@ pub struct Board<M> {
 impl<M: Machine> strainwave_app::Board for Board<M> {
     const REPORT_EVERY: u32 = 1;
 
-    fn input(&mut self) -> Option<Input<f32>> {
-        self.link.input()
+    fn input(&mut self, input: &mut Input<f32>) -> bool {
+        self.link.input(input)
     }
 
     // The host finds it in the report.

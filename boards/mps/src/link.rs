@@ -41,12 +41,11 @@ impl Link {
         Some(Self { sensors, command })
     }
 
-    /// Waits for a frame; `None` when the host closed its end before the frame was whole.
-    pub fn read<const K: usize>(&self) -> Option<[u8; K]> {
-        let mut bytes = [0u8; K];
+    /// Waits for a frame; false when the host closed its end before the frame was whole.
+    pub fn read(&self, bytes: &mut [u8]) -> bool {
         // SAFETY: the block names `bytes` and its length; the host writes no further.
-        let missing = unsafe { syscall!(READ, self.sensors, bytes.as_mut_ptr(), K) };
-        (missing == 0).then_some(bytes)
+        let missing = unsafe { syscall!(READ, self.sensors, bytes.as_mut_ptr(), bytes.len()) };
+        missing == 0
     }
 
     /// Sends a frame; whether all of it went.
@@ -56,31 +55,30 @@ impl Link {
         missing == 0
     }
 
-    /// The next input; `None` when there is none any more. A function of its own: its frame is not on the stack while the
+    /// Reads the next input; false when there is none any more. A function of its own: its frame is not on the stack while the
     /// control step's is.
     #[inline(never)]
-    pub fn input(&self) -> Option<Input<f32>> {
+    pub fn input(&self, input: &mut Input<f32>) -> bool {
         if ended() {
-            return None;
+            return false;
         }
-        match self.read() {
-            Some(bytes) => {
-                let input = frame::decode_input(&bytes);
-                if input.is_none() {
-                    fail();
-                }
-                input
-            }
-            None => {
-                ENDED.store(true, Ordering::Relaxed);
-                None
-            }
+        let mut bytes = [0; frame::INPUT_BYTES];
+        if !self.read(&mut bytes) {
+            ENDED.store(true, Ordering::Relaxed);
+            return false;
         }
+        let valid = frame::read_input(&bytes, input);
+        if !valid {
+            fail();
+        }
+        valid
     }
 
     /// Sends an output.
     pub fn report(&self, output: &mut Output<f32>) {
-        if !self.write(&frame::encode_own_output(output)) {
+        let mut bytes = [0; frame::OUTPUT_BYTES];
+        frame::write_output(&mut bytes, output);
+        if !self.write(&bytes) {
             fail();
         }
     }

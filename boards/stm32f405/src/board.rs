@@ -100,7 +100,7 @@ impl strainwave_app::Board for Board {
     // 1000 reports a second, of 40 bytes at most, fit through the USART twice over.
     const REPORT_EVERY: u32 = 10;
 
-    fn input(&mut self) -> Option<Input<f32>> {
+    fn input(&mut self, input: &mut Input<f32>) -> bool {
         // Of a failed reading the compensator makes its own prediction, for a while.
         let (motor_encoder, status) = match self.encoder.count() {
             Some(count) => (count, Status::FINE),
@@ -110,7 +110,8 @@ impl strainwave_app::Board for Board {
             Sensors { motor_encoder, output_encoder: None, motor_torque: self.torque, output_torque: None };
         let (setpoint, gains) = self.target();
         let (command, gains) = (setpoint.into(), gains.into());
-        Some(Input { sensors, status, command, gains, ..Input::default() })
+        *input = Input { sensors, status, command, gains, ..Input::default() };
+        true
     }
 
     fn command(&mut self, torque: f32) {

@@ -6,7 +6,7 @@
 mod machine;
 
 use strainwave_app::Error;
-use strainwave_app::torque_gauges::{Program, decode, encode};
+use strainwave_app::torque_gauges::{INPUT_BYTES, Program, decode, encode};
 use strainwave_mps::link::Link;
 
 strainwave_mps::counted!(machine::An386, answers);
@@ -17,8 +17,8 @@ fn answers() -> Result<bool, Error> {
         return Ok(false);
     };
     let mut program = Program::build()?;
-    let mut sound = true;
-    while let Some(frame) = link.read().filter(|_| sound) {
+    let (mut sound, mut frame) = (true, [0; INPUT_BYTES]);
+    while link.read(&mut frame) && sound {
         sound = link.write(&encode(&program.step(&decode(&frame))));
     }
     Ok(sound)
