@@ -168,10 +168,7 @@ impl<R: Real, const K: usize> Series<R, K> {
     fn on_ladder(&self, heading: Heading<R>) -> ErrorAndSlope<R> {
         let stride = if self.even { heading.plus(heading) } else { heading };
         let (mut at, mut sum) = (stride, self.first.at(stride));
-        for (rung, sine) in self.sines.iter().enumerate() {
-            if rung >= self.above as usize {
-                break;
-            }
+        for sine in self.sines.iter().take(self.above as usize) {
             at = at.plus(stride);
             sum = sum.plus(sine.at(at));
         }

@@ -1,6 +1,6 @@
 //! When something is wrong: the drive off, then nothing, until the watchdog or the operator resets the chip.
 
-use cortex_m_rt::{ExceptionFrame, exception};
+use cortex_m_rt::exception;
 use stm32f4xx_hal::pac::GPIOB;
 
 /// Ends the image with the drive off.
@@ -12,8 +12,8 @@ pub fn halt() -> ! {
     }
 }
 
-#[exception]
-unsafe fn HardFault(_frame: &ExceptionFrame) -> ! {
+#[exception(trampoline = false)]
+unsafe fn HardFault() -> ! {
     halt()
 }
 

@@ -249,7 +249,7 @@ impl<R: Real> Commander<R> {
                 let next = self.followed(state, from, commanded, moment).unwrap_or_else(|| {
                     seldom();
                     detours = true;
-                    let (next, raised) = self.approached(state, from, commanded, moment);
+                    let (next, raised) = self.approached(state, from, &commanded, moment);
                     *faults = faults.with(raised);
                     next
                 });
@@ -295,7 +295,7 @@ impl<R: Real> Commander<R> {
         &self,
         state: &mut CommanderState<R>,
         from: Setpoint<R>,
-        commanded: Setpoint<R>,
+        commanded: &Setpoint<R>,
         moment: Moment<R>,
     ) -> (Setpoint<R>, Faults) {
         let mut faults = Faults::NONE;
@@ -310,10 +310,10 @@ impl<R: Real> Commander<R> {
         let moved = commanded.position.counts.wrapping_sub(from.position.counts).unsigned_abs();
         let stepped = moved > u64::from(self.farthest);
         faults.raise_if(!state.approaches && !moment.stale && stepped, Faults::SETPOINT_STEP);
-        let next = self.approach.step(&from, &commanded, &moment);
+        let next = self.approach.step(&from, commanded, &moment);
         state.approaches = next.is_some();
         faults.raise_if(state.approaches && !moment.stale, Faults::SETPOINT_LIMITED);
-        (next.unwrap_or(commanded), faults)
+        (next.unwrap_or(*commanded), faults)
     }
 
     fn integrated(
