@@ -7,10 +7,10 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use heapless::spsc::{Consumer, Producer, Queue};
 use strainwave::compensator::{Input, Output};
 
-/// Records that the queue holds before it drops: 3.1 ms of control when every period is reported.
+/// Records that the queue holds before it drops: 2.5 ms of control when every period is reported.
 pub const CAPACITY: usize = SLOTS - 1;
 /// One slot of a ring stays empty.
-const SLOTS: usize = 32;
+const SLOTS: usize = 26;
 
 /// One control period, as reported.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -100,6 +100,8 @@ impl strainwave_app::Board for Board {
     // 1000 reports a second, of 40 bytes at most, fit through the USART twice over.
     const REPORT_EVERY: u32 = 10;
 
+    // A function of its own: what plans a move is not on the stack while the control step is.
+    #[inline(never)]
     fn input(&mut self, input: &mut Input<f32>) -> bool {
         // Of a failed reading the compensator makes its own prediction, for a while.
         let (motor_encoder, status) = match self.encoder.count() {
