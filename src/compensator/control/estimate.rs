@@ -21,7 +21,7 @@ impl<R: Real> Compensator<R> {
         let gauge = state.latch.output_torque.take();
         let measured = Measurement {
             motor,
-            motor_speed: self.pulleys.ratio() * self.motor_encoder.speed(&state.motor_encoder),
+            motor_speed: self.motor_encoder.speed(&state.motor_encoder),
             reads_output,
             period,
             motor_torque: torques[0],

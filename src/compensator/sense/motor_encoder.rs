@@ -62,6 +62,8 @@ pub struct MotorEncoder<R> {
     fastest: u32,
     dt: R,
     inverse_dt: R,
+    /// Speed of one count in a control period (rad/s).
+    speed_of_count: R,
 }
 
 /// Foreseen change of the angle since the last reading, and how far from it a count may lie besides its noise, in counts.
@@ -116,6 +118,7 @@ impl<R: Real> MotorEncoder<R> {
             fastest: counts(limits.motor_speed * dt),
             dt,
             inverse_dt: R::ONE / dt,
+            speed_of_count: R::lit(RADIANS_PER_COUNT) * (R::ONE / dt),
         })
     }
 
@@ -129,7 +132,8 @@ impl<R: Real> MotorEncoder<R> {
             let counts = R::from_i32(counts.min(i32::MAX.cast_unsigned()).cast_signed());
             (counts / pulleys.ratio()).to_i32().unsigned_abs()
         };
-        Self { reach: at_motor(self.reach), fastest: at_motor(self.fastest), ..self }
+        let speed_of_count = pulleys.ratio() * self.speed_of_count;
+        Self { reach: at_motor(self.reach), fastest: at_motor(self.fastest), speed_of_count, ..self }
     }
 
     /// Where the shift lies in memory, in bytes.
@@ -145,10 +149,10 @@ impl<R: Real> MotorEncoder<R> {
         32 - shift
     }
 
-    /// Speed in the last control period (rad/s).
+    /// Speed of the motor, or in front of a belt of the wave generator, in the last control period (rad/s).
     #[inline(always)]
     pub fn speed(&self, state: &MotorEncoderState) -> R {
-        R::from_i32(state.step) * (R::lit(RADIANS_PER_COUNT) * self.inverse_dt)
+        R::from_i32(state.step) * self.speed_of_count
     }
 
     /// Takes a raw count whose frame was `valid`; the second value: it is accepted, as the one before it was.
@@ -285,6 +289,7 @@ mod tests {
             fastest: (586.0 * CONTROL_PERIOD / RADIANS_PER_COUNT) as u32,
             dt: CONTROL_PERIOD,
             inverse_dt: 1.0 / CONTROL_PERIOD,
+            speed_of_count: RADIANS_PER_COUNT / CONTROL_PERIOD,
         }
     }
 

@@ -14,6 +14,7 @@
 use crate::angle::Angle;
 use crate::belt::SeriesBeltParams;
 use crate::belt::series::ENABLED;
+use crate::branch::seldom;
 use crate::compensator::Limits;
 use crate::compensator::sense::encoder::Reading;
 use crate::constants::constants;
@@ -97,6 +98,7 @@ impl<R: Real> Pulleys<R> {
     #[inline(always)]
     pub fn reading(&self, state: &mut PulleysState, motor: Reading<R>) -> Reading<R> {
         if !self.are_present() {
+            seldom();
             return motor;
         }
         let phase = motor.angle.phase();
