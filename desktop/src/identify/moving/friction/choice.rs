@@ -1,7 +1,7 @@
 //! Which unknowns the log carries: from the Coulomb and viscous factors on, a group at a time, by cross-validation.
 //!
-//! Segments of [`SEGMENT`] rows belong to [`PARTS`] parts in turn; each part is held out once and predicted, the block going on
-//! through it. A part is small, so that the step to the solution without it is. A group stays when the robust loss of what is held out falls and no parameter of it ends at its
+//! Segments of [`SEGMENT`] rows belong to [`PARTS`] parts in turn; each part is held out once and predicted by the solution of the
+//! others, the block going on through it. A group stays when the robust loss of what is held out falls and no parameter of it ends at its
 //! limit. Groups that do not are tried again at the end, alone and together. A parameter that the log does not narrow to
 //! [`NOT_NARROWED`] of what was known before it goes at last.
 

@@ -21,6 +21,8 @@ mod fit;
 mod motion;
 mod rollout;
 mod spectrum;
+#[cfg(test)]
+mod strokes;
 mod unknowns;
 mod verdict;
 
