@@ -1,12 +1,13 @@
 //! What a log says of each parameter: its value, how well it is known, and a verdict.
 //!
-//! The covariance is that of the unknowns that the log carries, their priors with it, from the residual's own noise and
-//! correlation. A parameter beyond them keeps the base gear's value; its deviation is that which it would have beside them.
+//! A parameter that the log does not carry keeps the base gear's value. The covariance is that of all of them together, carried and
+//! kept, their priors with it, from the residual's own noise and correlation: a Stribeck speed that is kept is not known, and what
+//! is not known of it is not known of the levels.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
-use super::choice::{Choice, NOT_NARROWED, is_at_limit};
-use super::fit::Fit;
+use super::choice::{Choice, Model, NOT_NARROWED, is_at_limit};
+use super::fit::{Fit, Solution};
 use super::rollout::Rollout;
 use super::unknowns::{Parameter, Unknown};
 use crate::identify::Error;
@@ -96,55 +97,102 @@ pub(super) fn parameters(
     let side = &rollout.gear.friction.input;
     let there = |parameter: &Parameter| parameter.of(side).is_some_and(|value| value > 0.0);
     let reported = constant.into_iter().filter(there).chain(ripple.filter(|parameter| carried(*parameter)));
-    reported.map(|parameter| one(rollout, torque, choice, parameter)).collect()
+    let reported: Vec<_> = reported.collect();
+    let Model { unknowns, solution, .. } = &choice.model;
+    let all = All::of(Fit { rollout, torque, unknowns }, solution, &reported)?;
+    Ok(reported.into_iter().map(|parameter| all.learnt(choice, parameter)).collect())
 }
 
-fn one(
-    rollout: Rollout<'_>,
-    torque: &[f64],
-    choice: &Choice,
-    parameter: Parameter,
-) -> Result<LearntParameter, Error> {
-    let model = &choice.model;
-    let (mut unknowns, mut z) = (model.unknowns.clone(), model.solution.z.clone());
-    let carried = unknowns.iter().position(|unknown| *unknown == Unknown::Of(parameter));
-    let index = carried.unwrap_or(unknowns.len());
-    if carried.is_none() {
-        unknowns.push(Unknown::Of(parameter));
-        z.push(0.0);
+/// The unknowns that the log carries, then the reported parameters that stay as they are.
+struct All<'a> {
+    rollout: Rollout<'a>,
+    /// How many of the unknowns are carried.
+    carried: usize,
+    unknowns: Vec<Unknown>,
+    z: Vec<f64>,
+    covariance: DMatrix<f64>,
+}
+
+impl<'a> All<'a> {
+    fn of(carried: Fit<'a>, solution: &Solution, reported: &[Parameter]) -> Result<Self, Error> {
+        let kept = reported.iter().map(|parameter| Unknown::Of(*parameter));
+        let kept = kept.filter(|unknown| !carried.unknowns.contains(unknown));
+        let unknowns: Vec<_> = carried.unknowns.iter().copied().chain(kept).collect();
+        let mut z = solution.z.clone();
+        z.resize(unknowns.len(), 0.0);
+        let covariance = Fit { unknowns: &unknowns, ..carried }.covariance(&z, solution)?;
+        Ok(Self { rollout: carried.rollout, carried: carried.unknowns.len(), unknowns, z, covariance })
     }
-    let fit = Fit { rollout, torque, unknowns: &unknowns };
-    let covariance = fit.covariance(&z, &model.solution)?;
-    let backwards = !rollout.directions[0];
-    let value = |z: &[f64]| {
-        let side = rollout.side(&unknowns, z);
+
+    /// Of a reported parameter, in its unit.
+    fn value(&self, parameter: Parameter, z: &[f64]) -> f64 {
+        let side = self.rollout.side(&self.unknowns, z);
+        let backwards = !self.rollout.directions[0];
         parameter.of(&if backwards { side.backwards() } else { side }).unwrap_or(f64::NAN)
-    };
-    let slope = DVector::from_fn(z.len(), |k, _| {
-        let mut there = z.clone();
-        there[k] += DIFFERENCE;
-        (value(&there) - value(&z)) / DIFFERENCE
-    });
-    let (found, deviation) = (value(&z), (slope.transpose() * &covariance * &slope)[(0, 0)].sqrt());
-    let own = covariance[(index, index)].sqrt();
-    let partner = (0..z.len())
-        .filter(|k| *k != index)
-        .find(|k| (covariance[(index, *k)] / (own * covariance[(*k, *k)].sqrt())).abs() > TRADED);
-    let no_load = matches!(parameter, Parameter::Driving | Parameter::Driven) && !rollout.motion.has_load();
-    let verdict = match (carried, partner) {
-        _ if no_load => Verdict::NoLoad,
-        (None, _) if choice.at_limit.contains(&parameter) => Verdict::AtLimit,
-        (Some(_), _) if is_at_limit(unknowns[index], z[index]) => Verdict::AtLimit,
-        (_, Some(other)) if own < NOT_NARROWED => Verdict::Traded(unknowns[other].name()),
-        _ if own > NOT_NARROWED => Verdict::NotExcited,
-        (None, _) => Verdict::BaseKept,
-        (Some(_), _) => Verdict::Identified,
-    };
-    let interval = if parameter.is_logarithmic() {
-        [-MOST, MOST].map(|side| found * (side * deviation / found).exp())
-    } else {
-        [-MOST, MOST].map(|side| found + side * deviation)
-    };
-    let base = parameter.of(&rollout.gear.friction.input).unwrap_or(f64::NAN);
-    Ok(LearntParameter { parameter, base, value: found, deviation, interval, verdict })
+    }
+
+    /// Standard error of a reported parameter, in its unit.
+    fn deviation(&self, parameter: Parameter) -> f64 {
+        let here = self.value(parameter, &self.z);
+        let slope = DVector::from_fn(self.z.len(), |k, _| {
+            let mut there = self.z.clone();
+            there[k] += DIFFERENCE;
+            (self.value(parameter, &there) - here) / DIFFERENCE
+        });
+        slope.dot(&(&self.covariance * &slope)).sqrt()
+    }
+
+    fn learnt(&self, choice: &Choice, parameter: Parameter) -> LearntParameter {
+        let (value, deviation) = (self.value(parameter, &self.z), self.deviation(parameter));
+        let interval = if parameter.is_logarithmic() {
+            [-MOST, MOST].map(|side| value * (side * deviation / value).exp())
+        } else {
+            [-MOST, MOST].map(|side| value + side * deviation)
+        };
+        let base = parameter.of(&self.rollout.gear.friction.input).unwrap_or(f64::NAN);
+        let verdict = self.verdict(choice, parameter);
+        LearntParameter { parameter, base, value, deviation, interval, verdict }
+    }
+
+    fn verdict(&self, choice: &Choice, parameter: Parameter) -> Verdict {
+        let Self { unknowns, z, covariance, .. } = self;
+        let index = unknowns.iter().position(|unknown| *unknown == Unknown::Of(parameter));
+        let Some(index) = index else { return Verdict::NotExcited };
+        let carried = index < self.carried;
+        let own = covariance[(index, index)].sqrt();
+        let partner = (0..z.len())
+            .filter(|k| *k != index)
+            .find(|k| (covariance[(index, *k)] / (own * covariance[(*k, *k)].sqrt())).abs() > TRADED);
+        let is_of_load = matches!(parameter, Parameter::Driving | Parameter::Driven);
+        match partner {
+            _ if is_of_load && !self.rollout.motion.has_load() => Verdict::NoLoad,
+            _ if !carried && choice.at_limit.contains(&parameter) => Verdict::AtLimit,
+            _ if carried && is_at_limit(unknowns[index], z[index]) => Verdict::AtLimit,
+            Some(other) if own < NOT_NARROWED => Verdict::Traded(unknowns[other].name()),
+            _ if own > NOT_NARROWED => Verdict::NotExcited,
+            _ if carried => Verdict::Identified,
+            _ => Verdict::BaseKept,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::strokes::Strokes;
+    use super::*;
+
+    #[test]
+    fn what_is_not_known_of_a_parameter_that_is_kept_is_not_known_of_the_others() {
+        let strokes = Strokes::new();
+        let carried = [Unknown::Offset, Unknown::Of(Parameter::Coulomb), Unknown::Of(Parameter::Static)];
+        let fit = strokes.fit(&carried);
+        let solution = fit.plain(&[0.0; 3], Strokes::NOISE).unwrap();
+        let [alone, beside] =
+            [&[][..], &[Parameter::Stribeck]].map(|kept| All::of(fit, &solution, kept).unwrap());
+        for parameter in [Parameter::Coulomb, Parameter::Static] {
+            let of = |all: &All<'_>| all.value(parameter, &all.z);
+            assert_eq!(of(&alone), of(&beside));
+            assert!(beside.deviation(parameter) > alone.deviation(parameter), "{parameter:?}");
+        }
+    }
 }
