@@ -3,21 +3,31 @@
 use strainwave::Angle;
 use strainwave::compensator::Setpoint;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
-use strainwave_app::jog::{FARTHEST, Jog, LIMITS};
+use strainwave_app::jog::{FARTHEST, Jog, LIMITS, Planner};
 
 const PERIOD: f32 = CONTROL_PERIOD as f32;
 const ORIGIN: Angle<f32> = Angle::from_counts(987_654_321);
 
-fn jog() -> Jog {
-    Jog::at(LIMITS.build(PERIOD).expect("limits that moves can be planned with"), ORIGIN)
+/// Both ends of a jog that holds its origin.
+struct Joint(&'static Jog, Planner);
+
+fn jog() -> Joint {
+    let jog = Box::leak(Box::new(Jog::new()));
+    assert_eq!(jog.step(), None);
+    jog.hold(ORIGIN);
+    Joint(jog, Planner::new(jog).expect("limits that moves can be planned with"))
 }
 
 fn offset(setpoint: &Setpoint<f32>) -> f64 {
     setpoint.position.to_radians() - ORIGIN.to_radians()
 }
 
-fn run(jog: &mut Jog, target: f32, periods: usize) -> Vec<Setpoint<f32>> {
-    (0..periods).map(|_| jog.step(target)).collect()
+fn run(Joint(jog, planner): &mut Joint, target: f32, periods: usize) -> Vec<Setpoint<f32>> {
+    let step = |_| {
+        planner.plan(target);
+        jog.step().expect("it holds")
+    };
+    (0..periods).map(step).collect()
 }
 
 #[test]

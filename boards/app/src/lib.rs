@@ -12,6 +12,7 @@ pub mod jog;
 pub mod literal_mesh;
 #[cfg(target_os = "none")]
 pub mod logger;
+pub mod operated;
 #[cfg(target_os = "none")]
 mod panic;
 #[cfg(feature = "served")]

@@ -28,6 +28,7 @@ mod watchdog;
 use board::{Board, Hardware};
 use static_cell::StaticCell;
 use stm32f4xx_hal::pac::interrupt;
+use strainwave_app::jog::Planner;
 use strainwave_app::telemetry::Sender;
 use strainwave_app::{Compensator, Control, Log, Slot, Telemetry};
 
@@ -39,14 +40,17 @@ fn main() -> ! {
     static mut TELEMETRY: Telemetry = Telemetry::new();
     let (sender, log) = TELEMETRY.split();
     match board::start() {
-        Some((board, compensator, hardware)) => run(board, compensator, hardware, sender, log),
+        Some((board, planner, compensator, hardware)) => {
+            run(board, planner, compensator, hardware, sender, log)
+        }
         None => fault::halt(),
     }
 }
 
-/// Hands the control to its interrupt, then reports from the idle loop.
+/// Hands the control to its interrupt, then reports and plans moves in the idle loop.
 fn run(
     board: Board,
+    mut planner: Planner,
     compensator: &'static Compensator,
     mut hardware: Hardware,
     sender: Sender,
@@ -61,6 +65,7 @@ fn run(
     let mut warned = false;
     loop {
         log.drain();
+        planner.plan(serial::target());
         if encoder::lost() && !warned {
             defmt::error!("motor encoder lost: the drive is released until the next reset");
             warned = true;
