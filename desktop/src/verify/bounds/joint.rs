@@ -99,4 +99,46 @@ pub(super) const ROWS: &[Bound] = &[
         unit: "1",
         why: "one generic code, and IEEE arithmetic on both processors: every bit of every output",
     },
+    Bound {
+        name: "pil.stm32f405.misread",
+        value: 0.0,
+        unit: "1",
+        why: "control periods of the executed image of the real board in which its encoder is not read exactly once",
+    },
+    Bound {
+        name: "pil.stm32f405.position",
+        value: 1e-5,
+        unit: "rad",
+        why: "output of the joint that it holds from the operator's target, by the motor's encoder alone: 80 of its counts, seen through the gear",
+    },
+    Bound {
+        name: "pil.stm32f405.telemetry.damaged",
+        value: 0.0,
+        unit: "line",
+        why: "lines that came over the USART otherwise than they were sent",
+    },
+    Bound {
+        name: "pil.stm32f405.encoder_lost.release",
+        value: 2.5e-3,
+        unit: "s",
+        why: "from the failure of the only encoder to a drive without torque and without its enable",
+    },
+    Bound {
+        name: "pil.stm32f405.encoder_lost.unsaid",
+        value: 0.0,
+        unit: "1",
+        why: "the failure is not in the telemetry",
+    },
+    Bound {
+        name: "pil.stm32f405.stopped.release",
+        value: 5e-3,
+        unit: "s",
+        why: "from the end of the control interrupts to the same: the watchdog's 2 ms and a start",
+    },
+    Bound {
+        name: "pil.stm32f405.stopped.enabled",
+        value: 0.0,
+        unit: "period",
+        why: "control periods of the 0.2 s after it in which the drive is enabled: nobody has looked after the cause",
+    },
 ];

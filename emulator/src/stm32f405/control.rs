@@ -1,0 +1,348 @@
+//! Control on the chip with a plant at its encoder and drive, and the host's build of the same control beside it.
+//!
+//! A period of the plant begins 0.06 ms after the chip's control interrupt: the encoder is put where the plant is, the chip runs for
+//! 0.1 ms, in which it reads it and answers, and its answer is the plant's torque in this period.
+
+use std::cell::Cell;
+use std::path::Path;
+use std::rc::Rc;
+use std::time::Duration;
+
+use strainwave::compensator::schedule::CONTROL_PERIOD;
+use strainwave::compensator::{Input, Output};
+use strainwave_app::jog::{Jog, Planner};
+use strainwave_app::operated::Operated;
+use strainwave_app::{Board, Compensator, Control, Telemetry};
+use strainwave_desktop::GearFile;
+use strainwave_desktop::bench::controller::Controller;
+use strainwave_desktop::bench::task::{Demand, Task};
+use strainwave_desktop::bench::{Bench, Conditions};
+use strainwave_desktop::design::capability::Capability;
+use strainwave_desktop::design::joint::joint_params;
+use strainwave_desktop::io::gear_file::SensorSet;
+use strainwave_desktop::plant::divergence::RunError;
+
+use crate::stm32f405::chip::{self, Chip};
+use crate::stm32f405::encoder;
+use crate::target::Agreement;
+
+/// From the start of the timer to that of the first period: the interrupts are then 0.04 ms after a period's begin.
+const PHASE: Duration = Duration::from_micros(60);
+/// Longest time from reset to the start of the timer.
+const START: Duration = Duration::from_millis(200);
+/// Steps of waiting for it.
+const GLANCE: Duration = Duration::from_micros(10);
+/// Code of no torque, and from there to the peak torque.
+const NEUTRAL: i32 = 2048;
+const SPAN: i32 = 2047;
+/// The plant of the runs.
+const SEED: u64 = 1;
+/// The operator's step of the target, as the firmware counts it [mrad].
+const STEP: f32 = 10.0;
+/// When the operator presses the key, and when the load comes (s).
+const KEY_AT: f64 = 0.3;
+const LOAD_AT: f64 = 0.7;
+/// The load, of the rated torque.
+const LOAD: f64 = 0.3;
+/// Longest time until the idle loop, which also reports, has planned the move (control periods).
+const LATEST: u32 = 20;
+/// Length (s).
+const DURATION: f64 = 1.0;
+
+/// Periods for which a stopped control is watched: 0.2 s.
+const AFTERWARDS: u32 = 2000;
+
+/// Why a run ended.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The chip.
+    #[error(transparent)]
+    Chip(#[from] chip::Error),
+    /// The plant.
+    #[error(transparent)]
+    Plant(#[from] RunError),
+    /// A parameter that no model can be built from.
+    #[error(transparent)]
+    Parameter(#[from] strainwave::Error),
+}
+
+/// A second of control.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Second {
+    /// From reset to the control's start (s).
+    pub started_after: f64,
+    /// Periods, and those in which the drive's code or its enable differed from the host's.
+    pub agreement: Agreement,
+    /// From the operator's key to the first period of the move (control periods).
+    pub planned_after: usize,
+    /// Periods in which the encoder was not read exactly once.
+    pub misread: u64,
+    /// Distance of the output from the operator's target before the load comes (rad).
+    pub error: f64,
+    /// Most bytes of stack in use at once.
+    pub stack: u64,
+    /// From the encoder's failure to the drive's release (s).
+    pub released_after: f64,
+    /// Its telemetry.
+    pub lines: Vec<String>,
+}
+
+/// Boots the image, which controls the joint of `gear`, lets an operator move it, loads it, and takes its encoder away.
+///
+/// # Errors
+/// [`Error`].
+pub fn second(elf: &Path, gear: &GearFile) -> Result<Second, Error> {
+    let conditions = Conditions { sensors: SensorSet::Motor, ..Conditions::of(gear, SEED) };
+    let mut bench = Bench::condensed(gear, &conditions).map_err(RunError::from)?;
+    let mut booting = Booting { elf, gear, beside: None };
+    let (mut start, mut error) = (None, f64::NAN);
+    bench.go(&Operator { load: LOAD * gear.gear.rated_torque }, &mut booting, |period, _, plant, _| {
+        let output = plant.output().angle;
+        let moved = output.minus(*start.get_or_insert(output));
+        if period as f64 * CONTROL_PERIOD < LOAD_AT {
+            error = moved - f64::from(STEP * 1e-3);
+        }
+    })?;
+    let Some(mut beside) = booting.beside else { return Ok(Second::default()) };
+    beside.chip.magnet().fail();
+    let released_after = until(&mut beside.chip, |chip| Ok(!chip.drive()?.1))?;
+    // What it says of it is on its way.
+    beside.chip.run(Duration::from_millis(20))?;
+    let (agreement, planned_after) = beside.agreement();
+    Ok(Second {
+        started_after: beside.started_after,
+        agreement,
+        planned_after,
+        misread: beside.misread,
+        error: error.abs(),
+        stack: beside.chip.stack()?,
+        released_after,
+        lines: beside.chip.telemetry()?,
+    })
+}
+
+/// What the watchdog does when the control stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stopped {
+    /// From there to the drive's release (s).
+    pub released_after: f64,
+    /// Periods in which the drive is enabled, of the 0.2 s after it.
+    pub enabled: u64,
+}
+
+/// Stops the control of a joint at rest.
+///
+/// # Errors
+/// [`Error`].
+pub fn stopped(elf: &Path) -> Result<Stopped, Error> {
+    let (mut chip, _) = start(elf, 0)?;
+    chip.run(Duration::from_millis(300))?;
+    chip.stop_timer()?;
+    let released_after = until(&mut chip, |chip| Ok(!chip.drive()?.1))?;
+    let mut enabled = 0;
+    for _ in 0..AFTERWARDS {
+        chip.run(period())?;
+        enabled += u64::from(chip.drive()?.1);
+    }
+    Ok(Stopped { released_after, enabled })
+}
+
+/// Boots an image, up to the first period.
+fn start(elf: &Path, count: u32) -> Result<(Chip, f64), Error> {
+    let mut chip = Chip::boot(elf)?;
+    chip.magnet().put(count);
+    let mut waited = Duration::ZERO;
+    while !chip.controls()? {
+        if waited > START {
+            let said = chip.telemetry()?.pop().unwrap_or_else(|| "it said nothing".into());
+            return Err(chip::Error::NotStarted { said }.into());
+        }
+        chip.run(GLANCE)?;
+        waited += GLANCE;
+    }
+    chip.run(PHASE)?;
+    Ok((chip, waited.as_secs_f64()))
+}
+
+/// Time until something holds (s), in periods; infinite when it does not within 0.1 s.
+fn until(chip: &mut Chip, holds: impl Fn(&Chip) -> Result<bool, chip::Error>) -> Result<f64, Error> {
+    for periods in 1..=1000 {
+        chip.run(period())?;
+        if holds(chip)? {
+            return Ok(f64::from(periods) * CONTROL_PERIOD);
+        }
+    }
+    Ok(f64::INFINITY)
+}
+
+fn period() -> Duration {
+    Duration::from_secs_f64(CONTROL_PERIOD)
+}
+
+/// A joint that holds, is moved by a key, and then loaded.
+struct Operator {
+    /// (N m)
+    load: f64,
+}
+
+impl Task for Operator {
+    fn duration(&self) -> f64 {
+        DURATION
+    }
+
+    fn at(&self, time: f64, _capability: &Capability) -> Demand {
+        Demand { load: if time < LOAD_AT { 0.0 } else { self.load }, ..Demand::default() }
+    }
+}
+
+/// The chip as the plant's controller, the host's control beside it.
+struct Beside {
+    chip: Chip,
+    /// From reset to the control's start (s).
+    started_after: f64,
+    /// The same control as often, each of which takes up the operator's move a period later than the one before.
+    hosts: Vec<Host>,
+    /// Left shift of the joint's counts to those of the encoder.
+    shift: u32,
+    /// Torque of a code (N m).
+    torque: f64,
+    periods: u32,
+    misread: u64,
+}
+
+impl Beside {
+    /// Both at rest, where the encoder shows `count` of the joint's resolution.
+    fn boot(elf: &Path, gear: &GearFile, count: u32) -> Result<Self, Error> {
+        let joint = joint_params(gear)?;
+        let shift = encoder::BITS - joint.motor_encoder_bits;
+        let (chip, started_after) = start(elf, count << shift)?;
+        let compensator: &Compensator = Box::leak(Box::new(joint.build()?));
+        let hosts = (0..=LATEST).map(|_| Host::new(compensator)).collect::<Result<_, _>>()?;
+        let torque = f64::from(compensator.limits().motor_torque) / f64::from(SPAN);
+        Ok(Self { chip, started_after, hosts, shift, torque, periods: 0, misread: 0 })
+    }
+
+    /// Of the host that takes the move up when the chip does, and how many periods after the key that is.
+    fn agreement(&self) -> (Agreement, usize) {
+        let steps = self.periods.into();
+        let different = |host: &Host| host.different;
+        let best = self.hosts.iter().map(different).enumerate().min_by_key(|(_, different)| *different);
+        let (after, different) = best.unwrap_or_default();
+        (Agreement { steps, different }, after)
+    }
+
+    fn step(&mut self, count: u32) -> Result<f64, Error> {
+        let after_key = self.periods.checked_sub((KEY_AT / CONTROL_PERIOD) as u32);
+        if after_key == Some(0) {
+            self.chip.press(b'+');
+        }
+        self.periods += 1;
+        let readings = self.chip.magnet().readings();
+        self.chip.magnet().put(count << self.shift);
+        self.chip.run(period())?;
+        self.misread += u64::from(self.chip.magnet().readings() != readings + 1);
+        let drive = self.chip.drive()?;
+        for (after, host) in self.hosts.iter_mut().enumerate() {
+            if after_key == Some(after as u32) {
+                host.planner.plan(STEP * 1e-3);
+            }
+            host.different += u64::from(drive != host.step(count));
+        }
+        let (code, enabled) = drive;
+        Ok(if enabled { self.torque * f64::from(code.cast_signed() - NEUTRAL) } else { 0.0 })
+    }
+}
+
+/// Boots the chip with the plant's first reading.
+struct Booting<'a> {
+    elf: &'a Path,
+    gear: &'a GearFile,
+    beside: Option<Beside>,
+}
+
+impl Controller for Booting<'_> {
+    type Error = Error;
+
+    fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, Error> {
+        let count = input.sensors.motor_encoder;
+        let beside = match &mut self.beside {
+            Some(beside) => beside,
+            none => none.insert(Beside::boot(self.elf, self.gear, count)?),
+        };
+        let motor_torque = beside.step(count)? as f32;
+        Ok(Output { motor_torque, ..Output::default() })
+    }
+}
+
+/// The firmware's control on the host.
+struct Host {
+    control: Control<HostBoard>,
+    planner: Planner,
+    wires: Rc<Wires>,
+    /// Steps unlike the chip's.
+    different: u64,
+}
+
+impl Host {
+    fn new(compensator: &'static Compensator) -> Result<Self, Error> {
+        let scale = SPAN as f32 / compensator.limits().motor_torque;
+        let wires = Rc::new(Wires { scale, ..Wires::default() });
+        let jog = Box::leak(Box::new(Jog::new()));
+        let board = HostBoard { wires: wires.clone(), joint: Operated::new(jog) };
+        let (sender, _) = Box::leak(Box::new(Telemetry::new())).split();
+        let control = Control::new(board, compensator, sender);
+        Ok(Self { control, planner: Planner::new(jog)?, wires, different: 0 })
+    }
+
+    /// One period, with the encoder at `count`: code and enable of the drive.
+    fn step(&mut self, count: u32) -> (u32, bool) {
+        self.wires.count.set(count);
+        self.control.tick();
+        self.wires.drive.get()
+    }
+}
+
+/// What the host's board is connected to.
+#[derive(Default)]
+struct Wires {
+    count: Cell<u32>,
+    /// Steps of the drive's code per torque (1/(N m)).
+    scale: f32,
+    /// The drive's code, and that it is enabled.
+    drive: Cell<(u32, bool)>,
+}
+
+/// The board as it is on the host.
+struct HostBoard {
+    wires: Rc<Wires>,
+    joint: Operated,
+}
+
+impl Board for HostBoard {
+    const REPORT_EVERY: u32 = 10;
+
+    fn input(&mut self, input: &mut Input<f32>) -> bool {
+        self.joint.input(Some(self.wires.count.get()), input);
+        true
+    }
+
+    fn command(&mut self, torque: f32) {
+        self.joint.commanded(torque);
+        let steps = (torque * self.wires.scale) as i32;
+        self.wires.drive.set(((NEUTRAL + steps.clamp(-SPAN, SPAN)).cast_unsigned(), true));
+    }
+
+    fn report(&mut self, output: impl FnOnce() -> Output<f32>) {
+        self.joint.report(output);
+    }
+
+    fn release(&mut self) {
+        self.wires.drive.set((NEUTRAL.cast_unsigned(), false));
+    }
+
+    fn feed_watchdog(&mut self) {}
+
+    fn overran(&mut self) -> bool {
+        false
+    }
+}
