@@ -177,6 +177,7 @@ impl Measurement {
             budget
                 .figure(&name("cycles"), found.worst.cycles as f64, "cycle", bound)
                 .of_seed(found.worst.seed),
+            Figure::reported(full("cycles_from_flash"), found.from_flash as f64, "cycle"),
             Figure::reported(full("steps"), found.steps as f64, "1"),
             bounds::figure_as(full("steps_unlike_host"), "pil.steps_unlike_host", found.unlike_host as f64),
             Figure::bounded(full("steps_unbounded"), unbounded as f64, "1", 0.0),

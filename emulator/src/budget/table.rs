@@ -113,7 +113,9 @@ fn any_input(found: &AnyInput, budget: &Budget, figures: &[Figure]) -> String {
     let table = rows("any input", &prefix, figures);
     let Step { cycles, seed, variations, number, .. } = &found.worst;
     let mut text = format!(
-        "{table}\nmost costly: {cycles} cycles in step {number} of sequence {seed}, varied {variations} times\n"
+        "{table}\nmost costly: {cycles} cycles in step {number} of sequence {seed}, varied {variations} times; {} with the wait states of an \
+         STM32F405's flash, by a model of its accelerator\n",
+        found.from_flash
     );
     let slots = found.slots.iter().zip(successors(Some(Slot::default()), |slot| Some(slot.next())));
     let slots: Vec<_> = slots.map(|(cycles, slot)| format!("{slot:?} {cycles}")).collect();
@@ -244,13 +246,21 @@ mod tests {
         let worst = Step { cycles: 1800, seed: 7, variations: 2, number: 31, ..Step::default() };
         let functions = vec![("a::plan".to_owned(), 1000)];
         let unbounded = [("torsion", 4)].into();
-        let any_input =
-            Some(AnyInput { steps: 99, unlike_host: 0, unbounded, worst, functions, slots: [1800; SLOTS] });
+        let any_input = Some(AnyInput {
+            steps: 99,
+            unlike_host: 0,
+            unbounded,
+            worst,
+            from_flash: 2100,
+            functions,
+            slots: [1800; SLOTS],
+        });
         let text = print(&Measurement { any_input, ..measurement() }, &budget());
         assert!(text.contains("most costly: 1800 cycles in step 31 of sequence 7, varied 2 times"), "{text}");
         assert!(text.contains("1000 in a::plan") && text.contains("unbounded: torsion in 4 steps"), "{text}");
         let row =
             |name: &str| text.lines().map(str::trim).find(|line| line.starts_with(name)).unwrap().to_owned();
+        assert!(text.contains("2100 with the wait states of an STM32F405's flash"), "{text}");
         assert!(row("cycles").ends_with("yes") && row("steps_unbounded").ends_with("NO"), "{text}");
     }
 

@@ -11,6 +11,7 @@
 
 pub mod cycle_table;
 mod error;
+pub mod flash_accelerator;
 pub mod path;
 mod plan;
 mod plugin;
