@@ -29,6 +29,7 @@ mod link;
 mod literal_mesh;
 mod moving;
 mod observer;
+mod operated;
 mod oracle;
 mod power_balance;
 mod range;

@@ -35,6 +35,8 @@ const GLANCE: Duration = Duration::from_micros(10);
 /// Code of no torque, and from there to the peak torque.
 const NEUTRAL: i32 = 2048;
 const SPAN: i32 = 2047;
+/// Code and enable of a drive that was released.
+const RELEASED: (u32, bool) = (NEUTRAL.cast_unsigned(), false);
 /// The plant of the runs.
 const SEED: u64 = 1;
 /// The operator's step of the target, as the firmware counts it [mrad].
@@ -48,7 +50,6 @@ const LOAD: f64 = 0.3;
 const LATEST: u32 = 20;
 /// Length (s).
 const DURATION: f64 = 1.0;
-
 /// Periods for which a stopped control is watched: 0.2 s.
 const AFTERWARDS: u32 = 2000;
 
@@ -67,7 +68,7 @@ pub enum Error {
 }
 
 /// A second of control.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Second {
     /// From reset to the control's start (s).
     pub started_after: f64,
@@ -103,9 +104,10 @@ pub fn second(elf: &Path, gear: &GearFile) -> Result<Second, Error> {
             error = moved - f64::from(STEP * 1e-3);
         }
     })?;
-    let Some(mut beside) = booting.beside else { return Ok(Second::default()) };
+    let never = || chip::Error::NotStarted { said: "no period was run".into() };
+    let mut beside = booting.beside.ok_or_else(never)?;
     beside.chip.magnet().fail();
-    let released_after = until(&mut beside.chip, |chip| Ok(!chip.drive()?.1))?;
+    let released_after = until_released(&mut beside.chip)?;
     // What it says of it is on its way.
     beside.chip.run(Duration::from_millis(20))?;
     let (agreement, planned_after) = beside.agreement();
@@ -138,7 +140,7 @@ pub fn stopped(elf: &Path) -> Result<Stopped, Error> {
     let (mut chip, _) = start(elf, 0)?;
     chip.run(Duration::from_millis(300))?;
     chip.stop_timer()?;
-    let released_after = until(&mut chip, |chip| Ok(!chip.drive()?.1))?;
+    let released_after = until_released(&mut chip)?;
     let mut enabled = 0;
     for _ in 0..AFTERWARDS {
         chip.run(period())?;
@@ -164,11 +166,11 @@ fn start(elf: &Path, count: u32) -> Result<(Chip, f64), Error> {
     Ok((chip, waited.as_secs_f64()))
 }
 
-/// Time until something holds (s), in periods; infinite when it does not within 0.1 s.
-fn until(chip: &mut Chip, holds: impl Fn(&Chip) -> Result<bool, chip::Error>) -> Result<f64, Error> {
+/// Time until the drive has neither torque nor enable (s), in periods; infinite when it keeps one for 0.1 s.
+fn until_released(chip: &mut Chip) -> Result<f64, Error> {
     for periods in 1..=1000 {
         chip.run(period())?;
-        if holds(chip)? {
+        if chip.drive()? == RELEASED {
             return Ok(f64::from(periods) * CONTROL_PERIOD);
         }
     }
@@ -337,7 +339,7 @@ impl Board for HostBoard {
     }
 
     fn release(&mut self) {
-        self.wires.drive.set((NEUTRAL.cast_unsigned(), false));
+        self.wires.drive.set(RELEASED);
     }
 
     fn feed_watchdog(&mut self) {}
