@@ -66,8 +66,8 @@ pub struct AnyInput {
     pub unbounded: BTreeMap<&'static str, u64>,
     /// The most costly step.
     pub worst: Step,
-    /// Its cycles where the code is in the flash of an STM32F405.
-    pub from_flash: u64,
+    /// Its cycles where the code is in the flash of an STM32F405, if every instruction has a cost.
+    pub from_flash: Option<u64>,
     /// Its cycles in each function, those of its callees apart, the most first.
     pub functions: Vec<(String, u64)>,
     /// Cycles of the most costly step of each slot, in the schedule's order; those in which it waited are its own.
@@ -174,7 +174,7 @@ impl Search {
         self.run(&worst.inputs, &self.counting.arguments_for_path(worst.number))?;
         let path = self.counting.results(&self.image)?.path;
         let functions = path::by_function(&self.image, &path).unwrap_or_default();
-        let from_flash = flash_accelerator::cycles(&self.image, &path).unwrap_or_default();
+        let from_flash = flash_accelerator::cycles(&self.image, &path);
         let Self { steps, unlike_host, unbounded, .. } = self;
         Ok(AnyInput { steps, unlike_host, unbounded, worst, from_flash, functions, slots })
     }

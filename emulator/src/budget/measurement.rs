@@ -173,15 +173,17 @@ impl Measurement {
         let full = |what: &str| format!("budget.{}.{}", budget.board, name(what));
         let bound = budget.any_input.map(|bounds| bounds.cycles);
         let unbounded = found.unbounded.values().sum::<u64>();
-        vec![
+        let from_flash = |cycles| Figure::reported(full("cycles_from_flash"), cycles as f64, "cycle");
+        let mut figures = vec![
             budget
                 .figure(&name("cycles"), found.worst.cycles as f64, "cycle", bound)
                 .of_seed(found.worst.seed),
-            Figure::reported(full("cycles_from_flash"), found.from_flash as f64, "cycle"),
             Figure::reported(full("steps"), found.steps as f64, "1"),
             bounds::figure_as(full("steps_unlike_host"), "pil.steps_unlike_host", found.unlike_host as f64),
             Figure::bounded(full("steps_unbounded"), unbounded as f64, "1", 0.0),
-        ]
+        ];
+        figures.extend(found.from_flash.map(from_flash));
+        figures
     }
 
     /// Counts of the control step, one of its parts or the literal mesh.

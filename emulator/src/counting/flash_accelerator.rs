@@ -9,6 +9,8 @@
 //! cache has it; where the core is there first, it waits for the rest. A prefetched line is not kept. A constant beside the code comes
 //! through the D-cache in the same way. The caches are empty at first: the idle loop and other interrupts have had them.
 //!
+//! The lines are those of the image that was counted, linked for another board: this chip's image has the same code at other addresses.
+//!
 //! Taken to be free: data in RAM, where this chip's image has the joint's constants, and the loads from tables in flash, whose addresses a path
 //! does not tell; 5 cycles each at most. Not in the model: that a constant and a prefetch want the flash at once. A model by the
 //! manual, not compared with silicon.

@@ -139,6 +139,9 @@ pub struct Stopped {
 pub fn stopped(elf: &Path) -> Result<Stopped, Error> {
     let (mut chip, _) = start(elf, 0)?;
     chip.run(Duration::from_millis(300))?;
+    if !chip.drive()?.1 {
+        return Err(chip::Error::NotStarted { said: "the drive is not enabled".into() }.into());
+    }
     chip.stop_timer()?;
     let released_after = until_released(&mut chip)?;
     let mut enabled = 0;

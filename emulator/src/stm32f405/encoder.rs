@@ -159,7 +159,8 @@ impl Frame {
     }
 }
 
-/// Remainder of the bytes, most significant bit first.
+/// Remainder of the bytes, most significant bit first. By the datasheet and not by the driver's library: a model that shares it would
+/// share a mistake in its choice.
 fn checksum(bytes: &[u8]) -> u8 {
     let shifted = |rest: u8| (rest << 1) ^ if rest >> 7 == 1 { POLYNOMIAL } else { 0 };
     bytes.iter().fold(0, |rest, byte| (0..8).fold(rest ^ byte, |rest, _| shifted(rest)))
