@@ -65,7 +65,7 @@ pub struct Arguments {
     /// Of `robustness`, only this unknown, such as drive.delay; may be given several times
     #[arg(long = "row", value_name = "NAME", value_parser = row_parser())]
     rows: Vec<String>,
-    /// Of `robustness`, plants of each row (6 when left out); of `catalogue` and `healthy`, joints (all 500); of
+    /// Of `robustness`, plants of each row (6 when left out, 60 of `all`); of `catalogue` and `healthy`, joints (all 500); of
     /// `constants`, training joints (24, half of them with an output encoder); of `robot`, robots (20)
     #[arg(long, value_name = "COUNT", value_parser = value_parser!(u64).range(1..=100_000))]
     seeds: Option<u64>,
@@ -301,7 +301,7 @@ fn against_unknowns(arguments: &Arguments) -> Result<Figures, BadInput> {
             names => names.iter().filter_map(|name| Which::named(name)).collect(),
         },
         first: arguments.first.unwrap_or(robustness::FIRST),
-        seeds: arguments.seeds.unwrap_or(robustness::SEEDS),
+        seeds: arguments.seeds,
         noises: arguments.noises.unwrap_or(1),
         reference: arguments.reference,
     };

@@ -2,7 +2,7 @@
 //!
 //! | period of a round | slot |
 //! | --- | --- |
-//! | first, third, fifth, seventh | observer and fast disturbance estimate |
+//! | first, third, fifth, seventh | observer and fast disturbance estimate; in the first after them the output encoder's torsion beside the rotor's, in the fifth before them the correction of the observer's gear by the learnt factors |
 //! | second | command, feed-forward, output feedback |
 //! | fourth | slow disturbance estimate, line and hysteresis; in rotation: factors, standard deviations, the gains' ramp |
 //! | sixth | correction of the observer by the output encoder's reading of the fifth; checks of the rotor and the sensors; learning of the ripple |
@@ -66,7 +66,7 @@ pub enum Slot {
     ObserveSecond,
     /// The adaptation and the slow disturbance estimate.
     Learn,
-    /// The observer; the output encoder's reading of this period is kept.
+    /// The observer, whose gear is corrected first; the output encoder's reading of this period is kept.
     ObserveOutput,
     /// Checks of the rotor and the sensors.
     Check,

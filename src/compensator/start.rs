@@ -61,7 +61,6 @@ impl<R: Real> Compensator<R> {
             gear_correction: GearCorrection::default(),
             load_rate: R::ZERO,
             slow: SlowSlot::RampGains,
-            gains_have_settled: false,
             motor_torque: MotorTorqueState::default(),
             rotor: RotorState::default(),
             protection: ProtectionState::default(),

@@ -67,8 +67,6 @@ pub struct State<R: Real> {
     pub(super) load_rate: R,
     /// The next slow slot.
     pub(super) slow: SlowSlot,
-    /// The gains equal their commands in this round.
-    pub(super) gains_have_settled: bool,
     pub(super) motor_torque: MotorTorqueState<R>,
     pub(super) rotor: RotorState<R>,
     pub(super) protection: ProtectionState<R>,

@@ -144,12 +144,10 @@ pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
 /// Gains without and with an output encoder.
 pub fn output_feedback_params<R: Real>(file: &GearFile) -> [OutputFeedbackParams<R>; 2] {
     let (frequency, outer) = (mode_frequency(file), outer_frequency(file));
-    let [integral, integral_at_rest] =
-        [tuned::INTEGRAL, tuned::INTEGRAL_AT_REST].map(|with_output| [0.0, with_output.get()]);
+    let integral = [0.0, tuned::INTEGRAL.get() * outer];
     std::array::from_fn(|k| OutputFeedbackParams {
         damping: R::lit(estimated_level(file) * 2.0 * tuned::ADDED_DAMPING.get() / frequency),
-        integral: R::lit(integral[k] * outer),
-        integral_at_rest: R::lit(integral_at_rest[k] * outer),
+        integral: R::lit(integral[k]),
         filter_corner: R::lit(tuned::FILTER_CORNER.get() * frequency),
     })
 }

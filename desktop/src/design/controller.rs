@@ -124,14 +124,6 @@ fn fraction(x: f64) -> f64 {
     -(-x).exp_m1()
 }
 
-/// The output feedback as it acts where the motor stands, at rest, or moves slowly.
-fn output_feedback_in_mode(gains: &OutputFeedbackParams<f64>, stands: bool) -> OutputFeedbackParams<f64> {
-    if !stands {
-        return *gains;
-    }
-    OutputFeedbackParams { integral: gains.integral_at_rest, ..*gains }
-}
-
 /// P and D of the output encoder's angle where the motor stands, at rest, or moves slowly.
 fn measured_gains_in_mode(gains: &MeasuredFeedbackParams<f64>, stands: bool) -> [f64; 2] {
     if stands {
@@ -178,7 +170,7 @@ impl Controller {
             feedback: parts.feedback,
             disturbance: parts.disturbance,
             passes: f64::from(u8::from(passes)),
-            output_feedback: output_feedback_in_mode(&parts.output_feedback[usize::from(has_output)], stands),
+            output_feedback: parts.output_feedback[usize::from(has_output)],
             measured_gains: if has_output { measured_gains_in_mode(measured, stands) } else { [0.0; 2] },
             measured_corner: measured.corner,
             reference_frequency: (file.stiffness.k1 / file.inertia.flexspline).sqrt(),
@@ -354,7 +346,7 @@ impl Controller {
         let change = fraction(dt * self.measured_corner) * (output - x[MEASURED]);
         x[MEASURED] += change;
         x[ROUND_SUM] += output;
-        -(proportional * x[MEASURED] + derivative / dt * change) / self.ratio
+        -(proportional * output + derivative / dt * change) / self.ratio
     }
 
     fn drive(&self, x: &mut [f64], speed: f64, output: f64) -> f64 {

@@ -65,9 +65,7 @@ pub const FUNCTIONS: [Function; 7] = [
         sets: &[SensorSet::Both],
         needs: None,
         scale: |parts, level| {
-            let gains = &mut parts.output_feedback[1];
-            gains.integral *= level;
-            gains.integral_at_rest *= level;
+            parts.output_feedback[1].integral *= level;
         },
     },
 ];

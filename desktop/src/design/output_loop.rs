@@ -5,7 +5,7 @@
 //! S      = K + 2*zeta*sqrt(K*J)*s,   H = S/(J*s^2 + S)                                        load on its spring
 //! C      = n^2*c*k_v*(1 + 1/(T_i*s))*omega_c/(s + omega_c)*e^(-s*T)                           cascade and drive
 //! G      = k_p*C*H/(n^2*J_wg*s^2 + S*(1 - H) + C*(k_p + s*omega_f/(s + omega_f)))             shift to output
-//! L      = (P + D*s)*omega_m/(s + omega_m)*e^(-s*T_m)*G
+//! L      = (P + D*s*omega_m/(s + omega_m))*e^(-s*T_m)*G
 //! ```
 //!
 //! c is the torque constant over the file's, omega_c the corner of the current loop, T the drive's delay and a control period for the
@@ -105,8 +105,8 @@ fn open_loop(file: &GearFile, gains: Gains, corner: &Corner, omega: f64) -> Comp
     let speed = s * lag(cascade.filter_corner);
     let held = s * s * rotor + spring * (1.0 - swing) + torque * (cascade.position_gain + speed);
     let followed = cascade.position_gain * torque * swing / held;
-    let measured = lag(gains.corner) * late(0.5 + f64::from(file.sensors.output_encoder_delay));
-    (gains.proportional + gains.derivative * s) * measured * followed
+    let measured = late(0.5 + f64::from(file.sensors.output_encoder_delay));
+    (gains.proportional + gains.derivative * s * lag(gains.corner)) * measured * followed
 }
 
 #[cfg(test)]
@@ -143,9 +143,10 @@ mod tests {
         let mut largest = [0.0f64; 2];
         for k in 0..(1.0 / DT) as usize {
             readings.push_back(output[0]);
-            let change = DT * gains.corner * (readings.pop_front().unwrap() - filtered);
+            let reading = readings.pop_front().unwrap();
+            let change = DT * gains.corner * (reading - filtered);
             filtered += change;
-            let shift = -(gains.proportional * filtered + gains.derivative * change / DT);
+            let shift = -(gains.proportional * reading + gains.derivative * change / DT);
             speed += DT * cascade.filter_corner * (motor[1] - speed);
             let lag = cascade.position_gain * (shift - motor[0]) - speed;
             integral += DT * lag / cascade.integral_time;

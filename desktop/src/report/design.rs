@@ -149,7 +149,6 @@ impl Report {
             rows.extend([
                 row(&name("b"), b.damping, "s", &damping(tuned::ADDED_DAMPING)),
                 row(&name("k"), b.integral, "1/s", &integral(tuned::INTEGRAL)),
-                row(&name("k at rest"), b.integral_at_rest, "1/s", &integral(tuned::INTEGRAL_AT_REST)),
                 row(&name("omega_y"), b.filter_corner, "rad/s", &of_mode(tuned::FILTER_CORNER)),
             ]);
         }

@@ -25,10 +25,9 @@ impl<R: Real> Compensator<R> {
         self.feed_forward.step_torsion(&self.gear, &mut state.feed_forward, state.learning.applied());
         let learns = state.learns();
         state.learning.keep_for_ripple(learns);
-        (state.gear_correction, state.load_rate) =
-            self.learning.gear_correction(&state.learning, state.guard.gains());
         let trusted = state.fallback.trusted();
         let falls_back = !trusted && !self.guard.model_is_off(&state.guard);
+        let mut settled = false;
         match if falls_back { SlowSlot::RampGains } else { state.slow } {
             SlowSlot::Adapt => self.adapt(state, learns),
             SlowSlot::StandardDeviations => {
@@ -40,6 +39,7 @@ impl<R: Real> Compensator<R> {
                 }
                 self.detect_standstill(state, motor);
                 state.faults.gains = Faults::NONE;
+                settled = trusted && self.guard.gains_have_settled(&state.guard, gains);
             }
             SlowSlot::RampGains => {
                 let motion = CommandedMotion { velocity: state.commander.velocity(), trusted };
@@ -48,8 +48,15 @@ impl<R: Real> Compensator<R> {
                 state.faults.gains = faults;
             }
         }
-        state.slow = state.slow.next(trusted && state.gains_have_settled);
+        state.slow = state.slow.next(settled);
         state.faults.collect();
+    }
+
+    /// What the observer's gear is corrected by, from the factors as learnt.
+    #[inline(always)]
+    pub(super) fn correct_gear(&self, state: &mut State<R>) {
+        (state.gear_correction, state.load_rate) =
+            self.learning.gear_correction(&state.learning, state.guard.gains());
     }
 
     /// The factors' slot.

@@ -5,14 +5,17 @@ use crate::compensator::estimate::observer::Measurement;
 use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::schedule::Slot;
 use crate::compensator::sense::rotor::RotorInput;
-use crate::compensator::{Compensator, Directions, Faults, State};
+use crate::compensator::{Compensator, Faults, State};
 use crate::real::Real;
 
 impl<R: Real> Compensator<R> {
     /// The observer's slot.
     #[inline(always)]
-    pub(super) fn observe(&self, state: &mut State<R>, gains: &Directions<R>, motor: Angle<R>) {
-        let reads_output = state.slot == Slot::ObserveOutput && self.keep_output_reading(state);
+    pub(super) fn observe(&self, state: &mut State<R>, motor: Angle<R>) {
+        let reads_output = state.slot == Slot::ObserveOutput && {
+            self.correct_gear(state);
+            self.keep_output_reading(state)
+        };
         let mut faults = Faults::NONE;
         let (torques, period) = state.latch.take_torques();
         state.rotor.add(torques, period, motor);
@@ -40,7 +43,20 @@ impl<R: Real> Compensator<R> {
         state.wind_up = self.disturbance.wind_up(&state.disturbance);
         state.faults.observer = faults;
         if state.slot == Slot::Observe {
-            state.gains_have_settled = self.guard.gains_have_settled(&state.guard, gains);
+            self.compare_torsions(state);
+        }
+    }
+
+    /// Compares the torsion by the output encoder, as of the last correction, with the rotor's.
+    #[inline(always)]
+    fn compare_torsions(&self, state: &mut State<R>) {
+        if state.output_zero.is_none() {
+            return;
+        }
+        if let Some(innovation) = self.observer.output_innovation(&state.observer) {
+            let torsion = state.observer.torsion() - innovation;
+            let disagrees = self.rotor.torsion_disagrees(&mut state.rotor, torsion);
+            state.disabled_sensors = state.disabled_sensors.with(disagrees);
         }
     }
 
@@ -53,7 +69,7 @@ impl<R: Real> Compensator<R> {
         reading.is_some()
     }
 
-    /// Compares the balance of the rotor with its reference, the drive and the sensors at the output; learns the ripple. False where the
+    /// Compares the balance of the rotor with its reference, the drive and the torque sensor; learns the ripple. False where the
     /// output encoder's zero took this period, and all of that is left to the next.
     #[inline(always)]
     pub(super) fn check(&self, state: &mut State<R>) -> bool {
@@ -80,11 +96,6 @@ impl<R: Real> Compensator<R> {
         let [torque, rate, friction] = state.rotor.gear();
         self.protection.follow(&mut state.protection, torque, rate, friction);
         if state.output_zero.is_some() {
-            if let Some(innovation) = self.observer.output_innovation(&state.observer) {
-                let torsion = state.observer.torsion() - innovation;
-                state.disabled_sensors =
-                    state.disabled_sensors.with(self.rotor.torsion_disagrees(&mut state.rotor, torsion));
-            }
             faults.raise_if(state.latch.age > self.output_lost, Faults::OUTPUT_ENCODER_LOST);
         }
         if let Some(gauge) = state.gauge {

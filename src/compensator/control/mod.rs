@@ -179,7 +179,7 @@ impl<R: Real> Compensator<R> {
                 state.mode.forget();
             }
             Slot::Observe | Slot::ObserveSecond | Slot::ObserveOutput | Slot::ObserveLast => {
-                self.observe(state, &input.gains, motor);
+                self.observe(state, motor);
             }
         }
         true

@@ -3,8 +3,10 @@
 //!
 //! ```text
 //! m      = theta_o(t - T_d) - q(t - T_d),   q extrapolated by dq from the feed-forward's slot on
-//! m_f    = one pole at omega_m on m in slow motion, on what exceeds 1.5 counts of m at rest, on 0 in a fast move
-//! shift  = -(P*m_f + D*dm_f/dt), no larger than s_max
+//! m_h    = m in slow motion; at rest it follows m with a play of a count, so that |m - m_h| <= h
+//! m_f    = one pole at omega_m on Z(m_h)
+//! shift  = -(P*Z(m) + D*dm_f/dt), no larger than s_max
+//! Z(u)   = u in slow motion, at rest what exceeds 1.5 counts of u, 0 in a fast move
 //! ```
 //!
 //! T_d is by how much the reading is late; between two readings m is extrapolated by -dq. The shift, at the motor, is
@@ -13,8 +15,14 @@
 //! With a motor that follows, the load on its spring obeys J_fs*e'' = K*(shift - e): P stiffens the joint by 1 + P, D damps
 //! the torsion mode of frequency omega = sqrt(K/J_fs) by the ratio D*omega/2. Through a motor with a delay T, P is a
 //! negative damping P*omega*T/2, which D outweighs. Both act on the angle as it is read, not on an estimate, so that they do
-//! not depend on the model. At rest they do not act on the rounding and a count of noise, which they would convert to
-//! torque, nor in a fast move, where they would excite the flexible mode of a load.
+//! not depend on the model. In a fast move they do not act: they would excite the flexible mode of a load.
+//!
+//! At rest they do not act on the rounding and a count of noise, which they would convert to torque. About the setpoint Z hides
+//! both. A joint that rests beyond it, in static friction or under a load that is not yet integrated, would still turn each
+//! change of a count into a pulse of D; the play hides these, wherever the joint rests. It stores no energy: m_h moves only with
+//! m, and in its direction, so that the power of D, K*D*(dm_h/dt)*(dm/dt), never excites the load whose motor follows; P
+//! acts on m itself, without the play, whose lag would make of it a negative damping. What the play leaves undamped is a
+//! vibration of less than a count.
 //!
 //! A motor at its torque's limit follows late: with P and D in proportion to any error, a load step could keep a light joint
 //! swinging, its motor from limit to limit. So a shift is bounded, and a larger error has less gain, down to the cascade's alone.
@@ -24,7 +32,8 @@
 //!
 //! A count further from the last one than the fastest joint moves in a period is refused; m is held, and the next slot of the
 //! feed-forward starts from the last accepted reading. Discretisation: the pole exactly for an m that is constant over a
-//! control period, dm_f/dt by backward differences. Units: rad, s; signs as in [`crate::gear`].
+//! control period, dm_f/dt by backward differences; the play in whole parts of a revolution of 2^32. Units: rad, s; signs as
+//! in [`crate::gear`].
 //!
 //! A. De Luca, W. Book, "Robots with flexible elements", Springer Handbook of Robotics (2016), chapter 11.
 
@@ -34,6 +43,9 @@ use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::low_pass::LowPass;
 use crate::real::{RADIANS_PER_COUNT, Real};
+
+/// Largest rounding of a reading, in counts.
+const ROUNDING: f64 = 0.5;
 
 /// Gains of the measured angle; all zero for none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -60,12 +72,14 @@ pub struct MeasuredFeedback<R> {
     /// P and D/dt, in slow motion and at rest.
     proportional: [R; 2],
     derivative: [R; 2],
-    /// Half width of the dead zone at rest (rad).
+    /// Half width of the dead zone of Z at rest (rad).
     dead_zone: R,
+    /// h at rest, in counts of 2^32 a revolution.
+    play: i32,
     /// Largest shift (rad at the motor).
     largest_shift: R,
     /// Farthest step of the encoder in a control period, in counts of 2^32 a revolution.
-    farthest: u32,
+    farthest: i32,
     dt: R,
 }
 
@@ -81,7 +95,12 @@ pub struct MeasuredFeedbackState<R> {
     velocity: R,
     /// Half width of the dead zone (rad); larger than any m where the feedback does not act.
     dead_zone: R,
-    /// -P and -D/dt times the gain from the output's angle to the motor's.
+    /// h, and m - m_h, -h..=h (counts of 2^32 a revolution).
+    play: i32,
+    within_play: i32,
+    /// Bound of Z's dead zone that m lies beyond in this round (rad), 0 in motion.
+    bound: R,
+    /// -P, 0 where m lies within the dead zone, and -D/dt (1/s), times the gain from the output's angle to the motor's.
     proportional: R,
     derivative: R,
     /// Sum of m over the steps of the round (rad).
@@ -98,6 +117,14 @@ pub struct MeasuredError<R> {
 }
 
 impl<R: Real> MeasuredFeedbackState<R> {
+    /// Takes a reading, which moves m_h as far as it leaves the play.
+    #[inline(always)]
+    fn read(&mut self, phase: u32) {
+        let counts = phase.wrapping_sub(self.phase).cast_signed();
+        self.phase = phase;
+        self.within_play = self.within_play.saturating_add(counts).min(self.play).max(-self.play);
+    }
+
     /// Leaves the next step out of the mean: the round has one more period, for a slot that waits.
     #[inline(always)]
     pub fn leave_out(&mut self) {
@@ -125,14 +152,15 @@ impl<R: Real> MeasuredFeedback<R> {
             proportional: [gains.proportional, gains.proportional_at_rest],
             derivative: [gains.derivative, gains.derivative_at_rest].map(|gain| gain / dt),
             dead_zone: R::lit(RESTING_NOISE.get()) * count,
+            play: (R::lit((RESTING_NOISE.get() - ROUNDING) / RADIANS_PER_COUNT) * count).to_i32(),
             largest_shift: gains.largest_shift,
-            farthest: farthest.to_i32().unsigned_abs(),
+            farthest: farthest.to_i32().min(i32::MAX / 2),
             dt,
         })
     }
 
     /// Sets m in the feed-forward's slot, before the step of that period, for a setpoint that moves at `velocity` (rad/s), and the `gain` from the output's
-    /// angle to the motor's. Without a measured error the shift dies away with omega_m.
+    /// angle to the motor's. Without a measured error P ends at once, and D dies away with omega_m.
     #[inline(always)]
     pub fn plan(
         &self,
@@ -143,15 +171,21 @@ impl<R: Real> MeasuredFeedback<R> {
     ) {
         let rests = velocity == R::ZERO;
         let set = usize::from(rests);
-        state.proportional = -gain * self.proportional[set];
         state.derivative = -gain * self.derivative[set];
         state.velocity = velocity;
         state.dead_zone = R::MAX;
+        state.proportional = R::ZERO;
         state.sum = R::ZERO;
+        state.play = if rests { self.play } else { 0 };
         if let Some(MeasuredError { phase, error }) = measured {
+            state.read(phase);
             // The step of this same period takes q from a reading that is not new to it.
-            (state.phase, state.error) = (phase, error + self.dt * velocity);
+            state.error = error + self.dt * velocity;
             state.dead_zone = if rests { self.dead_zone } else { R::ZERO };
+            state.bound = error.limit(state.dead_zone);
+            if state.bound != error || !rests {
+                state.proportional = -gain * self.proportional[set];
+            }
         }
     }
 
@@ -169,14 +203,16 @@ impl<R: Real> MeasuredFeedback<R> {
         state.error -= elapsed * state.velocity;
         if let Some(phase) = phase {
             let counts = phase.wrapping_sub(state.phase).cast_signed();
-            if counts.unsigned_abs() <= self.farthest {
-                state.phase = phase;
+            if counts.wrapping_add(self.farthest).cast_unsigned() <= 2 * self.farthest.cast_unsigned() {
+                state.read(phase);
                 state.error += R::from_i32(counts) * R::lit(RADIANS_PER_COUNT);
             }
         }
         state.sum += state.error;
-        let change = self.low_pass.step(&mut state.filtered, state.error.dead_zone(state.dead_zone));
-        (state.proportional * state.filtered + state.derivative * change).limit(self.largest_shift)
+        let with_play = state.error - R::from_i32(state.within_play) * R::lit(RADIANS_PER_COUNT);
+        let change = self.low_pass.step(&mut state.filtered, with_play.dead_zone(state.dead_zone));
+        let beyond = state.error - state.bound;
+        (state.proportional * beyond + state.derivative * change).limit(self.largest_shift)
     }
 }
 
@@ -305,6 +341,53 @@ mod tests {
         assert_eq!(feedback.step(&mut state, Some(phase(0.1)), DT), 0.0);
         assert_eq!(feedback.step(&mut state, Some(phase(1e-5)), DT), 0.0);
         assert_ne!(feedback.step(&mut state, Some(phase(5e-4)), DT), 0.0);
+    }
+
+    /// A joint that rests away from its setpoint: a count to and fro changes P's part alone, by that count; more moves D, too.
+    #[test]
+    fn a_count_of_noise_is_no_pulse_wherever_the_joint_rests() {
+        const REST: f64 = 20.0 * COUNT;
+        let feedback = feedback(GAINS);
+        let mut state = MeasuredFeedbackState::default();
+        feedback.plan(&mut state, read(REST), 0.0, 1.0);
+        let mut shift = |counts: f64| feedback.step(&mut state, Some(phase(REST + counts * COUNT)), DT);
+        shift(1.0);
+        let still = (0..1000).map(|_| shift(0.0)).last().unwrap();
+        for k in 0..100 {
+            let change = (shift(f64::from(k % 2) - f64::from(k % 3 % 2)) - still).abs();
+            assert!(change <= 1.02 * GAINS.proportional_at_rest * COUNT, "{k}: {change}");
+        }
+        let by_derivative = GAINS.derivative_at_rest / DT * 0.09 * COUNT;
+        assert!(shift(4.0) - still < -by_derivative, "{}", shift(4.0));
+    }
+
+    /// Over a cycle of any amplitude P and D take energy from the load whose motor follows, or leave it as it is.
+    #[test]
+    fn at_rest_the_play_gives_no_energy() {
+        const STEPS: i32 = 2000;
+        let fast = MeasuredFeedbackParams { corner: 1e5, ..GAINS };
+        let feedback = feedback(fast);
+        let energy = |amplitude: f64, middle: f64| {
+            let at = |k: i32| {
+                middle + amplitude * (core::f64::consts::TAU * f64::from(k) / f64::from(STEPS)).sin()
+            };
+            let mut state = MeasuredFeedbackState::default();
+            feedback.plan(&mut state, read(at(0)), 0.0, 1.0);
+            let mut cycle = || -> f64 {
+                let step =
+                    |k| 0.5 * (at(k + 1) - at(k - 1)) * feedback.step(&mut state, Some(phase(at(k))), DT);
+                (1..=STEPS).map(step).sum()
+            };
+            cycle();
+            cycle()
+        };
+        for counts in [0.5, 0.9, 1.1, 1.5, 3.0, 10.0] {
+            for middle in [0.0, 1.0, 2.0, 20.0] {
+                let energy = energy(counts * COUNT, middle * COUNT) / (COUNT * COUNT);
+                assert!(energy < 1e-3, "{counts} {middle}: {energy}");
+            }
+        }
+        assert!(energy(10.0 * COUNT, 20.0 * COUNT) < -COUNT * COUNT);
     }
 
     /// Where the encoder is lost or the setpoint fast, the shift dies away.

@@ -27,8 +27,9 @@
 //! and the integral would respond to every change of the last count. z integrates the measured angle, not the estimated
 //! one, whose error is that of the friction's structure. z only runs at slow setpoints: the error after a fast move, the
 //! wind-up of a gear that is stiffer or softer than its model, changes its sign before z could follow. z and the shift are
-//! limited. z is integrated in a slot after the shift's. Discretisation: explicit Euler. Units: rad, rad/s, N m; signs as
-//! in [`crate::gear`].
+//! limited. Where the motor cannot follow, or the supervisor has reduced the feedback, z stands still, and dz/dt is 0 in the
+//! shift, too: a speed that follows y without the angle would be a feedback of its own. z is integrated in a slot after the
+//! shift's. Discretisation: explicit Euler. Units: rad, rad/s, N m; signs as in [`crate::gear`].
 //!
 //! A. De Luca, W. Book, "Robots with flexible elements", Springer Handbook of Robotics (2016), chapter 11: damping by
 //! link-side velocity, and the effect of the motor's lag on it.
@@ -45,10 +46,8 @@ use crate::real::Real;
 pub struct OutputFeedbackParams<R> {
     /// b (s), 0..=1.
     pub damping: R,
-    /// k in slow motion (1/s), 0..=1000.
+    /// k (1/s), 0..=1000.
     pub integral: R,
-    /// k at rest (1/s), 0..=1000.
-    pub integral_at_rest: R,
     /// omega_y (rad/s), 0..=1e5.
     pub filter_corner: R,
 }
@@ -127,7 +126,6 @@ impl<R: Real> OutputFeedback<R> {
         for set in gains {
             require(within(set.damping, 1.0), "damping")?;
             require(within(set.integral, 1000.0), "integral")?;
-            require(within(set.integral_at_rest, 1000.0), "integral_at_rest")?;
             require(within(set.filter_corner, 1e5), "filter_corner")?;
         }
         require(flexspline_inertia > R::ZERO, "flexspline_inertia")?;
@@ -176,12 +174,9 @@ impl<R: Real> OutputFeedback<R> {
         let missing = state.error + R::lit(MOTOR_LAG.get()) * motor_lag;
         filter.step(&mut state.first_pole, missing.dead_zone(dead_zone));
         filter.step(&mut state.filtered, state.first_pole);
-        let gain = if state.rests { gains.integral_at_rest } else { gains.integral };
+        let gain = if runs { gains.integral } else { R::ZERO };
         state.integral_rate = gain * state.filtered;
-        if runs {
-            state.integral =
-                (state.integral + self.dt * state.integral_rate).limit(R::lit(LARGEST_SHIFT.get()));
-        }
+        state.integral = (state.integral + self.dt * state.integral_rate).limit(R::lit(LARGEST_SHIFT.get()));
     }
 }
 
@@ -193,7 +188,7 @@ mod tests {
     const INERTIA: f64 = 1.2;
     const STIFFNESS: f64 = 4e4;
     const GAINS: OutputFeedbackParams<f64> =
-        OutputFeedbackParams { damping: 1.4e-3, integral: 0.0, integral_at_rest: 0.0, filter_corner: 60.0 };
+        OutputFeedbackParams { damping: 1.4e-3, integral: 0.0, filter_corner: 60.0 };
 
     fn feedback(gains: OutputFeedbackParams<f64>) -> OutputFeedback<f64> {
         OutputFeedback::build(&[gains; 2], INERTIA, 5.86, 1.2e-5, DT).unwrap()
@@ -249,7 +244,7 @@ mod tests {
         let alone = 40.0 / STIFFNESS;
         let (_, damped) = decay(GAINS, 40.0, 2.0);
         assert!((damped - alone).abs() < 1e-3 * alone, "{damped}");
-        let (_, integrated) = decay(OutputFeedbackParams { integral_at_rest: 20.0, ..GAINS }, 40.0, 2.0);
+        let (_, integrated) = decay(OutputFeedbackParams { integral: 20.0, ..GAINS }, 40.0, 2.0);
         assert!(integrated.abs() < 1e-3 * alone, "{integrated}");
     }
 
@@ -257,7 +252,7 @@ mod tests {
     #[test]
     fn a_motor_in_static_friction_is_not_sent_far() {
         const ERROR: f64 = 1e-3;
-        let feedback = feedback(OutputFeedbackParams { integral_at_rest: 30.0, ..GAINS });
+        let feedback = feedback(OutputFeedbackParams { integral: 30.0, ..GAINS });
         let shift = |moves: f64| {
             let (mut state, mut shift) = (OutputFeedbackState::default(), Shift::default());
             for _ in 0..5000 {
@@ -275,8 +270,8 @@ mod tests {
     #[test]
     fn an_integral_with_its_poles_at_the_mode_takes_no_damping() {
         let frequency = (STIFFNESS / INERTIA).sqrt();
-        let decayed = |integral_at_rest, filter_corner| {
-            decay(OutputFeedbackParams { integral_at_rest, filter_corner, ..GAINS }, 0.0, 0.5).0
+        let decayed = |integral, filter_corner| {
+            decay(OutputFeedbackParams { integral, filter_corner, ..GAINS }, 0.0, 0.5).0
         };
         let (without, at_the_mode) = (decayed(0.0, frequency), decayed(0.2 * frequency, frequency));
         let far_above = decayed(0.2 * frequency, 10.0 * frequency);
@@ -288,7 +283,7 @@ mod tests {
 
     #[test]
     fn the_shift_is_bounded_and_the_integral_waits() {
-        let feedback = feedback(OutputFeedbackParams { integral: 30.0, integral_at_rest: 30.0, ..GAINS });
+        let feedback = feedback(OutputFeedbackParams { integral: 30.0, ..GAINS });
         let far = OutputError { position: 1e3, velocity: 1e3, ..OutputError::default() };
         let mut state = OutputFeedbackState::default();
         for _ in 0..10_000 {
@@ -296,7 +291,7 @@ mod tests {
         }
         let before = state.integral;
         stepped(&feedback, &mut state, &OutputError { position: -1e3, ..OutputError::default() }, false);
-        assert_eq!(state.integral, before);
+        assert_eq!((state.integral, state.integral_rate), (before, 0.0));
         let fast = OutputError { position: 1e-3, setpoint_velocity: 1.0, ..OutputError::default() };
         let mut state = OutputFeedbackState::default();
         stepped(&feedback, &mut state, &fast, true);
@@ -305,7 +300,7 @@ mod tests {
 
     #[test]
     fn at_rest_the_rounding_of_the_encoder_is_not_integrated() {
-        let feedback = feedback(OutputFeedbackParams { integral: 30.0, integral_at_rest: 30.0, ..GAINS });
+        let feedback = feedback(OutputFeedbackParams { integral: 30.0, ..GAINS });
         let integral = |position, setpoint_velocity| {
             let mut state = OutputFeedbackState::default();
             let error = OutputError { position, measures: true, setpoint_velocity, ..OutputError::default() };

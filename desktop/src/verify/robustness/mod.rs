@@ -42,8 +42,10 @@ pub use rerun::{Place, Rerun, WorstRun};
 pub use run_result::{JUDGED, Judged, Oscillation, RunResult, RunResults, metrics};
 pub use summary::{Robustness, Summary, best, median};
 
-/// Plants of a row when nothing else is said.
+/// Plants of a row of one unknown when nothing else is said.
 pub const SEEDS: u64 = 6;
+/// The same of the row with all unknowns at once, on six of which what some plants do is not seen.
+pub const SEEDS_OF_ALL: u64 = 60;
 /// The first seed that claims are judged on.
 pub const FIRST: u64 = 10_000;
 
@@ -54,8 +56,8 @@ pub struct Request {
     pub rows: Vec<Which>,
     /// The first seed.
     pub first: u64,
-    /// Number of seeds.
-    pub seeds: u64,
+    /// Number of seeds of each row; `None` for the row's own.
+    pub seeds: Option<u64>,
     /// Noises on each plant.
     pub noises: u32,
     /// On the reference mesh, some hundred times slower.
@@ -103,6 +105,19 @@ struct Job {
     realisation: u32,
 }
 
+impl Request {
+    /// Plants of a row.
+    fn seeds_of(&self, which: Which) -> u64 {
+        self.seeds.unwrap_or(if matches!(which, Which::All) { SEEDS_OF_ALL } else { SEEDS })
+    }
+
+    /// Its runs, a row after the other.
+    fn jobs(&self, which: Which) -> impl Iterator<Item = Job> + '_ {
+        let seeds = self.first..self.first + self.seeds_of(which);
+        seeds.flat_map(move |seed| (0..self.noises).map(move |realisation| Job { which, seed, realisation }))
+    }
+}
+
 /// Rows of which S4 is also judged without the stored kinematic error.
 fn asks_for_the_map(which: Which) -> bool {
     let name = which.name();
@@ -118,14 +133,7 @@ pub fn measure(
     request: &Request,
     mut progress: impl FnMut(f64),
 ) -> Result<Robustness, Error> {
-    let jobs: Vec<_> = request
-        .rows
-        .iter()
-        .flat_map(|which| (request.first..request.first + request.seeds).map(move |seed| (*which, seed)))
-        .flat_map(|(which, seed)| {
-            (0..request.noises).map(move |realisation| Job { which, seed, realisation })
-        })
-        .collect();
+    let jobs: Vec<_> = request.rows.iter().flat_map(|which| request.jobs(*which)).collect();
     let joint = joint_params(file)?;
     let run = |job: &Job| {
         if request.reference {
@@ -135,10 +143,9 @@ pub fn measure(
         }
     };
     let outcomes = each(&jobs, run, &mut progress);
-    let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let a_row = (request.seeds * u64::from(request.noises)) as usize;
-    let outcomes: Vec<_> =
-        request.rows.iter().copied().zip(outcomes.chunks(a_row).map(<[_]>::to_vec)).collect();
+    let mut outcomes = outcomes.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter();
+    let mut row = |which| (which, outcomes.by_ref().take(request.jobs(which).count()).collect());
+    let outcomes: Vec<(Which, Vec<Outcome>)> = request.rows.iter().map(|which| row(*which)).collect();
     let rows = outcomes.iter().map(|(which, outcomes)| Summary::of(*which, outcomes)).collect();
     Ok(Robustness { rows, outcomes })
 }
