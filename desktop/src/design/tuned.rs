@@ -59,7 +59,7 @@ strainwave::tuned! {
         "Largest change of the torque by a count of the output encoder in slow motion, in motor's peak torques";
     INTEGRAL = 0.3, One,
         "Integral of the output's error, of the outer frequency: with a third more at rest, and poles a quarter higher, 17 of 1200 runs of \
-         training plants with all unknowns oscillate and 41 are worse than the cascade, with this 4 and 22";
+         training plants with all unknowns oscillate and 41 are worse than the cascade, with this 5 and 20";
     FILTER_CORNER = 1.2, One,
         "Corner of the integral's poles over the torsion mode's frequency: it takes a damping ratio of 0.015 off the mode, of 0.15 \
          without them; a load that flexes has its mode up to a third lower";
