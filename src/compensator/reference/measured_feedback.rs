@@ -22,7 +22,7 @@
 //! change of a count into a pulse of D; the play hides these, wherever the joint rests. It stores no energy: m_h moves only with
 //! m, and in its direction, so that the power of D, K*D*(dm_h/dt)*(dm/dt), never excites the load whose motor follows; P
 //! acts on m itself, without the play, whose lag would make of it a negative damping. What the play leaves undamped is a
-//! vibration of less than a count.
+//! vibration of less than a count. The side of Z that P acts beyond, or that it does not act, is set once a round.
 //!
 //! A motor at its torque's limit follows late: with P and D in proportion to any error, a load step could keep a light joint
 //! swinging, its motor from limit to limit. So a shift is bounded, and a larger error has less gain, down to the cascade's alone.
@@ -159,8 +159,8 @@ impl<R: Real> MeasuredFeedback<R> {
         })
     }
 
-    /// Sets m in the feed-forward's slot, before the step of that period, for a setpoint that moves at `velocity` (rad/s), and the `gain` from the output's
-    /// angle to the motor's. Without a measured error P ends at once, and D dies away with omega_m.
+    /// Sets m in the feed-forward's slot, before the step of that period, for a setpoint that moves at `velocity` (rad/s), and the
+    /// `gain` from the output's angle to the motor's. Without a measured error P ends at once, and D dies away with omega_m.
     #[inline(always)]
     pub fn plan(
         &self,

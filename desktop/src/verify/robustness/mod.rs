@@ -194,3 +194,20 @@ impl Job {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_has_its_own_plants_unless_their_number_is_said() {
+        let request = |seeds| Request { rows: Vec::new(), first: 7, seeds, noises: 2, reference: false };
+        let delay = Which::named("drive.delay").unwrap();
+        let plants = |request: &Request, which| request.jobs(which).count() as u64;
+        assert_eq!(plants(&request(None), delay), 2 * SEEDS);
+        assert_eq!(plants(&request(None), Which::All), 2 * SEEDS_OF_ALL);
+        assert_eq!([delay, Which::All].map(|which| plants(&request(Some(3)), which)), [6; 2]);
+        let seeds: Vec<_> = request(Some(3)).jobs(delay).map(|job| (job.seed, job.realisation)).collect();
+        assert_eq!(seeds, [(7, 0), (7, 1), (8, 0), (8, 1), (9, 0), (9, 1)]);
+    }
+}
