@@ -48,7 +48,7 @@ const ROBOT: &str = "robot";
 ///
 /// The parts `firmware` and `flexspline` boot the image in the emulator and run S1-S6, both together once; that takes
 /// some minutes, beside all that runs without the emulator; `hysteresis` and `gauges` boot an image of their own. `firmware`
-/// executes the image of the board `stm32f405` too, on an emulated chip. Every figure repeats exactly; times by the clock are `bench`'s. The
+/// executes the images of the real boards too, on emulated chips. Every figure repeats exactly; times by the clock are `bench`'s. The
 /// parts `robustness`, `catalogue`, `healthy`, `identify`, `constants` and `robot` are measured only when they are named.
 #[derive(Args)]
 pub struct Arguments {

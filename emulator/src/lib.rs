@@ -17,7 +17,7 @@ mod scratch;
 pub mod served;
 pub mod setup;
 mod sources;
-pub mod stm32f405;
+pub mod stm32;
 pub mod target;
 pub mod telemetry;
 pub mod verify;

@@ -100,7 +100,10 @@ fn arbitrary(sequence: &mut Sequence) -> Input<f32> {
 #[test]
 fn every_board_links_and_none_can_panic() {
     let boards = firmware::boards().expect("the folder of the boards");
-    assert_eq!(boards, ["mps2-an386", "mps2-an500", "mps2-an505", "mps3-an547", "stm32f405"]);
+    assert_eq!(
+        boards,
+        ["mps2-an386", "mps2-an500", "mps2-an505", "mps3-an547", "nucleo-g474re", "stm32f405"]
+    );
     for board in boards {
         // A panic that can be reached leaves a symbol undefined.
         let built = firmware::build(&board, None).expect("builds");

@@ -12,6 +12,7 @@ pub mod fault;
 mod flash_file;
 pub mod link;
 mod macros;
+#[path = "../../register.rs"]
 mod register;
 #[cfg(feature = "served")]
 pub mod serial;

@@ -6,6 +6,7 @@
 
 use stm32f4xx_hal::pac::FLASH;
 use stm32f4xx_hal::rcc::Rcc;
+use strainwave_stm32::Chip;
 
 /// Core clock (Hz).
 pub const FULL: u32 = 168_000_000;
@@ -13,6 +14,17 @@ pub const FULL: u32 = 168_000_000;
 pub const INTERNAL: u32 = 16_000_000;
 /// Divisor of the core clock for the timers of APB1 and all of APB2 at [`FULL`].
 pub const PERIPHERAL_DIVISOR: u32 = 2;
+
+/// The chip.
+pub enum F405 {}
+
+// SAFETY: `board` gives TIM2 and the watchdog up, and nothing else has them; the register is that of port B.
+unsafe impl Chip for F405 {
+    const CORE_CLOCK: u32 = FULL;
+    const TIMER_CLOCK: u32 = FULL / PERIPHERAL_DIVISOR;
+    // PB0.
+    const RELEASE: (usize, u32) = (0x4002_0418, 1 << 16);
+}
 
 /// 8 MHz / 4 = 2 MHz into the PLL, which ST recommends against jitter; * 168 = 336 MHz; / 2 = 168 MHz.
 const PLL_IN: u8 = 4;

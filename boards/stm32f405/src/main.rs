@@ -18,71 +18,8 @@ mod board;
 mod clock;
 mod drive;
 mod encoder;
-mod fault;
-mod joint;
-mod logger;
 mod serial;
-mod timer;
-mod watchdog;
 
-use board::{Board, Hardware};
-use static_cell::StaticCell;
-use stm32f4xx_hal::pac::interrupt;
-use strainwave_app::jog::Planner;
-use strainwave_app::telemetry::Sender;
-use strainwave_app::{Compensator, Control, Log, Slot, Telemetry};
+use stm32f4xx_hal::pac::{Interrupt, interrupt};
 
-static CONTROL: StaticCell<Control<Board>> = StaticCell::new();
-static SLOT: Slot<Board> = Slot::new();
-
-#[cortex_m_rt::entry]
-fn main() -> ! {
-    static mut TELEMETRY: Telemetry = Telemetry::new();
-    let (sender, log) = TELEMETRY.split();
-    match board::start() {
-        Some((board, planner, compensator, hardware)) => {
-            run(board, planner, compensator, hardware, sender, log)
-        }
-        None => fault::halt(),
-    }
-}
-
-/// Hands the control to its interrupt, then reports and plans moves in the idle loop.
-fn run(
-    board: Board,
-    mut planner: Planner,
-    compensator: &'static Compensator,
-    mut hardware: Hardware,
-    sender: Sender,
-    mut log: Log,
-) -> ! {
-    if let Some(place) = CONTROL.try_uninit() {
-        SLOT.put(place.write(Control::new(board, compensator, sender)));
-    }
-    serial::listen(&mut hardware.interrupts);
-    watchdog::start(&hardware.watchdog);
-    timer::start(&hardware.timer, &mut hardware.interrupts);
-    let mut warned = false;
-    loop {
-        log.drain();
-        planner.plan(serial::target());
-        if encoder::lost() && !warned {
-            defmt::error!("motor encoder lost: the drive is released until the next reset");
-            warned = true;
-        }
-        cortex_m::asm::wfi();
-    }
-}
-
-/// The 10 kHz interrupt.
-#[interrupt]
-fn TIM2() {
-    timer::acknowledge();
-    SLOT.tick();
-}
-
-/// A key from the operator.
-#[interrupt]
-fn USART1() {
-    serial::receive();
-}
+strainwave_stm32::controller!(clock::F405, board::Board, board::start, USART1, serial::receive, serial::send);

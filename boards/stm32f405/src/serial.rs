@@ -2,32 +2,15 @@
 //!
 //! Through the registers: the HAL would take its divider from the clock that it assumes.
 
-use core::sync::atomic::{AtomicI32, Ordering};
-use cortex_m::peripheral::NVIC;
 use stm32f4xx_hal::gpio::{PA9, PA10};
-use stm32f4xx_hal::pac::{Interrupt, USART1};
+use stm32f4xx_hal::pac::USART1;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
-use strainwave_app::jog::FARTHEST;
+use strainwave_stm32::keys;
 
 use crate::clock::{FULL, PERIPHERAL_DIVISOR};
 
 /// Symbols a second [Bd]. The divider misses it by 0.16 % at 84 MHz.
 const RATE: u32 = 921_600;
-
-/// Step of the target by a key [mrad at the output].
-const STEP: i32 = 10;
-const FARTHEST_STEPS: i32 = (FARTHEST * 1e3) as i32;
-
-/// Priority of the keys: below the control, whose 0 is the highest.
-const PRIORITY: u8 = 0x80;
-
-/// Target of the operator, relative to the start [mrad].
-static TARGET: AtomicI32 = AtomicI32::new(0);
-
-/// Target of the operator, relative to the start (rad).
-pub fn target() -> f32 {
-    TARGET.load(Ordering::Relaxed) as f32 * 1e-3
-}
 
 /// Switches the USART on; `clock` is the core's (Hz).
 pub fn start(usart: USART1, transmit: PA9, receive: PA10, clock: u32, rcc: &mut Rcc) {
@@ -40,15 +23,6 @@ pub fn start(usart: USART1, transmit: PA9, receive: PA10, clock: u32, rcc: &mut 
     usart.cr1().write(|w| w.ue().enabled().te().enabled().re().enabled().rxneie().enabled());
 }
 
-/// Lets keys interrupt.
-pub fn listen(interrupts: &mut NVIC) {
-    // SAFETY: no critical section relies on priorities, and all that the handler uses is a static.
-    unsafe {
-        interrupts.set_priority(Interrupt::USART1, PRIORITY);
-        NVIC::unmask(Interrupt::USART1);
-    }
-}
-
 /// Takes the key that interrupted.
 pub fn receive() {
     let usart = registers();
@@ -56,19 +30,8 @@ pub fn receive() {
     let valid = usart.sr().read().rxne().bit_is_set();
     let key = usart.dr().read().bits() as u8;
     if valid {
-        // This handler is the only writer: a load and a store make no race.
-        TARGET.store(moved(TARGET.load(Ordering::Relaxed), key), Ordering::Relaxed);
+        keys::take(key);
     }
-}
-
-fn moved(target: i32, key: u8) -> i32 {
-    let moved = match key {
-        b'+' => target + STEP,
-        b'-' => target - STEP,
-        b'0' => 0,
-        _ => target,
-    };
-    moved.clamp(-FARTHEST_STEPS, FARTHEST_STEPS)
 }
 
 /// Sends bytes, waiting for room for each: idle loop only.

@@ -22,8 +22,9 @@ use strainwave_desktop::design::joint::joint_params;
 use strainwave_desktop::io::gear_file::SensorSet;
 use strainwave_desktop::plant::divergence::RunError;
 
-use crate::stm32f405::chip::{self, Chip};
-use crate::stm32f405::encoder;
+use crate::stm32::chip::{self, Chip};
+use crate::stm32::encoder;
+use crate::stm32::model::Model;
 use crate::target::Agreement;
 
 /// From the start of the timer to that of the first period: the interrupts are then 0.04 ms after a period's begin.
@@ -92,10 +93,10 @@ pub struct Second {
 ///
 /// # Errors
 /// [`Error`].
-pub fn second(elf: &Path, gear: &GearFile) -> Result<Second, Error> {
+pub fn second(model: &'static Model, elf: &Path, gear: &GearFile) -> Result<Second, Error> {
     let conditions = Conditions { sensors: SensorSet::Motor, ..Conditions::of(gear, SEED) };
     let mut bench = Bench::condensed(gear, &conditions).map_err(RunError::from)?;
-    let mut booting = Booting { elf, gear, beside: None };
+    let mut booting = Booting { model, elf, gear, beside: None };
     let (mut start, mut error) = (None, f64::NAN);
     bench.go(&Operator { load: LOAD * gear.gear.rated_torque }, &mut booting, |period, _, plant, _| {
         let output = plant.output().angle;
@@ -136,8 +137,8 @@ pub struct Stopped {
 ///
 /// # Errors
 /// [`Error`].
-pub fn stopped(elf: &Path) -> Result<Stopped, Error> {
-    let (mut chip, _) = start(elf, 0)?;
+pub fn stopped(model: &'static Model, elf: &Path) -> Result<Stopped, Error> {
+    let (mut chip, _) = start(model, elf, 0)?;
     chip.run(Duration::from_millis(300))?;
     if !chip.drive()?.1 {
         return Err(chip::Error::NotStarted { said: "the drive is not enabled".into() }.into());
@@ -153,8 +154,8 @@ pub fn stopped(elf: &Path) -> Result<Stopped, Error> {
 }
 
 /// Boots an image, up to the first period.
-fn start(elf: &Path, count: u32) -> Result<(Chip, f64), Error> {
-    let mut chip = Chip::boot(elf)?;
+fn start(model: &'static Model, elf: &Path, count: u32) -> Result<(Chip, f64), Error> {
+    let mut chip = Chip::boot(model, elf)?;
     chip.magnet().put(count);
     let mut waited = Duration::ZERO;
     while !chip.controls()? {
@@ -217,10 +218,10 @@ struct Beside {
 
 impl Beside {
     /// Both at rest, where the encoder shows `count` of the joint's resolution.
-    fn boot(elf: &Path, gear: &GearFile, count: u32) -> Result<Self, Error> {
+    fn boot(model: &'static Model, elf: &Path, gear: &GearFile, count: u32) -> Result<Self, Error> {
         let joint = joint_params(gear)?;
         let shift = encoder::BITS - joint.motor_encoder_bits;
-        let (chip, started_after) = start(elf, count << shift)?;
+        let (chip, started_after) = start(model, elf, count << shift)?;
         let compensator: &Compensator = Box::leak(Box::new(joint.build()?));
         let hosts = (0..=LATEST).map(|_| Host::new(compensator)).collect::<Result<_, _>>()?;
         let torque = f64::from(compensator.limits().motor_torque) / f64::from(SPAN);
@@ -260,6 +261,7 @@ impl Beside {
 
 /// Boots the chip with the plant's first reading.
 struct Booting<'a> {
+    model: &'static Model,
     elf: &'a Path,
     gear: &'a GearFile,
     beside: Option<Beside>,
@@ -272,7 +274,7 @@ impl Controller for Booting<'_> {
         let count = input.sensors.motor_encoder;
         let beside = match &mut self.beside {
             Some(beside) => beside,
-            none => none.insert(Beside::boot(self.elf, self.gear, count)?),
+            none => none.insert(Beside::boot(self.model, self.elf, self.gear, count)?),
         };
         let motor_torque = beside.step(count)? as f32;
         Ok(Output { motor_torque, ..Output::default() })

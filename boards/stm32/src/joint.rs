@@ -1,7 +1,7 @@
 //! The joint's compensator, copied to RAM before `main`.
 //!
-//! In flash a read costs up to 5 wait states ([`crate::clock`]), and the data cache holds 128 bytes of the constants that a
-//! control step reads.
+//! In flash a read costs 4 to 5 wait states, and the data cache holds 128 or 256 bytes of the constants that a control step
+//! reads.
 
 use strainwave_app::{Compensator, joint};
 

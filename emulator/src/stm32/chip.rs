@@ -13,26 +13,19 @@ use rsemu::core::value::Width;
 use rsemu::host::chardev::{CharPort, ports};
 use rsemu::machine::{self, Machine, catalog};
 
-use crate::stm32f405::encoder::{self, Encoder, Magnet};
-use crate::stm32f405::halfwords::{self, Halfwords};
+use crate::stm32::encoder::{self, Encoder, Magnet};
+use crate::stm32::halfwords::{self, Halfwords};
+use crate::stm32::model::Model;
 use crate::telemetry;
 
-const DESCRIPTION: &str = include_str!("stm32f405.machine");
-
-/// Begin and size of the flash.
+/// Begin of the flash.
 const FLASH: u32 = 0x0800_0000;
-const FLASH_BYTES: usize = 1 << 20;
-/// Begin and end of the memory that the stack has to itself.
-const STACK: [u64; 2] = [0x1000_0000, 0x1001_0000];
 /// What the stack is filled with before the start.
 const FILL: u32 = 0x5a5a_5a5a;
 /// Control register of TIM2, and in it that the timer runs.
 const TIMER_CONTROL: u64 = 0x4000_0000;
 const TIMER_RUNS: u32 = 1;
-/// Data of the DAC's first channel, 12 bits.
-const DAC_DATA: u64 = 0x4000_7408;
-/// Output data of port B, and in it the drive's enable.
-const PORT_B_OUTPUT: u64 = 0x4002_0414;
+/// The drive's enable in the output data of its port.
 const ENABLE: u32 = 1;
 /// Longest time between two looks at the clock of what is serial: less than a character's.
 const QUANTUM: Duration = Duration::from_micros(10);
@@ -49,16 +42,16 @@ pub enum Error {
         why: String,
     },
     /// The emulator.
-    #[error("emulated STM32F405: {0}")]
+    #[error("emulated chip: {0}")]
     Emulator(#[from] rsemu::Error),
     /// An address that nothing answers at.
-    #[error("emulated STM32F405: nothing answers at {0:#010x}")]
+    #[error("emulated chip: nothing answers at {0:#010x}")]
     Bus(u64),
     /// Its telemetry.
     #[error(transparent)]
     Telemetry(#[from] telemetry::Error),
     /// The image does not get as far as to start its control.
-    #[error("emulated STM32F405: the control did not start: {said}")]
+    #[error("emulated chip: the control did not start: {said}")]
     NotStarted {
         /// Its last telemetry.
         said: String,
@@ -67,6 +60,7 @@ pub enum Error {
 
 /// The emulated chip.
 pub struct Chip {
+    model: &'static Model,
     machine: Machine,
     memory: Arc<AddressSpace>,
     magnet: Arc<Magnet>,
@@ -81,11 +75,11 @@ impl Chip {
     ///
     /// # Errors
     /// [`Error::Image`] for a file that is no image for its flash.
-    pub fn boot(elf: &Path) -> Result<Self, Error> {
-        Self::with_flash(flash(elf)?, elf)
+    pub fn boot(model: &'static Model, elf: &Path) -> Result<Self, Error> {
+        Self::with_flash(model, flash(model, elf)?, elf)
     }
 
-    fn with_flash(flash: Vec<u8>, elf: &Path) -> Result<Self, Error> {
+    fn with_flash(model: &'static Model, flash: Vec<u8>, elf: &Path) -> Result<Self, Error> {
         let mut options = catalog::build_options()?;
         let mut registry = catalog::registry()?;
         let magnet = Arc::<Magnet>::default();
@@ -102,11 +96,11 @@ impl Chip {
         }
         options.realize.media.insert("firmware", flash);
         options.realize.scheduler.quantum = time(QUANTUM);
-        let serial = ports::open(&options.realize.hosts, "usart1")?;
-        let machine = machine::build("stm32f405", DESCRIPTION, &registry, &options)?;
+        let serial = ports::open(&options.realize.hosts, model.serial)?;
+        let machine = machine::build(model.board, model.description, &registry, &options)?;
         let memory = machine.space("mem").cloned().ok_or(Error::Bus(0))?;
-        let chip = Self { machine, memory, magnet, serial, elf: elf.to_owned(), sent: Vec::new() };
-        for address in (STACK[0]..STACK[1]).step_by(4) {
+        let chip = Self { model, machine, memory, magnet, serial, elf: elf.to_owned(), sent: Vec::new() };
+        for address in model.stack().step_by(4) {
             chip.write(address, FILL)?;
         }
         Ok(chip)
@@ -148,7 +142,7 @@ impl Chip {
     /// # Errors
     /// [`Error::Bus`].
     pub fn drive(&self) -> Result<(u32, bool), Error> {
-        Ok((self.read(DAC_DATA)?, self.read(PORT_B_OUTPUT)? & ENABLE != 0))
+        Ok((self.read(self.model.torque)?, self.read(self.model.enable)? & ENABLE != 0))
     }
 
     /// An operator presses a key.
@@ -169,9 +163,9 @@ impl Chip {
     /// # Errors
     /// [`Error::Bus`].
     pub fn stack(&self) -> Result<u64, Error> {
-        for address in (STACK[0]..STACK[1]).step_by(4) {
+        for address in self.model.stack().step_by(4) {
             if self.read(address)? != FILL {
-                return Ok(STACK[1] - address);
+                return Ok(self.model.stack().end - address);
             }
         }
         Ok(0)
@@ -193,11 +187,11 @@ fn time(span: Duration) -> GlobalTime {
 }
 
 /// The flash with the image's segments where they are loaded.
-fn flash(elf: &Path) -> Result<Vec<u8>, Error> {
+fn flash(model: &Model, elf: &Path) -> Result<Vec<u8>, Error> {
     let wrong = |why: String| Error::Image { image: elf.to_owned(), why };
     let bytes = std::fs::read(elf).map_err(|error| wrong(error.to_string()))?;
     let file = ElfFile32::<Endianness>::parse(&*bytes).map_err(|error| wrong(error.to_string()))?;
-    let mut flash = vec![0xff; FLASH_BYTES];
+    let mut flash = vec![0xff; model.flash_bytes];
     for segment in file.elf_program_headers() {
         let order = file.endian();
         let data = segment.data(order, &*bytes).map_err(|()| wrong("a segment is beyond its end".into()))?;
@@ -214,36 +208,39 @@ fn flash(elf: &Path) -> Result<Vec<u8>, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::stm32::model::MODELS;
 
     /// A chip that runs `code` from its reset vector on.
-    fn chip(code: &[u16]) -> Chip {
-        let mut flash = vec![0xff; FLASH_BYTES];
-        let vectors = [0x1001_0000_u32, FLASH + 9];
+    fn chip(model: &'static Model, code: &[u16]) -> Chip {
+        let mut flash = vec![0xff; model.flash_bytes];
+        let vectors = [model.stack().end as u32, FLASH + 9];
         for (place, word) in flash.chunks_exact_mut(4).zip(vectors) {
             place.copy_from_slice(&word.to_le_bytes());
         }
         for (place, half) in flash[8..].chunks_exact_mut(2).zip(code) {
             place.copy_from_slice(&half.to_le_bytes());
         }
-        Chip::with_flash(flash, Path::new("none")).unwrap()
+        Chip::with_flash(model, flash, Path::new("none")).unwrap()
     }
 
     #[test]
     fn it_runs_what_is_in_its_flash() {
-        // push {r0, r1}; b .
-        let mut chip = chip(&[0xb403, 0xe7fe]);
-        assert_eq!(chip.stack().unwrap(), 0);
-        chip.run(Duration::from_micros(100)).unwrap();
-        assert_eq!(chip.stack().unwrap(), 8);
-        assert!(!chip.controls().unwrap());
-        assert_eq!(chip.drive().unwrap(), (0, false));
+        for model in &MODELS {
+            // push {r0, r1}; b .
+            let mut chip = chip(model, &[0xb403, 0xe7fe]);
+            assert_eq!(chip.stack().unwrap(), 0);
+            chip.run(Duration::from_micros(100)).unwrap();
+            assert_eq!(chip.stack().unwrap(), 8, "{}", model.board);
+            assert!(!chip.controls().unwrap());
+            assert_eq!(chip.drive().unwrap(), (0, false));
+        }
     }
 
     #[test]
     fn a_file_that_is_no_image_is_refused_by_name() {
-        let error = Chip::boot(Path::new(file!())).err().unwrap().to_string();
+        let error = Chip::boot(&MODELS[0], Path::new(file!())).err().unwrap().to_string();
         assert!(error.contains("chip.rs"), "{error}");
-        let error = Chip::boot(Path::new("nowhere.elf")).err().unwrap().to_string();
+        let error = Chip::boot(&MODELS[0], Path::new("nowhere.elf")).err().unwrap().to_string();
         assert!(error.starts_with("nowhere.elf"), "{error}");
     }
 }

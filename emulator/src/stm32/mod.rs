@@ -1,12 +1,13 @@
-//! The firmware of the STM32F405, executed: a chip with its board in an emulator, a plant at its encoder and drive.
+//! The firmware of STM32 boards, executed: a chip with its board in an emulator, a plant at its encoder and drive.
 //!
-//! QEMU has no clock control, SPI, timer or watchdog of this chip that answer as it does; rsemu has them all, in Rust, so that the image runs
+//! QEMU has no clock control, SPI, timer or watchdog of these chips that answer as they do; rsemu has them all, in Rust, so that the image runs
 //! as it is flashed, from its reset vector on. The core interprets one instruction after the other; its cycles are no measure here, QEMU
 //! counts them. What is added is the encoder, the drive, the plant, and a host's build of the same control.
 //!
 //! | file | what is in it |
 //! | --- | --- |
-//! | `stm32f405.machine` | the chip and what is wired to it |
+//! | `BOARD.machine` | the chip and what is wired to it |
+//! | [`model`] | each chip: its description, its memory, the drive's registers |
 //! | [`chip`] | boots an image, lets it run, looks at its pins |
 //! | [`encoder`] | the motor encoder |
 //! | [`halfwords`] | accesses that rsemu's peripherals do not take |
@@ -17,6 +18,8 @@ pub mod chip;
 pub mod control;
 pub mod encoder;
 pub mod halfwords;
+pub mod model;
 pub mod verify;
 
 pub use chip::{Chip, Error};
+pub use model::{MODELS, Model};

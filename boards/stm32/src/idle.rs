@@ -1,0 +1,32 @@
+//! The idle loop: reports, and plans the moves that the operator wants.
+
+use strainwave_app::Log;
+use strainwave_app::jog::{Jog, Planner};
+
+use crate::{keys, lost};
+
+/// Moves of the joint, which the idle loop plans for the control interrupt.
+pub(crate) static JOG: Jog = Jog::new();
+
+/// The planner of moves; `None`, after saying why, where none can be planned.
+pub fn planner() -> Option<Planner> {
+    let planner = Planner::new(&JOG);
+    if planner.is_err() {
+        defmt::error!("no moves can be planned with the joint's control period");
+    }
+    planner.ok()
+}
+
+/// Never returns: what ends the control is an interrupt.
+pub fn run(mut log: Log, mut planner: Planner) -> ! {
+    let mut warned = false;
+    loop {
+        log.drain();
+        planner.plan(keys::target());
+        if lost() && !warned {
+            defmt::error!("motor encoder lost: the drive is released until the next reset");
+            warned = true;
+        }
+        cortex_m::asm::wfi();
+    }
+}
