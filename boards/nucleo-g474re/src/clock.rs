@@ -1,8 +1,7 @@
 //! 170 MHz from the 24 MHz crystal (ST RM0440, 6.1.5, 3.3.3 and 7.2).
 //!
 //! Through the registers: the HAL's `freeze` panics where it finds no PLL factors, and a panic that the linker can see keeps the image
-//! from linking. The HAL goes on assuming the 16 MHz
-//! that the chip starts with: nothing here asks it for a frequency.
+//! from linking. The HAL goes on assuming the 16 MHz that the chip starts with: nothing here asks it for a frequency.
 
 use stm32g4xx_hal::pac::{FLASH, PWR};
 use stm32g4xx_hal::rcc::Rcc;
@@ -49,6 +48,8 @@ pub fn start(rcc: &Rcc, flash: &FLASH, power: &PWR) -> u32 {
     }
     // Above 150 MHz the regulator has to boost, and above 80 MHz the clock rises in two steps, a microsecond apart.
     rcc.apb1enr1().modify(|_, w| w.pwren().set_bit());
+    // A peripheral answers two cycles after its clock is on.
+    let _ = rcc.apb1enr1().read();
     power.cr5().modify(|_, w| w.r1mode().clear_bit());
     flash.acr().modify(|_, w| w.latency().wait4().prften().set_bit().icen().set_bit().dcen().set_bit());
     while !flash.acr().read().latency().is_wait4() {}

@@ -25,10 +25,12 @@ pub type Part = Mt6835<Device, Delay>;
 pub fn start(spi: SPI1, pins: (PA5, PA6, PA7), select: PB6, rcc: &mut Rcc) -> Option<MotorEncoder<Part>> {
     let select = select.into_push_pull_output_in_state(PinState::High);
     let (clock, miso, mosi) = pins;
+    // Slow edges end at 5 MHz.
     let clock = clock.into_alternate().speed(Speed::High);
+    let mosi = mosi.into_alternate().speed(Speed::High);
     // A line that nobody drives reads as ones, not as an angle of zero.
     let miso = miso.into_alternate().internal_resistor(Pull::Up);
-    let bus = Bus::new(spi, (clock, miso, mosi.into_alternate()), Part::MODE, rcc);
+    let bus = Bus::new(spi, (clock, miso, mosi), Part::MODE, rcc);
     let device = ExclusiveDevice::new(bus, select, Delay::new()).ok()?;
     MotorEncoder::checked(Part::new(device, Delay::new()))
 }

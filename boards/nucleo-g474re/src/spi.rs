@@ -18,6 +18,9 @@ const BYTE: u8 = 7;
 /// Polls that a byte may take: some ten times its 0.8 us.
 const POLLS: u32 = 200;
 
+/// Bytes that the FIFO holds.
+const FIFO: u32 = 4;
+
 /// A byte did not come.
 #[derive(Clone, Copy, Debug)]
 pub struct Missing;
@@ -49,12 +52,24 @@ impl Bus {
         Self(spi)
     }
 
+    fn has_come(&self) -> bool {
+        self.0.sr().read().rxne().bit_is_set()
+    }
+
     /// Sends a byte, and takes the one that comes meanwhile.
     fn exchange(&mut self, byte: u8) -> Result<u8, Missing> {
         let data = self.0.dr().as_ptr().cast::<u8>();
+        // What came too late for its transfer would be taken for this byte.
+        for _ in 0..FIFO {
+            if !self.has_come() {
+                break;
+            }
+            // SAFETY: as below.
+            unsafe { data.read_volatile() };
+        }
         // SAFETY: the data register, of which a byte is written and read where a frame has 8 bits: a word would be two frames.
         unsafe { data.write_volatile(byte) };
-        let come = (0..POLLS).any(|_| self.0.sr().read().rxne().bit_is_set());
+        let come = (0..POLLS).any(|_| self.has_come());
         // SAFETY: as above.
         if come { Ok(unsafe { data.read_volatile() }) } else { Err(Missing) }
     }

@@ -27,7 +27,9 @@ pub type Part = Mt6835<Device, Delay>;
 pub fn start(spi: SPI1, pins: (PA5, PA6, PA7), select: PB6, rcc: &mut Rcc) -> Option<MotorEncoder<Part>> {
     let select = select.into_push_pull_output_in_state(PinState::High);
     let (clock, miso, mosi) = pins;
+    // Slow edges end at 2 to 8 MHz.
     let clock = clock.into_alternate().speed(Speed::High);
+    let mosi = mosi.into_alternate().speed(Speed::High);
     // A line that nobody drives reads as ones, not as an angle of zero.
     let miso = miso.into_alternate().internal_pull_up(true);
     // The HAL assumes 16 MHz: this gives the right divider.
