@@ -42,21 +42,21 @@ fn of_board(model: &'static Model) -> Result<Vec<Figure>, Error> {
     let damaged = second.lines.iter().filter(|line| line.contains("damaged")).count();
     let said = second.lines.iter().any(|line| line.starts_with(LOST));
     let name = |what: &str| format!("pil.{board}.{what}");
-    let judged = |what: &str, value| bounds::figure_as(name(what), &format!("pil.real.{what}"), value);
+    let judged = |row: &str, value| bounds::figure_as(row.replacen("real", board, 1), row, value);
     let reported = |what: &str, value, unit| Figure::reported(name(what), value, unit);
     Ok(vec![
         second.agreement.figure(&name("steps_unlike_host")),
         reported("steps", second.agreement.steps as f64, "1"),
-        judged("misread", second.misread as f64),
+        judged("pil.real.misread", second.misread as f64),
         reported("start", second.started_after, "s"),
         reported("planned_after", second.planned_after as f64, "period"),
-        judged("position", second.error),
+        judged("pil.real.position", second.error),
         Figure::bounded(name("stack"), second.stack as f64, "B", f64::from(proved.total)),
         reported("telemetry", second.lines.len() as f64, "line"),
-        judged("telemetry.damaged", damaged as f64),
-        judged("encoder_lost.release", second.released_after),
-        judged("encoder_lost.unsaid", f64::from(u8::from(!said))),
-        judged("stopped.release", stopped.released_after),
-        judged("stopped.enabled", stopped.enabled as f64),
+        judged("pil.real.telemetry.damaged", damaged as f64),
+        judged("pil.real.encoder_lost.release", second.released_after),
+        judged("pil.real.encoder_lost.unsaid", f64::from(u8::from(!said))),
+        judged("pil.real.stopped.release", stopped.released_after),
+        judged("pil.real.stopped.enabled", stopped.enabled as f64),
     ])
 }
