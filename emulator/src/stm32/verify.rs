@@ -45,7 +45,7 @@ fn of_board(model: &'static Model) -> Result<Vec<Figure>, Error> {
     let judged = |row: &str, value| bounds::figure_as(row.replacen("real", board, 1), row, value);
     let reported = |what: &str, value, unit| Figure::reported(name(what), value, unit);
     Ok(vec![
-        second.agreement.figure(&name("steps_unlike_host")),
+        second.agreement.figure(name("steps_unlike_host")),
         reported("steps", second.agreement.steps as f64, "1"),
         judged("pil.real.misread", second.misread as f64),
         reported("start", second.started_after, "s"),
