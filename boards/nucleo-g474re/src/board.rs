@@ -6,9 +6,9 @@ use crate::encoder::{self, Part};
 use crate::serial;
 use stm32g4xx_hal::gpio::GpioExt;
 use stm32g4xx_hal::pac::{Peripherals, TIM2};
-use stm32g4xx_hal::rcc::{Enable, Rcc, RccExt};
+use stm32g4xx_hal::rcc::{Enable, RccExt};
 use strainwave_stm32::control::Parts;
-use strainwave_stm32::{idle, joint};
+use strainwave_stm32::{joint, reset};
 
 /// The board as the control sees it.
 pub type Board = strainwave_stm32::Board<G474, Part, Drive>;
@@ -18,7 +18,7 @@ pub fn start() -> Option<Parts<Board>> {
     let device = Peripherals::take()?;
     let core = cortex_m::Peripherals::take()?;
     let mut rcc = device.RCC.constrain();
-    let restarted = was_restarted(&rcc);
+    let restarted = reset::by_itself::<G474>();
     let clock = clock::start(&rcc, &device.FLASH, &device.PWR);
     let a = device.GPIOA.split(&mut rcc);
     let b = device.GPIOB.split(&mut rcc);
@@ -30,16 +30,7 @@ pub fn start() -> Option<Parts<Board>> {
     let compensator = joint::compensator()?;
     let drive = Drive::new(device.DAC1, a.pa4, b.pb0, compensator.limits().motor_torque, &mut rcc);
     let encoder = encoder::start(device.SPI1, (a.pa5, a.pa6, a.pa7), b.pb6, &mut rcc)?;
-    let planner = idle::planner()?;
     TIM2::enable(&mut rcc);
     let board = Board::new(encoder, drive, restarted);
-    Some(Parts { board, planner, compensator, interrupts: core.NVIC })
-}
-
-/// Whether a watchdog or the firmware itself has reset the chip: then nobody has looked after the cause. Power and the
-/// reset pin do not count. The flags are cleared for the next time.
-fn was_restarted(rcc: &Rcc) -> bool {
-    let flags = rcc.csr().read();
-    rcc.csr().modify(|_, w| w.rmvf().set_bit());
-    flags.iwdgrstf().bit_is_set() || flags.wwdgrstf().bit_is_set() || flags.sftrstf().bit_is_set()
+    Some(Parts { board, compensator, interrupts: core.NVIC })
 }

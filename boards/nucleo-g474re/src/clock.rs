@@ -6,6 +6,7 @@
 use stm32g4xx_hal::pac::{FLASH, PWR};
 use stm32g4xx_hal::rcc::Rcc;
 use strainwave_stm32::Chip;
+use strainwave_stm32::clock::starts;
 
 /// Clock of the core, of all peripherals and timers (Hz).
 pub const FULL: u32 = 170_000_000;
@@ -15,19 +16,18 @@ pub const INTERNAL: u32 = 16_000_000;
 /// The chip.
 pub enum G474 {}
 
-// SAFETY: `board` gives TIM2 and the watchdog up, and nothing else has them; the register is that of port B.
+// SAFETY: `board` gives TIM2 and the watchdog up, and nothing else has them; the registers are those of port B and of the clock control.
 unsafe impl Chip for G474 {
     const CORE_CLOCK: u32 = FULL;
     const TIMER_CLOCK: u32 = FULL;
     // PB0.
     const RELEASE: (usize, u32) = (0x4800_0418, 1 << 16);
+    // CSR.
+    const RESET_FLAGS: (usize, u32) = (0x4002_1094, 1 << 23);
 }
 
 /// 24 MHz / 6 = 4 MHz; * 85 = 340 MHz; / 2 = 170 MHz.
 const PLL_TIMES: u8 = 85;
-
-/// The crystal is granted about 100 ms of polling at 16 MHz.
-const POLLS: u32 = 200_000;
 
 /// Cycles of the core that take longer than 1 us at 85 MHz.
 const MICROSECOND: u32 = 100;
@@ -35,7 +35,7 @@ const MICROSECOND: u32 = 100;
 /// Runs the core from the crystal; its clock (Hz), [`INTERNAL`] when the crystal does not start.
 pub fn start(rcc: &Rcc, flash: &FLASH, power: &PWR) -> u32 {
     rcc.cr().modify(|_, w| w.hseon().set_bit());
-    if !within(POLLS, || rcc.cr().read().hserdy().bit_is_set()) {
+    if !starts(|| rcc.cr().read().hserdy().bit_is_set()) {
         return INTERNAL;
     }
     rcc.pllcfgr().modify(|_, w| {
@@ -43,7 +43,7 @@ pub fn start(rcc: &Rcc, flash: &FLASH, power: &PWR) -> u32 {
         unsafe { w.pllsrc().hse().pllm().div6().plln().bits(PLL_TIMES).pllr().div2().pllren().set_bit() }
     });
     rcc.cr().modify(|_, w| w.pllon().set_bit());
-    if !within(POLLS, || rcc.cr().read().pllrdy().bit_is_set()) {
+    if !starts(|| rcc.cr().read().pllrdy().bit_is_set()) {
         return INTERNAL;
     }
     // Above 150 MHz the regulator has to boost, and above 80 MHz the clock rises in two steps, a microsecond apart.
@@ -59,8 +59,4 @@ pub fn start(rcc: &Rcc, flash: &FLASH, power: &PWR) -> u32 {
     cortex_m::asm::delay(MICROSECOND);
     rcc.cfgr().modify(|_, w| w.hpre().div1());
     FULL
-}
-
-fn within(polls: u32, ready: impl Fn() -> bool) -> bool {
-    (0..polls).any(|_| ready())
 }

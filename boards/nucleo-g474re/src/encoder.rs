@@ -1,13 +1,10 @@
 //! The motor encoder on SPI1.
-//!
-//! For another one put its driver for [`Part`]; its largest clock has to allow the bus its divider.
 
-use embedded_hal_bus::spi::ExclusiveDevice;
 use stm32g4xx_hal::gpio::{Output, PA5, PA6, PA7, PB6, PinState, Pull, Speed};
 use stm32g4xx_hal::pac::SPI1;
 use stm32g4xx_hal::rcc::Rcc;
-use strainwave_drivers::{Mt6835, SpiEncoder};
-use strainwave_stm32::{CycleDelay, MotorEncoder};
+use strainwave_drivers::SpiEncoder;
+use strainwave_stm32::MotorEncoder;
 
 use crate::clock::{FULL, G474};
 use crate::spi::{Bus, DIVIDER};
@@ -15,11 +12,8 @@ use crate::spi::{Bus, DIVIDER};
 // 170 MHz / 16 = 10.6 MHz: 6 us for an angle with its pauses.
 const _: () = assert!(FULL / DIVIDER <= Part::FASTEST);
 
-type Delay = CycleDelay<G474>;
-type Device = ExclusiveDevice<Bus, PB6<Output>, Delay>;
-
 /// The encoder on the board.
-pub type Part = Mt6835<Device, Delay>;
+pub type Part = strainwave_stm32::Part<G474, Bus, PB6<Output>>;
 
 /// The encoder, if it answers and its magnet is where it should be; else says what is wrong.
 pub fn start(spi: SPI1, pins: (PA5, PA6, PA7), select: PB6, rcc: &mut Rcc) -> Option<MotorEncoder<Part>> {
@@ -31,6 +25,5 @@ pub fn start(spi: SPI1, pins: (PA5, PA6, PA7), select: PB6, rcc: &mut Rcc) -> Op
     // A line that nobody drives reads as ones, not as an angle of zero.
     let miso = miso.into_alternate().internal_resistor(Pull::Up);
     let bus = Bus::new(spi, (clock, miso, mosi), Part::MODE, rcc);
-    let device = ExclusiveDevice::new(bus, select, Delay::new()).ok()?;
-    MotorEncoder::checked(Part::new(device, Delay::new()))
+    MotorEncoder::on(bus, select)
 }

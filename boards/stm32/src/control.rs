@@ -13,8 +13,6 @@ use crate::{Chip, fault, idle, keys, timer, watchdog};
 pub struct Parts<B> {
     /// The board as the control sees it.
     pub board: B,
-    /// The planner of the joint's moves.
-    pub planner: Planner,
     /// The joint's compensator.
     pub compensator: &'static Compensator,
     /// The interrupts, all of them masked.
@@ -46,7 +44,8 @@ fn start<C: Chip, B: Board>(
     parts: fn() -> Option<Parts<B>>,
     port: impl InterruptNumber,
 ) -> Option<Planner> {
-    let Parts { board, planner, compensator, mut interrupts } = parts()?;
+    let Parts { board, compensator, mut interrupts } = parts()?;
+    let planner = idle::planner()?;
     slot.put(place.try_uninit()?.write(Control::new(board, compensator, sender)));
     keys::listen(&mut interrupts, port);
     watchdog::start::<C>();

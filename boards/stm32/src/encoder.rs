@@ -1,10 +1,19 @@
 //! The motor encoder, read in the joint's resolution.
 //!
-//! One with fewer bits than the joint's gear file asks for does not compile.
+//! For another one put its driver for [`Part`]; a board's bus has to have a clock that it follows. One with fewer bits than the
+//! joint's gear file asks for does not compile.
 
 use core::sync::atomic::{AtomicBool, Ordering};
+use embedded_hal::digital::OutputPin;
+use embedded_hal::spi::SpiBus;
+use embedded_hal_bus::spi::ExclusiveDevice;
 use strainwave_app::motor_encoder_bits;
-use strainwave_drivers::{Encoder, Scaled};
+use strainwave_drivers::{Encoder, Mt6835, Scaled};
+
+use crate::{Chip, CycleDelay};
+
+/// The encoder on an SPI bus of a chip, with its select.
+pub type Part<C, B, S> = Mt6835<ExclusiveDevice<B, S, CycleDelay<C>>, CycleDelay<C>>;
 
 /// Those of the joint.
 const BITS: u32 = motor_encoder_bits();
@@ -25,11 +34,19 @@ pub struct MotorEncoder<E> {
     missed: u32,
 }
 
+impl<C: Chip, B: SpiBus, S: OutputPin> MotorEncoder<Part<C, B, S>> {
+    /// The encoder on a bus, if it answers and its magnet is where it should be; else says what is wrong.
+    pub fn on(bus: B, select: S) -> Option<Self> {
+        let device = ExclusiveDevice::new(bus, select, CycleDelay::new()).ok()?;
+        Self::checked(Mt6835::new(device, CycleDelay::new()))
+    }
+}
+
 impl<E: Encoder> MotorEncoder<E> {
     /// The encoder, if it answers and its magnet is where it should be; else says what is wrong.
     // Not inlined: its stack is not the idle loop's.
     #[inline(never)]
-    pub fn checked(encoder: E) -> Option<Self> {
+    fn checked(encoder: E) -> Option<Self> {
         let mut encoder = Scaled::new(encoder);
         match encoder.check() {
             Ok(()) => Some(Self { encoder, missed: 0 }),

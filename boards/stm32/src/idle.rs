@@ -9,7 +9,7 @@ use crate::{keys, lost};
 pub(crate) static JOG: Jog = Jog::new();
 
 /// The planner of moves; `None`, after saying why, where none can be planned.
-pub fn planner() -> Option<Planner> {
+pub(crate) fn planner() -> Option<Planner> {
     let planner = Planner::new(&JOG);
     if planner.is_err() {
         defmt::error!("no moves can be planned with the joint's control period");
@@ -18,7 +18,7 @@ pub fn planner() -> Option<Planner> {
 }
 
 /// Never returns: what ends the control is an interrupt.
-pub fn run(mut log: Log, mut planner: Planner) -> ! {
+pub(crate) fn run(mut log: Log, mut planner: Planner) -> ! {
     let mut warned = false;
     loop {
         log.drain();

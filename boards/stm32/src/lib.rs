@@ -6,23 +6,25 @@
 #![no_std]
 
 mod board;
+pub mod clock;
 pub mod control;
 mod delay;
 mod encoder;
 pub mod fault;
-pub mod idle;
+mod idle;
 pub mod joint;
 pub mod keys;
 mod macros;
 #[path = "../../register.rs"]
 mod register;
+pub mod reset;
 pub mod timer;
 mod torque_code;
 pub mod watchdog;
 
 pub use board::{Board, Drive};
 pub use delay::CycleDelay;
-pub use encoder::{MotorEncoder, lost};
+pub use encoder::{MotorEncoder, Part, lost};
 pub use torque_code::TorqueCode;
 
 pub use static_cell;
@@ -32,7 +34,7 @@ pub use strainwave_app;
 ///
 /// # Safety
 /// TIM2 and the independent watchdog are at the addresses that [`timer`] and [`watchdog`] name, and nothing else uses them. What
-/// `RELEASE` names is a register whose writing does nothing else.
+/// `RELEASE` and `RESET_FLAGS` name are those registers.
 pub unsafe trait Chip: 'static {
     /// Clock of the core (Hz).
     const CORE_CLOCK: u32;
@@ -40,4 +42,6 @@ pub unsafe trait Chip: 'static {
     const TIMER_CLOCK: u32;
     /// Address of the set-and-reset register of the port of the drive's enable, and what takes the enable low there.
     const RELEASE: (usize, u32);
+    /// Address of the register with the causes of a reset, and the bit that clears them.
+    const RESET_FLAGS: (usize, u32);
 }

@@ -7,6 +7,7 @@
 use stm32f4xx_hal::pac::FLASH;
 use stm32f4xx_hal::rcc::Rcc;
 use strainwave_stm32::Chip;
+use strainwave_stm32::clock::starts;
 
 /// Core clock (Hz).
 pub const FULL: u32 = 168_000_000;
@@ -18,12 +19,14 @@ pub const PERIPHERAL_DIVISOR: u32 = 2;
 /// The chip.
 pub enum F405 {}
 
-// SAFETY: `board` gives TIM2 and the watchdog up, and nothing else has them; the register is that of port B.
+// SAFETY: `board` gives TIM2 and the watchdog up, and nothing else has them; the registers are those of port B and of the clock control.
 unsafe impl Chip for F405 {
     const CORE_CLOCK: u32 = FULL;
     const TIMER_CLOCK: u32 = FULL / PERIPHERAL_DIVISOR;
     // PB0.
     const RELEASE: (usize, u32) = (0x4002_0418, 1 << 16);
+    // CSR.
+    const RESET_FLAGS: (usize, u32) = (0x4002_3874, 1 << 24);
 }
 
 /// 8 MHz / 4 = 2 MHz into the PLL, which ST recommends against jitter; * 168 = 336 MHz; / 2 = 168 MHz.
@@ -35,13 +38,10 @@ const PLL_USB: u8 = 7;
 /// Flash wait states at 168 MHz and 2.7 to 3.6 V.
 const WAIT_STATES: u8 = 5;
 
-/// The crystal is granted about 100 ms of polling at 16 MHz.
-const POLLS: u32 = 200_000;
-
 /// Runs the core from the crystal; its clock (Hz), [`INTERNAL`] when the crystal does not start.
 pub fn start(rcc: &Rcc, flash: &FLASH) -> u32 {
     rcc.cr().modify(|_, w| w.hseon().on());
-    if !within(POLLS, || rcc.cr().read().hserdy().bit_is_set()) {
+    if !starts(|| rcc.cr().read().hserdy().bit_is_set()) {
         return INTERNAL;
     }
     rcc.pllcfgr().modify(|_, w| {
@@ -51,7 +51,7 @@ pub fn start(rcc: &Rcc, flash: &FLASH) -> u32 {
         }
     });
     rcc.cr().modify(|_, w| w.pllon().on());
-    if !within(POLLS, || rcc.cr().read().pllrdy().bit_is_set()) {
+    if !starts(|| rcc.cr().read().pllrdy().bit_is_set()) {
         return INTERNAL;
     }
     flash.acr().modify(|_, w| {
@@ -63,8 +63,4 @@ pub fn start(rcc: &Rcc, flash: &FLASH) -> u32 {
     rcc.cfgr().modify(|_, w| w.sw().pll());
     while !rcc.cfgr().read().sws().is_pll() {}
     FULL
-}
-
-fn within(polls: u32, ready: impl Fn() -> bool) -> bool {
-    (0..polls).any(|_| ready())
 }

@@ -1,15 +1,12 @@
 //! The motor encoder on SPI1.
-//!
-//! For another one put its driver for [`Part`], with a divider that its largest clock allows.
 
-use embedded_hal_bus::spi::ExclusiveDevice;
 use stm32f4xx_hal::gpio::{Output, PA5, PA6, PA7, PB6, PinState, Speed};
 use stm32f4xx_hal::pac::SPI1;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::spi::Spi;
 use stm32f4xx_hal::time::Hertz;
-use strainwave_drivers::{Mt6835, SpiEncoder};
-use strainwave_stm32::{CycleDelay, MotorEncoder};
+use strainwave_drivers::SpiEncoder;
+use strainwave_stm32::MotorEncoder;
 
 use crate::clock::{F405, FULL, INTERNAL, PERIPHERAL_DIVISOR};
 
@@ -17,11 +14,8 @@ use crate::clock::{F405, FULL, INTERNAL, PERIPHERAL_DIVISOR};
 const DIVIDER: u32 = 8;
 const _: () = assert!(FULL / PERIPHERAL_DIVISOR / DIVIDER <= Part::FASTEST);
 
-type Delay = CycleDelay<F405>;
-type Device = ExclusiveDevice<Spi<SPI1>, PB6<Output>, Delay>;
-
 /// The encoder on the board.
-pub type Part = Mt6835<Device, Delay>;
+pub type Part = strainwave_stm32::Part<F405, Spi<SPI1>, PB6<Output>>;
 
 /// The encoder, if it answers and its magnet is where it should be; else says what is wrong.
 pub fn start(spi: SPI1, pins: (PA5, PA6, PA7), select: PB6, rcc: &mut Rcc) -> Option<MotorEncoder<Part>> {
@@ -35,6 +29,5 @@ pub fn start(spi: SPI1, pins: (PA5, PA6, PA7), select: PB6, rcc: &mut Rcc) -> Op
     // The HAL assumes 16 MHz: this gives the right divider.
     let frequency = Hertz::from_raw(INTERNAL / DIVIDER);
     let bus = Spi::new(spi, (Some(clock), Some(miso), Some(mosi)), Part::MODE, frequency, rcc);
-    let device = ExclusiveDevice::new(bus, select, Delay::new()).ok()?;
-    MotorEncoder::checked(Part::new(device, Delay::new()))
+    MotorEncoder::on(bus, select)
 }
