@@ -102,7 +102,15 @@ fn every_board_links_and_none_can_panic() {
     let boards = firmware::boards().expect("the folder of the boards");
     assert_eq!(
         boards,
-        ["mps2-an386", "mps2-an500", "mps2-an505", "mps3-an547", "nucleo-g474re", "stm32f405"]
+        [
+            "mps2-an386",
+            "mps2-an500",
+            "mps2-an505",
+            "mps3-an547",
+            "nucleo-g474re",
+            "nucleo-h743zi",
+            "stm32f405"
+        ]
     );
     for board in boards {
         // A panic that can be reached leaves a symbol undefined.

@@ -7,6 +7,7 @@ use stm32g4xx_hal::pac::{FLASH, PWR};
 use stm32g4xx_hal::rcc::Rcc;
 use strainwave_stm32::Chip;
 use strainwave_stm32::clock::starts;
+use strainwave_stm32::reset::Flags;
 
 /// Clock of the core, of all peripherals and timers (Hz).
 pub const FULL: u32 = 170_000_000;
@@ -22,8 +23,10 @@ unsafe impl Chip for G474 {
     const TIMER_CLOCK: u32 = FULL;
     // PB0.
     const RELEASE: (usize, u32) = (0x4800_0418, 1 << 16);
+    const WATCHDOG: usize = 0x4000_3000;
     // CSR.
-    const RESET_FLAGS: (usize, u32) = (0x4002_1094, 1 << 23);
+    const RESET_FLAGS: Flags =
+        Flags { register: 0x4002_1094, by_itself: 1 << 28 | 1 << 29 | 1 << 30, clear: 1 << 23 };
 }
 
 /// 24 MHz / 6 = 4 MHz; * 85 = 340 MHz; / 2 = 170 MHz.

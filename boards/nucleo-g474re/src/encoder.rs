@@ -5,15 +5,16 @@ use stm32g4xx_hal::pac::SPI1;
 use stm32g4xx_hal::rcc::Rcc;
 use strainwave_drivers::SpiEncoder;
 use strainwave_stm32::MotorEncoder;
+use strainwave_stm32::spi::Bus;
 
 use crate::clock::{FULL, G474};
-use crate::spi::{Bus, DIVIDER};
+use crate::spi::{DIVIDER, Spi};
 
 // 170 MHz / 16 = 10.6 MHz: 6 us for an angle with its pauses.
 const _: () = assert!(FULL / DIVIDER <= Part::FASTEST);
 
 /// The encoder on the board.
-pub type Part = strainwave_stm32::Part<G474, Bus, PB6<Output>>;
+pub type Part = strainwave_stm32::Part<G474, Bus<Spi>, PB6<Output>>;
 
 /// The encoder, if it answers and its magnet is where it should be; else says what is wrong.
 pub fn start(spi: SPI1, pins: (PA5, PA6, PA7), select: PB6, rcc: &mut Rcc) -> Option<MotorEncoder<Part>> {
@@ -24,6 +25,6 @@ pub fn start(spi: SPI1, pins: (PA5, PA6, PA7), select: PB6, rcc: &mut Rcc) -> Op
     let mosi = mosi.into_alternate().speed(Speed::High);
     // A line that nobody drives reads as ones, not as an angle of zero.
     let miso = miso.into_alternate().internal_resistor(Pull::Up);
-    let bus = Bus::new(spi, (clock, miso, mosi), Part::MODE, rcc);
-    MotorEncoder::on(bus, select)
+    let spi = Spi::new(spi, (clock, miso, mosi), Part::MODE, rcc);
+    MotorEncoder::on(Bus::new(spi), select)
 }

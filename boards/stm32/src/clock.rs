@@ -1,6 +1,6 @@
 //! Start of the clocks.
 
-/// Polls at the 16 MHz that a chip starts with: about 100 ms.
+/// Polls: about 100 ms at the 16 MHz, 25 ms at the 64 MHz that a chip starts with.
 const POLLS: u32 = 200_000;
 
 /// Whether a crystal or what runs from it gets ready in time.

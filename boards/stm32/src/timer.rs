@@ -1,4 +1,4 @@
-//! TIM2: the control interrupt, 10 kHz (ST RM0090, chapter 18; RM0440, chapter 30).
+//! TIM2: the control interrupt, 10 kHz (ST RM0090, chapter 18; RM0440, chapter 30; RM0433, chapter 39).
 
 use crate::Chip;
 use crate::register::Register;

@@ -1,11 +1,11 @@
-//! The independent watchdog: resets the chip when the control misses its periods (ST RM0090, chapter 21; RM0440, chapter 42).
+//! The independent watchdog: resets the chip when the control misses its periods (ST RM0090, chapter 21; RM0440, chapter 42;
+//! RM0433, chapter 45).
 //!
 //! A reset leaves the drive's enable pin floating: it has to be pulled down outside.
 
 use crate::Chip;
 use crate::register::Register;
 
-const ADDRESS: usize = 0x4000_3000;
 const KEY: usize = 0x0;
 const PRESCALER: usize = 0x4;
 const RELOAD: usize = 0x8;
@@ -19,28 +19,28 @@ const START: u32 = 0xcccc;
 const COUNTS: u32 = 16;
 const DIVIDE_BY_4: u32 = 0;
 
-fn register(offset: usize) -> Register {
-    // SAFETY: `Chip` promises the watchdog at the address, and the offsets are those of its registers.
-    unsafe { Register::at(ADDRESS, offset) }
+fn register<C: Chip>(offset: usize) -> Register {
+    // SAFETY: `Chip` promises the watchdog there, and the offsets are those of its registers.
+    unsafe { Register::at(C::WATCHDOG, offset) }
 }
 
 /// Starts the countdown, which nothing but a reset stops.
 pub fn start<C: Chip>() {
-    register(KEY).write(START);
-    register(KEY).write(UNLOCK);
-    settle();
-    register(PRESCALER).write(DIVIDE_BY_4);
-    register(RELOAD).write(COUNTS - 1);
-    settle();
+    register::<C>(KEY).write(START);
+    register::<C>(KEY).write(UNLOCK);
+    settle::<C>();
+    register::<C>(PRESCALER).write(DIVIDE_BY_4);
+    register::<C>(RELOAD).write(COUNTS - 1);
+    settle::<C>();
     feed::<C>();
 }
 
 /// Waits for what was written last to be taken over.
-fn settle() {
-    while register(STATUS).read() != 0 {}
+fn settle<C: Chip>() {
+    while register::<C>(STATUS).read() != 0 {}
 }
 
 /// Restarts the countdown.
 pub fn feed<C: Chip>() {
-    register(KEY).write(REFRESH);
+    register::<C>(KEY).write(REFRESH);
 }

@@ -8,6 +8,7 @@ use stm32f4xx_hal::pac::FLASH;
 use stm32f4xx_hal::rcc::Rcc;
 use strainwave_stm32::Chip;
 use strainwave_stm32::clock::starts;
+use strainwave_stm32::reset::Flags;
 
 /// Core clock (Hz).
 pub const FULL: u32 = 168_000_000;
@@ -25,8 +26,10 @@ unsafe impl Chip for F405 {
     const TIMER_CLOCK: u32 = FULL / PERIPHERAL_DIVISOR;
     // PB0.
     const RELEASE: (usize, u32) = (0x4002_0418, 1 << 16);
+    const WATCHDOG: usize = 0x4000_3000;
     // CSR.
-    const RESET_FLAGS: (usize, u32) = (0x4002_3874, 1 << 24);
+    const RESET_FLAGS: Flags =
+        Flags { register: 0x4002_3874, by_itself: 1 << 28 | 1 << 29 | 1 << 30, clear: 1 << 24 };
 }
 
 /// 8 MHz / 4 = 2 MHz into the PLL, which ST recommends against jitter; * 168 = 336 MHz; / 2 = 168 MHz.
