@@ -14,8 +14,10 @@ use rsemu::host::chardev::{CharPort, ports};
 use rsemu::machine::{self, Machine, catalog};
 
 use crate::stm32::encoder::{self, Encoder, Magnet};
+use crate::stm32::h7_spi::{self, Spi};
 use crate::stm32::halfwords::{self, Halfwords};
 use crate::stm32::model::Model;
+use crate::stm32::{h7_pwr, h7_rcc};
 use crate::telemetry;
 
 /// Begin of the flash.
@@ -25,8 +27,6 @@ const FILL: u32 = 0x5a5a_5a5a;
 /// Control register of TIM2, and in it that the timer runs.
 const TIMER_CONTROL: u64 = 0x4000_0000;
 const TIMER_RUNS: u32 = 1;
-/// The drive's enable in the output data of its port.
-const ENABLE: u32 = 1;
 /// Longest time between two looks at the clock of what is serial: less than a character's.
 const QUANTUM: Duration = Duration::from_micros(10);
 
@@ -88,9 +88,16 @@ impl Chip {
             .bindings
             .bind(encoder::CLASS.name, move |props| Ok(Arc::new(Encoder::new(props, shown.clone())?)))?;
         options.bindings.bind(halfwords::CLASS.name, |props| Ok(Arc::new(Halfwords::new(props)?)))?;
-        for (class, schema) in
-            [(&encoder::CLASS, encoder::schema()), (&halfwords::CLASS, halfwords::schema())]
-        {
+        options.bindings.bind(h7_rcc::CLASS.name, |_| Ok(Arc::new(h7_rcc::new())))?;
+        options.bindings.bind(h7_pwr::CLASS.name, |_| Ok(Arc::new(h7_pwr::new())))?;
+        options.bindings.bind(h7_spi::CLASS.name, |props| Ok(Arc::new(Spi::new(props)?)))?;
+        for (class, schema) in [
+            (&encoder::CLASS, encoder::schema()),
+            (&halfwords::CLASS, halfwords::schema()),
+            (&h7_rcc::CLASS, h7_rcc::schema()),
+            (&h7_pwr::CLASS, h7_pwr::schema()),
+            (&h7_spi::CLASS, h7_spi::schema()),
+        ] {
             registry.add(class)?;
             options.classes.insert(schema);
         }
@@ -142,7 +149,8 @@ impl Chip {
     /// # Errors
     /// [`Error::Bus`].
     pub fn drive(&self) -> Result<(u32, bool), Error> {
-        Ok((self.read(self.model.torque)?, self.read(self.model.enable)? & ENABLE != 0))
+        let (port, enable) = self.model.enable;
+        Ok((self.read(self.model.torque)?, self.read(port)? & enable != 0))
     }
 
     /// An operator presses a key.

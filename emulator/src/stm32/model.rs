@@ -17,8 +17,8 @@ pub struct Model {
     pub stack: (u64, u64),
     /// Address of the DAC's data, 12 bits.
     pub torque: u64,
-    /// Address of the output data of port B, in which the drive's enable is.
-    pub enable: u64,
+    /// Address of the output data of the port of the drive's enable, and the enable in it.
+    pub enable: (u64, u32),
 }
 
 impl Model {
@@ -30,7 +30,7 @@ impl Model {
 }
 
 /// All of them.
-pub static MODELS: [Model; 2] = [
+pub static MODELS: [Model; 3] = [
     Model {
         board: "stm32f405",
         description: include_str!("stm32f405.machine"),
@@ -38,7 +38,7 @@ pub static MODELS: [Model; 2] = [
         flash_bytes: 1 << 20,
         stack: (0x1000_0000, 64 << 10),
         torque: 0x4000_7408,
-        enable: 0x4002_0414,
+        enable: (0x4002_0414, 1 << 0),
     },
     Model {
         board: "nucleo-g474re",
@@ -47,6 +47,15 @@ pub static MODELS: [Model; 2] = [
         flash_bytes: 512 << 10,
         stack: (0x1000_0000, 32 << 10),
         torque: 0x5000_0808,
-        enable: 0x4800_0414,
+        enable: (0x4800_0414, 1 << 0),
+    },
+    Model {
+        board: "nucleo-h743zi",
+        description: include_str!("nucleo-h743zi.machine"),
+        serial: "usart3",
+        flash_bytes: 2 << 20,
+        stack: (0x2000_0000, 16 << 10),
+        torque: 0x4000_7408,
+        enable: (0x5802_0414, 1 << 1),
     },
 ];
