@@ -235,7 +235,7 @@ fn moving_figures(found: &LearntGear) -> Vec<Figure> {
         figures.push(Figure::reported(name.clone(), learnt.value, unit));
         figures.push(Figure::reported(format!("{name}.standard_error"), learnt.deviation, unit));
     }
-    for harmonic in &found.gear.kinematic_error.flexspline {
+    for harmonic in found.gear.kinematic_error.flexspline.iter().filter(|_| found.errors) {
         let name = format!("identify.kinematic_error.order_{}", harmonic.order);
         figures.push(Figure::reported(name, harmonic.amplitude, "rad"));
     }

@@ -153,14 +153,15 @@ fn all_of_the_log_may_train_and_then_nothing_is_judged() {
 
 #[test]
 fn what_the_log_does_not_show_is_refused_by_name() {
-    match learn(&log(0.3), 1.0 / 3.0) {
-        Err(Error::TooFewRevolutions { order: 2, revolutions, least }) => {
-            assert!(revolutions < least && least == 0.25)
+    let least_travel = 2.0 * base().friction.input.presliding.unwrap();
+    match learn(&log(0.005), 1.0 / 3.0) {
+        Err(error @ Error::TooLittleTravel { travel, least }) => {
+            assert!(travel < least && least == least_travel);
+            let line = error.to_string();
+            assert!(line.contains("friction needs at least 4.000e-2 rad"), "{line}");
         }
         other => panic!("{:?}", other.map(|found| found.revolutions)),
     }
-    let line = learn(&log(0.3), 1.0 / 3.0).unwrap_err().to_string();
-    assert!(line.contains("order 2 of the kinematic error needs at least 0.25"), "{line}");
     let reversed = log(REVOLUTIONS).with_reversed_torque();
     let error = learn(&reversed, 0.5).unwrap_err();
     assert!(matches!(error, Error::ReversedTorque { .. }));
@@ -171,11 +172,11 @@ fn what_the_log_does_not_show_is_refused_by_name() {
 /// A sample of what `strainwave verify identify` measures.
 #[test]
 fn friction_of_the_blocks_own_law_comes_back_with_its_intervals() {
-    let measured = measure(20, |_| ()).unwrap();
+    let measured = measure(10, |_| ()).unwrap();
     measured.figures.iter().for_each(|figure| println!("{}", figure.cells().join("  ")));
     let value = |name: &str| measured.figures.iter().find(|figure| figure.name == name).unwrap().value;
-    // Of 20 joints one in 20 is outside by chance, more than three of them once in 100 samples.
-    assert!(value("identify.friction.outside") <= 0.15);
+    // Of 10 joints one in 20 is outside by chance, more than two of them once in 90 samples.
+    assert!(value("identify.friction.outside") <= 0.2);
     assert!(value("identify.friction.level.worst") < 0.05);
     assert!(value("identify.friction.over_static") < 0.1);
 }

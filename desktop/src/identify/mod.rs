@@ -117,17 +117,15 @@ pub enum Error {
         /// The most allowed (rad).
         most: f64,
     },
-    /// An order that is not seen cannot be learnt.
+    /// Within presliding friction is a spring, which says nothing of its level.
     #[error(
-        "the motor turns by {revolutions:.3} revolutions in the part that trains; order {order} of the kinematic error needs at least \
-         {least}"
+        "the motor turns by {travel:.3e} rad in the part that trains; friction needs at least {least:.3e} rad, twice its \
+         presliding distance"
     )]
-    TooFewRevolutions {
-        /// Of the kinematic error.
-        order: u32,
-        /// Span of the motor's angle (revolutions).
-        revolutions: f64,
-        /// Least span (revolutions).
+    TooLittleTravel {
+        /// Span of the motor's angle (rad).
+        travel: f64,
+        /// Least span (rad).
         least: f64,
     },
     /// Friction would drive.

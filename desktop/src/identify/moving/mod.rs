@@ -22,7 +22,8 @@
 //! held joint's log identifies it.
 //!
 //! The first part of the motor's path trains, the rest is predicted; a path holds few revolutions, so every unknown has a
-//! prior of catalogue size and an order that the path does not show is not learnt. The two kinds of orders beat
+//! prior of catalogue size and an order that the path does not show is not learnt. A path that does not show the order of
+//! the two lobes shows friction alone, and e and E stay the base gear's. The two kinds of orders beat
 //! once in a revolution of the output: over less than half a beat they are one, and counted relative to the flexspline.
 //!
 //! C. Rasmussen, C. Williams, "Gaussian Processes for Machine Learning", MIT Press (2006), section 2.7, for the
@@ -35,6 +36,7 @@ use strainwave::Error as ParameterError;
 
 use super::Error;
 use super::covariance::Covariance;
+use super::sequence::span;
 use super::{HELD_LOG, MOVING_LOG, NotIdentified};
 use crate::bench::controller::HostCompensator;
 use crate::design::joint::joint_params;
@@ -50,6 +52,8 @@ pub(crate) use residual::{OFFSET, alike, error_prior};
 /// designed without a log, and none over any log. One between would be followed more slowly than a log moves, and
 /// drift through it.
 pub const WANDERS: [f64; 2] = [0.45, 1e-7];
+/// Presliding distances that the motor has to turn by: beyond one friction is at its level.
+const PRESLIDINGS: f64 = 2.0;
 /// Every how many control periods a row is used: 4 ms.
 pub(crate) const EVERY: usize = 40;
 
@@ -62,6 +66,8 @@ pub struct LearntGear {
     pub learnt: f64,
     /// Span of the motor's angle until then (revolutions).
     pub revolutions: f64,
+    /// The kinematic error and that of the output encoder were learnt; else they are the base gear's.
+    pub errors: bool,
     /// The input friction.
     pub friction: LearntFriction,
     /// Rms residual of the trained rows (rad).
@@ -93,7 +99,12 @@ impl LearntGear {
         };
         let directions = self.friction.directions.iter().zip(["forwards", "backwards"]);
         let kept = directions.filter(|(moved, _)| !**moved).map(|(_, direction)| friction(direction));
-        kept.chain([stiffness]).collect()
+        let errors = NotIdentified {
+            what: "kinematic error".into(),
+            why: "the part that trains does not show the order of the two lobes",
+            helps: MOVING_LOG,
+        };
+        kept.chain((!self.errors).then_some(errors)).chain([stiffness]).collect()
     }
 }
 
@@ -112,9 +123,11 @@ pub fn learn_gear(
         return Err(ParameterError::OutOfRange("training").into());
     }
     let learnt = time_of_path(log, training);
-    let mut gear = without_errors(base);
-    let rows = observe(&gear, log, learnt)?;
-    let revolutions = residual::require_revolutions(&rows)?;
+    let rows = observe(base, log, learnt)?;
+    require_travel(base, &rows)?;
+    let revolutions = residual::revolutions(&rows);
+    let errors = residual::shows_errors(revolutions);
+    let mut gear = if errors { without_errors(base) } else { base.clone() };
     let friction = friction::learn(&mut gear, &rows)?;
     let mut best: Option<(Residual, GearFile)> = None;
     let observers = observers(&gear);
@@ -126,13 +139,16 @@ pub fn learn_gear(
         }
     }
     let (found, mut gear) = best.ok_or(ParameterError::OutOfRange("gear"))?;
-    found.put_into(&mut gear);
+    if errors {
+        found.put_into(&mut gear);
+    }
     let [rows, base_rows] = [observe_log(&gear, log)?, observe_log(base, log)?];
     let rest = rows.last().is_some_and(|last| last.time > learnt);
     let judge = |rows: &[ReplayRow]| rest.then(|| Judgement::of(rows, learnt));
     Ok(LearntGear {
         learnt,
         revolutions,
+        errors,
         friction,
         training_rms: found.rms,
         judgement: judge(&rows),
@@ -142,6 +158,13 @@ pub fn learn_gear(
         base_rows,
         error_covariance: found.covariance,
     })
+}
+
+/// The motor goes beyond presliding.
+fn require_travel(gear: &GearFile, rows: &[ReplayRow]) -> Result<(), Error> {
+    let travel = span(&rows.iter().map(|row| row.motor).collect::<Vec<_>>());
+    let least = PRESLIDINGS * gear.friction.input.presliding.unwrap_or_default();
+    if travel < least { Err(Error::TooLittleTravel { travel, least }) } else { Ok(()) }
 }
 
 /// Learns the input friction alone, from all of a log.

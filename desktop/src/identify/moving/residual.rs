@@ -112,26 +112,19 @@ pub struct Residual {
     terms: Vec<(Kind, Harmonic)>,
 }
 
-/// Revolutions that the motor's angle spans.
-///
-/// # Errors
-/// [`Error::TooFewRevolutions`] when the order of the two lobes would not show.
-pub(super) fn require_revolutions(rows: &[ReplayRow]) -> Result<f64, Error> {
-    let revolutions = revolutions(rows);
-    let least = PERIODS / f64::from(LOBES);
-    if revolutions < least {
-        Err(Error::TooFewRevolutions { order: LOBES, revolutions, least })
-    } else {
-        Ok(revolutions)
-    }
+/// Over so many revolutions of the motor the order of the two lobes shows.
+pub(super) fn shows_errors(revolutions: f64) -> bool {
+    revolutions >= PERIODS / f64::from(LOBES)
 }
 
-fn revolutions(rows: &[ReplayRow]) -> f64 {
+/// Revolutions that the motor's angle spans.
+pub(super) fn revolutions(rows: &[ReplayRow]) -> f64 {
     span(&rows.iter().map(|row| row.motor).collect::<Vec<_>>()) / TAU
 }
 
 impl Residual {
-    /// The least squares of rows that the observer of `gear` was fed with; its kinematic error is none.
+    /// The least squares of rows that the observer of `gear` was fed with. Its kinematic error is none where the rows show
+    /// errors; else the offset alone is solved for.
     pub(crate) fn solve(gear: &GearFile, rows: &[ReplayRow]) -> Result<Self, Error> {
         let rows: Vec<_> = rows.iter().step_by(EVERY).copied().collect();
         let problem = Problem { columns: columns(gear, revolutions(&rows)) };
@@ -159,6 +152,9 @@ impl Residual {
 
 /// The orders that a path of so many revolutions shows.
 fn columns(gear: &GearFile, revolutions: f64) -> Vec<(Kind, u32)> {
+    if !shows_errors(revolutions) {
+        return Vec::new();
+    }
     let shown = ORDERS.into_iter().filter(move |order| revolutions * f64::from(*order) >= PERIODS);
     let apart = revolutions >= BEATS * f64::from(gear.gear.signed_ratio().n().abs());
     let scale = SCALE_ORDERS.into_iter().map(|order| (Kind::Scale, order));

@@ -167,7 +167,9 @@ fn correlations(found: &LearntGear) -> Markup {
 fn advice(base: &GearFile, found: &LearntGear) -> Vec<String> {
     let mut advice = Vec::new();
     let turns = found.revolutions;
-    let learnt = |order: &u32| found.gear.kinematic_error.flexspline.iter().any(|term| term.order == *order);
+    let learnt = |order: &u32| {
+        found.errors && found.gear.kinematic_error.flexspline.iter().any(|term| term.order == *order)
+    };
     let missing: Vec<_> = ORDERS.iter().filter(|order| !learnt(order)).map(u32::to_string).collect();
     if !missing.is_empty() {
         let orders = missing.join(", ");
@@ -230,6 +232,7 @@ mod tests {
         LearntGear {
             learnt: 2.5,
             revolutions: 5.0,
+            errors: true,
             friction: friction_at_limit(directions),
             training_rms: 1e-6,
             judgement: Some(Judgement::of(&all, 2.5)),

@@ -32,8 +32,8 @@ use crate::verify::{Measured, largest};
 pub const JOINTS: u64 = 100;
 /// Control periods from row to row.
 const ROW: usize = 40;
-/// Moves of the motor that train: end (rad), duration (s).
-const TRAINED: [(f64, f64); 14] = [
+/// Moves of the motor that train: end (rad), duration (s). 44 s in all, about as long as what `strainwave experiment` plans by itself.
+const TRAINED: [(f64, f64); 28] = with_mirrored([
     (0.02, 0.6),
     (-0.02, 0.6),
     (0.08, 0.6),
@@ -48,12 +48,24 @@ const TRAINED: [(f64, f64); 14] = [
     (0.0, 2.5),
     (60.0, 2.5),
     (0.0, 2.5),
-];
+]);
 /// Moves that are judged.
 const JUDGED: [(f64, f64); 7] =
     [(0.05, 1.0), (-0.05, 0.9), (1.0, 1.2), (0.2, 0.8), (25.0, 2.0), (20.0, 1.0), (0.0, 1.7)];
 /// Stribeck speeds of the static law (rad/s): from the least, each so many times the one before.
 const STRIBECKS: (usize, f64, f64) = (40, 0.05, 1.18);
+
+/// Moves, then the same the other way.
+const fn with_mirrored(half: [(f64, f64); 14]) -> [(f64, f64); 28] {
+    let mut moves = [(0.0, 0.0); 28];
+    let mut k = 0;
+    while k < half.len() {
+        moves[k] = half[k];
+        moves[half.len() + k] = (-half[k].0, half[k].1);
+        k += 1;
+    }
+    moves
+}
 
 /// A joint.
 struct Joint {

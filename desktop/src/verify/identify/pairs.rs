@@ -82,7 +82,7 @@ fn read_all<'a>(
 fn train(base: &GearFile, log: &MeasuredLog) -> Result<Option<GearFile>, BadInput> {
     let found = match learn_gear(base, log, TRAINING, |_| ()) {
         Ok(found) => found,
-        Err(Error::TooFewRevolutions { .. } | Error::ReversedTorque { .. }) => return Ok(None),
+        Err(Error::TooLittleTravel { .. } | Error::ReversedTorque { .. }) => return Ok(None),
         Err(why) => return Err(BadInput::message(why)),
     };
     let held_out = found.judgement.zip(found.base_judgement).map(|(found, base)| (found.rms, base.rms));
