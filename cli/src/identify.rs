@@ -50,7 +50,7 @@ pub struct Arguments {
     training: f64,
     /// The joint moves: learn friction and kinematic error instead, from one log
     ///
-    /// Needed are t_s, theta_motor_rad, tau_motor_nm and theta_out_rad. The fraction that trains is that of the motor's path. What
+    /// Needed are t_s, theta_motor_rad and tau_motor_nm; without theta_out_rad the friction alone is learnt. The fraction that trains is that of the motor's path. What
     /// is learnt: the input friction by its own law, each parameter with its standard error and a verdict, orders of the kinematic error at the log's motor angle, the error
     /// of the output encoder's scale, and how far the observer trusts the motor torque. The stiffness stays the base
     /// gear's: a moving joint's log does not tell it from the load.
@@ -163,8 +163,8 @@ fn moving(arguments: &Arguments, gear: &Path, base: &GearFile) -> Result<Figures
     };
     buildable(base).map_err(|why| BadInput::new(gear, why))?;
     let log = reading(arguments).log(path, base)?;
-    if log.output_position.is_none() {
-        return Err(BadInput::new(path, "column theta_out_rad is missing; the kinematic error is its"));
+    if arguments.plot.is_some() && log.output_position.is_none() {
+        return Err(BadInput::new(path, "column theta_out_rad is missing; --plot shows it"));
     }
     for path in
         [Some(arguments.output.as_path()), arguments.plot.as_deref(), arguments.figures.json.as_deref()]
@@ -224,12 +224,12 @@ fn moving_figures(found: &LearntGear) -> Vec<Figure> {
     let mut figures = vec![
         Figure::reported("identify.training.time", found.learnt, "s"),
         Figure::reported("identify.training.turns", found.revolutions, "1"),
-        Figure::reported("identify.training.rms", found.training_rms, "rad"),
         Figure::reported("identify.friction_factor", found.friction.level, "1"),
         Figure::reported("identify.viscous_factor", found.friction.viscous, "1"),
         Figure::reported("identify.friction.residual", found.friction.residual, "N m"),
         Figure::reported("identify.external_torque_wander", wander, "N m/s^0.5"),
     ];
+    figures.extend(found.training_rms.map(|rms| Figure::reported("identify.training.rms", rms, "rad")));
     for learnt in &found.friction.parameters {
         let (name, unit) = (format!("identify.friction.{}", learnt.parameter.key()), learnt.parameter.unit());
         figures.push(Figure::reported(name.clone(), learnt.value, unit));

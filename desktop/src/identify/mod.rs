@@ -128,6 +128,17 @@ pub enum Error {
         /// Least span (rad).
         least: f64,
     },
+    /// It is another gear's output, or counts the other way.
+    #[error(
+        "column theta_out_rad: it moves by {factor:.4} times what the gear file's ratio makes of theta_motor_rad; allowed: within {most} rad \
+         of that; see gear.ratio and gear.arrangement, or change the column's sign"
+    )]
+    WrongRatio {
+        /// Motion of the output over that of a rigid gear.
+        factor: f64,
+        /// Largest difference of the two over the motion (rad).
+        most: f64,
+    },
     /// Friction would drive.
     #[error(
         "column tau_motor_nm: with its sign changed it fits the motion {ratio:.1} times as well; allowed: at most {most}, \

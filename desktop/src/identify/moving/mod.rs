@@ -23,7 +23,8 @@
 //!
 //! The first part of the motor's path trains, the rest is predicted; a path holds few revolutions, so every unknown has a
 //! prior of catalogue size and an order that the path does not show is not learnt. A path that does not show the order of
-//! the two lobes shows friction alone, and e and E stay the base gear's. The two kinds of orders beat
+//! the two lobes shows friction alone, and e and E stay the base gear's; so does a log without an output encoder, with which the
+//! observer stays, too. The two kinds of orders beat
 //! once in a revolution of the output: over less than half a beat they are one, and counted relative to the flexspline.
 //!
 //! C. Rasmussen, C. Williams, "Gaussian Processes for Machine Learning", MIT Press (2006), section 2.7, for the
@@ -54,6 +55,8 @@ pub(crate) use residual::{OFFSET, alike, error_prior};
 pub const WANDERS: [f64; 2] = [0.45, 1e-7];
 /// Presliding distances that the motor has to turn by: beyond one friction is at its level.
 const PRESLIDINGS: f64 = 2.0;
+/// Largest motion of the output beside the gear's ratio (rad): what a gear file may say of its encoder's eccentricity.
+const BESIDE: f64 = 0.01;
 /// Every how many control periods a row is used: 4 ms.
 pub(crate) const EVERY: usize = 40;
 
@@ -70,9 +73,9 @@ pub struct LearntGear {
     pub errors: bool,
     /// The input friction.
     pub friction: LearntFriction,
-    /// Rms residual of the trained rows (rad).
-    pub training_rms: f64,
-    /// Prediction error on the remainder by the observer in the firmware's precision; `None` without one.
+    /// Rms residual of the trained rows (rad); `None` without a measured output, of which it is.
+    pub training_rms: Option<f64>,
+    /// Prediction error on the remainder by the observer in the firmware's precision; `None` without one, or without a measured output.
     pub judgement: Option<Judgement>,
     /// The same of the base gear.
     pub base_judgement: Option<Judgement>,
@@ -101,7 +104,11 @@ impl LearntGear {
         let kept = directions.filter(|(moved, _)| !**moved).map(|(_, direction)| friction(direction));
         let errors = NotIdentified {
             what: "kinematic error".into(),
-            why: "the part that trains does not show the order of the two lobes",
+            why: if self.training_rms.is_some() {
+                "the part that trains does not show the order of the two lobes"
+            } else {
+                "the log has no column theta_out_rad"
+            },
             helps: MOVING_LOG,
         };
         kept.chain((!self.errors).then_some(errors)).chain([stiffness]).collect()
@@ -111,13 +118,13 @@ impl LearntGear {
 /// Learns from the first `training` of the motor's path, 0.2..=1; `progress` is called with the fraction done.
 ///
 /// # Errors
-/// [`Error`] when the log lacks the output's angle, the motor moves too little, or its torque counts against its motion; a gear
-/// that no compensator can be built from.
+/// [`Error`] when the motor moves too little, the output not by the gear's ratio, or the torque counts
+/// against the motion; a gear that no compensator can be built from.
 pub fn learn_gear(
     base: &GearFile,
     log: &MeasuredLog,
     training: f64,
-    mut progress: impl FnMut(f64),
+    progress: impl FnMut(f64),
 ) -> Result<LearntGear, Error> {
     if !(0.2..=1.0).contains(&training) {
         return Err(ParameterError::OutOfRange("training").into());
@@ -125,12 +132,50 @@ pub fn learn_gear(
     let learnt = time_of_path(log, training);
     let rows = observe(base, log, learnt)?;
     require_travel(base, &rows)?;
+    let measured = log.output_position.is_some();
+    if measured {
+        require_ratio(&rows)?;
+    }
     let revolutions = residual::revolutions(&rows);
-    let errors = residual::shows_errors(revolutions);
+    let errors = measured && residual::shows_errors(revolutions);
     let mut gear = if errors { without_errors(base) } else { base.clone() };
     let friction = friction::learn(&mut gear, &rows)?;
+    let mut residual = None;
+    if measured {
+        let (found, observer) = best_observer(&gear, log, learnt, progress)?;
+        gear = observer;
+        if errors {
+            found.put_into(&mut gear);
+        }
+        residual = Some(found);
+    }
+    let [rows, base_rows] = [observe_log(&gear, log)?, observe_log(base, log)?];
+    let rest = measured && rows.last().is_some_and(|last| last.time > learnt);
+    let judge = |rows: &[ReplayRow]| rest.then(|| Judgement::of(rows, learnt));
+    Ok(LearntGear {
+        learnt,
+        revolutions,
+        errors,
+        friction,
+        training_rms: residual.as_ref().map(|found| found.rms),
+        judgement: judge(&rows),
+        base_judgement: judge(&base_rows),
+        gear,
+        rows,
+        base_rows,
+        error_covariance: residual.and_then(|found| found.covariance),
+    })
+}
+
+/// The observer whose output leaves the least sum of squares, and what it leaves.
+fn best_observer(
+    gear: &GearFile,
+    log: &MeasuredLog,
+    learnt: f64,
+    mut progress: impl FnMut(f64),
+) -> Result<(Residual, GearFile), Error> {
     let mut best: Option<(Residual, GearFile)> = None;
-    let observers = observers(&gear);
+    let observers = observers(gear);
     for (done, gear) in observers.iter().enumerate() {
         progress(done as f64 / observers.len() as f64);
         let found = Residual::solve(gear, &observe(gear, log, learnt)?)?;
@@ -138,26 +183,7 @@ pub fn learn_gear(
             best = Some((found, gear.clone()));
         }
     }
-    let (found, mut gear) = best.ok_or(ParameterError::OutOfRange("gear"))?;
-    if errors {
-        found.put_into(&mut gear);
-    }
-    let [rows, base_rows] = [observe_log(&gear, log)?, observe_log(base, log)?];
-    let rest = rows.last().is_some_and(|last| last.time > learnt);
-    let judge = |rows: &[ReplayRow]| rest.then(|| Judgement::of(rows, learnt));
-    Ok(LearntGear {
-        learnt,
-        revolutions,
-        errors,
-        friction,
-        training_rms: found.rms,
-        judgement: judge(&rows),
-        base_judgement: judge(&base_rows),
-        gear,
-        rows,
-        base_rows,
-        error_covariance: found.covariance,
-    })
+    best.ok_or(ParameterError::OutOfRange("gear").into())
 }
 
 /// The motor goes beyond presliding.
@@ -165,6 +191,21 @@ fn require_travel(gear: &GearFile, rows: &[ReplayRow]) -> Result<(), Error> {
     let travel = span(&rows.iter().map(|row| row.motor).collect::<Vec<_>>());
     let least = PRESLIDINGS * gear.friction.input.presliding.unwrap_or_default();
     if travel < least { Err(Error::TooLittleTravel { travel, least }) } else { Ok(()) }
+}
+
+/// The output follows the motor by the gear's ratio.
+fn require_ratio(rows: &[ReplayRow]) -> Result<(), Error> {
+    let mean = |of: fn(&ReplayRow) -> f64| rows.iter().map(of).sum::<f64>() / rows.len() as f64;
+    let (rigid, measured) = (mean(|row| row.rigid), mean(|row| row.measured));
+    let along = |row: &ReplayRow| (row.rigid - rigid, row.measured - measured);
+    let (squares, products) =
+        rows.iter().map(along).fold((0.0, 0.0), |(squares, products), (rigid, measured)| {
+            (squares + rigid * rigid, products + rigid * measured)
+        });
+    let factor = products / squares;
+    let moved = span(&rows.iter().map(|row| row.rigid).collect::<Vec<_>>());
+    let beside = (factor - 1.0).abs() * moved;
+    if beside > BESIDE { Err(Error::WrongRatio { factor, most: BESIDE }) } else { Ok(()) }
 }
 
 /// Learns the input friction alone, from all of a log.

@@ -110,7 +110,7 @@ fn of_moving(
     let held_out = judgement.zip(before);
     let refusal = Refusal::of(&found.gear, &found.friction.limits(), held_out).map(|why| why.to_string());
     let verdict = Verdict::of(refusal, false, MOVING_LOG);
-    let figures = judged("moving", [Some(found.training_rms), judgement, before]);
+    let figures = judged("moving", [found.training_rms, judgement, before]);
     let body = html! {
         @if verdict != Verdict::Written { p { "Its gear file would be " (verdict) "." } }
         (moving::summary(&name(path), base, &found))

@@ -27,14 +27,19 @@ const HIGHEST: f64 = 50.0;
 /// The page of what was identified from the log of a moving joint.
 pub fn moving(outcome: &Outcome, base: &GearFile, found: &LearntGear) -> String {
     let name = outcome.logs.first().map_or("log", String::as_str);
-    let chapters = vec![
-        chapter("fit", "Fit and prediction", fit(name, found, DRAWN).figure()),
-        chapter("spectrum", "Spectrum of what is missed", spectra(&fit(name, found, EVERY), found)),
+    let mut chapters = Vec::new();
+    if found.training_rms.is_some() {
+        chapters.extend([
+            chapter("fit", "Fit and prediction", fit(name, found, DRAWN).figure()),
+            chapter("spectrum", "Spectrum of what is missed", spectra(&fit(name, found, EVERY), found)),
+        ]);
+    }
+    chapters.extend([
         chapter("friction", "Torque over speed", friction_map::section(base, found)),
         chapter("parameters", "Parameters", table(base, found)),
         chapter("correlation", "Correlation", correlations(found)),
         chapter("next", "What to measure next", next::section(outcome, &advice(base, found))),
-    ];
+    ]);
     outcome.page(&base.gear.name, "Input friction and kinematic error", chapters)
 }
 
@@ -171,7 +176,9 @@ fn advice(base: &GearFile, found: &LearntGear) -> Vec<String> {
         found.errors && found.gear.kinematic_error.flexspline.iter().any(|term| term.order == *order)
     };
     let missing: Vec<_> = ORDERS.iter().filter(|order| !learnt(order)).map(u32::to_string).collect();
-    if !missing.is_empty() {
+    if found.training_rms.is_none() {
+        advice.push("Without theta_out_rad nothing shows the kinematic error.".into());
+    } else if !missing.is_empty() {
         let orders = missing.join(", ");
         advice.push(format!("The motor's {turns:.3} turns that trained do not show the orders {orders}."));
     }
@@ -234,7 +241,7 @@ mod tests {
             revolutions: 5.0,
             errors: true,
             friction: friction_at_limit(directions),
-            training_rms: 1e-6,
+            training_rms: Some(1e-6),
             judgement: Some(Judgement::of(&all, 2.5)),
             base_judgement: Some(Judgement::of(&base_rows, 2.5)),
             error_covariance: Residual::solve(&base, &base_rows).unwrap().covariance,

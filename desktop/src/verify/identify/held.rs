@@ -13,7 +13,11 @@ pub(super) const LOG: &str = "lara8/joint/jog_j2_mass.j5.csv";
 /// Fractions of the log that train, the last being all of it.
 const TRAINING: [f64; 8] = [0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
 
-pub(super) fn measure() -> Result<Measured, BadInput> {
+/// Every figure.
+///
+/// # Errors
+/// Logs that are there and cannot be used.
+pub fn measure() -> Result<Measured, BadInput> {
     let found = TRAINING.map(identified).into_iter().collect::<Result<Option<Vec<_>>, _>>()?;
     let Some([parts @ .., whole]) = found.as_deref() else {
         return Ok(Measured::skipped(format!("identify.held.*: skipped: no data ({LOG})")));

@@ -12,10 +12,10 @@
 //! that it started from.
 
 pub mod friction;
-mod held;
+pub mod held;
 mod moving;
 mod operator;
-mod pairs;
+pub mod pairs;
 
 use crate::io::file::BadInput;
 use crate::verify::Measured;

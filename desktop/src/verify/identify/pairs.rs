@@ -34,7 +34,11 @@ const REVOLUTIONS: f64 = 0.25;
 /// Every how many rows a zero is judged by.
 const EVERY: usize = 200;
 
-pub(super) fn measure() -> Result<Measured, BadInput> {
+/// Every figure.
+///
+/// # Errors
+/// Logs that are there and cannot be used.
+pub fn measure() -> Result<Measured, BadInput> {
     let mut measured = Measured::default();
     let (mut over_rigid, mut over_untrained) = (Vec::new(), Vec::new());
     for (joint, reversed, logs) in JOINTS {
