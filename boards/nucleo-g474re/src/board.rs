@@ -7,11 +7,12 @@ use crate::serial;
 use stm32g4xx_hal::gpio::GpioExt;
 use stm32g4xx_hal::pac::{Peripherals, TIM2};
 use stm32g4xx_hal::rcc::{Enable, RccExt};
-use strainwave_stm32::control::Parts;
-use strainwave_stm32::{joint, reset};
+use strainwave_controller::control::Parts;
+use strainwave_controller::joint;
+use strainwave_stm32::reset;
 
 /// The board as the control sees it.
-pub type Board = strainwave_stm32::Board<G474, Part, Drive>;
+pub type Board = strainwave_controller::Board<G474, Part, Drive>;
 
 /// Brings the board up; `None`, after saying why, when it is not fit to control a joint.
 pub fn start() -> Option<Parts<Board>> {

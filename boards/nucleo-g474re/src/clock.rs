@@ -5,9 +5,10 @@
 
 use stm32g4xx_hal::pac::{FLASH, PWR};
 use stm32g4xx_hal::rcc::Rcc;
-use strainwave_stm32::Chip;
-use strainwave_stm32::clock::starts;
+use strainwave_controller::Chip;
+use strainwave_controller::clock::starts;
 use strainwave_stm32::reset::Flags;
+use strainwave_stm32::{IndependentWatchdog, Stm32, Tim2};
 
 /// Clock of the core, of all peripherals and timers (Hz).
 pub const FULL: u32 = 170_000_000;
@@ -17,12 +18,18 @@ pub const INTERNAL: u32 = 16_000_000;
 /// The chip.
 pub enum G474 {}
 
-// SAFETY: `board` gives TIM2 and the watchdog up, and nothing else has them; the registers are those of port B and of the clock control.
+// SAFETY: the register is that of port B.
 unsafe impl Chip for G474 {
     const CORE_CLOCK: u32 = FULL;
-    const TIMER_CLOCK: u32 = FULL;
     // PB0.
     const RELEASE: (usize, u32) = (0x4800_0418, 1 << 16);
+    type Timer = Tim2<Self>;
+    type Watchdog = IndependentWatchdog<Self>;
+}
+
+// SAFETY: `board` gives TIM2 and the watchdog up, and nothing else has them; the register is that of the clock control.
+unsafe impl Stm32 for G474 {
+    const TIMER_CLOCK: u32 = FULL;
     const WATCHDOG: usize = 0x4000_3000;
     // CSR.
     const RESET_FLAGS: Flags =

@@ -5,7 +5,7 @@
 use stm32g4xx_hal::gpio::{Output, PA4, PB0};
 use stm32g4xx_hal::pac::DAC1;
 use stm32g4xx_hal::rcc::{Enable, Rcc, Reset};
-use strainwave_stm32::{Drive as _, TorqueCode};
+use strainwave_controller::{Drive as _, TorqueCode};
 
 /// The drive's two inputs.
 pub struct Drive {
@@ -34,7 +34,7 @@ impl Drive {
     }
 }
 
-impl strainwave_stm32::Drive for Drive {
+impl strainwave_controller::Drive for Drive {
     fn command(&mut self, torque: f32) {
         self.put(self.code.of(torque));
         self.enable.set_high();

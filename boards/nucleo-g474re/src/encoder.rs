@@ -3,9 +3,9 @@
 use stm32g4xx_hal::gpio::{Output, PA5, PA6, PA7, PB6, PinState, Pull, Speed};
 use stm32g4xx_hal::pac::SPI1;
 use stm32g4xx_hal::rcc::Rcc;
+use strainwave_controller::MotorEncoder;
+use strainwave_controller::spi::Bus;
 use strainwave_drivers::SpiEncoder;
-use strainwave_stm32::MotorEncoder;
-use strainwave_stm32::spi::Bus;
 
 use crate::clock::{FULL, G474};
 use crate::spi::{DIVIDER, Spi};
@@ -14,7 +14,7 @@ use crate::spi::{DIVIDER, Spi};
 const _: () = assert!(FULL / DIVIDER <= Part::FASTEST);
 
 /// The encoder on the board.
-pub type Part = strainwave_stm32::Part<G474, Bus<Spi>, PB6<Output>>;
+pub type Part = strainwave_controller::Part<G474, Bus<Spi>, PB6<Output>>;
 
 /// The encoder, if it answers and its magnet is where it should be; else says what is wrong.
 pub fn start(spi: SPI1, pins: (PA5, PA6, PA7), select: PB6, rcc: &mut Rcc) -> Option<MotorEncoder<Part>> {

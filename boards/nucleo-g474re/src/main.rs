@@ -24,4 +24,4 @@ mod spi;
 
 use stm32g4xx_hal::pac::{Interrupt, interrupt};
 
-strainwave_stm32::controller!(clock::G474, board::Board, board::start, USART2, serial::receive, serial::send);
+strainwave_controller::controller!(clock::G474, board::Board, board::start, interrupt TIM2, USART2, serial::receive, serial::send);

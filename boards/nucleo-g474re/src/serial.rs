@@ -5,7 +5,7 @@
 use stm32g4xx_hal::gpio::{PA2, PA3, Pull};
 use stm32g4xx_hal::pac::USART2;
 use stm32g4xx_hal::rcc::{Enable, Rcc, Reset};
-use strainwave_stm32::keys;
+use strainwave_controller::keys;
 
 /// Symbols a second [Bd]. The divider misses it by 0.25 % at 170 MHz.
 const RATE: u32 = 921_600;

@@ -4,7 +4,7 @@ use embedded_hal::spi::{Mode, Phase, Polarity};
 use stm32g4xx_hal::gpio::{AF5, PA5, PA6, PA7};
 use stm32g4xx_hal::pac::SPI1;
 use stm32g4xx_hal::rcc::{Enable, Rcc, Reset};
-use strainwave_stm32::spi::Port;
+use strainwave_controller::spi::Port;
 
 /// Divider of the bus clock.
 pub const DIVIDER: u32 = 16;

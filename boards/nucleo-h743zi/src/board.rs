@@ -5,11 +5,12 @@ use crate::drive::Drive;
 use crate::encoder::{self, Part};
 use crate::{pins, serial};
 use stm32h7::stm32h743v::Peripherals;
-use strainwave_stm32::control::Parts;
-use strainwave_stm32::{joint, reset};
+use strainwave_controller::control::Parts;
+use strainwave_controller::joint;
+use strainwave_stm32::reset;
 
 /// The board as the control sees it.
-pub type Board = strainwave_stm32::Board<H743, Part, Drive>;
+pub type Board = strainwave_controller::Board<H743, Part, Drive>;
 
 /// Brings the board up; `None`, after saying why, when it is not fit to control a joint.
 pub fn start() -> Option<Parts<Board>> {

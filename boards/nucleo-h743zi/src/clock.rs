@@ -1,9 +1,10 @@
 //! 400 MHz from the 8 MHz that the board's ST-LINK gives (ST RM0433, 4.3, 6.6 and 8.5).
 
 use stm32h7::stm32h743v::{FLASH, PWR, RCC};
-use strainwave_stm32::Chip;
-use strainwave_stm32::clock::starts;
+use strainwave_controller::Chip;
+use strainwave_controller::clock::starts;
 use strainwave_stm32::reset::Flags;
+use strainwave_stm32::{IndependentWatchdog, Stm32, Tim2};
 
 /// Clock of the core (Hz).
 pub const FULL: u32 = 400_000_000;
@@ -17,13 +18,19 @@ pub const SPI: u32 = 100_000_000;
 /// The chip.
 pub enum H743 {}
 
-// SAFETY: `board` gives TIM2 and the watchdog up, and nothing else has them; the registers are those of port B and of the clock control.
+// SAFETY: the register is that of port B.
 unsafe impl Chip for H743 {
     const CORE_CLOCK: u32 = FULL;
-    // Twice that of its bus.
-    const TIMER_CLOCK: u32 = FULL / PERIPHERAL_DIVISOR * 2;
     // PB1.
     const RELEASE: (usize, u32) = (0x5802_0418, 1 << 17);
+    type Timer = Tim2<Self>;
+    type Watchdog = IndependentWatchdog<Self>;
+}
+
+// SAFETY: `board` gives TIM2 and the watchdog up, and nothing else has them; the register is that of the clock control.
+unsafe impl Stm32 for H743 {
+    // Twice that of its bus.
+    const TIMER_CLOCK: u32 = FULL / PERIPHERAL_DIVISOR * 2;
     const WATCHDOG: usize = 0x5800_4800;
     // RSR.
     const RESET_FLAGS: Flags =

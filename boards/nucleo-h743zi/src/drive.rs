@@ -1,7 +1,7 @@
 //! The motor's drive: torque command on the DAC, enable on a pin (ST RM0433, chapter 26).
 
 use stm32h7::stm32h743v::{DAC, GPIOB};
-use strainwave_stm32::{Drive as _, TorqueCode};
+use strainwave_controller::{Drive as _, TorqueCode};
 
 /// The drive's two inputs.
 pub struct Drive {
@@ -25,7 +25,7 @@ impl Drive {
     }
 }
 
-impl strainwave_stm32::Drive for Drive {
+impl strainwave_controller::Drive for Drive {
     fn command(&mut self, torque: f32) {
         self.put(self.code.of(torque));
         self.enable.bsrr().write(|w| w.bs1().set_bit());

@@ -1,9 +1,9 @@
 //! The motor encoder on SPI1.
 
 use stm32h7::stm32h743v::{GPIOD, SPI1};
+use strainwave_controller::MotorEncoder;
+use strainwave_controller::spi::Bus;
 use strainwave_drivers::SpiEncoder;
-use strainwave_stm32::MotorEncoder;
-use strainwave_stm32::spi::Bus;
 
 use crate::clock::{self, H743};
 use crate::pins::Select;
@@ -13,7 +13,7 @@ use crate::spi::{DIVIDER, Spi};
 const _: () = assert!(clock::SPI / DIVIDER <= Part::FASTEST);
 
 /// The encoder on the board.
-pub type Part = strainwave_stm32::Part<H743, Bus<Spi>, Select>;
+pub type Part = strainwave_controller::Part<H743, Bus<Spi>, Select>;
 
 /// The encoder, if it answers and its magnet is where it should be; else says what is wrong.
 pub fn start(spi: SPI1, select: GPIOD) -> Option<MotorEncoder<Part>> {

@@ -24,4 +24,4 @@ mod spi;
 
 use stm32h7::stm32h743v::{Interrupt, interrupt};
 
-strainwave_stm32::controller!(clock::H743, board::Board, board::start, USART3, serial::receive, serial::send);
+strainwave_controller::controller!(clock::H743, board::Board, board::start, interrupt TIM2, USART3, serial::receive, serial::send);

@@ -1,7 +1,7 @@
 //! USART3, which the board's ST-LINK makes a serial port: telemetry out, the operator's keys in (ST RM0433, chapter 48).
 
 use stm32h7::stm32h743v::{USART3, usart1};
-use strainwave_stm32::keys;
+use strainwave_controller::keys;
 
 use crate::clock::{FULL, PERIPHERAL_DIVISOR};
 

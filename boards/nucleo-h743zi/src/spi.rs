@@ -2,7 +2,7 @@
 
 use embedded_hal::spi::{Mode, Phase, Polarity};
 use stm32h7::stm32h743v::SPI1;
-use strainwave_stm32::spi::Port;
+use strainwave_controller::spi::Port;
 
 /// Divider of the clock that the PLL gives it.
 pub const DIVIDER: u32 = 8;

@@ -1,6 +1,6 @@
 //! What reset the chip (ST RM0090, 7.3.21; RM0440, 7.4.29; RM0433, 8.7).
 
-use crate::Chip;
+use crate::Stm32;
 use crate::register::Register;
 
 /// The flags of a chip.
@@ -15,9 +15,9 @@ pub struct Flags {
 
 /// Whether a watchdog or the firmware itself has reset the chip: then nobody has looked after the cause. Power and the
 /// reset pin do not count. The flags are cleared for the next time.
-pub fn by_itself<C: Chip>() -> bool {
+pub fn by_itself<C: Stm32>() -> bool {
     let Flags { register, by_itself, clear } = C::RESET_FLAGS;
-    // SAFETY: `Chip` promises the register.
+    // SAFETY: `Stm32` promises the register.
     let register = unsafe { Register::at(register, 0) };
     let flags = register.read();
     register.write(flags | clear);

@@ -1,10 +1,10 @@
 //! The independent watchdog: resets the chip when the control misses its periods (ST RM0090, chapter 21; RM0440, chapter 42;
 //! RM0433, chapter 45).
-//!
-//! A reset leaves the drive's enable pin floating: it has to be pulled down outside.
 
-use crate::Chip;
+use crate::Stm32;
 use crate::register::Register;
+use core::marker::PhantomData;
+use strainwave_controller::Watchdog;
 
 const KEY: usize = 0x0;
 const PRESCALER: usize = 0x4;
@@ -19,28 +19,31 @@ const START: u32 = 0xcccc;
 const COUNTS: u32 = 16;
 const DIVIDE_BY_4: u32 = 0;
 
-fn register<C: Chip>(offset: usize) -> Register {
-    // SAFETY: `Chip` promises the watchdog there, and the offsets are those of its registers.
+fn register<C: Stm32>(offset: usize) -> Register {
+    // SAFETY: `Stm32` promises the watchdog there, and the offsets are those of its registers.
     unsafe { Register::at(C::WATCHDOG, offset) }
 }
 
-/// Starts the countdown, which nothing but a reset stops.
-pub fn start<C: Chip>() {
-    register::<C>(KEY).write(START);
-    register::<C>(KEY).write(UNLOCK);
-    settle::<C>();
-    register::<C>(PRESCALER).write(DIVIDE_BY_4);
-    register::<C>(RELOAD).write(COUNTS - 1);
-    settle::<C>();
-    feed::<C>();
+/// The independent watchdog of a chip. Nothing but a reset stops it.
+pub struct IndependentWatchdog<C>(PhantomData<C>);
+
+impl<C: Stm32> Watchdog for IndependentWatchdog<C> {
+    fn start() {
+        register::<C>(KEY).write(START);
+        register::<C>(KEY).write(UNLOCK);
+        settle::<C>();
+        register::<C>(PRESCALER).write(DIVIDE_BY_4);
+        register::<C>(RELOAD).write(COUNTS - 1);
+        settle::<C>();
+        Self::feed();
+    }
+
+    fn feed() {
+        register::<C>(KEY).write(REFRESH);
+    }
 }
 
 /// Waits for what was written last to be taken over.
-fn settle<C: Chip>() {
+fn settle<C: Stm32>() {
     while register::<C>(STATUS).read() != 0 {}
-}
-
-/// Restarts the countdown.
-pub fn feed<C: Chip>() {
-    register::<C>(KEY).write(REFRESH);
 }

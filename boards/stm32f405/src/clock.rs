@@ -6,9 +6,10 @@
 
 use stm32f4xx_hal::pac::FLASH;
 use stm32f4xx_hal::rcc::Rcc;
-use strainwave_stm32::Chip;
-use strainwave_stm32::clock::starts;
+use strainwave_controller::Chip;
+use strainwave_controller::clock::starts;
 use strainwave_stm32::reset::Flags;
+use strainwave_stm32::{IndependentWatchdog, Stm32, Tim2};
 
 /// Core clock (Hz).
 pub const FULL: u32 = 168_000_000;
@@ -20,12 +21,18 @@ pub const PERIPHERAL_DIVISOR: u32 = 2;
 /// The chip.
 pub enum F405 {}
 
-// SAFETY: `board` gives TIM2 and the watchdog up, and nothing else has them; the registers are those of port B and of the clock control.
+// SAFETY: the register is that of port B.
 unsafe impl Chip for F405 {
     const CORE_CLOCK: u32 = FULL;
-    const TIMER_CLOCK: u32 = FULL / PERIPHERAL_DIVISOR;
     // PB0.
     const RELEASE: (usize, u32) = (0x4002_0418, 1 << 16);
+    type Timer = Tim2<Self>;
+    type Watchdog = IndependentWatchdog<Self>;
+}
+
+// SAFETY: `board` gives TIM2 and the watchdog up, and nothing else has them; the register is that of the clock control.
+unsafe impl Stm32 for F405 {
+    const TIMER_CLOCK: u32 = FULL / PERIPHERAL_DIVISOR;
     const WATCHDOG: usize = 0x4000_3000;
     // CSR.
     const RESET_FLAGS: Flags =

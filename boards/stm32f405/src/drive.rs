@@ -4,7 +4,7 @@ use stm32f4xx_hal::dac::{C1, DacExt, DacOut, DacPin};
 use stm32f4xx_hal::gpio::{Output, PA4, PB0};
 use stm32f4xx_hal::pac::DAC;
 use stm32f4xx_hal::rcc::Rcc;
-use strainwave_stm32::{Drive as _, TorqueCode};
+use strainwave_controller::{Drive as _, TorqueCode};
 
 /// The drive's two inputs.
 pub struct Drive {
@@ -25,7 +25,7 @@ impl Drive {
     }
 }
 
-impl strainwave_stm32::Drive for Drive {
+impl strainwave_controller::Drive for Drive {
     fn command(&mut self, torque: f32) {
         self.torque.set_value(self.code.of(torque));
         self.enable.set_high();

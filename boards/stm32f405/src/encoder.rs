@@ -5,8 +5,8 @@ use stm32f4xx_hal::pac::SPI1;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::spi::Spi;
 use stm32f4xx_hal::time::Hertz;
+use strainwave_controller::MotorEncoder;
 use strainwave_drivers::SpiEncoder;
-use strainwave_stm32::MotorEncoder;
 
 use crate::clock::{F405, FULL, INTERNAL, PERIPHERAL_DIVISOR};
 
@@ -15,7 +15,7 @@ const DIVIDER: u32 = 8;
 const _: () = assert!(FULL / PERIPHERAL_DIVISOR / DIVIDER <= Part::FASTEST);
 
 /// The encoder on the board.
-pub type Part = strainwave_stm32::Part<F405, Spi<SPI1>, PB6<Output>>;
+pub type Part = strainwave_controller::Part<F405, Spi<SPI1>, PB6<Output>>;
 
 /// The encoder, if it answers and its magnet is where it should be; else says what is wrong.
 pub fn start(spi: SPI1, pins: (PA5, PA6, PA7), select: PB6, rcc: &mut Rcc) -> Option<MotorEncoder<Part>> {

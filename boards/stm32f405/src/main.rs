@@ -22,4 +22,4 @@ mod serial;
 
 use stm32f4xx_hal::pac::{Interrupt, interrupt};
 
-strainwave_stm32::controller!(clock::F405, board::Board, board::start, USART1, serial::receive, serial::send);
+strainwave_controller::controller!(clock::F405, board::Board, board::start, interrupt TIM2, USART1, serial::receive, serial::send);

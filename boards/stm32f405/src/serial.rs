@@ -5,7 +5,7 @@
 use stm32f4xx_hal::gpio::{PA9, PA10};
 use stm32f4xx_hal::pac::USART1;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
-use strainwave_stm32::keys;
+use strainwave_controller::keys;
 
 use crate::clock::{FULL, PERIPHERAL_DIVISOR};
 

@@ -1,10 +1,11 @@
 //! What an image has to define itself: its entry, its statics, its handlers and its logger.
 
 /// The image that controls the joint with a `$board` on a `$chip`. `$parts` brings the board up, `$receive` takes a key in the
-/// interrupt `$port`, `$send` sends bytes. Beside it the names `Interrupt` and `interrupt` of the chip's device crate.
+/// interrupt `$port`, `$send` sends bytes. The control timer's handler is `$timer`, an `interrupt` or an `exception`. Beside it the names
+/// `Interrupt` and `interrupt` of the chip's device crate, and `exception` where it is one.
 #[macro_export]
 macro_rules! controller {
-    ($chip:ty, $board:ty, $parts:path, $port:ident, $receive:path, $send:path) => {
+    ($chip:ty, $board:ty, $parts:path, $kind:meta $timer:ident, $port:ident, $receive:path, $send:path) => {
         use $crate::strainwave_app::{Control, Slot, Telemetry};
 
         static CONTROL: $crate::static_cell::StaticCell<Control<$board>> =
@@ -18,9 +19,9 @@ macro_rules! controller {
         }
 
         /// The 10 kHz interrupt.
-        #[interrupt]
-        fn TIM2() {
-            $crate::timer::acknowledge::<$chip>();
+        #[$kind]
+        fn $timer() {
+            <<$chip as $crate::Chip>::Timer as $crate::Timer>::acknowledge();
             SLOT.tick();
         }
 

@@ -6,7 +6,7 @@ use strainwave_app::{Input, Output};
 use strainwave_drivers::Encoder;
 
 use crate::idle::JOG;
-use crate::{Chip, MotorEncoder, timer, watchdog};
+use crate::{Chip, MotorEncoder, Timer, Watchdog};
 
 /// The motor's drive.
 pub trait Drive {
@@ -61,10 +61,10 @@ impl<C: Chip, E: Encoder, D: Drive> strainwave_app::Board for Board<C, E, D> {
     }
 
     fn feed_watchdog(&mut self) {
-        watchdog::feed::<C>();
+        C::Watchdog::feed();
     }
 
     fn overran(&mut self) -> bool {
-        timer::waiting::<C>()
+        C::Timer::waiting()
     }
 }

@@ -7,7 +7,7 @@ use strainwave_app::jog::Planner;
 use strainwave_app::telemetry::Sender;
 use strainwave_app::{Board, Compensator, Control, Slot, Telemetry};
 
-use crate::{Chip, fault, idle, keys, timer, watchdog};
+use crate::{Chip, Timer, Watchdog, fault, idle, keys};
 
 /// What a board brings up.
 pub struct Parts<B> {
@@ -48,7 +48,7 @@ fn start<C: Chip, B: Board>(
     let planner = idle::planner()?;
     slot.put(place.try_uninit()?.write(Control::new(board, compensator, sender)));
     keys::listen(&mut interrupts, port);
-    watchdog::start::<C>();
-    timer::start::<C>(&mut interrupts);
+    C::Watchdog::start();
+    C::Timer::start(&mut interrupts);
     Some(planner)
 }

@@ -1,7 +1,8 @@
 //! The joint's compensator, copied to RAM before `main`.
 //!
-//! In flash a read costs 4 to 5 wait states, and the data cache holds 128 or 256 bytes of the constants that a control step
-//! reads. On an STM32H7 it costs 2 of a bus at half the core's clock, and the data cache is off.
+//! In flash a read costs 4 to 5 wait states on an STM32F4 or STM32G4, and the data cache holds 128 or 256 bytes of the constants that a
+//! control step reads. On an STM32H7 it costs 2 of a bus at half the core's clock, and the data cache is off. On an RP2350 the flash is
+//! another chip, some 100 cycles away.
 
 use strainwave_app::{Compensator, joint};
 
