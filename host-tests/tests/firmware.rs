@@ -109,6 +109,7 @@ fn every_board_links_and_none_can_panic() {
             "mps3-an547",
             "nucleo-g474re",
             "nucleo-h743zi",
+            "pico2",
             "stm32f405"
         ]
     );

@@ -327,7 +327,7 @@ fn logs_that_cannot_be_replayed_are_refused_before_anything_is_built() {
 #[test]
 fn boards_that_are_not_there_or_cannot_be_run_are_refused_by_name() {
     let bench = Bench::new();
-    let unknown = "unknown, the boards are mps2-an386, mps2-an500, mps2-an505, mps3-an547, nucleo-g474re, nucleo-h743zi, stm32f405";
+    let unknown = "unknown, the boards are mps2-an386, mps2-an500, mps2-an505, mps3-an547, nucleo-g474re, nucleo-h743zi, pico2, stm32f405";
     for (words, expected) in [
         ("pil --board nucleo", format!("board nucleo: {unknown}")),
         ("pil --board ../boards/app", format!("board ../boards/app: {unknown}")),

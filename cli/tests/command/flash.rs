@@ -90,7 +90,7 @@ fn what_cannot_be_flashed_is_one_line() {
     for (words, expected) in [
         (
             "flash g.toml --board nucleo",
-            "board nucleo: unknown, the boards are mps2-an386, mps2-an500, mps2-an505, mps3-an547, nucleo-g474re, nucleo-h743zi, stm32f405",
+            "board nucleo: unknown, the boards are mps2-an386, mps2-an500, mps2-an505, mps3-an547, nucleo-g474re, nucleo-h743zi, pico2, stm32f405",
         ),
         ("flash none.toml --board stm32f405", "none.toml: cannot be read: No such file"),
         ("flash g.toml", "the following required arguments were not provided: --board <BOARD>"),
