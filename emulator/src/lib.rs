@@ -13,6 +13,7 @@ pub mod machine;
 pub mod pil;
 mod process;
 pub mod rerun;
+pub mod rp2350;
 mod scratch;
 pub mod served;
 pub mod setup;

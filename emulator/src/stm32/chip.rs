@@ -1,7 +1,7 @@
 //! The chip with the board around it, booted with an image.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use object::Endianness;
@@ -10,22 +10,23 @@ use object::read::elf::{ElfFile32, ProgramHeader};
 use rsemu::core::clock::GlobalTime;
 use rsemu::core::space::{AddressSpace, MemAttrs};
 use rsemu::core::value::Width;
+use rsemu::cpu::arm::v7m::{self, ArmV7m};
 use rsemu::host::chardev::{CharPort, ports};
 use rsemu::machine::{self, Machine, catalog};
 
+use crate::rp2350::{blocks, sio, spi, watchdog};
 use crate::stm32::encoder::{self, Encoder, Magnet};
 use crate::stm32::h7_spi::{self, Spi};
 use crate::stm32::halfwords::{self, Halfwords};
-use crate::stm32::model::Model;
+use crate::stm32::model::{Model, Timer};
 use crate::stm32::{h7_pwr, h7_rcc};
 use crate::telemetry;
 
-/// Begin of the flash.
-const FLASH: u32 = 0x0800_0000;
 /// What the stack is filled with before the start.
 const FILL: u32 = 0x5a5a_5a5a;
-/// Control register of TIM2, and in it that the timer runs.
-const TIMER_CONTROL: u64 = 0x4000_0000;
+/// Control register of TIM2.
+const TIM2_CONTROL: u64 = 0x4000_0000;
+/// In the control register of either timer: it runs.
 const TIMER_RUNS: u32 = 1;
 /// Longest time between two looks at the clock of what is serial: less than a character's.
 const QUANTUM: Duration = Duration::from_micros(10);
@@ -62,6 +63,7 @@ pub enum Error {
 pub struct Chip {
     model: &'static Model,
     machine: Machine,
+    core: Arc<ArmV7m>,
     memory: Arc<AddressSpace>,
     magnet: Arc<Magnet>,
     serial: Arc<CharPort>,
@@ -91,12 +93,26 @@ impl Chip {
         options.bindings.bind(h7_rcc::CLASS.name, |_| Ok(Arc::new(h7_rcc::new())))?;
         options.bindings.bind(h7_pwr::CLASS.name, |_| Ok(Arc::new(h7_pwr::new())))?;
         options.bindings.bind(h7_spi::CLASS.name, |props| Ok(Arc::new(Spi::new(props)?)))?;
+        options.bindings.bind(blocks::CLASS.name, |props| Ok(Arc::new(blocks::new(props)?)))?;
+        options.bindings.bind(sio::CLASS.name, |_| Ok(Arc::new(sio::Sio::default())))?;
+        options.bindings.bind(spi::CLASS.name, |props| Ok(Arc::new(spi::Spi::new(props)?)))?;
+        options.bindings.bind(watchdog::CLASS.name, |_| Ok(Arc::new(watchdog::Watchdog::default())))?;
+        let core = Arc::<OnceLock<Arc<ArmV7m>>>::default();
+        let built = core.clone();
+        options.bindings.replace(v7m::CLASS.name, move |props| {
+            let core = Arc::new(ArmV7m::from_props(props)?);
+            Ok(built.get_or_init(|| core).clone())
+        });
         for (class, schema) in [
             (&encoder::CLASS, encoder::schema()),
             (&halfwords::CLASS, halfwords::schema()),
             (&h7_rcc::CLASS, h7_rcc::schema()),
             (&h7_pwr::CLASS, h7_pwr::schema()),
             (&h7_spi::CLASS, h7_spi::schema()),
+            (&blocks::CLASS, blocks::schema()),
+            (&sio::CLASS, sio::schema()),
+            (&spi::CLASS, spi::schema()),
+            (&watchdog::CLASS, watchdog::schema()),
         ] {
             registry.add(class)?;
             options.classes.insert(schema);
@@ -106,7 +122,9 @@ impl Chip {
         let serial = ports::open(&options.realize.hosts, model.serial)?;
         let machine = machine::build(model.board, model.description, &registry, &options)?;
         let memory = machine.space("mem").cloned().ok_or(Error::Bus(0))?;
-        let chip = Self { model, machine, memory, magnet, serial, elf: elf.to_owned(), sent: Vec::new() };
+        let core = core.get().cloned().ok_or(Error::Bus(0))?;
+        let chip =
+            Self { model, machine, core, memory, magnet, serial, elf: elf.to_owned(), sent: Vec::new() };
         for address in model.stack().step_by(4) {
             chip.write(address, FILL)?;
         }
@@ -133,7 +151,11 @@ impl Chip {
     /// # Errors
     /// [`Error::Bus`].
     pub fn controls(&self) -> Result<bool, Error> {
-        Ok(self.read(TIMER_CONTROL)? & TIMER_RUNS != 0)
+        let control = match self.model.timer {
+            Timer::Tim2 => self.read(TIM2_CONTROL)?,
+            Timer::SysTick => self.core.with_sys(|core| core.syst_csr),
+        };
+        Ok(control & TIMER_RUNS != 0)
     }
 
     /// Stops the control's timer, as a fault of the chip would.
@@ -141,7 +163,11 @@ impl Chip {
     /// # Errors
     /// [`Error::Bus`].
     pub fn stop_timer(&self) -> Result<(), Error> {
-        self.write(TIMER_CONTROL, 0)
+        match self.model.timer {
+            Timer::Tim2 => self.write(TIM2_CONTROL, 0)?,
+            Timer::SysTick => self.core.with_sys(|core| core.syst_csr = 0),
+        }
+        Ok(())
     }
 
     /// What the drive is told: the code of the torque, 2048 for none, and that it is enabled.
@@ -149,8 +175,8 @@ impl Chip {
     /// # Errors
     /// [`Error::Bus`].
     pub fn drive(&self) -> Result<(u32, bool), Error> {
-        let (port, enable) = self.model.enable;
-        Ok((self.read(self.model.torque)?, self.read(port)? & enable != 0))
+        let ((torque, lowest), (port, enable)) = (self.model.torque, self.model.enable);
+        Ok((self.read(torque)? >> lowest, self.read(port)? & enable != 0))
     }
 
     /// An operator presses a key.
@@ -199,15 +225,16 @@ fn flash(model: &Model, elf: &Path) -> Result<Vec<u8>, Error> {
     let wrong = |why: String| Error::Image { image: elf.to_owned(), why };
     let bytes = std::fs::read(elf).map_err(|error| wrong(error.to_string()))?;
     let file = ElfFile32::<Endianness>::parse(&*bytes).map_err(|error| wrong(error.to_string()))?;
-    let mut flash = vec![0xff; model.flash_bytes];
+    let (begin, size) = model.flash;
+    let mut flash = vec![0xff; size];
     for segment in file.elf_program_headers() {
         let order = file.endian();
         let data = segment.data(order, &*bytes).map_err(|()| wrong("a segment is beyond its end".into()))?;
         if segment.p_type(order) != PT_LOAD || data.is_empty() {
             continue;
         }
-        let begin = segment.p_paddr(order).checked_sub(FLASH).map(|begin| begin as usize);
-        let place = begin.and_then(|begin| flash.get_mut(begin..)?.get_mut(..data.len()));
+        let offset = segment.p_paddr(order).checked_sub(begin).map(|offset| offset as usize);
+        let place = offset.and_then(|offset| flash.get_mut(offset..)?.get_mut(..data.len()));
         place.ok_or_else(|| wrong("a segment is not in the flash".into()))?.copy_from_slice(data);
     }
     Ok(flash)
@@ -220,8 +247,9 @@ mod tests {
 
     /// A chip that runs `code` from its reset vector on.
     fn chip(model: &'static Model, code: &[u16]) -> Chip {
-        let mut flash = vec![0xff; model.flash_bytes];
-        let vectors = [model.stack().end as u32, FLASH + 9];
+        let (begin, size) = model.flash;
+        let mut flash = vec![0xff; size];
+        let vectors = [model.stack().end as u32, begin + 9];
         for (place, word) in flash.chunks_exact_mut(4).zip(vectors) {
             place.copy_from_slice(&word.to_le_bytes());
         }
