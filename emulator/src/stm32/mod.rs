@@ -1,8 +1,9 @@
 //! The firmware of real boards, executed: a chip with its board in an emulator, a plant at its encoder and drive.
 //!
-//! QEMU has no clock control, SPI, timer or watchdog of these chips that answer as they do; rsemu has them of STM32 chips, in Rust, but for
-//! clock and power control and the SPI of an STM32H7, which are here; those of an RP2350 are in [`crate::rp2350`]. So the image runs as it is flashed, from its reset vector on. The core interprets one instruction after the other; its cycles are no measure here, QEMU
-//! counts them. What is added is the encoder, the drive, the plant, and a host's build of the same control.
+//! QEMU has no clock control, SPI, timer or watchdog of these chips that answer as they do. rsemu has them of STM32 chips, in Rust, but for
+//! clock and power control and the SPI of an STM32H7, which are here; those of an RP2350 are in [`crate::rp2350`]. So the image runs as it
+//! is flashed, from its reset vector on. The core interprets one instruction after the other; its cycles are no measure here, QEMU counts
+//! them. What is added is the encoder, the drive, the plant, and a host's build of the same control.
 //!
 //! | file | what is in it |
 //! | --- | --- |
