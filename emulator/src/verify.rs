@@ -21,7 +21,7 @@ use crate::artifact::{CONTROL_STEP, Image};
 use crate::budget::{self, Budget, TORQUE_GAUGES};
 use crate::pil::{TargetRun, Trial};
 use crate::target::{self, Agreement};
-use crate::{firmware, gauges, pil, stm32};
+use crate::{chips, firmware, gauges, pil};
 
 /// Board whose figures these are, but for the rows of every emulated one.
 pub const BOARD: &str = "mps2-an386";
@@ -60,7 +60,7 @@ pub enum Error {
     AnyInput(#[from] any_input::Error),
     /// The image of the real board.
     #[error(transparent)]
-    Stm32(#[from] stm32::verify::Error),
+    Chips(#[from] chips::verify::Error),
     /// The boards' folder.
     #[error("boards: {0}")]
     Boards(#[from] io::Error),
@@ -95,7 +95,7 @@ pub fn measure(parts: Parts, mut progress: impl FnMut(f64)) -> Result<Measured, 
         return Ok(costs.into());
     }
     let boards = every_board(&runs)?;
-    let executed = stm32::verify::measure()?;
+    let executed = chips::verify::measure()?;
     let mut measured = Measured::from([proofs()?, control_step(&runs)?, boards, executed, costs].concat());
     match data::find(LOG) {
         Some(log) => measured.figures.extend(replay(&MeasuredLog::read(&log)?)?),

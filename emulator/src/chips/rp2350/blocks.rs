@@ -8,7 +8,7 @@ use rsemu::core::error::{Error, Result};
 use rsemu::core::props::{Props, ValueKind};
 use rsemu::machine::validate::{ClassSchema, PropSchema};
 
-use crate::stm32::registers::{Registers, Rules, Words};
+use crate::chips::registers::{Registers, Rules, Words};
 
 /// Class of them in a machine's description.
 pub static CLASS: DeviceClass = DeviceClass {

@@ -3,7 +3,7 @@
 use rsemu::core::device::DeviceClass;
 use rsemu::machine::validate::ClassSchema;
 
-use crate::stm32::registers::{Registers, Rules, Words};
+use crate::chips::registers::{Registers, Rules, Words};
 
 /// Status; supply; voltage.
 const CSR1: usize = 0x04;

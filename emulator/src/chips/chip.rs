@@ -14,12 +14,12 @@ use rsemu::cpu::arm::v7m::{self, ArmV7m};
 use rsemu::host::chardev::{CharPort, ports};
 use rsemu::machine::{self, Machine, catalog};
 
-use crate::rp2350::{blocks, sio, spi, watchdog};
-use crate::stm32::encoder::{self, Encoder, Magnet};
-use crate::stm32::h7_spi::{self, Spi};
-use crate::stm32::halfwords::{self, Halfwords};
-use crate::stm32::model::{Model, Timer};
-use crate::stm32::{h7_pwr, h7_rcc};
+use crate::chips::encoder::{self, Encoder, Magnet};
+use crate::chips::model::{Model, Timer};
+use crate::chips::rp2350::{blocks, sio, spi, watchdog};
+use crate::chips::stm32::h7_spi::{self, Spi};
+use crate::chips::stm32::halfwords::{self, Halfwords};
+use crate::chips::stm32::{h7_pwr, h7_rcc};
 use crate::telemetry;
 
 /// What the stack is filled with before the start.
@@ -243,7 +243,7 @@ fn flash(model: &Model, elf: &Path) -> Result<Vec<u8>, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stm32::model::MODELS;
+    use crate::chips::model::MODELS;
 
     /// A chip that runs `code` from its reset vector on.
     fn chip(model: &'static Model, code: &[u16]) -> Chip {

@@ -22,9 +22,9 @@ use strainwave_desktop::design::joint::joint_params;
 use strainwave_desktop::io::gear_file::SensorSet;
 use strainwave_desktop::plant::divergence::RunError;
 
-use crate::stm32::chip::{self, Chip};
-use crate::stm32::encoder;
-use crate::stm32::model::Model;
+use crate::chips::chip::{self, Chip};
+use crate::chips::encoder;
+use crate::chips::model::Model;
 use crate::target::Agreement;
 
 /// From the start of the timer to that of the first period: the interrupts are then 0.04 ms after a period's begin.

@@ -4,8 +4,8 @@ use strainwave_desktop::verify::bounds;
 use strainwave_desktop::{Figure, GearFile};
 
 use crate::budget::{self, Budget};
-use crate::stm32::control::{self, second, stopped};
-use crate::stm32::model::{MODELS, Model};
+use crate::chips::control::{self, second, stopped};
+use crate::chips::model::{MODELS, Model};
 use crate::{firmware, pil};
 
 /// What the firmware says of a lost encoder.

@@ -5,7 +5,7 @@
 use rsemu::core::device::DeviceClass;
 use rsemu::machine::validate::{ClassSchema, PortDir};
 
-use crate::stm32::registers::{Registers, Rules, Words};
+use crate::chips::registers::{Registers, Rules, Words};
 
 /// Source control; selection of the core's clock.
 const CR: usize = 0x00;

@@ -44,7 +44,7 @@ pub enum Timer {
 pub static MODELS: [Model; 4] = [
     Model {
         board: "stm32f405",
-        description: include_str!("stm32f405.machine"),
+        description: include_str!("stm32/stm32f405.machine"),
         serial: "usart1",
         flash: (0x0800_0000, 1 << 20),
         stack: (0x1000_0000, 64 << 10),
@@ -54,7 +54,7 @@ pub static MODELS: [Model; 4] = [
     },
     Model {
         board: "nucleo-g474re",
-        description: include_str!("nucleo-g474re.machine"),
+        description: include_str!("stm32/nucleo-g474re.machine"),
         serial: "usart2",
         flash: (0x0800_0000, 512 << 10),
         stack: (0x1000_0000, 32 << 10),
@@ -64,7 +64,7 @@ pub static MODELS: [Model; 4] = [
     },
     Model {
         board: "nucleo-h743zi",
-        description: include_str!("nucleo-h743zi.machine"),
+        description: include_str!("stm32/nucleo-h743zi.machine"),
         serial: "usart3",
         flash: (0x0800_0000, 2 << 20),
         stack: (0x2000_0000, 16 << 10),
@@ -74,7 +74,7 @@ pub static MODELS: [Model; 4] = [
     },
     Model {
         board: "pico2",
-        description: include_str!("../rp2350/pico2.machine"),
+        description: include_str!("rp2350/pico2.machine"),
         serial: "uart0",
         flash: (0x1000_0000, 4 << 20),
         stack: (0x2000_0000, 16 << 10),

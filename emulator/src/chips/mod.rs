@@ -1,0 +1,28 @@
+//! The firmware of real boards, executed: a chip with its board in an emulator, a plant at its encoder and drive.
+//!
+//! QEMU has no clock control, SPI, timer or watchdog of these chips that answer as they do. rsemu, in Rust, has them of STM32 chips but for some
+//! of an STM32H7; what it lacks is here. So the image runs as it is flashed, from its reset vector on. The core interprets
+//! one instruction after the other; its cycles are no measure here, QEMU counts them. What is added is the encoder, the drive, the
+//! plant, and a host's build of the same control.
+//!
+//! | file or folder | what is in it |
+//! | --- | --- |
+//! | [`stm32`], [`rp2350`] | descriptions of these chips with what is wired to them, peripherals that rsemu lacks |
+//! | [`registers`] | a peripheral of registers with rules |
+//! | [`encoder`] | the motor encoder |
+//! | [`model`] | each chip: its description, its memory, the drive's registers |
+//! | [`chip`] | boots an image, lets it run, looks at its pins |
+//! | [`control`] | a second of control, beside the host's |
+//! | [`verify`] | its figures |
+
+pub mod chip;
+pub mod control;
+pub mod encoder;
+pub mod model;
+pub mod registers;
+pub mod rp2350;
+pub mod stm32;
+pub mod verify;
+
+pub use chip::{Chip, Error};
+pub use model::{MODELS, Model};

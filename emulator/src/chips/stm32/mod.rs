@@ -1,0 +1,13 @@
+//! What emulated STM32s have that rsemu lacks, as far as the firmware of their boards touches it.
+//!
+//! | file | what is in it |
+//! | --- | --- |
+//! | `BOARD.machine` | the chip and what is wired to it |
+//! | [`halfwords`] | accesses that rsemu's peripherals do not take |
+//! | [`h7_rcc`], [`h7_pwr`] | clock and power control of an STM32H7 |
+//! | [`h7_spi`] | its SPI |
+
+pub mod h7_pwr;
+pub mod h7_rcc;
+pub mod h7_spi;
+pub mod halfwords;
