@@ -1,4 +1,6 @@
 //! 150 MHz from the 12 MHz crystal, and what is out of reset (RP2350 datasheet, 7.5, 8.1, 8.2 and 8.6).
+//!
+//! The reference stays on the ring oscillator: the watchdog's ticks are from it, and go on where the crystal stops.
 
 use rp235x_pac::{CLOCKS, PLL_SYS, RESETS, XOSC, resets};
 use strainwave_controller::Chip;
@@ -9,8 +11,8 @@ use crate::watchdog::Ticked;
 
 /// Clock of the core and of all peripherals (Hz).
 pub const FULL: u32 = 150_000_000;
-/// Of the crystal [MHz].
-pub const CRYSTAL_MHZ: u16 = 12;
+/// Of the crystal (Hz).
+const CRYSTAL: u32 = 12_000_000;
 
 /// The chip.
 pub enum Rp2350 {}
@@ -27,24 +29,29 @@ unsafe impl Chip for Rp2350 {
 /// 12 MHz * 125 = 1500 MHz; / 5 / 2 = 150 MHz.
 const PLL_TIMES: u16 = 125;
 const PLL_OUT: (u8, u8) = (5, 2);
-const _: () =
-    assert!(CRYSTAL_MHZ as u32 * 1_000_000 * PLL_TIMES as u32 / (PLL_OUT.0 * PLL_OUT.1) as u32 == FULL);
+const _: () = assert!(CRYSTAL * PLL_TIMES as u32 / (PLL_OUT.0 * PLL_OUT.1) as u32 == FULL);
 
 /// Time for the crystal to settle, in 256 of its periods: 6 ms.
 const SETTLING: u16 = 282;
 
-/// The selected sources, one bit each: of the reference the crystal, of the system the reference and the PLL.
-const REFERENCE_CRYSTAL: u32 = 1 << 2;
+/// The selected sources, one bit each: of the reference the ring oscillator, of the system the reference and the PLL.
+const REFERENCE_RING: u32 = 1 << 0;
 const SYSTEM_REFERENCE: u32 = 1 << 0;
 const SYSTEM_PLL: u32 = 1 << 1;
 
 /// Runs the core from the crystal, and takes what the board uses out of reset; whether all of that came in time.
 pub fn start(clocks: &CLOCKS, crystal: &XOSC, pll: &PLL_SYS, resets: &RESETS) -> bool {
-    // A debugger restarts the core alone: the PLL may be in use, and is about to be reset.
-    clocks.clk_sys_ctrl().modify(|_, w| w.src().clk_ref());
-    let reset = starts(|| clocks.clk_sys_selected().read().bits() == SYSTEM_REFERENCE) && restart(resets);
+    let reset = slows_down(clocks) && restart(resets);
     clocks.clk_peri_ctrl().write(|w| w.auxsrc().clk_sys().enable().set_bit());
-    reset && oscillates(crystal) && follows(clocks) && locks(pll) && speeds_up(clocks)
+    reset && oscillates(crystal) && locks(pll) && speeds_up(clocks)
+}
+
+/// To the ring oscillator. A debugger restarts the core alone: the PLL may be in use, and is about to be reset.
+fn slows_down(clocks: &CLOCKS) -> bool {
+    clocks.clk_ref_ctrl().modify(|_, w| w.src().rosc_clksrc_ph());
+    let ring = starts(|| clocks.clk_ref_selected().read().bits() == REFERENCE_RING);
+    clocks.clk_sys_ctrl().modify(|_, w| w.src().clk_ref());
+    ring && starts(|| clocks.clk_sys_selected().read().bits() == SYSTEM_REFERENCE)
 }
 
 /// Resets what the board uses.
@@ -73,12 +80,6 @@ fn oscillates(crystal: &XOSC) -> bool {
     crystal.startup().write(|w| unsafe { w.delay().bits(SETTLING) });
     crystal.ctrl().write(|w| w.freq_range()._1_15mhz().enable().enable());
     starts(|| crystal.status().read().stable().bit_is_set())
-}
-
-/// The reference, from which the watchdog's ticks are, from the crystal.
-fn follows(clocks: &CLOCKS) -> bool {
-    clocks.clk_ref_ctrl().modify(|_, w| w.src().xosc_clksrc());
-    starts(|| clocks.clk_ref_selected().read().bits() == REFERENCE_CRYSTAL)
 }
 
 fn locks(pll: &PLL_SYS) -> bool {

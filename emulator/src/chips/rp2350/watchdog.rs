@@ -30,8 +30,8 @@ const COUNTED_DOWN: u32 = 1 << 0;
 /// Its ticks: control and length.
 const TICK_CTRL: u64 = 0x30;
 const TICK_CYCLES: u64 = 0x34;
-/// Clocks of the crystal in a microsecond.
-const MICROSECOND: u32 = 12;
+/// Periods of the ring oscillator in a microsecond.
+const MICROSECOND: u32 = 11;
 /// What it resets, and there the core.
 const WDSEL: u64 = 0x08;
 const CORE: u32 = 1 << 23;
