@@ -4,10 +4,10 @@ use rp235x_pac::Peripherals;
 use strainwave_controller::control::Parts;
 use strainwave_controller::joint;
 
-use crate::clock::{self, Rp2350};
+use crate::chip::Rp2350;
 use crate::drive::Drive;
 use crate::encoder::{self, Part};
-use crate::{pins, serial, watchdog};
+use crate::{clock, pins, serial, watchdog};
 
 /// The board as the control sees it.
 pub type Board = strainwave_controller::Board<Rp2350, Part, Drive>;

@@ -3,28 +3,12 @@
 //! The reference stays on the ring oscillator: the watchdog's ticks are from it, and go on where the crystal stops.
 
 use rp235x_pac::{CLOCKS, PLL_SYS, RESETS, XOSC, resets};
-use strainwave_controller::Chip;
 use strainwave_controller::clock::starts;
-
-use crate::timer::SysTick;
-use crate::watchdog::Ticked;
 
 /// Clock of the core and of all peripherals (Hz).
 pub const FULL: u32 = 150_000_000;
 /// Of the crystal (Hz).
 const CRYSTAL: u32 = 12_000_000;
-
-/// The chip.
-pub enum Rp2350 {}
-
-// SAFETY: the register is SIO's that clears outputs.
-unsafe impl Chip for Rp2350 {
-    const CORE_CLOCK: u32 = FULL;
-    // GP14.
-    const RELEASE: (usize, u32) = (0xd000_0020, 1 << 14);
-    type Timer = SysTick;
-    type Watchdog = Ticked;
-}
 
 /// 12 MHz * 125 = 1500 MHz; / 5 / 2 = 150 MHz.
 const PLL_TIMES: u16 = 125;

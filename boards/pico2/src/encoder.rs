@@ -5,7 +5,8 @@ use strainwave_controller::MotorEncoder;
 use strainwave_controller::spi::Bus;
 use strainwave_drivers::SpiEncoder;
 
-use crate::clock::{FULL, Rp2350};
+use crate::chip::Rp2350;
+use crate::clock::FULL;
 use crate::pins::Select;
 use crate::spi::{DIVIDER, Spi};
 

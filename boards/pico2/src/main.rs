@@ -15,6 +15,7 @@
 
 mod board;
 mod boot;
+mod chip;
 mod clock;
 mod drive;
 mod encoder;
@@ -28,7 +29,7 @@ use cortex_m_rt::exception;
 use rp235x_pac::{Interrupt, interrupt};
 
 strainwave_controller::controller!(
-    clock::Rp2350,
+    chip::Rp2350,
     board::Board,
     board::start,
     exception SysTick,
