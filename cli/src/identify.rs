@@ -220,16 +220,21 @@ fn told<'a>(
 }
 
 fn moving_figures(found: &LearntGear) -> Vec<Figure> {
-    let wander = found.gear.compensation.external_torque_wander.unwrap_or(f64::NAN);
     let mut figures = vec![
         Figure::reported("identify.training.time", found.learnt, "s"),
         Figure::reported("identify.training.turns", found.revolutions, "1"),
         Figure::reported("identify.friction_factor", found.friction.level, "1"),
         Figure::reported("identify.viscous_factor", found.friction.viscous, "1"),
         Figure::reported("identify.friction.residual", found.friction.residual, "N m"),
-        Figure::reported("identify.external_torque_wander", wander, "N m/s^0.5"),
     ];
-    figures.extend(found.training_rms.map(|rms| Figure::reported("identify.training.rms", rms, "rad")));
+    let wander = found.gear.compensation.external_torque_wander;
+    let of_output = [
+        ("identify.training.rms", found.training_rms, "rad"),
+        ("identify.external_torque_wander", wander, "N m/s^0.5"),
+    ];
+    figures.extend(
+        of_output.into_iter().filter_map(|(name, value, unit)| Some(Figure::reported(name, value?, unit))),
+    );
     for learnt in &found.friction.parameters {
         let (name, unit) = (format!("identify.friction.{}", learnt.parameter.key()), learnt.parameter.unit());
         figures.push(Figure::reported(name.clone(), learnt.value, unit));

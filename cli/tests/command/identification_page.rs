@@ -92,6 +92,24 @@ fn the_page_of_a_moving_log_has_orders_and_friction() {
     );
 }
 
+/// The moving log without its output angle: friction alone, nothing that is not a number, and no picture of an output.
+#[test]
+fn a_moving_log_without_an_output_encoder_shows_friction() {
+    let bench = bench();
+    let log = String::from_utf8(bench.files()[&bench.path("moving.csv")].clone()).unwrap();
+    let first = |line: &str| format!("{}\n", line.split(',').take(3).collect::<Vec<_>>().join(","));
+    bench.write("log.csv", log.lines().map(first).collect::<String>());
+    let words = "identify log.csv --moving --gear my-joint.toml --output new.toml";
+    let plotted = bench.run(&format!("{words} --plot new.svg"));
+    assert_eq!(plotted.error, "error: log.csv: column theta_out_rad is missing; --plot shows it\n");
+    assert!(!bench.path("new.toml").exists());
+    let answer = bench.run(&format!("{words} --report new.html --json out.json"));
+    assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""), "{}", answer.output);
+    let page = std::fs::read_to_string(bench.path("new.html")).unwrap();
+    assert!(page.contains("friction, identified") && !page.contains("output angle [mrad]"));
+    assert!(!page.contains("NaN") && !answer.output.contains("NaN"), "{}", answer.output);
+}
+
 /// The held log as input and output: the torsion over the torque.
 #[test]
 fn the_page_of_an_operator_has_its_loops() {
