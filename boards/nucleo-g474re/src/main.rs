@@ -23,5 +23,6 @@ mod serial;
 mod spi;
 
 use stm32g4xx_hal::pac::{Interrupt, interrupt};
+use strainwave_stm32::usart;
 
-strainwave_controller::controller!(clock::G474, board::Board, board::start, interrupt TIM2, USART2, serial::receive, serial::send);
+strainwave_controller::controller!(clock::G474, board::Board, board::start, interrupt TIM2, USART2, usart::receive::<serial::Serial>, usart::send::<serial::Serial>);

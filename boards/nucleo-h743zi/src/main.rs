@@ -23,5 +23,6 @@ mod serial;
 mod spi;
 
 use stm32h7::stm32h743v::{Interrupt, interrupt};
+use strainwave_stm32::usart;
 
-strainwave_controller::controller!(clock::H743, board::Board, board::start, interrupt TIM2, USART3, serial::receive, serial::send);
+strainwave_controller::controller!(clock::H743, board::Board, board::start, interrupt TIM2, USART3, usart::receive::<serial::Serial>, usart::send::<serial::Serial>);

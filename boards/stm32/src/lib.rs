@@ -8,6 +8,7 @@
 mod register;
 pub mod reset;
 mod timer;
+pub mod usart;
 mod watchdog;
 
 pub use timer::Tim2;

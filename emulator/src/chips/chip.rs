@@ -17,9 +17,9 @@ use rsemu::machine::{self, Machine, catalog};
 use crate::chips::encoder::{self, Encoder, Magnet};
 use crate::chips::model::{Model, Timer};
 use crate::chips::rp2350::{blocks, sio, spi, watchdog};
-use crate::chips::stm32::h7_spi::{self, Spi};
+use crate::chips::spi_master;
 use crate::chips::stm32::halfwords::{self, Halfwords};
-use crate::chips::stm32::{h7_pwr, h7_rcc};
+use crate::chips::stm32::{h7_pwr, h7_rcc, h7_spi};
 use crate::telemetry;
 
 /// What the stack is filled with before the start.
@@ -92,10 +92,10 @@ impl Chip {
         options.bindings.bind(halfwords::CLASS.name, |props| Ok(Arc::new(Halfwords::new(props)?)))?;
         options.bindings.bind(h7_rcc::CLASS.name, |_| Ok(Arc::new(h7_rcc::new())))?;
         options.bindings.bind(h7_pwr::CLASS.name, |_| Ok(Arc::new(h7_pwr::new())))?;
-        options.bindings.bind(h7_spi::CLASS.name, |props| Ok(Arc::new(Spi::new(props)?)))?;
+        options.bindings.bind(h7_spi::CLASS.name, |props| Ok(Arc::new(h7_spi::new(props)?)))?;
         options.bindings.bind(blocks::CLASS.name, |props| Ok(Arc::new(blocks::new(props)?)))?;
         options.bindings.bind(sio::CLASS.name, |_| Ok(Arc::new(sio::Sio::default())))?;
-        options.bindings.bind(spi::CLASS.name, |props| Ok(Arc::new(spi::Spi::new(props)?)))?;
+        options.bindings.bind(spi::CLASS.name, |props| Ok(Arc::new(spi::new(props)?)))?;
         options.bindings.bind(watchdog::CLASS.name, |_| Ok(Arc::new(watchdog::Watchdog::default())))?;
         let core = Arc::<OnceLock<Arc<ArmV7m>>>::default();
         let built = core.clone();
@@ -108,10 +108,10 @@ impl Chip {
             (&halfwords::CLASS, halfwords::schema()),
             (&h7_rcc::CLASS, h7_rcc::schema()),
             (&h7_pwr::CLASS, h7_pwr::schema()),
-            (&h7_spi::CLASS, h7_spi::schema()),
+            (&h7_spi::CLASS, spi_master::schema(&h7_spi::CLASS)),
             (&blocks::CLASS, blocks::schema()),
             (&sio::CLASS, sio::schema()),
-            (&spi::CLASS, spi::schema()),
+            (&spi::CLASS, spi_master::schema(&spi::CLASS)),
             (&watchdog::CLASS, watchdog::schema()),
         ] {
             registry.add(class)?;

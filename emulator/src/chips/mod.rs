@@ -9,6 +9,8 @@
 //! | --- | --- |
 //! | [`stm32`], [`rp2350`] | descriptions of these chips with what is wired to them, peripherals that rsemu lacks |
 //! | [`registers`] | a peripheral of registers with rules |
+//! | [`spi_master`] | an SPI by the registers of its controller |
+//! | [`time`] | time of a peripheral between two accesses |
 //! | [`encoder`] | the motor encoder |
 //! | [`model`] | each chip: its description, its memory, the drive's registers |
 //! | [`chip`] | boots an image, lets it run, looks at its pins |
@@ -21,7 +23,9 @@ pub mod encoder;
 pub mod model;
 pub mod registers;
 pub mod rp2350;
+pub mod spi_master;
 pub mod stm32;
+pub mod time;
 pub mod verify;
 
 pub use chip::{Chip, Error};

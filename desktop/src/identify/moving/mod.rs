@@ -88,6 +88,11 @@ pub struct LearntGear {
 }
 
 impl LearntGear {
+    /// The log had an output encoder.
+    pub fn has_output(&self) -> bool {
+        self.training_rms.is_some()
+    }
+
     /// What the log does not show.
     pub fn not_identified(&self) -> Vec<NotIdentified> {
         let friction = |direction: &str| NotIdentified {
@@ -104,7 +109,7 @@ impl LearntGear {
         let kept = directions.filter(|(moved, _)| !**moved).map(|(_, direction)| friction(direction));
         let errors = NotIdentified {
             what: "kinematic error".into(),
-            why: if self.training_rms.is_some() {
+            why: if self.has_output() {
                 "the part that trains does not show the order of the two lobes"
             } else {
                 "the log has no column theta_out_rad"

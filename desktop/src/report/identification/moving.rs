@@ -28,7 +28,7 @@ const HIGHEST: f64 = 50.0;
 pub fn moving(outcome: &Outcome, base: &GearFile, found: &LearntGear) -> String {
     let name = outcome.logs.first().map_or("log", String::as_str);
     let mut chapters = Vec::new();
-    if found.training_rms.is_some() {
+    if found.has_output() {
         chapters.extend([
             chapter("fit", "Fit and prediction", fit(name, found, DRAWN).figure()),
             chapter("spectrum", "Spectrum of what is missed", spectra(&fit(name, found, EVERY), found)),
@@ -176,7 +176,7 @@ fn advice(base: &GearFile, found: &LearntGear) -> Vec<String> {
         found.errors && found.gear.kinematic_error.flexspline.iter().any(|term| term.order == *order)
     };
     let missing: Vec<_> = ORDERS.iter().filter(|order| !learnt(order)).map(u32::to_string).collect();
-    if found.training_rms.is_none() {
+    if !found.has_output() {
         advice.push("Without theta_out_rad nothing shows the kinematic error.".into());
     } else if !missing.is_empty() {
         let orders = missing.join(", ");

@@ -8,13 +8,14 @@ use std::sync::{Arc, Mutex, OnceLock};
 
 use rsemu::core::device::{Device, DeviceClass, RealizeCtx, ResetKind};
 use rsemu::core::error::{Error, Result};
-use rsemu::core::sched::{AccessKind, LazyHandle};
+use rsemu::core::sched::LazyHandle;
 use rsemu::core::space::{AccessConstraints, MemAttrs, MemOps, MemResult, Region, RegionRef};
 use rsemu::core::value::{Endian, Width};
 use rsemu::core::wire::{Level, WireSource};
 use rsemu::machine::realize::Instance;
 use rsemu::machine::validate::{ClassSchema, PortDir};
 
+use crate::chips::time::Time;
 use crate::lock::locked;
 
 /// Its registers: control, countdown, cause of the last reset, and eight that a reset by it keeps.
@@ -95,7 +96,7 @@ impl Device for Watchdog {
     }
 
     fn current_tick(&self) -> u64 {
-        self.0.tick.load(Ordering::Relaxed)
+        self.0.time.now()
     }
 
     fn advance_to(&self, tick: u64) {
@@ -107,7 +108,7 @@ impl Device for Watchdog {
     }
 
     fn attach_lazy(&self, handle: LazyHandle) {
-        self.0.clock.get_or_init(|| handle);
+        self.0.time.attach(handle);
     }
 }
 
@@ -198,15 +199,14 @@ impl State {
 struct Dog {
     state: Mutex<State>,
     /// Of the state, for those who must not wait for it.
-    tick: AtomicU64,
+    time: Time,
     event: AtomicU64,
-    clock: OnceLock<LazyHandle>,
     wire: OnceLock<WireSource>,
 }
 
 impl Dog {
     fn publish(&self, state: &State) {
-        self.tick.store(state.tick, Ordering::Relaxed);
+        self.time.advance_to(state.tick);
         self.event.store(state.end(), Ordering::Relaxed);
     }
 
@@ -221,14 +221,6 @@ impl Dog {
             wire.pulse(Level::High);
         }
     }
-
-    /// Counts until now. The time of a debugger stands still.
-    fn sync(&self, attributes: MemAttrs) {
-        if let (Some(clock), false) = (self.clock.get(), attributes.debug) {
-            // Refused where it is being brought up to date already: then it is.
-            let _ = clock.sync(AccessKind::Guest);
-        }
-    }
 }
 
 /// One of its places as the chip's bus sees it.
@@ -240,13 +232,13 @@ struct Registers {
 
 impl MemOps for Registers {
     fn read(&self, offset: u64, bytes: &mut [u8], attributes: MemAttrs) -> MemResult {
-        self.dog.sync(attributes);
+        self.dog.time.sync(attributes);
         bytes.copy_from_slice(&locked(&self.dog.state).read(self.place, offset).to_le_bytes());
         Ok(())
     }
 
     fn write(&self, offset: u64, bytes: &[u8], attributes: MemAttrs) -> MemResult {
-        self.dog.sync(attributes);
+        self.dog.time.sync(attributes);
         let mut word = [0; 4];
         word.copy_from_slice(bytes);
         let mut state = locked(&self.dog.state);
