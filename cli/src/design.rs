@@ -12,6 +12,7 @@ use strainwave_desktop::design::judge::Unstable;
 use strainwave_desktop::design::level_rule::{self, Allowed, Miss};
 use strainwave_desktop::design::levels::Levels;
 use strainwave_desktop::design::parts::Parts;
+use strainwave_desktop::design::rules;
 use strainwave_desktop::design::sweep::{Measured, sweep};
 use strainwave_desktop::io::file;
 use strainwave_desktop::io::gear_file::SensorSet;
@@ -125,7 +126,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     if let Some(path) = &arguments.joint {
         write_joint(&file, path)?;
     }
-    let mut parts = Parts::of(&file).map_err(BadInput::message)?;
+    let mut parts = rules::parts(&file).map_err(BadInput::message)?;
     let rule = cascade_of(arguments, &file)?;
     parts.feedback = rule.map_or(parts.feedback, |gains| gains.params(&file));
     let allowed = levels(arguments.functions, &file, &parts);

@@ -176,7 +176,7 @@ mod tests {
     use crate::design::corners::Point;
     use crate::design::levels::Levels;
     use crate::design::loops::torque_loop;
-    use crate::design::parts::Parts;
+    use crate::design::rules;
     use crate::design::variant::Variant;
     use crate::io::gear_file::SensorSet;
 
@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn the_formula_is_that_of_the_controller() {
         let file = GearFile::default_gear();
-        let parts = Levels::NONE.apply(&Parts::of(&file).unwrap());
+        let parts = Levels::NONE.apply(&rules::parts(&file).unwrap());
         let variant = Variant { set: SensorSet::Motor, mode: Mode::Moving, point: Point::K1, passes: false };
         let corner = Corner::nominal(Mode::Moving);
         let omegas = [3.0, 30.0, 160.0, 1000.0, 10_000.0];

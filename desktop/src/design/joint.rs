@@ -4,6 +4,7 @@
 //! computed here, once, off line.
 
 use strainwave::belt::SeriesBeltParams;
+use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::{JointParams, Limits};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
@@ -16,7 +17,7 @@ use strainwave::{Error, Real};
 use crate::design::dense::dense;
 use crate::design::feedback::feedback_params;
 use crate::design::wave_generator::{at_wave_generator, series_belt};
-use crate::design::{compensation, observer_design};
+use crate::design::{compensation, observer_design, rules};
 use crate::io::gear_file::friction_params::{friction_params, joint_friction_params};
 use crate::io::gear_file::{self, GearFile, Harmonic};
 
@@ -112,7 +113,11 @@ pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
         observer: observer_design::observer_params(known)?,
         disturbance: compensation::disturbance_params(known),
         feedback: feedback_params(known),
-        output_feedback: compensation::output_feedback_params(known),
+        output_feedback: rules::parts(known)?.output_feedback.map(|gains| OutputFeedbackParams {
+            damping: R::lit(gains.damping),
+            integral: R::lit(gains.integral),
+            filter_corner: R::lit(gains.filter_corner),
+        }),
         measured_feedback: compensation::measured_feedback_params(known),
         learning: compensation::learning_params(known),
         learnt: file.learnt.as_ref().map_or_else(Default::default, |learnt| learnt.start()),

@@ -16,8 +16,8 @@ use strainwave::compensator::{CompensationGains, Compensator, Input, Sensors, Se
 use super::corners::{Corner, Point};
 use super::loops::torque_loop;
 use super::mode::Mode;
-use super::parts::Parts;
 use super::plant::{OUTPUTS, Plant};
+use super::rules;
 use super::variant::Variant;
 use crate::design::joint::joint_params;
 use crate::io::gear_file::GearFile;
@@ -73,7 +73,7 @@ pub fn sweep(file: &GearFile, set: SensorSet, frequencies: &[u32]) -> Result<Vec
     let plant = Plant::new(&file, &corner);
     let variant = Variant { set, mode: Mode::Standing, point: Point::K1, passes: false };
     let omegas: Vec<f64> = frequencies.iter().map(|f| TAU * f64::from(*f)).collect();
-    let linear = torque_loop(&file, &Parts::of(&file)?, variant, &corner, &omegas);
+    let linear = torque_loop(&file, &rules::parts(&file)?, variant, &corner, &omegas);
     let decibel = |l: Complex<f64>| 20.0 * l.norm().log10();
     let measured = |omega| decibel(measure(&file, &compensator, &plant, set, omega));
     let points = omegas.into_iter().zip(linear);

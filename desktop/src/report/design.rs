@@ -75,9 +75,6 @@ pub fn place(at: &Option<(Variant, Corner)>) -> String {
 
 impl Report {
     /// Of a joint with these parts at these levels, the cascade's by its rule or the file's; `progress` is called with the fraction done.
-    ///
-    /// # Errors
-    /// As [`Parts::of`].
     pub fn of(
         file: &GearFile,
         parts: &Parts,
