@@ -3,5 +3,7 @@
 include!("../linker.rs");
 
 fn main() -> std::io::Result<()> {
-    link("memory.x", "Cortex-M4F", None).map(|_| ())
+    // The one with a store leaves sectors of the flash free.
+    let memory = if cfg!(feature = "served") { "memory-served.x" } else { "memory.x" };
+    link(memory, "Cortex-M4F", None).map(|_| ())
 }

@@ -126,7 +126,7 @@ pub fn build(board: &str, joint: Option<&Path>) -> Result<Firmware, Error> {
 /// # Errors
 /// As [`build`].
 pub fn build_served(board: &str, joint: &Path) -> Result<Firmware, Error> {
-    link(board, SERVED, &["served"], Some(&Joint::read(joint)?))
+    link(board, &served(board), &["served"], Some(&Joint::read(joint)?))
 }
 
 /// The program of a board that controls the joint.
@@ -142,8 +142,10 @@ pub fn build_program(board: &str, program: &str) -> Result<Firmware, Error> {
     link(board, program, &[], None)
 }
 
-/// The program that serves the tuning link beside the control.
-const SERVED: &str = "strainwave-served";
+/// The program of a board that serves the tuning link beside the control.
+fn served(board: &str) -> String {
+    format!("strainwave-{board}-served")
+}
 
 fn link(board: &str, program: &str, features: &[&str], joint: Option<&Joint>) -> Result<Firmware, Error> {
     let compiler = setup::compiler(&setup::ThisHost, &target(board)?)?;

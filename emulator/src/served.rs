@@ -1,6 +1,6 @@
 //! An emulated board at work that serves its tuning link at a socket: for those who have no hardware at hand, and for tests.
 //!
-//! The firmware is the program `strainwave-served` of the board `mps2-an386`, its plant the condensed one of the gear file, which goes through the working
+//! The firmware is the program `served` of the board `mps2-an386`, its plant the condensed one of the gear file, which goes through the working
 //! motion over and over, no faster than real time. Its flash is a file, which may outlive it.
 
 use std::fs::OpenOptions;

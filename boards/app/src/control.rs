@@ -38,6 +38,8 @@ pub trait Board {
     fn reset_requested(&mut self) -> bool {
         false
     }
+    /// The control was reset: it begins from rest, wherever the joint is, and so does what gives it its setpoints.
+    fn reset(&mut self) {}
 }
 
 /// Everything the control interrupt owns.
@@ -84,6 +86,7 @@ impl<B: Board> Control<B> {
     pub fn tick(&mut self) {
         if self.board.reset_requested() {
             self.compensator.reset(&mut self.state);
+            self.board.reset();
         }
         if self.board.input(&mut self.input) {
             self.control();

@@ -40,6 +40,11 @@ impl Jog {
         self.with(|place| place.here = Some(angle));
     }
 
+    /// Holds nothing, and ends the move that is under way.
+    pub fn forget(&self) {
+        self.with(|place| (place.here, place.way) = (None, None));
+    }
+
     /// The setpoint of the next period; `None` while nothing is held.
     pub fn step(&self) -> Option<Setpoint<f32>> {
         self.with(Place::step).flatten()

@@ -45,6 +45,12 @@ impl Operated {
         *input = Input { sensors, status, command, gains, ..Input::default() };
     }
 
+    /// Watches the joint again, before it holds where it then is: it may have been moved without a drive.
+    pub fn reset(&mut self) {
+        self.jog.forget();
+        *self = Self::new(self.jog);
+    }
+
     /// The drive was given this torque (N m).
     #[inline(always)]
     pub fn commanded(&mut self, torque: f32) {

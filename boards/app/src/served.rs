@@ -5,6 +5,9 @@
 //! an order or an answer, 40 words at most, is copied with interrupts masked.
 //!
 //! An order but a reset is taken by a step only: without sensors it stays, and the link tells so.
+//!
+//! A flash whose writing holds the control up is written with interrupts masked, and only while the drive is off: the control cannot switch it on
+//! meanwhile. It then misses its periods, each write or erasure by itself; the board's flash sees to the watchdog.
 
 use core::cell::Cell;
 use core::ffi::CStr;
@@ -12,7 +15,7 @@ use core::ops::Range;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use critical_section::Mutex;
-use embedded_storage::nor_flash::NorFlash;
+use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use strainwave::compensator::adapt::learning::Learnt;
 use strainwave::compensator::words::{LAYOUT, LEARNT_LAYOUT, LEARNT_WORDS, identity};
 use strainwave_service::store::{self, Owner, Store};
@@ -76,6 +79,11 @@ impl Exchange {
 
     fn answer(&self) -> Option<Answer> {
         critical_section::with(|section| self.answer.borrow(section).take())
+    }
+
+    /// The drive was commanded in the last period.
+    fn drives(&self) -> bool {
+        self.drives.load(Ordering::Relaxed)
     }
 }
 
@@ -155,12 +163,68 @@ impl<B: Board> Board for Served<B> {
         let ordered = self.exchange.take(|order| *order == Order::Reset).is_some();
         self.board.reset_requested() || ordered
     }
+
+    fn reset(&mut self) {
+        self.board.reset();
+    }
+}
+
+/// A flash that is written while the drive is off, unless that does not hold the control up.
+struct Guarded<F> {
+    flash: F,
+    exchange: &'static Exchange,
+    writes_beside: bool,
+}
+
+impl<F: NorFlash> Guarded<F> {
+    fn change(
+        &mut self,
+        change: impl FnOnce(&mut F) -> Result<(), F::Error>,
+    ) -> Result<(), NorFlashErrorKind> {
+        let changed = || change(&mut self.flash).map_err(|error| error.kind());
+        if self.writes_beside {
+            return changed();
+        }
+        // The control could switch the drive on.
+        critical_section::with(
+            |_| if self.exchange.drives() { Err(NorFlashErrorKind::Other) } else { changed() },
+        )
+    }
+}
+
+impl<F> ErrorType for Guarded<F> {
+    type Error = NorFlashErrorKind;
+}
+
+impl<F: NorFlash> ReadNorFlash for Guarded<F> {
+    const READ_SIZE: usize = F::READ_SIZE;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
+        self.flash.read(offset, bytes).map_err(|error| error.kind())
+    }
+
+    fn capacity(&self) -> usize {
+        self.flash.capacity()
+    }
+}
+
+impl<F: NorFlash> NorFlash for Guarded<F> {
+    const WRITE_SIZE: usize = F::WRITE_SIZE;
+    const ERASE_SIZE: usize = F::ERASE_SIZE;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), NorFlashErrorKind> {
+        self.change(|flash| flash.erase(from, to))
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
+        self.change(|flash| flash.write(offset, bytes))
+    }
 }
 
 /// The joint as its link sees it, with a store in a flash of the board.
 pub struct ServedJoint<F> {
     exchange: &'static Exchange,
-    store: Option<Store<F, LEARNT_WORDS>>,
+    store: Option<Store<Guarded<F>, LEARNT_WORDS>>,
     /// Writing the flash does not hold the control up.
     writes_beside: bool,
 }
@@ -170,7 +234,9 @@ impl<F: NorFlash> ServedJoint<F> {
     pub fn new(exchange: &'static Exchange, flash: Option<(F, Range<u32>)>, writes_beside: bool) -> Self {
         let owner = Owner { layout: LEARNT_LAYOUT, joint: identity(&joint::WORDS) };
         // A region that does not fit is no store.
-        let store = flash.and_then(|(flash, region)| Store::new(flash, region, owner).ok());
+        let store = flash.and_then(|(flash, region)| {
+            Store::new(Guarded { flash, exchange, writes_beside }, region, owner).ok()
+        });
         Self { exchange, store, writes_beside }
     }
 
@@ -214,7 +280,7 @@ impl<F: NorFlash> Joint for ServedJoint<F> {
     }
 
     fn may_write(&self) -> bool {
-        self.writes_beside || !self.exchange.drives.load(Ordering::Relaxed)
+        self.writes_beside || !self.exchange.drives()
     }
 
     fn stored(&mut self) -> Result<(u32, Learnt<f32>), StoreState> {

@@ -67,4 +67,8 @@ impl<C: Chip, E: Encoder, D: Drive> strainwave_app::Board for Board<C, E, D> {
     fn overran(&mut self) -> bool {
         C::Timer::waiting()
     }
+
+    fn reset(&mut self) {
+        self.joint.reset();
+    }
 }

@@ -14,7 +14,11 @@ pub mod fault;
 mod idle;
 pub mod joint;
 pub mod keys;
+#[cfg(feature = "served")]
+pub mod line;
 mod macros;
+#[cfg(feature = "served")]
+pub mod served;
 pub mod spi;
 mod torque_code;
 

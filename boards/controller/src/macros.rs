@@ -18,14 +18,44 @@ macro_rules! controller {
             $crate::control::run::<$chip, $board>(&CONTROL, &SLOT, TELEMETRY, $parts, Interrupt::$port)
         }
 
+        $crate::handlers!($chip, SLOT, $kind $timer, $port, $receive, $send);
+    };
+}
+
+/// The same whose serial port carries the tuning link, with a store where the board has one: `$service` brings both up, and `$serve` serves the
+/// interrupt of the port.
+#[cfg(feature = "served")]
+#[macro_export]
+macro_rules! served_controller {
+    ($chip:ty, $board:ty, $parts:path, $service:path, $kind:meta $timer:ident, $port:ident, $serve:path, $send:path) => {
+        use $crate::served::Places;
+        use $crate::strainwave_app::Telemetry;
+
+        static PLACES: Places<$board> = Places::new();
+
+        #[cortex_m_rt::entry]
+        fn main() -> ! {
+            static mut TELEMETRY: Telemetry = Telemetry::new();
+            $crate::served::run::<$chip, $board, _, _>(&PLACES, TELEMETRY, $parts, $service, Interrupt::$port)
+        }
+
+        $crate::handlers!($chip, PLACES.slot, $kind $timer, $port, $serve, $send);
+    };
+}
+
+/// The handlers of either, and the logger.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! handlers {
+    ($chip:ty, $slot:expr, $kind:meta $timer:ident, $port:ident, $receive:path, $send:path) => {
         /// The 10 kHz interrupt.
         #[$kind]
         fn $timer() {
             <<$chip as $crate::Chip>::Timer as $crate::Timer>::acknowledge();
-            SLOT.tick();
+            $slot.tick();
         }
 
-        /// A key from the operator.
+        /// The serial port.
         #[interrupt]
         fn $port() {
             $receive();

@@ -18,8 +18,9 @@ mod board;
 mod clock;
 mod drive;
 mod encoder;
+mod keys;
 mod serial;
 
 use stm32f4xx_hal::pac::{Interrupt, interrupt};
 
-strainwave_controller::controller!(clock::F405, board::Board, board::start, interrupt TIM2, USART1, serial::receive, serial::send);
+strainwave_controller::controller!(clock::F405, board::Board, board::start, interrupt TIM2, USART1, keys::receive, serial::send);

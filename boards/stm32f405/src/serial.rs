@@ -1,11 +1,10 @@
-//! USART1: telemetry out, the operator's keys in (ST RM0090, chapter 30).
+//! USART1 (ST RM0090, chapter 30).
 //!
 //! Through the registers: the HAL would take its divider from the clock that it assumes.
 
 use stm32f4xx_hal::gpio::{PA9, PA10};
 use stm32f4xx_hal::pac::USART1;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
-use strainwave_controller::keys;
 
 use crate::clock::{FULL, PERIPHERAL_DIVISOR};
 
@@ -23,17 +22,6 @@ pub fn start(usart: USART1, transmit: PA9, receive: PA10, clock: u32, rcc: &mut 
     usart.cr1().write(|w| w.ue().enabled().te().enabled().re().enabled().rxneie().enabled());
 }
 
-/// Takes the key that interrupted.
-pub fn receive() {
-    let usart = registers();
-    // Reading status, then data clears the errors too, an overrun among them.
-    let valid = usart.sr().read().rxne().bit_is_set();
-    let key = usart.dr().read().bits() as u8;
-    if valid {
-        keys::take(key);
-    }
-}
-
 /// Sends bytes, waiting for room for each: idle loop only.
 pub fn send(bytes: &[u8]) {
     let usart = registers();
@@ -44,9 +32,9 @@ pub fn send(bytes: &[u8]) {
     }
 }
 
-fn registers() -> &'static stm32f4xx_hal::pac::usart1::RegisterBlock {
-    // SAFETY: `start` took the peripheral, so that nobody else has it. The idle loop only sends and the
-    // interrupt only receives; the one register that both write is the data register, where the
-    // directions do not meet.
+/// Its registers. The idle loop only sends; of what is received, the interrupt or a DMA stream has all.
+pub fn registers() -> &'static stm32f4xx_hal::pac::usart1::RegisterBlock {
+    // SAFETY: `start` took the peripheral, so that nobody else has it. The one register that both directions use is the data
+    // register, where they do not meet.
     unsafe { &*USART1::ptr() }
 }

@@ -287,6 +287,10 @@ impl TuningLink {
             (Awaited::Learnt(id), Answer::Learnt(learnt)) => {
                 (id, Reply::Learnt(learnt.to_words().map(f32::from_bits)))
             }
+            // Meanwhile the drive may have been switched on.
+            (Awaited::Keep(id), Answer::Learnt(_)) if !joint.may_write() => {
+                (id, Reply::Refused(Refusal::DriveOn))
+            }
             (Awaited::Keep(id), Answer::Learnt(learnt)) => {
                 (id, joint.keep(learnt).map_or_else(not_stored, Reply::Kept))
             }
