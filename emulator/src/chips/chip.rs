@@ -14,14 +14,17 @@ use rsemu::cpu::arm::v7m::{self, ArmV7m};
 use rsemu::host::chardev::{CharPort, ports};
 use rsemu::machine::{self, Machine, catalog};
 
+use crate::chips::core::Core;
 use crate::chips::encoder::{self, Encoder, Magnet};
 use crate::chips::model::{Model, Timer};
 use crate::chips::rp2350::{blocks, sio, spi, watchdog};
 use crate::chips::spi_master;
 use crate::chips::stm32::halfwords::{self, Halfwords};
-use crate::chips::stm32::{h7_pwr, h7_rcc, h7_spi};
+use crate::chips::stm32::{f4_dma, h7_pwr, h7_rcc, h7_spi};
 use crate::telemetry;
 
+/// What an erased byte of the flash reads.
+const ERASED: u8 = 0xff;
 /// What the stack is filled with before the start.
 const FILL: u32 = 0x5a5a_5a5a;
 /// Control register of TIM2.
@@ -81,6 +84,23 @@ impl Chip {
         Self::with_flash(model, flash(model, elf)?, elf)
     }
 
+    /// The same with what a store held before, if anything.
+    ///
+    /// # Errors
+    /// As [`Self::boot`]; for an image that is where the store is.
+    pub fn boot_with_store(model: &'static Model, elf: &Path, kept: Option<&[u8]>) -> Result<Self, Error> {
+        let mut flash = flash(model, elf)?;
+        let offset = |address: u32| (address - model.flash.0) as usize;
+        if let (Some((begin, size)), Some(kept)) = (model.store, kept) {
+            let place = flash.get_mut(offset(begin)..).and_then(|rest| rest.get_mut(..size));
+            let place = place.filter(|place| place.iter().all(|byte| *byte == ERASED));
+            let why = || String::from("it is where the store is");
+            let place = place.ok_or_else(|| Error::Image { image: elf.to_owned(), why: why() })?;
+            place.iter_mut().zip(kept).for_each(|(place, byte)| *place = *byte);
+        }
+        Self::with_flash(model, flash, elf)
+    }
+
     fn with_flash(model: &'static Model, flash: Vec<u8>, elf: &Path) -> Result<Self, Error> {
         let mut options = catalog::build_options()?;
         let mut registry = catalog::registry()?;
@@ -89,6 +109,7 @@ impl Chip {
         options
             .bindings
             .bind(encoder::CLASS.name, move |props| Ok(Arc::new(Encoder::new(props, shown.clone())?)))?;
+        options.bindings.bind(f4_dma::CLASS.name, |_| Ok(Arc::new(f4_dma::Stream::default())))?;
         options.bindings.bind(halfwords::CLASS.name, |props| Ok(Arc::new(Halfwords::new(props)?)))?;
         options.bindings.bind(h7_rcc::CLASS.name, |_| Ok(Arc::new(h7_rcc::new())))?;
         options.bindings.bind(h7_pwr::CLASS.name, |_| Ok(Arc::new(h7_pwr::new())))?;
@@ -100,11 +121,13 @@ impl Chip {
         let core = Arc::<OnceLock<Arc<ArmV7m>>>::default();
         let built = core.clone();
         options.bindings.replace(v7m::CLASS.name, move |props| {
-            let core = Arc::new(ArmV7m::from_props(props)?);
-            Ok(built.get_or_init(|| core).clone())
+            let core = Arc::new(Core::from_props(props)?);
+            built.get_or_init(|| core.inner().clone());
+            Ok(core)
         });
         for (class, schema) in [
             (&encoder::CLASS, encoder::schema()),
+            (&f4_dma::CLASS, f4_dma::schema()),
             (&halfwords::CLASS, halfwords::schema()),
             (&h7_rcc::CLASS, h7_rcc::schema()),
             (&h7_pwr::CLASS, h7_pwr::schema()),
@@ -181,7 +204,29 @@ impl Chip {
 
     /// An operator presses a key.
     pub fn press(&self, key: u8) {
-        self.serial.feed(&[key]);
+        self.hears(&[key]);
+    }
+
+    /// Bytes that come at its serial port.
+    pub fn hears(&self, bytes: &[u8]) {
+        self.serial.feed(bytes);
+    }
+
+    /// What it has sent since this was last called.
+    pub fn said(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.sent)
+    }
+
+    /// What its store holds.
+    ///
+    /// # Errors
+    /// [`Error::Bus`].
+    pub fn store(&self) -> Result<Vec<u8>, Error> {
+        let (begin, size) = self.model.store.unwrap_or_default();
+        let words = (u64::from(begin)..).step_by(4).take(size / 4);
+        let words =
+            words.map(|address| self.read(address).map(u32::to_le_bytes)).collect::<Result<Vec<_>, _>>()?;
+        Ok(words.concat())
     }
 
     /// Every line of telemetry so far.
@@ -226,7 +271,7 @@ fn flash(model: &Model, elf: &Path) -> Result<Vec<u8>, Error> {
     let bytes = std::fs::read(elf).map_err(|error| wrong(error.to_string()))?;
     let file = ElfFile32::<Endianness>::parse(&*bytes).map_err(|error| wrong(error.to_string()))?;
     let (begin, size) = model.flash;
-    let mut flash = vec![0xff; size];
+    let mut flash = vec![ERASED; size];
     for segment in file.elf_program_headers() {
         let order = file.endian();
         let data = segment.data(order, &*bytes).map_err(|()| wrong("a segment is beyond its end".into()))?;

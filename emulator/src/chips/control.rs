@@ -3,16 +3,13 @@
 //! A period of the plant begins 0.06 ms after the chip's control interrupt: the encoder is put where the plant is, the chip runs for
 //! 0.1 ms, in which it reads it and answers, and its answer is the plant's torque in this period.
 
-use std::cell::Cell;
 use std::path::Path;
-use std::rc::Rc;
 use std::time::Duration;
 
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::{Input, Output};
-use strainwave_app::jog::{Jog, Planner};
-use strainwave_app::operated::Operated;
-use strainwave_app::{Board, Compensator, Control, Telemetry};
+use strainwave_app::Compensator;
+use strainwave_app::jog::Planner;
 use strainwave_desktop::GearFile;
 use strainwave_desktop::bench::controller::Controller;
 use strainwave_desktop::bench::task::{Demand, Task};
@@ -24,6 +21,7 @@ use strainwave_desktop::plant::divergence::RunError;
 
 use crate::chips::chip::{self, Chip};
 use crate::chips::encoder;
+use crate::chips::host::{self, Host, HostBoard, RELEASED};
 use crate::chips::model::Model;
 use crate::target::Agreement;
 
@@ -33,13 +31,8 @@ const PHASE: Duration = Duration::from_micros(60);
 const START: Duration = Duration::from_millis(200);
 /// Steps of waiting for it.
 const GLANCE: Duration = Duration::from_micros(10);
-/// Code of no torque, and from there to the peak torque.
-const NEUTRAL: i32 = 2048;
-const SPAN: i32 = 2047;
-/// Code and enable of a drive that was released.
-const RELEASED: (u32, bool) = (NEUTRAL.cast_unsigned(), false);
 /// The plant of the runs.
-const SEED: u64 = 1;
+pub(super) const SEED: u64 = 1;
 /// The operator's step of the target, as the firmware counts it [mrad].
 const STEP: f32 = 10.0;
 /// When the operator presses the key, and when the load comes (s).
@@ -155,13 +148,20 @@ pub fn stopped(model: &'static Model, elf: &Path) -> Result<Stopped, Error> {
 
 /// Boots an image, up to the first period.
 fn start(model: &'static Model, elf: &Path, count: u32) -> Result<(Chip, f64), Error> {
-    let mut chip = Chip::boot(model, elf)?;
+    Ok(started(Chip::boot(model, elf)?, count)?)
+}
+
+/// A chip in reset, up to the first period; how long that takes (s).
+///
+/// # Errors
+/// [`chip::Error::NotStarted`].
+pub(super) fn started(mut chip: Chip, count: u32) -> Result<(Chip, f64), chip::Error> {
     chip.magnet().put(count);
     let mut waited = Duration::ZERO;
     while !chip.controls()? {
         if waited > START {
             let said = chip.telemetry()?.pop().unwrap_or_else(|| "it said nothing".into());
-            return Err(chip::Error::NotStarted { said }.into());
+            return Err(chip::Error::NotStarted { said });
         }
         chip.run(GLANCE)?;
         waited += GLANCE;
@@ -181,7 +181,8 @@ fn until_released(chip: &mut Chip) -> Result<f64, Error> {
     Ok(f64::INFINITY)
 }
 
-fn period() -> Duration {
+/// A control period.
+pub(super) fn period() -> Duration {
     Duration::from_secs_f64(CONTROL_PERIOD)
 }
 
@@ -207,11 +208,11 @@ struct Beside {
     /// From reset to the control's start (s).
     started_after: f64,
     /// The same control as often, each of which takes up the operator's move a period later than the one before.
-    hosts: Vec<Host>,
+    hosts: Vec<(Host<HostBoard>, Planner)>,
     /// Left shift of the joint's counts to those of the encoder.
     shift: u32,
-    /// Torque of a code (N m).
-    torque: f64,
+    /// The motor's peak torque (N m).
+    peak: f32,
     periods: u32,
     misread: u64,
 }
@@ -223,15 +224,15 @@ impl Beside {
         let shift = encoder::BITS - joint.motor_encoder_bits;
         let (chip, started_after) = start(model, elf, count << shift)?;
         let compensator: &Compensator = Box::leak(Box::new(joint.build()?));
-        let hosts = (0..=LATEST).map(|_| Host::new(compensator)).collect::<Result<_, _>>()?;
-        let torque = f64::from(compensator.limits().motor_torque) / f64::from(SPAN);
-        Ok(Self { chip, started_after, hosts, shift, torque, periods: 0, misread: 0 })
+        let hosts = (0..=LATEST).map(|_| operated(compensator)).collect::<Result<_, _>>()?;
+        let peak = compensator.limits().motor_torque;
+        Ok(Self { chip, started_after, hosts, shift, peak, periods: 0, misread: 0 })
     }
 
     /// Of the host that takes the move up when the chip does, and how many periods after the key that is.
     fn agreement(&self) -> (Agreement, usize) {
         let steps = self.periods.into();
-        let different = |host: &Host| host.different;
+        let different = |(host, _): &(Host<HostBoard>, Planner)| host.different;
         let best = self.hosts.iter().map(different).enumerate().min_by_key(|(_, different)| *different);
         let (after, different) = best.unwrap_or_default();
         (Agreement { steps, different }, after)
@@ -248,15 +249,20 @@ impl Beside {
         self.chip.run(period())?;
         self.misread += u64::from(self.chip.magnet().readings() != readings + 1);
         let drive = self.chip.drive()?;
-        for (after, host) in self.hosts.iter_mut().enumerate() {
+        for (after, (host, planner)) in self.hosts.iter_mut().enumerate() {
             if after_key == Some(after as u32) {
-                host.planner.plan(STEP * 1e-3);
+                planner.plan(STEP * 1e-3);
             }
-            host.different += u64::from(drive != host.step(count));
+            host.compare(count, drive);
         }
-        let (code, enabled) = drive;
-        Ok(if enabled { self.torque * f64::from(code.cast_signed() - NEUTRAL) } else { 0.0 })
+        Ok(host::torque(drive, self.peak))
     }
+}
+
+/// The firmware's control on the host, with the planner of its moves.
+fn operated(compensator: &'static Compensator) -> Result<(Host<HostBoard>, Planner), strainwave::Error> {
+    let (host, jog) = Host::new(compensator, |board| board);
+    Ok((host, Planner::new(jog)?))
 }
 
 /// Boots the chip with the plant's first reading.
@@ -278,78 +284,5 @@ impl Controller for Booting<'_> {
         };
         let motor_torque = beside.step(count)? as f32;
         Ok(Output { motor_torque, ..Output::default() })
-    }
-}
-
-/// The firmware's control on the host.
-struct Host {
-    control: Control<HostBoard>,
-    planner: Planner,
-    wires: Rc<Wires>,
-    /// Steps unlike the chip's.
-    different: u64,
-}
-
-impl Host {
-    fn new(compensator: &'static Compensator) -> Result<Self, Error> {
-        let scale = SPAN as f32 / compensator.limits().motor_torque;
-        let wires = Rc::new(Wires { scale, ..Wires::default() });
-        let jog = Box::leak(Box::new(Jog::new()));
-        let board = HostBoard { wires: wires.clone(), joint: Operated::new(jog) };
-        let (sender, _) = Box::leak(Box::new(Telemetry::new())).split();
-        let control = Control::new(board, compensator, sender);
-        Ok(Self { control, planner: Planner::new(jog)?, wires, different: 0 })
-    }
-
-    /// One period, with the encoder at `count`: code and enable of the drive.
-    fn step(&mut self, count: u32) -> (u32, bool) {
-        self.wires.count.set(count);
-        self.control.tick();
-        self.wires.drive.get()
-    }
-}
-
-/// What the host's board is connected to.
-#[derive(Default)]
-struct Wires {
-    count: Cell<u32>,
-    /// Steps of the drive's code per torque (1/(N m)).
-    scale: f32,
-    /// The drive's code, and that it is enabled.
-    drive: Cell<(u32, bool)>,
-}
-
-/// The board as it is on the host.
-struct HostBoard {
-    wires: Rc<Wires>,
-    joint: Operated,
-}
-
-impl Board for HostBoard {
-    const REPORT_EVERY: u32 = 10;
-
-    fn input(&mut self, input: &mut Input<f32>) -> bool {
-        self.joint.input(Some(self.wires.count.get()), input);
-        true
-    }
-
-    fn command(&mut self, torque: f32) {
-        self.joint.commanded(torque);
-        let steps = (torque * self.wires.scale) as i32;
-        self.wires.drive.set(((NEUTRAL + steps.clamp(-SPAN, SPAN)).cast_unsigned(), true));
-    }
-
-    fn report(&mut self, output: impl FnOnce() -> Output<f32>) {
-        self.joint.report(output);
-    }
-
-    fn release(&mut self) {
-        self.wires.drive.set(RELEASED);
-    }
-
-    fn feed_watchdog(&mut self) {}
-
-    fn overran(&mut self) -> bool {
-        false
     }
 }

@@ -62,7 +62,12 @@ impl Magnet {
 
     /// From now on nobody drives the data line: the encoder has lost its supply.
     pub fn fail(&self) {
-        self.silent.store(true, Ordering::Relaxed);
+        self.answers(false);
+    }
+
+    /// Whether the encoder has its supply.
+    pub fn answers(&self, answers: bool) {
+        self.silent.store(!answers, Ordering::Relaxed);
     }
 
     /// Angles that were asked for.

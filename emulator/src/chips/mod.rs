@@ -8,21 +8,29 @@
 //! | file or folder | what is in it |
 //! | --- | --- |
 //! | [`stm32`], [`rp2350`] | descriptions of these chips with what is wired to them, peripherals that rsemu lacks |
+//! | [`core`] | the core, a fault of the emulator's mended |
 //! | [`registers`] | a peripheral of registers with rules |
 //! | [`spi_master`] | an SPI by the registers of its controller |
 //! | [`time`] | time of a peripheral between two accesses |
 //! | [`encoder`] | the motor encoder |
 //! | [`model`] | each chip: its description, its memory, the drive's registers |
 //! | [`chip`] | boots an image, lets it run, looks at its pins |
+//! | [`host`] | the firmware's control on the host |
 //! | [`control`] | a second of control, beside the host's |
-//! | [`verify`] | its figures |
+//! | [`line`] | a host's program beside the emulation, period by period |
+//! | [`served`] | a control that serves its tuning link, with a host at it |
+//! | [`verify`] | the figures of both |
 
 pub mod chip;
 pub mod control;
+pub mod core;
 pub mod encoder;
+pub mod host;
+pub mod line;
 pub mod model;
 pub mod registers;
 pub mod rp2350;
+pub mod served;
 pub mod spi_master;
 pub mod stm32;
 pub mod time;

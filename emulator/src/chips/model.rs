@@ -13,6 +13,10 @@ pub struct Model {
     pub serial: &'static str,
     /// Begin and size of the flash.
     pub flash: (u32, usize),
+    /// Begin and size of the store of the tuning link, where there is one.
+    pub store: Option<(u32, usize)>,
+    /// Writing it does not hold the control up.
+    pub writes_beside: bool,
     /// Begin and size of the memory that the stack has to itself.
     pub stack: (u64, u64),
     /// The control's timer.
@@ -47,6 +51,8 @@ pub static MODELS: [Model; 4] = [
         description: include_str!("stm32/stm32f405.machine"),
         serial: "usart1",
         flash: (0x0800_0000, 1 << 20),
+        store: Some((0x0800_4000, 32 << 10)),
+        writes_beside: false,
         stack: (0x1000_0000, 64 << 10),
         timer: Timer::Tim2,
         torque: (0x4000_7408, 0),
@@ -57,6 +63,8 @@ pub static MODELS: [Model; 4] = [
         description: include_str!("stm32/nucleo-g474re.machine"),
         serial: "usart2",
         flash: (0x0800_0000, 512 << 10),
+        store: Some((0x0807_f000, 4 << 10)),
+        writes_beside: true,
         stack: (0x1000_0000, 32 << 10),
         timer: Timer::Tim2,
         torque: (0x5000_0808, 0),
@@ -67,6 +75,8 @@ pub static MODELS: [Model; 4] = [
         description: include_str!("stm32/nucleo-h743zi.machine"),
         serial: "usart3",
         flash: (0x0800_0000, 2 << 20),
+        store: Some((0x081c_0000, 256 << 10)),
+        writes_beside: true,
         stack: (0x2000_0000, 16 << 10),
         timer: Timer::Tim2,
         torque: (0x4000_7408, 0),
@@ -77,6 +87,8 @@ pub static MODELS: [Model; 4] = [
         description: include_str!("rp2350/pico2.machine"),
         serial: "uart0",
         flash: (0x1000_0000, 4 << 20),
+        store: None,
+        writes_beside: false,
         stack: (0x2000_0000, 16 << 10),
         timer: Timer::SysTick,
         torque: (0x400a_8098, 16),

@@ -1,0 +1,99 @@
+//! The firmware's control on the host, on a board that is wires: a count goes in, the drive's code and enable come out.
+
+use std::cell::Cell;
+use std::rc::Rc;
+
+use strainwave::compensator::{Input, Output};
+use strainwave_app::jog::Jog;
+use strainwave_app::operated::Operated;
+use strainwave_app::{Board, Compensator, Control, Telemetry};
+
+/// Code of no torque, and from there to the peak torque.
+const NEUTRAL: i32 = 2048;
+const SPAN: i32 = 2047;
+
+/// The drive's code, and that it is enabled.
+pub type Drive = (u32, bool);
+
+/// A drive that was released.
+pub const RELEASED: Drive = (NEUTRAL.cast_unsigned(), false);
+
+/// Torque of a drive whose largest is `peak` (N m).
+pub fn torque((code, enabled): Drive, peak: f32) -> f64 {
+    if enabled { f64::from(peak) / f64::from(SPAN) * f64::from(code.cast_signed() - NEUTRAL) } else { 0.0 }
+}
+
+/// The control.
+pub struct Host<B: Board> {
+    control: Control<B>,
+    wires: Rc<Wires>,
+    /// Steps unlike the chip's.
+    pub different: u64,
+}
+
+impl<B: Board> Host<B> {
+    /// On a board around the host's, with the moves of its joint.
+    pub fn new(
+        compensator: &'static Compensator,
+        around: impl FnOnce(HostBoard) -> B,
+    ) -> (Self, &'static Jog) {
+        let scale = SPAN as f32 / compensator.limits().motor_torque;
+        let wires = Rc::new(Wires { scale, ..Wires::default() });
+        let jog = Box::leak(Box::new(Jog::new()));
+        let board = around(HostBoard { wires: wires.clone(), joint: Operated::new(jog) });
+        let (sender, _) = Box::leak(Box::new(Telemetry::new())).split();
+        let control = Control::new(board, compensator, sender);
+        (Self { control, wires, different: 0 }, jog)
+    }
+
+    /// One period, with the encoder at `count`, beside that of a chip which drives so.
+    pub fn compare(&mut self, count: u32, drive: Drive) {
+        self.wires.count.set(count);
+        self.control.tick();
+        self.different += u64::from(drive != self.wires.drive.get());
+    }
+}
+
+/// What the host's board is connected to.
+#[derive(Default)]
+struct Wires {
+    count: Cell<u32>,
+    /// Steps of the drive's code per torque (1/(N m)).
+    scale: f32,
+    drive: Cell<Drive>,
+}
+
+/// The board as it is on the host.
+pub struct HostBoard {
+    wires: Rc<Wires>,
+    joint: Operated,
+}
+
+impl Board for HostBoard {
+    const REPORT_EVERY: u32 = 10;
+
+    fn input(&mut self, input: &mut Input<f32>) -> bool {
+        self.joint.input(Some(self.wires.count.get()), input);
+        true
+    }
+
+    fn command(&mut self, torque: f32) {
+        self.joint.commanded(torque);
+        let steps = (torque * self.wires.scale) as i32;
+        self.wires.drive.set(((NEUTRAL + steps.clamp(-SPAN, SPAN)).cast_unsigned(), true));
+    }
+
+    fn report(&mut self, output: impl FnOnce() -> Output<f32>) {
+        self.joint.report(output);
+    }
+
+    fn release(&mut self) {
+        self.wires.drive.set(RELEASED);
+    }
+
+    fn feed_watchdog(&mut self) {}
+
+    fn overran(&mut self) -> bool {
+        false
+    }
+}
