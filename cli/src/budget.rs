@@ -32,7 +32,8 @@ use crate::progress::Progress;
 /// function, ours, micromath's and libm's, beside each other: cycles, bytes and largest error. Then some hundred sequences
 /// of any input bits and of disturbed motions, varied where they cost most, look for the most costly control step of all,
 /// beside the host's build; that takes some minutes. Boards are judged side by side, as many as there are processors. The column
-/// `any path` is the most of any path through the code, where the code shows a bound.
+/// `any path` is the most of any path through the code, where the code shows a bound. Of a real board's image that serves the tuning link,
+/// flash, RAM, stack and the proofs are judged, too.
 /// Bounds are those of boards/BOARD/budget.toml.
 #[derive(Args)]
 pub struct Arguments {
@@ -74,11 +75,28 @@ fn judge(board: &str, overwrite: bool) -> Result<(String, Vec<Figure>), BadInput
     });
     let mut measured = measured?;
     measured.any_input = found.unwrap_or_else(|panic| resume_unwind(panic))?;
+    let served = served(&budget, &gear)?;
     if overwrite {
         budget.overwrite(&measured).map_err(BadInput::message)?;
+        if let Some((of_served, measured)) = &served {
+            of_served.overwrite(measured).map_err(BadInput::message)?;
+        }
         budget = Budget::read(board).map_err(BadInput::message)?;
     }
-    Ok((measured.table(&budget), measured.figures(&budget)))
+    let (mut table, mut figures) = (measured.table(&budget), measured.figures(&budget));
+    if let (Some(budget), Some((_, measured))) = (budget.served(), served) {
+        table = format!("{table}\nwith its tuning link: {}", measured.table(&budget));
+        figures.extend(measured.figures(&budget));
+    }
+    Ok((table, figures))
+}
+
+/// What the image costs that serves the tuning link, with its budget, of a board that is flashed with one.
+fn served(budget: &Budget, gear: &GearFile) -> Result<Option<(Budget, Measurement)>, BadInput> {
+    let Some(budget) = budget.served() else { return Ok(None) };
+    let elf = pil::build_served(&budget.board, gear).map_err(BadInput::message)?.elf;
+    let measured = budget::inspect(&budget, &elf).map_err(BadInput::message)?;
+    Ok(Some((budget, measured)))
 }
 
 /// The most costly control step of all; it takes as long as all else of a board together.

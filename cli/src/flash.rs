@@ -22,6 +22,7 @@ use crate::progress::Progress;
 /// precision is in it, and instructions and cycles of the control step with this gear in S1, S3 and S5. Of a board that the emulator
 /// does not have, these are counted in the image of another one with the same core. Not judged are any other input,
 /// for which there is `budget`, and wait states. A missed bound is named, nothing is flashed, and the exit code is 1.
+/// With `--served` all of this is the image with the tuning link, which `connect` reaches, and a store in the chip's flash.
 /// Then a real board's chip is flashed through its debug probe by probe-rs and started; an emulated board's image runs in
 /// QEMU for a second of control, which must raise no fault.
 #[derive(Args)]
@@ -32,6 +33,9 @@ pub struct Arguments {
     /// Which board; a folder of boards/
     #[arg(long, value_name = "BOARD")]
     board: String,
+    /// Flash the program that serves the tuning link on the board's serial port, in the place of telemetry and keys; only a real board
+    #[arg(long)]
+    served: bool,
     /// Judge by this budget in the place of the board's own
     #[arg(long, value_name = "BUDGET.toml")]
     budget: Option<PathBuf>,
@@ -60,7 +64,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         Some(file) => Budget::read_file(board, file),
         None => Budget::read(board),
     };
-    let budget = budget.map_err(BadInput::message)?;
+    let budget = image_budget(budget.map_err(BadInput::message)?, arguments.served)?;
     let way = Way::of(&budget).map_err(BadInput::message)?;
     files::require_writable(json)?;
     let elf = build(arguments, &way, &gear)?;
@@ -71,6 +75,19 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         figures.extend(flash(arguments, &way, &elf, &gear)?);
     }
     Ok(Figures::silent(figures, &arguments.figures))
+}
+
+/// The budget of the image that is flashed.
+fn image_budget(budget: Budget, served: bool) -> Result<Budget, BadInput> {
+    if !served {
+        return Ok(budget);
+    }
+    budget.served().ok_or_else(|| {
+        let board = &budget.board;
+        BadInput::message(format!(
+            "--served: {board} is not flashed with a tuning link, allowed: a real board"
+        ))
+    })
 }
 
 /// A gear that the firmware can be built for; of another all faults are told.
@@ -89,7 +106,8 @@ fn build(arguments: &Arguments, way: &Way, gear: &GearFile) -> Result<PathBuf, B
             if !arguments.dry_run {
                 probe.require_program().map_err(BadInput::message)?;
             }
-            pil::build(board, gear).map_err(BadInput::message)?
+            let build = if arguments.served { pil::build_served } else { pil::build };
+            build(board, gear).map_err(BadInput::message)?
         }
     };
     Ok(firmware.elf)

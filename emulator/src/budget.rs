@@ -88,6 +88,16 @@ pub struct AnyInputBounds {
     pub target: Option<u64>,
 }
 
+/// Which image of a board is judged.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Program {
+    /// The one that controls the joint.
+    #[default]
+    Control,
+    /// The one that serves the tuning link, too.
+    Served,
+}
+
 /// A board's budget.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -97,6 +107,8 @@ pub struct Budget {
     pub board: String,
     #[serde(skip)]
     file: PathBuf,
+    #[serde(skip)]
+    program: Program,
     /// The compiler that the bounds were measured with.
     pub compiler: String,
     /// Margin of a bound above the measured value, relative to it, 0 to 1.
@@ -108,7 +120,9 @@ pub struct Budget {
     /// Bounds of the image.
     #[serde(default)]
     pub image: ImageSizes,
-    /// Its targets; never overwritten. The table reports those that are missed.
+    /// Bounds of the image that serves the tuning link, of a board that is flashed with one.
+    pub served_image: Option<ImageSizes>,
+    /// The image's targets; never overwritten. The table reports those that are missed.
     #[serde(default)]
     pub image_target: ImageSizes,
     /// The control step.
@@ -169,6 +183,12 @@ impl Budget {
         Ok(Self { board: board.to_owned(), file: file.to_owned(), ..budget })
     }
 
+    /// The same for the image that serves the tuning link, if the board is flashed with one. The targets are the other image's.
+    pub fn served(&self) -> Option<Self> {
+        let image = self.served_image?;
+        Some(Self { image, image_target: ImageSizes::default(), program: Program::Served, ..self.clone() })
+    }
+
     /// The control step, and its parts, by name.
     pub fn blocks(&self) -> impl Iterator<Item = (&str, &Block)> {
         let parts = self.blocks.iter().map(|(name, block)| (name.as_str(), block));
@@ -200,7 +220,13 @@ impl Budget {
 
     fn update(&self, document: &mut DocumentMut, measured: &Measurement) {
         set(document, "compiler", value(measured.compiler.as_str()));
-        let image = table(document, "image");
+        let image = table(
+            document,
+            match self.program {
+                Program::Control => "image",
+                Program::Served => "served_image",
+            },
+        );
         for (name, size) in measured.image_sizes().named() {
             size.into_iter().for_each(|size| set(image, name, self.bound(size)));
         }
@@ -226,6 +252,14 @@ impl Budget {
     fn bound(&self, measured: u64) -> Item {
         // The headroom on its own: a sum that is rounded up to the next integer by its last bit would be a byte too large.
         value(measured as i64 + (measured as f64 * self.headroom).ceil() as i64)
+    }
+
+    /// Name of a figure of the image.
+    fn of_image(&self, name: &str) -> String {
+        match self.program {
+            Program::Control => name.to_owned(),
+            Program::Served => format!("served_{name}"),
+        }
     }
 
     fn figure(&self, name: &str, measured: f64, unit: &str, bound: Option<u64>) -> Figure {
@@ -384,6 +418,26 @@ pub(crate) mod tests {
         assert!(measurement().figures(&budget).iter().all(|f| f.holds));
         budget.overwrite(&measurement()).unwrap();
         assert_eq!(std::fs::read_to_string(&file).unwrap(), written);
+    }
+
+    #[test]
+    fn the_image_that_serves_the_link_has_bounds_and_names_of_its_own() {
+        assert_eq!(budget().served(), None);
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("budget.toml");
+        std::fs::write(&file, FILE.to_owned() + "\n[image]\nflash = 10\n\n[served_image]\nflash = 20\n")
+            .unwrap();
+        let served = Budget::read_file("b", &file).unwrap().served().unwrap();
+        let figures = Measurement { counts: Vec::new(), ..measurement() }.figures(&served);
+        let flash = &figures[0];
+        assert_eq!((flash.name.as_str(), flash.bound), ("budget.b.served_flash", Some(20.0)));
+        assert!(figures.iter().any(|figure| figure.name == "budget.b.served_panics"));
+        served.overwrite(&measurement()).unwrap();
+        let budget = Budget::read_file("b", &file).unwrap();
+        assert_eq!(
+            (budget.image.flash, budget.served_image.and_then(|image| image.flash)),
+            (Some(10), Some(1100))
+        );
     }
 
     #[test]

@@ -8,7 +8,8 @@ use std::io;
 use std::path::Path;
 
 /// What the boards' workspace builds from, below the repository's root: folders whole, but for what is built, and files.
-const SOURCES: [&str; 7] = ["boards", "derive", "drivers", "src", "Cargo.lock", "Cargo.toml", "memory.x"];
+const SOURCES: [&str; 8] =
+    ["boards", "derive", "drivers", "service", "src", "Cargo.lock", "Cargo.toml", "memory.x"];
 /// Folders of what is built, or of what no build reads.
 const LEFT_OUT: [&str; 2] = ["target", ".git"];
 

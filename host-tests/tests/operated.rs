@@ -46,3 +46,18 @@ fn a_reading_that_failed_is_told() {
     joint.input(Some(123), &mut input);
     assert_eq!((input.status, input.sensors.motor_encoder), (Status::FINE, 123));
 }
+
+#[test]
+fn after_a_reset_it_watches_again_and_holds_where_it_then_is() {
+    let mut joint = joint();
+    for _ in 0..=WATCHING {
+        period(&mut joint, Angle::from_counts(3));
+    }
+    joint.reset();
+    for _ in 0..WATCHING {
+        let gains = period(&mut joint, Angle::from_counts(9)).gains;
+        assert_eq!(gains, CompensationGains::default().into());
+    }
+    let held = Setpoint { position: Angle::from_counts(9), ..Setpoint::default() };
+    assert_eq!(period(&mut joint, Angle::from_counts(-5)).command, held.into());
+}

@@ -5,7 +5,7 @@
 
 use core::ops::Range;
 use cortex_m::interrupt::InterruptNumber;
-use embedded_storage::nor_flash::NorFlash;
+use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use static_cell::StaticCell;
 use strainwave_app::served::{Exchange, Served, ServedJoint};
 use strainwave_app::telemetry::Sender;
@@ -24,6 +24,38 @@ pub struct Service<L, F> {
     pub store: Option<(F, Range<u32>)>,
     /// Writing the flash does not hold the control up.
     pub writes_beside: bool,
+}
+
+/// The flash of a board that has none for a store.
+pub enum NoFlash {}
+
+impl ErrorType for NoFlash {
+    type Error = NorFlashErrorKind;
+}
+
+impl ReadNorFlash for NoFlash {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, _offset: u32, _bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
+        match *self {}
+    }
+
+    fn capacity(&self) -> usize {
+        match *self {}
+    }
+}
+
+impl NorFlash for NoFlash {
+    const WRITE_SIZE: usize = 1;
+    const ERASE_SIZE: usize = 1;
+
+    fn erase(&mut self, _from: u32, _to: u32) -> Result<(), NorFlashErrorKind> {
+        match *self {}
+    }
+
+    fn write(&mut self, _offset: u32, _bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
+        match *self {}
+    }
 }
 
 /// What the image has as statics.
@@ -73,8 +105,8 @@ fn start<C: Chip, B: Board, L: Line, F: NorFlash>(
     let Parts { board, compensator, mut interrupts } = parts()?;
     let Service { line, store, writes_beside } = service();
     let mut joint = ServedJoint::new(&places.exchange, store, writes_beside);
-    let control = Control::new(Served::new(board, &places.exchange), compensator, sender);
-    let control = places.control.try_uninit()?.write(control);
+    let place = places.control.try_uninit()?;
+    let control = place.write(Control::new(Served::new(board, &places.exchange), compensator, sender));
     if let Some(learnt) = joint.learnt_before() {
         control.start_from(&learnt);
     }

@@ -19,6 +19,7 @@ mod chip;
 mod clock;
 mod drive;
 mod encoder;
+mod keys;
 mod pins;
 mod serial;
 mod spi;
@@ -34,6 +35,6 @@ strainwave_controller::controller!(
     board::start,
     exception SysTick,
     UART0_IRQ,
-    serial::receive,
+    keys::receive,
     serial::send
 );

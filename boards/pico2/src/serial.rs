@@ -1,7 +1,6 @@
-//! UART0: telemetry out, the operator's keys in (RP2350 datasheet, 12.1).
+//! UART0 (RP2350 datasheet, 12.1).
 
 use rp235x_pac::{UART0, uart0};
-use strainwave_controller::keys;
 
 use crate::clock::FULL;
 
@@ -12,7 +11,7 @@ const RATE: u32 = 921_600;
 const DIVIDER: u32 = (4 * FULL + RATE / 2) / RATE;
 
 /// Bits of a character, less 5.
-const BYTE: u8 = 3;
+pub const BYTE: u8 = 3;
 
 /// Switches the UART on.
 pub fn start(uart: &UART0) {
@@ -27,15 +26,6 @@ pub fn start(uart: &UART0) {
     uart.uartcr().write(|w| w.uarten().set_bit().txe().set_bit().rxe().set_bit());
 }
 
-/// Takes the key that interrupted.
-pub fn receive() {
-    let uart = registers();
-    // Reading the data clears the interrupt, an overrun with it.
-    if uart.uartfr().read().rxfe().bit_is_clear() {
-        keys::take(uart.uartdr().read().data().bits());
-    }
-}
-
 /// Sends bytes, waiting for room for each: idle loop only.
 pub fn send(bytes: &[u8]) {
     let uart = registers();
@@ -46,8 +36,9 @@ pub fn send(bytes: &[u8]) {
     }
 }
 
-fn registers() -> &'static uart0::RegisterBlock {
-    // SAFETY: `board` gives the peripheral up once it is on. The idle loop only sends and the interrupt only receives; the one register
-    // that both use is the data register, where the directions do not meet.
+/// Its registers.
+pub fn registers() -> &'static uart0::RegisterBlock {
+    // SAFETY: `board` gives the peripheral up once it is on. The one register that both directions use
+    // is the data register, where they do not meet.
     unsafe { &*UART0::ptr() }
 }

@@ -9,8 +9,7 @@
 //! Each waits for the end of the last one; the error flags then tell how it went. A controller that has met a wrong sequence of keys stays locked
 //! until the next reset, and what is asked for fails.
 //!
-//! The data cache would go on showing what was there before, and on an STM32G4 may be corrupted by a read of the other bank
-//! meanwhile: it is off until the operation is over, and begins empty.
+//! The data cache would go on showing what was there before: it is off until the operation is over, and begins empty.
 
 use core::marker::PhantomData;
 use embedded_storage::nor_flash::{

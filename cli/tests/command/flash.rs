@@ -94,6 +94,10 @@ fn what_cannot_be_flashed_is_one_line() {
         ),
         ("flash none.toml --board stm32f405", "none.toml: cannot be read: No such file"),
         ("flash g.toml", "the following required arguments were not provided: --board <BOARD>"),
+        (
+            "flash g.toml --board mps2-an386 --served",
+            "--served: mps2-an386 is not flashed with a tuning link, allowed: a real board",
+        ),
         ("flash g.toml --board stm32f405 --budget none.toml", "none.toml: No such file"),
         ("flash g.toml --board stm32f405 --budget b.toml", "b.toml: line 1: missing field `headroom`"),
         ("flash g.toml --board stm32f405 --json g.toml", "g.toml: --json and GEAR.toml are the same file"),
@@ -151,6 +155,26 @@ fn the_image_of_the_gear_is_written_to_the_boards_chip_and_started() {
     assert!(!answer.output.contains(image), "{}", answer.output);
     assert!(answer.output.ends_with("\nprobe-rs reset --chip STM32F405RG\n"), "{}", answer.output);
     assert!(calls(&bench).is_empty());
+}
+
+#[test]
+fn the_image_with_the_tuning_link_is_judged_by_its_own_bounds() {
+    if !builds(BOARD) {
+        return;
+    }
+    let bench = Bench::new();
+    let words = "flash g.toml --board stm32f405 --served --dry-run --json out.json";
+    let answer = Bench::answer(bench.command(words).env("STRAINWAVE_CACHE", bench.path("no-cache")));
+    assert_eq!((answer.code, answer.error.as_str()), (Some(0), ""), "{}", answer.output);
+    assert!(answer.output.contains("/strainwave-stm32f405-served-"), "{}", answer.output);
+    assert!(answer.output.ends_with("\nprobe-rs reset --chip STM32F405RG\n"), "{}", answer.output);
+    let figures = bench.figures("out.json");
+    let flash = figures.iter().find(|figure| figure["name"] == "budget.stm32f405.served_flash");
+    let bound = Budget::read(BOARD).unwrap().served_image.unwrap().flash;
+    assert!(
+        flash.is_some_and(|flash| flash["bound"].as_f64() == bound.map(|bound| bound as f64)),
+        "{flash:?}"
+    );
 }
 
 #[test]

@@ -216,7 +216,9 @@ impl Measurement {
     }
 
     fn image_figures(&self, budget: &Budget) -> Vec<Figure> {
-        let byte = |name, value: u64, bound| budget.figure(name, value as f64, "byte", bound);
+        let byte = |name: &str, value: u64, bound| {
+            budget.figure(&budget.of_image(name), value as f64, "byte", bound)
+        };
         let sizes = self.image_sizes().named().into_iter().zip(budget.image.named());
         let mut figures: Vec<_> =
             sizes.filter_map(|((name, size), (_, bound))| Some(byte(name, size?, bound))).collect();
@@ -230,7 +232,8 @@ impl Measurement {
     /// Numbers of forbidden symbols in the image: none.
     pub fn proof_figures(&self, budget: &Budget) -> Vec<Figure> {
         let none = |(name, found): (&str, &[Violation])| {
-            Figure::bounded(format!("budget.{}.{name}", budget.board), found.len() as f64, "1", 0.0)
+            let name = format!("budget.{}.{}", budget.board, budget.of_image(name));
+            Figure::bounded(name, found.len() as f64, "1", 0.0)
         };
         self.proofs().map(none).to_vec()
     }

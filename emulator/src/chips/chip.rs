@@ -20,7 +20,7 @@ use crate::chips::model::{Model, Timer};
 use crate::chips::rp2350::{blocks, sio, spi, watchdog};
 use crate::chips::spi_master;
 use crate::chips::stm32::halfwords::{self, Halfwords};
-use crate::chips::stm32::{f4_dma, h7_pwr, h7_rcc, h7_spi};
+use crate::chips::stm32::{f4_dma, h7_flash, h7_pwr, h7_rcc, h7_spi};
 use crate::telemetry;
 
 /// What an erased byte of the flash reads.
@@ -111,6 +111,7 @@ impl Chip {
             .bind(encoder::CLASS.name, move |props| Ok(Arc::new(Encoder::new(props, shown.clone())?)))?;
         options.bindings.bind(f4_dma::CLASS.name, |_| Ok(Arc::new(f4_dma::Stream::default())))?;
         options.bindings.bind(halfwords::CLASS.name, |props| Ok(Arc::new(Halfwords::new(props)?)))?;
+        options.bindings.bind(h7_flash::CLASS.name, |props| Ok(Arc::new(h7_flash::Flash::new(props)?)))?;
         options.bindings.bind(h7_rcc::CLASS.name, |_| Ok(Arc::new(h7_rcc::new())))?;
         options.bindings.bind(h7_pwr::CLASS.name, |_| Ok(Arc::new(h7_pwr::new())))?;
         options.bindings.bind(h7_spi::CLASS.name, |props| Ok(Arc::new(h7_spi::new(props)?)))?;
@@ -129,6 +130,7 @@ impl Chip {
             (&encoder::CLASS, encoder::schema()),
             (&f4_dma::CLASS, f4_dma::schema()),
             (&halfwords::CLASS, halfwords::schema()),
+            (&h7_flash::CLASS, h7_flash::schema()),
             (&h7_rcc::CLASS, h7_rcc::schema()),
             (&h7_pwr::CLASS, h7_pwr::schema()),
             (&h7_spi::CLASS, spi_master::schema(&h7_spi::CLASS)),

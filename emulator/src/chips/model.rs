@@ -88,7 +88,7 @@ pub static MODELS: [Model; 4] = [
         serial: "uart0",
         flash: (0x1000_0000, 4 << 20),
         store: None,
-        writes_beside: false,
+        writes_beside: true,
         stack: (0x2000_0000, 16 << 10),
         timer: Timer::SysTick,
         torque: (0x400a_8098, 16),

@@ -466,20 +466,3 @@ impl NorFlash for FlashImage {
         Ok(())
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::chips::model::MODELS;
-
-    #[test]
-    fn try_it() {
-        let board = std::env::var("BOARD").unwrap();
-        let gear = GearFile::default_gear();
-        let elf = crate::pil::build_served(&board, &gear).unwrap().elf;
-        let model = MODELS.iter().find(|model| model.board == board).unwrap();
-        let begun = std::time::Instant::now();
-        println!("{:?}", serve(model, &elf, &gear));
-        println!("{:?}", begun.elapsed());
-    }
-}

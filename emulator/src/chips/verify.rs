@@ -1,11 +1,17 @@
-//! The figures of the executed image, each with its bound.
+//! The figures of the executed images, each with its bound.
 
+use std::panic::resume_unwind;
+use std::path::Path;
+use std::thread;
+
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave_desktop::verify::bounds;
 use strainwave_desktop::{Figure, GearFile};
 
 use crate::budget::{self, Budget};
 use crate::chips::control::{self, second, stopped};
 use crate::chips::model::{MODELS, Model};
+use crate::chips::served;
 use crate::{firmware, pil};
 
 /// What the firmware says of a lost encoder.
@@ -23,22 +29,57 @@ pub enum Error {
     /// The run.
     #[error(transparent)]
     Run(#[from] control::Error),
+    /// The run with a host at the tuning link.
+    #[error(transparent)]
+    Served(#[from] served::Error),
 }
 
-/// Runs the default gear's image of every board.
+/// Runs the default gear's images of every board.
 ///
 /// # Errors
 /// [`Error`].
 pub fn measure() -> Result<Vec<Figure>, Error> {
-    let figures = MODELS.iter().map(of_board).collect::<Result<Vec<_>, _>>()?;
-    Ok(figures.concat())
+    let gear = GearFile::default_gear();
+    // Built one by one, as cargo would anyway; run side by side, each on a processor of its own.
+    let images = MODELS.iter().map(|model| {
+        let (alone, served) = (pil::build(model.board, &gear)?, pil::build_served(model.board, &gear)?);
+        Ok((model, alone.elf, served.elf))
+    });
+    let images = images.collect::<Result<Vec<_>, firmware::Error>>()?;
+    thread::scope(|scope| {
+        let mut started = Vec::new();
+        for (model, alone, with_link) in &images {
+            started.push(scope.spawn(|| of_image(model, alone)));
+            started.push(scope.spawn(|| of_served(model, with_link)));
+        }
+        let figures = started.into_iter().map(|run| run.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        Ok(figures.collect::<Result<Vec<_>, Error>>()?.concat())
+    })
 }
 
-fn of_board(model: &'static Model) -> Result<Vec<Figure>, Error> {
+/// The image with a host at its tuning link.
+fn of_served(model: &'static Model, elf: &Path) -> Result<Vec<Figure>, Error> {
+    let found = served::serve(model, elf, &GearFile::default_gear())?;
+    let name = |what: &str| format!("pil.{}.served.{what}", model.board);
+    let judged = |row: &str, value| bounds::figure_as(row.replacen("real", model.board, 1), row, value);
+    let time = |periods: u32| f64::from(periods) * CONTROL_PERIOD;
+    Ok(vec![
+        found.agreement.figure(name("steps_unlike_host")),
+        Figure::reported(name("steps"), found.agreement.steps as f64, "1"),
+        judged("pil.real.served.readings_unlike_host", found.readings.different as f64),
+        Figure::reported(name("readings"), found.readings.steps as f64, "1"),
+        judged("pil.real.served.answer", time(found.answered_after)),
+        judged("pil.real.served.damaged", found.damaged as f64),
+        judged("pil.real.served.unexpected", found.unexpected.len() as f64),
+        Figure::reported(name("expected"), found.expected.into(), "1"),
+        Figure::reported(name("keep"), time(found.kept_after), "s"),
+    ])
+}
+
+fn of_image(model: &'static Model, elf: &Path) -> Result<Vec<Figure>, Error> {
     let (gear, board) = (GearFile::default_gear(), model.board);
-    let elf = pil::build(board, &gear)?.elf;
-    let (second, stopped) = (second(model, &elf, &gear)?, stopped(model, &elf)?);
-    let proved = budget::inspect(&Budget::read(board)?, &elf)?.stack;
+    let (second, stopped) = (second(model, elf, &gear)?, stopped(model, elf)?);
+    let proved = budget::inspect(&Budget::read(board)?, elf)?.stack;
     let damaged = second.lines.iter().filter(|line| line.contains("damaged")).count();
     let said = second.lines.iter().any(|line| line.starts_with(LOST));
     let name = |what: &str| format!("pil.{board}.{what}");

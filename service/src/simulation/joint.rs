@@ -316,6 +316,15 @@ mod tests {
     }
 
     #[test]
+    fn a_drive_that_is_switched_on_meanwhile_leaves_the_store_as_it_is() {
+        let mut bench = Bench::default();
+        bench.joint.stands_still = true;
+        assert!(bench.sends(&Sealed::of(5, &Request::Keep)).is_empty());
+        (bench.joint.stands_still, bench.joint.may_write) = (false, false);
+        assert_eq!(bench.run(3), [(5, Reply::Refused(Refusal::DriveOn))]);
+    }
+
+    #[test]
     fn a_control_without_a_step_is_told() {
         let mut bench = Bench::default();
         bench.joint.stands_still = true;

@@ -141,4 +141,29 @@ pub(super) const ROWS: &[Bound] = &[
         unit: "period",
         why: "control periods of the 0.2 s after it in which the drive is enabled: nobody has looked after the cause",
     },
+    Bound {
+        name: "pil.real.served.readings_unlike_host",
+        value: 0.0,
+        unit: "1",
+        why: "readings over the tuning link of an executed image with any bit unlike those of the host's control in the same period",
+    },
+    Bound {
+        name: "pil.real.served.answer",
+        value: 5e-3,
+        unit: "s",
+        why: "longest time from the request of a reading to its last byte: 139 bytes at 921 600 Bd take 1.5 ms, what the emulated USART of an STM32F4 \
+              sends twice as long",
+    },
+    Bound {
+        name: "pil.real.served.damaged",
+        value: 0.0,
+        unit: "1",
+        why: "frames that came over the link otherwise than they were sent",
+    },
+    Bound {
+        name: "pil.real.served.unexpected",
+        value: 0.0,
+        unit: "1",
+        why: "refusals, gains, silence, faults, resets, and what is kept over a restart, otherwise than they have to be",
+    },
 ];
