@@ -139,7 +139,7 @@ fn change<C: StoreFlash>(
 
 fn erase<C: StoreFlash>(page: u32) -> Result<(), NorFlashErrorKind> {
     let Controller { erases, number, start, .. } = C::CONTROLLER;
-    let chosen = erases | (C::FIRST + page) * number;
+    let chosen = erases | ((C::FIRST + page) * number);
     operate::<C>(|| {
         control::<C>().write(chosen);
         control::<C>().write(chosen | start);

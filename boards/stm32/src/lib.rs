@@ -6,6 +6,8 @@
 
 #[cfg(feature = "served")]
 pub mod flash;
+#[cfg(feature = "served")]
+pub mod linked;
 #[path = "../../register.rs"]
 mod register;
 pub mod reset;

@@ -73,15 +73,12 @@ pub fn serve() {
     if usart.sr().read().txe().bit_is_clear() {
         return;
     }
-    match TO_SEND.dequeue() {
-        // SAFETY: the data register takes any byte.
-        Some(byte) => {
-            usart.dr().write(|w| unsafe { w.bits(u16::from(byte)) });
-        }
-        None => {
-            usart.cr1().modify(|_, w| w.txeie().disabled());
-        }
-    }
+    let Some(byte) = TO_SEND.dequeue() else {
+        usart.cr1().modify(|_, w| w.txeie().disabled());
+        return;
+    };
+    // SAFETY: the data register takes any byte.
+    usart.dr().write(|w| unsafe { w.bits(u16::from(byte)) });
 }
 
 fn stream() -> &'static dma2::ST {

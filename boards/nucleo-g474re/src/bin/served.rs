@@ -29,7 +29,8 @@ use serial::Serial;
 use stm32g4xx_hal::pac::{Interrupt, interrupt};
 use strainwave_controller::served::Service;
 use strainwave_stm32::flash::{Flash, StoreFlash};
-use strainwave_stm32::usart::{self, Linked};
+use strainwave_stm32::linked::{self, Linked};
+use strainwave_stm32::usart;
 
 fn service() -> Service<Linked<Serial>, Flash<G474>> {
     Service {
@@ -39,4 +40,4 @@ fn service() -> Service<Linked<Serial>, Flash<G474>> {
     }
 }
 
-strainwave_controller::served_controller!(G474, board::Board, board::start, service, interrupt TIM2, USART2, usart::serve::<Serial>, usart::send::<Serial>);
+strainwave_controller::served_controller!(G474, board::Board, board::start, service, interrupt TIM2, USART2, linked::serve::<Serial>, usart::send::<Serial>);

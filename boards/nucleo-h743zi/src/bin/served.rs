@@ -31,7 +31,8 @@ use serial::Serial;
 use stm32h7::stm32h743v::{Interrupt, interrupt};
 use strainwave_controller::served::Service;
 use strainwave_stm32::flash::{Flash, StoreFlash};
-use strainwave_stm32::usart::{self, Linked};
+use strainwave_stm32::linked::{self, Linked};
+use strainwave_stm32::usart;
 
 fn service() -> Service<Linked<Serial>, Flash<H743>> {
     Service {
@@ -41,4 +42,4 @@ fn service() -> Service<Linked<Serial>, Flash<H743>> {
     }
 }
 
-strainwave_controller::served_controller!(H743, board::Board, board::start, service, interrupt TIM2, USART3, usart::serve::<Serial>, usart::send::<Serial>);
+strainwave_controller::served_controller!(H743, board::Board, board::start, service, interrupt TIM2, USART3, linked::serve::<Serial>, usart::send::<Serial>);
