@@ -16,6 +16,8 @@
 //! | [`model`] | each chip: its description, its memory, the drive's registers |
 //! | [`chip`] | boots an image, lets it run, looks at its pins |
 //! | [`host`] | the firmware's control on the host |
+//! | [`flash_image`] | what a chip has stored, on the host |
+//! | [`host_program`] | what a host does at the tuning link |
 //! | [`control`] | a second of control, beside the host's |
 //! | [`line`] | a host's program beside the emulation, period by period |
 //! | [`served`] | a control that serves its tuning link, with a host at it |
@@ -25,7 +27,9 @@ pub mod chip;
 pub mod control;
 pub mod core;
 pub mod encoder;
+pub mod flash_image;
 pub mod host;
+pub mod host_program;
 pub mod line;
 pub mod model;
 pub mod registers;
