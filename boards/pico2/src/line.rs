@@ -13,8 +13,11 @@ impl Fifo {
     pub fn begin() -> Self {
         let uart = registers();
         uart.uartimsc().reset();
+        // The character is set up while it is off.
+        uart.uartcr().modify(|_, w| w.uarten().clear_bit());
         // SAFETY: a number of bits that a character may have.
         uart.uartlcr_h().write(|w| unsafe { w.wlen().bits(BYTE) }.fen().set_bit());
+        uart.uartcr().modify(|_, w| w.uarten().set_bit());
         Self(())
     }
 }

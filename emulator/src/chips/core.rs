@@ -1,8 +1,7 @@
-//! The core, with a fault of the emulator's mended: what it saves of the state of an IT block when an exception comes in its midst is nothing, so
-//! that after the exception all instructions of the block are executed, whatever their condition.
+//! The core, around a fault of the emulator: an exception that comes in an IT block loses the block's state, so that after it all instructions of
+//! the block are executed, whatever their condition. So none comes there: the core goes on to the block's end with its exceptions masked.
 //!
-//! Interrupts come between two runs of the core, or from its own timer. In an IT block, and shortly before that timer's end, it therefore
-//! goes on by one instruction at a time, and what the exception's frame lacks is put there.
+//! Interrupts come between two runs of the core, or from its own timer, shortly before whose end it goes on by one instruction at a time.
 
 use std::sync::Arc;
 
@@ -10,15 +9,12 @@ use rsemu::core::device::{Device, DeviceClass, RealizeCtx, ResetKind, SinkPin};
 use rsemu::core::error::Result;
 use rsemu::core::props::Props;
 use rsemu::core::sched::{Budget, Consumed, TickCursor};
-use rsemu::core::space::MemAttrs;
-use rsemu::core::value::Width;
 use rsemu::core::wire::WireId;
-use rsemu::cpu::arm::v7m::ArmV7m;
+use rsemu::cpu::arm::v7m::{ArmV7m, Regs};
 use rsemu::machine::realize::{BindCtx, Instance};
 
-/// The state of an IT block in the program status, and where an exception's frame has that.
+/// The state of an IT block in the program status.
 const IT: u32 = 0x0600_fc00;
-const STATUS: u32 = 28;
 /// In the control of the core's timer: it counts, and interrupts.
 const INTERRUPTS: u32 = 0b11;
 /// Cycles before its end: more than an instruction takes.
@@ -42,25 +38,26 @@ impl Core {
         &self.0
     }
 
-    /// Cycles that it may go on for at once, of so many.
-    fn piece(&self, left: u64) -> u64 {
-        if self.0.xpsr() & IT != 0 {
-            return 1;
-        }
-        let (control, count) = self.0.with_sys(|sys| (sys.syst_csr, u64::from(sys.syst_cvr)));
-        if control & INTERRUPTS != INTERRUPTS { left } else { left.min(count.saturating_sub(MARGIN).max(1)) }
+    fn in_block(&self) -> bool {
+        self.0.xpsr() & IT != 0
     }
 
-    /// Completes the frame of an exception that came in an IT block with this status.
-    fn mend(&self, status: u32) {
-        let entered = self.0.current_exception().0 != 0 && self.0.xpsr() & IT == 0;
-        let frame =
-            self.0.space().filter(|_| entered && u32::from(self.0.current_exception().0) != status & 0x1ff);
-        let Some(memory) = frame else { return };
-        let place = u64::from(self.0.msp() + STATUS);
-        let Ok(saved) = memory.read(place, Width::U32, MemAttrs::DEBUG) else { return };
-        // A stack that cannot be written has raised a fault of its own.
-        let _ = memory.write(place, Width::U32, saved | u64::from(status & IT), MemAttrs::DEFAULT);
+    /// Goes on to the end of an IT block; cycles that it takes, of so many.
+    fn past_block(&self, left: u64) -> u64 {
+        let mask = |masks| self.0.set_regs(Regs { primask: masks, ..self.0.regs() });
+        let (masked, mut used) = (self.0.regs().primask, 0);
+        mask(true);
+        while used < left && self.in_block() {
+            used += self.0.run_budget(1);
+        }
+        mask(masked);
+        used
+    }
+
+    /// Cycles that it may go on for at once, of so many.
+    fn piece(&self, left: u64) -> u64 {
+        let (control, count) = self.0.with_sys(|sys| (sys.syst_csr, u64::from(sys.syst_cvr)));
+        if control & INTERRUPTS != INTERRUPTS { left } else { left.min(count.saturating_sub(MARGIN).max(1)) }
     }
 }
 
@@ -92,11 +89,12 @@ impl Device for Core {
     fn run(&self, budget: Budget) -> Consumed {
         let mut left = budget.ticks;
         while left > 0 {
-            let (status, piece) = (self.0.xpsr(), self.piece(left));
-            let used = self.0.run_budget(piece);
-            if status & IT != 0 {
-                self.mend(status);
+            if self.in_block() {
+                left -= self.past_block(left);
+                continue;
             }
+            let piece = self.piece(left);
+            let used = self.0.run_budget(piece);
             left -= used;
             if used < piece {
                 break;

@@ -8,7 +8,7 @@
 //! | file or folder | what is in it |
 //! | --- | --- |
 //! | [`stm32`], [`rp2350`] | descriptions of these chips with what is wired to them, peripherals that rsemu lacks |
-//! | [`core`] | the core, a fault of the emulator's mended |
+//! | [`core`] | the core, around a fault of the emulator |
 //! | [`registers`] | a peripheral of registers with rules |
 //! | [`spi_master`] | an SPI by the registers of its controller |
 //! | [`time`] | time of a peripheral between two accesses |
