@@ -14,7 +14,7 @@ use rsemu::cpu::arm::v7m::{self, ArmV7m};
 use rsemu::host::chardev::{CharPort, ports};
 use rsemu::machine::{self, Machine, catalog};
 
-use crate::chips::core::Core;
+use crate::chips::cpu::Core;
 use crate::chips::encoder::{self, Encoder, Magnet};
 use crate::chips::model::{Model, Timer};
 use crate::chips::rp2350::{blocks, sio, spi, watchdog};

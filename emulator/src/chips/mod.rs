@@ -8,7 +8,7 @@
 //! | file or folder | what is in it |
 //! | --- | --- |
 //! | [`stm32`], [`rp2350`] | descriptions of these chips with what is wired to them, peripherals that rsemu lacks |
-//! | [`core`] | the core, around a fault of the emulator |
+//! | [`cpu`] | the core, around a fault of the emulator |
 //! | [`registers`] | a peripheral of registers with rules |
 //! | [`spi_master`] | an SPI by the registers of its controller |
 //! | [`time`] | time of a peripheral between two accesses |
@@ -19,13 +19,13 @@
 //! | [`flash_image`] | what a chip has stored, on the host |
 //! | [`host_program`] | what a host does at the tuning link |
 //! | [`control`] | a second of control, beside the host's |
-//! | [`line`] | a host's program beside the emulation, period by period |
+//! | [`mod@line`] | a host's program beside the emulation, period by period |
 //! | [`served`] | a control that serves its tuning link, with a host at it |
 //! | [`verify`] | the figures of both |
 
 pub mod chip;
 pub mod control;
-pub mod core;
+pub mod cpu;
 pub mod encoder;
 pub mod flash_image;
 pub mod host;
