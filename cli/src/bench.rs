@@ -1,6 +1,11 @@
 //! `bench`: how fast this machine runs the main kernels.
 
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
 use clap::{Args, value_parser};
+use strainwave_desktop::identify::learn_gear;
+use strainwave_desktop::io::log::MeasuredLog;
 use strainwave_desktop::speed::{self, Speed, Spread};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 
@@ -11,6 +16,8 @@ use crate::progress::Progress;
 const ROUNDS: u64 = 500;
 /// Nanoseconds of a second.
 const NANOSECONDS: f64 = 1e9;
+/// Fraction of a log's path that trains, as by default of `identify`.
+const TRAINING: f64 = 0.5;
 
 /// Measure how fast this machine runs the main kernels, each beside a rival
 ///
@@ -23,6 +30,12 @@ pub struct Arguments {
     /// Rounds over which median and quartiles are taken
     #[arg(long, value_name = "COUNT", default_value_t = ROUNDS, value_parser = value_parser!(u64).range(1..=1_000_000))]
     rounds: u64,
+    /// A moving joint's log that is identified once, too, on one thread; a line tells how long that took
+    #[arg(long, value_name = "LOG.csv")]
+    identify: Option<PathBuf>,
+    /// The gear file that its identification starts from; the default gear when left out
+    #[arg(long, value_name = "GEAR.toml", requires = "identify")]
+    gear: Option<PathBuf>,
     #[command(flatten)]
     figures: FiguresArguments,
 }
@@ -36,7 +49,30 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     drop(progress);
     let found = found.map_err(BadInput::message)?;
     say(format_args!("{}", columns(&table(&found))));
-    Ok(Figures::silent(found.iter().flat_map(figures).collect(), &arguments.figures))
+    let mut figures: Vec<_> = found.iter().flat_map(figures).collect();
+    if let Some(log) = &arguments.identify {
+        let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
+        figures.extend(identification(&gear, log)?);
+    }
+    Ok(Figures::silent(figures, &arguments.figures))
+}
+
+/// Time of one identification of a log by the clock.
+fn identification(gear: &GearFile, path: &Path) -> Result<[Figure; 3], BadInput> {
+    let log = MeasuredLog::read(path)?;
+    let (rows, stamps) = (log.motor_position.len(), log.time.stamps());
+    let duration = stamps[rows - 1] - stamps[0];
+    let started = Instant::now();
+    learn_gear(gear, &log, TRAINING, |_| ()).map_err(|why| BadInput::new(path, why))?;
+    let time = started.elapsed().as_secs_f64();
+    say(format_args!(
+        "identification of {rows} rows, {duration:.1} s, of which {TRAINING} trains: {time:.1} s"
+    ));
+    Ok([
+        Figure::reported("bench.identify.rows", rows as f64, "1"),
+        Figure::reported("bench.identify.duration", duration, "s"),
+        Figure::reported("bench.identify.time", time, "s"),
+    ])
 }
 
 fn table(found: &[Speed]) -> Vec<Vec<String>> {

@@ -66,10 +66,11 @@ pub struct Arguments {
     #[arg(long = "row", value_name = "NAME", value_parser = row_parser())]
     rows: Vec<String>,
     /// Of `robustness`, plants of each row (6 when left out, 60 of `all`); of `catalogue` and `healthy`, joints (all 500); of
-    /// `constants`, training joints (24, half of them with an output encoder); of `robot`, robots (20)
+    /// `constants`, training joints (24, half of them with an output encoder); of `robot`, robots (20); of `identify`, synthetic joints (100)
     #[arg(long, value_name = "COUNT", value_parser = value_parser!(u64).range(1..=100_000))]
     seeds: Option<u64>,
-    /// The first plant of `robustness`, robot of `robot` or joint of `catalogue` or `healthy`; 1 to 999 are for choosing gains, from 10000 on for claims
+    /// The first plant of `robustness`, robot of `robot` or joint of `catalogue` or `healthy`; 1 to 999 are for choosing gains, from 10000 on for claims.
+    /// Of `identify` the first synthetic joint (0); 1000 to 1999 are for choosing its methods, all others for claims
     #[arg(long, value_name = "SEED", value_parser = value_parser!(u64).range(0..=1_000_000_000))]
     first: Option<u64>,
     /// Of `catalogue` and `healthy`, the joints for choosing gains
@@ -416,7 +417,10 @@ fn with_scaled_constants(arguments: &Arguments) -> Result<Figures, BadInput> {
 /// On measured joints; what is not judged is noted above the table.
 fn identified(arguments: &Arguments) -> Result<Figures, BadInput> {
     let mut progress = Progress::new(1000, "identifying joints");
-    let measured = identify::measure(arguments.rivals, |fraction| progress.set((fraction * 1e3) as u64))?;
+    let first = arguments.first.unwrap_or_default();
+    let joints = first..first + arguments.seeds.unwrap_or(identify::friction::JOINTS);
+    let measured =
+        identify::measure(arguments.rivals, joints, |fraction| progress.set((fraction * 1e3) as u64))?;
     drop(progress);
     for note in &measured.notes {
         say(format_args!("{note}"));

@@ -202,7 +202,7 @@ fn what_the_log_does_not_show_is_refused_by_name() {
 /// A sample of what `strainwave verify identify` measures.
 #[test]
 fn friction_of_the_blocks_own_law_comes_back_with_its_intervals() {
-    let measured = measure(10, |_| ()).unwrap();
+    let measured = measure(0..10, |_| ()).unwrap();
     measured.figures.iter().for_each(|figure| println!("{}", figure.cells().join("  ")));
     let value = |name: &str| measured.figures.iter().find(|figure| figure.name == name).unwrap().value;
     // Of 10 joints one in 20 is outside by chance, more than two of them once in 90 samples.

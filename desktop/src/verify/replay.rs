@@ -59,9 +59,15 @@ pub(super) fn learnt(
     reversed: bool,
     training: f64,
 ) -> Result<Option<LearntGear>, BadInput> {
-    let Some(path) = data::find(&format!("lara8/joint/{log}.{joint}.csv")) else { return Ok(None) };
-    let (gear, measured) = (shipped_gear(joint)?, read(&path, reversed)?);
-    learn_gear(&gear, &measured, training, |_| ()).map(Some).map_err(|why| BadInput::new(&path, why))
+    let Some(measured) = log_of(log, joint, reversed)? else { return Ok(None) };
+    let named = |why| BadInput::message(format!("{log}.{joint}: {why}"));
+    learn_gear(&shipped_gear(joint)?, &measured, training, |_| ()).map(Some).map_err(named)
+}
+
+/// The log of a joint; `None` without the data.
+pub(super) fn log_of(log: &str, joint: &str, reversed: bool) -> Result<Option<MeasuredLog>, BadInput> {
+    let path = data::find(&format!("lara8/joint/{log}.{joint}.csv"));
+    path.map(|path| read(&path, reversed)).transpose()
 }
 
 /// The gear file of a measured joint that moves.

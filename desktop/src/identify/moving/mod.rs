@@ -31,6 +31,7 @@
 //! columns with priors under correlated noise.
 
 mod friction;
+mod regression;
 mod residual;
 
 use strainwave::Error as ParameterError;
@@ -46,6 +47,7 @@ use crate::io::gear_file::{GearFile, KinematicError};
 use crate::io::log::MeasuredLog;
 pub(crate) use friction::torque_noise;
 pub use friction::{LearntFriction, LearntParameter, Parameter, Verdict, Wave};
+pub(crate) use regression::Regression;
 pub use residual::{BEATS, Kind, ORDERS, Residual};
 pub(crate) use residual::{OFFSET, alike, error_prior};
 

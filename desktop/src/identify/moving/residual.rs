@@ -42,6 +42,8 @@ const ORDER_2: f64 = 8e-5;
 const ECCENTRICITY: f64 = 4e-4;
 /// Of c (rad).
 pub(crate) const OFFSET: f64 = 1e-2;
+/// Of a factor on the torsion: a catalogue's stiffness is that of the gear alone, and the load's inertia is a guess.
+pub(super) const TORSION: f64 = 0.5;
 /// sigma (rad): the size of orders that have no column.
 const LEFT: f64 = 2e-5;
 /// q (rad): two counts of a 19-bit encoder, a tenth of it by averaging.
@@ -127,11 +129,9 @@ impl Residual {
     /// errors; else the offset alone is solved for.
     pub(crate) fn solve(gear: &GearFile, rows: &[ReplayRow]) -> Result<Self, Error> {
         let rows: Vec<_> = rows.iter().step_by(EVERY).copied().collect();
-        let problem = Problem { columns: columns(gear, revolutions(&rows)) };
+        let problem = Problem { columns: columns(gear, revolutions(&rows)), torsion: false };
         let (unknowns, equations) = (problem.unknowns(), problem.equations(&rows));
-        let factor = Factor::of(whitened(&equations, &rows));
-        let x = factor.solve(&DMatrix::identity(unknowns, unknowns), &DVector::zeros(unknowns), unknowns)?;
-        let x = DVector::from_vec(x);
+        let (factor, x) = solved(&equations, &rows)?;
         let left = equations.columns(0, unknowns) * &x - equations.column(unknowns);
         Ok(Self {
             squares: factor.squares(x.as_slice()) + x.norm_squared(),
@@ -150,8 +150,15 @@ impl Residual {
     }
 }
 
+/// The unknowns that equations give, and the factor of their [`whitened`] rows.
+pub(super) fn solved(equations: &DMatrix<f64>, rows: &[ReplayRow]) -> Result<(Factor, DVector<f64>), Error> {
+    let (factor, unknowns) = (Factor::of(whitened(equations, rows)), equations.ncols() - 1);
+    let x = factor.solve(&DMatrix::identity(unknowns, unknowns), &DVector::zeros(unknowns), unknowns)?;
+    Ok((factor, DVector::from_vec(x)))
+}
+
 /// The orders that a path of so many revolutions shows.
-fn columns(gear: &GearFile, revolutions: f64) -> Vec<(Kind, u32)> {
+pub(super) fn columns(gear: &GearFile, revolutions: f64) -> Vec<(Kind, u32)> {
     if !shows_errors(revolutions) {
         return Vec::new();
     }
@@ -162,23 +169,25 @@ fn columns(gear: &GearFile, revolutions: f64) -> Vec<(Kind, u32)> {
     scale.chain(flexspline).chain(shown.filter(|_| apart).map(|order| (Kind::Case, order))).collect()
 }
 
-/// Unknowns: c, sine and cosine of each column; each in units of its prior.
-struct Problem {
-    columns: Vec<(Kind, u32)>,
+/// Unknowns: c, sine and cosine of each column, where asked for what the torsion is too large by; each in units of its prior.
+pub(super) struct Problem {
+    pub columns: Vec<(Kind, u32)>,
+    pub torsion: bool,
 }
 
 impl Problem {
-    fn unknowns(&self) -> usize {
-        1 + 2 * self.columns.len()
+    pub fn unknowns(&self) -> usize {
+        1 + 2 * self.columns.len() + usize::from(self.torsion)
     }
 
     /// Rows [unknowns | theta_out - r*theta_motor + phi] (rad).
-    fn equations(&self, rows: &[ReplayRow]) -> DMatrix<f64> {
+    pub fn equations(&self, rows: &[ReplayRow]) -> DMatrix<f64> {
         let unknowns = self.unknowns();
         DMatrix::from_fn(rows.len(), unknowns + 1, |row, column| {
             let row = &rows[row];
             match column {
                 0 => OFFSET,
+                k if self.torsion && k == unknowns - 1 => TORSION * (row.rigid - row.predicted),
                 k if k < unknowns => self.sine_or_cosine(k - 1, row),
                 _ => row.measured - row.predicted,
             }

@@ -130,12 +130,12 @@ fn rows(base: &GearFile, found: &LearntGear) -> Vec<Parameter> {
 
 /// A parameter of the input friction.
 fn friction(learnt: &LearntParameter) -> Parameter {
-    let LearntParameter { parameter, base, value, deviation, verdict, .. } = learnt;
+    let LearntParameter { parameter, base, value, deviation, interval, verdict } = learnt;
     let name = format!("friction.input.{}", parameter.key());
     let row = Parameter::new(name, parameter.unit(), Some(*base), *value);
     match verdict {
         FrictionVerdict::Identified | FrictionVerdict::Traded(_) => {
-            let row = row.within(Some(*deviation));
+            let row = row.within(Some(*deviation)).between(*interval);
             if matches!(parameter, FrictionParameter::RippleCosine(_) | FrictionParameter::RippleSine(_)) {
                 row
             } else {

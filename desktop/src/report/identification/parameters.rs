@@ -17,6 +17,8 @@ pub(super) struct Parameter {
     pub identified: f64,
     /// Standard error.
     pub deviation: Option<f64>,
+    /// Ends of an interval of 95 % that is not about the identified value.
+    ends: Option<[f64; 2]>,
     /// The least that it can be.
     least: f64,
     pub finding: Finding,
@@ -44,6 +46,7 @@ impl Parameter {
             base,
             identified,
             deviation: None,
+            ends: None,
             least: f64::NEG_INFINITY,
             finding: Finding::Identified,
         }
@@ -59,6 +62,11 @@ impl Parameter {
         Self { deviation, ..self }
     }
 
+    /// The same with the ends of its interval.
+    pub fn between(self, ends: [f64; 2]) -> Self {
+        Self { ends: Some(ends), ..self }
+    }
+
     /// The same, which comes to something else.
     pub fn found(self, finding: Finding) -> Self {
         Self { finding, ..self }
@@ -66,8 +74,9 @@ impl Parameter {
 
     /// Ends of the interval of 95 %.
     fn interval(&self) -> Option<[f64; 2]> {
-        let half = INTERVAL * self.deviation.filter(|_| self.finding != Finding::AtLimit)?;
-        Some([(self.identified - half).max(self.least), self.identified + half])
+        let half = self.deviation.map(|deviation| INTERVAL * deviation);
+        let ends = self.ends.or(half.map(|half| [self.identified - half, self.identified + half]));
+        ends.filter(|_| self.finding != Finding::AtLimit).map(|[low, high]| [low.max(self.least), high])
     }
 
     fn verdict(&self) -> &'static str {
@@ -127,6 +136,7 @@ mod tests {
         assert_eq!(of(Some(0.1)).verdict(), "not told from the base value");
         assert_eq!(of(Some(0.01)).verdict(), "differs from the base value");
         assert_eq!(of(Some(0.01)).cells()[4], "1.080 to 1.120");
+        assert_eq!(of(Some(0.1)).between([1.05, 1.4]).cells()[4], "1.050 to 1.400");
         assert_eq!(of(Some(1.0)).not_negative().cells()[4], "0 to 3.060");
         assert_eq!((of(None).cells()[4].as_str(), of(None).verdict()), ("-", "identified"));
         let limit = of(Some(0.1)).found(Finding::AtLimit);

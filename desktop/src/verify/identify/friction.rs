@@ -10,6 +10,7 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
@@ -189,21 +190,21 @@ struct Judged {
     rms: [f64; 3],
 }
 
-/// The whole, of so many joints; `progress` is called with the fraction done.
+/// The whole, of the joints of these seeds; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// When a joint cannot be learnt from.
-pub fn measure(joints: u64, mut progress: impl FnMut(f64)) -> Result<Measured, BadInput> {
+pub fn measure(joints: Range<u64>, mut progress: impl FnMut(f64)) -> Result<Measured, BadInput> {
     let workers = std::thread::available_parallelism().map_or(1, usize::from) as u64;
     let mut judged = Vec::new();
-    for first in (0..joints).step_by(workers as usize) {
-        let seeds = first..joints.min(first + workers);
+    for first in joints.clone().step_by(workers as usize) {
+        let seeds = first..joints.end.min(first + workers);
         let found: Vec<_> = std::thread::scope(|scope| {
             let started: Vec<_> = seeds.map(|seed| scope.spawn(move || judge(seed))).collect();
             started.into_iter().map(|thread| thread.join().expect("a joint is judged")).collect()
         });
         judged.extend(found.into_iter().collect::<Result<Vec<_>, _>>()?);
-        progress((first + workers) as f64 / joints as f64);
+        progress((first + workers - joints.start) as f64 / (joints.end - joints.start) as f64);
     }
     Ok(figures(&judged).into())
 }

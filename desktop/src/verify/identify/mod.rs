@@ -17,21 +17,27 @@ mod moving;
 mod operator;
 pub mod pairs;
 
+use std::ops::Range;
+
 use crate::io::file::BadInput;
 use crate::verify::Measured;
 
-/// Every figure, with `rivals` those of others too; `progress` is called with the fraction done.
+/// Every figure, of these synthetic joints, with `rivals` those of others too; `progress` is called with the fraction done.
 ///
 /// # Errors
 /// Logs that are there and cannot be used.
-pub fn measure(rivals: bool, mut progress: impl FnMut(f64)) -> Result<Measured, BadInput> {
+pub fn measure(
+    rivals: bool,
+    joints: Range<u64>,
+    mut progress: impl FnMut(f64),
+) -> Result<Measured, BadInput> {
     let mut measured = held::measure()?;
     progress(0.1);
     measured.add(moving::measure()?);
     progress(0.2);
     measured.add(pairs::measure()?);
     progress(0.3);
-    measured.add(friction::measure(friction::JOINTS, |fraction| progress(0.3 + 0.5 * fraction))?);
+    measured.add(friction::measure(joints, |fraction| progress(0.3 + 0.5 * fraction))?);
     measured.add(operator::measure(rivals, |fraction| progress(0.8 + 0.2 * fraction))?);
     Ok(measured)
 }

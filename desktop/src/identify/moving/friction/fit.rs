@@ -178,11 +178,12 @@ impl<'a> Fit<'a> {
     }
 
     fn solved(&self, start: &[f64], weights: Vec<f64>) -> Result<Solution, Error> {
+        let start: Vec<_> = start.iter().zip(self.unknowns).map(|(z, unknown)| unknown.inside(*z)).collect();
         let solver = BoundedLevenbergMarquardt::new()
             .with_tau(DAMPING)
             .with_absolute_scaled_gradient_tolerance(GRADIENT)
             .with_relative_cost_change_tolerance(COST);
-        let found = Executor::new(self.problem(&weights), solver, PointState::new(start.to_vec()))
+        let found = Executor::new(self.problem(&weights), solver, PointState::new(start))
             .max_iter(ITERATIONS)
             .run()
             .map_err(|error| Error::Solver(error.to_string()))?;
@@ -270,6 +271,18 @@ mod tests {
     use super::super::strokes::Strokes;
     use super::super::unknowns::Parameter;
     use super::*;
+
+    /// From next to an end of its range.
+    #[test]
+    fn a_search_leaves_the_end_of_a_range_that_another_model_ended_at() {
+        let strokes = Strokes::new();
+        let unknowns = [Parameter::Coulomb, Parameter::Viscous, Parameter::Stribeck].map(Unknown::Of);
+        let fit = strokes.fit(&unknowns);
+        let [inside, end] =
+            [0.0, 1e-12 - 1.0].map(|viscous| fit.plain(&[0.0, viscous, 0.0], Strokes::NOISE).unwrap());
+        let apart = inside.z.iter().zip(&end.z).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 0.05, "{:?} {:?}", inside.z, end.z);
+    }
 
     #[test]
     fn what_is_held_out_is_predicted_the_same_from_wherever_the_solution_starts() {

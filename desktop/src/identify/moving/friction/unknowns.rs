@@ -21,6 +21,9 @@ const RIPPLE: f64 = 0.1;
 /// Least scale of Fs - Fc, over Fc.
 const LEAST_RISE: f64 = 0.1;
 
+/// Least distance of a search's start to an end of the range: a tenth of what was known of the unknown before the log.
+const INSIDE: f64 = 0.1;
+
 /// A parameter of the input friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parameter {
@@ -126,6 +129,12 @@ impl Unknown {
             Self::Of(Parameter::Driving | Parameter::Driven) => [-1.0, 4.0],
             Self::Of(Parameter::RippleCosine(_) | Parameter::RippleSine(_)) => [-3.0, 3.0],
         }
+    }
+
+    /// A start of a search from this value: the solver's steps shrink with the distance to an end, from next to one it goes nowhere.
+    pub fn inside(self, z: f64) -> f64 {
+        let [least, most] = self.range();
+        z.clamp(least + INSIDE, most - INSIDE)
     }
 
     /// As verdicts name it.
