@@ -6,9 +6,9 @@
 //! beside the rotor at the output, the larger its gain. There a joint at rest would swing about its place, the estimate more than the
 //! load.
 //!
-//! b is half of what no corner is unstable with, a gain margin of 2, or whole. Of the box the corners count in which the motor's
-//! acceleration by a torque is the farthest from the file's, with the slowest drive, by the poles of the whole loop ([`poles`]) with the
-//! observer's gains of a motor that moves. Friction, which damps, is left out, and the disturbance path's dead zone passes nothing.
+//! b is as much as is stable in every corner of the box, or whole. The corners count in which the motor's acceleration by a torque is the
+//! farthest from the file's, with the slowest drive, by the poles of the whole loop ([`poles`]) with the observer's gains of a motor that
+//! moves. Friction, which damps, is left out, and the disturbance path's dead zone passes nothing.
 //! With an output encoder the estimate is corrected by what it tells, and the damping is D's.
 
 use super::corners::Corner;
@@ -19,8 +19,6 @@ use super::poles;
 use super::variant::Variant;
 use crate::io::gear_file::{GearFile, SensorSet};
 
-/// Gain margin.
-const MARGIN: f64 = 2.0;
 /// Growth of the error (1/s) that counts as none: an integrator of the observer that drifts, and rounding.
 const NONE: f64 = 1.0;
 /// Halvings of the range in which the level lies.
@@ -38,7 +36,7 @@ pub fn level(file: &GearFile, parts: &Parts) -> f64 {
         plants.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
     };
     let without = growth(0.0).max(0.0) + NONE;
-    let bears = |level: f64| growth(MARGIN * level) <= without;
+    let bears = |level: f64| growth(level) <= without;
     if bears(1.0) {
         return 1.0;
     }
@@ -92,22 +90,27 @@ mod tests {
         corners(file).map(of).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Twice the level is stable in every corner, a little more than that in one no longer.
+    /// The level is stable in every corner, a little more is not.
     #[test]
-    fn the_level_has_a_gain_margin_of_two() {
-        let file = loaded(0.5);
+    fn the_level_is_as_much_as_is_stable() {
+        let file = loaded(0.3);
         let parts = whole(&file).unwrap();
         let level = level(&file, &parts);
-        assert!((0.05..0.9).contains(&level), "{level}");
-        let [below, above] =
-            [MARGIN, 1.15 * MARGIN].map(|factor| worst(&file, &scaled(&parts, factor * level)));
-        assert!(below <= NONE && above > 3.0 * NONE, "{level}: {below} {above}");
+        assert!((0.1..0.9).contains(&level), "{level}");
+        let [below, above] = [level, level + 0.0625].map(|level| worst(&file, &scaled(&parts, level)));
+        assert!(below <= NONE && above > NONE, "{level}: {below} {above}");
+    }
+
+    #[test]
+    fn the_default_gear_bears_all_of_it() {
+        let file = GearFile::default_gear();
+        assert_eq!(level(&file, &whole(&file).unwrap()), 1.0);
     }
 
     /// What the motor is known for exactly closes no loop of its own.
     #[test]
     fn the_better_the_motor_is_known_the_more() {
-        let mut file = loaded(0.5);
+        let mut file = loaded(0.3);
         let before = level(&file, &whole(&file).unwrap());
         (file.drive.torque_constant, file.tolerances.rotor_inertia) = (0.01, 0.01);
         let after = level(&file, &whole(&file).unwrap());
