@@ -10,14 +10,13 @@ use strainwave_desktop::speed::{self, Speed, Spread};
 use strainwave_desktop::{BadInput, Figure, GearFile};
 
 use crate::figures::{Figures, FiguresArguments, columns, say};
+use crate::identify::TRAINING;
 use crate::progress::Progress;
 
 /// Rounds of a measurement: some seconds.
 const ROUNDS: u64 = 500;
 /// Nanoseconds of a second.
 const NANOSECONDS: f64 = 1e9;
-/// Fraction of a log's path that trains, as by default of `identify`.
-const TRAINING: f64 = 0.5;
 
 /// Measure how fast this machine runs the main kernels, each beside a rival
 ///
@@ -43,6 +42,8 @@ pub struct Arguments {
 /// Measures, and prints a line a kernel.
 pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     crate::files::require_writable(arguments.figures.json.as_deref())?;
+    let identified = arguments.identify.as_deref();
+    let identified = identified.map(|log| Identified::read(log, arguments.gear.as_deref())).transpose()?;
     let mut progress = Progress::new(1000, "rounds");
     let fraction = |fraction: f64| progress.set((fraction * 1e3) as u64);
     let found = speed::measure(&GearFile::default_gear(), arguments.rounds as usize, fraction);
@@ -50,29 +51,44 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     let found = found.map_err(BadInput::message)?;
     say(format_args!("{}", columns(&table(&found))));
     let mut figures: Vec<_> = found.iter().flat_map(figures).collect();
-    if let Some(log) = &arguments.identify {
-        let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
-        figures.extend(identification(&gear, log)?);
+    if let Some(log) = identified {
+        figures.extend(log.figures()?);
     }
     Ok(Figures::silent(figures, &arguments.figures))
 }
 
-/// Time of one identification of a log by the clock.
-fn identification(gear: &GearFile, path: &Path) -> Result<[Figure; 3], BadInput> {
-    let log = MeasuredLog::read(path)?;
-    let (rows, stamps) = (log.motor_position.len(), log.time.stamps());
-    let duration = stamps[rows - 1] - stamps[0];
-    let started = Instant::now();
-    learn_gear(gear, &log, TRAINING, |_| ()).map_err(|why| BadInput::new(path, why))?;
-    let time = started.elapsed().as_secs_f64();
-    say(format_args!(
-        "identification of {rows} rows, {duration:.1} s, of which {TRAINING} trains: {time:.1} s"
-    ));
-    Ok([
-        Figure::reported("bench.identify.rows", rows as f64, "1"),
-        Figure::reported("bench.identify.duration", duration, "s"),
-        Figure::reported("bench.identify.time", time, "s"),
-    ])
+/// A log that is identified, and the gear that this starts from.
+struct Identified<'a> {
+    path: &'a Path,
+    gear: GearFile,
+    log: MeasuredLog,
+}
+
+impl<'a> Identified<'a> {
+    fn read(path: &'a Path, gear: Option<&Path>) -> Result<Self, BadInput> {
+        let gear = gear.map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
+        Ok(Self { path, gear, log: MeasuredLog::read(path)? })
+    }
+
+    /// Time of one identification by the clock.
+    fn figures(&self) -> Result<[Figure; 3], BadInput> {
+        let stamps = self.log.time.stamps();
+        let (rows, duration) = (stamps.len(), stamps.last().unwrap_or(&0.0) - stamps.first().unwrap_or(&0.0));
+        let mut progress = Progress::new(1000, "identifying");
+        let started = Instant::now();
+        learn_gear(&self.gear, &self.log, TRAINING, |fraction| progress.set((fraction * 1e3) as u64))
+            .map_err(|why| BadInput::new(self.path, why))?;
+        let time = started.elapsed().as_secs_f64();
+        drop(progress);
+        say(format_args!(
+            "identification of {rows} rows, {duration:.1} s, of which {TRAINING} trains: {time:.1} s"
+        ));
+        Ok([
+            Figure::reported("bench.identify.rows", rows as f64, "1"),
+            Figure::reported("bench.identify.duration", duration, "s"),
+            Figure::reported("bench.identify.time", time, "s"),
+        ])
+    }
 }
 
 fn table(found: &[Speed]) -> Vec<Vec<String>> {

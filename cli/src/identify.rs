@@ -22,6 +22,9 @@ use crate::logs::Reading;
 use crate::progress::Progress;
 use crate::{operator, pil_plots};
 
+/// Fraction of a log that trains, when it is left out.
+pub const TRAINING: f64 = 0.5;
+
 /// Identify a gear from measured logs, of the held joint its hysteresis, of a moving one the rest, and write its gear file
 ///
 /// A log has the columns t_s, theta_motor_rad, tau_motor_nm, theta_out_rad and tau_out_nm; SI units. Its torque must
@@ -46,7 +49,7 @@ pub struct Arguments {
     #[arg(long, value_name = "OUT.toml")]
     output: PathBuf,
     /// Fraction of each log, from its start, that trains; 0.2 to 1
-    #[arg(long, value_name = "FRACTION", default_value_t = 0.5, allow_hyphen_values = true)]
+    #[arg(long, value_name = "FRACTION", default_value_t = TRAINING, allow_hyphen_values = true)]
     training: f64,
     /// The joint moves: learn friction and kinematic error instead, from one log
     ///

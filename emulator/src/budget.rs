@@ -12,6 +12,7 @@ mod elementary_functions;
 mod error;
 mod literal_mesh;
 mod measurement;
+mod overwrite;
 mod table;
 mod torque_gauges;
 mod worst_case;
@@ -28,7 +29,6 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use strainwave_desktop::Figure;
-use toml_edit::{DocumentMut, Item, Table, value};
 
 use crate::artifact::{CONTROL_STEP, IndirectCall};
 use crate::firmware;
@@ -183,10 +183,10 @@ impl Budget {
         Ok(Self { board: board.to_owned(), file: file.to_owned(), ..budget })
     }
 
-    /// The same for the image that serves the tuning link, if the board is flashed with one. The targets are the other image's.
+    /// The same for the image that serves the tuning link, if the board is flashed with one. Its targets are those of the other.
     pub fn served(&self) -> Option<Self> {
         let image = self.served_image?;
-        Some(Self { image, image_target: ImageSizes::default(), program: Program::Served, ..self.clone() })
+        Some(Self { image, program: Program::Served, ..self.clone() })
     }
 
     /// The control step, and its parts, by name.
@@ -200,58 +200,6 @@ impl Budget {
         let mesh = self.literal_mesh.iter().map(|mesh| (LITERAL_MESH, &mesh.period));
         let gauges = self.torque_gauges.iter().map(|gauges| (TORQUE_GAUGES, &gauges.step));
         self.blocks().chain(mesh).chain(gauges).chain(self.worst_case.iter().flat_map(WorstCase::rows))
-    }
-
-    /// Writes what was measured, plus the headroom, as the new bounds; everything else in the file stays.
-    ///
-    /// # Errors
-    /// [`Error::File`] or [`Error::Content`].
-    pub fn overwrite(&self, measured: &Measurement) -> Result<(), Error> {
-        let failed = |source| Error::File { file: self.file.clone(), source };
-        let text = std::fs::read_to_string(&self.file).map_err(failed)?;
-        let bad = |error: toml_edit::TomlError| Error::Content {
-            file: self.file.clone(),
-            what: error.message().to_owned(),
-        };
-        let mut document: DocumentMut = text.parse().map_err(bad)?;
-        self.update(&mut document, measured);
-        std::fs::write(&self.file, document.to_string()).map_err(failed)
-    }
-
-    fn update(&self, document: &mut DocumentMut, measured: &Measurement) {
-        set(document, "compiler", value(measured.compiler.as_str()));
-        let image = table(
-            document,
-            match self.program {
-                Program::Control => "image",
-                Program::Served => "served_image",
-            },
-        );
-        for (name, size) in measured.image_sizes().named() {
-            size.into_iter().for_each(|size| set(image, name, self.bound(size)));
-        }
-        let fixed = |name: &str| self.rows().any(|(row, block)| row == name && block.fixed);
-        for (name, counts) in measured.counts.iter().filter(|(name, _)| !fixed(name)) {
-            let block = match name.as_str() {
-                CONTROL_STEP => table(document, CONTROL_STEP),
-                LITERAL_MESH => table(table(document, LITERAL_MESH), "period"),
-                TORQUE_GAUGES => table(table(document, TORQUE_GAUGES), "step"),
-                driven if self.worst_case.as_ref().is_some_and(|worst| worst.blocks.contains_key(driven)) => {
-                    table(table(table(document, "worst_case"), "blocks"), driven)
-                }
-                part => table(table(document, "blocks"), part),
-            };
-            set(block, "instructions", self.bound(counts.instructions.max));
-            if let Some(cycles) = counts.cycles {
-                set(block, "cycles", self.bound(cycles.max));
-            }
-        }
-    }
-
-    /// The bound for a measured value.
-    fn bound(&self, measured: u64) -> Item {
-        // The headroom on its own: a sum that is rounded up to the next integer by its last bit would be a byte too large.
-        value(measured as i64 + (measured as f64 * self.headroom).ceil() as i64)
     }
 
     /// Name of a figure of the image.
@@ -290,26 +238,6 @@ pub const TORQUE_GAUGES: &str = "torque_gauges";
 /// The name of the literal mesh's control period beside the blocks.
 pub const LITERAL_MESH: &str = "literal_mesh";
 
-fn table<'d>(parent: &'d mut Table, key: &str) -> &'d mut Table {
-    let item = parent.entry(key).or_insert_with(|| Item::Table(Table::new()));
-    if !item.is_table() {
-        *item = std::mem::take(item).into_table().map_or_else(|_| Item::Table(Table::new()), Item::Table);
-    }
-    item.as_table_mut().expect("made a table above")
-}
-
-/// Replaces a value and keeps the spaces and comments around it.
-fn set(table: &mut Table, key: &str, mut new: Item) {
-    let Some(old) = table.get_mut(key) else {
-        table.insert(key, new);
-        return;
-    };
-    if let (Some(old), Some(new)) = (old.as_value(), new.as_value_mut()) {
-        *new.decor_mut() = old.decor().clone();
-    }
-    *old = new;
-}
-
 fn one_line(text: &str, error: &toml::de::Error) -> String {
     let line = error.span().map(|span| text[..span.start].matches('\n').count() + 1);
     let message = error.message().lines().next().unwrap_or("");
@@ -322,7 +250,7 @@ pub(crate) mod tests {
     use crate::artifact::{Sizes, StackBound, stack::Chain};
     use crate::counting::{Counts, Spread, cycle_table};
 
-    const FILE: &str = "# A board.\ncompiler = \"rustc 1\"\nheadroom = 0.1 # a tenth\nemulated = true\n\n\
+    pub const FILE: &str = "# A board.\ncompiler = \"rustc 1\"\nheadroom = 0.1 # a tenth\nemulated = true\n\n\
         [control_step]\nsymbol = \"control_step\"\ncycles = 10 # by the model\n\n\
         [blocks.observer]\nsymbol = \"a::Observer::step\"\n\n\
         [literal_mesh]\nprogram = \"mesh\"\nreduced = \"observer\"\nat_least = 300 # times\n\n\
@@ -388,68 +316,6 @@ pub(crate) mod tests {
             refusal(&FILE.replace("reduced = \"observer\"", "reduced = \"x\"")),
             "literal_mesh.reduced = \"x\", allowed: a name among [blocks]"
         );
-    }
-
-    #[test]
-    fn overwriting_changes_the_bounds_and_nothing_else() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("budget.toml");
-        std::fs::write(&file, FILE).unwrap();
-        Budget::read_file("b", &file).unwrap().overwrite(&measurement()).unwrap();
-        let written = std::fs::read_to_string(&file).unwrap();
-        for line in [
-            "# A board.",
-            "compiler = \"rustc 2\"",
-            "headroom = 0.1 # a tenth",
-            "cycles = 1100 # by the model",
-            "instructions = 44",
-            "flash = 1100",
-            "stack = 330",
-            "thread_stack = 110",
-            "interrupt_stack = 220",
-            "at_least = 300 # times",
-            "instructions = 13588",
-        ] {
-            assert!(written.lines().any(|l| l == line), "{line}: {written}");
-        }
-        let budget = Budget::read_file("b", &file).unwrap();
-        assert_eq!(budget.blocks["observer"].cycles, Some(88));
-        assert_eq!(budget.literal_mesh.as_ref().and_then(|mesh| mesh.period.cycles), Some(27_175));
-        assert!(measurement().figures(&budget).iter().all(|f| f.holds));
-        budget.overwrite(&measurement()).unwrap();
-        assert_eq!(std::fs::read_to_string(&file).unwrap(), written);
-    }
-
-    #[test]
-    fn the_image_that_serves_the_link_has_bounds_and_names_of_its_own() {
-        assert_eq!(budget().served(), None);
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("budget.toml");
-        std::fs::write(&file, FILE.to_owned() + "\n[image]\nflash = 10\n\n[served_image]\nflash = 20\n")
-            .unwrap();
-        let served = Budget::read_file("b", &file).unwrap().served().unwrap();
-        let figures = Measurement { counts: Vec::new(), ..measurement() }.figures(&served);
-        let flash = &figures[0];
-        assert_eq!((flash.name.as_str(), flash.bound), ("budget.b.served_flash", Some(20.0)));
-        assert!(figures.iter().any(|figure| figure.name == "budget.b.served_panics"));
-        served.overwrite(&measurement()).unwrap();
-        let budget = Budget::read_file("b", &file).unwrap();
-        assert_eq!(
-            (budget.image.flash, budget.served_image.and_then(|image| image.flash)),
-            (Some(10), Some(1100))
-        );
-    }
-
-    #[test]
-    fn a_fixed_bound_is_never_overwritten() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("budget.toml");
-        std::fs::write(&file, FILE.replace("cycles = 10 # by the model", "fixed = true\ncycles = 10"))
-            .unwrap();
-        Budget::read_file("b", &file).unwrap().overwrite(&measurement()).unwrap();
-        let written = std::fs::read_to_string(&file).unwrap();
-        assert!(written.contains("cycles = 10\n") && written.contains("instructions = 44\n"), "{written}");
-        assert!(!written.contains("cycles = 1100"), "{written}");
     }
 
     #[test]

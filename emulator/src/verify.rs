@@ -95,8 +95,9 @@ pub fn measure(parts: Parts, mut progress: impl FnMut(f64)) -> Result<Measured, 
         return Ok(costs.into());
     }
     let boards = every_board(&runs)?;
-    let executed = chips::verify::measure()?;
-    let mut measured = Measured::from([proofs()?, control_step(&runs)?, boards, executed, costs].concat());
+    let mut measured = Measured::from([proofs()?, control_step(&runs)?, boards].concat());
+    measured.add(chips::verify::measure()?);
+    measured.add(costs.into());
     match data::find(LOG) {
         Some(log) => measured.figures.extend(replay(&MeasuredLog::read(&log)?)?),
         None => measured.notes.push(format!("pil.replay.size_17: skipped: no data ({LOG})")),

@@ -1,15 +1,10 @@
 //! The store of the tuning link: the last two pages of the flash's second bank, which is written while code is read in the first (ST RM0440,
-//! 3.3.1, 3.3.6 to 3.3.8 and 3.7).
+//! chapter 3).
 
 use stm32g4xx_hal::pac::FLASH;
-use strainwave_stm32::flash::{Controller, Flash, StoreFlash};
+use strainwave_stm32::flash::{Controller, StoreFlash};
 
 use crate::clock::G474;
-
-unsafe extern "C" {
-    /// Where the memory map has it.
-    static _store: u8;
-}
 
 /// The second bank, in which the page's number counts.
 const SECOND_BANK: u32 = 1 << 11;
@@ -33,14 +28,10 @@ unsafe impl StoreFlash for G474 {
     const FIRST: u32 = 126;
     const WRITES_BESIDE: bool = true;
 
-    fn begin() -> usize {
-        &raw const _store as usize
+    // Two banks, of which the chip starts from the first, as when it is delivered.
+    fn is_there() -> bool {
+        // SAFETY: only read, and nothing writes it.
+        let options = unsafe { (*FLASH::ptr()).optr().read() };
+        options.dbank().bit_is_set() && options.bfb2().bit_is_clear()
     }
-}
-
-/// The flash, if its option bytes give it two banks, as they do when it is delivered, of which the chip starts from the first.
-pub fn flash() -> Option<Flash<G474>> {
-    // SAFETY: only read, and nothing writes it.
-    let options = unsafe { (*FLASH::ptr()).optr().read() };
-    (options.dbank().bit_is_set() && options.bfb2().bit_is_clear()).then(Flash::new)
 }

@@ -1,15 +1,10 @@
 //! The store of the tuning link: the last two sectors of the flash's second bank, which is written while code is read in the first (ST RM0433,
-//! 4.3.5, 4.3.9, 4.3.10 and 4.9).
+//! chapter 4).
 
 use stm32h7::stm32h743v::FLASH;
-use strainwave_stm32::flash::{Controller, Flash, StoreFlash};
+use strainwave_stm32::flash::{Controller, StoreFlash};
 
 use crate::clock::H743;
-
-unsafe extern "C" {
-    /// Where the memory map has it.
-    static _store: u8;
-}
 
 /// 64 bits at once, for a supply of 2.7 to 3.6 V.
 const PARALLELISM: u32 = 0b11 << 4;
@@ -35,14 +30,10 @@ unsafe impl StoreFlash for H743 {
     const FIRST: u32 = 6;
     const WRITES_BESIDE: bool = true;
 
-    fn begin() -> usize {
-        &raw const _store as usize
+    // Its two banks are not swapped, as when it is delivered.
+    fn is_there() -> bool {
+        // SAFETY: only read, and nothing writes it.
+        let options = unsafe { (*FLASH::ptr()).optcr().read() };
+        options.swap_bank().bit_is_clear()
     }
-}
-
-/// The flash, if its two banks are not swapped, as they are not when it is delivered.
-pub fn flash() -> Option<Flash<H743>> {
-    // SAFETY: only read, and nothing writes it.
-    let options = unsafe { (*FLASH::ptr()).optcr().read() };
-    options.swap_bank().bit_is_clear().then(Flash::new)
 }

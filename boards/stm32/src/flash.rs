@@ -1,4 +1,5 @@
-//! Two erasable pages of the chip's flash for a store (ST RM0090, 3.6 and 3.9; RM0440, 3.3 and 3.7; RM0433, 4.3 and 4.9).
+//! Two erasable pages of the chip's flash for a store (ST RM0090, chapter 3; RM0440, chapter 3; RM0433, chapter 4), where the memory map of
+//! the board has them.
 //!
 //! ```text
 //! unlock    two keys, after which the control register can be written until it is locked
@@ -12,12 +13,19 @@
 //! The data cache would go on showing what was there before: it is off until the operation is over, and begins empty.
 
 use core::marker::PhantomData;
+use core::ops::Range;
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
 
 use crate::register::Register;
 use crate::{IndependentWatchdog, Stm32};
+use strainwave_controller::served::Service;
+
+unsafe extern "C" {
+    /// The first page, by the memory map.
+    static _store: u8;
+}
 
 const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
 
@@ -57,7 +65,7 @@ pub struct Controller {
 /// A chip with a store in its flash.
 ///
 /// # Safety
-/// Controller and pages are there, nothing else uses them, and no code or constant is in these pages.
+/// The controller is there, and the pages where `_store` of the memory map is; nothing else uses them, and no code or constant is in them.
 pub unsafe trait StoreFlash: Stm32 {
     /// The controller.
     const CONTROLLER: Controller;
@@ -70,22 +78,24 @@ pub unsafe trait StoreFlash: Stm32 {
     /// No code is fetched from the flash, or bank of it, that is written.
     const WRITES_BESIDE: bool;
 
-    /// Address of the first page: where the memory map has it.
-    fn begin() -> usize;
+    /// The chip's option bytes leave the pages where they are.
+    fn is_there() -> bool {
+        true
+    }
 }
 
 /// The two pages.
 pub struct Flash<C>(PhantomData<C>);
 
-impl<C: StoreFlash> Flash<C> {
-    /// Bytes of both.
-    pub const BYTES: u32 = 2 * C::PAGE as u32;
+/// What the link of a chip is brought up with: its line, and the store in its flash.
+pub fn service<C: StoreFlash, L>(line: L) -> Service<L, Flash<C>> {
+    let store: Option<(_, Range<u32>)> = C::is_there().then(|| (Flash(PhantomData), 0..2 * C::PAGE as u32));
+    Service { line, store, writes_beside: C::WRITES_BESIDE }
+}
 
-    /// The pages of the chip.
-    #[expect(clippy::new_without_default, reason = "no chip has a default")]
-    pub const fn new() -> Self {
-        Self(PhantomData)
-    }
+/// Address of the first page.
+fn begin() -> usize {
+    &raw const _store as usize
 }
 
 fn register<C: StoreFlash>(offset: usize) -> Register {
@@ -148,7 +158,7 @@ fn erase<C: StoreFlash>(page: u32) -> Result<(), NorFlashErrorKind> {
 
 /// Programs as many bytes as are programmed at once.
 fn program<C: StoreFlash>(offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
-    let place = C::begin() + offset as usize;
+    let place = begin() + offset as usize;
     let (words, _) = bytes.as_chunks();
     operate::<C>(|| {
         control::<C>().write(C::CONTROLLER.programs);
@@ -170,7 +180,7 @@ impl<C: StoreFlash> ReadNorFlash for Flash<C> {
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
         check_read(self, offset, bytes.len())?;
-        for (byte, address) in bytes.iter_mut().zip(C::begin() + offset as usize..) {
+        for (byte, address) in bytes.iter_mut().zip(begin() + offset as usize..) {
             // SAFETY: within the pages, which `StoreFlash` promises.
             *byte = unsafe { (address as *const u8).read_volatile() };
         }

@@ -1,7 +1,7 @@
 //! USART1 under the tuning link.
 //!
 //! It has no FIFO, and the control's interrupt lasts longer than a byte: so DMA2's stream 5, channel 4, puts what comes into a ring (ST RM0090,
-//! 10.3.3 and 10.5), from which the idle loop takes it. It holds 1.4 ms of bytes. What is sent goes byte by byte from a queue, in the interrupt.
+//! chapter 10), from which the idle loop takes it. It holds 1.4 ms of bytes. What is sent goes byte by byte from a queue, in the interrupt.
 
 use core::sync::atomic::{AtomicU8, Ordering};
 use stm32f4xx_hal::pac::{DMA2, dma2};

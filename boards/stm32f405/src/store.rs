@@ -1,14 +1,9 @@
 //! The store of the tuning link: sectors 1 and 2 of the flash, from which code cannot be read while one of them is erased or written (ST
-//! RM0090, 3.6 and 3.9).
+//! RM0090, chapter 3).
 
 use strainwave_stm32::flash::{Controller, StoreFlash};
 
 use crate::clock::F405;
-
-unsafe extern "C" {
-    /// Where the memory map has it.
-    static _store: u8;
-}
 
 /// 32 bits at once, for a supply of 2.7 to 3.6 V.
 const PARALLELISM: u32 = 0b10 << 8;
@@ -31,8 +26,4 @@ unsafe impl StoreFlash for F405 {
     const PAGE: usize = 16 << 10;
     const FIRST: u32 = 1;
     const WRITES_BESIDE: bool = false;
-
-    fn begin() -> usize {
-        &raw const _store as usize
-    }
 }

@@ -243,6 +243,9 @@ fn bench_times_every_kernel_and_judges_none() {
     assert_eq!(figures.len(), 6 * kernels.len());
     assert!(figures.iter().all(|figure| figure["bound"].is_null() && figure["value"].as_f64() > Some(0.0)));
     assert!(bench.refused("bench --rounds 0").contains("0 is not in 1..=1000000"));
+    // Before anything is measured.
+    let refused = bench.refused("bench --rounds 1000000 --identify none.csv --json none.json");
+    assert!(refused.contains("none.csv: cannot be read"), "{refused}");
 }
 
 #[test]

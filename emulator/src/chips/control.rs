@@ -23,6 +23,7 @@ use crate::chips::chip::{self, Chip};
 use crate::chips::encoder;
 use crate::chips::host::{self, Host, HostBoard, RELEASED};
 use crate::chips::model::Model;
+use crate::chips::run_error::Error;
 use crate::target::Agreement;
 
 /// From the start of the timer to that of the first period: the interrupts are then 0.04 ms after a period's begin.
@@ -46,20 +47,6 @@ const LATEST: u32 = 20;
 const DURATION: f64 = 1.0;
 /// Periods for which a stopped control is watched: 0.2 s.
 const AFTERWARDS: u32 = 2000;
-
-/// Why a run ended.
-#[derive(Debug, thiserror::Error)]
-pub enum Error {
-    /// The chip.
-    #[error(transparent)]
-    Chip(#[from] chip::Error),
-    /// The plant.
-    #[error(transparent)]
-    Plant(#[from] RunError),
-    /// A parameter that no model can be built from.
-    #[error(transparent)]
-    Parameter(#[from] strainwave::Error),
-}
 
 /// A second of control.
 #[derive(Clone, Debug, PartialEq)]

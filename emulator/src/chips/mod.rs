@@ -15,6 +15,7 @@
 //! | [`encoder`] | the motor encoder |
 //! | [`model`] | each chip: its description, its memory, the drive's registers |
 //! | [`chip`] | boots an image, lets it run, looks at its pins |
+//! | [`run_error`] | why a run of a chip with its plant ended |
 //! | [`host`] | the firmware's control on the host |
 //! | [`flash_image`] | what a chip has stored, on the host |
 //! | [`host_program`] | what a host does at the tuning link |
@@ -34,6 +35,7 @@ pub mod line;
 pub mod model;
 pub mod registers;
 pub mod rp2350;
+pub mod run_error;
 pub mod served;
 pub mod spi_master;
 pub mod stm32;

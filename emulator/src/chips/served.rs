@@ -15,7 +15,7 @@ use strainwave_desktop::design::capability::Capability;
 use strainwave_desktop::design::joint::joint_params;
 use strainwave_desktop::io::gear_file::SensorSet;
 use strainwave_desktop::plant::divergence::RunError;
-use strainwave_service::store::{self, Owner, Store};
+use strainwave_service::store::{Owner, Store};
 use strainwave_service::tuning::{Answer, Joint as _, Order, Reading, client};
 
 use crate::chips::chip::{self, Chip};
@@ -26,6 +26,7 @@ use crate::chips::host::{self, Drive, Host, HostBoard};
 use crate::chips::host_program::{Found, restarted, tried_out};
 use crate::chips::line::{Ask, ChipEnd, Look, Port, line};
 use crate::chips::model::Model;
+use crate::chips::run_error::Error;
 use crate::target::Agreement;
 
 /// When the load comes and goes (s), and the load, of the rated torque.
@@ -33,25 +34,6 @@ const LOADED: [f64; 2] = [0.25, 0.35];
 const LOAD: f64 = 0.3;
 /// Longest time from the request of a gain until the control takes it (control periods).
 const LATEST: u32 = 20;
-/// Why a run ended.
-#[derive(Debug, thiserror::Error)]
-pub enum Error {
-    /// The chip.
-    #[error(transparent)]
-    Chip(#[from] chip::Error),
-    /// The plant.
-    #[error(transparent)]
-    Plant(#[from] RunError),
-    /// A parameter that no model can be built from.
-    #[error(transparent)]
-    Parameter(#[from] strainwave::Error),
-    /// The host's end of the link.
-    #[error(transparent)]
-    Client(#[from] client::Error),
-    /// What the chip has stored.
-    #[error("emulated chip: {}", .0.reason())]
-    Store(store::Error),
-}
 
 /// Runs the image, which serves the link of the joint of `gear`.
 ///

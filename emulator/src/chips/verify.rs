@@ -5,13 +5,13 @@ use std::path::Path;
 use std::thread;
 
 use strainwave::compensator::schedule::CONTROL_PERIOD;
-use strainwave_desktop::verify::bounds;
+use strainwave_desktop::verify::{Measured, bounds};
 use strainwave_desktop::{Figure, GearFile};
 
 use crate::budget::{self, Budget};
-use crate::chips::control::{self, second, stopped};
+use crate::chips::control::{second, stopped};
 use crate::chips::model::{MODELS, Model};
-use crate::chips::served;
+use crate::chips::{run_error, served};
 use crate::{firmware, pil};
 
 /// What the firmware says of a lost encoder.
@@ -28,17 +28,14 @@ pub enum Error {
     Budget(#[from] budget::Error),
     /// The run.
     #[error(transparent)]
-    Run(#[from] control::Error),
-    /// The run with a host at the tuning link.
-    #[error(transparent)]
-    Served(#[from] served::Error),
+    Run(#[from] run_error::Error),
 }
 
-/// Runs the default gear's images of every board.
+/// Runs the default gear's images of every board; a note names each check that was not as expected.
 ///
 /// # Errors
 /// [`Error`].
-pub fn measure() -> Result<Vec<Figure>, Error> {
+pub fn measure() -> Result<Measured, Error> {
     let gear = GearFile::default_gear();
     // Built one by one, as cargo would anyway; run side by side, each on a processor of its own.
     let images = MODELS.iter().map(|model| {
@@ -52,18 +49,24 @@ pub fn measure() -> Result<Vec<Figure>, Error> {
             started.push(scope.spawn(|| of_image(model, alone)));
             started.push(scope.spawn(|| of_served(model, with_link)));
         }
-        let figures = started.into_iter().map(|run| run.join().unwrap_or_else(|panic| resume_unwind(panic)));
-        Ok(figures.collect::<Result<Vec<_>, Error>>()?.concat())
+        let mut measured = Measured::default();
+        for run in started {
+            measured.add(run.join().unwrap_or_else(|panic| resume_unwind(panic))?);
+        }
+        Ok(measured)
     })
 }
 
 /// The image with a host at its tuning link.
-fn of_served(model: &'static Model, elf: &Path) -> Result<Vec<Figure>, Error> {
+fn of_served(model: &'static Model, elf: &Path) -> Result<Measured, Error> {
     let found = served::serve(model, elf, &GearFile::default_gear())?;
     let name = |what: &str| format!("pil.{}.served.{what}", model.board);
     let judged = |row: &str, value| bounds::figure_as(row.replacen("real", model.board, 1), row, value);
     let time = |periods: u32| f64::from(periods) * CONTROL_PERIOD;
-    Ok(vec![
+    let notes =
+        found.unexpected.iter().map(|what| format!("{}: not as expected: {what}", name("unexpected")));
+    let notes = notes.collect();
+    let figures = vec![
         found.agreement.figure(name("steps_unlike_host")),
         Figure::reported(name("steps"), found.agreement.steps as f64, "1"),
         judged("pil.real.served.readings_unlike_host", found.readings.different as f64),
@@ -73,10 +76,11 @@ fn of_served(model: &'static Model, elf: &Path) -> Result<Vec<Figure>, Error> {
         judged("pil.real.served.unexpected", found.unexpected.len() as f64),
         Figure::reported(name("expected"), found.expected.into(), "1"),
         Figure::reported(name("keep"), time(found.kept_after), "s"),
-    ])
+    ];
+    Ok(Measured { figures, notes })
 }
 
-fn of_image(model: &'static Model, elf: &Path) -> Result<Vec<Figure>, Error> {
+fn of_image(model: &'static Model, elf: &Path) -> Result<Measured, Error> {
     let (gear, board) = (GearFile::default_gear(), model.board);
     let (second, stopped) = (second(model, elf, &gear)?, stopped(model, elf)?);
     let proved = budget::inspect(&Budget::read(board)?, elf)?.stack;
@@ -85,7 +89,7 @@ fn of_image(model: &'static Model, elf: &Path) -> Result<Vec<Figure>, Error> {
     let name = |what: &str| format!("pil.{board}.{what}");
     let judged = |row: &str, value| bounds::figure_as(row.replacen("real", board, 1), row, value);
     let reported = |what: &str, value, unit| Figure::reported(name(what), value, unit);
-    Ok(vec![
+    let figures = vec![
         second.agreement.figure(name("steps_unlike_host")),
         reported("steps", second.agreement.steps as f64, "1"),
         judged("pil.real.misread", second.misread as f64),
@@ -99,5 +103,6 @@ fn of_image(model: &'static Model, elf: &Path) -> Result<Vec<Figure>, Error> {
         judged("pil.real.encoder_lost.unsaid", f64::from(u8::from(!said))),
         judged("pil.real.stopped.release", stopped.released_after),
         judged("pil.real.stopped.enabled", stopped.enabled as f64),
-    ])
+    ];
+    Ok(figures.into())
 }

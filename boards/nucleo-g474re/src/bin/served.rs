@@ -28,16 +28,12 @@ use clock::G474;
 use serial::Serial;
 use stm32g4xx_hal::pac::{Interrupt, interrupt};
 use strainwave_controller::served::Service;
-use strainwave_stm32::flash::{Flash, StoreFlash};
+use strainwave_stm32::flash::{self, Flash};
 use strainwave_stm32::linked::{self, Linked};
 use strainwave_stm32::usart;
 
 fn service() -> Service<Linked<Serial>, Flash<G474>> {
-    Service {
-        line: Linked::begin(),
-        store: store::flash().map(|flash| (flash, 0..Flash::<G474>::BYTES)),
-        writes_beside: G474::WRITES_BESIDE,
-    }
+    flash::service(Linked::begin())
 }
 
 strainwave_controller::served_controller!(G474, board::Board, board::start, service, interrupt TIM2, USART2, linked::serve::<Serial>, usart::send::<Serial>);

@@ -30,16 +30,12 @@ use clock::H743;
 use serial::Serial;
 use stm32h7::stm32h743v::{Interrupt, interrupt};
 use strainwave_controller::served::Service;
-use strainwave_stm32::flash::{Flash, StoreFlash};
+use strainwave_stm32::flash::{self, Flash};
 use strainwave_stm32::linked::{self, Linked};
 use strainwave_stm32::usart;
 
 fn service() -> Service<Linked<Serial>, Flash<H743>> {
-    Service {
-        line: Linked::begin(),
-        store: store::flash().map(|flash| (flash, 0..Flash::<H743>::BYTES)),
-        writes_beside: H743::WRITES_BESIDE,
-    }
+    flash::service(Linked::begin())
 }
 
 strainwave_controller::served_controller!(H743, board::Board, board::start, service, interrupt TIM2, USART3, linked::serve::<Serial>, usart::send::<Serial>);

@@ -28,14 +28,10 @@ use clock::F405;
 use line::Dma;
 use stm32f4xx_hal::pac::{Interrupt, interrupt};
 use strainwave_controller::served::Service;
-use strainwave_stm32::flash::{Flash, StoreFlash};
+use strainwave_stm32::flash::{self, Flash};
 
 fn service() -> Service<Dma, Flash<F405>> {
-    Service {
-        line: Dma::begin(),
-        store: Some((Flash::new(), 0..Flash::<F405>::BYTES)),
-        writes_beside: F405::WRITES_BESIDE,
-    }
+    flash::service(Dma::begin())
 }
 
 strainwave_controller::served_controller!(F405, board::Board, board::start, service, interrupt TIM2, USART1, line::serve, serial::send);
