@@ -29,6 +29,7 @@
 //! P. Lambrechts, M. Boerlage, M. Steinbuch, "Trajectory planning and feedforward design for electromechanical
 //! motion systems", Control Engineering Practice 13 (2005).
 
+mod cyclic;
 mod full_speed;
 mod ramp;
 mod rest_to_rest;
@@ -36,6 +37,7 @@ mod rest_to_rest;
 mod tests;
 mod widths;
 
+pub use cyclic::{Cyclic, CyclicState};
 pub use rest_to_rest::{Move, MoveState};
 
 use crate::angle::Angle;
