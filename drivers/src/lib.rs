@@ -1,4 +1,5 @@
-//! embedded-hal drivers of the joint's sensors, and of drives behind a bus: [`cia402`], [`moteus`], [`odrive`].
+//! embedded-hal drivers of the joint's sensors, and of drives behind a bus: [`cia402`], [`moteus`], [`odrive`]; the joint itself as a node on a
+//! bus: [`cia402::node`].
 //!
 //! Every encoder has a file that opens with its frame, its timing and the datasheet; what a board sees of it is
 //! [`Encoder`]. `docs/src/add-sensor.md` compares them.

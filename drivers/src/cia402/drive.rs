@@ -1,4 +1,4 @@
-//! CiA 402: a drive behind CANopen that takes a torque every cycle of the bus (cyclic synchronous torque, mode 10).
+//! The master of one drive behind CANopen that takes a torque every cycle of the bus (cyclic synchronous torque, mode 10).
 //!
 //! ```text
 //! RPDO1  0x200 + node   controlword, target torque (0x6071) in thousandths of the rated torque
@@ -24,6 +24,7 @@
 
 use embedded_can::{Frame, StandardId};
 
+use super::state::{DISABLE_VOLTAGE, ENABLE_OPERATION, FAULT_RESET, OPERATIONAL, SHUTDOWN, SWITCH_ON, State};
 pub use crate::drive::Cause;
 use crate::drive::{Guard, standard_id};
 
@@ -59,61 +60,19 @@ impl Params {
     }
 }
 
-/// State of the drive by its statusword.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum State {
-    /// It starts.
-    NotReady,
-    /// Waits for shutdown.
-    SwitchOnDisabled,
-    /// Waits for switch on.
-    ReadyToSwitchOn,
-    /// Waits for enable operation.
-    SwitchedOn,
-    /// It follows the torque.
-    OperationEnabled,
-    /// It stops.
-    QuickStopActive,
-    /// It stops for a fault.
-    FaultReactionActive,
-    /// It has stopped for a fault.
-    Fault,
-}
-
 impl State {
-    /// The state that a statusword tells.
-    pub const fn of(statusword: u16) -> Self {
-        match (statusword & 0x4f, statusword & 0x6f) {
-            (0x40, _) => Self::SwitchOnDisabled,
-            (_, 0x21) => Self::ReadyToSwitchOn,
-            (_, 0x23) => Self::SwitchedOn,
-            (_, 0x27) => Self::OperationEnabled,
-            (_, 0x07) => Self::QuickStopActive,
-            (0x0f, _) => Self::FaultReactionActive,
-            (0x08, _) => Self::Fault,
-            // 0x00, and what no drive may send.
-            _ => Self::NotReady,
-        }
-    }
-
     /// The controlword that leads towards the enabled state.
     const fn towards_enabled(self) -> u16 {
         match self {
-            Self::SwitchOnDisabled => 0x06,
-            Self::ReadyToSwitchOn => 0x07,
-            Self::SwitchedOn | Self::OperationEnabled => 0x0f,
+            Self::SwitchOnDisabled => SHUTDOWN,
+            Self::ReadyToSwitchOn => SWITCH_ON,
+            Self::SwitchedOn | Self::OperationEnabled => ENABLE_OPERATION,
             Self::NotReady | Self::QuickStopActive | Self::FaultReactionActive | Self::Fault => {
                 DISABLE_VOLTAGE
             }
         }
     }
 }
-
-const DISABLE_VOLTAGE: u16 = 0x00;
-const FAULT_RESET: u16 = 0x80;
-
-/// NMT state of a node that exchanges PDOs.
-const OPERATIONAL: u8 = 5;
 
 /// What the drive measures.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -246,25 +205,6 @@ mod tests {
         }
         assert_eq!((drive.state(), drive.cause()), (State::OperationEnabled, None));
         drive
-    }
-
-    #[test]
-    fn statuswords_are_those_of_the_standard() {
-        // Bits beyond the mask as drives set them: voltage enabled, remote.
-        let words = [
-            (0x0000, State::NotReady),
-            (0x0250, State::SwitchOnDisabled),
-            (0x0231, State::ReadyToSwitchOn),
-            (0x0233, State::SwitchedOn),
-            (0x0237, State::OperationEnabled),
-            (0x1237, State::OperationEnabled),
-            (0x0217, State::QuickStopActive),
-            (0x021f, State::FaultReactionActive),
-            (0x0218, State::Fault),
-        ];
-        for (word, state) in words {
-            assert_eq!(State::of(word), state, "{word:#06x}");
-        }
     }
 
     #[test]
