@@ -31,7 +31,7 @@ use serde::Deserialize;
 use strainwave_desktop::Figure;
 
 use crate::artifact::{CONTROL_STEP, IndirectCall};
-use crate::firmware;
+use crate::firmware::{self, Program};
 
 /// The function whose cost is bounded, and its bounds.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
@@ -88,16 +88,6 @@ pub struct AnyInputBounds {
     pub target: Option<u64>,
 }
 
-/// Which image of a board is judged.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Program {
-    /// The one that controls the joint.
-    #[default]
-    Control,
-    /// The one that serves the tuning link, too.
-    Served,
-}
-
 /// A board's budget.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -122,6 +112,8 @@ pub struct Budget {
     pub image: ImageSizes,
     /// Bounds of the image that serves the tuning link, of a board that is flashed with one.
     pub served_image: Option<ImageSizes>,
+    /// Bounds of the image that is a node on CAN, of a board that is flashed with one.
+    pub can_image: Option<ImageSizes>,
     /// The image's targets; never overwritten. The table reports those that are missed.
     #[serde(default)]
     pub image_target: ImageSizes,
@@ -183,10 +175,19 @@ impl Budget {
         Ok(Self { board: board.to_owned(), file: file.to_owned(), ..budget })
     }
 
-    /// The same for the image that serves the tuning link, if the board is flashed with one. Its targets are those of the other.
-    pub fn served(&self) -> Option<Self> {
-        let image = self.served_image?;
-        Some(Self { image, program: Program::Served, ..self.clone() })
+    /// The same for another of its programs, if the board is flashed with it. Its targets are those of the first.
+    pub fn of(&self, program: Program) -> Option<Self> {
+        let image = match program {
+            Program::Control => Some(self.image),
+            Program::Served => self.served_image,
+            Program::Commanded { .. } => self.can_image,
+        };
+        Some(Self { image: image?, program, ..self.clone() })
+    }
+
+    /// The program that is judged.
+    pub fn program(&self) -> Program {
+        self.program
     }
 
     /// The control step, and its parts, by name.
@@ -204,10 +205,7 @@ impl Budget {
 
     /// Name of a figure of the image.
     fn of_image(&self, name: &str) -> String {
-        match self.program {
-            Program::Control => name.to_owned(),
-            Program::Served => format!("served_{name}"),
-        }
+        format!("{}{name}", self.program.prefix())
     }
 
     fn figure(&self, name: &str, measured: f64, unit: &str, bound: Option<u64>) -> Figure {

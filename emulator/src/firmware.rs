@@ -64,6 +64,59 @@ pub struct Firmware {
     pub compiler: String,
 }
 
+/// Where images are kept, in cargo's folder of what is built.
+const IMAGES: &str = "images";
+
+/// A program of a board that controls the joint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Program {
+    /// By itself: an operator moves it.
+    #[default]
+    Control,
+    /// With the tuning link on its serial port, and a store.
+    Served,
+    /// As a node on CAN, which a controller commands.
+    Commanded {
+        /// Its number there, 1 to 127.
+        node: u8,
+    },
+}
+
+impl Program {
+    /// The node that a joint is if nothing else is said.
+    pub const COMMANDED: Self = Self::Commanded { node: 1 };
+
+    /// What its figures and its budget have in front of their names.
+    pub const fn prefix(self) -> &'static str {
+        match self {
+            Self::Control => "",
+            Self::Served => "served_",
+            Self::Commanded { .. } => "can_",
+        }
+    }
+
+    fn binary(self, board: &str) -> String {
+        let board = control(board);
+        self.feature().map_or_else(|| board.clone(), |feature| format!("{board}-{feature}"))
+    }
+
+    /// The feature of the board's package that it takes; its binary is called so, too.
+    const fn feature(self) -> Option<&'static str> {
+        match self {
+            Self::Control => None,
+            Self::Served => Some("served"),
+            Self::Commanded { .. } => Some("can"),
+        }
+    }
+
+    const fn node(self) -> Option<u8> {
+        match self {
+            Self::Commanded { node } => Some(node),
+            Self::Control | Self::Served => None,
+        }
+    }
+}
+
 /// The folder of the boards.
 pub fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("boards")
@@ -118,18 +171,18 @@ pub fn targets() -> Result<Vec<String>, Error> {
 /// # Errors
 /// [`Error::UnknownBoard`], [`Error::Joint`], [`Error::Setup`], or [`Error::Build`].
 pub fn build(board: &str, joint: Option<&Path>) -> Result<Firmware, Error> {
-    link(board, &control(board), &[], joint.map(Joint::read).transpose()?.as_ref())
+    link(board, Program::Control, joint.map(Joint::read).transpose()?.as_ref())
 }
 
-/// Builds the firmware of `board` that serves the tuning link too, for the joint in a file of `strainwave export`.
+/// Builds a program of `board` that controls the joint in a file of `strainwave export`.
 ///
 /// # Errors
 /// As [`build`].
-pub fn build_served(board: &str, joint: &Path) -> Result<Firmware, Error> {
-    link(board, &served(board), &["served"], Some(&Joint::read(joint)?))
+pub fn build_as(program: Program, board: &str, joint: &Path) -> Result<Firmware, Error> {
+    link(board, program, Some(&Joint::read(joint)?))
 }
 
-/// The program of a board that controls the joint.
+/// The program of a board that controls the joint by itself; its package, too.
 pub fn control(board: &str) -> String {
     format!("strainwave-{board}")
 }
@@ -139,23 +192,34 @@ pub fn control(board: &str) -> String {
 /// # Errors
 /// As [`build`].
 pub fn build_program(board: &str, program: &str) -> Result<Firmware, Error> {
-    link(board, program, &[], None)
+    image(board, Parts { binary: program, name: program, feature: None, node: None }, None)
 }
 
-/// The program of a board that serves the tuning link beside the control.
-fn served(board: &str) -> String {
-    format!("strainwave-{board}-served")
+fn link(board: &str, program: Program, joint: Option<&Joint>) -> Result<Firmware, Error> {
+    let (binary, node) = (program.binary(board), program.node());
+    let name = node.map_or_else(|| binary.clone(), |node| format!("{binary}-{node}"));
+    image(board, Parts { binary: &binary, name: &name, feature: program.feature(), node }, joint)
 }
 
-fn link(board: &str, program: &str, features: &[&str], joint: Option<&Joint>) -> Result<Firmware, Error> {
+/// What a program of a board is built from, but for its joint.
+struct Parts<'a> {
+    binary: &'a str,
+    /// What its image is called.
+    name: &'a str,
+    feature: Option<&'a str>,
+    /// Its number on CAN.
+    node: Option<u8>,
+}
+
+fn image(board: &str, parts: Parts, joint: Option<&Joint>) -> Result<Firmware, Error> {
     let compiler = setup::compiler(&setup::ThisHost, &target(board)?)?;
     let output = folder().join("target");
-    let images = output.join("images");
+    let images = output.join(IMAGES);
     fs::create_dir_all(&images)?;
     let image = Image {
         elf: images.join(match joint {
-            Some(joint) => format!("{program}-{:016x}.elf", joint.digest),
-            None => format!("{program}.elf"),
+            Some(joint) => format!("{}-{:016x}.elf", parts.name, joint.digest),
+            None => format!("{}.elf", parts.name),
         }),
         sources: sources::digest(&folder().join(".."), &compiler.version)?,
     };
@@ -168,11 +232,8 @@ fn link(board: &str, program: &str, features: &[&str], joint: Option<&Joint>) ->
     lock.lock()?;
     // Whoever had the lock may have built it.
     if !image.is_fresh() {
-        let joint_file = joint.map(|joint| joint.keep(&images)).transpose()?;
-        let belt = joint.filter(|joint| joint.has_belt()).map(|_| "belt");
-        let features: Vec<_> = features.iter().copied().chain(belt).collect();
-        run(&compiler, board, (program, &features), joint_file, &output)?;
-        image.keep(&output.join(&compiler.target).join("release").join(program))?;
+        run(&compiler, board, &parts, joint, &output)?;
+        image.keep(&output.join(&compiler.target).join("release").join(parts.binary))?;
     }
     Ok(made())
 }
@@ -253,19 +314,23 @@ impl Joint {
 fn run(
     compiler: &Compiler,
     board: &str,
-    (program, features): (&str, &[&str]),
-    joint: Option<PathBuf>,
+    parts: &Parts,
+    joint: Option<&Joint>,
     target: &Path,
 ) -> Result<(), Error> {
     let mut command = compiler.build_command();
     without_host_settings(&mut command);
     command.current_dir(folder()).stdin(Stdio::null());
     command
-        .args(["--quiet", "--locked", "--package", &control(board), "--bin", program, "--target-dir"])
+        .args(["--quiet", "--locked", "--package", &control(board), "--bin", parts.binary, "--target-dir"])
         .arg(target);
-    command.args(features.iter().map(|feature| format!("--features={feature}")));
+    let belt = joint.filter(|joint| joint.has_belt()).map(|_| "belt");
+    command.args(parts.feature.iter().chain(&belt).map(|feature| format!("--features={feature}")));
     if let Some(joint) = joint {
-        command.env("STRAINWAVE_JOINT", joint);
+        command.env("STRAINWAVE_JOINT", joint.keep(&target.join(IMAGES))?);
+    }
+    if let Some(node) = parts.node {
+        command.env("STRAINWAVE_NODE", node.to_string());
     }
     let output = command.output()?;
     if output.status.success() {
@@ -280,7 +345,8 @@ fn without_host_settings(command: &mut Command) {
     let ours = |name: &str| {
         name.starts_with("CARGO_PROFILE_")
             || name.starts_with("CARGO_BUILD_")
-            || ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "DEFMT_LOG", "STRAINWAVE_JOINT"].contains(&name)
+            || ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "DEFMT_LOG", "STRAINWAVE_JOINT", "STRAINWAVE_NODE"]
+                .contains(&name)
     };
     for (name, _) in std::env::vars_os() {
         if name.to_str().is_some_and(ours) {

@@ -33,7 +33,7 @@ use crate::artifact::CONTROL_STEP;
 use crate::artifact::{self, Image};
 use crate::budget;
 use crate::counting::{self, Counting, Counts};
-use crate::firmware::{self, Firmware};
+use crate::firmware::{self, Firmware, Program};
 use crate::machine::{Ending, Machine};
 use crate::scratch::Scratch;
 use crate::setup;
@@ -282,12 +282,12 @@ pub fn build(board: &str, file: &GearFile) -> Result<Firmware, firmware::Error> 
     with_joint_file(file, |joint| firmware::build(board, Some(joint)))
 }
 
-/// Builds a board's firmware that serves the tuning link too.
+/// Builds one of a board's programs that control the joint.
 ///
 /// # Errors
 /// As [`build`].
-pub fn build_served(board: &str, file: &GearFile) -> Result<Firmware, firmware::Error> {
-    with_joint_file(file, |joint| firmware::build_served(board, joint))
+pub fn build_as(program: Program, board: &str, file: &GearFile) -> Result<Firmware, firmware::Error> {
+    with_joint_file(file, |joint| firmware::build_as(program, board, joint))
 }
 
 /// Builds with a file of the joint's constants.

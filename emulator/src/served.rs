@@ -22,6 +22,7 @@ use strainwave_desktop::bench::{Bench, Conditions};
 use strainwave_desktop::plant::divergence::RunError;
 
 use crate::firmware;
+use crate::firmware::Program;
 use crate::machine::{self, Ending, Machine, Options};
 use crate::pil;
 use crate::setup;
@@ -131,7 +132,7 @@ impl Drop for ServedBoard {
 /// The program's image for a joint.
 fn build(gear: &GearFile) -> Result<PathBuf, Error> {
     setup::emulator(&setup::ThisHost)?;
-    Ok(pil::build_served(BOARD, gear)?.elf)
+    Ok(pil::build_as(Program::Served, BOARD, gear)?.elf)
 }
 
 fn store_name() -> String {

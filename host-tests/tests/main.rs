@@ -6,6 +6,7 @@ mod bounds;
 mod catalogue;
 mod coarse_encoder;
 mod command;
+mod commanded;
 mod compensator;
 mod compensator_laws;
 mod condensed_plant;

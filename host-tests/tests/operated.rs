@@ -2,6 +2,7 @@
 
 use strainwave::Angle;
 use strainwave::compensator::{CompensationGains, Setpoint, Status};
+use strainwave_app::command_source::CommandSource;
 use strainwave_app::jog::Jog;
 use strainwave_app::operated::{Operated, WATCHING};
 use strainwave_app::{Input, Output};

@@ -5,6 +5,9 @@
 //! code runs on the host, where it is tested.
 #![no_std]
 
+pub mod command_source;
+#[cfg(feature = "can")]
+pub mod commanded;
 pub mod control;
 pub mod elementary_functions;
 pub mod frame;

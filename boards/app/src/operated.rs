@@ -2,10 +2,12 @@
 
 use strainwave::compensator::{CompensationGains, Input, Output, Sensors, Setpoint, Status};
 
+use crate::command_source::CommandSource;
 use crate::jog::Jog;
 
 /// Gains once the joint holds: all 1, but the friction's below that which could drive it.
-const GAINS: CompensationGains<f32> = CompensationGains { friction: 0.8, ..CompensationGains::ALL };
+pub(crate) const GAINS: CompensationGains<f32> =
+    CompensationGains { friction: 0.8, ..CompensationGains::ALL };
 
 /// Periods in which the observer only watches, before the joint holds where it then is: 0.1 s.
 pub const WATCHING: u32 = 1000;
@@ -26,10 +28,11 @@ impl Operated {
     pub fn new(jog: &'static Jog) -> Self {
         Self { jog, torque: 0.0, watched: 0, here: Setpoint::default() }
     }
+}
 
-    /// Sets `input` for the encoder's count, `None` where it was not read.
+impl CommandSource for Operated {
     #[inline(always)]
-    pub fn input(&mut self, count: Option<u32>, input: &mut Input<f32>) {
+    fn input(&mut self, count: Option<u32>, input: &mut Input<f32>) {
         // Of a failed reading the compensator makes its own prediction, for a while.
         let (motor_encoder, status) = match count {
             Some(count) => (count, Status::FINE),
@@ -46,20 +49,19 @@ impl Operated {
     }
 
     /// Watches the joint again, before it holds where it then is: it may have been moved without a drive.
-    pub fn reset(&mut self) {
+    fn reset(&mut self) {
         self.jog.forget();
         *self = Self::new(self.jog);
     }
 
-    /// The drive was given this torque (N m).
     #[inline(always)]
-    pub fn commanded(&mut self, torque: f32) {
+    fn commanded(&mut self, torque: f32) {
         self.torque = torque;
     }
 
     /// Takes a step's outputs: only before it holds is it asked where the output is.
     #[inline(always)]
-    pub fn report(&mut self, output: impl FnOnce() -> Output<f32>) {
+    fn report(&mut self, output: impl FnOnce() -> Output<f32>) {
         if self.watched == WATCHING {
             return;
         }

@@ -30,7 +30,7 @@ pub fn run<C: Chip, B: Board>(
 ) -> ! {
     let (sender, log) = telemetry.split();
     match start::<C, B>(place, slot, sender, parts, port) {
-        Some(planner) => idle::run(log, planner),
+        Some(mut planner) => idle::run(log, move || planner.plan(keys::target())),
         None => fault::halt::<C>(),
     }
 }

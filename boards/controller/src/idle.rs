@@ -1,9 +1,9 @@
-//! The idle loop: reports, and plans the moves that the operator wants.
+//! The idle loop: reports, and does what else there is to do: it plans the moves that an operator wants.
 
 use strainwave_app::Log;
 use strainwave_app::jog::{Jog, Planner};
 
-use crate::{keys, lost};
+use crate::lost;
 
 /// Moves of the joint, which the idle loop plans for the control interrupt.
 pub(crate) static JOG: Jog = Jog::new();
@@ -17,12 +17,12 @@ pub(crate) fn planner() -> Option<Planner> {
     planner.ok()
 }
 
-/// Never returns: what ends the control is an interrupt.
-pub(crate) fn run(mut log: Log, mut planner: Planner) -> ! {
+/// Reports, and does the rest of the `work` in each period. Never returns: what ends the control is an interrupt.
+pub(crate) fn run(mut log: Log, mut work: impl FnMut()) -> ! {
     let mut warned = false;
     loop {
         log.drain();
-        planner.plan(keys::target());
+        work();
         if lost() && !warned {
             defmt::error!("motor encoder lost: the drive is released until the next reset");
             warned = true;

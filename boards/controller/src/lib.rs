@@ -7,6 +7,8 @@
 mod board;
 mod chip;
 pub mod clock;
+#[cfg(feature = "can")]
+pub mod commanded;
 pub mod control;
 mod delay;
 mod encoder;

@@ -18,7 +18,7 @@ macro_rules! controller {
             $crate::control::run::<$chip, $board>(&CONTROL, &SLOT, TELEMETRY, $parts, Interrupt::$port)
         }
 
-        $crate::handlers!($chip, SLOT, $kind $timer, $port, $receive, $send);
+        $crate::handlers!($chip, SLOT.tick(), $kind $timer, $port, $receive(), $send);
     };
 }
 
@@ -39,7 +39,31 @@ macro_rules! served_controller {
             $crate::served::run::<$chip, $board, _, _>(&PLACES, TELEMETRY, $parts, $service, Interrupt::$port)
         }
 
-        $crate::handlers!($chip, PLACES.slot, $kind $timer, $port, $serve, $send);
+        $crate::handlers!($chip, PLACES.slot.tick(), $kind $timer, $port, $serve(), $send);
+    };
+}
+
+/// The same of a joint that is commanded over CAN: `$parts` brings the board up, of these encoder and drive, `$start` the bus, a `$bus`, and `$port`
+/// is an interrupt that nothing else requests.
+#[cfg(feature = "can")]
+#[macro_export]
+macro_rules! commanded_controller {
+    ($chip:ty, $encoder:ty, $drive:ty, $bus:ty, $parts:path, $start:path, $kind:meta $timer:ident, $port:ident, $send:path) => {
+        use $crate::commanded::Places;
+        use $crate::strainwave_app::Telemetry;
+
+        static PLACES: Places<$chip, $encoder, $drive, $bus> = Places::new();
+
+        #[cortex_m_rt::entry]
+        fn main() -> ! {
+            static mut TELEMETRY: Telemetry = Telemetry::new();
+            $crate::commanded::run(&PLACES, TELEMETRY, $parts, $start, Interrupt::$port)
+        }
+
+        $crate::handlers!($chip, {
+            PLACES.slot.tick();
+            cortex_m::peripheral::NVIC::pend(Interrupt::$port);
+        }, $kind $timer, $port, PLACES.poll(), $send);
     };
 }
 
@@ -47,18 +71,18 @@ macro_rules! served_controller {
 #[doc(hidden)]
 #[macro_export]
 macro_rules! handlers {
-    ($chip:ty, $slot:expr, $kind:meta $timer:ident, $port:ident, $receive:path, $send:path) => {
+    ($chip:ty, $tick:expr, $kind:meta $timer:ident, $port:ident, $serve:expr, $send:path) => {
         /// The 10 kHz interrupt.
         #[$kind]
         fn $timer() {
             <<$chip as $crate::Chip>::Timer as $crate::Timer>::acknowledge();
-            $slot.tick();
+            $tick;
         }
 
-        /// The serial port.
+        /// The serial port, or the bus.
         #[interrupt]
         fn $port() {
-            $receive();
+            $serve;
         }
 
         #[cortex_m_rt::exception(trampoline = false)]

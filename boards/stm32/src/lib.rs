@@ -4,6 +4,8 @@
 //! an STM32F4, an STM32G4 and an STM32H7 (ST RM0090, RM0440 and RM0433).
 #![no_std]
 
+#[cfg(feature = "can")]
+pub mod fdcan;
 #[cfg(feature = "served")]
 pub mod flash;
 #[cfg(feature = "served")]

@@ -2,7 +2,7 @@
 
 use toml_edit::{DocumentMut, Item, Table, value};
 
-use super::{Budget, Error, LITERAL_MESH, Measurement, Program, TORQUE_GAUGES};
+use super::{Budget, Error, LITERAL_MESH, Measurement, TORQUE_GAUGES};
 use crate::artifact::CONTROL_STEP;
 
 impl Budget {
@@ -24,13 +24,7 @@ impl Budget {
 
     fn update(&self, document: &mut DocumentMut, measured: &Measurement) {
         set(document, "compiler", value(measured.compiler.as_str()));
-        let image = table(
-            document,
-            match self.program {
-                Program::Control => "image",
-                Program::Served => "served_image",
-            },
-        );
+        let image = table(document, &self.of_image("image"));
         for (name, size) in measured.image_sizes().named() {
             size.into_iter().for_each(|size| set(image, name, self.bound(size)));
         }
@@ -83,6 +77,7 @@ fn set(table: &mut Table, key: &str, mut new: Item) {
 mod tests {
     use super::super::tests::{FILE, budget, measurement};
     use super::*;
+    use crate::firmware::Program;
 
     #[test]
     fn overwriting_changes_the_bounds_and_nothing_else() {
@@ -116,12 +111,12 @@ mod tests {
 
     #[test]
     fn the_image_that_serves_the_link_has_bounds_and_names_of_its_own() {
-        assert_eq!(budget().served(), None);
+        assert_eq!(budget().of(Program::Served), None);
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("budget.toml");
         std::fs::write(&file, FILE.to_owned() + "\n[image]\nflash = 10\n\n[served_image]\nflash = 20\n")
             .unwrap();
-        let served = Budget::read_file("b", &file).unwrap().served().unwrap();
+        let served = Budget::read_file("b", &file).unwrap().of(Program::Served).unwrap();
         let figures = Measurement { counts: Vec::new(), ..measurement() }.figures(&served);
         let flash = &figures[0];
         assert_eq!((flash.name.as_str(), flash.bound), ("budget.b.served_flash", Some(20.0)));

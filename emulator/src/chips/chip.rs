@@ -19,6 +19,7 @@ use crate::chips::encoder::{self, Encoder, Magnet};
 use crate::chips::model::{Model, Timer};
 use crate::chips::rp2350::{blocks, sio, spi, watchdog};
 use crate::chips::spi_master;
+use crate::chips::stm32::g4_fdcan::{self, CanBus, Fdcan};
 use crate::chips::stm32::halfwords::{self, Halfwords};
 use crate::chips::stm32::{f4_dma, h7_flash, h7_pwr, h7_rcc, h7_spi};
 use crate::telemetry;
@@ -69,6 +70,7 @@ pub struct Chip {
     core: Arc<ArmV7m>,
     memory: Arc<AddressSpace>,
     magnet: Arc<Magnet>,
+    bus: Arc<CanBus>,
     serial: Arc<CharPort>,
     elf: PathBuf,
     /// What it has sent.
@@ -109,6 +111,9 @@ impl Chip {
         options
             .bindings
             .bind(encoder::CLASS.name, move |props| Ok(Arc::new(Encoder::new(props, shown.clone())?)))?;
+        let bus = Arc::<CanBus>::default();
+        let wired = bus.clone();
+        options.bindings.bind(g4_fdcan::CLASS.name, move |_| Ok(Arc::new(Fdcan::on(wired.clone()))))?;
         options.bindings.bind(f4_dma::CLASS.name, |_| Ok(Arc::new(f4_dma::Stream::default())))?;
         options.bindings.bind(halfwords::CLASS.name, |props| Ok(Arc::new(Halfwords::new(props)?)))?;
         options.bindings.bind(h7_flash::CLASS.name, |props| Ok(Arc::new(h7_flash::Flash::new(props)?)))?;
@@ -129,6 +134,7 @@ impl Chip {
         for (class, schema) in [
             (&encoder::CLASS, encoder::schema()),
             (&f4_dma::CLASS, f4_dma::schema()),
+            (&g4_fdcan::CLASS, g4_fdcan::schema()),
             (&halfwords::CLASS, halfwords::schema()),
             (&h7_flash::CLASS, h7_flash::schema()),
             (&h7_rcc::CLASS, h7_rcc::schema()),
@@ -149,7 +155,7 @@ impl Chip {
         let memory = machine.space("mem").cloned().ok_or(Error::Bus(0))?;
         let core = core.get().cloned().ok_or(Error::Bus(0))?;
         let chip =
-            Self { model, machine, core, memory, magnet, serial, elf: elf.to_owned(), sent: Vec::new() };
+            Self { model, machine, core, memory, magnet, bus, serial, elf: elf.to_owned(), sent: Vec::new() };
         for address in model.stack().step_by(4) {
             chip.write(address, FILL)?;
         }
@@ -159,6 +165,11 @@ impl Chip {
     /// What its motor encoder sees.
     pub fn magnet(&self) -> &Magnet {
         &self.magnet
+    }
+
+    /// The CAN bus that it is at. A chip without one hears and sends nothing.
+    pub fn bus(&self) -> &CanBus {
+        &self.bus
     }
 
     /// Lets it run.
@@ -290,6 +301,7 @@ fn flash(model: &Model, elf: &Path) -> Result<Vec<u8>, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chips::can::CanFrame;
     use crate::chips::model::MODELS;
 
     /// A chip that runs `code` from its reset vector on.
@@ -317,6 +329,36 @@ mod tests {
             assert!(!chip.controls().unwrap());
             assert_eq!(chip.drive().unwrap(), (0, false));
         }
+    }
+
+    #[test]
+    fn a_nucleo_g474re_is_at_its_bus_once_its_clock_is_on() {
+        const CLOCKS: u64 = 0x4002_1058;
+        const FDCAN: u64 = 0x4000_6400;
+        let model = MODELS.iter().find(|model| model.board == "nucleo-g474re").unwrap();
+        // b .
+        let mut chip = chip(model, &[0xe7fe]);
+        assert_eq!(chip.read(FDCAN + 4).unwrap(), 0);
+        chip.write(CLOCKS, chip.read(CLOCKS).unwrap() | 1 << 25).unwrap();
+        assert_eq!(chip.read(FDCAN + 4).unwrap(), 0x8765_4321);
+        // Into the message RAM: of identifier 5, no bytes. On the bus: 1 Mbit/s, no filters, all into FIFO 0.
+        for (address, word) in [
+            (0x4000_a400 + 0x278, 5 << 18),
+            (FDCAN + 0x18, 3),
+            (FDCAN + 0x1c, 0x0600_1005),
+            (FDCAN + 0x18, 0),
+            (FDCAN + 0xcc, 1),
+        ] {
+            chip.write(address, word).unwrap();
+        }
+        // It has joined, and its frame is on its way.
+        chip.run(Duration::from_micros(50)).unwrap();
+        assert_eq!(chip.bus().take(), []);
+        chip.bus().put(CanFrame::of(0x123, &[7]).unwrap());
+        chip.run(Duration::from_micros(100)).unwrap();
+        assert_eq!(chip.bus().take(), [CanFrame::of(5, &[]).unwrap()]);
+        let words = [FDCAN + 0x90, 0x4000_a4b0, 0x4000_a4b8].map(|address| chip.read(address).unwrap());
+        assert_eq!(words, [1 | 1 << 16, 0x123 << 18, 7]);
     }
 
     #[test]

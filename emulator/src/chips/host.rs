@@ -4,6 +4,7 @@ use std::cell::Cell;
 use std::rc::Rc;
 
 use strainwave::compensator::{Input, Output};
+use strainwave_app::command_source::CommandSource;
 use strainwave_app::jog::Jog;
 use strainwave_app::operated::Operated;
 use strainwave_app::{Board, Compensator, Control, Telemetry};
@@ -37,13 +38,21 @@ impl<B: Board> Host<B> {
         compensator: &'static Compensator,
         around: impl FnOnce(HostBoard) -> B,
     ) -> (Self, &'static Jog) {
+        let jog = Box::leak(Box::new(Jog::new()));
+        (Self::commanded_by(Operated::new(jog), compensator, around), jog)
+    }
+
+    /// On a board around the host's, with these commands of its joint.
+    pub fn commanded_by<S: CommandSource>(
+        source: S,
+        compensator: &'static Compensator,
+        around: impl FnOnce(HostBoard<S>) -> B,
+    ) -> Self {
         let scale = SPAN as f32 / compensator.limits().motor_torque;
         let wires = Rc::new(Wires { scale, ..Wires::default() });
-        let jog = Box::leak(Box::new(Jog::new()));
-        let board = around(HostBoard { wires: wires.clone(), joint: Operated::new(jog) });
+        let board = around(HostBoard { wires: wires.clone(), source });
         let (sender, _) = Box::leak(Box::new(Telemetry::new())).split();
-        let control = Control::new(board, compensator, sender);
-        (Self { control, wires, different: 0 }, jog)
+        Self { control: Control::new(board, compensator, sender), wires, different: 0 }
     }
 
     /// One period, with the encoder at `count`, beside that of a chip which drives so.
@@ -64,27 +73,27 @@ struct Wires {
 }
 
 /// The board as it is on the host.
-pub struct HostBoard {
+pub struct HostBoard<S = Operated> {
     wires: Rc<Wires>,
-    joint: Operated,
+    source: S,
 }
 
-impl Board for HostBoard {
+impl<S: CommandSource> Board for HostBoard<S> {
     const REPORT_EVERY: u32 = 10;
 
     fn input(&mut self, input: &mut Input<f32>) -> bool {
-        self.joint.input(Some(self.wires.count.get()), input);
+        self.source.input(Some(self.wires.count.get()), input);
         true
     }
 
     fn command(&mut self, torque: f32) {
-        self.joint.commanded(torque);
+        self.source.commanded(torque);
         let steps = (torque * self.wires.scale) as i32;
         self.wires.drive.set(((NEUTRAL + steps.clamp(-SPAN, SPAN)).cast_unsigned(), true));
     }
 
     fn report(&mut self, output: impl FnOnce() -> Output<f32>) {
-        self.joint.report(output);
+        self.source.report(output);
     }
 
     fn release(&mut self) {
@@ -95,5 +104,13 @@ impl Board for HostBoard {
 
     fn overran(&mut self) -> bool {
         false
+    }
+
+    fn reset_requested(&mut self) -> bool {
+        self.source.reset_requested()
+    }
+
+    fn reset(&mut self) {
+        self.source.reset();
     }
 }

@@ -35,33 +35,45 @@ pub struct Look {
     pub reading: Option<Reading>,
 }
 
-/// The chip's end.
-pub struct ChipEnd {
-    asks: Receiver<Ask>,
-    looks: Sender<Look>,
+/// The chip's end: what is asked of a period, and what is seen of it.
+pub struct ChipEnd<A, L> {
+    asks: Receiver<A>,
+    looks: Sender<L>,
 }
 
-impl ChipEnd {
+impl<A, L> ChipEnd<A, L> {
     /// What the next period brings; `None` when the program has ended.
-    pub fn ask(&self) -> Option<Ask> {
+    pub fn ask(&self) -> Option<A> {
         self.asks.recv().ok()
     }
 
     /// Shows the period.
-    pub fn show(&self, look: Look) {
+    pub fn show(&self, look: L) {
         // A program that has ended looks no longer.
         let _ = self.looks.send(look);
     }
 }
 
 /// The program's end before it begins: it may go to another thread.
-pub struct ProgramEnd {
-    asks: Sender<Ask>,
-    looks: Receiver<Look>,
+pub struct ProgramEnd<A, L> {
+    asks: Sender<A>,
+    looks: Receiver<L>,
+}
+
+impl<A, L> ProgramEnd<A, L> {
+    /// Lets the chip go on by a period.
+    ///
+    /// # Errors
+    /// When it does not.
+    pub fn go_on(&self, ask: A) -> io::Result<L> {
+        let ended = || io::Error::new(ErrorKind::BrokenPipe, "the chip has ended");
+        self.asks.send(ask).map_err(|_| ended())?;
+        self.looks.recv().map_err(|_| ended())
+    }
 }
 
 /// Both ends.
-pub fn line() -> (ChipEnd, ProgramEnd) {
+pub fn line<A, L>() -> (ChipEnd<A, L>, ProgramEnd<A, L>) {
     let ((asks, asked), (looks, seen)) = (channel(), channel());
     (ChipEnd { asks: asked, looks }, ProgramEnd { asks, looks: seen })
 }
@@ -71,7 +83,7 @@ pub fn line() -> (ChipEnd, ProgramEnd) {
 pub struct Port(Rc<RefCell<Open>>);
 
 struct Open {
-    end: ProgramEnd,
+    end: ProgramEnd<Ask, Look>,
     next: Ask,
     come: VecDeque<u8>,
     periods: u32,
@@ -81,7 +93,7 @@ struct Open {
 
 impl Port {
     /// On its end.
-    pub fn open(end: ProgramEnd) -> Self {
+    pub fn open(end: ProgramEnd<Ask, Look>) -> Self {
         let drive = crate::chips::host::RELEASED;
         let (next, come, readings) = (Ask::default(), VecDeque::new(), HashMap::new());
         Self(Rc::new(RefCell::new(Open { end, next, come, periods: 0, drive, readings })))
@@ -118,10 +130,8 @@ impl Port {
 
 impl Open {
     fn go_on(&mut self) -> io::Result<()> {
-        let ended = || io::Error::new(ErrorKind::BrokenPipe, "the chip has ended");
-        self.end.asks.send(self.next.clone()).map_err(|_| ended())?;
+        let look = self.end.go_on(self.next.clone())?;
         (self.next.bytes, self.next.order) = (Vec::new(), None);
-        let look = self.end.looks.recv().map_err(|_| ended())?;
         self.come.extend(look.bytes);
         self.readings.extend(look.reading.map(|reading| (reading.period, reading)));
         (self.drive, self.periods) = (look.drive, self.periods + 1);

@@ -13,26 +13,36 @@
 //! | [`spi_master`] | an SPI by the registers of its controller |
 //! | [`time`] | time of a peripheral between two accesses |
 //! | [`encoder`] | the motor encoder |
+//! | [`can`] | a frame of a CAN bus |
 //! | [`model`] | each chip: its description, its memory, the drive's registers |
 //! | [`chip`] | boots an image, lets it run, looks at its pins |
 //! | [`run_error`] | why a run of a chip with its plant ended |
 //! | [`host`] | the firmware's control on the host |
+//! | [`host_bus`], [`can`] | a bus of a node on the host, frames there |
 //! | [`flash_image`] | what a chip has stored, on the host |
+//! | [`program`] | a program of the host beside a chip with its plant |
 //! | [`host_program`] | what a host does at the tuning link |
 //! | [`control`] | a second of control, beside the host's |
 //! | [`mod@line`] | a host's program beside the emulation, period by period |
 //! | [`served`] | a control that serves its tuning link, with a host at it |
-//! | [`verify`] | the figures of both |
+//! | [`bus_program`] | what a master does on the bus |
+//! | [`commanded`] | a joint that is commanded over CAN, with a master on its bus |
+//! | [`verify`] | the figures of all |
 
+pub mod bus_program;
+pub mod can;
 pub mod chip;
+pub mod commanded;
 pub mod control;
 pub mod cpu;
 pub mod encoder;
 pub mod flash_image;
 pub mod host;
+pub mod host_bus;
 pub mod host_program;
 pub mod line;
 pub mod model;
+pub mod program;
 pub mod registers;
 pub mod rp2350;
 pub mod run_error;

@@ -17,6 +17,8 @@ pub struct Model {
     pub store: Option<(u32, usize)>,
     /// Writing it does not hold the control up.
     pub writes_beside: bool,
+    /// Its board can be flashed as a node on CAN.
+    pub has_can: bool,
     /// Begin and size of the memory that the stack has to itself.
     pub stack: (u64, u64),
     /// The control's timer.
@@ -53,6 +55,7 @@ pub static MODELS: [Model; 4] = [
         flash: (0x0800_0000, 1 << 20),
         store: Some((0x0800_4000, 32 << 10)),
         writes_beside: false,
+        has_can: false,
         stack: (0x1000_0000, 64 << 10),
         timer: Timer::Tim2,
         torque: (0x4000_7408, 0),
@@ -65,6 +68,7 @@ pub static MODELS: [Model; 4] = [
         flash: (0x0800_0000, 512 << 10),
         store: Some((0x0807_f000, 4 << 10)),
         writes_beside: true,
+        has_can: true,
         stack: (0x1000_0000, 32 << 10),
         timer: Timer::Tim2,
         torque: (0x5000_0808, 0),
@@ -77,6 +81,7 @@ pub static MODELS: [Model; 4] = [
         flash: (0x0800_0000, 2 << 20),
         store: Some((0x081c_0000, 256 << 10)),
         writes_beside: true,
+        has_can: false,
         stack: (0x2000_0000, 16 << 10),
         timer: Timer::Tim2,
         torque: (0x4000_7408, 0),
@@ -89,6 +94,7 @@ pub static MODELS: [Model; 4] = [
         flash: (0x1000_0000, 4 << 20),
         store: None,
         writes_beside: true,
+        has_can: false,
         stack: (0x2000_0000, 16 << 10),
         timer: Timer::SysTick,
         torque: (0x400a_8098, 16),

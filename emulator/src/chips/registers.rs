@@ -18,6 +18,13 @@ const SIZE: usize = 0x400;
 pub struct Words([u32; SIZE / 4]);
 
 impl Words {
+    /// Out of reset: 0 but for these.
+    pub fn reset(values: &[(usize, u32)]) -> Self {
+        let mut words = Self([0; SIZE / 4]);
+        values.iter().for_each(|(offset, word)| words.put(*offset, *word));
+        words
+    }
+
     /// The register at an offset.
     pub fn at(&self, offset: usize) -> u32 {
         self.0[offset / 4]
@@ -48,9 +55,7 @@ pub struct Rules {
 impl Rules {
     /// The registers out of reset.
     pub fn reset(&self) -> Words {
-        let mut words = Words([0; SIZE / 4]);
-        self.reset.iter().for_each(|(offset, word)| words.put(*offset, *word));
-        words
+        Words::reset(self.reset)
     }
 }
 

@@ -1,31 +1,26 @@
 //! A chip that serves its tuning link, with a host at it, a plant at encoder and drive, and the host's build of the same control beside it.
 
-use std::panic::resume_unwind;
 use std::path::Path;
 
 use strainwave::compensator::adapt::learning::Learnt;
-use strainwave::compensator::{Input, Output};
 use strainwave_app::Compensator;
 use strainwave_app::served::{Exchange, Served, ServedJoint};
 use strainwave_desktop::GearFile;
-use strainwave_desktop::bench::controller::Controller;
 use strainwave_desktop::bench::task::{Demand, Task};
-use strainwave_desktop::bench::{Bench, Conditions};
 use strainwave_desktop::design::capability::Capability;
 use strainwave_desktop::design::joint::joint_params;
-use strainwave_desktop::io::gear_file::SensorSet;
-use strainwave_desktop::plant::divergence::RunError;
 use strainwave_service::store::{Owner, Store};
 use strainwave_service::tuning::{Answer, Joint as _, Order, Reading, client};
 
-use crate::chips::chip::{self, Chip};
-use crate::chips::control::{SEED, period, started};
+use crate::chips::chip::Chip;
+use crate::chips::control::{period, started};
 use crate::chips::encoder;
 use crate::chips::flash_image::FlashImage;
 use crate::chips::host::{self, Drive, Host, HostBoard};
 use crate::chips::host_program::{Found, restarted, tried_out};
-use crate::chips::line::{Ask, ChipEnd, Look, Port, line};
+use crate::chips::line::{Ask, Look, Port};
 use crate::chips::model::Model;
+use crate::chips::program::{self, Beside};
 use crate::chips::run_error::Error;
 use crate::target::Agreement;
 
@@ -93,25 +88,11 @@ impl Run<'_> {
         kept: Option<&[u8]>,
         program: impl FnOnce(&Port) -> Result<T, client::Error> + Send,
     ) -> Result<(T, Agreement, Vec<u8>), Error> {
-        let conditions = Conditions { sensors: SensorSet::Motor, ..Conditions::of(self.gear, SEED) };
-        let mut bench = Bench::condensed(self.gear, &conditions).map_err(RunError::from)?;
-        let (end, program_end) = line();
-        std::thread::scope(|scope| {
-            let program = scope.spawn(move || program(&Port::open(program_end)));
-            let mut booting = Booting { run: self, kept, end, beside: None };
-            let task = Loaded(LOAD * self.gear.gear.rated_torque);
-            let ended = bench.go(&task, &mut booting, |_, _, _, _| ());
-            let Booting { end, beside, .. } = booting;
-            // The program ends when the chip has.
-            drop(end);
-            let found = program.join().unwrap_or_else(|panic| resume_unwind(panic));
-            if let Err(Ended::Failed(error)) = ended {
-                return Err(error);
-            }
-            let never = || chip::Error::NotStarted { said: "no period was run".into() };
-            let beside = beside.ok_or_else(never)?;
-            Ok((found?, beside.agreement(), beside.chip.store()?))
-        })
+        let task = Loaded(LOAD * self.gear.gear.rated_torque);
+        let program = move |end| program(&Port::open(end));
+        let (found, beside) =
+            program::run(self.gear, &task, |count| ServedChip::boot(self, kept, count), program, |_| ())?;
+        Ok((found?, beside.agreement(), beside.chip.store()?))
     }
 }
 
@@ -130,47 +111,12 @@ impl Task for Loaded {
     }
 }
 
-/// Why the plant stands still.
-enum Ended {
-    Program,
-    Failed(Error),
-}
-
-impl From<RunError> for Ended {
-    fn from(error: RunError) -> Self {
-        Self::Failed(error.into())
-    }
-}
-
-/// Boots the chip with the plant's first reading.
-struct Booting<'a> {
-    run: Run<'a>,
-    kept: Option<&'a [u8]>,
-    end: ChipEnd,
-    beside: Option<Beside>,
-}
-
-impl Controller for Booting<'_> {
-    type Error = Ended;
-
-    fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, Ended> {
-        let count = input.sensors.motor_encoder;
-        let Some(ask) = self.end.ask() else { return Err(Ended::Program) };
-        if self.beside.is_none() {
-            self.beside = Some(Beside::boot(self.run, self.kept, count).map_err(Ended::Failed)?);
-        }
-        let Some(beside) = &mut self.beside else { return Err(Ended::Program) };
-        let (drive, reading) = beside.step(count, &ask).map_err(|error| Ended::Failed(error.into()))?;
-        self.end.show(Look { bytes: beside.chip.said(), drive, reading });
-        let motor_torque = host::torque(drive, self.run.compensator.limits().motor_torque) as f32;
-        Ok(Output { motor_torque, ..Output::default() })
-    }
-}
-
 /// The chip as the plant's controller, the host's control beside it.
-struct Beside {
+struct ServedChip {
     chip: Chip,
     shift: u32,
+    /// The motor's peak torque (N m).
+    peak: f32,
     /// The same control as often, each of which takes the program's order a period later than the one before.
     hosts: Vec<ServedHost>,
     periods: u64,
@@ -190,28 +136,19 @@ impl ServedHost {
     }
 }
 
-impl Beside {
+impl ServedChip {
     fn boot(run: Run, kept: Option<&[u8]>, count: u32) -> Result<Self, Error> {
         let chip = Chip::boot_with_store(run.model, run.elf, kept)?;
         let (chip, _) = started(chip, count << run.shift)?;
         let hosts = (0..=LATEST).map(|_| ServedHost::new(run.compensator)).collect();
-        Ok(Self { chip, shift: run.shift, hosts, periods: 0, order: None })
+        let peak = run.compensator.limits().motor_torque;
+        Ok(Self { chip, shift: run.shift, peak, hosts, periods: 0, order: None })
     }
 
     /// Of the host that takes the order when the chip does.
     fn agreement(&self) -> Agreement {
         let different = self.hosts.iter().map(|host| host.host.different).min();
         Agreement { steps: self.periods, different: different.unwrap_or_default() }
-    }
-
-    /// The drive at the end of a period, and what the host says of it.
-    fn step(&mut self, count: u32, ask: &Ask) -> Result<(Drive, Option<Reading>), chip::Error> {
-        self.chip.magnet().answers(!ask.encoder_fails);
-        self.chip.magnet().put(count << self.shift);
-        self.chip.hears(&ask.bytes);
-        self.chip.run(period())?;
-        let drive = self.chip.drive()?;
-        Ok((drive, ask.compares.then(|| self.compare(count, drive, ask)).flatten()))
     }
 
     fn compare(&mut self, count: u32, drive: Drive, ask: &Ask) -> Option<Reading> {
@@ -228,5 +165,20 @@ impl Beside {
         }
         self.periods += 1;
         first
+    }
+}
+
+impl Beside for ServedChip {
+    type Ask = Ask;
+    type Look = Look;
+
+    fn step(&mut self, count: u32, ask: &Ask) -> Result<(f32, Look), Error> {
+        self.chip.magnet().answers(!ask.encoder_fails);
+        self.chip.magnet().put(count << self.shift);
+        self.chip.hears(&ask.bytes);
+        self.chip.run(period())?;
+        let drive = self.chip.drive()?;
+        let reading = ask.compares.then(|| self.compare(count, drive, ask)).flatten();
+        Ok((host::torque(drive, self.peak) as f32, Look { bytes: self.chip.said(), drive, reading }))
     }
 }

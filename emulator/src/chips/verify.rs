@@ -9,9 +9,11 @@ use strainwave_desktop::verify::{Measured, bounds};
 use strainwave_desktop::{Figure, GearFile};
 
 use crate::budget::{self, Budget};
+use crate::chips::commanded::{OnTheBus, on_the_bus};
 use crate::chips::control::{second, stopped};
 use crate::chips::model::{MODELS, Model};
 use crate::chips::{run_error, served};
+use crate::firmware::Program;
 use crate::{firmware, pil};
 
 /// What the firmware says of a lost encoder.
@@ -39,15 +41,18 @@ pub fn measure() -> Result<Measured, Error> {
     let gear = GearFile::default_gear();
     // Built one by one, as cargo would anyway; run side by side, each on a processor of its own.
     let images = MODELS.iter().map(|model| {
-        let (alone, served) = (pil::build(model.board, &gear)?, pil::build_served(model.board, &gear)?);
-        Ok((model, alone.elf, served.elf))
+        let build = |program| pil::build_as(program, model.board, &gear).map(|firmware| firmware.elf);
+        let commanded = model.has_can.then(|| build(Program::COMMANDED)).transpose()?;
+        Ok((model, build(Program::Control)?, build(Program::Served)?, commanded))
     });
     let images = images.collect::<Result<Vec<_>, firmware::Error>>()?;
     thread::scope(|scope| {
         let mut started = Vec::new();
-        for (model, alone, with_link) in &images {
+        for (model, alone, with_link, commanded) in &images {
             started.push(scope.spawn(|| of_image(model, alone)));
             started.push(scope.spawn(|| of_served(model, with_link)));
+            let commanded = commanded.iter().map(|elf| scope.spawn(|| of_commanded(model, elf)));
+            started.extend(commanded);
         }
         let mut measured = Measured::default();
         for run in started {
@@ -76,6 +81,34 @@ fn of_served(model: &'static Model, elf: &Path) -> Result<Measured, Error> {
         judged("pil.real.served.unexpected", found.unexpected.len() as f64),
         Figure::reported(name("expected"), found.expected.into(), "1"),
         Figure::reported(name("keep"), time(found.kept_after), "s"),
+    ];
+    Ok(Measured { figures, notes })
+}
+
+/// The image with a master on its bus.
+fn of_commanded(model: &'static Model, elf: &Path) -> Result<Measured, Error> {
+    let OnTheBus { found, agreement, frames, following, error, stack } =
+        on_the_bus(model, elf, &GearFile::default_gear())?;
+    let budget = Budget::read(model.board)?;
+    let proved = budget::inspect(&budget.of(Program::COMMANDED).unwrap_or(budget), elf)?.stack;
+    let name = |what: &str| format!("pil.{}.can.{what}", model.board);
+    let judged = |row: &str, value| bounds::figure_as(row.replacen("real", model.board, 1), row, value);
+    let notes =
+        found.unexpected.iter().map(|what| format!("{}: not as expected: {what}", name("unexpected")));
+    let notes = notes.collect();
+    let figures = vec![
+        agreement.figure(name("steps_unlike_host")),
+        Figure::reported(name("steps"), agreement.steps as f64, "1"),
+        judged("pil.real.can.frames_unlike_host", frames.different as f64),
+        Figure::reported(name("frames"), frames.steps as f64, "1"),
+        judged("pil.real.can.answer", found.answered_after),
+        judged("pil.real.can.following", following),
+        judged("pil.real.can.position", error),
+        judged("pil.real.can.lost.release", found.lost_after),
+        bounds::figure_as(name("encoder_lost.release"), "pil.real.encoder_lost.release", found.failed_after),
+        judged("pil.real.can.unexpected", found.unexpected.len() as f64),
+        Figure::reported(name("expected"), found.expected.into(), "1"),
+        Figure::bounded(name("stack"), stack as f64, "B", f64::from(proved.total)),
     ];
     Ok(Measured { figures, notes })
 }

@@ -166,4 +166,41 @@ pub(super) const ROWS: &[Bound] = &[
         unit: "1",
         why: "refusals, gains, silence, faults, resets, and what is kept over a restart, otherwise than they have to be",
     },
+    Bound {
+        name: "pil.real.can.frames_unlike_host",
+        value: 0.0,
+        unit: "1",
+        why: "CAN frames of an executed image with any bit unlike those of the host's build of the same node",
+    },
+    Bound {
+        name: "pil.real.can.answer",
+        value: 1e-3,
+        unit: "s",
+        why: "longest time from when a master sends what it commands and a SYNC to the end of both answers, of which up to 0.5 ms are on the bus: a \
+              cycle",
+    },
+    Bound {
+        name: "pil.real.can.following",
+        value: 1e-4,
+        unit: "rad",
+        why: "largest distance of the output from the interpolated targets of a move of 20 mrad in 0.2 s, by the motor's encoder alone: 0.5 % of it",
+    },
+    Bound {
+        name: "pil.real.can.position",
+        value: 2e-5,
+        unit: "rad",
+        why: "the same when it rests: twice that of an operator's move, which is half as long",
+    },
+    Bound {
+        name: "pil.real.can.lost.release",
+        value: 0.3,
+        unit: "s",
+        why: "from the last SYNC to a drive that is off: 50 ms of silence, and the time that a joint at rest needs to know that it is",
+    },
+    Bound {
+        name: "pil.real.can.unexpected",
+        value: 0.0,
+        unit: "1",
+        why: "boot-up, states, modes, refusals, quick stop, errors and resets on the bus otherwise than they have to be",
+    },
 ];

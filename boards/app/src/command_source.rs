@@ -1,0 +1,19 @@
+//! Where the commands of a joint come from.
+
+use crate::{Input, Output};
+
+/// An operator, or a controller above the joint. Called from the control interrupt alone.
+pub trait CommandSource {
+    /// Sets `input` to the encoder's count, `None` where it was not read, and to the command of this period.
+    fn input(&mut self, count: Option<u32>, input: &mut Input<f32>);
+    /// The drive was given this torque (N m).
+    fn commanded(&mut self, torque: f32);
+    /// Takes a step's outputs, computed on request only.
+    fn report(&mut self, output: impl FnOnce() -> Output<f32>);
+    /// A request to leave Safe, once for each time.
+    fn reset_requested(&mut self) -> bool {
+        false
+    }
+    /// The control was reset: the joint is wherever it is.
+    fn reset(&mut self);
+}

@@ -1,0 +1,34 @@
+//! A joint that a controller commands over CAN, as a node by CiA 402 ([`strainwave_drivers::cia402::node`]).
+//!
+//! ```text
+//! bus -> BusNode::poll, below the control's priority  -> Exchange -> Commanded::input, in the control interrupt
+//! bus <- the same                                     <- Exchange <- Commanded::report
+//! ```
+//!
+//! The bus is polled once after each control interrupt: a SYNC is answered with values of the period behind it, and its target moves the joint from
+//! that period on. Positions are interpolated ([`strainwave::trajectory::Cyclic`]): the joint follows two cycles of the bus behind.
+//!
+//! | file | what is in it |
+//! | --- | --- |
+//! | `bus_node` | the node with its bus |
+//! | `error_code` | faults as error codes of CiA 301 and CiA 402 |
+//! | `exchange` | between both interrupts |
+//! | `frame` | a frame of classic CAN |
+//! | `source` | commands of the joint |
+
+mod bus_node;
+mod error_code;
+mod exchange;
+mod frame;
+mod source;
+
+pub use bus_node::{BusNode, node};
+pub use exchange::Exchange;
+pub use frame::Frame;
+pub use source::Commanded;
+
+/// The joint's number on the bus, 1 to 127: that of the build.
+pub const NODE: u8 = match u8::from_str_radix(env!("STRAINWAVE_NODE_NUMBER"), 10) {
+    Ok(number) => number,
+    Err(_) => panic!("the build script has checked it"),
+};

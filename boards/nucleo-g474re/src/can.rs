@@ -1,0 +1,46 @@
+//! FDCAN1 on PA11 and PA12.
+//!
+//! Through the registers: the HAL would take its bit times from the clock that it assumes.
+
+use stm32g4xx_hal::pac::Peripherals;
+use strainwave_stm32::fdcan::{Bus, FdCan, Filter};
+
+/// The peripheral.
+pub enum Can {}
+
+// SAFETY: `start` switches it on, from the crystal, which runs at `CLOCK`; nothing else uses it.
+unsafe impl FdCan for Can {
+    const ADDRESS: usize = 0x4000_6400;
+    const MEMORY: usize = 0x4000_a400;
+}
+
+/// PA11 and PA12 in the registers of port A: their mode, and their function among the last eight pins, 9 is FDCAN1.
+const PINS_AS_FUNCTION: (u32, u32) = (0b1111 << 22, 0b1010 << 22);
+const FUNCTION: (u32, u32) = (0xff << 12, 0x99 << 12);
+
+/// Joins the bus as node `number`, after the board's start; `None` where the peripheral does not answer.
+pub fn start(number: u8) -> Option<Bus<Can>> {
+    // SAFETY: the board's start has let these pins go, and the clock control is no longer written by anything else.
+    let device = unsafe { Peripherals::steal() };
+    let set = |old: u32, (mask, bits): (u32, u32)| old & !mask | bits;
+    // SAFETY: any function is allowed.
+    device.GPIOA.afrh().modify(|old, w| unsafe { w.bits(set(old.bits(), FUNCTION)) });
+    // SAFETY: any mode is allowed.
+    device.GPIOA.moder().modify(|old, w| unsafe { w.bits(set(old.bits(), PINS_AS_FUNCTION)) });
+    device.RCC.ccipr().modify(|_, w| w.fdcansel().hse());
+    device.RCC.apb1enr1().modify(|_, w| w.fdcanen().set_bit());
+    // A peripheral answers two cycles after its clock is on.
+    let _ = device.RCC.apb1enr1().read();
+    let node = u16::from(number);
+    let exactly = |id, queue| Filter { id, mask: 0x7ff, queue };
+    Bus::start([
+        // What commands the node, in its order: NMT, SYNC, both RPDOs.
+        exactly(0x000, 0),
+        exactly(0x080, 0),
+        exactly(0x200 + node, 0),
+        exactly(0x300 + node, 0),
+        // SDO, and all heartbeats.
+        exactly(0x600 + node, 1),
+        Filter { id: 0x700, mask: 0x780, queue: 1 },
+    ])
+}

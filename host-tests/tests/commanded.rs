@@ -1,0 +1,200 @@
+//! A joint that a controller commands over CAN: from frames on its bus to the input of the control step, and back.
+
+use embedded_can::Frame as _;
+use strainwave::Angle;
+use strainwave::compensator::{Command, CompensationGains, Faults, Mode, Setpoint, Status};
+use strainwave_app::command_source::CommandSource;
+use strainwave_app::commanded::{BusNode, Commanded, Exchange, Frame, node};
+use strainwave_app::{Compensator, Input, Output, joint};
+use strainwave_emulator::chips::host_bus::HostBus;
+
+/// Number of the node, and counts of the bus in those of an angle.
+const NODE: u16 = 5;
+const COUNT: i64 = 64;
+/// Control periods of a cycle of the bus, and of the silence that ends in braking.
+const CYCLE: usize = 10;
+const TIMEOUT: usize = 500;
+
+/// The joint with its node, and a master that sends a cycle of targets again and again.
+struct Joint {
+    source: Commanded,
+    node: BusNode<HostBus>,
+    bus: HostBus,
+    output: Output<f32>,
+    input: Input<f32>,
+}
+
+impl Joint {
+    fn new() -> Self {
+        let exchange: &'static Exchange = Box::leak(Box::new(Exchange::new()));
+        let compensator = Compensator::from_words(&joint::WORDS).unwrap();
+        let bus = HostBus::default();
+        let mut output = Output { mode: Mode::Ready, ..Output::default() };
+        output.estimate.output_position = Angle::from_counts(1000 * COUNT);
+        Self {
+            source: Commanded::new(exchange),
+            node: BusNode::new(node(NODE as u8, compensator).unwrap(), bus.clone(), exchange),
+            bus,
+            output,
+            input: Input::default(),
+        }
+    }
+
+    /// Operational, off, its observer told where it is.
+    fn started() -> Self {
+        let mut joint = Self::new();
+        joint.come(0x000, &[1, 0]);
+        joint.periods(CYCLE);
+        joint
+    }
+
+    /// Switched on where it is.
+    fn enabled() -> Self {
+        let mut joint = Self::started();
+        for controlword in [0x06, 0x07, 0x0f] {
+            joint.cycle(controlword, 8, 1000);
+        }
+        assert!(!joint.input.status.contains(Status::DRIVE_OFF));
+        joint
+    }
+
+    fn come(&mut self, id: u16, data: &[u8]) {
+        self.bus.put(Frame::of(id, data));
+    }
+
+    fn periods(&mut self, count: usize) {
+        for _ in 0..count {
+            self.source.input(Some(7), &mut self.input);
+            let output = self.output;
+            self.source.report(|| output);
+            self.node.poll();
+        }
+    }
+
+    fn cycle(&mut self, controlword: u8, mode: i8, target: i32) {
+        let [p0, p1, p2, p3] = target.to_le_bytes();
+        self.come(0x200 + NODE, &[controlword, 0, mode.cast_unsigned(), p0, p1, p2, p3]);
+        self.come(0x080, &[]);
+        self.periods(CYCLE);
+    }
+
+    /// Data of the last frame of this kind.
+    fn told(&self, id: u16) -> Vec<u8> {
+        self.bus.sent().iter().rfind(|frame| frame.number() == id).unwrap().data().to_vec()
+    }
+
+    fn position(&self) -> Setpoint<f32> {
+        let Command::Position(setpoint) = self.input.command else { panic!("{:?}", self.input.command) };
+        setpoint
+    }
+}
+
+fn counts(angle: Angle<f32>) -> f64 {
+    (angle.counts as f64 + f64::from(angle.rest)) / COUNT as f64
+}
+
+#[test]
+fn it_is_off_until_it_is_switched_on_and_then_holds_where_it_is() {
+    let mut joint = Joint::started();
+    assert!(joint.input.status.contains(Status::DRIVE_OFF));
+    assert_eq!(joint.input.gains, CompensationGains::default().into());
+    joint.output.estimate.output_position = Angle::from_counts(1234 * COUNT);
+    for controlword in [0x06, 0x07, 0x0f] {
+        assert!(joint.input.status.contains(Status::DRIVE_OFF));
+        joint.cycle(controlword, 8, 1234);
+    }
+    assert_eq!((joint.input.status, joint.input.setpoint_age), (Status::FINE, 0.0));
+    assert!((counts(joint.position().position) - 1234.0).abs() < 1e-3);
+    assert_ne!(joint.input.gains, CompensationGains::default().into());
+}
+
+#[test]
+fn a_first_target_that_is_far_away_moves_nothing() {
+    let mut joint = Joint::enabled();
+    let far = 1000 + (6e-3 / std::f64::consts::TAU * f64::from(1 << 26)) as i32;
+    for _ in 0..20 {
+        joint.cycle(0x0f, 8, far);
+        assert!((counts(joint.position().position) - 1000.0).abs() < 1e-3);
+    }
+    let follows = |joint: &Joint| joint.told(0x180 + NODE)[1] & 1 << 4 != 0;
+    assert!(!follows(&joint));
+    // One that is near does, and from there the far one is no longer the first.
+    (0..20).for_each(|_| joint.cycle(0x0f, 8, 1100));
+    assert!(follows(&joint));
+    assert!((counts(joint.position().position) - 1100.0).abs() < 1e-3);
+    (0..20).for_each(|_| joint.cycle(0x0f, 8, far));
+    assert!((counts(joint.position().position) - f64::from(far)).abs() < 0.1);
+}
+
+#[test]
+fn targets_are_interpolated_and_wrap() {
+    let mut joint = Joint::enabled();
+    let (mut target, step) = (1000_i32, 20_000_000 / 1000);
+    for cycle in 0..400 {
+        target = target.wrapping_add(step);
+        joint.cycle(0x0f, 8, target);
+        if cycle > 10 {
+            let velocity = f64::from(joint.position().velocity);
+            let expected = f64::from(step) * 1e3 * std::f64::consts::TAU / f64::from(1 << 26);
+            assert!((velocity / expected - 1.0).abs() < 1e-3, "{velocity} {expected}");
+        }
+    }
+    // Over the end of the counts, as the joint's own angle goes on.
+    let mut joint = Joint::started();
+    joint.output.estimate.output_position = Angle::from_counts(i64::from(i32::MAX) * COUNT);
+    for controlword in [0x06, 0x07, 0x0f] {
+        joint.cycle(controlword, 8, i32::MAX);
+    }
+    (0..20).for_each(|_| joint.cycle(0x0f, 8, i32::MIN + 9));
+    assert!((counts(joint.position().position) - f64::from(i32::MAX) - 10.0).abs() < 1e-3);
+}
+
+#[test]
+fn a_silent_bus_ages_the_target_then_brakes_and_then_switches_off() {
+    let mut joint = Joint::enabled();
+    (0..20).for_each(|_| joint.cycle(0x0f, 8, 1000));
+    joint.output.estimate.output_velocity = 1.0;
+    joint.periods(2 * CYCLE);
+    // The last target came a cycle before, which none is missing.
+    assert!((joint.input.setpoint_age - 1.9e-3).abs() < 2e-4, "{}", joint.input.setpoint_age);
+    joint.periods(TIMEOUT);
+    assert_eq!((joint.input.setpoint_age, joint.input.status), (1.0, Status::FINE));
+    joint.output.estimate.output_velocity = 1e-4;
+    joint.periods(3);
+    assert!(joint.input.status.contains(Status::DRIVE_OFF));
+    assert_eq!(joint.told(0x080 + NODE)[..2], 0x8250_u16.to_le_bytes());
+}
+
+#[test]
+fn a_fault_of_the_joint_is_named_and_its_reset_is_handed_on() {
+    let mut joint = Joint::enabled();
+    (joint.output.mode, joint.output.faults) = (Mode::Safe, Faults::MOTOR_ENCODER_LOST);
+    joint.cycle(0x0f, 8, 1000);
+    joint.cycle(0x0f, 8, 1000);
+    assert_eq!(joint.told(0x080 + NODE)[..2], 0x7305_u16.to_le_bytes());
+    assert!(joint.input.status.contains(Status::DRIVE_OFF));
+    assert!(!joint.source.reset_requested());
+    joint.cycle(0x00, 8, 1000);
+    joint.come(0x200 + NODE, &[0x80, 0, 8, 0, 0, 0, 0]);
+    joint.come(0x080, &[]);
+    joint.periods(1);
+    assert!(joint.source.reset_requested() && !joint.source.reset_requested());
+    (joint.output.mode, joint.output.faults) = (Mode::Ready, Faults::NONE);
+    joint.periods(CYCLE);
+    assert_eq!(joint.told(0x080 + NODE)[..2], [0, 0]);
+}
+
+#[test]
+fn velocity_and_torque_are_commanded_as_such() {
+    let mut joint = Joint::enabled();
+    joint.come(0x300 + NODE, &[0, 0, 0, 1, 0, 0]);
+    joint.cycle(0x0f, 9, 0);
+    let velocity = std::f64::consts::TAU / 4.0;
+    let Command::Velocity { velocity: commanded, .. } = joint.input.command else { panic!() };
+    assert!((f64::from(commanded) / velocity - 1.0).abs() < 1e-6);
+    joint.come(0x300 + NODE, &[0, 0, 0, 0, 0xf4, 0x01]);
+    joint.cycle(0x0f, 10, 0);
+    let rated = Compensator::from_words(&joint::WORDS).unwrap().limits().output_torque;
+    let Command::Torque(torque) = joint.input.command else { panic!() };
+    assert!((torque / (0.5 * rated) - 1.0).abs() < 1e-6);
+}
