@@ -17,6 +17,8 @@ use strainwave_emulator::budget::{self, Budget, Measurement};
 use strainwave_emulator::pil::{self, Trial};
 use strainwave_emulator::{firmware, gauges as emulated_gauges};
 
+use strainwave_emulator::firmware::Program;
+
 use crate::figures::{Figures, FiguresArguments, say};
 use crate::files;
 use crate::progress::Progress;
@@ -75,28 +77,34 @@ fn judge(board: &str, overwrite: bool) -> Result<(String, Vec<Figure>), BadInput
     });
     let mut measured = measured?;
     measured.any_input = found.unwrap_or_else(|panic| resume_unwind(panic))?;
-    let served = served(&budget, &gear)?;
+    let others = others(&budget, &gear)?;
     if overwrite {
         budget.overwrite(&measured).map_err(BadInput::message)?;
-        if let Some((of_served, measured)) = &served {
-            of_served.overwrite(measured).map_err(BadInput::message)?;
+        for (budget, measured) in &others {
+            budget.overwrite(measured).map_err(BadInput::message)?;
         }
         budget = Budget::read(board).map_err(BadInput::message)?;
     }
     let (mut table, mut figures) = (measured.table(&budget), measured.figures(&budget));
-    if let (Some(budget), Some((_, measured))) = (budget.served(), served) {
-        table = format!("{table}\nwith its tuning link: {}", measured.table(&budget));
+    for (other, measured) in others {
+        let Some(budget) = budget.of(other.program()) else { continue };
+        let which = if other.program() == Program::Served { "with its tuning link" } else { "on CAN" };
+        table = format!("{table}\n{which}: {}", measured.table(&budget));
         figures.extend(measured.figures(&budget));
     }
     Ok((table, figures))
 }
 
-/// What the image costs that serves the tuning link, with its budget, of a board that is flashed with one.
-fn served(budget: &Budget, gear: &GearFile) -> Result<Option<(Budget, Measurement)>, BadInput> {
-    let Some(budget) = budget.served() else { return Ok(None) };
-    let elf = pil::build_served(&budget.board, gear).map_err(BadInput::message)?.elf;
-    let measured = budget::inspect(&budget, &elf).map_err(BadInput::message)?;
-    Ok(Some((budget, measured)))
+/// What the images of the other programs cost that the board is flashed with, each with its budget.
+fn others(budget: &Budget, gear: &GearFile) -> Result<Vec<(Budget, Measurement)>, BadInput> {
+    let programs = [Program::Served, Program::COMMANDED];
+    let budgets = programs.into_iter().filter_map(|program| budget.of(program));
+    let judged = budgets.map(|budget| {
+        let elf = pil::build_as(budget.program(), &budget.board, gear).map_err(BadInput::message)?.elf;
+        let measured = budget::inspect(&budget, &elf).map_err(BadInput::message)?;
+        Ok((budget, measured))
+    });
+    judged.collect()
 }
 
 /// The most costly control step of all; it takes as long as all else of a board together.

@@ -7,6 +7,7 @@ use strainwave_desktop::bench::scenario::Scenario;
 use strainwave_desktop::design::buildable::buildable;
 use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::budget::Budget;
+use strainwave_emulator::firmware::Program;
 use strainwave_emulator::flash::{self, Counted, Judgement, WORKLOAD, Way};
 use strainwave_emulator::{firmware, pil};
 
@@ -22,7 +23,8 @@ use crate::progress::Progress;
 /// precision is in it, and instructions and cycles of the control step with this gear in S1, S3 and S5. Of a board that the emulator
 /// does not have, these are counted in the image of another one with the same core. Not judged are any other input,
 /// for which there is `budget`, and wait states. A missed bound is named, nothing is flashed, and the exit code is 1.
-/// With `--served` all of this is the image with the tuning link, which `connect` reaches, and a store in the chip's flash.
+/// With `--served` all of this is the image with the tuning link, which `connect` reaches, and a store in the chip's flash; with `--can` the one
+/// of a node on CAN.
 /// Then a real board's chip is flashed through its debug probe by probe-rs and started; an emulated board's image runs in
 /// QEMU for a second of control, which must raise no fault.
 #[derive(Args)]
@@ -36,6 +38,9 @@ pub struct Arguments {
     /// Flash the program that serves the tuning link on the board's serial port, in the place of telemetry and keys; only a real board
     #[arg(long)]
     served: bool,
+    /// Flash the program that a controller commands over CAN, as CiA 402 has it, in which the joint is this node, 1 to 127; only a board with CAN
+    #[arg(long, value_name = "NODE", conflicts_with = "served", value_parser = clap::value_parser!(u8).range(1..=127))]
+    can: Option<u8>,
     /// Judge by this budget in the place of the board's own
     #[arg(long, value_name = "BUDGET.toml")]
     budget: Option<PathBuf>,
@@ -64,7 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         Some(file) => Budget::read_file(board, file),
         None => Budget::read(board),
     };
-    let budget = image_budget(budget.map_err(BadInput::message)?, arguments.served)?;
+    let budget = image_budget(&budget.map_err(BadInput::message)?, arguments.program())?;
     let way = Way::of(&budget).map_err(BadInput::message)?;
     files::require_writable(json)?;
     let elf = build(arguments, &way, &gear)?;
@@ -77,16 +82,26 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
     Ok(Figures::silent(figures, &arguments.figures))
 }
 
-/// The budget of the image that is flashed.
-fn image_budget(budget: Budget, served: bool) -> Result<Budget, BadInput> {
-    if !served {
-        return Ok(budget);
+impl Arguments {
+    /// What is flashed.
+    fn program(&self) -> Program {
+        match self.can {
+            Some(node) => Program::Commanded { node },
+            None if self.served => Program::Served,
+            None => Program::Control,
+        }
     }
-    budget.served().ok_or_else(|| {
+}
+
+/// The budget of the image that is flashed.
+fn image_budget(budget: &Budget, program: Program) -> Result<Budget, BadInput> {
+    budget.of(program).ok_or_else(|| {
+        let (option, without, allowed) = match program {
+            Program::Commanded { .. } => ("--can", "as a node on CAN", "nucleo-g474re"),
+            Program::Control | Program::Served => ("--served", "with a tuning link", "a real board"),
+        };
         let board = &budget.board;
-        BadInput::message(format!(
-            "--served: {board} is not flashed with a tuning link, allowed: a real board"
-        ))
+        BadInput::message(format!("{option}: {board} is not flashed {without}, allowed: {allowed}"))
     })
 }
 
@@ -106,8 +121,7 @@ fn build(arguments: &Arguments, way: &Way, gear: &GearFile) -> Result<PathBuf, B
             if !arguments.dry_run {
                 probe.require_program().map_err(BadInput::message)?;
             }
-            let build = if arguments.served { pil::build_served } else { pil::build };
-            build(board, gear).map_err(BadInput::message)?
+            pil::build_as(arguments.program(), board, gear).map_err(BadInput::message)?
         }
     };
     Ok(firmware.elf)
