@@ -85,8 +85,7 @@ impl<B: Board> Control<B> {
     #[inline]
     pub fn tick(&mut self) {
         if self.board.reset_requested() {
-            self.compensator.reset(&mut self.state);
-            self.board.reset();
+            self.reset();
         }
         if self.board.input(&mut self.input) {
             self.control();
@@ -96,6 +95,14 @@ impl<B: Board> Control<B> {
         }
         self.board.feed_watchdog();
         self.periods = self.periods.wrapping_add(1);
+    }
+
+    /// A function of its own: the state at rest, which it makes, is not on the stack while the control step is.
+    #[cold]
+    #[inline(never)]
+    fn reset(&mut self) {
+        self.compensator.reset(&mut self.state);
+        self.board.reset();
     }
 
     #[inline]
