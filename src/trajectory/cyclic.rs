@@ -11,10 +11,10 @@
 //! spline, and T/2 for which a target waits, so that it may come T/4 earlier or later than on the average. The phase follows the clock of the bus: u_a goes to
 //! 1/2 with a time constant of 64*T, at rates that are within 0.8 % of dt/T.
 //!
-//! In the place of a target that is missing stands the last one, moved on at its speed; one that comes late after all takes the place of the next.
-//! How long that may go on is the caller's: [`crate::compensator::Input::setpoint_age`] brakes the joint.
-//! Targets only pass through sums and products: a target out of reach gives a setpoint out of reach, which the control limits
-//! ([`crate::compensator::Command`]). Units: rad, s.
+//! In the place of a target that is missing stands the last one, moved on at the mean speed between the last two that came, however many cycles
+//! these were apart: what is off is not extrapolated. One that comes late after all takes the place of the next. How long that may go on is the
+//! caller's: [`crate::compensator::Input::setpoint_age`] brakes the joint. A target out of reach gives a setpoint out of reach, which the control limits
+//! ([`crate::compensator::Command`]); a difference of targets saturates at half a revolution. Units: rad, s.
 //!
 //! C. de Boor, "A Practical Guide to Splines", Springer (1978), chapter 9.
 
@@ -25,6 +25,9 @@ use crate::real::Real;
 
 /// Cycles in which the phase follows the bus.
 const FOLLOWING: f64 = 64.0;
+
+/// Cycles that are counted without a target.
+const MISSING: u32 = 1 << 20;
 
 /// Interpolation of a cyclic target.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +44,10 @@ pub struct Cyclic<R> {
 pub struct CyclicState<R> {
     /// Absent before the first target.
     spline: Option<Spline<R>>,
+    /// The last target, the cycles since then, and the speed at which it moves on (rad a cycle).
+    last: Angle<R>,
+    missing: u32,
+    speed: R,
     /// Target of the next cycle.
     next: Option<Angle<R>>,
     /// u, and its next step.
@@ -74,7 +81,8 @@ impl<R: Real> Cyclic<R> {
     pub fn take(&self, state: &mut CyclicState<R>, target: Angle<R>) {
         if state.spline.is_none() {
             state.spline = Some(Spline { middle: target, before: R::ZERO, after: R::ZERO });
-            (state.phase, state.next) = (R::lit(0.5), None);
+            (state.phase, state.last) = (R::lit(0.5), target);
+            (state.next, state.missing, state.speed) = (None, 0, R::ZERO);
         } else {
             state.next = Some(target);
         }
@@ -84,13 +92,12 @@ impl<R: Real> Cyclic<R> {
 
     /// Setpoint of the next control period; none before the first target.
     pub fn step(&self, state: &mut CyclicState<R>) -> Option<Setpoint<R>> {
-        let spline = state.spline.as_mut()?;
         state.phase += state.advance;
         if state.phase >= R::ONE {
             state.phase -= R::ONE;
-            spline.go_on(state.next.take());
+            state.go_on();
         }
-        Some(self.at(spline, state.phase))
+        state.spline.map(|spline| self.at(&spline, state.phase))
     }
 
     fn at(&self, spline: &Spline<R>, phase: R) -> Setpoint<R> {
@@ -106,12 +113,25 @@ impl<R: Real> Cyclic<R> {
     }
 }
 
-impl<R: Real> Spline<R> {
-    /// The next piece, to this target.
-    fn go_on(&mut self, target: Option<Angle<R>>) {
-        let last = self.middle.plus(self.after);
-        let target = target.unwrap_or_else(|| last.plus(self.after));
-        *self = Self { middle: last, before: self.after, after: target.minus(last) };
+impl<R: Real> CyclicState<R> {
+    /// To the next piece.
+    fn go_on(&mut self) {
+        let Some(spline) = &mut self.spline else { return };
+        let end = spline.middle.plus(spline.after);
+        let target = match self.next.take() {
+            Some(target) => {
+                let way = target.minus(self.last);
+                // Most often no cycle has gone by without one.
+                self.speed = if self.missing == 0 { way } else { way / R::from_i32(self.missing as i32 + 1) };
+                (self.last, self.missing) = (target, 0);
+                target
+            }
+            None => {
+                self.missing = (self.missing + 1).min(MISSING);
+                end.plus(self.speed)
+            }
+        };
+        *spline = Spline { middle: end, before: spline.after, after: target.minus(end) };
     }
 }
 
@@ -208,6 +228,27 @@ mod tests {
         for _ in 0..50 {
             let setpoint = cyclic.step(&mut state).unwrap();
             assert!((setpoint.velocity - 1.0).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn a_bus_that_is_slower_than_told_is_followed_without_growing_errors() {
+        for slower in [2, 3, 10] {
+            let cyclic = Cyclic::build(10, DT).unwrap();
+            let mut state = CyclicState::default();
+            let motion = |time: f64| 0.1 * (1.0 - (6.0 * time).cos());
+            let mut most: f64 = 0.0;
+            for period in 0..20_000 {
+                let time = period as f64 * DT;
+                if period % (10 * slower) == 0 {
+                    cyclic.take(&mut state, Angle::from_radians(motion(time)));
+                }
+                let setpoint = cyclic.step(&mut state).unwrap();
+                most = most.max((angle(&setpoint) - motion(time - 2.0 * CYCLE)).abs());
+            }
+            // The speed is that of the middle between two targets, extrapolated for as long.
+            let apart = (slower + 1) as f64 * CYCLE;
+            assert!(most < 2.0 * 3.6 * apart * apart, "{slower}: {most}");
         }
     }
 

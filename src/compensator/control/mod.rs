@@ -126,6 +126,11 @@ impl<R: Real> Compensator<R> {
         self.pulleys.limits_at_motor(&self.limits)
     }
 
+    /// Top speed of the output's reference (rad/s).
+    pub fn setpoint_speed(&self) -> R {
+        self.commander.speed()
+    }
+
     /// Resolution of the motor encoder, 2^bits counts a revolution.
     pub fn motor_encoder_bits(&self) -> u32 {
         self.motor_encoder.bits()

@@ -99,6 +99,11 @@ impl<R: Real> Approach<R> {
         self.acceleration
     }
 
+    /// Top speed of a reference (rad/s).
+    pub fn speed(&self) -> R {
+        self.velocity
+    }
+
     /// A distance (rad) at which a setpoint passes unchanged.
     #[inline(always)]
     pub fn is_near(&self, distance: R) -> bool {

@@ -205,6 +205,11 @@ impl<R: Real> Commander<R> {
         self.approach.acceleration()
     }
 
+    /// Top speed of the reference (rad/s).
+    pub fn speed(&self) -> R {
+        self.approach.speed()
+    }
+
     /// The reference for a command that the guard let through; `output` gives the estimated angle and speed (rad/s) of the output.
     #[inline]
     pub fn step(
