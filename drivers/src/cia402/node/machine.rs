@@ -1,7 +1,7 @@
 //! State machine of the power: commands, faults, braking to a stop.
 //!
 //! ```text
-//! not ready --values of the joint--> switch on disabled
+//! not ready --joint ready--> switch on disabled
 //! switch on disabled --shutdown--> ready to switch on --switch on--> switched on --enable operation--> operation enabled
 //! operation enabled --disable operation--> switched on --shutdown--> ready to switch on
 //! operation enabled --shutdown--> ready to switch on
@@ -9,18 +9,23 @@
 //! operation enabled --quick stop--> quick stop active --at rest, too long, disable voltage--> switch on disabled
 //! operation enabled --bus lost--> fault reaction active --at rest, too long--> fault
 //! ready to switch on, switched on --disable voltage, quick stop, NMT state not operational--> switch on disabled
-//! any --fault of the joint--> fault --fault reset, no fault any more--> switch on disabled
+//! ready to switch on, switched on --joint not ready--> switch on disabled
+//! any --fault of the joint--> fault --fault reset, joint ready without a fault--> switch on disabled
+//! fault, of the bus only --fault reset--> switch on disabled
 //! ```
 //!
-//! Enable operation in ready to switch on only switches on; the next controlword enables. The first fault is the one that is told until the
-//! reset.
+//! Enable operation in ready to switch on only switches on; the next controlword enables. Shutdown of a joint that is not ready leads
+//! nowhere. The first fault is the one that is told until the reset, but the joint's own takes the place of one of the bus, with an
+//! emergency message for both.
 //!
 //! Reference: CiA 402-2 (IEC 61800-7-201), section "Finite state automaton", its transitions by number in the code; quick stop option code 2.
 
+use super::Actual;
+use super::emergency::Emergencies;
 use crate::cia402::state::{Command, FAULT_RESET, State};
 
-/// Control periods in which the joint, once told to reset, may report its fault still.
-const RESET_PERIODS: u32 = 10;
+/// Control periods in which the joint, once told to reset, has to be ready without a fault.
+const RESET_PERIODS: u32 = 2000;
 
 /// Bit 4 of the statusword.
 const VOLTAGE_ENABLED: u16 = 1 << 4;
@@ -42,8 +47,11 @@ pub(super) struct Machine {
     controlword: u16,
     /// Object 0x603f.
     error: u16,
-    /// What an emergency message has to tell.
-    emergency: Option<u16>,
+    /// The error is one of the bus, not of the joint.
+    of_bus: bool,
+    emergencies: Emergencies,
+    /// By the last values.
+    ready: bool,
     /// Control periods since the joint began to brake.
     braking: u32,
     /// By the last values since the joint began to brake.
@@ -57,7 +65,9 @@ impl Machine {
             state: State::NotReady,
             controlword: 0,
             error: 0,
-            emergency: None,
+            of_bus: false,
+            emergencies: Emergencies::new(),
+            ready: false,
             braking: 0,
             at_rest: false,
             reset: Reset::Idle,
@@ -85,7 +95,7 @@ impl Machine {
     }
 
     pub(super) fn take_emergency(&mut self) -> Option<u16> {
-        self.emergency.take()
+        self.emergencies.take()
     }
 
     pub(super) fn statusword(&self) -> u16 {
@@ -120,41 +130,68 @@ impl Machine {
         let rising = controlword & !self.controlword;
         self.controlword = controlword;
         if self.state == State::Fault && rising & FAULT_RESET != 0 {
+            self.reset_fault();
+        } else {
+            self.enter(after(self.state, Command::of(controlword)));
+            self.require_ready();
+        }
+    }
+
+    /// The joint has no part in a fault of the bus: it keeps what it knows, its position among it.
+    fn reset_fault(&mut self) {
+        if self.of_bus {
+            self.leave_fault();
+        } else {
             self.reset = Reset::Requested;
         }
-        self.enter(after(self.state, Command::of(controlword)));
+    }
+
+    /// Transition 15.
+    fn leave_fault(&mut self) {
+        self.report(0, false);
+        self.enter(State::SwitchOnDisabled);
     }
 
     /// The joint's values: transitions 1, 13, 14 and 15.
-    pub(super) fn read(&mut self, fault: u16, at_rest: bool) {
-        self.at_rest = at_rest;
-        if self.state == State::NotReady {
+    pub(super) fn read(&mut self, actual: &Actual) {
+        (self.ready, self.at_rest) = (actual.ready, actual.at_rest);
+        if self.state == State::NotReady && self.ready {
             self.enter(State::SwitchOnDisabled);
         }
-        if self.state == State::Fault {
-            self.judge_reset(fault);
-        } else {
-            self.judge(fault);
-        }
+        self.require_ready();
+        self.judge(actual.fault);
+        self.judge_reset(actual.fault);
     }
 
     fn judge(&mut self, fault: u16) {
-        if fault != 0 {
-            self.report(fault);
+        if fault != 0 && (self.state != State::Fault || self.of_bus) {
+            self.report(fault, false);
             self.enter(State::Fault);
+        }
+    }
+
+    fn require_ready(&mut self) {
+        if !self.ready {
+            self.unprepare();
+        }
+    }
+
+    /// What the master prepared is forgotten.
+    fn unprepare(&mut self) {
+        if matches!(self.state, State::ReadyToSwitchOn | State::SwitchedOn) {
+            self.enter(State::SwitchOnDisabled);
         }
     }
 
     fn judge_reset(&mut self, fault: u16) {
         let Reset::Taken(periods) = self.reset else { return };
-        if fault == 0 {
-            self.report(0);
-            self.enter(State::SwitchOnDisabled);
-        } else if periods > RESET_PERIODS {
+        if fault == 0 && self.ready {
+            self.leave_fault();
+        } else if periods >= RESET_PERIODS {
             self.reset = Reset::Idle;
             // Another one than that which was to be reset.
-            if fault != self.error {
-                self.report(fault);
+            if fault != 0 && fault != self.error {
+                self.report(fault, false);
             }
         }
     }
@@ -171,7 +208,7 @@ impl Machine {
     /// The bus is lost, for this error code: an enabled joint brakes.
     pub(super) fn lose(&mut self, code: u16) {
         if self.enabled() {
-            self.report(code);
+            self.report(code, true);
             self.enter(State::FaultReactionActive);
         }
     }
@@ -179,9 +216,7 @@ impl Machine {
     /// The NMT state is operational no more: what the master prepared is forgotten, an enabled joint brakes.
     pub(super) fn disconnect(&mut self, code: u16) {
         self.lose(code);
-        if matches!(self.state, State::ReadyToSwitchOn | State::SwitchedOn) {
-            self.enter(State::SwitchOnDisabled);
-        }
+        self.unprepare();
     }
 
     /// Starts again with the joint's own fault only; a joint that may move brakes first.
@@ -193,13 +228,14 @@ impl Machine {
             }
             _ => State::SwitchOnDisabled,
         });
-        (self.controlword, self.error, self.emergency) = (0, 0, None);
+        (self.controlword, self.error, self.of_bus) = (0, 0, false);
+        self.emergencies = Emergencies::new();
         self.judge(fault);
     }
 
-    fn report(&mut self, code: u16) {
-        self.error = code;
-        self.emergency = Some(code);
+    fn report(&mut self, code: u16, of_bus: bool) {
+        (self.error, self.of_bus) = (code, of_bus);
+        self.emergencies.push(code);
     }
 
     fn enter(&mut self, state: State) {

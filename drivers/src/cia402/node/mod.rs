@@ -2,25 +2,31 @@
 //!
 //! ```text
 //! NMT        0x000          command (1 start, 2 stop, 0x80 pre-operational, 0x81 reset node, 0x82 reset communication), node or 0
-//! SYNC       0x080          no data
-//! EMCY       0x080 + node   error code u16, error register u8, 5 bytes 0; once for each fault, error code 0 for its reset
+//! SYNC       0x080          no data, or a counter u8 that does not count
+//! EMCY       0x080 + node   error code u16, error register u8, 5 bytes 0; once for each fault, in order, error code 0 for its reset
 //! RPDO1      0x200 + node   controlword (0x6040) u16, mode of operation (0x6060) i8, target position (0x607a) i32
 //! RPDO2      0x300 + node   target velocity (0x60ff) i32, target torque (0x6071) i16
 //! TPDO1      0x180 + node   statusword (0x6041) u16, mode display (0x6061) i8, position (0x6064) i32
 //! TPDO2      0x280 + node   velocity (0x606c) i32, torque (0x6077) i16
 //! SDO        0x600 + node   request, 0x580 + node answer; expedited transfers only
-//! heartbeat  0x700 + node   NMT state: 0 boot-up, once at the start; 4 stopped, 5 operational, 0x7f pre-operational
+//! heartbeat  0x700 + node   NMT state: 0 boot-up, once at the start and after a reset by NMT; 4 stopped, 5 operational, 0x7f pre-operational
 //! ```
 //!
 //! Little-endian. Frames of another length, remote frames and those with 29-bit identifiers are ignored.
 //!
 //! Position in counts of 2^-26 of a revolution of the output, which wraps after 32 of them to either side; velocity in counts/s;
-//! torque in thousandths of the rated torque, which object 0x6076 gives in mN m. Signs are the joint's.
+//! torque (0x6071, 0x6077) in thousandths of the rated torque, which object 0x6076 gives in mN m as [`Params::rated_torque`] has it. What
+//! torque that is and where it acts, at the output or elsewhere, is what the caller defines by that rated torque, [`Actual::torque`] and
+//! what it does with [`Target::Torque`]. Object 0x608f, the counts of a revolution, is of the output, not of the motor. Signs are the joint's.
 //!
 //! All PDOs are synchronous: what RPDOs carried takes effect at the next SYNC, and every SYNC in NMT operational sends both TPDOs with
 //! values read after it. Modes: 8 cyclic synchronous position, 9 velocity, 10 torque. Another mode is refused: the display stays at the
 //! last valid one, 0 before the first. The period of the bus is object 0x60c2, value * 10^index s; each write to it has to give a whole
-//! number of control periods, 2 to 1000.
+//! number of control periods, 2 to 1000, and at most half of the time-out.
+//!
+//! PDOs are fixed. Their parameters, and the identifiers of SYNC and EMCY, take the value that they have, and in pre-operational the
+//! disabling of a PDO and of a mapping too, without effect: masters that configure PDOs when they start succeed. What PDOs carry to the
+//! joint (0x6040, 0x607a, 0x60ff, 0x6071) is read only for SDOs; the mode 0x6060 is not. `drivers/strainwave.eds` describes all objects.
 //!
 //! A SYNC in operation enabled gives a target if the mode's data are new: RPDO1, in modes 9 and 10 RPDO2 too. The SYNC that enables gives
 //! none. Statusword beyond the state: bit 4 voltage enabled, always once the joint is ready; bit 9 remote, in NMT operational; bit 10 target
@@ -32,20 +38,29 @@
 //! 0x8100  the NMT state is operational no more, by command
 //! 0x8130  no heartbeat of the master for the time in object 0x1016 (node << 16 | ms; off by default), counted from the write on
 //! 0x8250  no SYNC with new data for the time-out
+//! 0x8700  the SYNC has another period than object 0x60c2: five intervals in a row of half of it or less, or more than 3/2
 //! ```
 //!
 //! The joint then brakes ([`Wanted::Brake`]) until it is at rest or has braked for the longest stop, and is off in the state fault until
-//! a rising edge of bit 7 of the controlword. A fault of the joint itself goes to fault at once. A quick stop brakes in the same way, to
-//! switch on disabled; so does a reset by NMT of a joint in operation. Such a reset clears a fault of the bus, not one of the joint.
+//! a rising edge of bit 7 of the controlword, which leads to switch on disabled at once: the joint itself need not be reset. A fault of the
+//! joint goes to fault at once and takes the place of one of the bus; it ends when the joint, reset, is ready without a fault. A quick stop
+//! brakes in the same way, to switch on disabled; so does a reset by NMT of a joint in operation. Such a reset clears a fault of the bus,
+//! not one of the joint.
+//!
+//! A joint that is not ready ([`Actual::ready`]) cannot be switched on: at the start the state is not ready until it is, later switch on
+//! disabled. In operation enabled its faults alone count.
 //!
 //! | file | |
 //! | --- | --- |
+//! | `params` | parameters |
+//! | `joint` | what passes between the node and the joint |
 //! | `machine` | states of the power, faults, braking |
+//! | `emergency` | emergency messages that wait |
 //! | `nmt` | states of the node on the bus |
 //! | `heartbeat` | ours and the master's |
 //! | `demand` | RPDOs, mode and target |
-//! | `period` | period of the bus |
-//! | `sdo`, `objects` | SDO server and what it reads and writes |
+//! | `period`, `sync` | period of the bus, and whether SYNCs keep it |
+//! | `sdo`, `objects`, `pdo` | SDO server and what it reads and writes |
 //! | `outbox` | frames that wait to be sent |
 //!
 //! zencan-node 0.0.5 and canopen-rs 0.6.1 are CiA 301 without CiA 402, and panic where a slice's length or an `expect` does not hold.
@@ -54,13 +69,18 @@
 //! velocity and torque.
 
 mod demand;
+mod emergency;
 mod heartbeat;
+mod joint;
 mod machine;
 mod nmt;
 mod objects;
 mod outbox;
+mod params;
+mod pdo;
 mod period;
 mod sdo;
+mod sync;
 #[cfg(test)]
 mod tests;
 
@@ -70,10 +90,13 @@ use embedded_can::Frame;
 
 use self::demand::{Demand, Received, Rpdo1, Rpdo2};
 use self::heartbeat::{Consumer, Producer};
+pub use self::joint::{Actual, Target, Wanted};
 use self::machine::Machine;
 use self::nmt::{Command, Nmt};
 use self::outbox::Outbox;
+pub use self::params::Params;
 use self::period::Period;
+use self::sync::Intervals;
 pub use crate::cia402::State;
 use crate::drive::standard_id;
 
@@ -94,6 +117,8 @@ const NOT_OPERATIONAL: u16 = 0x8100;
 const HEARTBEAT_LOST: u16 = 0x8130;
 /// Error code: no SYNC with new data.
 const RPDO_LOST: u16 = 0x8250;
+/// Error code: the SYNC has another period.
+const SYNC_CONTROLLER: u16 = 0x8700;
 
 /// Bit 9 of the statusword: the controlword is obeyed.
 const REMOTE: u16 = 1 << 9;
@@ -102,76 +127,6 @@ const FOLLOWS: u16 = 1 << 12;
 
 /// Default of object 0x1017 (ms).
 const HEARTBEAT_TIME: u16 = 100;
-
-/// How the joint is on the bus.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Params {
-    /// Node, 1 to 127.
-    pub node: u8,
-    /// Rated torque of the joint at its output (N m), 0.001 to 10^6.
-    pub rated_torque: f32,
-    /// Control periods per second, a multiple of 1000 from 2000 to 10^6.
-    pub rate: u32,
-    /// Control periods without a SYNC with new data after which the bus is lost; more than those of a period of the bus.
-    pub timeout: u32,
-    /// Control periods that the joint brakes at most.
-    pub longest_stop: u32,
-    /// Product code, revision and serial number, object 0x1018.
-    pub identity: [u32; 3],
-}
-
-impl Params {
-    /// The node, pre-operational, its boot-up message waiting.
-    ///
-    /// `None` when the node, the rated torque or the rate is out of range, or there is no time-out or no time to stop.
-    pub fn build(&self) -> Option<Node> {
-        let Self { node, rated_torque, rate, timeout, longest_stop, .. } = *self;
-        let torque = (0.001..=1e6).contains(&rated_torque);
-        let rates = (2000..=1_000_000).contains(&rate) && rate.is_multiple_of(1000);
-        let valid = (1..=127).contains(&node) && torque && rates && timeout > 0 && longest_stop > 0;
-        valid.then(|| Node::new(*self))
-    }
-}
-
-/// What the joint is to follow.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Target {
-    /// Position of the output (counts of 2^-26 revolution), which wraps.
-    Position(i32),
-    /// Velocity of the output (counts/s).
-    Velocity(i32),
-    /// Torque at the output (N m), at most 32.767 times the rated one.
-    Torque(f32),
-}
-
-/// What the joint's power is to do.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Wanted {
-    /// No torque.
-    #[default]
-    Off,
-    /// Stop, whatever the target.
-    Brake,
-    /// Follow the target.
-    On,
-}
-
-/// What the joint measures and says of itself.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Actual {
-    /// Position of the output (counts of 2^-26 revolution), which wraps.
-    pub position: i32,
-    /// Velocity of the output (counts/s).
-    pub velocity: i32,
-    /// Torque at the output (N m).
-    pub torque: f32,
-    /// Error code of the joint's own fault, with which it is off; 0 without.
-    pub fault: u16,
-    /// The joint does not move.
-    pub at_rest: bool,
-    /// It follows the target, which may be out of its reach.
-    pub follows: bool,
-}
 
 /// The joint as the bus sees it.
 #[derive(Clone, Debug)]
@@ -185,6 +140,7 @@ pub struct Node {
     producer: Producer,
     consumer: Consumer,
     period: Period,
+    intervals: Intervals,
     received: Received,
     demand: Demand,
     target: Option<Target>,
@@ -210,6 +166,7 @@ impl Node {
             producer: Producer::new(HEARTBEAT_TIME),
             consumer: Consumer::default(),
             period: Period::millisecond(per_ms),
+            intervals: Intervals::default(),
             received: Received::default(),
             demand: Demand::default(),
             target: None,
@@ -225,6 +182,7 @@ impl Node {
     pub fn tick(&mut self) {
         self.outbox.heartbeat |= self.producer.tick(self.per_ms);
         self.consumer.tick();
+        self.intervals.tick();
         self.silent = self.silent.saturating_add(1);
         self.machine.tick(self.params.longest_stop);
         if self.consumer.lost(self.per_ms) {
@@ -239,7 +197,7 @@ impl Node {
         let Some(id) = standard_id(frame) else { return };
         match (id, frame.data()) {
             (NMT, &[command, node]) if node == 0 || node == self.params.node => self.manage(command),
-            (SYNC, []) if self.operational() => self.sync(),
+            (SYNC, [] | [_]) if self.operational() => self.sync(),
             (0x701..=0x77f, [_]) => self.consumer.heard(id ^ HEARTBEAT),
             (_, data) => self.receive_own(id ^ self.node, data),
         }
@@ -294,6 +252,10 @@ impl Node {
     }
 
     fn sync(&mut self) {
+        let regular = self.intervals.end(self.period.periods(), self.machine.enabled());
+        if !regular {
+            self.machine.lose(SYNC_CONTROLLER);
+        }
         let enabled = self.machine.enabled();
         let received = take(&mut self.received);
         if let Some(Rpdo1 { controlword, .. }) = received.first {
@@ -335,11 +297,11 @@ impl Node {
         self.reading_wanted
     }
 
-    /// The joint's values, at any time; they answer a SYNC that awaits them. Until the first the state is not ready.
-    pub fn read(&mut self, actual: &Actual) {
+    /// The joint's values, at any time. Those of a step that knew of the SYNC answer it (`answers`); others leave it waiting.
+    pub fn read(&mut self, actual: &Actual, answers: bool) {
         self.actual = *actual;
-        self.machine.read(actual.fault, actual.at_rest);
-        if take(&mut self.reading_wanted) {
+        self.machine.read(actual);
+        if answers && take(&mut self.reading_wanted) {
             let [s0, s1] = self.statusword().to_le_bytes();
             let [mode] = self.demand.display().to_le_bytes();
             let [p0, p1, p2, p3] = actual.position.to_le_bytes();
@@ -350,8 +312,8 @@ impl Node {
         }
     }
 
-    /// The joint is to leave its fault; true once for each request of the master. It has 10 control periods until it reports none, else the state
-    /// stays fault.
+    /// The joint is to leave its own fault; true once for each request of the master. It has 2000 control periods until it is ready without a
+    /// fault, else the state stays fault.
     pub fn reset_requested(&mut self) -> bool {
         self.machine.take_reset()
     }

@@ -7,19 +7,13 @@ use super::heartbeat::{Consumer, Producer};
 use super::nmt::Nmt;
 use super::period::Period;
 use super::sdo::{Abort, Value};
-use super::{EMCY, Node, RPDO1, RPDO2, SYNC, TPDO1, TPDO2};
+use super::{EMCY, Node, SYNC};
 
 /// Counts of one revolution of the output.
 const COUNTS: u32 = 1 << 26;
 
 /// A servo drive (bit 17) by CiA 402.
 const DEVICE_TYPE: u32 = 0x0002_0192;
-
-/// Bit 30 of a TPDO's identifier: remote frames get no answer.
-const NO_RTR: u32 = 1 << 30;
-
-/// Transmission type: with every SYNC.
-const SYNCHRONOUS: u8 = 1;
 
 const INDICES: [u16; 30] = [
     0x1000, 0x1001, 0x1005, 0x1014, 0x1016, 0x1017, 0x1018, 0x1400, 0x1401, 0x1600, 0x1601, 0x1800, 0x1801,
@@ -29,7 +23,7 @@ const INDICES: [u16; 30] = [
 
 impl Node {
     pub(super) fn writable(object: (u16, u8)) -> bool {
-        matches!(object, (0x1016, 1) | (0x1017, 0) | (0x6060, 0) | (0x60c2, 1 | 2))
+        Self::fixed(object) || matches!(object, (0x1016, 1) | (0x1017, 0) | (0x6060, 0) | (0x60c2, 1 | 2))
     }
 
     /// The value of an object, by index and subindex.
@@ -60,31 +54,6 @@ impl Node {
         })
     }
 
-    fn pdo_parameter(&self, object: (u16, u8)) -> Option<Value> {
-        Some(match object {
-            (0x1400 | 0x1401 | 0x1800 | 0x1801, 0) => 2_u8.into(),
-            (0x1400, 1) => self.identifier(RPDO1).into(),
-            (0x1401, 1) => self.identifier(RPDO2).into(),
-            (0x1800, 1) => (self.identifier(TPDO1) | NO_RTR).into(),
-            (0x1801, 1) => (self.identifier(TPDO2) | NO_RTR).into(),
-            (0x1400 | 0x1401 | 0x1800 | 0x1801, 2) => SYNCHRONOUS.into(),
-            (0x1600 | 0x1a00, 0) => 3_u8.into(),
-            (0x1601 | 0x1a01, 0) => 2_u8.into(),
-            // Index, subindex and bits of what is mapped.
-            (0x1600, 1) => 0x6040_0010_u32.into(),
-            (0x1600, 2) => 0x6060_0008_u32.into(),
-            (0x1600, 3) => 0x607a_0020_u32.into(),
-            (0x1601, 1) => 0x60ff_0020_u32.into(),
-            (0x1601, 2) => 0x6071_0010_u32.into(),
-            (0x1a00, 1) => 0x6041_0010_u32.into(),
-            (0x1a00, 2) => 0x6061_0008_u32.into(),
-            (0x1a00, 3) => 0x6064_0020_u32.into(),
-            (0x1a01, 1) => 0x606c_0020_u32.into(),
-            (0x1a01, 2) => 0x6077_0010_u32.into(),
-            _ => return None,
-        })
-    }
-
     fn profile(&self, object: (u16, u8)) -> Option<Value> {
         Some(match object {
             (0x603f, 0) => self.machine.error().into(),
@@ -108,14 +77,16 @@ impl Node {
         })
     }
 
-    fn identifier(&self, function: u16) -> u32 {
+    pub(super) fn identifier(&self, function: u16) -> u32 {
         (function | self.node).into()
     }
 
-    /// Writes a writable object; of the data those bytes count that it has.
-    pub(super) fn set_object(&mut self, object: (u16, u8), data: u32) -> Result<(), Abort> {
+    /// Writes a writable object with a value of its size.
+    pub(super) fn set_object(&mut self, object: (u16, u8), value: Value) -> Result<(), Abort> {
+        let data = value.bits();
         let byte = data as u8;
         match object {
+            _ if Self::fixed(object) => self.confirm(object, value)?,
             (0x1016, 1) => self.consumer = Consumer::new(data, self.params.node).ok_or(Abort::Range)?,
             (0x1017, 0) => self.producer = Producer::new(data as u16),
             (0x6060, 0) => {
@@ -132,7 +103,12 @@ impl Node {
         if self.nmt != Nmt::PreOperational {
             return Err(Abort::State);
         }
-        self.period = Period::new(value, index, self.params.rate).ok_or(Abort::Range)?;
+        let period = Period::new(value, index, self.params.rate).ok_or(Abort::Range)?;
+        // Else each SYNC that is late would be a loss of the bus.
+        if period.periods().saturating_mul(2) > self.params.timeout {
+            return Err(Abort::Range);
+        }
+        self.period = period;
         Ok(())
     }
 }
@@ -143,7 +119,8 @@ pub(super) const fn error_register(code: u16) -> u8 {
         0x20..0x30 => 1 << 1,
         0x30..0x40 => 1 << 2,
         0x40..0x50 => 1 << 3,
-        0x81 | 0x82 => 1 << 4,
+        // The last is the SYNC's.
+        0x81 | 0x82 | 0x87 => 1 << 4,
         0xff => 1 << 7,
         _ => 0,
     };

@@ -1,4 +1,4 @@
-//! What waits to be sent: one frame of each kind, the newest, in a fixed order.
+//! What waits to be sent: of each kind the newest frame, of emergency messages all, in a fixed order.
 
 use core::mem::take;
 
@@ -8,7 +8,7 @@ use super::nmt::Nmt;
 use super::objects::error_register;
 use super::{ANSWER, EMCY, HEARTBEAT, Node, TPDO1, TPDO2};
 
-/// What waits to be sent, besides the machine's emergency message.
+/// What waits to be sent, besides the machine's emergency messages.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outbox {
     pub(super) boot_up: bool,
@@ -19,7 +19,7 @@ pub(super) struct Outbox {
 }
 
 impl Node {
-    /// The next frame that waits to be sent: at most six, boot-up first, heartbeat last.
+    /// The next frame that waits to be sent: at most nine, boot-up first, heartbeat last.
     pub fn send<F: Frame>(&mut self) -> Option<F> {
         if take(&mut self.outbox.boot_up) {
             return self.frame(HEARTBEAT, &[0]);

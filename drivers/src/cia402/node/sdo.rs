@@ -32,6 +32,22 @@ pub(super) struct Value {
     size: u8,
 }
 
+impl Value {
+    pub(super) const fn bits(self) -> u32 {
+        self.bits
+    }
+
+    /// Of the data those bytes that an object of this size has.
+    const fn resized(self, data: u32) -> Self {
+        let mask = match self.size {
+            1 => 0xff,
+            2 => 0xffff,
+            _ => u32::MAX,
+        };
+        Self { bits: data & mask, ..self }
+    }
+}
+
 impl From<u8> for Value {
     fn from(value: u8) -> Self {
         Self { bits: value.into(), size: 1 }
@@ -101,5 +117,5 @@ fn write(node: &mut Node, command: u8, object: (u16, u8), data: u32) -> Result<(
     if sized && size != old.size {
         return Err(Abort::Length);
     }
-    node.set_object(object, data)
+    node.set_object(object, old.resized(data))
 }

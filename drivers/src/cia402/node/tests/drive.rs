@@ -27,7 +27,7 @@ fn the_master_enables_drives_and_resets_the_node() {
     assert_eq!((drive.state(), drive.cause()), (State::OperationEnabled, None));
     assert_eq!(node.target(), Some(Target::Torque(25.0)));
 
-    node.read(&Actual { fault: 0x4210, ..MOVES });
+    node.read(&Actual { fault: 0x4210, ..MOVES }, true);
     exchange(&mut drive, &mut node, 25.0);
     assert_eq!(drive.cause(), Some(cia402::Cause::DriveFault));
     exchange(&mut drive, &mut node, 25.0);

@@ -6,10 +6,10 @@ use proptest::prelude::*;
 #[derive(Clone, Debug)]
 enum Event {
     Frame(Sent),
-    /// RPDO1, RPDO2 and the SYNC behind them.
+    /// A period of the bus, then RPDO1, RPDO2 and SYNC.
     Cycle(u16, i8, i16),
     Ticks(u32),
-    Read(Actual),
+    Read(Actual, bool),
     Reset,
     Send,
 }
@@ -24,8 +24,10 @@ fn controlword() -> impl Strategy<Value = u16> {
 
 fn actual() -> impl Strategy<Value = Actual> {
     let fault = prop_oneof![8 => Just(0_u16), 1 => Just(0x4210), 1 => any::<u16>()];
-    (any::<[i32; 2]>(), prop::num::f32::ANY, fault, any::<bool>()).prop_map(
-        |([position, velocity], torque, fault, at_rest)| Actual {
+    let ready = prop::bool::weighted(0.9);
+    (any::<[i32; 2]>(), prop::num::f32::ANY, fault, any::<bool>(), ready).prop_map(
+        |([position, velocity], torque, fault, at_rest, ready)| Actual {
+            ready,
             position,
             velocity,
             torque,
@@ -57,7 +59,7 @@ fn event() -> impl Strategy<Value = Event> {
         2 => any_frame().prop_map(Event::Frame),
         4 => (controlword(), 7_i8..12, any::<i16>()).prop_map(|(word, mode, t)| Event::Cycle(word, mode, t)),
         1 => (0_u32..60).prop_map(Event::Ticks),
-        1 => actual().prop_map(Event::Read),
+        1 => (actual(), any::<bool>()).prop_map(|(actual, answers)| Event::Read(actual, answers)),
         1 => Just(Event::Reset),
         1 => Just(Event::Send),
     ]
@@ -80,7 +82,7 @@ impl Bus {
                 let received = self.received.filter(|_| command == 1);
                 *self = Self { operational: command == 1, received, controlword };
             }
-            (0x080, []) if self.operational => {
+            (0x080, [] | [_]) if self.operational => {
                 self.controlword = self.received.take().unwrap_or(self.controlword);
             }
             (0x205, &[c0, c1, _, _, _, _, _]) if self.operational => {
@@ -101,7 +103,7 @@ impl World {
     fn started() -> Self {
         let mut world = Self { node: PARAMS.build().unwrap(), bus: Bus::default() };
         world.take(&nmt(1));
-        world.node.read(&MOVES);
+        world.node.read(&MOVES, true);
         world
     }
 
@@ -110,20 +112,25 @@ impl World {
         self.node.receive(frame);
     }
 
+    fn cycle(&mut self, word: u16, mode: i8, torque: i16) {
+        self.take(&rpdo1(word, mode, 3));
+        self.take(&rpdo2(4, torque));
+        self.take(&sync());
+    }
+
     fn happen(&mut self, event: &Event) -> Result<(), TestCaseError> {
         match event {
             Event::Frame(frame) => self.take(frame),
             &Event::Cycle(word, mode, torque) => {
-                self.take(&rpdo1(word, mode, 3));
-                self.take(&rpdo2(4, torque));
-                self.take(&sync());
+                ticks(&mut self.node, PERIOD);
+                self.cycle(word, mode, torque);
             }
             &Event::Ticks(periods) => ticks(&mut self.node, periods),
-            Event::Read(actual) => self.node.read(actual),
+            Event::Read(actual, answers) => self.node.read(actual, *answers),
             Event::Reset => _ = self.node.reset_requested(),
             Event::Send => {
                 let sent = sent(&mut self.node);
-                prop_assert!(sent.len() <= 6);
+                prop_assert!(sent.len() <= 9);
                 prop_assert!(sent.iter().all(|(id, data)| data.len() <= 8 && (id & 0x7f) == 5));
             }
         }
@@ -142,7 +149,7 @@ proptest! {
         let mut fault = 0;
         for event in events {
             world.happen(&event)?;
-            if let Event::Read(actual) = event {
+            if let Event::Read(actual, _) = event {
                 fault = actual.fault;
             }
             let World { node, bus } = &mut world;
@@ -183,14 +190,21 @@ proptest! {
         let mut world = World::started();
         let mut braked = 0;
         for event in events {
-            let periods = if let Event::Ticks(periods) = event { periods } else { 0 };
-            for _ in 0..periods {
-                world.node.tick();
-                braked = if world.node.wanted() == Wanted::Brake { braked + 1 } else { 0 };
-                prop_assert!(braked <= PARAMS.longest_stop);
-            }
-            if periods == 0 {
-                world.happen(&event)?;
+            let mut brake = |world: &mut World, periods| {
+                for _ in 0..periods {
+                    world.node.tick();
+                    braked = if world.node.wanted() == Wanted::Brake { braked + 1 } else { 0 };
+                    prop_assert!(braked <= PARAMS.longest_stop);
+                }
+                Ok(())
+            };
+            match event {
+                Event::Ticks(periods) => brake(&mut world, periods)?,
+                Event::Cycle(word, mode, torque) => {
+                    brake(&mut world, PERIOD)?;
+                    world.cycle(word, mode, torque);
+                }
+                event => world.happen(&event)?,
             }
             braked = if world.node.wanted() == Wanted::Brake { braked } else { 0 };
         }

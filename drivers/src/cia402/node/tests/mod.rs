@@ -2,7 +2,10 @@
 
 mod bus;
 mod drive;
+mod eds;
+mod fault;
 mod laws;
+mod period;
 mod power;
 mod sdo;
 
@@ -20,6 +23,9 @@ const PARAMS: Params = Params {
     longest_stop: 100,
     identity: [0x10, 0x20, 0x30],
 };
+
+/// Control periods of the bus's period, as it is by default.
+const PERIOD: u32 = 20;
 
 const SYNC: u16 = 0x080;
 
@@ -64,13 +70,20 @@ fn sent_as(node: &mut Node, id: u16) -> Option<Vec<u8>> {
 }
 
 /// A joint without faults that moves.
-const MOVES: Actual =
-    Actual { position: 1_000_000, velocity: -2000, torque: 12.5, fault: 0, at_rest: false, follows: true };
+const MOVES: Actual = Actual {
+    ready: true,
+    position: 1_000_000,
+    velocity: -2000,
+    torque: 12.5,
+    fault: 0,
+    at_rest: false,
+    follows: true,
+};
 
 /// The node in NMT operational, its joint's values known, nothing waiting.
 fn started() -> Node {
     let mut node = PARAMS.build().unwrap();
-    node.read(&MOVES);
+    node.read(&MOVES, true);
     node.receive(&nmt(1));
     sent(&mut node);
     node
@@ -81,7 +94,7 @@ fn cycle(node: &mut Node, frames: &[Sent], actual: &Actual) -> u16 {
     frames.iter().for_each(|frame| node.receive(frame));
     node.receive(&sync());
     assert!(node.reading_wanted());
-    node.read(actual);
+    node.read(actual, true);
     assert!(!node.reading_wanted());
     let data = sent_as(node, 0x185).unwrap();
     u16::from_le_bytes([data[0], data[1]])
@@ -111,7 +124,7 @@ fn a_master_walks_from_boot_up_to_motion_quick_stop_fault_and_reset() {
     let mut node = PARAMS.build().unwrap();
     assert_eq!(sent(&mut node), [(0x705, [0].to_vec())]);
     node.tick();
-    node.read(&MOVES);
+    node.read(&MOVES, true);
     node.receive(&nmt(1));
 
     assert_eq!(command(&mut node, 0x00), 0x0250);
@@ -166,6 +179,8 @@ fn parameters_out_of_range_build_no_node() {
         Params { rate: 20_500, ..PARAMS },
         Params { rate: 2_000_000, ..PARAMS },
         Params { timeout: 0, ..PARAMS },
+        Params { timeout: 39, ..PARAMS },
+        Params { rate: 21_000, ..PARAMS },
         Params { longest_stop: 0, ..PARAMS },
     ];
     assert!(bad.iter().all(|params| params.build().is_none()));

@@ -4,18 +4,19 @@ use super::*;
 use crate::cia402::node::objects::error_register;
 
 /// The answer to a request.
-fn ask(node: &mut Node, request: [u8; 8]) -> [u8; 8] {
-    node.receive(&frame(0x605, &request));
-    sent_as(node, 0x585).unwrap().try_into().unwrap()
+pub(super) fn ask(node: &mut Node, request: [u8; 8]) -> [u8; 8] {
+    let own = node.node;
+    node.receive(&frame(0x600 | own, &request));
+    sent_as(node, 0x580 | own).unwrap().try_into().unwrap()
 }
 
-fn request(command: u8, index: u16, subindex: u8, data: u32) -> [u8; 8] {
+pub(super) fn request(command: u8, index: u16, subindex: u8, data: u32) -> [u8; 8] {
     let ([i0, i1], [d0, d1, d2, d3]) = (index.to_le_bytes(), data.to_le_bytes());
     [command, i0, i1, subindex, d0, d1, d2, d3]
 }
 
 /// Size in bytes and value, or the abort code.
-fn read(node: &mut Node, index: u16, subindex: u8) -> Result<(u8, u32), u32> {
+pub(super) fn read(node: &mut Node, index: u16, subindex: u8) -> Result<(u8, u32), u32> {
     let [command, i0, i1, sub, d0, d1, d2, d3] = ask(node, request(0x40, index, subindex, 0));
     assert_eq!((u16::from_le_bytes([i0, i1]), sub), (index, subindex));
     let data = u32::from_le_bytes([d0, d1, d2, d3]);
@@ -29,7 +30,7 @@ fn read(node: &mut Node, index: u16, subindex: u8) -> Result<(u8, u32), u32> {
 }
 
 /// Writes that many bytes.
-fn write(node: &mut Node, index: u16, subindex: u8, size: u8, data: u32) -> Result<(), u32> {
+pub(super) fn write(node: &mut Node, index: u16, subindex: u8, size: u8, data: u32) -> Result<(), u32> {
     let answer = ask(node, request(0x23 | (4 - size) << 2, index, subindex, data));
     if answer == request(0x60, index, subindex, 0) {
         return Ok(());
@@ -44,7 +45,7 @@ fn write(node: &mut Node, index: u16, subindex: u8, size: u8, data: u32) -> Resu
 fn objects_have_their_size_and_value() {
     let mut node = enabled();
     cycle(&mut node, &[rpdo1(0x0f, TORQUE, -3), rpdo2(-4, -5)], &MOVES);
-    node.read(&MOVES);
+    node.read(&MOVES, true);
     let table = [
         (0x1000, 0, 4, 0x0002_0192),
         (0x1001, 0, 1, 0),
@@ -118,7 +119,7 @@ fn objects_have_their_size_and_value() {
 
 #[test]
 fn writes_are_kept_and_reset_by_nmt() {
-    let mut node = PARAMS.build().unwrap();
+    let mut node = Params { timeout: 160, ..PARAMS }.build().unwrap();
     for (index, subindex, size, value, default) in [
         (0x1016, 1, 4, 0x007f_03e8, 0),
         (0x1017, 0, 2, 250, 100),
@@ -169,7 +170,8 @@ fn writes_are_refused_by_name() {
         (0x1016, 1, 4, 0x0080_0064, 0x0609_0030),
         (0x1016, 1, 4, 0x0100_0064, 0x0609_0030),
         (0x1016, 1, 4, 0x0005_0064, 0x0609_0030),
-        // 51 ms, 0 ms; 1 s, 50 us, 1000 s.
+        // Two periods of 2 ms are longer than the time-out. 51 ms, 0 ms; 1 s, 50 us, 1000 s.
+        (0x60c2, 1, 1, 2, 0x0609_0030),
         (0x60c2, 1, 1, 51, 0x0609_0030),
         (0x60c2, 1, 1, 0, 0x0609_0030),
         (0x60c2, 2, 1, 0, 0x0609_0030),
@@ -187,7 +189,7 @@ fn writes_are_refused_by_name() {
 
 #[test]
 fn periods_are_whole_numbers_of_control_periods() {
-    let mut node = Params { rate: 8000, ..PARAMS }.build().unwrap();
+    let mut node = Params { rate: 8000, timeout: 2000, ..PARAMS }.build().unwrap();
     for (object, value, expected) in [
         (1, 125, Ok(1000)),
         (1, 126, Err(1000)),
@@ -226,7 +228,7 @@ fn other_transfers_are_refused_and_aborts_not_answered() {
 #[test]
 fn errors_are_told_by_code_and_kind() {
     let mut node = started();
-    node.read(&Actual { fault: 0x2310, ..MOVES });
+    node.read(&Actual { fault: 0x2310, ..MOVES }, true);
     assert_eq!(read(&mut node, 0x603f, 0), Ok((2, 0x2310)));
     assert_eq!(read(&mut node, 0x1001, 0), Ok((1, 0x03)));
     for (code, register) in [
@@ -238,9 +240,66 @@ fn errors_are_told_by_code_and_kind() {
         (0x7305, 0x01),
         (0x8130, 0x11),
         (0x8250, 0x11),
+        (0x8700, 0x11),
         (0x8611, 0x01),
         (0xff01, 0x81),
     ] {
         assert_eq!(error_register(code), register, "{code:#x}");
     }
+}
+
+#[test]
+fn fixed_objects_take_the_value_that_they_have() {
+    for state in [0x80, 1] {
+        let mut node = PARAMS.build().unwrap();
+        node.receive(&nmt(state));
+        for (index, count) in [(0x1400, 2), (0x1401, 2), (0x1800, 2), (0x1801, 2)] {
+            assert_eq!(write(&mut node, index, 0, 1, 2), Err(0x0601_0002));
+            confirm(&mut node, index, 1..=count);
+        }
+        for (index, count) in [(0x1600, 3), (0x1601, 2), (0x1a00, 3), (0x1a01, 2)] {
+            confirm(&mut node, index, 0..=count);
+        }
+        confirm(&mut node, 0x1005, 0..=0);
+        confirm(&mut node, 0x1014, 0..=0);
+    }
+}
+
+/// These subindices take their own value, by each length that a master may tell, and no other.
+fn confirm(node: &mut Node, index: u16, subindices: core::ops::RangeInclusive<u8>) {
+    for subindex in subindices {
+        let (size, value) = read(node, index, subindex).unwrap();
+        assert_eq!(write(node, index, subindex, size, value), Ok(()), "{index:#x}:{subindex}");
+        assert_eq!(ask(node, request(0x22, index, subindex, value))[0], 0x60, "{index:#x}:{subindex}");
+        for other in [value ^ 1, value ^ 0x40] {
+            assert_eq!(write(node, index, subindex, size, other), Err(0x0609_0030), "{index:#x}:{subindex}");
+        }
+        assert_eq!(read(node, index, subindex), Ok((size, value)));
+    }
+}
+
+#[test]
+fn a_master_that_configures_pdos_as_they_are_succeeds() {
+    let mut node = PARAMS.build().unwrap();
+    for (parameter, mapping) in [(0x1400, 0x1600), (0x1401, 0x1601), (0x1800, 0x1a00), (0x1801, 0x1a01)] {
+        let (_, identifier) = read(&mut node, parameter, 1).unwrap();
+        let (_, count) = read(&mut node, mapping, 0).unwrap();
+        assert_eq!(write(&mut node, parameter, 1, 4, identifier | 1 << 31), Ok(()));
+        assert_eq!(write(&mut node, parameter, 2, 1, 1), Ok(()));
+        assert_eq!(write(&mut node, mapping, 0, 1, 0), Ok(()));
+        for subindex in 1..=count as u8 {
+            let (_, entry) = read(&mut node, mapping, subindex).unwrap();
+            assert_eq!(write(&mut node, mapping, subindex, 4, entry), Ok(()));
+        }
+        assert_eq!(write(&mut node, mapping, 0, 1, count), Ok(()));
+        assert_eq!(write(&mut node, parameter, 1, 4, identifier), Ok(()));
+        assert_eq!(write(&mut node, parameter, 1, 4, 1 << 31), Err(0x0609_0030));
+
+        // PDOs that are exchanged cannot be disabled.
+        node.receive(&nmt(1));
+        assert_eq!(write(&mut node, parameter, 1, 4, identifier | 1 << 31), Err(0x0800_0022));
+        assert_eq!(write(&mut node, mapping, 0, 1, 0), Err(0x0800_0022));
+        node.receive(&nmt(0x80));
+    }
+    assert_eq!(write(&mut node, 0x1014, 0, 4, 0x8000_0085), Err(0x0609_0030));
 }
