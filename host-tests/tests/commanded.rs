@@ -2,9 +2,11 @@
 
 use embedded_can::Frame as _;
 use strainwave::Angle;
+use strainwave::compensator::actuate::mode::UNSAFE;
 use strainwave::compensator::{Command, CompensationGains, Faults, Mode, Setpoint, Status};
 use strainwave_app::command_source::CommandSource;
 use strainwave_app::commanded::{BusNode, Commanded, Exchange, Frame, node};
+use strainwave_app::operated::WATCHING;
 use strainwave_app::{Compensator, Input, Output, joint};
 use strainwave_emulator::chips::host_bus::HostBus;
 
@@ -32,7 +34,7 @@ impl Joint {
         let mut output = Output { mode: Mode::Ready, ..Output::default() };
         output.estimate.output_position = Angle::from_counts(1000 * COUNT);
         Self {
-            source: Commanded::new(exchange),
+            source: Commanded::new(exchange, compensator),
             node: BusNode::new(node(NODE as u8, compensator).unwrap(), bus.clone(), exchange),
             bus,
             output,
@@ -40,22 +42,26 @@ impl Joint {
         }
     }
 
-    /// Operational, off, its observer told where it is.
+    /// Operational, off, watched for long enough.
     fn started() -> Self {
         let mut joint = Self::new();
         joint.come(0x000, &[1, 0]);
-        joint.periods(CYCLE);
+        joint.periods(WATCHING as usize + 2);
         joint
     }
 
     /// Switched on where it is.
     fn enabled() -> Self {
         let mut joint = Self::started();
-        for controlword in [0x06, 0x07, 0x0f] {
-            joint.cycle(controlword, 8, 1000);
-        }
+        joint.switch_on(1000);
         assert!(!joint.input.status.contains(Status::DRIVE_OFF));
         joint
+    }
+
+    fn switch_on(&mut self, target: i32) {
+        for controlword in [0x06, 0x07, 0x0f] {
+            self.cycle(controlword, 8, target);
+        }
     }
 
     fn come(&mut self, id: u16, data: &[u8]) {
@@ -118,12 +124,16 @@ fn a_first_target_that_is_far_away_moves_nothing() {
     }
     let follows = |joint: &Joint| joint.told(0x180 + NODE)[1] & 1 << 4 != 0;
     assert!(!follows(&joint));
-    // One that is near does, and from there the far one is no longer the first.
+    // One that is near does.
     (0..20).for_each(|_| joint.cycle(0x0f, 8, 1100));
     assert!(follows(&joint));
     assert!((counts(joint.position().position) - 1100.0).abs() < 1e-3);
-    (0..20).for_each(|_| joint.cycle(0x0f, 8, far));
-    assert!((counts(joint.position().position) - f64::from(far)).abs() < 0.1);
+    // From there on the joint's top speed counts: 5 mrad is less than it does in two cycles, 0.1 rad is more.
+    (0..20).for_each(|_| joint.cycle(0x0f, 8, 1100 + far / 2));
+    assert!(follows(&joint));
+    (0..20).for_each(|_| joint.cycle(0x0f, 8, 1100 + 20 * far));
+    assert!(!follows(&joint));
+    assert!((counts(joint.position().position) - 1000.0).abs() < 1e-3, "it holds where it is");
 }
 
 #[test]
@@ -142,9 +152,7 @@ fn targets_are_interpolated_and_wrap() {
     // Over the end of the counts, as the joint's own angle goes on.
     let mut joint = Joint::started();
     joint.output.estimate.output_position = Angle::from_counts(i64::from(i32::MAX) * COUNT);
-    for controlword in [0x06, 0x07, 0x0f] {
-        joint.cycle(controlword, 8, i32::MAX);
-    }
+    joint.switch_on(i32::MAX);
     (0..20).for_each(|_| joint.cycle(0x0f, 8, i32::MIN + 9));
     assert!((counts(joint.position().position) - f64::from(i32::MAX) - 10.0).abs() < 1e-3);
 }
@@ -159,29 +167,123 @@ fn a_silent_bus_ages_the_target_then_brakes_and_then_switches_off() {
     assert!((joint.input.setpoint_age - 1.9e-3).abs() < 2e-4, "{}", joint.input.setpoint_age);
     joint.periods(TIMEOUT);
     assert_eq!((joint.input.setpoint_age, joint.input.status), (1.0, Status::FINE));
+    // Through a reversal it goes on braking.
     joint.output.estimate.output_velocity = 1e-4;
-    joint.periods(3);
+    joint.periods(50);
+    joint.output.estimate.output_velocity = -1.0;
+    joint.periods(50);
+    assert_eq!(joint.input.status, Status::FINE);
+    joint.output.estimate.output_velocity = 1e-4;
+    joint.periods(103);
     assert!(joint.input.status.contains(Status::DRIVE_OFF));
     assert_eq!(joint.told(0x080 + NODE)[..2], 0x8250_u16.to_le_bytes());
 }
 
+/// The joint in Safe by this fault, without a SYNC since then: what it names.
+fn named(fault: Faults) -> u16 {
+    let mut joint = Joint::enabled();
+    (joint.output.mode, joint.output.faults) = (Mode::Safe, fault);
+    joint.periods(2);
+    assert!(joint.input.status.contains(Status::DRIVE_OFF));
+    let told = joint.told(0x080 + NODE);
+    u16::from_le_bytes([told[0], told[1]])
+}
+
 #[test]
-fn a_fault_of_the_joint_is_named_and_its_reset_is_handed_on() {
+fn every_fault_that_leads_to_safe_has_its_error_code_at_once() {
+    let codes = [
+        (Faults::MOTOR_ENCODER_LOST, 0x7305),
+        (Faults::MOTOR_ENCODER_FROZEN, 0x7305),
+        (Faults::GEAR_OVERLOAD, 0x8311),
+        (Faults::DRIVE_NOT_FOLLOWING, 0x8300),
+        (Faults::OVERSPEED, 0x8400),
+        (Faults::FOLLOWING_ERROR, 0x8611),
+        (Faults::PERIOD_OUT_OF_RANGE, 0x6100),
+        (Faults::RESTARTED, 0x6010),
+    ];
+    let all = codes.iter().fold(Faults::NONE, |all, (fault, _)| all.with(*fault));
+    assert_eq!(all, UNSAFE);
+    for (fault, code) in codes {
+        assert_eq!(named(fault), code, "{:?}", fault.names().collect::<Vec<_>>());
+    }
+    assert_eq!(named(Faults::CONTROL_OVERRUN), 0x6100);
+}
+
+#[test]
+fn a_fault_of_the_joint_is_reset_when_the_joint_is_ready_again() {
     let mut joint = Joint::enabled();
     (joint.output.mode, joint.output.faults) = (Mode::Safe, Faults::MOTOR_ENCODER_LOST);
     joint.cycle(0x0f, 8, 1000);
-    joint.cycle(0x0f, 8, 1000);
-    assert_eq!(joint.told(0x080 + NODE)[..2], 0x7305_u16.to_le_bytes());
-    assert!(joint.input.status.contains(Status::DRIVE_OFF));
     assert!(!joint.source.reset_requested());
     joint.cycle(0x00, 8, 1000);
     joint.come(0x200 + NODE, &[0x80, 0, 8, 0, 0, 0, 0]);
     joint.come(0x080, &[]);
     joint.periods(1);
     assert!(joint.source.reset_requested() && !joint.source.reset_requested());
+    joint.source.reset();
     (joint.output.mode, joint.output.faults) = (Mode::Ready, Faults::NONE);
-    joint.periods(CYCLE);
+    joint.periods(WATCHING as usize - 10);
+    assert_eq!(joint.told(0x080 + NODE)[..2], 0x7305_u16.to_le_bytes());
+    joint.periods(20);
     assert_eq!(joint.told(0x080 + NODE)[..2], [0, 0]);
+}
+
+#[test]
+fn a_fault_of_the_bus_leaves_the_joint_s_angle_alone() {
+    let mut joint = Joint::enabled();
+    (0..20).for_each(|_| joint.cycle(0x0f, 8, 1000));
+    joint.periods(TIMEOUT + 200);
+    joint.cycle(0x00, 8, 1000);
+    joint.cycle(0x80, 8, 1000);
+    joint.cycle(0x00, 8, 1000);
+    assert_eq!(joint.told(0x080 + NODE)[..2], [0, 0]);
+    assert!(!joint.source.reset_requested());
+    joint.switch_on(1000);
+    assert!(!joint.input.status.contains(Status::DRIVE_OFF));
+}
+
+#[test]
+fn without_a_torque_the_joint_is_stopped_and_does_not_coast() {
+    let mut joint = Joint::enabled();
+    joint.come(0x300 + NODE, &[0, 0, 0, 0, 0x10, 0]);
+    joint.cycle(0x0f, 10, 0);
+    assert!(matches!(joint.input.command, Command::Torque(_)));
+    // Before the bus is taken for lost.
+    joint.periods(250);
+    let stopped = Command::Velocity { velocity: 0.0, acceleration: 0.0 };
+    assert_eq!(joint.input.command, stopped);
+    // A quick stop, too.
+    joint.come(0x300 + NODE, &[0, 0, 0, 0, 0x10, 0]);
+    joint.cycle(0x0f, 10, 0);
+    assert!(matches!(joint.input.command, Command::Torque(_)));
+    joint.output.estimate.output_velocity = 1.0;
+    joint.cycle(0x02, 10, 0);
+    assert_eq!((joint.input.command, joint.input.status), (stopped, Status::FINE));
+}
+
+#[test]
+fn without_its_node_the_joint_is_off() {
+    let mut joint = Joint::enabled();
+    for _ in 0..101 {
+        joint.source.input(Some(7), &mut joint.input);
+    }
+    assert!(joint.input.status.contains(Status::DRIVE_OFF));
+}
+
+#[test]
+fn it_is_not_switched_on_before_it_was_watched_and_not_without_its_encoder() {
+    let mut joint = Joint::new();
+    joint.come(0x000, &[1, 0]);
+    joint.periods(WATCHING as usize / 2);
+    joint.switch_on(1000);
+    assert!(joint.input.status.contains(Status::DRIVE_OFF));
+    joint.source.input(None, &mut joint.input);
+    joint.periods(WATCHING as usize - 100);
+    joint.switch_on(1000);
+    assert!(joint.input.status.contains(Status::DRIVE_OFF));
+    joint.periods(100);
+    joint.switch_on(1000);
+    assert!(!joint.input.status.contains(Status::DRIVE_OFF));
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Where the commands of a joint come from.
 
+use strainwave::compensator::{Sensors, Status};
+
 use crate::{Input, Output};
 
 /// An operator, or a controller above the joint. Called from the control interrupt alone.
@@ -16,4 +18,15 @@ pub trait CommandSource {
     }
     /// The control was reset: the joint is wherever it is.
     fn reset(&mut self);
+}
+
+/// Sensors of a joint with a motor encoder alone, and their status: its count, `None` where it was not read, and the torque of the drive (N m).
+#[inline(always)]
+pub(crate) fn sensors(count: Option<u32>, motor_torque: f32) -> (Sensors<f32>, Status) {
+    // Of a failed reading the compensator makes its own prediction, for a while.
+    let (motor_encoder, status) = match count {
+        Some(count) => (count, Status::FINE),
+        None => (0, Status::MOTOR_ENCODER_INVALID),
+    };
+    (Sensors { motor_encoder, output_encoder: None, motor_torque, output_torque: None }, status)
 }

@@ -1,8 +1,8 @@
 //! A joint without a controller above it: the observer watches it, then it holds the position that it has, and an operator moves that.
 
-use strainwave::compensator::{CompensationGains, Input, Output, Sensors, Setpoint, Status};
+use strainwave::compensator::{CompensationGains, Input, Output, Setpoint};
 
-use crate::command_source::CommandSource;
+use crate::command_source::{CommandSource, sensors};
 use crate::jog::Jog;
 
 /// Gains once the joint holds: all 1, but the friction's below that which could drive it.
@@ -33,13 +33,7 @@ impl Operated {
 impl CommandSource for Operated {
     #[inline(always)]
     fn input(&mut self, count: Option<u32>, input: &mut Input<f32>) {
-        // Of a failed reading the compensator makes its own prediction, for a while.
-        let (motor_encoder, status) = match count {
-            Some(count) => (count, Status::FINE),
-            None => (0, Status::MOTOR_ENCODER_INVALID),
-        };
-        let sensors =
-            Sensors { motor_encoder, output_encoder: None, motor_torque: self.torque, output_torque: None };
+        let (sensors, status) = sensors(count, self.torque);
         let (setpoint, gains) = match self.jog.step() {
             Some(setpoint) => (setpoint, GAINS),
             None => (self.here, CompensationGains::default()),

@@ -14,7 +14,7 @@ use strainwave_app::{Control, Slot, Telemetry};
 use strainwave_drivers::Encoder;
 
 use crate::board::{Board, Drive};
-use crate::control::Parts;
+use crate::control::{Parts, Start};
 use crate::{Chip, Timer, Watchdog, fault, idle, keys};
 
 /// A board whose joint is commanded so.
@@ -62,7 +62,7 @@ impl<C: Chip, E: Encoder, D: Drive, B: Can> Places<C, E, D, B> {
 pub fn run<C: Chip, E: Encoder, D: Drive, B: Can>(
     places: &'static Places<C, E, D, B>,
     telemetry: &'static mut Telemetry,
-    parts: fn() -> Option<Parts<Board<C, E, D>>>,
+    parts: Start<Board<C, E, D>>,
     bus: fn(u8) -> Option<B>,
     interrupt: impl InterruptNumber,
 ) -> ! {
@@ -78,7 +78,7 @@ pub fn run<C: Chip, E: Encoder, D: Drive, B: Can>(
 fn start<C: Chip, E: Encoder, D: Drive, B: Can>(
     places: &'static Places<C, E, D, B>,
     sender: Sender,
-    parts: fn() -> Option<Parts<Board<C, E, D>>>,
+    parts: Start<Board<C, E, D>>,
     bus: fn(u8) -> Option<B>,
     interrupt: impl InterruptNumber,
 ) -> Option<()> {
@@ -87,7 +87,7 @@ fn start<C: Chip, E: Encoder, D: Drive, B: Can>(
         defmt::error!("the CAN controller does not start");
         return None;
     };
-    let board = board.commanded_by(Commanded::new(&places.exchange));
+    let board = board.commanded_by(Commanded::new(&places.exchange, compensator));
     places.slot.put(places.control.try_uninit()?.write(Control::new(board, compensator, sender)));
     let node = places.node.try_uninit()?.write(BusNode::new(node, bus, &places.exchange));
     critical_section::with(|section| places.found.borrow(section).set(Some(node)));

@@ -19,13 +19,16 @@ pub struct Parts<B> {
     pub interrupts: NVIC,
 }
 
+/// Brings a board up; `None`, after saying why, when it is not fit to control a joint.
+pub type Start<B> = fn() -> Option<Parts<B>>;
+
 /// Brings the board up by `parts`, hands the control to its interrupt, then reports and plans moves; `port` is the interrupt of the keys.
 /// Ends with the drive off where the board is not fit to control a joint.
 pub fn run<C: Chip, B: Board>(
     place: &'static StaticCell<Control<B>>,
     slot: &Slot<B>,
     telemetry: &'static mut Telemetry,
-    parts: fn() -> Option<Parts<B>>,
+    parts: Start<B>,
     port: impl InterruptNumber,
 ) -> ! {
     let (sender, log) = telemetry.split();
@@ -41,7 +44,7 @@ fn start<C: Chip, B: Board>(
     place: &'static StaticCell<Control<B>>,
     slot: &Slot<B>,
     sender: Sender,
-    parts: fn() -> Option<Parts<B>>,
+    parts: Start<B>,
     port: impl InterruptNumber,
 ) -> Option<Planner> {
     let Parts { board, compensator, mut interrupts } = parts()?;

@@ -12,7 +12,7 @@ use strainwave_app::telemetry::Sender;
 use strainwave_app::{Board, Control, Slot, Telemetry};
 use strainwave_service::tuning::TuningLink;
 
-use crate::control::Parts;
+use crate::control::{Parts, Start};
 use crate::line::{Line, Port};
 use crate::{Chip, Timer, Watchdog, fault, keys};
 
@@ -81,7 +81,7 @@ impl<B: Board> Places<B> {
 pub fn run<C: Chip, B: Board, L: Line, F: NorFlash>(
     places: &'static Places<B>,
     telemetry: &'static mut Telemetry,
-    parts: fn() -> Option<Parts<B>>,
+    parts: Start<B>,
     service: fn() -> Service<L, F>,
     port: impl InterruptNumber,
 ) -> ! {
@@ -98,7 +98,7 @@ pub fn run<C: Chip, B: Board, L: Line, F: NorFlash>(
 fn start<C: Chip, B: Board, L: Line, F: NorFlash>(
     places: &'static Places<B>,
     sender: Sender,
-    parts: fn() -> Option<Parts<B>>,
+    parts: Start<B>,
     service: fn() -> Service<L, F>,
     port: impl InterruptNumber,
 ) -> Option<(L, ServedJoint<F>)> {

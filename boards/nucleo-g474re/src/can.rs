@@ -11,7 +11,7 @@ pub enum Can {}
 // SAFETY: `start` switches it on, from the crystal, which runs at `CLOCK`; nothing else uses it.
 unsafe impl FdCan for Can {
     const ADDRESS: usize = 0x4000_6400;
-    const MEMORY: usize = 0x4000_a400;
+    const MESSAGE_RAM: usize = 0x4000_a400;
 }
 
 /// PA11 and PA12 in the registers of port A: their mode, and their function among the last eight pins, 9 is FDCAN1.
@@ -32,7 +32,7 @@ pub fn start(number: u8) -> Option<Bus<Can>> {
     // A peripheral answers two cycles after its clock is on.
     let _ = device.RCC.apb1enr1().read();
     let node = u16::from(number);
-    let exactly = |id, queue| Filter { id, mask: 0x7ff, queue };
+    let exactly = |id, fifo| Filter { id, mask: 0x7ff, fifo };
     Bus::start([
         // What commands the node, in its order: NMT, SYNC, both RPDOs.
         exactly(0x000, 0),
@@ -41,6 +41,6 @@ pub fn start(number: u8) -> Option<Bus<Can>> {
         exactly(0x300 + node, 0),
         // SDO, and all heartbeats.
         exactly(0x600 + node, 1),
-        Filter { id: 0x700, mask: 0x780, queue: 1 },
+        Filter { id: 0x700, mask: 0x780, fifo: 1 },
     ])
 }

@@ -3,8 +3,9 @@
 //! ```text
 //! greeted     boot-up and heartbeat; the drive is off; SDOs read what the joint is, and refuse what it has not
 //! moved       switched on step by step, moved through 20 mrad by positions, moved on at a velocity, held without a torque
-//! stopped     a quick stop ends in a drive that is off
-//! lost        the bus is silent: the joint brakes, and is off in the time that it has; its fault is named, and goes by a reset alone
+//! stopped     a quick stop in motion ends at rest in a drive that is off
+//! lost        the bus is silent while positions, then while a torque move the joint: it brakes, and is off at rest; the fault is named, goes by a
+//!             reset alone, and leaves the position as it is
 //! failed      the encoder fails: the drive is off, and the fault is named
 //! ```
 
@@ -25,14 +26,18 @@ const COUNTS: f64 = (1_u32 << 26) as f64 / std::f64::consts::TAU;
 const WAY: f64 = 0.02;
 const MOVE: usize = 200;
 /// Velocity (rad/s) and how long (cycles).
-const VELOCITY: f64 = 0.05;
+const VELOCITY: f64 = 0.2;
 const TRAVEL: usize = 60;
+/// Torque (thousandths of the gear's peak torque) and how long (cycles).
+const PULL: i16 = 60;
+const PULLS: usize = 50;
 /// Cycles until the joint rests, until the observer knows it, and that a state has to be reached in.
 const REST: usize = 150;
 const WATCHED: usize = 100;
 const PATIENCE: usize = 20;
-/// Cycles that a silent bus has at most until the drive is off.
+/// Cycles that a stop has at most until the drive is off, and those of silence before one.
 const LOST: usize = 400;
+const SILENCE: f64 = 0.05;
 
 /// Modes.
 const POSITION: i8 = 8;
@@ -84,8 +89,10 @@ pub struct Found {
     pub cycle: usize,
     /// Longest time from a SYNC to both answers (s).
     pub answered_after: f64,
-    /// From the last SYNC to a drive that is off (s).
+    /// Longest time from the last SYNC to a drive that is off (s).
     pub lost_after: f64,
+    /// Periods in which the drive of a joint that was stopped in motion goes off.
+    pub stops: Vec<usize>,
     /// From the failure of the encoder to the same (s).
     pub failed_after: f64,
     /// What is otherwise than it has to be, by name.
@@ -151,6 +158,9 @@ impl Master {
         self.greeted()?;
         self.moved()?;
         self.stopped()?;
+        self.moves(POSITION)?;
+        self.lost()?;
+        self.moves(TORQUE)?;
         self.lost()?;
         self.failed()?;
         Ok(self.found)
@@ -206,10 +216,8 @@ impl Master {
         let way = f64::from(self.told.position - before) / COUNTS / (VELOCITY * TRAVEL as f64 * 1e-3);
         self.expect("it moves at the velocity", (0.8..1.2).contains(&way));
         self.velocity = 0;
-        self.cycles(PATIENCE)?;
+        self.cycles(2 * PATIENCE)?;
         self.expect("it says its mode", self.told.mode == SPEED);
-        (self.mode, self.torque) = (TORQUE, 0);
-        self.cycles(PATIENCE)?;
         (self.mode, self.target) = (POSITION, self.told.position);
         self.cycles(PATIENCE)?;
         self.expect("it is enabled throughout", self.state(ENABLED) && self.drive.1);
@@ -219,31 +227,51 @@ impl Master {
     }
 
     fn stopped(&mut self) -> io::Result<()> {
+        self.moves(SPEED)?;
         self.controlword = QUICK_STOP;
         let stopped = self.until(LOST, |joint| joint.state(SWITCH_ON_DISABLED) && joint.drive == RELEASED)?;
         self.expect("a quick stop ends in a drive that is off", stopped);
+        self.found.stops.push(self.periods);
         self.enabled()
     }
 
+    /// In motion, in this mode.
+    fn moves(&mut self, mode: i8) -> io::Result<()> {
+        let before = self.told.position;
+        (self.mode, self.velocity, self.torque) = (mode, (VELOCITY * COUNTS) as i32, PULL);
+        for _ in 0..if mode == TORQUE { PULLS } else { TRAVEL } {
+            self.target += (VELOCITY * COUNTS * 1e-3) as i32;
+            self.cycle()?;
+        }
+        let moved = f64::from(self.told.position - before) / COUNTS;
+        self.expect("the joint is in motion", moved > 0.5 * VELOCITY * PULLS as f64 * 1e-3);
+        Ok(())
+    }
+
     fn lost(&mut self) -> io::Result<()> {
-        let last = self.periods;
+        let (last, named) = (self.periods - CYCLE + 1, self.told.errors.len());
         for _ in 0..LOST * CYCLE {
             if self.drive == RELEASED {
                 break;
             }
             self.wait(1)?;
         }
-        self.found.lost_after = (self.periods - last) as f64 * CONTROL_PERIOD;
+        let after = (self.periods - last) as f64 * CONTROL_PERIOD;
+        self.found.lost_after = self.found.lost_after.max(after);
+        self.found.stops.push(self.periods);
         self.expect("a silent bus ends in a drive that is off", self.drive == RELEASED);
-        self.expect("the silence is named", self.told.errors == [RPDO_LOST]);
+        self.expect("its silence is borne for as long as is said", after > SILENCE);
         self.cycles(PATIENCE)?;
+        self.expect("the silence is named once", self.told.errors[named..] == [RPDO_LOST]);
         self.expect("the fault stays", self.state(FAULT) && self.drive == RELEASED);
+        let position = self.told.position;
         self.controlword = 0;
         self.cycles(PATIENCE)?;
         self.controlword = FAULT_RESET;
         let reset = self.until(PATIENCE, |joint| joint.state(SWITCH_ON_DISABLED))?;
         self.expect("a reset ends it", reset && self.told.errors.last() == Some(&0));
-        self.cycles(WATCHED)?;
+        let moved = f64::from(self.told.position - position).abs() / COUNTS;
+        self.expect("the position stays as it is", moved < 1e-3);
         self.enabled()
     }
 

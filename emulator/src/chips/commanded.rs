@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use strainwave::Angle;
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave_app::Compensator;
 use strainwave_app::commanded::{BusNode, Commanded, Exchange, Frame, NODE, node};
 use strainwave_desktop::GearFile;
@@ -35,6 +36,8 @@ pub struct OnTheBus {
     pub following: f64,
     /// The same at rest after it.
     pub error: f64,
+    /// Fastest output when a joint in motion was stopped and its drive goes off (rad/s).
+    pub stopped_at: f64,
     /// Most bytes of stack in use at once.
     pub stack: u64,
 }
@@ -53,6 +56,7 @@ pub fn on_the_bus(model: &'static Model, elf: &Path, gear: &GearFile) -> Result<
     let (found, beside) = program::run(gear, &Free, boot, program, |angle| outputs.push(angle))?;
     let found = found.map_err(|error| chip::Error::NotStarted { said: error.to_string() })?;
     let (following, error) = deviations(&found, &outputs);
+    let stopped_at = found.stops.iter().map(|period| speed(&outputs, *period)).fold(0.0, f64::max);
     Ok(OnTheBus {
         agreement: Agreement { steps: beside.periods, different: beside.host.different },
         frames: beside.frames(),
@@ -60,6 +64,7 @@ pub fn on_the_bus(model: &'static Model, elf: &Path, gear: &GearFile) -> Result<
         found,
         following,
         error,
+        stopped_at,
     })
 }
 
@@ -75,6 +80,14 @@ fn deviations(found: &Found, outputs: &[Angle<f64>]) -> (f64, f64) {
     let distances: Vec<_> = distances.collect();
     let most = distances.iter().copied().fold(0.0, f64::max);
     (most, distances.last().copied().unwrap_or(f64::NAN))
+}
+
+/// Mean speed of the output (rad/s) in the 5 ms before a period.
+fn speed(outputs: &[Angle<f64>], period: usize) -> f64 {
+    const BEFORE: usize = 50;
+    let [then, now] = [period.saturating_sub(BEFORE), period].map(|period| outputs.get(period));
+    let way = now.zip(then).map_or(f64::NAN, |(now, then)| now.minus(*then));
+    way.abs() / (BEFORE as f64 * CONTROL_PERIOD)
 }
 
 /// A joint without a load.
@@ -122,7 +135,7 @@ impl CommandedChip {
             chip,
             shift,
             peak: compensator.limits().motor_torque,
-            host: Host::commanded_by(Commanded::new(exchange), compensator, |board| board),
+            host: Host::commanded_by(Commanded::new(exchange, compensator), compensator, |board| board),
             node: BusNode::new(node, bus.clone(), exchange),
             bus,
             sent: Vec::new(),
@@ -155,14 +168,11 @@ impl Beside for CommandedChip {
         self.chip.run(period())?;
         let drive = self.chip.drive()?;
         let (frames, read) = (self.chip.bus().take(), self.chip.bus().read());
-        // The host's encoder has no supply to lose.
-        if !ask.encoder_fails {
-            self.host.compare(count, drive);
-            self.bus.put(read);
-            self.node.poll();
-            self.sent.extend(&frames);
-            self.periods += 1;
-        }
+        self.host.compare((!ask.encoder_fails).then_some(count), drive);
+        self.bus.put(read);
+        self.node.poll();
+        self.sent.extend(&frames);
+        self.periods += 1;
         Ok((host::torque(drive, self.peak) as f32, Look { frames, drive }))
     }
 }

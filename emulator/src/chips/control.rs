@@ -240,7 +240,7 @@ impl Beside {
             if after_key == Some(after as u32) {
                 planner.plan(STEP * 1e-3);
             }
-            host.compare(count, drive);
+            host.compare(Some(count), drive);
         }
         Ok(host::torque(drive, self.peak))
     }

@@ -55,8 +55,8 @@ impl<B: Board> Host<B> {
         Self { control: Control::new(board, compensator, sender), wires, different: 0 }
     }
 
-    /// One period, with the encoder at `count`, beside that of a chip which drives so.
-    pub fn compare(&mut self, count: u32, drive: Drive) {
+    /// One period, with the encoder at `count`, `None` where it is not read, beside that of a chip which drives so.
+    pub fn compare(&mut self, count: Option<u32>, drive: Drive) {
         self.wires.count.set(count);
         self.control.tick();
         self.different += u64::from(drive != self.wires.drive.get());
@@ -66,7 +66,7 @@ impl<B: Board> Host<B> {
 /// What the host's board is connected to.
 #[derive(Default)]
 struct Wires {
-    count: Cell<u32>,
+    count: Cell<Option<u32>>,
     /// Steps of the drive's code per torque (1/(N m)).
     scale: f32,
     drive: Cell<Drive>,
@@ -82,7 +82,7 @@ impl<S: CommandSource> Board for HostBoard<S> {
     const REPORT_EVERY: u32 = 10;
 
     fn input(&mut self, input: &mut Input<f32>) -> bool {
-        self.source.input(Some(self.wires.count.get()), input);
+        self.source.input(self.wires.count.get(), input);
         true
     }
 

@@ -157,7 +157,7 @@ impl ServedChip {
         for (after, ServedHost { host, joint }) in (0..).zip(&mut self.hosts) {
             let due = self.order.filter(|(_, since)| since + after == self.periods);
             joint.order(due.map_or(Order::Read, |(order, _)| order));
-            host.compare(count, drive);
+            host.compare(Some(count), drive);
             let answer = joint.answer();
             if let (0, Some(Answer::Reading(reading))) = (after, answer) {
                 first = Some(reading);

@@ -87,7 +87,7 @@ fn of_served(model: &'static Model, elf: &Path) -> Result<Measured, Error> {
 
 /// The image with a master on its bus.
 fn of_commanded(model: &'static Model, elf: &Path) -> Result<Measured, Error> {
-    let OnTheBus { found, agreement, frames, following, error, stack } =
+    let OnTheBus { found, agreement, frames, following, error, stopped_at, stack } =
         on_the_bus(model, elf, &GearFile::default_gear())?;
     let budget = Budget::read(model.board)?;
     let proved = budget::inspect(&budget.of(Program::COMMANDED).unwrap_or(budget), elf)?.stack;
@@ -105,6 +105,7 @@ fn of_commanded(model: &'static Model, elf: &Path) -> Result<Measured, Error> {
         judged("pil.real.can.following", following),
         judged("pil.real.can.position", error),
         judged("pil.real.can.lost.release", found.lost_after),
+        judged("pil.real.can.stopped.speed", stopped_at),
         bounds::figure_as(name("encoder_lost.release"), "pil.real.encoder_lost.release", found.failed_after),
         judged("pil.real.can.unexpected", found.unexpected.len() as f64),
         Figure::reported(name("expected"), found.expected.into(), "1"),

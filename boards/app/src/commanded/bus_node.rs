@@ -10,8 +10,10 @@ use crate::{Compensator, joint};
 
 /// Frames that are taken or sent in a poll, at most: more than the bus carries in a control period.
 const FRAMES: usize = 6;
-/// Control periods that are made up for in a poll, at most.
-const MADE_UP: u32 = 100;
+/// Control periods that are made up for in a poll, at most: what has come meanwhile is taken behind them.
+const MADE_UP: u32 = 10;
+/// Polls in which a frame waits for room, at most: what is sent is not to be old.
+const LONGEST_WAIT: u32 = 50;
 
 /// Without a SYNC and a target for so long the joint brakes (s).
 const TIMEOUT: f32 = 0.05;
@@ -36,8 +38,9 @@ pub struct BusNode<C: Can> {
     node: Node,
     can: C,
     exchange: &'static Exchange,
-    /// A frame for which there was no room.
+    /// A frame for which there was no room, and since how many polls.
     waits: Option<C::Frame>,
+    waited: u32,
     /// Periods of the control at the last poll.
     periods: u32,
 }
@@ -45,7 +48,7 @@ pub struct BusNode<C: Can> {
 impl<C: Can> BusNode<C> {
     /// A node on its bus, whose control is at the exchange's other end.
     pub fn new(node: Node, can: C, exchange: &'static Exchange) -> Self {
-        Self { node, can, exchange, waits: None, periods: 0 }
+        Self { node, can, exchange, waits: None, waited: 0, periods: 0 }
     }
 
     /// Once in every control period, from one place below the control's priority: takes and sends frames, never waits.
@@ -55,8 +58,8 @@ impl<C: Can> BusNode<C> {
             self.node.tick();
         }
         self.periods = periods;
-        if let Some(actual) = self.exchange.actual() {
-            self.node.read(&actual);
+        if let Some((actual, answers)) = self.exchange.actual() {
+            self.node.read(&actual, answers);
         }
         for _ in 0..FRAMES {
             let Ok(frame) = self.can.receive() else { break };
@@ -70,9 +73,11 @@ impl<C: Can> BusNode<C> {
         for _ in 0..FRAMES {
             let Some(frame) = self.waits.take().or_else(|| self.node.send()) else { return };
             if self.can.transmit(&frame).is_err() {
-                self.waits = Some(frame);
+                self.waited += 1;
+                self.waits = (self.waited <= LONGEST_WAIT).then_some(frame);
                 return;
             }
+            self.waited = 0;
         }
     }
 }

@@ -5,6 +5,9 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use critical_section::Mutex;
 use strainwave_drivers::cia402::node::{Actual, Node, Target, Wanted};
 
+/// Periods after which an order that was not renewed is none: the drive is off.
+const LONGEST: u32 = 100;
+
 /// What the bus wants of the control.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Order {
@@ -15,13 +18,15 @@ pub(super) struct Order {
     pub cycle: u32,
     /// Values are to be read.
     pub reads: bool,
-    pub resets: bool,
 }
 
-/// Orders one way, values the other. Neither side waits: what is copied with interrupts masked is 10 words at most.
+/// Orders one way, values the other. Neither side waits: what is copied with interrupts masked is 12 words at most.
 pub struct Exchange {
     order: Mutex<Cell<Order>>,
-    actual: Mutex<Cell<Option<Actual>>>,
+    /// Periods since the order was left.
+    age: AtomicU32,
+    resets: Mutex<Cell<bool>>,
+    actual: Mutex<Cell<Option<(Actual, bool)>>>,
     periods: AtomicU32,
 }
 
@@ -29,9 +34,11 @@ impl Exchange {
     /// The drive off, nothing to read.
     #[expect(clippy::new_without_default, reason = "only ever a static")]
     pub const fn new() -> Self {
-        let order = Order { wanted: Wanted::Off, target: None, cycle: 0, reads: false, resets: false };
+        let order = Order { wanted: Wanted::Off, target: None, cycle: 0, reads: false };
         Self {
             order: Mutex::new(Cell::new(order)),
+            age: AtomicU32::new(0),
+            resets: Mutex::new(Cell::new(false)),
             actual: Mutex::new(Cell::new(None)),
             periods: AtomicU32::new(0),
         }
@@ -44,44 +51,40 @@ impl Exchange {
         let (reads, resets) = (node.reading_wanted(), node.reset_requested());
         critical_section::with(|section| {
             let place = self.order.borrow(section);
-            let last = place.get();
-            place.set(Order {
-                wanted,
-                target: target.or(last.target),
-                cycle,
-                reads,
-                resets: resets || last.resets,
-            });
+            place.set(Order { wanted, target: target.or(place.get().target), cycle, reads });
+            self.age.store(0, Ordering::Relaxed);
+            let place = self.resets.borrow(section);
+            place.set(place.get() || resets);
         });
     }
 
-    /// Takes the order of this period; what is ordered once is taken once.
+    /// Takes the order of this period, a target once.
     pub(super) fn take(&self) -> Order {
         // The control is the only writer: a load and a store make no race.
         self.periods.store(self.periods().wrapping_add(1), Ordering::Relaxed);
         critical_section::with(|section| {
             let place = self.order.borrow(section);
             let order = place.get();
-            place.set(Order { target: None, reads: false, ..order });
-            order
+            place.set(Order { target: None, ..order });
+            let age = self.age.load(Ordering::Relaxed).saturating_add(1);
+            self.age.store(age, Ordering::Relaxed);
+            // Nobody hears the bus any more.
+            let wanted = if age > LONGEST { Wanted::Off } else { order.wanted };
+            Order { wanted, ..order }
         })
     }
 
     /// Takes a reset, if one is ordered.
     pub(super) fn take_reset(&self) -> bool {
-        critical_section::with(|section| {
-            let place = self.order.borrow(section);
-            let order = place.get();
-            place.set(Order { resets: false, ..order });
-            order.resets
-        })
+        critical_section::with(|section| self.resets.borrow(section).take())
     }
 
-    pub(super) fn give(&self, actual: Actual) {
-        critical_section::with(|section| self.actual.borrow(section).set(Some(actual)));
+    /// Gives values; those of a step that knew that they are to be read answer that.
+    pub(super) fn give(&self, actual: Actual, answers: bool) {
+        critical_section::with(|section| self.actual.borrow(section).set(Some((actual, answers))));
     }
 
-    pub(super) fn actual(&self) -> Option<Actual> {
+    pub(super) fn actual(&self) -> Option<(Actual, bool)> {
         critical_section::with(|section| self.actual.borrow(section).take())
     }
 

@@ -5,8 +5,8 @@
 //! bus <- the same                                     <- Exchange <- Commanded::report
 //! ```
 //!
-//! The bus is polled once after each control interrupt: a SYNC is answered with values of the period behind it, and its target moves the joint from
-//! that period on. Positions are interpolated ([`strainwave::trajectory::Cyclic`]): the joint follows two cycles of the bus behind.
+//! The bus is polled once after each control interrupt: the period behind a SYNC takes its target, and that period's values answer it. Positions are
+//! interpolated ([`strainwave::trajectory::Cyclic`]): the joint follows two cycles of the bus behind.
 //!
 //! | file | what is in it |
 //! | --- | --- |
@@ -14,13 +14,15 @@
 //! | `error_code` | faults as error codes of CiA 301 and CiA 402 |
 //! | `exchange` | between both interrupts |
 //! | `frame` | a frame of classic CAN |
-//! | `source` | commands of the joint |
+//! | `source` | the joint's end |
+//! | `targets` | what the joint follows |
 
 mod bus_node;
 mod error_code;
 mod exchange;
 mod frame;
 mod source;
+mod targets;
 
 pub use bus_node::{BusNode, node};
 pub use exchange::Exchange;

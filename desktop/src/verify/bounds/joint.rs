@@ -193,9 +193,16 @@ pub(super) const ROWS: &[Bound] = &[
     },
     Bound {
         name: "pil.real.can.lost.release",
-        value: 0.3,
+        value: 0.15,
         unit: "s",
-        why: "from the last SYNC to a drive that is off: 50 ms of silence, and the time that a joint at rest needs to know that it is",
+        why: "from the last SYNC to a drive that is off, of a joint in motion: 50 ms of silence, what it takes to brake, and 10 ms at rest",
+    },
+    Bound {
+        name: "pil.real.can.stopped.speed",
+        value: 0.01,
+        unit: "rad/s",
+        why: "fastest output when a quick stop or a silent bus has stopped a moving joint, by velocity, positions and a torque, and the drive goes \
+              off: at rest, as the bus is told",
     },
     Bound {
         name: "pil.real.can.unexpected",
