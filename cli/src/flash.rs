@@ -96,13 +96,23 @@ impl Arguments {
 /// The budget of the image that is flashed.
 fn image_budget(budget: &Budget, program: Program) -> Result<Budget, BadInput> {
     budget.of(program).ok_or_else(|| {
-        let (option, without, allowed) = match program {
-            Program::Commanded { .. } => ("--can", "as a node on CAN", "nucleo-g474re"),
-            Program::Control | Program::Served => ("--served", "with a tuning link", "a real board"),
+        let (option, without) = match program {
+            Program::Commanded { .. } => ("--can", "as a node on CAN"),
+            Program::Control | Program::Served => ("--served", "with a tuning link"),
         };
         let board = &budget.board;
-        BadInput::message(format!("{option}: {board} is not flashed {without}, allowed: {allowed}"))
+        let others = boards_with(program).join(", ");
+        BadInput::message(format!(
+            "{option}: {board} is not flashed {without}: no [{}image] in its budget, allowed: {others}",
+            program.prefix()
+        ))
     })
+}
+
+/// The boards that are flashed with a program.
+fn boards_with(program: Program) -> Vec<String> {
+    let boards = firmware::boards().unwrap_or_default().into_iter();
+    boards.filter(|board| Budget::read(board).is_ok_and(|budget| budget.of(program).is_some())).collect()
 }
 
 /// A gear that the firmware can be built for; of another all faults are told.

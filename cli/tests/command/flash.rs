@@ -96,7 +96,16 @@ fn what_cannot_be_flashed_is_one_line() {
         ("flash g.toml", "the following required arguments were not provided: --board <BOARD>"),
         (
             "flash g.toml --board mps2-an386 --served",
-            "--served: mps2-an386 is not flashed with a tuning link, allowed: a real board",
+            "--served: mps2-an386 is not flashed with a tuning link: no [served_image] in its budget, allowed: nucleo-g474re, nucleo-h743zi",
+        ),
+        (
+            "flash g.toml --board stm32f405 --can 5",
+            "--can: stm32f405 is not flashed as a node on CAN: no [can_image] in its budget, allowed: nucleo-g474re",
+        ),
+        ("flash g.toml --board nucleo-g474re --can 0", "invalid value '0' for '--can <NODE>'"),
+        (
+            "flash g.toml --board nucleo-g474re --can 5 --served",
+            "the argument '--can <NODE>' cannot be used with '--served'",
         ),
         ("flash g.toml --board stm32f405 --budget none.toml", "none.toml: No such file"),
         ("flash g.toml --board stm32f405 --budget b.toml", "b.toml: line 1: missing field `headroom`"),
