@@ -1,5 +1,7 @@
 //! A joint that a controller commands over CAN: from frames on its bus to the input of the control step, and back.
 
+use std::time::Duration;
+
 use embedded_can::Frame as _;
 use strainwave::Angle;
 use strainwave::compensator::actuate::mode::UNSAFE;
@@ -8,7 +10,11 @@ use strainwave_app::command_source::CommandSource;
 use strainwave_app::commanded::{BusNode, Commanded, Exchange, Frame, node};
 use strainwave_app::operated::WATCHING;
 use strainwave_app::{Compensator, Input, Output, joint};
+use strainwave_desktop::GearFile;
 use strainwave_emulator::chips::host_bus::HostBus;
+use strainwave_emulator::chips::{Chip, MODELS};
+use strainwave_emulator::firmware::Program;
+use strainwave_emulator::pil;
 
 /// Number of the node, and counts of the bus in those of an angle.
 const NODE: u16 = 5;
@@ -299,4 +305,32 @@ fn velocity_and_torque_are_commanded_as_such() {
     let rated = Compensator::from_words(&joint::WORDS).unwrap().limits().output_torque;
     let Command::Torque(torque) = joint.input.command else { panic!() };
     assert!((torque / (0.5 * rated) - 1.0).abs() < 1e-6);
+}
+
+/// Frames of an executed node in so many milliseconds.
+fn frames(chip: &mut Chip, milliseconds: u64) -> Vec<Frame> {
+    chip.run(Duration::from_millis(milliseconds)).unwrap();
+    chip.bus().take()
+}
+
+#[test]
+fn an_executed_node_drops_what_nobody_takes_and_joins_again() {
+    let gear = GearFile::default_gear();
+    let model = MODELS.iter().find(|model| model.has_can).unwrap();
+    let elf = pil::build_as(Program::COMMANDED, model.board, &gear).unwrap().elf;
+    let mut chip = Chip::boot(model, &elf).unwrap();
+    // Boot-up, and a heartbeat every 100 ms.
+    let heartbeats = |frames: &[Frame]| frames.iter().filter(|frame| frame.number() == 0x701).count();
+    assert_eq!(heartbeats(&frames(&mut chip, 250)), 3);
+    chip.bus().answers(false);
+    assert_eq!(frames(&mut chip, 350), []);
+    // Of the three heartbeats meanwhile none is left, but what is sent by then.
+    chip.bus().answers(true);
+    assert!(frames(&mut chip, 5).len() <= 1);
+    assert_eq!(heartbeats(&frames(&mut chip, 200)), 2);
+    chip.bus().set_bus_off();
+    assert_eq!(heartbeats(&frames(&mut chip, 200)), 2);
+    chip.bus().put(Frame::of(0x601, &[0x40, 0x00, 0x10, 0, 0, 0, 0, 0]).unwrap());
+    let answers = frames(&mut chip, 2);
+    assert!(answers.iter().any(|frame| frame.data() == [0x43, 0x00, 0x10, 0, 0x92, 0x01, 0x02, 0x00]));
 }
