@@ -317,10 +317,10 @@ fn frames(chip: &mut Chip, milliseconds: u64) -> Vec<Frame> {
 fn an_executed_node_drops_what_nobody_takes_and_joins_again() {
     let gear = GearFile::default_gear();
     let model = MODELS.iter().find(|model| model.has_can).unwrap();
-    let elf = pil::build_as(Program::COMMANDED, model.board, &gear).unwrap().elf;
+    let elf = pil::build_as(Program::Commanded { node: NODE as u8 }, model.board, &gear).unwrap().elf;
     let mut chip = Chip::boot(model, &elf).unwrap();
     // Boot-up, and a heartbeat every 100 ms.
-    let heartbeats = |frames: &[Frame]| frames.iter().filter(|frame| frame.number() == 0x701).count();
+    let heartbeats = |frames: &[Frame]| frames.iter().filter(|frame| frame.number() == 0x700 + NODE).count();
     assert_eq!(heartbeats(&frames(&mut chip, 250)), 3);
     chip.bus().answers(false);
     assert_eq!(frames(&mut chip, 350), []);
@@ -330,7 +330,8 @@ fn an_executed_node_drops_what_nobody_takes_and_joins_again() {
     assert_eq!(heartbeats(&frames(&mut chip, 200)), 2);
     chip.bus().set_bus_off();
     assert_eq!(heartbeats(&frames(&mut chip, 200)), 2);
-    chip.bus().put(Frame::of(0x601, &[0x40, 0x00, 0x10, 0, 0, 0, 0, 0]).unwrap());
+    chip.bus().put(Frame::of(0x600 + NODE, &[0x40, 0x00, 0x10, 0, 0, 0, 0, 0]).unwrap());
     let answers = frames(&mut chip, 2);
-    assert!(answers.iter().any(|frame| frame.data() == [0x43, 0x00, 0x10, 0, 0x92, 0x01, 0x02, 0x00]));
+    let answer = Frame::of(0x580 + NODE, &[0x43, 0x00, 0x10, 0, 0x92, 0x01, 0x02, 0x00]).unwrap();
+    assert!(answers.contains(&answer), "{answers:x?}");
 }

@@ -122,6 +122,8 @@ pub struct Master {
     periods: usize,
     encoder_fails: bool,
     drive: Drive,
+    /// When it last went off.
+    off_since: usize,
     told: Told,
     /// What the next cycles bring.
     controlword: u16,
@@ -140,6 +142,7 @@ impl Master {
             periods: 0,
             encoder_fails: false,
             drive: RELEASED,
+            off_since: 0,
             told: Told::default(),
             controlword: 0,
             mode: POSITION,
@@ -231,7 +234,7 @@ impl Master {
         self.controlword = QUICK_STOP;
         let stopped = self.until(LOST, |joint| joint.state(SWITCH_ON_DISABLED) && joint.drive == RELEASED)?;
         self.expect("a quick stop ends in a drive that is off", stopped);
-        self.found.stops.push(self.periods);
+        self.found.stops.push(self.off_since);
         self.enabled()
     }
 
@@ -256,9 +259,9 @@ impl Master {
             }
             self.wait(1)?;
         }
-        let after = (self.periods - last) as f64 * CONTROL_PERIOD;
+        let after = self.off_after(last);
         self.found.lost_after = self.found.lost_after.max(after);
-        self.found.stops.push(self.periods);
+        self.found.stops.push(self.off_since);
         self.expect("a silent bus ends in a drive that is off", self.drive == RELEASED);
         self.expect("its silence is borne for as long as is said", after > SILENCE);
         self.cycles(PATIENCE)?;
@@ -279,21 +282,19 @@ impl Master {
         self.cycles(PATIENCE)?;
         self.encoder_fails = true;
         let last = self.periods;
-        let mut released = None;
-        for cycle in 0..PATIENCE * CYCLE {
-            if cycle % CYCLE == 0 {
-                self.put(self.frames())?
-            } else {
-                self.wait(1)?
-            }
-            if self.drive == RELEASED {
-                released.get_or_insert(self.periods - last);
-            }
+        for _ in 0..PATIENCE {
+            self.put(self.frames())?;
+            self.wait(CYCLE - 1)?;
         }
-        self.found.failed_after = released.map_or(f64::INFINITY, |periods| periods as f64 * CONTROL_PERIOD);
+        self.found.failed_after = self.off_after(last);
         self.expect("the failure is named", self.told.errors.last() == Some(&ENCODER_LOST));
         self.expect("the failure is a fault", self.state(FAULT));
         Ok(())
+    }
+
+    /// From a period to the drive's release (s); infinite without one.
+    fn off_after(&self, last: usize) -> f64 {
+        if self.drive == RELEASED { (self.off_since - last) as f64 * CONTROL_PERIOD } else { f64::INFINITY }
     }
 
     fn expect(&mut self, what: &str, holds: bool) {
@@ -372,7 +373,11 @@ impl Master {
             (self.told.waited, self.told.answers) = (Some(0), 0);
         }
         let look = self.end.go_on(Ask { frames, encoder_fails: self.encoder_fails })?;
-        (self.drive, self.periods) = (look.drive, self.periods + 1);
+        self.periods += 1;
+        if look.drive == RELEASED && self.drive != RELEASED {
+            self.off_since = self.periods;
+        }
+        self.drive = look.drive;
         self.told.waited = self.told.waited.map(|periods| periods + 1);
         look.frames.iter().for_each(|frame| self.take(frame));
         Ok(())

@@ -14,7 +14,7 @@ use strainwave_desktop::design::joint::joint_params;
 
 use crate::chips::bus_program::{Ask, Found, Look, Master};
 use crate::chips::chip::{self, Chip};
-use crate::chips::control::{period, started};
+use crate::chips::control::{a_period, started};
 use crate::chips::encoder;
 use crate::chips::host::{self, Host, HostBoard};
 use crate::chips::host_bus::HostBus;
@@ -56,7 +56,9 @@ pub fn on_the_bus(model: &'static Model, elf: &Path, gear: &GearFile) -> Result<
     let (found, beside) = program::run(gear, &Free, boot, program, |angle| outputs.push(angle))?;
     let found = found.map_err(|error| chip::Error::NotStarted { said: error.to_string() })?;
     let (following, error) = deviations(&found, &outputs);
-    let stopped_at = found.stops.iter().map(|period| speed(&outputs, *period)).fold(0.0, f64::max);
+    let speeds = found.stops.iter().map(|period| speed(&outputs, *period));
+    // One that is not known is no number, and above all others.
+    let stopped_at = speeds.max_by(f64::total_cmp).unwrap_or(f64::NAN);
     Ok(OnTheBus {
         agreement: Agreement { steps: beside.periods, different: beside.host.different },
         frames: beside.frames(),
@@ -78,8 +80,8 @@ fn deviations(found: &Found, outputs: &[Angle<f64>]) -> (f64, f64) {
         Some((output.minus(*start) - target).abs())
     });
     let distances: Vec<_> = distances.collect();
-    let most = distances.iter().copied().fold(0.0, f64::max);
-    (most, distances.last().copied().unwrap_or(f64::NAN))
+    let most = distances.iter().copied().max_by(f64::total_cmp);
+    (most.unwrap_or(f64::NAN), distances.last().copied().unwrap_or(f64::NAN))
 }
 
 /// Mean speed of the output (rad/s) in the 5 ms before a period.
@@ -160,13 +162,10 @@ impl Beside for CommandedChip {
     type Look = Look;
 
     fn step(&mut self, count: u32, ask: &Ask) -> Result<(f32, Look), Error> {
-        self.chip.magnet().answers(!ask.encoder_fails);
-        self.chip.magnet().put(count << self.shift);
         for frame in &ask.frames {
             self.chip.bus().put(*frame);
         }
-        self.chip.run(period())?;
-        let drive = self.chip.drive()?;
+        let drive = a_period(&mut self.chip, count << self.shift, ask.encoder_fails)?;
         let (frames, read) = (self.chip.bus().take(), self.chip.bus().read());
         self.host.compare((!ask.encoder_fails).then_some(count), drive);
         self.bus.put(read);

@@ -21,7 +21,7 @@ use strainwave_desktop::plant::divergence::RunError;
 
 use crate::chips::chip::{self, Chip};
 use crate::chips::encoder;
-use crate::chips::host::{self, Host, HostBoard, RELEASED};
+use crate::chips::host::{self, Drive, Host, HostBoard, RELEASED};
 use crate::chips::model::Model;
 use crate::chips::run_error::Error;
 use crate::target::Agreement;
@@ -168,8 +168,19 @@ fn until_released(chip: &mut Chip) -> Result<f64, Error> {
     Ok(f64::INFINITY)
 }
 
+/// The drive after a control period in which the encoder is at `count`, or fails.
+///
+/// # Errors
+/// As [`Chip::run`].
+pub(super) fn a_period(chip: &mut Chip, count: u32, encoder_fails: bool) -> Result<Drive, chip::Error> {
+    chip.magnet().answers(!encoder_fails);
+    chip.magnet().put(count);
+    chip.run(period())?;
+    chip.drive()
+}
+
 /// A control period.
-pub(super) fn period() -> Duration {
+fn period() -> Duration {
     Duration::from_secs_f64(CONTROL_PERIOD)
 }
 
@@ -232,10 +243,8 @@ impl Beside {
         }
         self.periods += 1;
         let readings = self.chip.magnet().readings();
-        self.chip.magnet().put(count << self.shift);
-        self.chip.run(period())?;
+        let drive = a_period(&mut self.chip, count << self.shift, false)?;
         self.misread += u64::from(self.chip.magnet().readings() != readings + 1);
-        let drive = self.chip.drive()?;
         for (after, (host, planner)) in self.hosts.iter_mut().enumerate() {
             if after_key == Some(after as u32) {
                 planner.plan(STEP * 1e-3);

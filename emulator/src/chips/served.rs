@@ -13,7 +13,7 @@ use strainwave_service::store::{Owner, Store};
 use strainwave_service::tuning::{Answer, Joint as _, Order, Reading, client};
 
 use crate::chips::chip::Chip;
-use crate::chips::control::{period, started};
+use crate::chips::control::{a_period, started};
 use crate::chips::encoder;
 use crate::chips::flash_image::FlashImage;
 use crate::chips::host::{self, Drive, Host, HostBoard};
@@ -173,11 +173,8 @@ impl Beside for ServedChip {
     type Look = Look;
 
     fn step(&mut self, count: u32, ask: &Ask) -> Result<(f32, Look), Error> {
-        self.chip.magnet().answers(!ask.encoder_fails);
-        self.chip.magnet().put(count << self.shift);
         self.chip.hears(&ask.bytes);
-        self.chip.run(period())?;
-        let drive = self.chip.drive()?;
+        let drive = a_period(&mut self.chip, count << self.shift, ask.encoder_fails)?;
         let reading = ask.compares.then(|| self.compare(count, drive, ask)).flatten();
         Ok((host::torque(drive, self.peak) as f32, Look { bytes: self.chip.said(), drive, reading }))
     }

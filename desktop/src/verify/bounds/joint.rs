@@ -177,7 +177,7 @@ pub(super) const ROWS: &[Bound] = &[
         value: 1e-3,
         unit: "s",
         why: "longest time from when a master sends what it commands and a SYNC to the end of both answers, of which up to 0.5 ms are on the bus: a \
-              cycle",
+              cycle; target half of it",
     },
     Bound {
         name: "pil.real.can.following",
@@ -189,13 +189,13 @@ pub(super) const ROWS: &[Bound] = &[
         name: "pil.real.can.position",
         value: 2e-5,
         unit: "rad",
-        why: "the same when it rests: twice that of an operator's move, which is half as long",
+        why: "the same when it rests: the gear's torsion at rest is not seen; target 1e-5, as after an operator's move, which is half as long",
     },
     Bound {
         name: "pil.real.can.lost.release",
         value: 0.15,
         unit: "s",
-        why: "from the last SYNC to a drive that is off, of a joint in motion: 50 ms of silence, what it takes to brake, and 10 ms at rest",
+        why: "from the last SYNC to a drive that is off, of a joint in motion: 50 ms of silence, what it takes to brake, and 10 ms at rest; target 0.1",
     },
     Bound {
         name: "pil.real.can.stopped.speed",
