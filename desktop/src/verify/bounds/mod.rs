@@ -118,7 +118,8 @@ pub fn misses_target(figure: &Figure) -> Option<String> {
     let Figure { name, value, row, .. } = figure;
     let (row, target) = TARGETS.iter().find(|(target, _)| *target == row.unwrap_or(name))?;
     let met = if is_floor(row) { value >= target } else { value <= target };
-    (!met).then(|| format!("{name} is {value:.4}: target {target}, missed"))
+    let [_, shown, ..] = figure.cells();
+    (!met).then(|| format!("{name} is {shown}: target {target}, missed"))
 }
 
 /// Smallest allowed values, by name.
