@@ -157,8 +157,8 @@ tuned! {
     BAD_FRAMES = 2e-3, Second,
         "Time of bad frames of the motor's encoder after which its angle is lost: less than half of the 5 ms in which a \
          lost encoder is to be named";
-    FRAME_RECOVERY = 0.4, One,
-        "Bad frames that a good one makes up for: a reading in four may be bad";
+    FRAME_RECOVERY = 0.1, One,
+        "Bad frames that a good one makes up for: a reading in eleven may be bad; a bit that is stuck makes more of them, and a sound line far fewer";
     ENCODER_NOISE = 4.0, Count,
         "Noise that a count of the motor's encoder may have, besides its motion: few counts of any resolution, which a \
          bad frame exceeds by far";
