@@ -1,8 +1,9 @@
 //! `faults`: what the joint does when something breaks.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, value_parser};
+use strainwave_desktop::io::gear_file::shipped;
 use strainwave_desktop::verify::faults::{self, COUNT};
 use strainwave_desktop::{BadInput, GearFile};
 
@@ -12,8 +13,8 @@ use crate::progress::Progress;
 
 /// Inject faults into runs of S1 to S5, and tell what is noticed and what happens
 ///
-/// Each fault is drawn from its number: what breaks, when, with which sensors, on which plant. Prints every unsafe one, a
-/// line for each kind of fault, and the figures with their bounds. With --count 1 it prints that fault's outcome.
+/// Each fault is drawn from its number: what breaks, when, with which sensors, on which plant of which of the shipped gears. Prints every
+/// unsafe one, a line for each kind of fault, and the figures with their bounds. With --count 1 it prints that fault's outcome.
 #[derive(Args)]
 pub struct Arguments {
     /// Number of faults
@@ -22,7 +23,7 @@ pub struct Arguments {
     /// Number of the first
     #[arg(long, value_name = "NUMBER", default_value_t = 0, value_parser = value_parser!(u64).range(0..=1_000_000_000))]
     first: u64,
-    /// Gear file; the default gear when left out
+    /// Gear file; the shipped gears, one after the other, when left out
     #[arg(long, value_name = "G.toml")]
     gear: Option<PathBuf>,
     #[command(flatten)]
@@ -35,20 +36,24 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         ("--gear", arguments.gear.as_deref()),
         ("--json", arguments.figures.json.as_deref()),
     ])?;
-    let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
     files::require_writable(arguments.figures.json.as_deref())?;
-    inject(&gear, arguments.first, arguments.count, &arguments.figures)
+    inject(arguments.gear.as_deref(), arguments.first, arguments.count, &arguments.figures)
 }
 
 /// The same for `verify faults`.
 pub fn inject(
-    gear: &GearFile,
+    gear: Option<&Path>,
     first: u64,
     count: u64,
     arguments: &FiguresArguments,
 ) -> Result<Figures, BadInput> {
+    let parse = |(name, text): (String, &str)| GearFile::parse(name.as_ref(), text.as_bytes());
+    let gears = match gear {
+        Some(gear) => vec![GearFile::read(gear)?],
+        None => shipped().map(parse).collect::<Result<_, _>>()?,
+    };
     let mut progress = Progress::new(1000, "injected faults");
-    let report = faults::measure(gear, first, count, |fraction| progress.set((fraction * 1e3) as u64));
+    let report = faults::measure(&gears, first, count, |fraction| progress.set((fraction * 1e3) as u64));
     drop(progress);
     let report = report.map_err(BadInput::message)?;
     for outcome in report.outcomes.iter().filter(|outcome| count == 1 || outcome.is_unsafe()) {

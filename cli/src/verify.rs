@@ -176,8 +176,7 @@ fn measure(arguments: &Arguments) -> Result<Figures, BadInput> {
         return with_scaled_constants(arguments);
     }
     if arguments.part.as_deref() == Some(FAULTS) {
-        let gear = arguments.gear.as_deref().map_or_else(|| Ok(GearFile::default_gear()), GearFile::read)?;
-        return crate::faults::inject(&gear, 0, faults::COUNT, &arguments.figures);
+        return crate::faults::inject(arguments.gear.as_deref(), 0, faults::COUNT, &arguments.figures);
     }
     Ok(told(measure_parts(arguments)?, arguments))
 }

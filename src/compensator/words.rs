@@ -37,11 +37,8 @@ pub const LEARNT_WORDS: usize = size_of::<Learnt<f32>>() / 4;
 /// Layout of what a joint has learnt: fingerprint of the names and types of all fields.
 pub const LEARNT_LAYOUT: u32 = <Learnt<f32> as Constants>::FINGERPRINT;
 
-/// What their header holds of the words behind it: bit by bit, as a table would take 1 kB.
-pub fn checksum(own: &[u32]) -> u32 {
-    const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
-    CHECKSUM.checksum(own.as_bytes())
-}
+/// Bit by bit: a table would take 1 kB.
+const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
 /// Words that are no compensator of this library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,7 +114,7 @@ impl Compensator<f32> {
         let mut words = [0; WORDS];
         let [layout, length, checksum, own @ ..] = &mut words;
         self.write(own.as_mut_bytes());
-        (*layout, *length, *checksum) = (LAYOUT, own.len() as u32, self::checksum(own));
+        (*layout, *length, *checksum) = (LAYOUT, own.len() as u32, CHECKSUM.checksum(own.as_bytes()));
         words
     }
 
@@ -133,7 +130,7 @@ impl Compensator<f32> {
         if *length as usize != own.len() || words.len() != WORDS {
             return Err(BadWords::Length);
         }
-        if *checksum != self::checksum(own) {
+        if *checksum != CHECKSUM.checksum(own.as_bytes()) {
             return Err(BadWords::Checksum);
         }
         // With the checksum right only a bool that is none could be left.

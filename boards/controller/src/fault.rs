@@ -2,9 +2,8 @@
 
 use crate::Chip;
 
-/// Ends the image with the drive off: no interrupt goes on.
+/// Ends the image with the drive off.
 pub fn halt<C: Chip>() -> ! {
-    cortex_m::interrupt::disable();
     let (register, low) = C::RELEASE;
     // SAFETY: a write to the register that `Chip` promises takes the enable low and leaves the rest, whoever owns the port.
     unsafe { (register as *mut u32).write_volatile(low) };

@@ -60,7 +60,10 @@ macro_rules! commanded_controller {
             $crate::commanded::run(&PLACES, TELEMETRY, $parts, $start, Interrupt::$port)
         }
 
-        $crate::handlers!($chip, PLACES.slot.tick(), $kind $timer, $port, PLACES.poll(), $send);
+        $crate::handlers!($chip, {
+            PLACES.slot.tick();
+            cortex_m::peripheral::NVIC::pend(Interrupt::$port);
+        }, $kind $timer, $port, PLACES.poll(), $send);
     };
 }
 
@@ -74,16 +77,12 @@ macro_rules! handlers {
         fn $timer() {
             <<$chip as $crate::Chip>::Timer as $crate::Timer>::acknowledge();
             $tick;
-            cortex_m::peripheral::NVIC::pend(Interrupt::$port);
         }
 
-        /// The serial port, or the bus, and once a period what the control works with.
+        /// The serial port, or the bus.
         #[interrupt]
         fn $port() {
             $serve;
-            if !$crate::joint::is_unchanged() {
-                $crate::fault::halt::<$chip>()
-            }
         }
 
         #[cortex_m_rt::exception(trampoline = false)]

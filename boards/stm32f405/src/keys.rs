@@ -4,16 +4,11 @@ use strainwave_controller::keys;
 
 use crate::serial::registers;
 
-/// Takes a key, if one has come.
+/// Takes the key that interrupted.
 pub fn receive() {
     let usart = registers();
-    let status = usart.sr().read();
-    let (valid, overrun) = (status.rxne().bit_is_set(), status.ore().bit_is_set());
-    // What comes behind the status is left to the next interrupt.
-    if !(valid || overrun) {
-        return;
-    }
-    // Reading status, then data clears an overrun too.
+    // Reading status, then data clears the errors too, an overrun among them.
+    let valid = usart.sr().read().rxne().bit_is_set();
     let key = usart.dr().read().bits() as u8;
     if valid {
         keys::take(key);

@@ -1,7 +1,5 @@
 //! The chip with the board around it, booted with an image.
 
-use std::fmt::Display;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
@@ -9,7 +7,6 @@ use std::time::Duration;
 use object::Endianness;
 use object::elf::PT_LOAD;
 use object::read::elf::{ElfFile32, ProgramHeader};
-use object::{Object, ObjectSymbol};
 use rsemu::core::clock::GlobalTime;
 use rsemu::core::space::{AddressSpace, MemAttrs};
 use rsemu::core::value::Width;
@@ -17,7 +14,6 @@ use rsemu::cpu::arm::v7m::{self, ArmV7m};
 use rsemu::host::chardev::{CharPort, ports};
 use rsemu::machine::{self, Machine, catalog};
 
-use crate::artifact::symbol;
 use crate::chips::cpu::Core;
 use crate::chips::encoder::{self, Encoder, Magnet};
 use crate::chips::model::{Model, Timer};
@@ -32,8 +28,6 @@ use crate::telemetry;
 const ERASED: u8 = 0xff;
 /// What the stack is filled with before the start.
 const FILL: u32 = 0x5a5a_5a5a;
-/// The joint's compensator in memory.
-const CONSTANTS: &str = "strainwave_controller::joint::WORDS";
 /// Control register of TIM2.
 const TIM2_CONTROL: u64 = 0x4000_0000;
 /// In the control register of either timer: it runs.
@@ -102,7 +96,8 @@ impl Chip {
         if let (Some((begin, size)), Some(kept)) = (model.store, kept) {
             let place = flash.get_mut(offset(begin)..).and_then(|rest| rest.get_mut(..size));
             let place = place.filter(|place| place.iter().all(|byte| *byte == ERASED));
-            let place = place.ok_or_else(|| unfit(elf, "it is where the store is"))?;
+            let why = || String::from("it is where the store is");
+            let place = place.ok_or_else(|| Error::Image { image: elf.to_owned(), why: why() })?;
             place.iter_mut().zip(kept).for_each(|(place, byte)| *place = *byte);
         }
         Self::with_flash(model, flash, elf)
@@ -211,27 +206,6 @@ impl Chip {
         Ok(())
     }
 
-    /// Addresses of the words of the joint's compensator in its memory.
-    ///
-    /// # Errors
-    /// [`Error::Image`] for one without them.
-    pub fn constants(&self) -> Result<Range<u64>, Error> {
-        let bytes = std::fs::read(&self.elf).map_err(|error| unfit(&self.elf, error))?;
-        let file = ElfFile32::<Endianness>::parse(&*bytes).map_err(|error| unfit(&self.elf, error))?;
-        let mut symbols = file.symbols();
-        let found = symbols.find(|symbol| symbol.name().is_ok_and(|name| symbol::path(name) == CONSTANTS));
-        let found = found.ok_or_else(|| unfit(&self.elf, format_args!("no symbol {CONSTANTS}")))?;
-        Ok(found.address()..found.address() + found.size())
-    }
-
-    /// A bit of a word in its memory changes, as radiation or a failing cell would have it.
-    ///
-    /// # Errors
-    /// [`Error::Bus`].
-    pub fn flip(&self, address: u64, bit: u32) -> Result<(), Error> {
-        self.write(address, self.read(address)? ^ 1 << bit)
-    }
-
     /// What the drive is told: the code of the torque, 2048 for none, and that it is enabled.
     ///
     /// # Errors
@@ -300,29 +274,26 @@ impl Chip {
     }
 }
 
-fn unfit(image: &Path, why: impl Display) -> Error {
-    Error::Image { image: image.to_owned(), why: why.to_string() }
-}
-
 fn time(span: Duration) -> GlobalTime {
     GlobalTime::from_nanos(span.as_nanos() as u64)
 }
 
 /// The flash with the image's segments where they are loaded.
 fn flash(model: &Model, elf: &Path) -> Result<Vec<u8>, Error> {
-    let bytes = std::fs::read(elf).map_err(|error| unfit(elf, error))?;
-    let file = ElfFile32::<Endianness>::parse(&*bytes).map_err(|error| unfit(elf, error))?;
+    let wrong = |why: String| Error::Image { image: elf.to_owned(), why };
+    let bytes = std::fs::read(elf).map_err(|error| wrong(error.to_string()))?;
+    let file = ElfFile32::<Endianness>::parse(&*bytes).map_err(|error| wrong(error.to_string()))?;
     let (begin, size) = model.flash;
     let mut flash = vec![ERASED; size];
     for segment in file.elf_program_headers() {
         let order = file.endian();
-        let data = segment.data(order, &*bytes).map_err(|()| unfit(elf, "a segment is beyond its end"))?;
+        let data = segment.data(order, &*bytes).map_err(|()| wrong("a segment is beyond its end".into()))?;
         if segment.p_type(order) != PT_LOAD || data.is_empty() {
             continue;
         }
         let offset = segment.p_paddr(order).checked_sub(begin).map(|offset| offset as usize);
         let place = offset.and_then(|offset| flash.get_mut(offset..)?.get_mut(..data.len()));
-        place.ok_or_else(|| unfit(elf, "a segment is not in the flash"))?.copy_from_slice(data);
+        place.ok_or_else(|| wrong("a segment is not in the flash".into()))?.copy_from_slice(data);
     }
     Ok(flash)
 }

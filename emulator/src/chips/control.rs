@@ -3,7 +3,6 @@
 //! A period of the plant begins 0.06 ms after the chip's control interrupt: the encoder is put where the plant is, the chip runs for
 //! 0.1 ms, in which it reads it and answers, and its answer is the plant's torque in this period.
 
-use std::ops::Range;
 use std::path::Path;
 use std::time::Duration;
 
@@ -46,8 +45,6 @@ const LOAD: f64 = 0.3;
 const LATEST: u32 = 20;
 /// Length (s).
 const DURATION: f64 = 1.0;
-/// Changes of the constants.
-const CHANGES: u32 = 8;
 /// Periods for which a stopped control is watched: 0.2 s.
 const AFTERWARDS: u32 = 2000;
 
@@ -91,7 +88,7 @@ pub fn second(model: &'static Model, elf: &Path, gear: &GearFile) -> Result<Seco
     let never = || chip::Error::NotStarted { said: "no period was run".into() };
     let mut beside = booting.beside.ok_or_else(never)?;
     beside.chip.magnet().fail();
-    let released_after = until(&mut beside.chip, period(), |drive| drive == RELEASED)?;
+    let released_after = until_released(&mut beside.chip)?;
     // What it says of it is on its way.
     beside.chip.run(Duration::from_millis(20))?;
     let (agreement, planned_after) = beside.agreement();
@@ -107,7 +104,7 @@ pub fn second(model: &'static Model, elf: &Path, gear: &GearFile) -> Result<Seco
     })
 }
 
-/// What becomes of a drive when the chip itself fails.
+/// What the watchdog does when the control stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stopped {
     /// From there to the drive's release (s).
@@ -121,54 +118,19 @@ pub struct Stopped {
 /// # Errors
 /// [`Error`].
 pub fn stopped(model: &'static Model, elf: &Path) -> Result<Stopped, Error> {
-    let mut chip = at_rest(model, elf, Duration::from_millis(300))?;
-    chip.stop_timer()?;
-    let released_after = until(&mut chip, period(), |drive| drive == RELEASED)?;
-    Ok(Stopped { released_after, enabled: enabled_afterwards(&mut chip)? })
-}
-
-/// Changes a bit of the constants of a joint at rest: of the first word, the last and some between them, at different times of the control
-/// period, a chip each. The latest release of all, and all periods in which a drive is enabled.
-///
-/// # Errors
-/// [`Error`].
-pub fn changed(model: &'static Model, elf: &Path) -> Result<Stopped, Error> {
-    let mut worst = Stopped { released_after: 0.0, enabled: 0 };
-    for change in 0..CHANGES {
-        let within = period() * change / CHANGES;
-        let mut chip = at_rest(model, elf, Duration::from_millis(20) + within)?;
-        let Range { start, end } = chip.constants()?;
-        let word = (end - start) / 4 - 1;
-        chip.flip(
-            start + u64::from(change) * word / u64::from(CHANGES - 1) * 4,
-            31 * change / (CHANGES - 1),
-        )?;
-        let released_after = until(&mut chip, GLANCE, |(_, enabled)| !enabled)?;
-        worst.released_after = worst.released_after.max(released_after);
-        worst.enabled += enabled_afterwards(&mut chip)?;
-    }
-    Ok(worst)
-}
-
-/// A chip whose control has held a joint at rest for so long.
-fn at_rest(model: &'static Model, elf: &Path, time: Duration) -> Result<Chip, Error> {
     let (mut chip, _) = start(model, elf, 0)?;
-    chip.run(time)?;
-    if chip.drive()?.1 {
-        Ok(chip)
-    } else {
-        Err(chip::Error::NotStarted { said: "the drive is not enabled".into() }.into())
+    chip.run(Duration::from_millis(300))?;
+    if !chip.drive()?.1 {
+        return Err(chip::Error::NotStarted { said: "the drive is not enabled".into() }.into());
     }
-}
-
-/// Periods of the next 0.2 s in which the drive is enabled.
-fn enabled_afterwards(chip: &mut Chip) -> Result<u64, Error> {
+    chip.stop_timer()?;
+    let released_after = until_released(&mut chip)?;
     let mut enabled = 0;
     for _ in 0..AFTERWARDS {
         chip.run(period())?;
         enabled += u64::from(chip.drive()?.1);
     }
-    Ok(enabled)
+    Ok(Stopped { released_after, enabled })
 }
 
 /// Boots an image, up to the first period.
@@ -195,12 +157,12 @@ pub(super) fn started(mut chip: Chip, count: u32) -> Result<(Chip, f64), chip::E
     Ok((chip, waited.as_secs_f64()))
 }
 
-/// Time until the drive is as asked (s), in such steps; infinite when it is not within 1000 of them.
-fn until(chip: &mut Chip, step: Duration, is: impl Fn(Drive) -> bool) -> Result<f64, Error> {
-    for steps in 1..=1000 {
-        chip.run(step)?;
-        if is(chip.drive()?) {
-            return Ok((step * steps).as_secs_f64());
+/// Time until the drive has neither torque nor enable (s), in periods; infinite when it keeps one for 0.1 s.
+fn until_released(chip: &mut Chip) -> Result<f64, Error> {
+    for periods in 1..=1000 {
+        chip.run(period())?;
+        if chip.drive()? == RELEASED {
+            return Ok(f64::from(periods) * CONTROL_PERIOD);
         }
     }
     Ok(f64::INFINITY)

@@ -142,19 +142,6 @@ pub(super) const ROWS: &[Bound] = &[
         why: "control periods of the 0.2 s after it in which the drive is enabled: nobody has looked after the cause",
     },
     Bound {
-        name: "pil.real.parameter.release",
-        value: 3e-4,
-        unit: "s",
-        why: "from a changed bit of the constants in RAM to a drive without its enable, worst of eight words and times: the faults of parameters are \
-              injected with this time",
-    },
-    Bound {
-        name: "pil.real.parameter.enabled",
-        value: 0.0,
-        unit: "period",
-        why: "control periods of the 0.2 s after each in which the drive is enabled: the chip starts again with sound constants, and waits for a reset",
-    },
-    Bound {
         name: "pil.real.served.readings_unlike_host",
         value: 0.0,
         unit: "1",

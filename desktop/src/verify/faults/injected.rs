@@ -4,7 +4,6 @@ use std::collections::VecDeque;
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use strainwave::compensator::words;
 use strainwave::compensator::{
     Command, Compensator, Faults, Input, JointParams, Mode, Output, State, Status,
 };
@@ -59,16 +58,12 @@ kinds! {
     TorqueZero "motor torque zero": "The measured motor torque is 0.";
     TorqueFull "motor torque full": "The measured motor torque is the motor's peak.";
     NotANumber "not a number": "A sensor or setpoint is NaN for 1 to 200 ms.";
-    Parameter "parameter bit": "A bit of the built constants changes, until the board notices it and switches the drive off.";
+    Parameter "parameter bit": "A bit of a parameter flips.";
     Overrun "overrun": "1 to 200 steps are not completed in time; a watchdog waits for 38 of them.";
     Restart "restart in motion": "The controller starts again; half of them know why.";
     SetpointJump "setpoint jump": "The setpoint jumps by 0.01 to 1 rad.";
     SetpointFrozen "setpoint frozen": "The setpoint is no longer renewed, and its age is told.";
 }
-
-/// Periods until a board has noticed a changed constant and its drive is off: `verify firmware` measures it on the executed images, in its
-/// rows `parameter.release`.
-const UNNOTICED: usize = 3;
 
 /// Steps that a board's watchdog waits for: 3.8 ms, that of an STM32F405 whose clock is as slow as it may be.
 const WATCHDOG: u32 = 38;
@@ -178,7 +173,7 @@ pub struct Broken {
     late: VecDeque<u32>,
     answer: Output<f32>,
     missed: u32,
-    /// The board has switched the drive off, and starts again: it waits for a reset.
+    /// The parameters were refused, or the watchdog has switched the drive off: until a reset.
     halted: bool,
 }
 
@@ -293,7 +288,6 @@ impl Broken {
                 }
             },
             Kind::Parameter if since == 0 => self.flip(fault),
-            Kind::Parameter => self.halted |= since >= UNNOTICED,
             Kind::Overrun if since < 1 + (fault.between(1.0, 200.0) as usize) => {
                 self.missed += 1;
                 self.halted |= self.missed >= WATCHDOG;
@@ -317,15 +311,31 @@ impl Broken {
         Some(())
     }
 
-    /// Changes a bit of the built constants. One that makes a bool of what is none changes nothing here.
     fn flip(&mut self, fault: &Injected) {
-        let mut words = self.model.to_words();
-        let [_, _, checksum, own @ ..] = &mut words;
-        let place = (fault.choice >> 5) as usize % own.len();
-        own[place] ^= 1 << (fault.choice % 32);
-        *checksum = words::checksum(own);
-        if let Ok(model) = Compensator::from_words(&words) {
-            self.model = model.clone();
+        let mut params = self.params;
+        let places = [
+            &mut params.feedback.position_gain,
+            &mut params.feedback.velocity_gain,
+            &mut params.feedback.integral_time,
+            &mut params.feedback.filter_corner,
+            &mut params.feedback.torque_limit,
+            &mut params.gear.wave_generator_inertia,
+            &mut params.gear.flexspline_inertia,
+            &mut params.gear.input_friction.forward.static_level,
+            &mut params.gear.input_friction.forward.coulomb,
+            &mut params.limits.motor_torque,
+            &mut params.limits.motor_speed,
+            &mut params.limits.output_torque,
+            &mut params.disturbance.fast_corner,
+            &mut params.disturbance.dead_zone,
+        ];
+        let count = places.len();
+        if let Some(place) = places.into_iter().nth((fault.choice >> 16) as usize % count) {
+            *place = f32::from_bits(place.to_bits() ^ 1 << (fault.choice % 32));
+        }
+        match params.build() {
+            Ok(model) => self.model = model,
+            Err(_) => self.halted = true,
         }
     }
 

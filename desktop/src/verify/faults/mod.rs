@@ -1,13 +1,13 @@
 //! Faults injected into runs: whether each is noticed, and what the joint does until it is and after.
 //!
 //! Each fault has a number, from which all of it is drawn ([`Injected::of`]): what breaks, when, in which of S1 to S5,
-//! with which sensors, on which plant of the box; so it can be run again alone. The same run without the fault is its
+//! with which sensors, on which plant of the box of which gear; so it can be run again alone. The same run without the fault is its
 //! twin: same plant, same noise, its drive switched off when the broken one is.
 //!
 //! | judged | a run is unsafe when |
 //! | --- | --- |
 //! | speed | the output is faster than its limit, motor_speed/abs n, though its twin is not, until 20 ms after the drive is off, in which a brake engages |
-//! | motion | it differs by more than 20 mrad from its twin, and from its angle at the fault, in the same time; not where another motion is asked for, nor where the fault cannot be known |
+//! | motion | it differs by more than 20 mrad from its twin, and from its angle when the fault can be known first, from then on and in the same time; not where another motion is asked for, nor where the fault cannot be known |
 //! | torque | the motor gives 95 % of its peak for more than 5 ms after the fault, though its twin does not |
 //! | gear | the torque through the gear is beyond its peak rating |
 //!
@@ -85,6 +85,8 @@ struct Row {
 pub struct Outcome {
     /// The fault.
     pub fault: Injected,
+    /// Name of the gear.
+    pub of: String,
     /// Time from when it could be known to its name (s); none when it was not named.
     pub named: Option<f64>,
     /// Reported faults.
@@ -99,7 +101,7 @@ pub struct Outcome {
     pub motion: f64,
     /// Longest time of full torque (s).
     pub full: f64,
-    /// Largest torque through the gear (N m).
+    /// Largest torque through the gear over its peak rating.
     pub gear: f64,
     /// In which ways it was unsafe: speed, motion, torque, gear.
     pub unsafe_by: [bool; 4],
@@ -150,28 +152,30 @@ fn judge(file: &GearFile, fault: Injected, released: Option<usize>, rows: &[Row]
         |rows: &[Row], of: fn(&Row) -> f64| rows.iter().map(|row| of(row).abs()).fold(0.0, f64::max);
     let watched = released.map_or(rows.len(), |at| (at + periods_of(BRAKE)).min(rows.len()));
     let speed = |rows: &[Row]| largest(&rows[start..watched], |row| row.velocity) / limit;
+    let known = known(file, &fault, rows, start);
     // A joint that stands has not moved, whatever its twin does.
-    let from = rows[start].output;
+    let first = known.unwrap_or(start);
+    let from = rows[first].output;
     let difference = |k: usize| (rows[k].output - twin[k].output).abs().min((rows[k].output - from).abs());
     let motion =
-        if fault.asks_otherwise() { 0.0 } else { (start..watched).map(difference).fold(0.0, f64::max) };
+        if fault.asks_otherwise() { 0.0 } else { (first..watched).map(difference).fold(0.0, f64::max) };
     let full = |rows: &[Row]| longest(rows[start..].iter().map(|row| row.torque.abs() >= FULL.0 * peak));
     let gear = largest(&rows[start..], |row| row.transmitted);
-    let known = known(file, &fault, rows, start);
     let named =
         (start..rows.len()).find(|&k| rows[k].faults.bits() & !twin[k].faults.with(LIMITS).bits() != 0);
     let names = named.map_or(Faults::NONE, |k| rows[k].faults);
     let safe = released.is_some();
     Outcome {
         fault,
-        named: named.map(|k| (k as f64 - known.unwrap_or(start) as f64).max(0.0) * CONTROL_PERIOD),
+        of: file.gear.name.clone(),
+        named: named.map(|k| (k as f64 - first as f64).max(0.0) * CONTROL_PERIOD),
         names,
         safe,
         known: known.is_some(),
         speed: speed(rows),
         motion,
         full: full(rows),
-        gear,
+        gear: gear / file.gear.peak_torque,
         unsafe_by: [
             speed(rows) > 1.0 && speed(twin) <= 1.0,
             motion > MOTION && known.is_some(),
@@ -251,28 +255,28 @@ pub struct Report {
     pub outcomes: Vec<Outcome>,
     /// Faults of healthy runs: scenario, sensors, seed, names.
     pub false_alarms: Vec<String>,
-    /// Peak rating (N m).
-    pub peak: f64,
 }
 
-/// Runs the faults of these numbers; `progress` is called with the fraction done.
+/// Runs the faults of these numbers, each kind on one of `files` after the other, of which there is at least one; `progress` is called with the
+/// fraction done.
 ///
 /// # Errors
 /// As [`run`].
 pub fn measure(
-    file: &GearFile,
+    files: &[GearFile],
     first: u64,
     count: u64,
     mut progress: impl FnMut(f64),
 ) -> Result<Report, RunError> {
     let numbers: Vec<u64> = (first..first + count).collect();
-    let outcomes = each(&numbers, |number| run(file, Injected::of(*number)), &mut progress);
+    let of = |number: u64| &files[(number / Kind::ALL.len() as u64) as usize % files.len()];
+    let outcomes = each(&numbers, |number| run(of(*number), Injected::of(*number)), &mut progress);
     let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, _>>()?;
     // One healthy run in full for twenty faults.
     let healthy: Vec<u64> = numbers.iter().copied().filter(|number| number % 20 == 0).collect();
-    let alarms = each(&healthy, |number| alarm(file, &Injected::of(*number)), &mut |_| ());
+    let alarms = each(&healthy, |number| alarm(of(*number), &Injected::of(*number)), &mut |_| ());
     let alarms = alarms.into_iter().collect::<Result<Vec<_>, _>>()?;
-    Ok(Report { outcomes, false_alarms: alarms.into_iter().flatten().collect(), peak: file.gear.peak_torque })
+    Ok(Report { outcomes, false_alarms: alarms.into_iter().flatten().collect() })
 }
 
 /// False alarm of a healthy run.
@@ -288,10 +292,11 @@ fn alarm(file: &GearFile, fault: &Injected) -> Result<Option<String>, RunError> 
     let quiet = faults.bits() & !Faults::TORQUE_LIMITED.bits() == 0;
     let line = || {
         format!(
-            "{} {} plant {}: {}",
+            "{} {} plant {}, {}: {}",
             fault.scenario.name(),
             fault.sensors.name(),
             fault.seed,
+            file.gear.name,
             names.join(", ")
         )
     };
@@ -311,8 +316,8 @@ impl Outcome {
         let ways: Vec<_> =
             ways.iter().zip(self.unsafe_by).filter(|(_, is)| *is).map(|(way, _)| *way).collect();
         format!(
-            "{}\n  named {} ms: {}; safe {}; speed {:.2}, motion {:.1} mrad, full {:.1} ms, gear {:.0} N m; unsafe: {}",
-            self.fault.describe(),
+            "{}\n  named {} ms: {}; safe {}; speed {:.2}, motion {:.1} mrad, full {:.1} ms, gear {:.2} of its peak; unsafe: {}",
+            format_args!("{}, {}", self.fault.describe(), self.of),
             self.named.map_or("-".into(), |time| format!("{:.1}", 1e3 * time)),
             names.join(", "),
             self.safe,
@@ -330,7 +335,7 @@ impl Report {
     pub fn table(&self) -> String {
         let mut text = format!(
             "{:<26}{:>6}{:>8}{:>9}{:>9}{:>11}{:>13}{:>10}\n",
-            "fault", "count", "unsafe", "unnamed", "safe", "named (ms)", "motion (mrad)", "gear (N m)"
+            "fault", "count", "unsafe", "unnamed", "safe", "named (ms)", "motion (mrad)", "gear/peak"
         );
         for kind in Kind::ALL {
             let of: Vec<_> = self.outcomes.iter().filter(|outcome| outcome.fault.kind == *kind).collect();
@@ -342,7 +347,7 @@ impl Report {
                 |value: &dyn Fn(&Outcome) -> f64| of.iter().map(|outcome| value(outcome)).fold(0.0, f64::max);
             let _ = writeln!(
                 text,
-                "{:<26}{:>6}{:>8}{:>9}{:>9}{:>11.1}{:>13.1}{:>10.0}",
+                "{:<26}{:>6}{:>8}{:>9}{:>9}{:>11.1}{:>13.1}{:>10.2}",
                 kind.name(),
                 of.len(),
                 count(&Outcome::is_unsafe),
