@@ -26,7 +26,7 @@ macro_rules! faults {
 }
 
 faults! {
-    0 INPUT_NOT_FINITE "input not finite": "A sensor or setpoint was NaN or infinite; its last finite value was held, of the motor's torque what was foreseen.";
+    0 INPUT_NOT_FINITE "input not finite": "A sensor or setpoint was NaN or infinite; its last finite value was held.";
     1 SETPOINT_LIMITED "setpoint limited": "A derivative of the setpoint was beyond what the joint can do; it was limited.";
     2 MOTOR_ENCODER_JUMP "motor encoder jump": "The motor encoder moved farther than the motor can, or its count has too many bits.";
     3 MOTOR_ENCODER_FROZEN "motor encoder frozen": "The motor encoder stood still while a motion of the motor was commanded: frozen, or the joint is blocked. It stays until the encoder moves.";

@@ -60,7 +60,7 @@ use crate::real::Real;
 ///     input.sensors.motor_torque = compensator.control(&mut state, &input).motor_torque;
 /// }
 /// assert!(input.sensors.motor_torque < 0.0);
-/// // A torque measurement that is not a number is named; what was foreseen is taken.
+/// // A torque measurement that is not a number is named; its last value is held.
 /// let broken = Sensors { motor_torque: f32::NAN, ..input.sensors };
 /// let commanded = compensator.control(&mut state, &Input { sensors: broken, ..input });
 /// assert!(commanded.faults.contains(Faults::INPUT_NOT_FINITE) && commanded.motor_torque.is_finite());
@@ -146,11 +146,7 @@ impl<R: Real> Compensator<R> {
     #[inline(always)] // Firmware's own function around it is the symbol that the timing budget counts.
     pub fn control(&self, state: &mut State<R>, input: &Input<R>) -> Commanded<R> {
         let mut faults = Faults::NONE;
-        let foreseen = |gain| {
-            let torque = self.motor_torque.foreseen(&state.motor_torque, state.fallback.torque(), gain);
-            self.pulleys.at_motor(torque)
-        };
-        let sensors = self.guard.sensors(&mut state.guard, &input.sensors, foreseen, &mut faults);
+        let sensors = self.guard.sensors(&mut state.guard, &input.sensors, &mut faults);
         let elapsed = self.clock.step(input.elapsed, &mut faults);
         let (motor, usual) = self.read(state, &sensors, input.status, &elapsed, &mut faults);
         faults = faults.with(state.faults.all());

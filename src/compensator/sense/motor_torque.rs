@@ -55,12 +55,6 @@ impl<R: Real> MotorTorque<R> {
         Ok(Self { gain: [alone, commanded - alone], gross: R::lit(GROSS_TORQUE.get()) * peak_torque })
     }
 
-    /// The torque that is foreseen for the control period that ended (N m), from the `commanded` torque and its feedback gain.
-    #[inline(always)]
-    pub fn foreseen(&self, state: &MotorTorqueState<R>, commanded: R, feedback_gain: R) -> R {
-        feedback_gain * commanded + state.drive_error
-    }
-
     /// Torque over the control period that ended, from the `commanded` torque, its feedback gain, and the `measured` one.
     #[inline(always)]
     pub fn step(&self, state: &mut MotorTorqueState<R>, commanded: R, feedback_gain: R, measured: R) -> R {

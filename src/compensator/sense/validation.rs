@@ -1,7 +1,7 @@
 //! Validation of the control step's inputs: finite and bounded.
 //!
-//! A value that is not finite is replaced by its last finite one; the motor's torque by what it was foreseen to be, for a command goes on
-//! meanwhile; the setpoint's fraction of a count by 0. The setpoint's derivatives are limited to the joint's capability, and reported:
+//! A value that is not finite is replaced by its last finite one; the setpoint's fraction of a count by 0. The
+//! setpoint's derivatives are limited to the joint's capability, and reported:
 //!
 //! ```text
 //! |dq| <= 0.95*motor_speed/|n|,   |ddq| <= 2*motor_torque*|n|/(J_fs + n^2*J_wg),   |dddq| <= that/dt,
@@ -52,6 +52,7 @@ pub struct InputGuardState<R> {
     acceleration: R,
     jerk: R,
     snap: R,
+    motor_torque: R,
     output_torque: R,
     command_torque: R,
     gains: CompensationGains<R>,
@@ -126,26 +127,17 @@ impl<R: Real> InputGuard<R> {
         }
     }
 
-    /// The joint's sensors, validated; `foreseen` tells the motor's torque (N m) by the feedback's gain, where its
-    /// measurement is not finite.
+    /// The joint's sensors, validated.
     #[inline(always)]
     pub fn sensors(
         &self,
         last: &mut InputGuardState<R>,
         new: &Sensors<R>,
-        foreseen: impl FnOnce(R) -> R,
         faults: &mut Faults,
     ) -> Sensors<R> {
-        let mut motor_torque = new.motor_torque;
-        if !motor_torque.is_within(self.motor_torque) {
-            seldom();
-            faults.raise_if(!motor_torque.is_finite(), Faults::INPUT_NOT_FINITE);
-            let torque = if motor_torque.is_finite() { motor_torque } else { foreseen(last.gains.feedback) };
-            motor_torque = torque.limit(self.motor_torque);
-        }
         let mut pass = |new, last: &mut R, bound| pass(new, last, bound, Faults::NONE, faults);
         Sensors {
-            motor_torque,
+            motor_torque: pass(new.motor_torque, &mut last.motor_torque, self.motor_torque),
             output_torque: new
                 .output_torque
                 .map(|torque| pass(torque, &mut last.output_torque, self.output_torque)),
