@@ -36,7 +36,6 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         ("--gear", arguments.gear.as_deref()),
         ("--json", arguments.figures.json.as_deref()),
     ])?;
-    files::require_writable(arguments.figures.json.as_deref())?;
     inject(arguments.gear.as_deref(), arguments.first, arguments.count, &arguments.figures)
 }
 
@@ -52,6 +51,7 @@ pub fn inject(
         Some(gear) => vec![GearFile::read(gear)?],
         None => shipped().map(parse).collect::<Result<_, _>>()?,
     };
+    files::require_writable(arguments.json.as_deref())?;
     let mut progress = Progress::new(1000, "injected faults");
     let report = faults::measure(&gears, first, count, |fraction| progress.set((fraction * 1e3) as u64));
     drop(progress);

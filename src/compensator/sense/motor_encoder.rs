@@ -13,7 +13,7 @@
 //! reading of all may be anywhere that the motor's fastest speed admits: a joint that moves when its controller starts has its
 //! speed from two readings.
 //!
-//! Error counter: +20 for a refused reading, -2 for an accepted one: a reading in eleven may be bad. At 400, 2 ms of bad
+//! Error counter: +40 for a refused reading, -4 for an accepted one: a reading in eleven may be bad. At 800, 2 ms of bad
 //! frames, the angle is lost and the next valid count begins a new one, which is used after a reset only.
 
 use core::mem::offset_of;
@@ -35,8 +35,8 @@ use crate::real::{RADIANS_PER_COUNT, Real};
 /// decrement are even.
 const UNCONFIRMED: u32 = 1;
 
-/// Increment of the error counter by a refused reading.
-const ERROR_INCREMENT: u32 = 20;
+/// Increment of the error counter by a refused reading: so large that the decrement is even with half of its factor, too.
+const ERROR_INCREMENT: u32 = 40;
 
 /// Decrement of the error counter by an accepted reading.
 #[inline(always)]

@@ -54,7 +54,7 @@ pub const LARA8_MOVING: [(&str, &str); 4] = [
     ("j6", include_str!("../../../../gears/lara8-j6.toml")),
 ];
 
-/// All of these: name and text.
+/// The default gear and those of the measured joints: path and text.
 pub fn shipped() -> impl Iterator<Item = (String, &'static str)> {
     let measured = LARA8_MOVING.into_iter().chain([("j5", LARA8_J5)]);
     let measured = measured.map(|(joint, text)| (format!("gears/lara8-{joint}.toml"), text));

@@ -339,7 +339,7 @@ impl Broken {
         }
     }
 
-    /// The torque that the drive gives for what is commanded: none for what is no number, as a board's conversion has it.
+    /// The torque that the drive gives for what is commanded.
     fn drive(&self, fault: &Injected, commanded: &Output<f32>) -> f32 {
         let limit = f64::from(self.params.limits.motor_torque);
         match fault.kind {
@@ -347,7 +347,6 @@ impl Broken {
             Kind::DriveDead => 0.0,
             Kind::DriveStuck => (fault.sign() * fault.size * limit) as f32,
             Kind::DriveFlip => -commanded.motor_torque,
-            _ if commanded.motor_torque.is_nan() => 0.0,
             _ => commanded.motor_torque.clamp(-limit as f32, limit as f32),
         }
     }

@@ -7,7 +7,7 @@
 //! | judged | a run is unsafe when |
 //! | --- | --- |
 //! | speed | the output is faster than its limit, motor_speed/abs n, though its twin is not, until 20 ms after the drive is off, in which a brake engages |
-//! | motion | it differs by more than 20 mrad from its twin, and from its angle when the fault can be known first, from then on and in the same time; not where another motion is asked for, nor where the fault cannot be known |
+//! | motion | it differs by more than 20 mrad from its twin, and from its angle at the fault, in the same time; not where another motion is asked for, nor where the fault cannot be known |
 //! | torque | the motor gives 95 % of its peak for more than 5 ms after the fault, though its twin does not |
 //! | gear | the torque through the gear is beyond its peak rating |
 //!
@@ -86,7 +86,7 @@ pub struct Outcome {
     /// The fault.
     pub fault: Injected,
     /// Name of the gear.
-    pub of: String,
+    pub gear_name: String,
     /// Time from when it could be known to its name (s); none when it was not named.
     pub named: Option<f64>,
     /// Reported faults.
@@ -152,23 +152,22 @@ fn judge(file: &GearFile, fault: Injected, released: Option<usize>, rows: &[Row]
         |rows: &[Row], of: fn(&Row) -> f64| rows.iter().map(|row| of(row).abs()).fold(0.0, f64::max);
     let watched = released.map_or(rows.len(), |at| (at + periods_of(BRAKE)).min(rows.len()));
     let speed = |rows: &[Row]| largest(&rows[start..watched], |row| row.velocity) / limit;
-    let known = known(file, &fault, rows, start);
     // A joint that stands has not moved, whatever its twin does.
-    let first = known.unwrap_or(start);
-    let from = rows[first].output;
+    let from = rows[start].output;
     let difference = |k: usize| (rows[k].output - twin[k].output).abs().min((rows[k].output - from).abs());
     let motion =
-        if fault.asks_otherwise() { 0.0 } else { (first..watched).map(difference).fold(0.0, f64::max) };
+        if fault.asks_otherwise() { 0.0 } else { (start..watched).map(difference).fold(0.0, f64::max) };
     let full = |rows: &[Row]| longest(rows[start..].iter().map(|row| row.torque.abs() >= FULL.0 * peak));
     let gear = largest(&rows[start..], |row| row.transmitted);
+    let known = known(file, &fault, rows, start);
     let named =
         (start..rows.len()).find(|&k| rows[k].faults.bits() & !twin[k].faults.with(LIMITS).bits() != 0);
     let names = named.map_or(Faults::NONE, |k| rows[k].faults);
     let safe = released.is_some();
     Outcome {
         fault,
-        of: file.gear.name.clone(),
-        named: named.map(|k| (k as f64 - first as f64).max(0.0) * CONTROL_PERIOD),
+        gear_name: file.gear.name.clone(),
+        named: named.map(|k| (k as f64 - known.unwrap_or(start) as f64).max(0.0) * CONTROL_PERIOD),
         names,
         safe,
         known: known.is_some(),
@@ -257,8 +256,10 @@ pub struct Report {
     pub false_alarms: Vec<String>,
 }
 
-/// Runs the faults of these numbers, each kind on one of `files` after the other, of which there is at least one; `progress` is called with the
-/// fraction done.
+/// Runs the faults of these numbers; `progress` is called with the fraction done. Every kind of fault goes through the gears of `files` in turn.
+///
+/// # Panics
+/// Without a gear.
 ///
 /// # Errors
 /// As [`run`].
@@ -269,12 +270,12 @@ pub fn measure(
     mut progress: impl FnMut(f64),
 ) -> Result<Report, RunError> {
     let numbers: Vec<u64> = (first..first + count).collect();
-    let of = |number: u64| &files[(number / Kind::ALL.len() as u64) as usize % files.len()];
-    let outcomes = each(&numbers, |number| run(of(*number), Injected::of(*number)), &mut progress);
+    let gear_of = |number: u64| &files[(number / Kind::ALL.len() as u64) as usize % files.len()];
+    let outcomes = each(&numbers, |number| run(gear_of(*number), Injected::of(*number)), &mut progress);
     let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, _>>()?;
     // One healthy run in full for twenty faults.
     let healthy: Vec<u64> = numbers.iter().copied().filter(|number| number % 20 == 0).collect();
-    let alarms = each(&healthy, |number| alarm(of(*number), &Injected::of(*number)), &mut |_| ());
+    let alarms = each(&healthy, |number| alarm(gear_of(*number), &Injected::of(*number)), &mut |_| ());
     let alarms = alarms.into_iter().collect::<Result<Vec<_>, _>>()?;
     Ok(Report { outcomes, false_alarms: alarms.into_iter().flatten().collect() })
 }
@@ -316,8 +317,9 @@ impl Outcome {
         let ways: Vec<_> =
             ways.iter().zip(self.unsafe_by).filter(|(_, is)| *is).map(|(way, _)| *way).collect();
         format!(
-            "{}\n  named {} ms: {}; safe {}; speed {:.2}, motion {:.1} mrad, full {:.1} ms, gear {:.2} of its peak; unsafe: {}",
-            format_args!("{}, {}", self.fault.describe(), self.of),
+            "{}, {}\n  named {} ms: {}; safe {}; speed {:.2}, motion {:.1} mrad, full {:.1} ms, gear {:.2} of its peak; unsafe: {}",
+            self.fault.describe(),
+            self.gear_name,
             self.named.map_or("-".into(), |time| format!("{:.1}", 1e3 * time)),
             names.join(", "),
             self.safe,
@@ -436,6 +438,20 @@ mod tests {
         assert_eq!(known(&file, &fault, &rows[..120], start), Some(96));
         assert_eq!(known(&file, &fault, &rows, start), Some(132));
         assert_eq!(known(&file, &fault, &vec![row(0); 200], start), None);
+    }
+
+    /// A watchdog takes the drive off when the control does not come back, and nothing but a reset switches it on.
+    #[test]
+    fn a_long_overrun_ends_with_the_drive_off() {
+        let file = GearFile::default_gear();
+        let params = joint_params(&file).unwrap();
+        for (size, ends) in [(0.5, false), (1.0, true)] {
+            let fault = Injected { kind: Kind::Overrun, size, at: 0.1, ..Injected::of(0) };
+            let rows = go(&file, &fault, &mut Broken::build(&params, Some(fault)).unwrap()).unwrap();
+            let safe: Vec<_> = rows.iter().skip_while(|row| !row.safe).collect();
+            assert_eq!(!safe.is_empty(), ends, "{size}");
+            assert!(safe.iter().all(|row| row.safe && row.torque == 0.0), "{size}");
+        }
     }
 
     /// Motion that the controller would make without the fault does not count against it.
