@@ -10,6 +10,7 @@ use strainwave::compensator::estimate::observer::multi_rate::{
 use strainwave::compensator::estimate::observer::{Measurement, Observer, ObserverState, OutputReading};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::schedule::OBSERVER_PERIODS;
+use strainwave::compensator::tuned::TORSION_UNCERTAINTY;
 use strainwave::compensator::{Faults, JointParams, RealTimeGear};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
@@ -87,8 +88,8 @@ fn the_timing_of_the_motors_torque_is_no_load() {
     assert!(load < 3.0, "{load} N m");
 }
 
-/// Angle of the output (rad) that is estimated of a resting joint whose output encoder shows `off` (rad).
-fn estimated_at_rest(off: f64) -> f64 {
+/// Angle of the output (rad) that is estimated of a resting joint whose output encoder has shown `off` (rad) so many times.
+fn estimated_at_rest(off: f64, readings: u32) -> f64 {
     let joint = joint();
     let model = gear(&joint.gear, CONTROL_PERIOD);
     let observer = joint.observer.build(&joint.gear, &joint.limits, CONTROL_PERIOD).unwrap();
@@ -97,7 +98,7 @@ fn estimated_at_rest(off: f64) -> f64 {
     shown.angle = shown.angle.plus(off);
     let measured = measured(Motion::default(), true, 0.0);
     let reading = OutputReading { angle: shown.angle, age: 0 };
-    for _ in 0..5000 {
+    for _ in 0..readings {
         step(&observer, &model, &mut state, &measured);
         observer.correct_output(&mut state, &reading, &GearCorrection::default(), &mut Faults::default());
     }
@@ -107,9 +108,24 @@ fn estimated_at_rest(off: f64) -> f64 {
 #[test]
 fn a_resting_outputs_last_count_moves_nothing() {
     let count = TAU / 2f64.powi(19);
-    assert_eq!(estimated_at_rest(0.9 * count), estimated_at_rest(0.0));
-    let off = estimated_at_rest(10.0 * count) - estimated_at_rest(0.0);
+    assert_eq!(estimated_at_rest(0.9 * count, 5000), estimated_at_rest(0.0, 5000));
+    let off = estimated_at_rest(10.0 * count, 5000) - estimated_at_rest(0.0, 5000);
     assert!((off / count - 9.0).abs() < 0.2, "{} counts", off / count);
+}
+
+/// What no torsion within the uncertainty explains is an encoder's error until it lasts: 8 ms, ten readings. Twice what is
+/// uncertain does nothing before, half of it corrects at once.
+#[test]
+fn a_gross_output_reading_corrects_nothing_at_first() {
+    let joint = joint();
+    let line = joint.gear.flexspline.line.build().unwrap();
+    let uncertain = TORSION_UNCERTAINTY.get() * line.torsion(joint.limits.output_torque);
+    let moved = |off, readings| estimated_at_rest(off, readings) - estimated_at_rest(0.0, readings);
+    assert!(moved(0.5 * uncertain, 1) > 0.0);
+    for readings in 1..=10 {
+        assert_eq!(moved(2.0 * uncertain, readings), 0.0, "{readings}");
+    }
+    assert!(moved(2.0 * uncertain, 11) > 0.0);
 }
 
 /// Ends of the gear in a period of the observer, for both models: the wave generator moves, the

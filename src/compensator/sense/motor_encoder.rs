@@ -9,7 +9,9 @@
 //! was accepted. a is the acceleration of the rotor alone by the largest torques of motor, gear (twice its peak rating)
 //! and friction, with half as much again for their uncertainty; the sixteenth of the step is for an unmeasured clock. A
 //! refused reading is replaced by the predicted one, so that single bad frames do not disturb the joint. Counts are
-//! within the revolution, so that the first accepted reading after a few refused ones gives the right angle. The second
+//! within the revolution, so that the first accepted reading after a few refused ones gives the right angle. A reading that goes
+//! on from the refused one before it, at the joint's speed within half of a period's range or at none at all, is refused too,
+//! wherever it lies: an encoder that has jumped or stands still does not come into range because range grows. The second
 //! reading of all may be anywhere that the motor's fastest speed admits: a joint that moves when its controller starts has its
 //! speed from two readings.
 //!
@@ -80,6 +82,8 @@ pub struct MotorEncoderState {
     /// Counts in a control period.
     step: i32,
     refused: u32,
+    /// The last reading, where it was sound and refused.
+    refused_phase: Option<u32>,
     error_count: u32,
     started: bool,
     /// The last reading was accepted.
@@ -201,6 +205,17 @@ impl<R: Real> MotorEncoder<R> {
         moved.wrapping_sub(foreseen.moved).unsigned_abs() <= reach
     }
 
+    /// A reading goes on from the refused one before it, `periods` ago: by the foreseen motion, or not at all.
+    #[inline(always)]
+    fn goes_on(&self, state: &MotorEncoderState, phase: u32, periods: R) -> bool {
+        let foreseen = self.foreseen(&MotorEncoderState { refused: 0, ..*state }, periods);
+        let half = Foreseen { reach: foreseen.reach >> 1, ..foreseen };
+        state.refused_phase.is_some_and(|refused| {
+            let moved = phase.wrapping_sub(refused).cast_signed();
+            moved == 0 || self.admits(&half, moved)
+        })
+    }
+
     /// The first reading, a second that shows a motion, one that is refused, or the first after one that was.
     #[cold]
     #[inline(never)]
@@ -231,16 +246,18 @@ impl<R: Real> MotorEncoder<R> {
             let fastest = self.fastest.saturating_mul(state.whole_periods(periods));
             foreseen.reach = foreseen.reach.saturating_add(fastest);
         }
-        state.accepted = sound && state.started && self.admits(&foreseen, delta);
+        let goes_on = self.goes_on(state, phase, periods);
+        state.accepted = sound && state.started && !goes_on && self.admits(&foreseen, delta);
         if state.accepted {
             let whole = state.whole_periods(periods).clamp(1, 1000).cast_signed();
             state.step = state.step.wrapping_add(delta.wrapping_sub(foreseen.moved) / whole);
-            state.refused = 0;
+            (state.refused, state.refused_phase) = (0, None);
             state.error_count = state.error_count.saturating_sub(error_decrement());
             return state.reading(phase, delta, true);
         }
         faults.raise_if(true, Faults::MOTOR_ENCODER_JUMP);
         state.refused = state.refused.saturating_add(1);
+        state.refused_phase = sound.then_some(phase);
         state.error_count = (state.error_count & !UNCONFIRMED) + ERROR_INCREMENT;
         if state.error_count >= error_count_limit() {
             faults.raise_if(true, Faults::MOTOR_ENCODER_LOST);
@@ -365,6 +382,26 @@ mod tests {
         let seen = go(&mut state, [1 << 18; 22]);
         assert_eq!(seen.iter().position(|(_, _, lost)| *lost), Some(19));
         assert!(seen[20].1, "and begins anew");
+    }
+
+    /// The range grows with every refused reading, up to 0.5 rad. Neither a count that has jumped by less comes into it, nor one that
+    /// no longer changes at speed: both are lost after 2 ms.
+    #[test]
+    fn a_count_that_jumps_or_stands_still_is_lost() {
+        for (speed, jump) in [(0.0, 5e-3), (0.0, -0.3), (200.0, 0.02), (-200.0, 0.3), (400.0, 0.1)] {
+            let angle = |k: i32| speed * CONTROL_PERIOD * f64::from(k);
+            let mut state = MotorEncoderState::default();
+            go(&mut state, (0..50).map(|k| count(angle(k))));
+            let seen = go(&mut state, (50..70).map(|k| count(angle(k) + jump)));
+            assert!(seen.iter().all(|(_, accepted, _)| !accepted) && seen[19].2, "{speed} {jump}");
+        }
+        for speed in [50.0, -100.0, 300.0] {
+            let angle = |k: i32| speed * CONTROL_PERIOD * f64::from(k);
+            let mut state = MotorEncoderState::default();
+            go(&mut state, (0..50).map(|k| count(angle(k))));
+            let seen = go(&mut state, [count(angle(49)); 20]);
+            assert!(seen.iter().all(|(_, accepted, _)| !accepted) && seen[19].2, "{speed}");
+        }
     }
 
     /// A bit that is stuck spoils a reading now and then. One in 20 is borne for a second, one in 8 for 53 ms.

@@ -99,6 +99,8 @@ pub struct Outcome {
     pub speed: f64,
     /// Uncommanded motion (rad).
     pub motion: f64,
+    /// As much of it as there was when the fault could be known (rad): no controller with these sensors avoids it.
+    pub motion_when_known: f64,
     /// Longest time of full torque (s).
     pub full: f64,
     /// Largest torque through the gear over its peak rating.
@@ -155,8 +157,8 @@ fn judge(file: &GearFile, fault: Injected, released: Option<usize>, rows: &[Row]
     // A joint that stands has not moved, whatever its twin does.
     let from = rows[start].output;
     let difference = |k: usize| (rows[k].output - twin[k].output).abs().min((rows[k].output - from).abs());
-    let motion =
-        if fault.asks_otherwise() { 0.0 } else { (start..watched).map(difference).fold(0.0, f64::max) };
+    let moved = |until: usize| (start..until.min(watched)).map(difference).fold(0.0, f64::max);
+    let motion = |until: usize| if fault.asks_otherwise() { 0.0 } else { moved(until) };
     let full = |rows: &[Row]| longest(rows[start..].iter().map(|row| row.torque.abs() >= FULL.0 * peak));
     let gear = largest(&rows[start..], |row| row.transmitted);
     let known = known(file, &fault, rows, start);
@@ -172,12 +174,13 @@ fn judge(file: &GearFile, fault: Injected, released: Option<usize>, rows: &[Row]
         safe,
         known: known.is_some(),
         speed: speed(rows),
-        motion,
+        motion: motion(watched),
+        motion_when_known: motion(known.unwrap_or(watched)),
         full: full(rows),
         gear: gear / file.gear.peak_torque,
         unsafe_by: [
             speed(rows) > 1.0 && speed(twin) <= 1.0,
-            motion > MOTION && known.is_some(),
+            motion(watched) > MOTION && known.is_some(),
             full(rows) > FULL.1 && full(twin) <= FULL.1,
             gear > file.gear.peak_torque,
         ],
@@ -317,7 +320,7 @@ impl Outcome {
         let ways: Vec<_> =
             ways.iter().zip(self.unsafe_by).filter(|(_, is)| *is).map(|(way, _)| *way).collect();
         format!(
-            "{}, {}\n  named {} ms: {}; safe {}; speed {:.2}, motion {:.1} mrad, full {:.1} ms, gear {:.2} of its peak; unsafe: {}",
+            "{}, {}\n  named {} ms: {}; safe {}; speed {:.2}, motion {:.1} mrad, {:.1} when it could be known, full {:.1} ms, gear {:.2} of its peak; unsafe: {}",
             self.fault.describe(),
             self.gear_name,
             self.named.map_or("-".into(), |time| format!("{:.1}", 1e3 * time)),
@@ -325,6 +328,7 @@ impl Outcome {
             self.safe,
             self.speed,
             1e3 * self.motion,
+            1e3 * self.motion_when_known,
             1e3 * self.full,
             self.gear,
             ways.join(", ")
@@ -366,6 +370,8 @@ impl Report {
     /// The figures with their bounds.
     pub fn measured(&self) -> Measured {
         let count = |way: usize| self.outcomes.iter().filter(|outcome| outcome.unsafe_by[way]).count() as f64;
+        let too_late = |outcome: &&Outcome| outcome.known && outcome.motion_when_known > MOTION;
+        let unavoidable = self.outcomes.iter().filter(too_late).count();
         let slowest = |kinds: &[Kind]| {
             let of =
                 self.outcomes.iter().filter(|outcome| kinds.contains(&outcome.fault.kind) && outcome.known);
@@ -374,6 +380,7 @@ impl Report {
         let figures = vec![
             bounds::figure("faults.overspeed", count(0)),
             bounds::figure("faults.motion", count(1)),
+            Figure::reported("faults.motion.before_known", unavoidable as f64, "run"),
             bounds::figure("faults.full_torque", count(2)),
             bounds::figure("faults.gear", count(3)),
             Figure::reported(

@@ -28,7 +28,9 @@
 //! beside d, and both stay zero. s is limited to 3 standard deviations of the stiffness.
 //!
 //! A resting output may be anywhere within the count of its encoder: while the motor stands, the innovation theta_o -
-//! theta_fs passes a dead zone of half width q.
+//! theta_fs passes a dead zone of half width q. An innovation beyond 0.3 of the torsion at peak torque and two counts corrects
+//! nothing at first: motor and model know the torsion better. It does after as many of them in a row as take the encoder out
+//! of use, unless the torque on the rotor explains it ([`crate::compensator::sense::rotor`]).
 //!
 //! Discretisation: semi-implicit Euler, one step per period. It is the leapfrog method, whose speeds belong to the
 //! middle of the periods: a torque that acts over one period is split between the two speeds beside its beginning and
@@ -62,7 +64,8 @@ use crate::angle::{Angle, Ratio};
 use crate::belt::SeriesBelt;
 use crate::branch::seldom;
 use crate::compensator::faults::Faults;
-use crate::compensator::schedule::CONTROL_PERIOD;
+use crate::compensator::schedule::{CONTROL_PERIOD, SLOW_PERIODS};
+use crate::compensator::tuned::DISAGREEING;
 use crate::compensator::{Estimate, RealTimeGear};
 use crate::constants::constants;
 use crate::real::{RADIANS_PER_COUNT, Real};
@@ -286,6 +289,9 @@ impl<R: Real> Observer<R> {
             return;
         };
         (state.output_innovation, state.since_output) = (innovation, 0);
+        if self.is_gross(state, innovation) {
+            return;
+        }
         let (before, moved) = (state.external_torque, state.magnitudes.moved);
         let sets = if moved { &self.moving } else { &self.standing };
         let gains = set(sets, true, state.readings[1]);
@@ -384,7 +390,7 @@ impl<R: Real> Observer<R> {
         state.stiffness_torque = R::ZERO;
         state.held_torque = R::ZERO;
         state.past = Past::default();
-        state.started = true;
+        (state.started, state.gross) = (true, 0);
         state.past.push(self.output_position(state).phase());
         let set = set(&self.standing, false, gauge);
         state.deviation = set.spread.base;
@@ -437,6 +443,19 @@ impl<R: Real> Observer<R> {
             state.past.push(self.output_position(state).phase());
         }
         state.external_torque - before
+    }
+
+    /// The innovation is larger than what is uncertain of the torsion, and has not been for as long as it takes to tell that
+    /// the encoder disagrees with the motor's side.
+    #[inline(always)]
+    fn is_gross(&self, state: &mut ObserverState<R>, innovation: R) -> bool {
+        if innovation.is_within(self.limits.output_innovation) {
+            state.gross = 0;
+            return false;
+        }
+        seldom();
+        state.gross = state.gross.saturating_add(1);
+        state.gross <= DISAGREEING.periods(f64::from(SLOW_PERIODS) * CONTROL_PERIOD)
     }
 
     /// theta_o less ripple less theta_fs at the instant of the reading (rad), where there is one.

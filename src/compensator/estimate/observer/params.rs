@@ -73,7 +73,7 @@ impl<R: Real> ObserverParams<R> {
             period: self.output_encoder_period.div_ceil(SLOW_PERIODS) * (SLOW_PERIODS / OBSERVER_PERIODS),
             output_count: self.output_count,
             uncertainty: self.uncertainty,
-            limits: Range::build(gear, limits, self.uncertainty.stiffness)?,
+            limits: Range::build(gear, limits, self.uncertainty.stiffness, self.output_count)?,
             inverse_wave_generator_inertia: R::ONE / wave_generator_inertia,
             inverse_flexspline_inertia: R::ONE / gear.flexspline_inertia,
             multi_rate: MultiRate::build(ratio.value(), dt),

@@ -14,7 +14,7 @@ use crate::compensator::Limits;
 use crate::compensator::estimate::observer::multi_rate::Torques;
 use crate::compensator::estimate::observer::state::ObserverState;
 use crate::compensator::faults::Faults;
-use crate::compensator::tuned::STIFFNESS_TORQUE;
+use crate::compensator::tuned::{STIFFNESS_TORQUE, TORSION_UNCERTAINTY};
 use crate::constants::constants;
 use crate::error::Error;
 use crate::gear::GearParams;
@@ -33,22 +33,32 @@ pub(super) struct Range<R> {
     stiffness_torque: [R; 2],
     pub(super) torsion: R,
     pub(super) transmitted: R,
+    /// Largest innovation of the output encoder that corrects at once.
+    pub(super) output_innovation: R,
 }
 
 impl<R: Real> Range<R> {
-    /// Of a gear whose stiffness has this standard deviation, relative to itself.
+    /// Of a gear whose stiffness has this standard deviation, relative to itself, and an output encoder with this count (rad).
     ///
     /// # Errors
     /// As the gear's flexspline.
-    pub(super) fn build(gear: &GearParams<R>, limits: &Limits<R>, stiffness: R) -> Result<Self, Error> {
+    pub(super) fn build(
+        gear: &GearParams<R>,
+        limits: &Limits<R>,
+        stiffness: R,
+        output_count: R,
+    ) -> Result<Self, Error> {
+        let line = gear.flexspline.line.build()?;
         Ok(Self {
             motor_speed: R::lit(2.0) * limits.motor_speed,
             output_speed: R::lit(2.0) * limits.output_speed(gear.ratio),
             external_torque: limits.output_torque,
             held_torque: limits.output_torque / R::from_i32(gear.ratio).abs(),
             stiffness_torque: [R::lit(3.0) * stiffness, R::lit(STIFFNESS_TORQUE.get()) * gear.rated_torque],
-            torsion: gear.flexspline.line.build()?.torsion(R::lit(4.0) * limits.output_torque),
+            torsion: line.torsion(R::lit(4.0) * limits.output_torque),
             transmitted: R::lit(4.0) * limits.output_torque,
+            output_innovation: R::lit(TORSION_UNCERTAINTY.get()) * line.torsion(limits.output_torque)
+                + R::lit(2.0) * output_count,
         })
     }
 

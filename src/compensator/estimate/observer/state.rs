@@ -34,6 +34,8 @@ pub struct ObserverState<R: Real> {
     pub(super) standstill: Standstill,
     /// Own periods since a reading of the output encoder.
     pub(super) since_output: u32,
+    /// Readings of it in a row whose innovation was gross.
+    pub(super) gross: u32,
     pub(super) past: Past,
     pub(super) spread: SpreadState<R>,
     pub(super) deviation: EstimateDeviation<R>,
@@ -60,6 +62,7 @@ impl<R: Real> Observer<R> {
             output_innovation: R::ZERO,
             standstill: Standstill::resting(),
             since_output: u32::MAX,
+            gross: 0,
             past: Past::default(),
             spread: SpreadState::default(),
             deviation: EstimateDeviation::default(),
