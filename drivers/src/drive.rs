@@ -114,6 +114,11 @@ impl<const N: usize> Guard<N> {
         self.timeout
     }
 
+    /// Safe again until [`Self::reset`], which is no fault.
+    pub(crate) fn disable(&mut self) {
+        (self.cause, self.enabled, self.attempted) = (Some(Cause::NotStarted), false, None);
+    }
+
     pub(crate) fn reset(&mut self) {
         (self.cause, self.enabled, self.attempted) = (None, false, None);
         self.messages.iter_mut().for_each(|message| message.silent = 0);
@@ -147,9 +152,14 @@ impl<const N: usize> Guard<N> {
         for Message { silent, .. } in &mut self.messages {
             *silent = silent.saturating_add(1);
         }
-        if let Some(lost) = self.messages.iter().find(|message| message.silent > self.timeout) {
-            self.stop(lost.lost);
+        if let Some(lost) = self.lost() {
+            self.stop(lost);
         }
+    }
+
+    /// What the silence of the first message that is missing is called, in the safe state too.
+    pub(crate) fn lost(&self) -> Option<Cause> {
+        self.messages.iter().find(|message| message.silent > self.timeout).map(|message| message.lost)
     }
 
     /// Cycles since the attempt began, 0 in the first call after the last reset. After `limit` it has failed for this cause.

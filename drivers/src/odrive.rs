@@ -15,7 +15,7 @@
 //! Little-endian. The drive is configured once: calibrated, without start-up procedures, its watchdog on, and Heartbeat, Get_Encoder_Estimates and
 //! Get_Torques sent more often than the time-out (`<axis>.config.can.heartbeat_msg_rate_ms`, `encoder_msg_rate_ms`, `torques_msg_rate_ms`);
 //! Get_Error (`error_msg_rate_ms`) only tells why it was disarmed. Firmware 0.6: that of 0.5 has no Get_Torques, and another message in the place
-//! of Get_Error.
+//! of Get_Error. Where the estimates are not needed ([`Params::estimates`]), Heartbeat alone is, and both firmwares have it.
 //!
 //! Axis states, and what leads on:
 //!
@@ -27,7 +27,8 @@
 //! The four are sent once for a reset. A closed loop that was not asked for here is left first: its controller mode is not known, and is to be
 //! changed in idle only.
 //!
-//! Safe is: Set_Axis_State 1, no torque, until [`Drive::reset`]. (Estop does the same, and leaves an error behind.) It is entered by name
+//! Safe is: Set_Axis_State 1 and, in turn with it, Set_Input_Torque 0, which feeds the drive's watchdog, until [`Drive::reset`]. (Estop does the
+//! same, and leaves an error behind.) [`Drive::disable`] leads there, and it is entered by name
 //! ([`Cause`]) when the drive reports an error or leaves closed-loop control by itself, when it is not in closed-loop control in time, and when no
 //! heartbeat, or no estimates of position and torque, have come for the time-out. A torque is sent in closed-loop control only, and none that is
 //! not a number. Position and torque are those of the motor.
@@ -35,6 +36,8 @@
 //! Reference: ODrive documentation, "CAN Protocol" (docs.odriverobotics.com/v/latest/manual/can-protocol.html);
 //! odriverobotics/ODriveArduino at f52eef5d, `src/can_simple_messages.hpp` and `src/ODriveEnums.h`; lengths as in odriverobotics/ros_odrive at
 //! 8ed510b1, `odrive_node/src/odrive_can_node.cpp`.
+
+use core::mem::take;
 
 use embedded_can::{Frame, StandardId};
 
@@ -52,6 +55,8 @@ pub struct Params {
     pub timeout: u32,
     /// Cycles that the drive has from the reset's first frame until it is in closed-loop control, more than 4.
     pub enabling: u32,
+    /// The drive has to send its estimates of position and torque; else heartbeats do.
+    pub estimates: bool,
 }
 
 impl Params {
@@ -59,15 +64,18 @@ impl Params {
     ///
     /// `None` when the node is above 62, the peak torque is not positive and finite, or there is no time-out or no time for enabling.
     pub fn build(&self) -> Option<Drive> {
-        let Self { node, peak_torque, timeout, enabling } = *self;
+        let Self { node, peak_torque, timeout, enabling, estimates: needs_estimates } = *self;
         let guard = Guard::new(peak_torque, timeout, [Cause::HeartbeatLost, Cause::StatusLost])?;
         (node <= 62 && enabling > REQUESTED + 1).then(|| Drive {
             node: u16::from(node) << 5,
             enabling,
+            needs_estimates,
             state: None,
             errors: Errors::default(),
             estimates: None,
             torque: None,
+            safe: 0,
+            clears: false,
             guard,
         })
     }
@@ -127,11 +135,16 @@ pub struct Drive {
     /// The first identifier of its node.
     node: u16,
     enabling: u32,
+    needs_estimates: bool,
     state: Option<State>,
     errors: Errors,
     /// Position and velocity, torque: of this pair, if it has come.
     estimates: Option<(f32, f32)>,
     torque: Option<f32>,
+    /// Cycles since the drive is to be idle.
+    safe: u32,
+    /// Errors are to be cleared in idle.
+    clears: bool,
     guard: Guard<2>,
 }
 
@@ -149,6 +162,26 @@ impl Drive {
     /// Errors as last told.
     pub fn errors(&self) -> Errors {
         self.errors
+    }
+
+    /// The drive follows the torque.
+    pub fn is_enabled(&self) -> bool {
+        self.guard.drives()
+    }
+
+    /// What is missing for longer than the time-out, in the safe state too.
+    pub fn lost(&self) -> Option<Cause> {
+        self.guard.lost()
+    }
+
+    /// Goes to safe, without a fault.
+    pub fn disable(&mut self) {
+        self.guard.disable();
+    }
+
+    /// Errors of a drive that is safe are to be cleared: what it has told before does not count any more.
+    pub fn clear(&mut self) {
+        (self.state, self.errors, self.clears) = (None, Errors::default(), true);
     }
 
     /// Leaves safe: errors are cleared and the drive enabled, step by step.
@@ -183,6 +216,9 @@ impl Drive {
         self.errors.active = active;
         self.state = Some(state);
         self.guard.heard(Cause::HeartbeatLost);
+        if !self.needs_estimates {
+            self.guard.heard(Cause::StatusLost);
+        }
         let requested = self.guard.attempted() >= Some(REQUESTED);
         self.guard.status(match (active, state) {
             (0, State::ClosedLoopControl) if requested => Ok(()),
@@ -205,15 +241,24 @@ impl Drive {
     /// `None` only when the frame's type holds no 8 bytes.
     pub fn step<F: Frame>(&mut self, torque: f32) -> Option<F> {
         self.guard.cycle();
-        if self.guard.drives() {
-            return self.input_torque(torque);
-        }
-        match self.since_idle() {
+        let since_idle = if self.guard.drives() { Some(u32::MAX) } else { self.since_idle() };
+        self.safe = if since_idle.is_none() { self.safe.wrapping_add(1) } else { 0 };
+        match since_idle {
             Some(0) => self.frame(CLEAR_ERRORS, &[0]),
             Some(1) => self.frame(SET_CONTROLLER_MODE, &TORQUE_PASSTHROUGH),
             Some(REQUESTED) => self.frame(SET_AXIS_STATE, &CLOSED_LOOP_CONTROL.to_le_bytes()),
-            Some(_) => self.input_torque(0.0),
-            None => self.frame(SET_AXIS_STATE, &IDLE.to_le_bytes()),
+            // 0 before it is enabled.
+            Some(_) => self.input_torque(torque),
+            None => self.idle(),
+        }
+    }
+
+    /// Idle first.
+    fn idle<F: Frame>(&mut self) -> Option<F> {
+        match self.safe % 2 {
+            1 => self.frame(SET_AXIS_STATE, &IDLE.to_le_bytes()),
+            _ if take(&mut self.clears) => self.frame(CLEAR_ERRORS, &[0]),
+            _ => self.input_torque(0.0),
         }
     }
 
@@ -242,7 +287,7 @@ mod tests {
     use embedded_can::Id;
     use proptest::prelude::*;
 
-    const PARAMS: Params = Params { node: 5, peak_torque: 2.5, timeout: 10, enabling: 20 };
+    const PARAMS: Params = Params { node: 5, peak_torque: 2.5, timeout: 10, enabling: 20, estimates: true };
     /// The first identifier of node 5.
     const NODE: u16 = 0xa0;
 
@@ -303,6 +348,11 @@ mod tests {
         drive
     }
 
+    /// The next two frames are the safe ones.
+    fn is_safe(drive: &mut Drive) -> bool {
+        [sent(drive, 1.0), sent(drive, 1.0)] == [Command::Idle, Command::Torque(0.0)]
+    }
+
     #[test]
     fn identifiers_are_those_of_the_documentation() {
         // "An Axis ID of 0x01 with a command of 0x0C would result in 0x2C": docs/can-protocol.rst of odriverobotics/ODrive.
@@ -317,6 +367,7 @@ mod tests {
     fn it_is_enabled_step_by_step_and_only_then_driven() {
         let mut drive = PARAMS.build().unwrap();
         assert_eq!(period(&mut drive, 1, 1.0), Command::Idle);
+        assert_eq!(period(&mut drive, 1, 1.0), Command::Torque(0.0));
         assert_eq!(drive.cause(), Some(Cause::NotStarted));
         drive.reset();
         assert_eq!(sent(&mut drive, 1.0), Command::Idle);
@@ -336,7 +387,7 @@ mod tests {
         for state in [3, 8, 11, 99] {
             let mut drive = reset();
             assert_eq!(period(&mut drive, state, 1.0), Command::Idle);
-            assert_eq!(period(&mut drive, state, 1.0), Command::Idle);
+            assert_eq!(period(&mut drive, state, 1.0), Command::Torque(0.0));
             assert_eq!(period(&mut drive, 1, 1.0), Command::Clear);
             // Not the closed loop that was asked for.
             for command in [Command::Mode, Command::Torque(0.0), Command::Request] {
@@ -360,7 +411,7 @@ mod tests {
                 assert_eq!(command == Command::Request, cycle == 3);
             }
             assert_eq!(drive.cause(), Some(cause));
-            assert_eq!(period(&mut drive, 8, 1.0), Command::Idle);
+            assert_eq!(period(&mut drive, 8, 1.0), Command::Torque(0.0));
         }
     }
 
@@ -376,6 +427,7 @@ mod tests {
             drive.receive(&heartbeat(active, state));
             assert_eq!(drive.errors(), Errors { active, disarm_reason: 0 });
             assert_eq!(sent(&mut drive, 1.0), Command::Idle);
+            assert_eq!(period(&mut drive, 8, 1.0), Command::Torque(0.0));
             assert_eq!(period(&mut drive, 8, 1.0), Command::Idle);
             assert_eq!(drive.cause(), Some(cause), "{active:#x} {state}");
         }
@@ -416,6 +468,51 @@ mod tests {
         silent(&[&alive, &torques], Cause::StatusLost);
         silent(&[&alive, &torques, &pair(0x09, f32::NAN, 0.0)], Cause::StatusLost);
         silent(&[&alive, &torques, &frame(0xc9, &[0; 8])], Cause::StatusLost);
+    }
+
+    #[test]
+    fn a_drive_of_heartbeats_alone_needs_no_estimates() {
+        let mut drive = Params { estimates: false, ..PARAMS }.build().unwrap();
+        drive.reset();
+        for state in [1, 1, 1, 1, 8] {
+            drive.receive(&heartbeat(0, state));
+            sent(&mut drive, 1.0);
+        }
+        for _ in 0..3 * PARAMS.timeout {
+            drive.receive(&heartbeat(0, 8));
+            assert_eq!(sent(&mut drive, 1.0), Command::Torque(1.0));
+        }
+        (0..PARAMS.timeout).for_each(|_| _ = sent(&mut drive, 1.0));
+        assert_eq!((drive.cause(), drive.lost()), (None, None));
+        assert_eq!(sent(&mut drive, 1.0), Command::Idle);
+        assert_eq!((drive.cause(), drive.lost()), (Some(Cause::HeartbeatLost), Some(Cause::HeartbeatLost)));
+    }
+
+    #[test]
+    fn it_is_disabled_without_a_fault_and_enabled_again() {
+        let mut drive = enabled();
+        assert!(drive.is_enabled());
+        drive.disable();
+        assert!(!drive.is_enabled() && is_safe(&mut drive) && is_safe(&mut drive));
+        assert_eq!(drive.cause(), Some(Cause::NotStarted));
+        drive.reset();
+        // What was told before may be from before the last frames.
+        assert_eq!(sent(&mut drive, 1.0), Command::Idle);
+        for command in [Command::Clear, Command::Mode, Command::Torque(0.0), Command::Request] {
+            assert_eq!(period(&mut drive, 1, 1.0), command);
+        }
+        assert_eq!(period(&mut drive, 8, 1.0), Command::Torque(1.0));
+    }
+
+    #[test]
+    fn errors_are_cleared_in_the_safe_state_when_that_is_asked_for() {
+        let mut drive = PARAMS.build().unwrap();
+        drive.receive(&heartbeat(0x40, 1));
+        assert_eq!(drive.errors().active, 0x40);
+        drive.clear();
+        assert_eq!((drive.errors(), drive.state()), (Errors::default(), None));
+        assert_eq!([sent(&mut drive, 1.0), sent(&mut drive, 1.0)], [Command::Idle, Command::Clear]);
+        assert!(is_safe(&mut drive));
     }
 
     #[test]
@@ -471,7 +568,7 @@ mod tests {
                 }
                 latched = latched.or(drive.cause());
                 prop_assert_eq!(drive.cause(), latched);
-                prop_assert!(latched.is_none() || command == Command::Idle);
+                prop_assert!(latched.is_none() || matches!(command, Command::Idle | Command::Torque(0.0)));
             }
         }
     }

@@ -43,16 +43,16 @@ macro_rules! served_controller {
     };
 }
 
-/// The same of a joint that is commanded over CAN: `$parts` brings the board up, of these encoder and drive, `$start` the bus, a `$bus`, and `$port`
-/// is an interrupt that nothing else requests.
+/// The same of a joint that is commanded over CAN: `$parts` brings the board up, of these encoder and drive, `$start` the bus, a `$bus`, with the
+/// drive behind the node, a `$behind`, and `$port` is an interrupt that nothing else requests.
 #[cfg(feature = "can")]
 #[macro_export]
 macro_rules! commanded_controller {
-    ($chip:ty, $encoder:ty, $drive:ty, $bus:ty, $parts:path, $start:path, $kind:meta $timer:ident, $port:ident, $send:path) => {
+    ($chip:ty, $encoder:ty, $drive:ty, $bus:ty, $behind:ty, $parts:path, $start:path, $kind:meta $timer:ident, $port:ident, $send:path) => {
         use $crate::commanded::Places;
         use $crate::strainwave_app::Telemetry;
 
-        static PLACES: Places<$chip, $encoder, $drive, $bus> = Places::new();
+        static PLACES: Places<$chip, $encoder, $drive, $bus, $behind> = Places::new();
 
         #[cortex_m_rt::entry]
         fn main() -> ! {

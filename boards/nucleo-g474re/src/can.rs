@@ -3,6 +3,8 @@
 //! Through the registers: the HAL would take its bit times from the clock that it assumes.
 
 use stm32g4xx_hal::pac::Peripherals;
+use strainwave_controller::strainwave_app::Compensator;
+use strainwave_controller::strainwave_app::commanded::Wired;
 use strainwave_stm32::fdcan::{Bus, FdCan, Filter};
 
 /// The peripheral.
@@ -18,8 +20,8 @@ unsafe impl FdCan for Can {
 const PINS_AS_FUNCTION: (u32, u32) = (0b1111 << 22, 0b1010 << 22);
 const FUNCTION: (u32, u32) = (0xff << 12, 0x99 << 12);
 
-/// Joins the bus as node `number`, after the board's start; `None` where the peripheral does not answer.
-pub fn start(number: u8) -> Option<Bus<Can>> {
+/// Joins the bus as node `number`, after the board's start; `None` where the peripheral does not answer. The control commands the drive itself.
+pub fn start(number: u8, _compensator: &Compensator) -> Option<(Bus<Can>, Wired)> {
     // SAFETY: the board's start has let these pins go, and the clock control is no longer written by anything else.
     let device = unsafe { Peripherals::steal() };
     let set = |old: u32, (mask, bits): (u32, u32)| old & !mask | bits;
@@ -33,7 +35,7 @@ pub fn start(number: u8) -> Option<Bus<Can>> {
     let _ = device.RCC.apb1enr1().read();
     let node = u16::from(number);
     let exactly = |id, fifo| Filter { id, mask: 0x7ff, fifo };
-    Bus::start([
+    let bus = Bus::start([
         // What commands the node, in its order: NMT, SYNC, both RPDOs.
         exactly(0x000, 0),
         exactly(0x080, 0),
@@ -42,5 +44,6 @@ pub fn start(number: u8) -> Option<Bus<Can>> {
         // SDO, and all heartbeats.
         exactly(0x600 + node, 1),
         Filter { id: 0x700, mask: 0x780, fifo: 1 },
-    ])
+    ]);
+    Some((bus?, Wired))
 }

@@ -20,13 +20,23 @@ pub(super) struct Order {
     pub reads: bool,
 }
 
+/// What a step of the control gives.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Given {
+    pub actual: Actual,
+    /// It answers that values are to be read.
+    pub answers: bool,
+    /// Torque for the drive (N m), 0 where that is released.
+    pub torque: f32,
+}
+
 /// Orders one way, values the other. Neither side waits: what is copied with interrupts masked is 12 words at most.
 pub struct Exchange {
     order: Mutex<Cell<Order>>,
     /// Periods since the order was left.
     age: AtomicU32,
     resets: Mutex<Cell<bool>>,
-    actual: Mutex<Cell<Option<(Actual, bool)>>>,
+    given: Mutex<Cell<Option<Given>>>,
     periods: AtomicU32,
 }
 
@@ -39,16 +49,16 @@ impl Exchange {
             order: Mutex::new(Cell::new(order)),
             age: AtomicU32::new(0),
             resets: Mutex::new(Cell::new(false)),
-            actual: Mutex::new(Cell::new(None)),
+            given: Mutex::new(Cell::new(None)),
             periods: AtomicU32::new(0),
         }
     }
 
-    /// Leaves what the node wants; a target that the control has not taken yet stays where there is no newer one.
-    pub(super) fn leave(&self, node: &mut Node) {
+    /// Leaves what the node wants, and whether the control is to be reset; a target that the control has not taken yet stays where there is no
+    /// newer one.
+    pub(super) fn leave(&self, node: &mut Node, resets: bool) {
         let target = node.target();
-        let (wanted, cycle) = (node.wanted(), node.period());
-        let (reads, resets) = (node.reading_wanted(), node.reset_requested());
+        let (wanted, cycle, reads) = (node.wanted(), node.period(), node.reading_wanted());
         critical_section::with(|section| {
             let place = self.order.borrow(section);
             place.set(Order { wanted, target: target.or(place.get().target), cycle, reads });
@@ -79,13 +89,14 @@ impl Exchange {
         critical_section::with(|section| self.resets.borrow(section).take())
     }
 
-    /// Gives values; those of a step that knew that they are to be read answer that.
-    pub(super) fn give(&self, actual: Actual, answers: bool) {
-        critical_section::with(|section| self.actual.borrow(section).set(Some((actual, answers))));
+    /// Gives a step's values.
+    pub(super) fn give(&self, given: Given) {
+        critical_section::with(|section| self.given.borrow(section).set(Some(given)));
     }
 
-    pub(super) fn actual(&self) -> Option<(Actual, bool)> {
-        critical_section::with(|section| self.actual.borrow(section).take())
+    /// Values that were not taken yet.
+    pub(super) fn given(&self) -> Option<Given> {
+        critical_section::with(|section| self.given.borrow(section).take())
     }
 
     /// Periods of the control so far; wraps.

@@ -11,22 +11,28 @@
 //! | file | what is in it |
 //! | --- | --- |
 //! | `bus_node` | the node with its bus |
+//! | `drive` | a drive behind the node |
 //! | `error_code` | faults as error codes of CiA 301 and CiA 402 |
 //! | `exchange` | between both interrupts |
 //! | `frame` | a frame of classic CAN |
+//! | `odrive` | an ODrive on a bus of its own |
 //! | `source` | the joint's end |
 //! | `targets` | what the joint follows |
 
 mod bus_node;
+mod drive;
 mod error_code;
 mod exchange;
 mod frame;
+mod odrive;
 mod source;
 mod targets;
 
 pub use bus_node::{BusNode, node};
+pub use drive::{Drive, DriveFault, DriveReport, Wired};
 pub use exchange::Exchange;
 pub use frame::Frame;
+pub use odrive::{ODRIVE, Odrive};
 pub use source::Commanded;
 
 /// The joint's number on the bus, 1 to 127: that of the build.

@@ -6,7 +6,7 @@ use strainwave_drivers::cia402::node::{Actual, Wanted};
 use crate::Compensator;
 use crate::command_source::{CommandSource, sensors};
 use crate::commanded::error_code;
-use crate::commanded::exchange::{Exchange, Order};
+use crate::commanded::exchange::{Exchange, Given, Order};
 use crate::commanded::targets::{Here, Targets};
 use crate::operated::{GAINS, WATCHING};
 
@@ -50,7 +50,7 @@ impl CommandSource for Commanded {
         self.order = order;
         self.targets.pass(order.cycle);
         let (sensors, mut status) = sensors(count, self.torque.take().unwrap_or_default());
-        let is_off = order.wanted == Wanted::Off;
+        let is_off = matches!(order.wanted, Wanted::Off | Wanted::Standby);
         if is_off {
             self.targets.hold(&self.here);
             status = status.with(Status::DRIVE_OFF);
@@ -82,10 +82,11 @@ impl CommandSource for Commanded {
             torque: estimate.transmitted_torque,
             fault: if output.mode == Mode::Safe { error_code::of(output.faults) } else { 0 },
             ready: self.watched == WATCHING,
+            powered: true,
             at_rest: self.rested == RESTING,
             follows: self.targets.follows(),
         };
-        self.exchange.give(actual, self.order.reads);
+        self.exchange.give(Given { actual, answers: self.order.reads, torque: self.torque.unwrap_or_default() });
     }
 
     fn reset_requested(&mut self) -> bool {

@@ -29,7 +29,8 @@ use clock::G474;
 use drive::Drive;
 use encoder::Part;
 use stm32g4xx_hal::pac::{Interrupt, interrupt};
+use strainwave_controller::strainwave_app::commanded::Wired;
 use strainwave_stm32::fdcan::Bus;
 use strainwave_stm32::usart;
 
-strainwave_controller::commanded_controller!(G474, Part, Drive, Bus<Can>, board::start, can::start, interrupt TIM2, FDCAN1_IT0, usart::send::<serial::Serial>);
+strainwave_controller::commanded_controller!(G474, Part, Drive, Bus<Can>, Wired, board::start, can::start, interrupt TIM2, FDCAN1_IT0, usart::send::<serial::Serial>);

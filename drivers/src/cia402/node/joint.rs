@@ -17,6 +17,8 @@ pub enum Wanted {
     /// No torque.
     #[default]
     Off,
+    /// No torque, but the drive is to be powered: operation is enabled as soon as it is.
+    Standby,
     /// Stop, whatever the target.
     Brake,
     /// Follow the target.
@@ -28,6 +30,8 @@ pub enum Wanted {
 pub struct Actual {
     /// The joint knows its state: it can be switched on.
     pub ready: bool,
+    /// The drive follows a torque, or does so at once: operation can be enabled. Its end in operation is to be told as a fault.
+    pub powered: bool,
     /// Position of the output (counts of 2^-26 revolution), which wraps.
     pub position: i32,
     /// Velocity of the output (counts/s).

@@ -10,11 +10,13 @@
 //! operation enabled --bus lost--> fault reaction active --at rest, too long--> fault
 //! ready to switch on, switched on --disable voltage, quick stop, NMT state not operational--> switch on disabled
 //! ready to switch on, switched on --joint not ready--> switch on disabled
+//! switched on, the drive not powered yet --bus lost--> switch on disabled
 //! any --fault of the joint--> fault --fault reset, joint ready without a fault--> switch on disabled
 //! fault, of the bus only --fault reset--> switch on disabled
 //! ```
 //!
-//! Enable operation in ready to switch on only switches on; the next controlword enables. Shutdown of a joint that is not ready leads
+//! Enable operation in ready to switch on only switches on; the next controlword enables. Of a drive that is not powered yet it is awaited in
+//! switched on that it is. Shutdown of a joint that is not ready leads
 //! nowhere. The first fault is the one that is told until the reset, but the joint's own takes the place of one of the bus, with an
 //! emergency message for both.
 //!
@@ -52,6 +54,9 @@ pub(super) struct Machine {
     emergencies: Emergencies,
     /// By the last values.
     ready: bool,
+    powered: bool,
+    /// Operation is to be enabled when the drive is powered.
+    enabling: bool,
     /// Control periods since the joint began to brake.
     braking: u32,
     /// By the last values since the joint began to brake.
@@ -68,6 +73,8 @@ impl Machine {
             of_bus: false,
             emergencies: Emergencies::new(),
             ready: false,
+            powered: false,
+            enabling: false,
             braking: 0,
             at_rest: false,
             reset: Reset::Idle,
@@ -80,6 +87,11 @@ impl Machine {
 
     pub(super) fn enabled(&self) -> bool {
         self.state == State::OperationEnabled
+    }
+
+    /// It awaits a powered drive.
+    pub(super) fn enabling(&self) -> bool {
+        self.enabling
     }
 
     pub(super) fn brakes(&self) -> bool {
@@ -132,8 +144,24 @@ impl Machine {
         if self.state == State::Fault && rising & FAULT_RESET != 0 {
             self.reset_fault();
         } else {
-            self.enter(after(self.state, Command::of(controlword)));
+            self.obey(Command::of(controlword));
             self.require_ready();
+        }
+    }
+
+    fn obey(&mut self, command: Command) {
+        let next = after(self.state, command);
+        self.enabling = next == State::OperationEnabled && self.state == State::SwitchedOn;
+        if !self.enabling {
+            self.enter(next);
+        }
+        self.enable();
+    }
+
+    /// Transition 4, of a powered drive.
+    fn enable(&mut self) {
+        if self.enabling && self.powered {
+            self.enter(State::OperationEnabled);
         }
     }
 
@@ -154,13 +182,14 @@ impl Machine {
 
     /// The joint's values: transitions 1, 13, 14 and 15.
     pub(super) fn read(&mut self, actual: &Actual) {
-        (self.ready, self.at_rest) = (actual.ready, actual.at_rest);
+        (self.ready, self.powered, self.at_rest) = (actual.ready, actual.powered, actual.at_rest);
         if self.state == State::NotReady && self.ready {
             self.enter(State::SwitchOnDisabled);
         }
         self.require_ready();
         self.judge(actual.fault);
         self.judge_reset(actual.fault);
+        self.enable();
     }
 
     fn judge(&mut self, fault: u16) {
@@ -205,11 +234,13 @@ impl Machine {
         requested
     }
 
-    /// The bus is lost, for this error code: an enabled joint brakes.
+    /// The bus is lost, for this error code: an enabled joint brakes, and no other is powered any more.
     pub(super) fn lose(&mut self, code: u16) {
         if self.enabled() {
             self.report(code, true);
             self.enter(State::FaultReactionActive);
+        } else if self.enabling {
+            self.unprepare();
         }
     }
 
@@ -246,7 +277,7 @@ impl Machine {
         if !self.brakes() {
             (self.braking, self.at_rest) = (0, false);
         }
-        (self.state, self.reset) = (state, Reset::Idle);
+        (self.state, self.reset, self.enabling) = (state, Reset::Idle, false);
     }
 }
 

@@ -47,6 +47,8 @@
 //! brakes in the same way, to switch on disabled; so does a reset by NMT of a joint in operation. Such a reset clears a fault of the bus,
 //! not one of the joint.
 //!
+//! A drive that has to be powered first ([`Wanted::Standby`], [`Actual::powered`]) stays in switched on until it is.
+//!
 //! A joint that is not ready ([`Actual::ready`]) cannot be switched on: at the start the state is not ready until it is, later switch on
 //! disabled. In operation enabled its faults alone count.
 //!
@@ -277,6 +279,7 @@ impl Node {
     pub fn wanted(&self) -> Wanted {
         match self.machine.state() {
             State::OperationEnabled => Wanted::On,
+            State::SwitchedOn if self.machine.enabling() => Wanted::Standby,
             State::QuickStopActive | State::FaultReactionActive => Wanted::Brake,
             _ => Wanted::Off,
         }

@@ -24,10 +24,11 @@ fn controlword() -> impl Strategy<Value = u16> {
 
 fn actual() -> impl Strategy<Value = Actual> {
     let fault = prop_oneof![8 => Just(0_u16), 1 => Just(0x4210), 1 => any::<u16>()];
-    let ready = prop::bool::weighted(0.9);
-    (any::<[i32; 2]>(), prop::num::f32::ANY, fault, any::<bool>(), ready).prop_map(
-        |([position, velocity], torque, fault, at_rest, ready)| Actual {
+    let [ready, powered] = [prop::bool::weighted(0.9); 2];
+    (any::<[i32; 2]>(), prop::num::f32::ANY, fault, any::<bool>(), (ready, powered)).prop_map(
+        |([position, velocity], torque, fault, at_rest, (ready, powered))| Actual {
             ready,
+            powered,
             position,
             velocity,
             torque,
@@ -177,7 +178,11 @@ proptest! {
         for _ in 0..PARAMS.timeout + PARAMS.longest_stop {
             node.tick();
             let next = node.wanted();
-            let order = |wanted| match wanted { Wanted::On => 0, Wanted::Brake => 1, Wanted::Off => 2 };
+            let order = |wanted| match wanted {
+                Wanted::On => 0,
+                Wanted::Brake | Wanted::Standby => 1,
+                Wanted::Off => 2,
+            };
             prop_assert!(matches!(order(next) - order(wanted), 0 | 1), "{:?} {:?}", wanted, next);
             wanted = next;
         }

@@ -72,6 +72,7 @@ fn sent_as(node: &mut Node, id: u16) -> Option<Vec<u8>> {
 /// A joint without faults that moves.
 const MOVES: Actual = Actual {
     ready: true,
+    powered: true,
     position: 1_000_000,
     velocity: -2000,
     torque: 12.5,

@@ -204,3 +204,41 @@ fn another_fault_behind_the_reset_is_told() {
     node.read(&Actual { fault: 0x3210, ..MOVES }, true);
     assert_eq!(sent_as(&mut node, 0x085).unwrap(), [0x10, 0x32, 0x05, 0, 0, 0, 0, 0]);
 }
+
+#[test]
+fn operation_is_enabled_when_the_drive_is_powered_and_not_before() {
+    let unpowered = Actual { powered: false, ..MOVES };
+    let enable = |node: &mut Node| cycle(node, &[rpdo1(0x0f, POSITION, 7)], &unpowered);
+    let awaiting = || {
+        let mut node = node_in(State::SwitchedOn);
+        node.read(&unpowered, true);
+        assert_eq!((node.wanted(), enable(&mut node)), (Wanted::Off, 0x0233));
+        assert_eq!((node.state(), node.wanted(), node.target()), (State::SwitchedOn, Wanted::Standby, None));
+        node
+    };
+    let mut node = awaiting();
+    assert_eq!(enable(&mut node), 0x0233);
+    assert_eq!(node.wanted(), Wanted::Standby);
+    node.read(&MOVES, false);
+    assert_eq!((node.state(), node.wanted(), node.target()), (State::OperationEnabled, Wanted::On, None));
+    assert_eq!(command(&mut node, 0x0f), 0x1237);
+    // Its end in operation is a fault, which the joint tells.
+    assert_eq!(enable(&mut node), 0x1237);
+
+    for (word, state) in [
+        (0x07, State::SwitchedOn),
+        (0x06, State::ReadyToSwitchOn),
+        (0x02, State::SwitchOnDisabled),
+        (0x00, State::SwitchOnDisabled),
+    ] {
+        let mut node = awaiting();
+        command(&mut node, word);
+        assert_eq!((node.state(), node.wanted()), (state, Wanted::Off), "{word:#x}");
+        node.read(&MOVES, false);
+        assert_eq!(node.state(), state, "{word:#x}");
+    }
+    let mut node = awaiting();
+    node.read(&Actual { fault: 0x5400, ..unpowered }, false);
+    node.read(&MOVES, false);
+    assert_eq!((node.state(), node.wanted()), (State::Fault, Wanted::Off));
+}
