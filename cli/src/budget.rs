@@ -88,7 +88,11 @@ fn judge(board: &str, overwrite: bool) -> Result<(String, Vec<Figure>), BadInput
     let (mut table, mut figures) = (measured.table(&budget), measured.figures(&budget));
     for (other, measured) in others {
         let Some(budget) = budget.of(other.program()) else { continue };
-        let which = if other.program() == Program::Served { "with its tuning link" } else { "on CAN" };
+        let which = match other.program() {
+            Program::Control | Program::Served => "with its tuning link",
+            Program::Commanded { .. } => "on CAN",
+            Program::BeforeOdrive { .. } => "on CAN, its drive on a second bus",
+        };
         table = format!("{table}\n{which}: {}", measured.table(&budget));
         figures.extend(measured.figures(&budget));
     }
@@ -97,7 +101,7 @@ fn judge(board: &str, overwrite: bool) -> Result<(String, Vec<Figure>), BadInput
 
 /// What the images of the other programs cost that the board is flashed with, each with its budget.
 fn others(budget: &Budget, gear: &GearFile) -> Result<Vec<(Budget, Measurement)>, BadInput> {
-    let programs = [Program::Served, Program::COMMANDED];
+    let programs = [Program::Served, Program::COMMANDED, Program::BEFORE_ODRIVE];
     let budgets = programs.into_iter().filter_map(|program| budget.of(program));
     let judged = budgets.map(|budget| {
         let elf = pil::build_as(budget.program(), &budget.board, gear).map_err(BadInput::message)?.elf;

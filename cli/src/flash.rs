@@ -8,7 +8,7 @@ use strainwave_desktop::design::buildable::buildable;
 use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::budget::Budget;
 use strainwave_emulator::firmware::Program;
-use strainwave_emulator::flash::{self, Counted, Judgement, WORKLOAD, Way};
+use strainwave_emulator::flash::{self, Counted, DRIVE_DELAY, Judgement, WORKLOAD, Way};
 use strainwave_emulator::{firmware, pil};
 
 use crate::check;
@@ -24,7 +24,7 @@ use crate::progress::Progress;
 /// does not have, these are counted in the image of another one with the same core. Not judged are any other input,
 /// for which there is `budget`, and wait states. A missed bound is named, nothing is flashed, and the exit code is 1.
 /// With `--served` all of this is the image with the tuning link, which `connect` reaches, and a store in the chip's flash; with `--can` the one
-/// of a node on CAN.
+/// of a node on CAN, with `--drive` too whose torque goes to a drive on a second CAN bus.
 /// Then a real board's chip is flashed through its debug probe by probe-rs and started; an emulated board's image runs in
 /// QEMU for a second of control, which must raise no fault.
 #[derive(Args)]
@@ -41,6 +41,10 @@ pub struct Arguments {
     /// Flash the program that a controller commands over CAN, as CiA 402 has it, in which the joint is this node, 1 to 127; only a board with CAN
     #[arg(long, value_name = "NODE", conflicts_with = "served", value_parser = clap::value_parser!(u8).range(1..=127))]
     can: Option<u8>,
+    /// Send the torque to this drive on the board's second CAN bus, in the place of a voltage: an ODrive with this number there, 0 to 62. The gear
+    /// file has to declare its delay, `drive.delay_periods` of at least 4
+    #[arg(long, value_name = "odrive:NODE", requires = "can", value_parser = odrive)]
+    drive: Option<u8>,
     /// Judge by this budget in the place of the board's own
     #[arg(long, value_name = "BUDGET.toml")]
     budget: Option<PathBuf>,
@@ -63,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
         ("--budget", arguments.budget.as_deref()),
         ("--json", json),
     ])?;
-    let gear = checked(gear)?;
+    let gear = checked(gear, arguments.drive.is_some())?;
     firmware::require_known(board).map_err(BadInput::message)?;
     let budget = match &arguments.budget {
         Some(file) => Budget::read_file(board, file),
@@ -85,10 +89,11 @@ pub fn run(arguments: &Arguments) -> Result<Figures, BadInput> {
 impl Arguments {
     /// What is flashed.
     fn program(&self) -> Program {
-        match self.can {
-            Some(node) => Program::Commanded { node },
-            None if self.served => Program::Served,
-            None => Program::Control,
+        match (self.can, self.drive) {
+            (Some(node), Some(drive)) => Program::BeforeOdrive { node, drive },
+            (Some(node), None) => Program::Commanded { node },
+            (None, _) if self.served => Program::Served,
+            (None, _) => Program::Control,
         }
     }
 }
@@ -98,6 +103,7 @@ fn image_budget(budget: &Budget, program: Program) -> Result<Budget, BadInput> {
     budget.of(program).ok_or_else(|| {
         let (option, without) = match program {
             Program::Commanded { .. } => ("--can", "as a node on CAN"),
+            Program::BeforeOdrive { .. } => ("--drive", "with a drive on a second CAN bus"),
             Program::Control | Program::Served => ("--served", "with a tuning link"),
         };
         let board = &budget.board;
@@ -115,10 +121,23 @@ fn boards_with(program: Program) -> Vec<String> {
     boards.filter(|board| Budget::read(board).is_ok_and(|budget| budget.of(program).is_some())).collect()
 }
 
-/// A gear that the firmware can be built for; of another all faults are told.
-fn checked(path: &Path) -> Result<GearFile, BadInput> {
+/// The number of an ODrive.
+fn odrive(text: &str) -> Result<u8, String> {
+    let number = text.strip_prefix("odrive:").and_then(|number| number.parse().ok());
+    number.filter(|number| *number <= 62).ok_or_else(|| "allowed: odrive:0 to odrive:62".to_owned())
+}
+
+/// A gear that the firmware can be built for; of another all faults are told. A drive behind CAN is late.
+fn checked(path: &Path, behind_can: bool) -> Result<GearFile, BadInput> {
     let gear = check::faultless(path)?;
     buildable(&gear).map_err(|why| BadInput::new(path, why))?;
+    let delay = gear.drive.delay;
+    if behind_can && delay < DRIVE_DELAY {
+        return Err(BadInput::new(
+            path,
+            format!("drive.delay_periods = {delay}, allowed with --drive: from {DRIVE_DELAY} to 20"),
+        ));
+    }
     Ok(gear)
 }
 

@@ -482,7 +482,7 @@ mod tests {
             drive.receive(&heartbeat(0, 8));
             assert_eq!(sent(&mut drive, 1.0), Command::Torque(1.0));
         }
-        (0..PARAMS.timeout).for_each(|_| _ = sent(&mut drive, 1.0));
+        (1..PARAMS.timeout).for_each(|_| _ = sent(&mut drive, 1.0));
         assert_eq!((drive.cause(), drive.lost()), (None, None));
         assert_eq!(sent(&mut drive, 1.0), Command::Idle);
         assert_eq!((drive.cause(), drive.lost()), (Some(Cause::HeartbeatLost), Some(Cause::HeartbeatLost)));

@@ -114,6 +114,8 @@ pub struct Budget {
     pub served_image: Option<ImageSizes>,
     /// Bounds of the image that is a node on CAN, of a board that is flashed with one.
     pub can_image: Option<ImageSizes>,
+    /// Bounds of the same whose drive is an ODrive, of a board that is flashed with one.
+    pub odrive_image: Option<ImageSizes>,
     /// The image's targets; never overwritten. The table reports those that are missed.
     #[serde(default)]
     pub image_target: ImageSizes,
@@ -181,6 +183,7 @@ impl Budget {
             Program::Control => Some(self.image),
             Program::Served => self.served_image,
             Program::Commanded { .. } => self.can_image,
+            Program::BeforeOdrive { .. } => self.odrive_image,
         };
         Some(Self { image: image?, program, ..self.clone() })
     }

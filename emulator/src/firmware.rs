@@ -67,6 +67,10 @@ pub struct Firmware {
 /// Where images are kept, in cargo's folder of what is built.
 const IMAGES: &str = "images";
 
+/// Variables of the build: the joint's number on CAN, and that of its drive.
+const NODE: &str = "STRAINWAVE_NODE";
+const ODRIVE: &str = "STRAINWAVE_ODRIVE";
+
 /// A program of a board that controls the joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Program {
@@ -80,11 +84,20 @@ pub enum Program {
         /// Its number there, 1 to 127.
         node: u8,
     },
+    /// The same whose drive is an ODrive on a second bus.
+    BeforeOdrive {
+        /// The joint's number, 1 to 127.
+        node: u8,
+        /// The drive's number on its bus, 0 to 62.
+        drive: u8,
+    },
 }
 
 impl Program {
     /// The node that a joint is if nothing else is said.
     pub const COMMANDED: Self = Self::Commanded { node: 1 };
+    /// The same, with the drive that it then has.
+    pub const BEFORE_ODRIVE: Self = Self::BeforeOdrive { node: 1, drive: 0 };
 
     /// What its figures and its budget have in front of their names.
     pub const fn prefix(self) -> &'static str {
@@ -92,6 +105,7 @@ impl Program {
             Self::Control => "",
             Self::Served => "served_",
             Self::Commanded { .. } => "can_",
+            Self::BeforeOdrive { .. } => "odrive_",
         }
     }
 
@@ -106,13 +120,16 @@ impl Program {
             Self::Control => None,
             Self::Served => Some("served"),
             Self::Commanded { .. } => Some("can"),
+            Self::BeforeOdrive { .. } => Some("odrive"),
         }
     }
 
-    const fn node(self) -> Option<u8> {
+    /// Numbers on its buses, each with the variable that the build reads it from.
+    fn numbers(self) -> Vec<(&'static str, u8)> {
         match self {
-            Self::Commanded { node } => Some(node),
-            Self::Control | Self::Served => None,
+            Self::Control | Self::Served => Vec::new(),
+            Self::Commanded { node } => vec![(NODE, node)],
+            Self::BeforeOdrive { node, drive } => vec![(NODE, node), (ODRIVE, drive)],
         }
     }
 }
@@ -192,13 +209,13 @@ pub fn control(board: &str) -> String {
 /// # Errors
 /// As [`build`].
 pub fn build_program(board: &str, program: &str) -> Result<Firmware, Error> {
-    image(board, Parts { binary: program, name: program, feature: None, node: None }, None)
+    image(board, Parts { binary: program, name: program, feature: None, numbers: Vec::new() }, None)
 }
 
 fn link(board: &str, program: Program, joint: Option<&Joint>) -> Result<Firmware, Error> {
-    let (binary, node) = (program.binary(board), program.node());
-    let name = node.map_or_else(|| binary.clone(), |node| format!("{binary}-{node}"));
-    image(board, Parts { binary: &binary, name: &name, feature: program.feature(), node }, joint)
+    let (binary, numbers) = (program.binary(board), program.numbers());
+    let name = numbers.iter().fold(binary.clone(), |name, (_, number)| format!("{name}-{number}"));
+    image(board, Parts { binary: &binary, name: &name, feature: program.feature(), numbers }, joint)
 }
 
 /// What a program of a board is built from, but for its joint.
@@ -207,8 +224,8 @@ struct Parts<'a> {
     /// What its image is called.
     name: &'a str,
     feature: Option<&'a str>,
-    /// Its number on CAN.
-    node: Option<u8>,
+    /// Its numbers on CAN, by variable.
+    numbers: Vec<(&'static str, u8)>,
 }
 
 fn image(board: &str, parts: Parts, joint: Option<&Joint>) -> Result<Firmware, Error> {
@@ -329,9 +346,7 @@ fn run(
     if let Some(joint) = joint {
         command.env("STRAINWAVE_JOINT", joint.keep(&target.join(IMAGES))?);
     }
-    if let Some(node) = parts.node {
-        command.env("STRAINWAVE_NODE", node.to_string());
-    }
+    command.envs(parts.numbers.iter().map(|(variable, number)| (variable, number.to_string())));
     let output = command.output()?;
     if output.status.success() {
         return Ok(());
@@ -345,8 +360,7 @@ fn without_host_settings(command: &mut Command) {
     let ours = |name: &str| {
         name.starts_with("CARGO_PROFILE_")
             || name.starts_with("CARGO_BUILD_")
-            || ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "DEFMT_LOG", "STRAINWAVE_JOINT", "STRAINWAVE_NODE"]
-                .contains(&name)
+            || ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "DEFMT_LOG", "STRAINWAVE_JOINT", NODE, ODRIVE].contains(&name)
     };
     for (name, _) in std::env::vars_os() {
         if name.to_str().is_some_and(ours) {

@@ -7,7 +7,7 @@ use strainwave::Angle;
 use strainwave::compensator::actuate::mode::UNSAFE;
 use strainwave::compensator::{Command, CompensationGains, Faults, Mode, Setpoint, Status};
 use strainwave_app::command_source::CommandSource;
-use strainwave_app::commanded::{BusNode, Commanded, Exchange, Frame, node};
+use strainwave_app::commanded::{BusNode, Commanded, Drive, Exchange, Frame, Wired, node};
 use strainwave_app::operated::WATCHING;
 use strainwave_app::{Compensator, Input, Output, joint};
 use strainwave_desktop::GearFile;
@@ -17,35 +17,24 @@ use strainwave_emulator::firmware::Program;
 use strainwave_emulator::pil;
 
 /// Number of the node, and counts of the bus in those of an angle.
-const NODE: u16 = 5;
+pub const NODE: u16 = 5;
 const COUNT: i64 = 64;
 /// Control periods of a cycle of the bus, and of the silence that ends in braking.
 const CYCLE: usize = 10;
 const TIMEOUT: usize = 500;
 
-/// The joint with its node, and a master that sends a cycle of targets again and again.
-struct Joint {
-    source: Commanded,
-    node: BusNode<HostBus>,
+/// The joint with its node and the drive behind it, and a master that sends a cycle of targets again and again.
+pub struct Joint<D = Wired> {
+    pub source: Commanded,
+    node: BusNode<HostBus, D>,
     bus: HostBus,
-    output: Output<f32>,
-    input: Input<f32>,
+    pub output: Output<f32>,
+    pub input: Input<f32>,
 }
 
 impl Joint {
     fn new() -> Self {
-        let exchange: &'static Exchange = Box::leak(Box::new(Exchange::new()));
-        let compensator = Compensator::from_words(&joint::WORDS).unwrap();
-        let bus = HostBus::default();
-        let mut output = Output { mode: Mode::Ready, ..Output::default() };
-        output.estimate.output_position = Angle::from_counts(1000 * COUNT);
-        Self {
-            source: Commanded::new(exchange, compensator),
-            node: BusNode::new(node(NODE as u8, compensator).unwrap(), bus.clone(), exchange),
-            bus,
-            output,
-            input: Input::default(),
-        }
+        Self::before(Wired)
     }
 
     /// Operational, off, watched for long enough.
@@ -63,18 +52,35 @@ impl Joint {
         assert!(!joint.input.status.contains(Status::DRIVE_OFF));
         joint
     }
+}
 
-    fn switch_on(&mut self, target: i32) {
+impl<D: Drive> Joint<D> {
+    pub fn before(drive: D) -> Self {
+        let exchange: &'static Exchange = Box::leak(Box::new(Exchange::new()));
+        let compensator = Compensator::from_words(&joint::WORDS).unwrap();
+        let bus = HostBus::default();
+        let mut output = Output { mode: Mode::Ready, ..Output::default() };
+        output.estimate.output_position = Angle::from_counts(1000 * COUNT);
+        Self {
+            source: Commanded::new(exchange, compensator),
+            node: BusNode::new(node(NODE as u8, compensator).unwrap(), bus.clone(), drive, exchange),
+            bus,
+            output,
+            input: Input::default(),
+        }
+    }
+
+    pub fn switch_on(&mut self, target: i32) {
         for controlword in [0x06, 0x07, 0x0f] {
             self.cycle(controlword, 8, target);
         }
     }
 
-    fn come(&mut self, id: u16, data: &[u8]) {
+    pub fn come(&mut self, id: u16, data: &[u8]) {
         self.bus.put(Frame::of(id, data));
     }
 
-    fn periods(&mut self, count: usize) {
+    pub fn periods(&mut self, count: usize) {
         for _ in 0..count {
             self.source.input(Some(7), &mut self.input);
             let output = self.output;
@@ -83,7 +89,7 @@ impl Joint {
         }
     }
 
-    fn cycle(&mut self, controlword: u8, mode: i8, target: i32) {
+    pub fn cycle(&mut self, controlword: u8, mode: i8, target: i32) {
         let [p0, p1, p2, p3] = target.to_le_bytes();
         self.come(0x200 + NODE, &[controlword, 0, mode.cast_unsigned(), p0, p1, p2, p3]);
         self.come(0x080, &[]);
@@ -91,7 +97,7 @@ impl Joint {
     }
 
     /// Data of the last frame of this kind.
-    fn told(&self, id: u16) -> Vec<u8> {
+    pub fn told(&self, id: u16) -> Vec<u8> {
         self.bus.sent().iter().rfind(|frame| frame.number() == id).unwrap().data().to_vec()
     }
 

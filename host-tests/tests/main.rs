@@ -30,6 +30,7 @@ mod link;
 mod literal_mesh;
 mod moving;
 mod observer;
+mod odrive;
 mod operated;
 mod oracle;
 mod power_balance;

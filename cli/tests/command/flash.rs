@@ -87,6 +87,7 @@ fn what_is_wrong_with_a_gear_file_is_told_as_by_check() {
 fn what_cannot_be_flashed_is_one_line() {
     let bench = Bench::new();
     bench.write("b.toml", "compiler = \"rustc 1\"\n");
+    bench.write("late.toml", GEAR.replace("delay_periods = 2", "delay_periods = 4"));
     for (words, expected) in [
         (
             "flash g.toml --board nucleo",
@@ -106,6 +107,26 @@ fn what_cannot_be_flashed_is_one_line() {
         (
             "flash g.toml --board nucleo-g474re --can 5 --served",
             "the argument '--can <NODE>' cannot be used with '--served'",
+        ),
+        (
+            "flash g.toml --board nucleo-g474re --drive odrive:0",
+            "the following required arguments were not provided: --can <NODE>",
+        ),
+        (
+            "flash g.toml --board nucleo-g474re --can 5 --drive odrive:63",
+            "invalid value 'odrive:63' for '--drive <odrive:NODE>': allowed: odrive:0 to odrive:62",
+        ),
+        (
+            "flash g.toml --board nucleo-g474re --can 5 --drive moteus:1",
+            "invalid value 'moteus:1' for '--drive <odrive:NODE>': allowed: odrive:0 to odrive:62",
+        ),
+        (
+            "flash late.toml --board stm32f405 --can 5 --drive odrive:0",
+            "--drive: stm32f405 is not flashed with a drive on a second CAN bus: no [odrive_image] in its budget, allowed: nucleo-g474re",
+        ),
+        (
+            "flash g.toml --board nucleo-g474re --can 5 --drive odrive:0",
+            "g.toml: drive.delay_periods = 2, allowed with --drive: from 4 to 20",
         ),
         ("flash g.toml --board stm32f405 --budget none.toml", "none.toml: No such file"),
         ("flash g.toml --board stm32f405 --budget b.toml", "b.toml: line 1: missing field `headroom`"),

@@ -8,6 +8,10 @@
 //!             reset alone, and leaves the position as it is
 //! failed      the encoder fails: the drive is off, and the fault is named
 //! ```
+//!
+//! Of a drive on a bus of its own more is in [`drive`].
+
+mod drive;
 
 use std::io;
 
@@ -69,6 +73,17 @@ pub struct Ask {
     pub frames: Vec<Frame>,
     /// The motor encoder has no supply.
     pub encoder_fails: bool,
+    /// What a drive on a bus of its own has.
+    pub failure: Option<Failure>,
+}
+
+/// A failure of a drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Failure {
+    /// Its heartbeats do not come.
+    Silent,
+    /// It has an error.
+    Error,
 }
 
 /// What it sees of one.
@@ -95,6 +110,9 @@ pub struct Found {
     pub stops: Vec<usize>,
     /// From the failure of the encoder to the same (s).
     pub failed_after: f64,
+    /// From the last heartbeat of a drive, and from its error, to a drive that is off and an error code that is told (s).
+    pub silent_after: f64,
+    pub error_after: f64,
     /// What is otherwise than it has to be, by name.
     pub unexpected: Vec<String>,
     /// How much was looked at for that.
@@ -121,6 +139,7 @@ pub struct Master {
     end: ProgramEnd<Ask, Look>,
     periods: usize,
     encoder_fails: bool,
+    failure: Option<Failure>,
     drive: Drive,
     /// When it last went off.
     off_since: usize,
@@ -141,6 +160,7 @@ impl Master {
             end,
             periods: 0,
             encoder_fails: false,
+            failure: None,
             drive: RELEASED,
             off_since: 0,
             told: Told::default(),
@@ -158,15 +178,19 @@ impl Master {
     /// # Errors
     /// When the chip does not go on.
     pub fn works(mut self) -> io::Result<Found> {
+        self.commands()?;
+        self.failed()?;
+        Ok(self.found)
+    }
+
+    fn commands(&mut self) -> io::Result<()> {
         self.greeted()?;
         self.moved()?;
         self.stopped()?;
         self.moves(POSITION)?;
         self.lost()?;
         self.moves(TORQUE)?;
-        self.lost()?;
-        self.failed()?;
-        Ok(self.found)
+        self.lost()
     }
 
     fn greeted(&mut self) -> io::Result<()> {
@@ -266,6 +290,11 @@ impl Master {
         self.expect("its silence is borne for as long as is said", after > SILENCE);
         self.cycles(PATIENCE)?;
         self.expect("the silence is named once", self.told.errors[named..] == [RPDO_LOST]);
+        self.leaves_fault()
+    }
+
+    /// A fault in which the joint does not move: it stays until it is reset, and the position stays as it is.
+    fn leaves_fault(&mut self) -> io::Result<()> {
         self.expect("the fault stays", self.state(FAULT) && self.drive == RELEASED);
         let position = self.told.position;
         self.controlword = 0;
@@ -372,7 +401,7 @@ impl Master {
         if frames.iter().any(|frame| frame.number() == 0x080) {
             (self.told.waited, self.told.answers) = (Some(0), 0);
         }
-        let look = self.end.go_on(Ask { frames, encoder_fails: self.encoder_fails })?;
+        let look = self.end.go_on(Ask { frames, encoder_fails: self.encoder_fails, failure: self.failure })?;
         self.periods += 1;
         if look.drive == RELEASED && self.drive != RELEASED {
             self.off_since = self.periods;

@@ -70,7 +70,7 @@ pub struct Chip {
     core: Arc<ArmV7m>,
     memory: Arc<AddressSpace>,
     magnet: Arc<Magnet>,
-    bus: Arc<CanBus>,
+    buses: [Arc<CanBus>; 2],
     serial: Arc<CharPort>,
     elf: PathBuf,
     /// What it has sent.
@@ -111,9 +111,11 @@ impl Chip {
         options
             .bindings
             .bind(encoder::CLASS.name, move |props| Ok(Arc::new(Encoder::new(props, shown.clone())?)))?;
-        let bus = Arc::<CanBus>::default();
-        let wired = bus.clone();
-        options.bindings.bind(g4_fdcan::CLASS.name, move |_| Ok(Arc::new(Fdcan::on(wired.clone()))))?;
+        let buses = <[Arc<CanBus>; 2]>::default();
+        let wired = buses.clone();
+        options
+            .bindings
+            .bind(g4_fdcan::CLASS.name, move |props| Ok(Arc::new(Fdcan::new(props, &wired)?)))?;
         options.bindings.bind(f4_dma::CLASS.name, |_| Ok(Arc::new(f4_dma::Stream::default())))?;
         options.bindings.bind(halfwords::CLASS.name, |props| Ok(Arc::new(Halfwords::new(props)?)))?;
         options.bindings.bind(h7_flash::CLASS.name, |props| Ok(Arc::new(h7_flash::Flash::new(props)?)))?;
@@ -155,7 +157,7 @@ impl Chip {
         let memory = machine.space("mem").cloned().ok_or(Error::Bus(0))?;
         let core = core.get().cloned().ok_or(Error::Bus(0))?;
         let chip =
-            Self { model, machine, core, memory, magnet, bus, serial, elf: elf.to_owned(), sent: Vec::new() };
+            Self { model, machine, core, memory, magnet, buses, serial, elf: elf.to_owned(), sent: Vec::new() };
         for address in model.stack().step_by(4) {
             chip.write(address, FILL)?;
         }
@@ -169,7 +171,14 @@ impl Chip {
 
     /// The CAN bus that it is at. A chip without one hears and sends nothing.
     pub fn bus(&self) -> &CanBus {
-        &self.bus
+        let [bus, _] = &self.buses;
+        bus
+    }
+
+    /// Its second one, of its drive.
+    pub fn second_bus(&self) -> &CanBus {
+        let [_, bus] = &self.buses;
+        bus
     }
 
     /// Lets it run.
@@ -359,6 +368,10 @@ mod tests {
         assert_eq!(chip.bus().take(), [CanFrame::of(5, &[]).unwrap()]);
         let words = [FDCAN + 0x90, 0x4000_a4b0, 0x4000_a4b8].map(|address| chip.read(address).unwrap());
         assert_eq!(words, [1 | 1 << 16, 0x123 << 18, 7]);
+        // The second one has its own registers and message RAM.
+        let words = [FDCAN + 0x490, 0x4000_a750 + 0xb0, FDCAN + 0x404].map(|at| chip.read(at).unwrap());
+        assert_eq!(words, [0, 0, 0x8765_4321]);
+        assert_eq!(chip.second_bus().take(), []);
     }
 
     #[test]

@@ -1,12 +1,13 @@
 //! A chip whose joint is commanded over CAN, with a master on its bus, a plant at encoder and drive, and the host's build of the same control and
-//! node beside it.
+//! node beside it; the drive at its wires, or an ODrive on its second bus.
 
+use std::io;
 use std::path::Path;
 
 use strainwave::Angle;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave_app::Compensator;
-use strainwave_app::commanded::{BusNode, Commanded, Exchange, Frame, NODE, node};
+use strainwave_app::commanded::{BusNode, Commanded, Exchange, NODE, node};
 use strainwave_desktop::GearFile;
 use strainwave_desktop::bench::task::{Demand, Task};
 use strainwave_desktop::design::capability::Capability;
@@ -14,10 +15,11 @@ use strainwave_desktop::design::joint::joint_params;
 
 use crate::chips::bus_program::{Ask, Found, Look, Master};
 use crate::chips::chip::{self, Chip};
-use crate::chips::control::{a_period, started};
+use crate::chips::control::{PHASE, a_period, started};
+use crate::chips::drive_end::{ControlBeside, DriveEnd, OdriveEnd, WiredEnd};
 use crate::chips::encoder;
-use crate::chips::host::{self, Host, HostBoard};
-use crate::chips::host_bus::HostBus;
+use crate::chips::host::Host;
+use crate::chips::host_bus::{self, HostBus};
 use crate::chips::model::Model;
 use crate::chips::program::{self, Beside};
 use crate::chips::run_error::Error;
@@ -42,32 +44,62 @@ pub struct OnTheBus {
     pub stack: u64,
 }
 
+/// What was found of an ODrive.
+#[derive(Clone, Debug, Default)]
+pub struct BeforeOdrive {
+    /// As without it, but for the steps: their torques are in the frames to the drive.
+    pub on_the_bus: OnTheBus,
+    /// Frames to the drive beside those of the host's build.
+    pub frames: Agreement,
+    /// Longest time from a control interrupt until its torque, or a newer one, is at the drive (s).
+    pub delay: f64,
+}
+
 /// Runs the image, which controls the joint of `gear`, under a master.
 ///
 /// # Errors
 /// [`Error`].
 pub fn on_the_bus(model: &'static Model, elf: &Path, gear: &GearFile) -> Result<OnTheBus, Error> {
+    Ok(commanded::<WiredEnd>(model, elf, gear, Master::works)?.0)
+}
+
+/// The same of one whose drive is an ODrive, which fails, too.
+///
+/// # Errors
+/// [`Error`].
+pub fn before_odrive(model: &'static Model, elf: &Path, gear: &GearFile) -> Result<BeforeOdrive, Error> {
+    let (on_the_bus, drive) = commanded::<OdriveEnd>(model, elf, gear, Master::works_before_drive)?;
+    Ok(BeforeOdrive { on_the_bus, frames: drive.bus.agreement(), delay: drive.delay() })
+}
+
+fn commanded<D: DriveEnd>(
+    model: &'static Model,
+    elf: &Path,
+    gear: &GearFile,
+    works: fn(Master) -> io::Result<Found>,
+) -> Result<(OnTheBus, D), Error> {
     let joint = joint_params(gear)?;
     let compensator: &Compensator = Box::leak(Box::new(joint.build()?));
     let shift = encoder::BITS - joint.motor_encoder_bits;
-    let boot = |count| CommandedChip::boot(model, elf, compensator, shift, count);
+    let boot = |count| CommandedChip::<D>::boot(model, elf, compensator, shift, count);
     let mut outputs = Vec::new();
-    let program = |end| Master::new(end).works();
+    let program = |end| works(Master::new(end));
     let (found, beside) = program::run(gear, &Free, boot, program, |angle| outputs.push(angle))?;
     let found = found.map_err(|error| chip::Error::NotStarted { said: error.to_string() })?;
     let (following, error) = deviations(&found, &outputs);
     let speeds = found.stops.iter().map(|period| speed(&outputs, *period));
     // One that is not known is no number, and above all others.
     let stopped_at = speeds.max_by(f64::total_cmp).unwrap_or(f64::NAN);
-    Ok(OnTheBus {
+    let on_the_bus = OnTheBus {
         agreement: Agreement { steps: beside.periods, different: beside.host.different },
-        frames: beside.frames(),
+        frames: beside.bus.agreement(),
         stack: beside.chip.stack()?,
         found,
         following,
         error,
         stopped_at,
-    })
+    };
+    Ok((on_the_bus, beside.drive))
 }
 
 /// Largest distance of the output from where the targets of the move were two cycles of the bus before, and that of the last one.
@@ -107,20 +139,17 @@ impl Task for Free {
 }
 
 /// The chip as the plant's controller, the host's control and node beside it.
-struct CommandedChip {
+struct CommandedChip<D: DriveEnd> {
     chip: Chip,
     shift: u32,
-    /// The motor's peak torque (N m).
-    peak: f32,
-    host: Host<HostBoard<Commanded>>,
-    node: BusNode<HostBus>,
-    bus: HostBus,
-    /// Frames of the chip.
-    sent: Vec<Frame>,
+    host: ControlBeside,
+    node: BusNode<HostBus, D::Behind>,
+    bus: host_bus::Beside,
+    drive: D,
     periods: u64,
 }
 
-impl CommandedChip {
+impl<D: DriveEnd> CommandedChip<D> {
     fn boot(
         model: &'static Model,
         elf: &Path,
@@ -128,36 +157,25 @@ impl CommandedChip {
         shift: u32,
         count: u32,
     ) -> Result<Self, Error> {
-        let (chip, _) = started(Chip::boot(model, elf)?, count << shift)?;
+        let (chip, waited) = started(Chip::boot(model, elf)?, count << shift)?;
         let exchange: &'static Exchange = Box::leak(Box::new(Exchange::new()));
-        let bus = HostBus::default();
+        let bus = host_bus::Beside::default();
         let never = || chip::Error::NotStarted { said: "there is no such node".into() };
         let node = node(NODE, compensator).ok_or_else(never)?;
+        let (drive, behind) = D::begin(waited + PHASE.as_secs_f64(), compensator)?;
         Ok(Self {
             chip,
             shift,
-            peak: compensator.limits().motor_torque,
             host: Host::commanded_by(Commanded::new(exchange, compensator), compensator, |board| board),
-            node: BusNode::new(node, bus.clone(), exchange),
+            node: BusNode::new(node, bus.host.clone(), behind, exchange),
             bus,
-            sent: Vec::new(),
+            drive,
             periods: 0,
         })
     }
-
-    /// Frames, and those unlike the host's; what is on its way at the end counts for neither.
-    fn frames(&self) -> Agreement {
-        let hosts = self.bus.sent();
-        let alike = self.sent.iter().zip(&hosts).filter(|(chip, host)| chip == host).count();
-        let steps = self.sent.len().max(hosts.len().saturating_sub(ON_THEIR_WAY)) as u64;
-        Agreement { steps, different: steps - (alike as u64).min(steps) }
-    }
 }
 
-/// Frames that the chip may not have sent yet when the host's node has.
-const ON_THEIR_WAY: usize = 3;
-
-impl Beside for CommandedChip {
+impl<D: DriveEnd> Beside for CommandedChip<D> {
     type Ask = Ask;
     type Look = Look;
 
@@ -165,13 +183,16 @@ impl Beside for CommandedChip {
         for frame in &ask.frames {
             self.chip.bus().put(*frame);
         }
-        let drive = a_period(&mut self.chip, count << self.shift, ask.encoder_fails)?;
+        self.drive.before(&self.chip, ask);
+        a_period(&mut self.chip, count << self.shift, ask.encoder_fails)?;
+        let count = (!ask.encoder_fails).then_some(count);
+        let (torque, drive) = self.drive.after(&self.chip, &mut self.host, count)?;
         let (frames, read) = (self.chip.bus().take(), self.chip.bus().read());
-        self.host.compare((!ask.encoder_fails).then_some(count), drive);
-        self.bus.put(read);
+        self.bus.host.put(read);
         self.node.poll();
-        self.sent.extend(&frames);
+        self.drive.polled();
+        self.bus.sent.extend(&frames);
         self.periods += 1;
-        Ok((host::torque(drive, self.peak) as f32, Look { frames, drive }))
+        Ok((torque, Look { frames, drive }))
     }
 }

@@ -27,7 +27,7 @@ use crate::chips::run_error::Error;
 use crate::target::Agreement;
 
 /// From the start of the timer to that of the first period: the interrupts are then 0.04 ms after a period's begin.
-const PHASE: Duration = Duration::from_micros(60);
+pub(super) const PHASE: Duration = Duration::from_micros(60);
 /// Longest time from reset to the start of the timer.
 const START: Duration = Duration::from_millis(200);
 /// Steps of waiting for it.

@@ -55,10 +55,15 @@ impl<B: Board> Host<B> {
         Self { control: Control::new(board, compensator, sender), wires, different: 0 }
     }
 
-    /// One period, with the encoder at `count`, `None` where it is not read, beside that of a chip which drives so.
-    pub fn compare(&mut self, count: Option<u32>, drive: Drive) {
+    /// One period, with the encoder at `count`, `None` where it is not read.
+    pub fn step(&mut self, count: Option<u32>) {
         self.wires.count.set(count);
         self.control.tick();
+    }
+
+    /// The same beside that of a chip which drives so.
+    pub fn compare(&mut self, count: Option<u32>, drive: Drive) {
+        self.step(count);
         self.different += u64::from(drive != self.wires.drive.get());
     }
 }

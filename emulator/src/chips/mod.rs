@@ -19,6 +19,8 @@
 //! | [`run_error`] | why a run of a chip with its plant ended |
 //! | [`host`] | the firmware's control on the host |
 //! | [`host_bus`], [`can`] | a bus of a node on the host, frames there |
+//! | [`odrive`] | an ODrive on a bus |
+//! | [`drive_end`] | the drive of a joint that is commanded over CAN |
 //! | [`flash_image`] | what a chip has stored, on the host |
 //! | [`program`] | a program of the host beside a chip with its plant |
 //! | [`host_program`] | what a host does at the tuning link |
@@ -35,6 +37,7 @@ pub mod chip;
 pub mod commanded;
 pub mod control;
 pub mod cpu;
+pub mod drive_end;
 pub mod encoder;
 pub mod flash_image;
 pub mod host;
@@ -42,6 +45,7 @@ pub mod host_bus;
 pub mod host_program;
 pub mod line;
 pub mod model;
+pub mod odrive;
 pub mod program;
 pub mod registers;
 pub mod rp2350;

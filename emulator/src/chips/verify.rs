@@ -8,12 +8,15 @@ use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave_desktop::verify::{Measured, bounds};
 use strainwave_desktop::{Figure, GearFile};
 
+use crate::artifact::{self, Image};
 use crate::budget::{self, Budget};
-use crate::chips::commanded::{OnTheBus, on_the_bus};
+use crate::chips::commanded::{BeforeOdrive, OnTheBus, before_odrive, on_the_bus};
 use crate::chips::control::{second, stopped};
 use crate::chips::model::{MODELS, Model};
 use crate::chips::{run_error, served};
+use crate::counting::worst_path::worst_case_path;
 use crate::firmware::Program;
+use crate::flash::DRIVE_DELAY;
 use crate::{firmware, pil};
 
 /// What the firmware says of a lost encoder.
@@ -28,6 +31,9 @@ pub enum Error {
     /// No budget.
     #[error(transparent)]
     Budget(#[from] budget::Error),
+    /// An image whose code cannot be read.
+    #[error(transparent)]
+    Image(#[from] artifact::Error),
     /// The run.
     #[error(transparent)]
     Run(#[from] run_error::Error),
@@ -41,18 +47,22 @@ pub fn measure() -> Result<Measured, Error> {
     let gear = GearFile::default_gear();
     // Built one by one, as cargo would anyway; run side by side, each on a processor of its own.
     let images = MODELS.iter().map(|model| {
-        let build = |program| pil::build_as(program, model.board, &gear).map(|firmware| firmware.elf);
+        let of = |program, gear| pil::build_as(program, model.board, gear).map(|firmware| firmware.elf);
+        let build = |program| of(program, &gear);
         let commanded = model.has_can.then(|| build(Program::COMMANDED)).transpose()?;
-        Ok((model, build(Program::Control)?, build(Program::Served)?, commanded))
+        let late = late_drive();
+        let odrive = model.has_can.then(|| of(Program::BEFORE_ODRIVE, &late)).transpose()?;
+        Ok((model, build(Program::Control)?, build(Program::Served)?, commanded, odrive))
     });
     let images = images.collect::<Result<Vec<_>, firmware::Error>>()?;
     thread::scope(|scope| {
         let mut started = Vec::new();
-        for (model, alone, with_link, commanded) in &images {
+        for (model, alone, with_link, commanded, odrive) in &images {
             started.push(scope.spawn(|| of_image(model, alone)));
             started.push(scope.spawn(|| of_served(model, with_link)));
             let commanded = commanded.iter().map(|elf| scope.spawn(|| of_commanded(model, elf)));
             started.extend(commanded);
+            started.extend(odrive.iter().map(|elf| scope.spawn(|| of_odrive(model, elf))));
         }
         let mut measured = Measured::default();
         for run in started {
@@ -87,31 +97,91 @@ fn of_served(model: &'static Model, elf: &Path) -> Result<Measured, Error> {
 
 /// The image with a master on its bus.
 fn of_commanded(model: &'static Model, elf: &Path) -> Result<Measured, Error> {
-    let OnTheBus { found, agreement, frames, following, error, stopped_at, stack } =
-        on_the_bus(model, elf, &GearFile::default_gear())?;
-    let budget = Budget::read(model.board)?;
-    let proved = budget::inspect(&budget.of(Program::COMMANDED).unwrap_or(budget), elf)?.stack;
-    let name = |what: &str| format!("pil.{}.can.{what}", model.board);
-    let judged = |row: &str, value| bounds::figure_as(row.replacen("real", model.board, 1), row, value);
-    let notes =
-        found.unexpected.iter().map(|what| format!("{}: not as expected: {what}", name("unexpected")));
-    let notes = notes.collect();
-    let figures = vec![
-        agreement.figure(name("steps_unlike_host")),
-        Figure::reported(name("steps"), agreement.steps as f64, "1"),
-        judged("pil.real.can.frames_unlike_host", frames.different as f64),
-        Figure::reported(name("frames"), frames.steps as f64, "1"),
-        judged("pil.real.can.answer", found.answered_after),
-        judged("pil.real.can.following", following),
-        judged("pil.real.can.position", error),
-        judged("pil.real.can.lost.release", found.lost_after),
-        judged("pil.real.can.stopped.speed", stopped_at),
-        bounds::figure_as(name("encoder_lost.release"), "pil.real.encoder_lost.release", found.failed_after),
-        judged("pil.real.can.unexpected", found.unexpected.len() as f64),
-        Figure::reported(name("expected"), found.expected.into(), "1"),
-        Figure::bounded(name("stack"), stack as f64, "B", f64::from(proved.total)),
+    let run = on_the_bus(model, elf, &GearFile::default_gear())?;
+    let rows = Rows { board: model.board, program: "can" };
+    let mut figures = vec![
+        run.agreement.figure(rows.name("steps_unlike_host")),
+        rows.judged("frames_unlike_host", "pil.real.can.frames_unlike_host", run.frames.different as f64),
+        rows.judged("answer", "pil.real.can.answer", run.found.answered_after),
+        rows.judged("following", "pil.real.can.following", run.following),
+        rows.judged("position", "pil.real.can.position", run.error),
+        rows.judged("lost.release", "pil.real.can.lost.release", run.found.lost_after),
+        rows.judged("encoder_lost.release", "pil.real.encoder_lost.release", run.found.failed_after),
     ];
-    Ok(Measured { figures, notes })
+    figures.extend(rows.of_both(&run, Program::COMMANDED, elf)?);
+    Ok(Measured { figures, notes: rows.notes(&run) })
+}
+
+/// The image with a master on its bus and an ODrive on the second one.
+fn of_odrive(model: &'static Model, elf: &Path) -> Result<Measured, Error> {
+    let BeforeOdrive { on_the_bus: run, frames, delay } = before_odrive(model, elf, &late_drive())?;
+    let image = Image::read(elf)?;
+    let worst = |symbol: &str| {
+        let paths = image.find(symbol)?.into_iter().map(|function| worst_case_path(&image, function));
+        // One without a bound is no number.
+        Ok::<_, Error>(paths.map(|cycles| cycles.map_or(f64::NAN, |cycles| cycles as f64)).sum())
+    };
+    let [listen, command]: [f64; 2] = [worst("odrive_listen")?, worst("odrive_command")?];
+    let rows = Rows { board: model.board, program: "odrive" };
+    let different = run.frames.and(frames).different as f64;
+    let mut figures = vec![
+        rows.judged("frames_unlike_host", "pil.real.odrive.frames_unlike_host", different),
+        Figure::reported(rows.name("frames_to_drive"), frames.steps as f64, "1"),
+        rows.judged("answer", "pil.real.odrive.answer", run.found.answered_after),
+        rows.judged("following", "pil.real.odrive.following", run.following),
+        rows.judged("position", "pil.real.odrive.position", run.error),
+        rows.judged("delay", "pil.real.odrive.delay", delay),
+        rows.judged("cycles", "pil.real.odrive.cycles", listen + command),
+        rows.judged("silent.release", "pil.real.odrive.silent.release", run.found.silent_after),
+        rows.judged("error.named", "pil.real.odrive.error.named", run.found.error_after),
+        rows.judged("lost.release", "pil.real.odrive.lost.release", run.found.lost_after),
+        rows.judged("encoder_lost.release", "pil.real.odrive.encoder_lost.release", run.found.failed_after),
+    ];
+    figures.extend(rows.of_both(&run, Program::BEFORE_ODRIVE, elf)?);
+    Ok(Measured { figures, notes: rows.notes(&run) })
+}
+
+/// The default gear with a drive behind CAN.
+fn late_drive() -> GearFile {
+    let mut gear = GearFile::default_gear();
+    gear.drive.delay = DRIVE_DELAY;
+    gear
+}
+
+/// Rows of a program that a master commands.
+struct Rows {
+    board: &'static str,
+    program: &'static str,
+}
+
+impl Rows {
+    fn name(&self, what: &str) -> String {
+        format!("pil.{}.{}.{what}", self.board, self.program)
+    }
+
+    fn judged(&self, what: &str, row: &str, value: f64) -> Figure {
+        bounds::figure_as(self.name(what), row, value)
+    }
+
+    /// What is not as expected.
+    fn notes(&self, run: &OnTheBus) -> Vec<String> {
+        let name = self.name("unexpected");
+        run.found.unexpected.iter().map(|what| format!("{name}: not as expected: {what}")).collect()
+    }
+
+    /// What has the same bound whatever the drive is.
+    fn of_both(&self, run: &OnTheBus, program: Program, elf: &Path) -> Result<Vec<Figure>, Error> {
+        let budget = Budget::read(self.board)?;
+        let proved = budget::inspect(&budget.of(program).unwrap_or(budget), elf)?.stack;
+        Ok(vec![
+            Figure::reported(self.name("steps"), run.agreement.steps as f64, "1"),
+            Figure::reported(self.name("frames"), run.frames.steps as f64, "1"),
+            self.judged("stopped.speed", "pil.real.can.stopped.speed", run.stopped_at),
+            self.judged("unexpected", "pil.real.can.unexpected", run.found.unexpected.len() as f64),
+            Figure::reported(self.name("expected"), run.found.expected.into(), "1"),
+            Figure::bounded(self.name("stack"), run.stack as f64, "B", f64::from(proved.total)),
+        ])
+    }
 }
 
 fn of_image(model: &'static Model, elf: &Path) -> Result<Measured, Error> {

@@ -22,6 +22,10 @@ use std::path::Path;
 use crate::budget::Budget;
 use crate::machine::{self, Options};
 
+/// Least `drive.delay_periods` of a gear file whose drive is on CAN: the torque of a control step is there up to 0.5 ms after it, of which the
+/// control's own period is 0.1 ms.
+pub const DRIVE_DELAY: u32 = 4;
+
 /// The program that writes an image through a debug probe.
 const PROGRAM: &str = "probe-rs";
 /// Its installation.

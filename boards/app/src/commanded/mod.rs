@@ -34,6 +34,7 @@ pub use exchange::Exchange;
 pub use frame::Frame;
 pub use odrive::{ODRIVE, Odrive};
 pub use source::Commanded;
+pub use strainwave_drivers::cia402::node::Wanted;
 
 /// The joint's number on the bus, 1 to 127: that of the build.
 pub const NODE: u8 = match u8::from_str_radix(env!("STRAINWAVE_NODE_NUMBER"), 10) {

@@ -107,7 +107,9 @@ impl<C: Can> Odrive<C> {
     }
 }
 
+// Functions of their own, as what they cost is counted.
 impl<C: Can> Drive for Odrive<C> {
+    #[inline(never)]
     fn listen(&mut self, passed: u32) -> DriveReport {
         self.age = self.age.saturating_add(passed);
         self.since_sent = self.since_sent.saturating_add(passed);
@@ -123,6 +125,7 @@ impl<C: Can> Drive for Odrive<C> {
         }
     }
 
+    #[inline(never)]
     fn command(&mut self, wanted: Wanted, torque: Option<f32>) {
         if let Some(torque) = torque {
             (self.torque, self.age) = (torque, 0);

@@ -210,4 +210,67 @@ pub(super) const ROWS: &[Bound] = &[
         unit: "1",
         why: "boot-up, states, modes, refusals, quick stop, errors and resets on the bus otherwise than they have to be",
     },
+    Bound {
+        name: "pil.real.odrive.frames_unlike_host",
+        value: 0.0,
+        unit: "1",
+        why: "CAN frames of an executed image to its master and to its drive with any bit unlike those of the host's build of the same code",
+    },
+    Bound {
+        name: "pil.real.odrive.answer",
+        value: 1e-3,
+        unit: "s",
+        why: "as without a drive on CAN, from when a master sends what it commands to the end of both answers: a cycle; target half of it",
+    },
+    Bound {
+        name: "pil.real.odrive.following",
+        value: 1e-4,
+        unit: "rad",
+        why: "the same as without a drive on CAN",
+    },
+    Bound {
+        name: "pil.real.odrive.position",
+        value: 2e-5,
+        unit: "rad",
+        why: "the same as without a drive on CAN; target 1e-5",
+    },
+    Bound {
+        name: "pil.real.odrive.delay",
+        value: 6.5e-4,
+        unit: "s",
+        why: "longest time from a control interrupt until its torque, or a newer one, is at the drive: a frame of 0.1 ms every third control period, \
+              behind a heartbeat that is on the bus; target 4e-4",
+    },
+    Bound {
+        name: "pil.real.odrive.cycles",
+        value: 1000.0,
+        unit: "cycle",
+        why: "worst-case path of what a drive on CAN adds to the interrupt below the control's, in a period in which a heartbeat has come and a torque \
+              is sent, without wait states; target 400",
+    },
+    Bound {
+        name: "pil.real.odrive.silent.release",
+        value: 0.02,
+        unit: "s",
+        why: "from the end of a drive's heartbeats, of 4 ms, to a drive that is off and whose silence the master is told: three of them, and the \
+              frames",
+    },
+    Bound {
+        name: "pil.real.odrive.error.named",
+        value: 5e-3,
+        unit: "s",
+        why: "from an error of the drive to the same: the next heartbeat, and the frames",
+    },
+    Bound {
+        name: "pil.real.odrive.lost.release",
+        value: 0.15,
+        unit: "s",
+        why: "from the last SYNC to a drive that is off, of a joint in motion, as without a drive on CAN; target 0.1",
+    },
+    Bound {
+        name: "pil.real.odrive.encoder_lost.release",
+        value: 3e-3,
+        unit: "s",
+        why: "from the failure of the motor encoder to a drive that is idle: as of one at wires, and a frame of 0.1 ms behind a heartbeat",
+    },
 ];

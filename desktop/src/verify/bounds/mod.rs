@@ -111,6 +111,11 @@ pub const TARGETS: &[(&str, f64)] = &[
     ("pil.real.can.answer", 5e-4),
     ("pil.real.can.position", 1e-5),
     ("pil.real.can.lost.release", 0.1),
+    ("pil.real.odrive.answer", 5e-4),
+    ("pil.real.odrive.position", 1e-5),
+    ("pil.real.odrive.delay", 4e-4),
+    ("pil.real.odrive.cycles", 400.0),
+    ("pil.real.odrive.lost.release", 0.1),
 ];
 
 /// Line for a figure that misses its target.

@@ -1,6 +1,6 @@
 //! The bus of an STM32G4's FDCAN, with a peer at 1 Mbit/s: one frame after the other, each for its time.
 //!
-//! Of frames that could begin at once, that with the lowest identifier goes first. The peer sends in its order and once: what the chip does
+//! Of frames that could begin at once, that with the lowest identifier goes first. The peer sends in its order, no frame before its time, and once: what the chip does
 //! not hear, because it is not on the bus or at another rate, is lost. The chip tries again until its frame is acknowledged. Its frame has no
 //! acknowledgement where the peer gives none, at another rate, and where it is no classic data frame of an identifier of 11 bits.
 
@@ -13,7 +13,9 @@ use crate::chips::stm32::g4_fdcan::node::Node;
 use crate::chips::time::Time;
 use crate::lock::locked;
 
-/// Clocks, of 24 MHz, of a bit of the peer.
+/// Clocks in a second (Hz).
+pub const CLOCK: f64 = 24e6;
+/// Clocks of a bit of the peer.
 pub const BIT: u64 = 24;
 
 /// The bus, as the peer and the chip have it.
@@ -26,12 +28,27 @@ pub struct CanBus {
 impl CanBus {
     /// The peer sends a frame, after those that it has sent before.
     pub fn put(&self, frame: CanFrame) {
-        self.present(|state, _| state.waiting.push_back(frame));
+        self.present(|state, now| state.waiting.push_back((now, frame)));
+    }
+
+    /// The same from a time on, in clocks.
+    pub fn put_at(&self, time: u64, frame: CanFrame) {
+        self.present(|state, _| state.waiting.push_back((time, frame)));
     }
 
     /// Frames of the chip that have come since this was last called.
     pub fn take(&self) -> Vec<CanFrame> {
+        self.take_timed().into_iter().map(|(_, frame)| frame).collect()
+    }
+
+    /// The same, each with the time of its end, in clocks.
+    pub fn take_timed(&self) -> Vec<(u64, CanFrame)> {
         self.present(|state, _| std::mem::take(&mut state.come))
+    }
+
+    /// Clocks until now.
+    pub fn now(&self) -> u64 {
+        self.time.now()
     }
 
     /// Frames that the chip has read and acknowledged in its queues since this was last called.
@@ -83,10 +100,10 @@ enum Sender {
 pub struct State {
     /// The chip's end.
     pub node: Node,
-    /// Of the peer, not yet sent.
-    waiting: VecDeque<CanFrame>,
-    /// Of the chip.
-    come: Vec<CanFrame>,
+    /// Of the peer, not yet sent, each with when it may begin.
+    waiting: VecDeque<(u64, CanFrame)>,
+    /// Of the chip, each with its end.
+    come: Vec<(u64, CanFrame)>,
     silent: bool,
     overflows: u32,
     current: Option<Current>,
@@ -103,7 +120,7 @@ impl State {
                 return;
             }
             self.free_at = current.end + INTERMISSION * BIT;
-            self.ends(current.sender);
+            self.ends(current);
         }
         self.free_at = self.free_at.max(now);
     }
@@ -119,30 +136,27 @@ impl State {
 
     /// The next frame, if it begins by now.
     fn begins(&mut self, now: u64) -> Option<Current> {
-        let at = self.free_at.max(self.node.joins_at());
-        let chips = self.node.outgoing();
-        let first = |chips: &Outgoing| {
-            let before = |peers: &CanFrame| at == self.free_at && chips.frame.number() <= peers.number();
-            self.waiting.front().is_none_or(before)
-        };
-        match chips.filter(first) {
-            Some(chips) => (at <= now).then(|| {
-                let end = at + bits(&chips.frame) * self.node.bit();
+        let joined = self.free_at.max(self.node.joins_at());
+        let peers = self.waiting.front().map(|(time, frame)| (self.free_at.max(*time), frame.number()));
+        let first = |chips: &Outgoing| peers.is_none_or(|peers| (joined, chips.frame.number()) <= peers);
+        match (self.node.outgoing().filter(first), peers) {
+            (Some(chips), _) => (joined <= now).then(|| {
+                let end = joined + bits(&chips.frame) * self.node.bit();
                 Current { sender: Sender::Chip(chips), end }
             }),
-            None if self.free_at <= now => self.waiting.pop_front().map(|frame| {
-                let heard = !self.node.is_stopped() && at == self.free_at && self.is_at_rate();
-                Current { sender: Sender::Peer { frame, heard }, end: self.free_at + bits(&frame) * BIT }
+            (None, Some((at, _))) if at <= now => self.waiting.pop_front().map(|(_, frame)| {
+                let heard = !self.node.is_stopped() && joined <= at && self.is_at_rate();
+                Current { sender: Sender::Peer { frame, heard }, end: at + bits(&frame) * BIT }
             }),
-            None => None,
+            _ => None,
         }
     }
 
-    fn ends(&mut self, sender: Sender) {
+    fn ends(&mut self, Current { sender, end }: Current) {
         match sender {
             Sender::Chip(Outgoing { frame, plain: true }) if !self.silent && self.is_at_rate() => {
                 self.node.has_sent();
-                self.come.push(frame);
+                self.come.push((end, frame));
             }
             Sender::Chip(_) => self.node.was_not_acknowledged(),
             Sender::Peer { frame, heard: true } => self.overflows += u32::from(self.node.receive(&frame)),

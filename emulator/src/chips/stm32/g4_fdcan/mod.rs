@@ -1,4 +1,4 @@
-//! FDCAN1 of an STM32G4 (ST RM0440, chapter 44) for classic CAN, by polling.
+//! An FDCAN of an STM32G4 (ST RM0440, chapter 44) for classic CAN, by polling.
 //!
 //! | file | what is in it |
 //! | --- | --- |
@@ -16,14 +16,15 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rsemu::core::device::{Device, DeviceClass, RealizeCtx, ResetKind, SinkPin};
+use rsemu::core::device::{Device, DeviceClass, PropertySpec, RealizeCtx, ResetKind, SinkPin};
 use rsemu::core::error::Result;
+use rsemu::core::props::{Props, ValueKind};
 use rsemu::core::sched::LazyHandle;
 use rsemu::core::space::{AccessConstraints, MemAttrs, MemOps, MemResult, Region, RegionRef};
 use rsemu::core::value::{Endian, Width};
 use rsemu::core::wire::{Level, WireId, WireSink};
 use rsemu::machine::realize::Instance;
-use rsemu::machine::validate::{ClassSchema, PortDir};
+use rsemu::machine::validate::{ClassSchema, PortDir, PropSchema};
 
 use crate::lock::locked;
 
@@ -44,13 +45,22 @@ pub static CLASS: DeviceClass = DeviceClass {
     name: "strainwave.g4-fdcan",
     version: 1,
     summary: "STM32G4 FDCAN",
-    properties: &[],
-    construct: |_| Ok(Box::new(Fdcan::on(Arc::default()))),
+    properties: &[PropertySpec {
+        name: "second",
+        kind: ValueKind::Bool,
+        required: false,
+        summary: "it is at the second bus",
+    }],
+    construct: |props| Ok(Box::new(Fdcan::new(props, &Default::default())?)),
 };
 
 /// What a description may say of it.
 pub fn schema() -> ClassSchema {
-    ClassSchema::new(CLASS.name).port("enable", PortDir::In).region("").region("ram")
+    ClassSchema::new(CLASS.name)
+        .prop(PropSchema::new("second", ValueKind::Bool))
+        .port("enable", PortDir::In)
+        .region("")
+        .region("ram")
 }
 
 /// The peripheral.
@@ -62,6 +72,17 @@ pub struct Fdcan {
 }
 
 impl Fdcan {
+    /// Of its properties, at one of both buses.
+    ///
+    /// # Errors
+    /// A property that it has not.
+    pub fn new(props: &Props, [first, second]: &[Arc<CanBus>; 2]) -> Result<Self> {
+        let mut reader = props.reader();
+        let bus = if reader.or("second", false)? { second } else { first };
+        reader.finish()?;
+        Ok(Self::on(bus.clone()))
+    }
+
     /// At a bus.
     pub fn on(bus: Arc<CanBus>) -> Self {
         Self { bus, enable: Arc::default() }
