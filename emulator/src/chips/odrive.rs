@@ -16,8 +16,9 @@ use crate::chips::can::CanFrame;
 /// Axis states.
 const IDLE: u8 = 1;
 const CLOSED_LOOP_CONTROL: u8 = 8;
-/// Errors: its watchdog has expired; the motor's current is beyond its limit.
+/// Error: its watchdog has expired.
 const WATCHDOG_TIMER_EXPIRED: u32 = 0x0100_0000;
+/// Error: the motor's current is beyond its limit.
 pub const CURRENT_LIMIT_VIOLATION: u32 = 0x0000_1000;
 
 /// How it is configured.

@@ -116,12 +116,13 @@ fn of_commanded(model: &'static Model, elf: &Path) -> Result<Measured, Error> {
 fn of_odrive(model: &'static Model, elf: &Path) -> Result<Measured, Error> {
     let BeforeOdrive { on_the_bus: run, frames, delay } = before_odrive(model, elf, &late_drive())?;
     let image = Image::read(elf)?;
-    let worst = |symbol: &str| {
-        let paths = image.find(symbol)?.into_iter().map(|function| worst_case_path(&image, function));
+    let worst = |method: &str| {
+        let method = format!("strainwave_app::commanded::odrive::Odrive::{method}");
+        let paths = image.find(&method)?.into_iter().map(|function| worst_case_path(&image, function));
         // One without a bound is no number.
         Ok::<_, Error>(paths.map(|cycles| cycles.map_or(f64::NAN, |cycles| cycles as f64)).sum())
     };
-    let [listen, command]: [f64; 2] = [worst("odrive_listen")?, worst("odrive_command")?];
+    let [listen, command]: [f64; 2] = [worst("listen")?, worst("command")?];
     let rows = Rows { board: model.board, program: "odrive" };
     let different = run.frames.and(frames).different as f64;
     let mut figures = vec![
