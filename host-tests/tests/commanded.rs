@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use embedded_can::Frame as _;
+use embedded_can::{Frame as _, StandardId};
 use strainwave::Angle;
 use strainwave::compensator::actuate::mode::UNSAFE;
 use strainwave::compensator::{Command, CompensationGains, Faults, Mode, Setpoint, Status};
@@ -109,6 +109,15 @@ impl<D: Drive> Joint<D> {
 
 fn counts(angle: Angle<f32>) -> f64 {
     (angle.counts as f64 + f64::from(angle.rest)) / COUNT as f64
+}
+
+#[test]
+fn a_frame_of_a_word_is_that_of_its_bytes() {
+    let bytes = [1, 2, 3, 4, 5, 6, 7, 8];
+    for length in 0..=8 {
+        let word = Frame::of_word(StandardId::new(0x123).unwrap(), length as u8, u64::from_le_bytes(bytes));
+        assert_eq!(Some(word), Frame::of(0x123, &bytes[..length]));
+    }
 }
 
 #[test]

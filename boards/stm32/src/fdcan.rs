@@ -138,10 +138,10 @@ impl<F: FdCan> Bus<F> {
         let element = elements + ELEMENT * index as usize;
         let word = |offset: usize| message_ram::<F>(element + offset).read();
         let bytes = u64::from(word(12)) << 32 | u64::from(word(8));
-        let length = (word(4) >> 16 & 0xf).min(8) as usize;
+        let length = (word(4) >> 16 & 0xf) as u8;
         let id = StandardId::new((word(0) >> 18 & 0x7ff) as u16);
         register::<F>(acknowledge).write(index);
-        Frame::new(id?, bytes.to_le_bytes().get(..length)?)
+        Some(Frame::of_word(id?, length, bytes))
     }
 }
 

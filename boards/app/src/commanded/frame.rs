@@ -16,6 +16,13 @@ impl Frame {
         embedded_can::Frame::new(StandardId::new(id)?, data)
     }
 
+    /// Of the bytes of a word, the first lowest, without those beyond the length, 8 at most.
+    pub fn of_word(id: StandardId, length: u8, word: u64) -> Self {
+        let length = length.min(8);
+        let beyond = u64::MAX.checked_shl(8 * u32::from(length)).unwrap_or(0);
+        Self { id, length, bytes: (word & !beyond).to_le_bytes() }
+    }
+
     /// Its identifier; of two frames that begin at once, the lower goes first.
     pub fn number(&self) -> u16 {
         self.id.as_raw()

@@ -23,7 +23,7 @@ pub const ODRIVE: u8 = match u8::from_str_radix(env!("STRAINWAVE_ODRIVE_NUMBER")
     Err(_) => panic!("the build script has checked it"),
 };
 
-/// Control periods from one frame to the next: of 135 bits at most, with the heartbeats two take less.
+/// Control periods from one frame to the next. The longest and a heartbeat, 135 bits each, take less.
 const EVERY: u32 = 3;
 /// Frames of silence: 12 ms, three heartbeats of 4 ms.
 const TIMEOUT: u32 = 40;
@@ -77,8 +77,8 @@ impl<C: Can> Odrive<C> {
         self.protocol.lost().is_some() || self.unsent > UNSENT
     }
 
-    fn fault(&self) -> Option<DriveFault> {
-        if self.heard && self.is_lost() {
+    fn fault(&self, is_lost: bool) -> Option<DriveFault> {
+        if self.heard && is_lost {
             return Some(DriveFault::Silent);
         }
         match self.protocol.cause() {
@@ -118,10 +118,11 @@ impl<C: Can> Drive for Odrive<C> {
             self.protocol.receive(&frame);
             self.heard |= self.protocol.state().is_some();
         }
+        let is_lost = self.is_lost();
         DriveReport {
-            ready: self.heard && !self.is_lost(),
+            ready: self.heard && !is_lost,
             powered: self.protocol.is_enabled(),
-            fault: self.fault(),
+            fault: self.fault(is_lost),
         }
     }
 
