@@ -10,7 +10,7 @@ use strainwave_desktop::{Figure, GearFile};
 
 use crate::budget::{self, Budget};
 use crate::chips::commanded::{OnTheBus, on_the_bus};
-use crate::chips::control::{second, stopped};
+use crate::chips::control::{constant_changed, second, stopped};
 use crate::chips::model::{MODELS, Model};
 use crate::chips::{run_error, served};
 use crate::firmware::Program;
@@ -116,7 +116,8 @@ fn of_commanded(model: &'static Model, elf: &Path) -> Result<Measured, Error> {
 
 fn of_image(model: &'static Model, elf: &Path) -> Result<Measured, Error> {
     let (gear, board) = (GearFile::default_gear(), model.board);
-    let (second, stopped) = (second(model, elf, &gear)?, stopped(model, elf)?);
+    let (second, stopped, changed) =
+        (second(model, elf, &gear)?, stopped(model, elf)?, constant_changed(model, elf)?);
     let proved = budget::inspect(&Budget::read(board)?, elf)?.stack;
     let damaged = second.lines.iter().filter(|line| line.contains("damaged")).count();
     let said = second.lines.iter().any(|line| line.starts_with(LOST));
@@ -137,6 +138,8 @@ fn of_image(model: &'static Model, elf: &Path) -> Result<Measured, Error> {
         judged("pil.real.encoder_lost.unsaid", f64::from(u8::from(!said))),
         judged("pil.real.stopped.release", stopped.released_after),
         judged("pil.real.stopped.enabled", stopped.enabled as f64),
+        judged("pil.real.constant_changed.release", changed.released_after),
+        judged("pil.real.constant_changed.enabled", changed.enabled as f64),
     ];
     Ok(figures.into())
 }
