@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use strainwave::compensator::adapt::learning::Learnt;
 use strainwave::compensator::words::{BadWords, LEARNT_WORDS, WORDS, motor_encoder_bits};
 use strainwave::compensator::{CompensationGains, Compensator, Input, Sensors};
+use strainwave_app::constants::{PARTS, is_unchanged};
 use strainwave_desktop::GearFile;
 use strainwave_desktop::design::export::Export;
 use strainwave_desktop::design::joint::joint_params;
@@ -164,5 +165,21 @@ fn what_was_learnt_is_read_as_it_was_written_and_bounded_where_it_is_used() {
         let state = compensator.rest_with(&Learnt::from_words(&[bits; LEARNT_WORDS]));
         let started = compensator.learnt(&state).to_words().map(f32::from_bits);
         assert!(started.iter().all(|value| value.abs() < 3.0), "{bits:x}: {started:?}");
+    }
+}
+
+#[test]
+fn a_changed_bit_of_the_constants_is_found_in_its_part_whichever_it_is() {
+    let parts = |words: &_| [0, 1].map(|part| is_unchanged(words, part));
+    let mut words = strainwave_app::joint::WORDS;
+    assert_eq!(PARTS, 2);
+    assert_eq!(parts(&words), [true; 2]);
+    let half = words.len().div_ceil(PARTS);
+    for word in 0..words.len() {
+        for bit in 0..32 {
+            words[word] ^= 1 << bit;
+            assert_eq!(parts(&words), [word >= half, word < half], "bit {bit} of word {word}");
+            words[word] ^= 1 << bit;
+        }
     }
 }

@@ -114,7 +114,7 @@ impl Compensator<f32> {
         let mut words = [0; WORDS];
         let [layout, length, checksum, own @ ..] = &mut words;
         self.write(own.as_mut_bytes());
-        (*layout, *length, *checksum) = (LAYOUT, own.len() as u32, CHECKSUM.checksum(own.as_bytes()));
+        (*layout, *length, *checksum) = (LAYOUT, own.len() as u32, self::checksum(own));
         words
     }
 
@@ -130,13 +130,18 @@ impl Compensator<f32> {
         if *length as usize != own.len() || words.len() != WORDS {
             return Err(BadWords::Length);
         }
-        if *checksum != CHECKSUM.checksum(own.as_bytes()) {
+        if *checksum != self::checksum(own) {
             return Err(BadWords::Checksum);
         }
         // With the checksum right only a bool that is none could be left.
         let compensator = Self::try_ref_from_bytes(own.as_bytes()).map_err(|_| BadWords::Layout)?;
         if compensator.pulleys.lack_code() { Err(BadWords::Belt) } else { Ok(compensator) }
     }
+}
+
+/// Checksum of the compensator's own words, those behind the header.
+pub fn checksum(own: &[u32]) -> u32 {
+    CHECKSUM.checksum(own.as_bytes())
 }
 
 /// What tells a joint's words from those of another: their checksum.

@@ -8,6 +8,7 @@
 pub mod command_source;
 #[cfg(feature = "can")]
 pub mod commanded;
+pub mod constants;
 pub mod control;
 pub mod elementary_functions;
 pub mod frame;

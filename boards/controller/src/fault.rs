@@ -2,8 +2,9 @@
 
 use crate::Chip;
 
-/// Ends the image with the drive off.
+/// Ends the image with the drive off: no interrupt enables it again.
 pub fn halt<C: Chip>() -> ! {
+    cortex_m::interrupt::disable();
     let (register, low) = C::RELEASE;
     // SAFETY: a write to the register that `Chip` promises takes the enable low and leaves the rest, whoever owns the port.
     unsafe { (register as *mut u32).write_volatile(low) };

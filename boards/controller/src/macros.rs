@@ -60,10 +60,7 @@ macro_rules! commanded_controller {
             $crate::commanded::run(&PLACES, TELEMETRY, $parts, $start, Interrupt::$port)
         }
 
-        $crate::handlers!($chip, {
-            PLACES.slot.tick();
-            cortex_m::peripheral::NVIC::pend(Interrupt::$port);
-        }, $kind $timer, $port, PLACES.poll(), $send);
+        $crate::handlers!($chip, PLACES.slot.tick(), $kind $timer, $port, PLACES.poll(), $send);
     };
 }
 
@@ -77,12 +74,16 @@ macro_rules! handlers {
         fn $timer() {
             <<$chip as $crate::Chip>::Timer as $crate::Timer>::acknowledge();
             $tick;
+            cortex_m::peripheral::NVIC::pend(Interrupt::$port);
         }
 
-        /// The serial port, or the bus.
+        /// The serial port, or the bus; once a period also by the control, below which the constants are checked.
         #[interrupt]
         fn $port() {
             $serve;
+            if $crate::joint::has_changed() {
+                $crate::fault::halt::<$chip>();
+            }
         }
 
         #[cortex_m_rt::exception(trampoline = false)]

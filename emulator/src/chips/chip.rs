@@ -1,12 +1,14 @@
 //! The chip with the board around it, booted with an image.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use object::Endianness;
 use object::elf::PT_LOAD;
-use object::read::elf::{ElfFile32, ProgramHeader};
+use object::read::elf::{ElfFile32, ElfSymbol32, ProgramHeader};
+use object::{Object, ObjectSymbol};
 use rsemu::core::clock::GlobalTime;
 use rsemu::core::space::{AddressSpace, MemAttrs};
 use rsemu::core::value::Width;
@@ -14,6 +16,7 @@ use rsemu::cpu::arm::v7m::{self, ArmV7m};
 use rsemu::host::chardev::{CharPort, ports};
 use rsemu::machine::{self, Machine, catalog};
 
+use crate::artifact::symbol;
 use crate::chips::cpu::Core;
 use crate::chips::encoder::{self, Encoder, Magnet};
 use crate::chips::model::{Model, Timer};
@@ -22,12 +25,15 @@ use crate::chips::spi_master;
 use crate::chips::stm32::g4_fdcan::{self, CanBus, Fdcan};
 use crate::chips::stm32::halfwords::{self, Halfwords};
 use crate::chips::stm32::{f4_dma, h7_flash, h7_pwr, h7_rcc, h7_spi};
+use crate::chips::system_reset::{self, SystemReset};
 use crate::telemetry;
 
 /// What an erased byte of the flash reads.
 const ERASED: u8 = 0xff;
 /// What the stack is filled with before the start.
 const FILL: u32 = 0x5a5a_5a5a;
+/// The joint's constants in RAM.
+const CONSTANTS: &str = "strainwave_controller::joint::WORDS";
 /// Control register of TIM2.
 const TIM2_CONTROL: u64 = 0x4000_0000;
 /// In the control register of either timer: it runs.
@@ -125,6 +131,7 @@ impl Chip {
         options.bindings.bind(blocks::CLASS.name, |props| Ok(Arc::new(blocks::new(props)?)))?;
         options.bindings.bind(sio::CLASS.name, |_| Ok(Arc::new(sio::Sio::default())))?;
         options.bindings.bind(spi::CLASS.name, |props| Ok(Arc::new(spi::new(props)?)))?;
+        options.bindings.bind(system_reset::CLASS.name, |_| Ok(Arc::new(SystemReset::default())))?;
         options.bindings.bind(watchdog::CLASS.name, |_| Ok(Arc::new(watchdog::Watchdog::default())))?;
         let core = Arc::<OnceLock<Arc<ArmV7m>>>::default();
         let built = core.clone();
@@ -145,6 +152,7 @@ impl Chip {
             (&blocks::CLASS, blocks::schema()),
             (&sio::CLASS, sio::schema()),
             (&spi::CLASS, spi_master::schema(&spi::CLASS)),
+            (&system_reset::CLASS, system_reset::schema()),
             (&watchdog::CLASS, watchdog::schema()),
         ] {
             registry.add(class)?;
@@ -213,6 +221,16 @@ impl Chip {
             Timer::SysTick => self.core.with_sys(|core| core.syst_csr = 0),
         }
         Ok(())
+    }
+
+    /// Changes the least significant bit of a word of the joint's constants in RAM, at this share of them, 0 to 1.
+    ///
+    /// # Errors
+    /// [`Error::Image`] for an image whose constants are in flash, [`Error::Bus`].
+    pub fn change_constant(&self, share: f64) -> Result<(), Error> {
+        let Range { start, end } = constants(&self.elf)?;
+        let word = start + ((end - start) as f64 * share) as u64 / 4 * 4;
+        self.write(word, self.read(word)? ^ 1)
     }
 
     /// What the drive is told: the code of the torque, 2048 for none, and that it is enabled.
@@ -285,6 +303,17 @@ impl Chip {
 
 fn time(span: Duration) -> GlobalTime {
     GlobalTime::from_nanos(span.as_nanos() as u64)
+}
+
+/// Where the image has the joint's constants while it runs.
+fn constants(elf: &Path) -> Result<Range<u64>, Error> {
+    let wrong = |why: String| Error::Image { image: elf.to_owned(), why };
+    let bytes = std::fs::read(elf).map_err(|error| wrong(error.to_string()))?;
+    let file = ElfFile32::<Endianness>::parse(&*bytes).map_err(|error| wrong(error.to_string()))?;
+    let named =
+        |symbol: &ElfSymbol32<'_, '_>| symbol.name().is_ok_and(|name| symbol::path(name) == CONSTANTS);
+    let found = file.symbols().find(named).ok_or_else(|| wrong(format!("no static {CONSTANTS}")))?;
+    Ok(found.address()..found.address() + found.size())
 }
 
 /// The flash with the image's segments where they are loaded.

@@ -45,6 +45,8 @@ const LOAD: f64 = 0.3;
 const LATEST: u32 = 20;
 /// Length (s).
 const DURATION: f64 = 1.0;
+/// Where constants are changed, as a share of them.
+const CHANGED: [f64; 4] = [0.0, 0.4, 0.6, 0.999];
 /// Periods for which a stopped control is watched: 0.2 s.
 const AFTERWARDS: u32 = 2000;
 
@@ -104,7 +106,7 @@ pub fn second(model: &'static Model, elf: &Path, gear: &GearFile) -> Result<Seco
     })
 }
 
-/// What the watchdog does when the control stops.
+/// A drive that went off because something is wrong with the chip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stopped {
     /// From there to the drive's release (s).
@@ -113,24 +115,52 @@ pub struct Stopped {
     pub enabled: u64,
 }
 
-/// Stops the control of a joint at rest.
+/// What the watchdog does when the control of a joint at rest stops.
 ///
 /// # Errors
 /// [`Error`].
 pub fn stopped(model: &'static Model, elf: &Path) -> Result<Stopped, Error> {
-    let (mut chip, _) = start(model, elf, 0)?;
-    chip.run(Duration::from_millis(300))?;
-    if !chip.drive()?.1 {
-        return Err(chip::Error::NotStarted { said: "the drive is not enabled".into() }.into());
-    }
+    let mut chip = at_rest(model, elf)?;
     chip.stop_timer()?;
     let released_after = until_released(&mut chip)?;
+    Ok(Stopped { released_after, enabled: enabled_afterwards(&mut chip)? })
+}
+
+/// What a changed bit of the joint's constants in RAM does: the least significant one of a word, in several words, at several times of the check;
+/// the worst of them.
+///
+/// # Errors
+/// [`Error`].
+pub fn constant_changed(model: &'static Model, elf: &Path) -> Result<Stopped, Error> {
+    let mut worst = Stopped { released_after: 0.0, enabled: 0 };
+    for (number, share) in CHANGED.into_iter().enumerate() {
+        let mut chip = at_rest(model, elf)?;
+        chip.run(period() * number as u32)?;
+        chip.change_constant(share)?;
+        worst.released_after = worst.released_after.max(until_disabled(&mut chip)?);
+        worst.enabled += enabled_afterwards(&mut chip)?;
+    }
+    Ok(worst)
+}
+
+/// A joint at rest, controlled for 0.3 s.
+fn at_rest(model: &'static Model, elf: &Path) -> Result<Chip, Error> {
+    let (mut chip, _) = start(model, elf, 0)?;
+    chip.run(Duration::from_millis(300))?;
+    if chip.drive()?.1 {
+        Ok(chip)
+    } else {
+        Err(chip::Error::NotStarted { said: "the drive is not enabled".into() }.into())
+    }
+}
+
+fn enabled_afterwards(chip: &mut Chip) -> Result<u64, Error> {
     let mut enabled = 0;
     for _ in 0..AFTERWARDS {
         chip.run(period())?;
         enabled += u64::from(chip.drive()?.1);
     }
-    Ok(Stopped { released_after, enabled })
+    Ok(enabled)
 }
 
 /// Boots an image, up to the first period.
@@ -163,6 +193,17 @@ fn until_released(chip: &mut Chip) -> Result<f64, Error> {
         chip.run(period())?;
         if chip.drive()? == RELEASED {
             return Ok(f64::from(periods) * CONTROL_PERIOD);
+        }
+    }
+    Ok(f64::INFINITY)
+}
+
+/// Time until the drive is not enabled (s), to 10 us; infinite when it is for 0.1 s.
+fn until_disabled(chip: &mut Chip) -> Result<f64, Error> {
+    for glances in 1..=10_000 {
+        chip.run(GLANCE)?;
+        if !chip.drive()?.1 {
+            return Ok((GLANCE * glances).as_secs_f64());
         }
     }
     Ok(f64::INFINITY)

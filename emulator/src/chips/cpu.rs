@@ -78,8 +78,9 @@ impl Device for Core {
         self.0.sink(port, sources)
     }
 
-    fn reset(&self, kind: ResetKind) {
-        self.0.reset(kind);
+    // A reset of the chip is one of the core with all that is in it: rsemu's warm one leaves its interrupts and its timer on.
+    fn reset(&self, _kind: ResetKind) {
+        self.0.reset(ResetKind::Cold);
     }
 
     fn is_runnable(&self) -> bool {

@@ -11,6 +11,7 @@
 //! | [`cpu`] | the core, around a fault of the emulator |
 //! | [`registers`] | a peripheral of registers with rules |
 //! | [`spi_master`] | an SPI by the registers of its controller |
+//! | [`system_reset`] | the reset of a whole chip |
 //! | [`time`] | time of a peripheral between two accesses |
 //! | [`encoder`] | the motor encoder |
 //! | [`can`] | a frame of a CAN bus |
@@ -53,6 +54,7 @@ pub mod run_error;
 pub mod served;
 pub mod spi_master;
 pub mod stm32;
+pub mod system_reset;
 pub mod time;
 pub mod verify;
 

@@ -46,6 +46,8 @@ impl Words {
 pub struct Rules {
     /// Registers that are not 0 out of reset.
     pub reset: &'static [(usize, u32)],
+    /// Registers that a reset of the chip keeps, as long as it has power.
+    pub kept: &'static [usize],
     /// What a word that is written to an offset changes.
     pub write: fn(&mut Words, usize, u32),
     /// Wires, each with a register and the bits of it that it sets.
@@ -83,8 +85,12 @@ impl Device for Registers {
         Ok(())
     }
 
-    fn reset(&self, _kind: ResetKind) {
-        *locked(&self.file.words) = self.file.rules.reset();
+    fn reset(&self, kind: ResetKind) {
+        let (rules, mut words) = (self.file.rules, locked(&self.file.words));
+        let before = std::mem::replace(&mut *words, rules.reset());
+        if kind != ResetKind::Cold {
+            rules.kept.iter().for_each(|offset| words.put(*offset, before.at(*offset)));
+        }
     }
 
     fn region(&self, name: &str) -> Option<RegionRef> {
@@ -147,19 +153,23 @@ mod tests {
 
     static RULES: Rules = Rules {
         reset: &[(8, 7)],
+        kept: &[12],
         write: |words, offset, word| words.put(offset, 2 * word),
         wires: &[("flag", 12, 0b100)],
     };
 
     #[test]
-    fn a_write_follows_the_rules_and_a_reset_takes_it_back() {
+    fn a_write_follows_the_rules_and_a_reset_takes_it_back_but_for_what_it_keeps() {
         let registers = Registers::new(&CLASS, &RULES);
         let read = |offset| locked(&registers.file.words).at(offset);
         assert_eq!(read(8), 7);
         registers.file.write(8, &[3, 1, 0, 0], MemAttrs::DEFAULT).unwrap();
         assert_eq!(read(8), 2 * 0x103);
+        registers.file.write(12, &[1, 0, 0, 0], MemAttrs::DEFAULT).unwrap();
+        registers.reset(ResetKind::Warm);
+        assert_eq!([8, 12].map(read), [7, 2]);
         registers.reset(ResetKind::Cold);
-        assert_eq!(read(8), 7);
+        assert_eq!([8, 12].map(read), [7, 0]);
     }
 
     #[test]

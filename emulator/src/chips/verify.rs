@@ -11,7 +11,7 @@ use strainwave_desktop::{Figure, GearFile};
 use crate::artifact::{self, Image};
 use crate::budget::{self, Budget};
 use crate::chips::commanded::{BeforeOdrive, OnTheBus, before_odrive, on_the_bus};
-use crate::chips::control::{second, stopped};
+use crate::chips::control::{constant_changed, second, stopped};
 use crate::chips::model::{MODELS, Model};
 use crate::chips::{run_error, served};
 use crate::counting::worst_path::worst_case_path;
@@ -187,7 +187,8 @@ impl Rows {
 
 fn of_image(model: &'static Model, elf: &Path) -> Result<Measured, Error> {
     let (gear, board) = (GearFile::default_gear(), model.board);
-    let (second, stopped) = (second(model, elf, &gear)?, stopped(model, elf)?);
+    let (second, stopped, changed) =
+        (second(model, elf, &gear)?, stopped(model, elf)?, constant_changed(model, elf)?);
     let proved = budget::inspect(&Budget::read(board)?, elf)?.stack;
     let damaged = second.lines.iter().filter(|line| line.contains("damaged")).count();
     let said = second.lines.iter().any(|line| line.starts_with(LOST));
@@ -208,6 +209,8 @@ fn of_image(model: &'static Model, elf: &Path) -> Result<Measured, Error> {
         judged("pil.real.encoder_lost.unsaid", f64::from(u8::from(!said))),
         judged("pil.real.stopped.release", stopped.released_after),
         judged("pil.real.stopped.enabled", stopped.enabled as f64),
+        judged("pil.real.constant_changed.release", changed.released_after),
+        judged("pil.real.constant_changed.enabled", changed.enabled as f64),
     ];
     Ok(figures.into())
 }

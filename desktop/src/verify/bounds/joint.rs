@@ -142,6 +142,19 @@ pub(super) const ROWS: &[Bound] = &[
         why: "control periods of the 0.2 s after it in which the drive is enabled: nobody has looked after the cause",
     },
     Bound {
+        name: "pil.real.constant_changed.release",
+        value: 3e-4,
+        unit: "s",
+        why: "from a changed bit of the joint's constants in RAM to a drive without its enable, the latest of four bits: half of them are summed in \
+              each control period",
+    },
+    Bound {
+        name: "pil.real.constant_changed.enabled",
+        value: 0.0,
+        unit: "period",
+        why: "control periods of the 0.2 s after it in which the drive is enabled, of all four",
+    },
+    Bound {
         name: "pil.real.served.readings_unlike_host",
         value: 0.0,
         unit: "1",

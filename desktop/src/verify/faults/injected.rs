@@ -13,6 +13,7 @@ use crate::bench::scenario::Scenario;
 use crate::io::gear_file::SensorSet;
 use crate::plant::divergence::RunError;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
+use strainwave::compensator::words;
 
 macro_rules! kinds {
     ($($kind:ident $name:literal: $doc:literal;)*) => {
@@ -58,7 +59,7 @@ kinds! {
     TorqueZero "motor torque zero": "The measured motor torque is 0.";
     TorqueFull "motor torque full": "The measured motor torque is the motor's peak.";
     NotANumber "not a number": "A sensor or setpoint is NaN for 1 to 200 ms.";
-    Parameter "parameter bit": "A bit of a parameter flips.";
+    Parameter "parameter bit": "A bit of the constants in RAM flips; boards find it within 3 periods.";
     Overrun "overrun": "1 to 200 steps are not completed in time; a watchdog waits for 38 of them.";
     Restart "restart in motion": "The controller starts again; half of them know why.";
     SetpointJump "setpoint jump": "The setpoint jumps by 0.01 to 1 rad.";
@@ -67,6 +68,9 @@ kinds! {
 
 /// Steps that a board's watchdog waits for: 3.8 ms, that of an STM32F405 whose clock is as slow as it may be.
 const WATCHDOG: u32 = 38;
+
+/// Steps that run with a changed constant: a board's check of them takes two periods, and a third may have begun.
+const CHANGED: usize = 3;
 
 /// A fault in a run.
 #[derive(Clone, Copy, Debug)]
@@ -288,6 +292,7 @@ impl Broken {
                 }
             },
             Kind::Parameter if since == 0 => self.flip(fault),
+            Kind::Parameter => self.halted |= since >= CHANGED,
             Kind::Overrun if since < 1 + (fault.between(1.0, 200.0) as usize) => {
                 self.missed += 1;
                 self.halted |= self.missed >= WATCHDOG;
@@ -312,29 +317,14 @@ impl Broken {
     }
 
     fn flip(&mut self, fault: &Injected) {
-        let mut params = self.params;
-        let places = [
-            &mut params.feedback.position_gain,
-            &mut params.feedback.velocity_gain,
-            &mut params.feedback.integral_time,
-            &mut params.feedback.filter_corner,
-            &mut params.feedback.torque_limit,
-            &mut params.gear.wave_generator_inertia,
-            &mut params.gear.flexspline_inertia,
-            &mut params.gear.input_friction.forward.static_level,
-            &mut params.gear.input_friction.forward.coulomb,
-            &mut params.limits.motor_torque,
-            &mut params.limits.motor_speed,
-            &mut params.limits.output_torque,
-            &mut params.disturbance.fast_corner,
-            &mut params.disturbance.dead_zone,
-        ];
-        let count = places.len();
-        if let Some(place) = places.into_iter().nth((fault.choice >> 16) as usize % count) {
-            *place = f32::from_bits(place.to_bits() ^ 1 << (fault.choice % 32));
-        }
-        match params.build() {
-            Ok(model) => self.model = model,
+        let mut words = self.model.to_words();
+        let [_, _, checksum, own @ ..] = &mut words;
+        let place = (fault.choice >> 5) as usize % own.len();
+        own[place] ^= 1 << (fault.choice % 32);
+        // As if start-up had found it sound: the bit flips afterwards.
+        *checksum = words::checksum(own);
+        match Compensator::from_words(&words) {
+            Ok(model) => self.model = model.clone(),
             Err(_) => self.halted = true,
         }
     }

@@ -43,7 +43,7 @@ pub fn new(props: &Props) -> Result<Registers> {
     Ok(Registers::new(&CLASS, rules))
 }
 
-static MEMORY: Rules = Rules { reset: &[], write: Words::put, wires: &[] };
+static MEMORY: Rules = Rules { reset: &[], kept: &[], write: Words::put, wires: &[] };
 
 /// What is in reset; what is not.
 const RESET: usize = 0x0;
@@ -53,6 +53,7 @@ const ALL: u32 = 0x1fff_ffff;
 
 static RESETS: Rules = Rules {
     reset: &[(RESET, ALL)],
+    kept: &[],
     write: |words, offset, word| match offset {
         RESET_DONE => {}
         RESET => {
@@ -70,6 +71,7 @@ const SYSTEM: (usize, usize) = (0x3c, 0x44);
 
 static CLOCKS: Rules = Rules {
     reset: &[(REFERENCE.1, 1), (SYSTEM.1, 1)],
+    kept: &[],
     write: |words, offset, word| {
         if ![REFERENCE.1, SYSTEM.1].contains(&offset) {
             words.put(offset, word);
@@ -90,6 +92,8 @@ const STABLE: u32 = 1 << 31 | 1 << 12;
 
 static CRYSTAL: Rules = Rules {
     reset: &[],
+    // The watchdog resets all but the oscillators.
+    kept: &[CONTROL, STATUS],
     write: |words, offset, word| {
         if offset != STATUS {
             words.put(offset, word);
@@ -114,6 +118,7 @@ const OSCILLATOR: std::ops::RangeInclusive<u32> = 750..=1600;
 
 static PLL: Rules = Rules {
     reset: &[(CS, 1), (PWR, 0x2d), (PRIM, 0x0007_7000)],
+    kept: &[],
     write: |words, offset, word| {
         words.put(offset, word);
         let divisor = (words.at(CS) & 0x3f).max(1);

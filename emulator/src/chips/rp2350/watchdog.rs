@@ -1,7 +1,6 @@
 //! Watchdog of an RP2350 with the ticks that it counts and the choice of what it resets (datasheet, 7.4, 8.5 and 12.9).
 //!
-//! It counts where its ticks are on and a microsecond long, and resets the core where it is told to reset that one. The other peripherals
-//! keep their registers.
+//! It counts where its ticks are on and a microsecond long, and resets the chip where it is told to reset the core.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
@@ -67,9 +66,12 @@ impl Device for Watchdog {
         Ok(())
     }
 
-    fn reset(&self, _kind: ResetKind) {
+    fn reset(&self, kind: ResetKind) {
         let mut state = locked(&self.0.state);
-        *state = State { tick: state.tick, ..State::default() };
+        *state = match kind {
+            ResetKind::Cold => State { tick: state.tick, ..State::default() },
+            _ => state.after_reset(),
+        };
         self.0.publish(&state);
     }
 
@@ -157,8 +159,13 @@ impl State {
         if self.left > 0 || self.stages & CORE == 0 {
             return false;
         }
-        *self = Self { reason: COUNTED_DOWN, scratch: self.scratch, tick: self.tick, ..Self::default() };
+        *self = Self { reason: COUNTED_DOWN, ..self.after_reset() };
         true
+    }
+
+    /// What a reset by it leaves.
+    fn after_reset(&self) -> Self {
+        Self { reason: self.reason, scratch: self.scratch, tick: self.tick, ..Self::default() }
     }
 
     fn scratch(&mut self, offset: u64) -> Option<&mut u32> {

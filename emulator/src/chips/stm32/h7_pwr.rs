@@ -36,7 +36,8 @@ pub fn new() -> Registers {
     Registers::new(&CLASS, &RULES)
 }
 
-static RULES: Rules = Rules { reset: &[(CSR1, SCALE_3), (CR3, 0b110), (D3CR, SCALE_3)], write, wires: &[] };
+static RULES: Rules =
+    Rules { reset: &[(CSR1, SCALE_3), (CR3, 0b110), (D3CR, SCALE_3)], kept: &[], write, wires: &[] };
 
 fn write(words: &mut Words, offset: usize, word: u32) {
     let supplied = words.at(CSR1) & READY != 0;

@@ -63,6 +63,7 @@ static RULES: Rules = Rules {
         (PLL1DIVR, 0x0101_0280),
         (RSR, POWER_ON),
     ],
+    kept: &[RSR],
     write,
     wires: &[("iwdgrst", RSR, WATCHDOG)],
 };
