@@ -360,7 +360,8 @@ fn without_host_settings(command: &mut Command) {
     let ours = |name: &str| {
         name.starts_with("CARGO_PROFILE_")
             || name.starts_with("CARGO_BUILD_")
-            || ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "DEFMT_LOG", "STRAINWAVE_JOINT", NODE, ODRIVE].contains(&name)
+            || ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "DEFMT_LOG", "STRAINWAVE_JOINT", NODE, ODRIVE]
+                .contains(&name)
     };
     for (name, _) in std::env::vars_os() {
         if name.to_str().is_some_and(ours) {

@@ -401,7 +401,8 @@ impl Master {
         if frames.iter().any(|frame| frame.number() == 0x080) {
             (self.told.waited, self.told.answers) = (Some(0), 0);
         }
-        let look = self.end.go_on(Ask { frames, encoder_fails: self.encoder_fails, failure: self.failure })?;
+        let look =
+            self.end.go_on(Ask { frames, encoder_fails: self.encoder_fails, failure: self.failure })?;
         self.periods += 1;
         if look.drive == RELEASED && self.drive != RELEASED {
             self.off_since = self.periods;

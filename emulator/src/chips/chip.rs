@@ -119,9 +119,7 @@ impl Chip {
             .bind(encoder::CLASS.name, move |props| Ok(Arc::new(Encoder::new(props, shown.clone())?)))?;
         let buses = <[Arc<CanBus>; 2]>::default();
         let wired = buses.clone();
-        options
-            .bindings
-            .bind(g4_fdcan::CLASS.name, move |props| Ok(Arc::new(Fdcan::new(props, &wired)?)))?;
+        options.bindings.bind(g4_fdcan::CLASS.name, move |props| Ok(Arc::new(Fdcan::new(props, &wired)?)))?;
         options.bindings.bind(f4_dma::CLASS.name, |_| Ok(Arc::new(f4_dma::Stream::default())))?;
         options.bindings.bind(halfwords::CLASS.name, |props| Ok(Arc::new(Halfwords::new(props)?)))?;
         options.bindings.bind(h7_flash::CLASS.name, |props| Ok(Arc::new(h7_flash::Flash::new(props)?)))?;
@@ -164,8 +162,17 @@ impl Chip {
         let machine = machine::build(model.board, model.description, &registry, &options)?;
         let memory = machine.space("mem").cloned().ok_or(Error::Bus(0))?;
         let core = core.get().cloned().ok_or(Error::Bus(0))?;
-        let chip =
-            Self { model, machine, core, memory, magnet, buses, serial, elf: elf.to_owned(), sent: Vec::new() };
+        let chip = Self {
+            model,
+            machine,
+            core,
+            memory,
+            magnet,
+            buses,
+            serial,
+            elf: elf.to_owned(),
+            sent: Vec::new(),
+        };
         for address in model.stack().step_by(4) {
             chip.write(address, FILL)?;
         }

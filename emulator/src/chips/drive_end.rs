@@ -29,7 +29,12 @@ pub trait DriveEnd: Sized {
     ///
     /// # Errors
     /// As [`Chip::drive`].
-    fn after(&mut self, chip: &Chip, host: &mut ControlBeside, count: Option<u32>) -> Result<(f32, Drive), chip::Error>;
+    fn after(
+        &mut self,
+        chip: &Chip,
+        host: &mut ControlBeside,
+        count: Option<u32>,
+    ) -> Result<(f32, Drive), chip::Error>;
 
     /// After the host's node was polled.
     fn polled(&mut self) {}
@@ -51,7 +56,12 @@ impl DriveEnd for WiredEnd {
         Ok((Self { peak: compensator.limits().motor_torque }, Wired))
     }
 
-    fn after(&mut self, chip: &Chip, host: &mut ControlBeside, count: Option<u32>) -> Result<(f32, Drive), chip::Error> {
+    fn after(
+        &mut self,
+        chip: &Chip,
+        host: &mut ControlBeside,
+        count: Option<u32>,
+    ) -> Result<(f32, Drive), chip::Error> {
         let drive = chip.drive()?;
         host.compare(count, drive);
         Ok((host::torque(drive, self.peak) as f32, drive))
@@ -115,7 +125,12 @@ impl DriveEnd for OdriveEnd {
         }
     }
 
-    fn after(&mut self, chip: &Chip, host: &mut ControlBeside, count: Option<u32>) -> Result<(f32, Drive), chip::Error> {
+    fn after(
+        &mut self,
+        chip: &Chip,
+        host: &mut ControlBeside,
+        count: Option<u32>,
+    ) -> Result<(f32, Drive), chip::Error> {
         for (at, frame) in chip.second_bus().take_timed() {
             self.drive.take(at, &frame);
             self.come.push(at);

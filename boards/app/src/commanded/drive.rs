@@ -30,12 +30,7 @@ impl DriveReport {
     /// What joint and drive together are: a fault of the joint counts first.
     pub(super) fn joined(&self, joint: Actual) -> Actual {
         let fault = if joint.fault == 0 { self.fault.map_or(0, |fault| fault as u16) } else { joint.fault };
-        Actual {
-            ready: joint.ready && self.ready,
-            powered: joint.powered && self.powered,
-            fault,
-            ..joint
-        }
+        Actual { ready: joint.ready && self.ready, powered: joint.powered && self.powered, fault, ..joint }
     }
 }
 

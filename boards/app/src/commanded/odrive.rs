@@ -82,7 +82,9 @@ impl<C: Can> Odrive<C> {
             return Some(DriveFault::Silent);
         }
         match self.protocol.cause() {
-            None | Some(Cause::NotStarted) => (self.protocol.errors().active != 0).then_some(DriveFault::Error),
+            None | Some(Cause::NotStarted) => {
+                (self.protocol.errors().active != 0).then_some(DriveFault::Error)
+            }
             Some(Cause::HeartbeatLost | Cause::StatusLost) => Some(DriveFault::Silent),
             Some(_) => Some(DriveFault::Error),
         }
@@ -101,7 +103,8 @@ impl<C: Can> Odrive<C> {
     /// A frame for which there is no room is dropped: the next one is newer.
     fn send(&mut self) {
         let torque = if self.age < LONGEST_AGE { self.torque } else { 0.0 };
-        let sent = self.protocol.step::<C::Frame>(torque).is_some_and(|frame| self.can.transmit(&frame).is_ok());
+        let sent =
+            self.protocol.step::<C::Frame>(torque).is_some_and(|frame| self.can.transmit(&frame).is_ok());
         self.unsent = if sent { 0 } else { self.unsent.saturating_add(1) };
         self.since_sent = 0;
     }

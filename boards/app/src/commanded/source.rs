@@ -86,7 +86,11 @@ impl CommandSource for Commanded {
             at_rest: self.rested == RESTING,
             follows: self.targets.follows(),
         };
-        self.exchange.give(Given { actual, answers: self.order.reads, torque: self.torque.unwrap_or_default() });
+        self.exchange.give(Given {
+            actual,
+            answers: self.order.reads,
+            torque: self.torque.unwrap_or_default(),
+        });
     }
 
     fn reset_requested(&mut self) -> bool {

@@ -34,7 +34,9 @@ impl Master {
         self.moves(POSITION)?;
         let (begin, named) = (self.periods, self.told.errors.len());
         self.failure = Some(failure);
-        while self.periods - begin < PATIENCE * CYCLE && (self.told.errors.len() == named || self.drive != RELEASED) {
+        while self.periods - begin < PATIENCE * CYCLE
+            && (self.told.errors.len() == named || self.drive != RELEASED)
+        {
             let begins = (self.periods - begin).is_multiple_of(CYCLE);
             self.put(if begins { self.frames() } else { Vec::new() })?;
             self.failure = self.failure.filter(|failure| *failure == Failure::Silent);
