@@ -230,7 +230,11 @@ fn a_drive_with_an_error_or_unheard_is_not_switched_on() {
     bench.cycle(0x06);
     // No fault: it may start later.
     assert_eq!(bench.status(), 0x00);
-    bench.silent = false;
+    // Heard, but it still starts.
+    (bench.silent, bench.errors) = (false, 0x01);
+    bench.cycles(0x00, 10);
+    assert_eq!(bench.status(), 0x00);
+    bench.errors = 0;
     bench.cycles(0x00, 10);
     assert_eq!(bench.status() & 0x4f, 0x40);
     bench.errors = 0x40;

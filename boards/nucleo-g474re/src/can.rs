@@ -20,11 +20,15 @@ unsafe impl FdCan for Can {
 const PINS_AS_FUNCTION: (u32, u32) = (0b1111 << 22, 0b1010 << 22);
 const FUNCTION: (u32, u32) = (0xff << 12, 0x99 << 12);
 
+/// The bits of a register with a field set.
+pub fn set(old: u32, (mask, bits): (u32, u32)) -> u32 {
+    old & !mask | bits
+}
+
 /// Joins the bus as node `number`, after the board's start; `None` where the peripheral does not answer. The control commands the drive itself.
 pub fn start(number: u8, _compensator: &Compensator) -> Option<(Bus<Can>, Wired)> {
     // SAFETY: the board's start has let these pins go, and the clock control is no longer written by anything else.
     let device = unsafe { Peripherals::steal() };
-    let set = |old: u32, (mask, bits): (u32, u32)| old & !mask | bits;
     // SAFETY: any function is allowed.
     device.GPIOA.afrh().modify(|old, w| unsafe { w.bits(set(old.bits(), FUNCTION)) });
     // SAFETY: any mode is allowed.

@@ -5,7 +5,7 @@ use strainwave_controller::strainwave_app::Compensator;
 use strainwave_controller::strainwave_app::commanded::{ODRIVE, Odrive};
 use strainwave_stm32::fdcan::{Bus, FdCan, Filter};
 
-use crate::can::{self, Can};
+use crate::can::{self, Can, set};
 
 /// The peripheral.
 pub enum Can2 {}
@@ -14,6 +14,7 @@ pub enum Can2 {}
 unsafe impl FdCan for Can2 {
     const ADDRESS: usize = 0x4000_6800;
     const MESSAGE_RAM: usize = 0x4000_a750;
+    const FIFOS: usize = 1;
 }
 
 /// PB12 and PB13 in the registers of port B: their mode, and their function among the last eight pins, 9 is FDCAN2.
@@ -25,7 +26,6 @@ pub fn start(number: u8, compensator: &Compensator) -> Option<(Bus<Can>, Odrive<
     let (bus, _) = can::start(number, compensator)?;
     // SAFETY: the board's start has let these pins go.
     let device = unsafe { Peripherals::steal() };
-    let set = |old: u32, (mask, bits): (u32, u32)| old & !mask | bits;
     // SAFETY: any function is allowed.
     device.GPIOB.afrh().modify(|old, w| unsafe { w.bits(set(old.bits(), FUNCTION)) });
     // SAFETY: any mode is allowed.

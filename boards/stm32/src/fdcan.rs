@@ -55,6 +55,8 @@ pub unsafe trait FdCan {
     const ADDRESS: usize;
     /// Its part of the message RAM.
     const MESSAGE_RAM: usize;
+    /// RX FIFOs that its filters use, 1 or 2.
+    const FIFOS: usize = 2;
 }
 
 /// Frames that are taken: those whose identifier is `id` in the bits of `mask`.
@@ -172,7 +174,8 @@ impl<F: FdCan> Can for Bus<F> {
         if !self.takes_part() {
             return Err(nb::Error::WouldBlock);
         }
-        Self::next(0).or_else(|| Self::next(1)).ok_or(nb::Error::WouldBlock)
+        let second = || if F::FIFOS > 1 { Self::next(1) } else { None };
+        Self::next(0).or_else(second).ok_or(nb::Error::WouldBlock)
     }
 }
 

@@ -110,8 +110,9 @@ pub struct Found {
     pub stops: Vec<usize>,
     /// From the failure of the encoder to the same (s).
     pub failed_after: f64,
-    /// From the last heartbeat of a drive, and from its error, to a drive that is off and an error code that is told (s).
+    /// From the end of a drive's heartbeats to a drive that is off and an error code that is told (s).
     pub silent_after: f64,
+    /// From an error of the drive to the same (s).
     pub error_after: f64,
     /// What is otherwise than it has to be, by name.
     pub unexpected: Vec<String>,

@@ -3,6 +3,7 @@
 //! ```text
 //! bus -> BusNode::poll, below the control's priority  -> Exchange -> Commanded::input, in the control interrupt
 //! bus <- the same                                     <- Exchange <- Commanded::report
+//! drive behind it <- the same                         <- Exchange <- Commanded::report, with the torque
 //! ```
 //!
 //! The bus is polled once after each control interrupt: the period behind a SYNC takes its target, and that period's values answer it. Positions are

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! The drive is on from when the node awaits it ([`Wanted::Standby`]). It is silent when no heartbeat has come for [`TIMEOUT`], or its bus has
-//! no room for [`UNSENT`] frames in a row; before its first heartbeat since the start or a reset it is not ready, which is no fault. A torque
-//! is sent for [`LONGEST_AGE`] at most.
+//! no room for [`UNSENT`] frames in a row; before its first heartbeat since the start or a reset, and while it starts itself, it is not ready,
+//! which is no fault. A torque is sent for [`LONGEST_AGE`] at most.
 
 use embedded_can::nb::Can;
 use strainwave_drivers::cia402::node::Wanted;
@@ -31,6 +31,8 @@ const TIMEOUT: u32 = 40;
 const ENABLING: u32 = 1667;
 /// Frames in a row without room that are borne.
 const UNSENT: u32 = 5;
+/// Error with which a drive is that has not started yet (`ODriveError` of firmware 0.6).
+const INITIALIZING: u32 = 1 << 0;
 /// Control periods for which a torque is sent that no newer one replaces.
 const LONGEST_AGE: u32 = 5;
 
@@ -77,9 +79,16 @@ impl<C: Can> Odrive<C> {
         self.protocol.lost().is_some() || self.unsent > UNSENT
     }
 
+    fn starts(&self) -> bool {
+        !self.on && self.protocol.errors().active == INITIALIZING
+    }
+
     fn fault(&self, is_lost: bool) -> Option<DriveFault> {
         if self.heard && is_lost {
             return Some(DriveFault::Silent);
+        }
+        if self.starts() {
+            return None;
         }
         match self.protocol.cause() {
             None | Some(Cause::NotStarted) => {
@@ -123,7 +132,7 @@ impl<C: Can> Drive for Odrive<C> {
         }
         let is_lost = self.is_lost();
         DriveReport {
-            ready: self.heard && !is_lost,
+            ready: self.heard && !is_lost && !self.starts(),
             powered: self.protocol.is_enabled(),
             fault: self.fault(is_lost),
         }
