@@ -117,6 +117,7 @@ fn a_frame_of_a_word_is_that_of_its_bytes() {
     for length in 0..=8 {
         let word = Frame::of_word(StandardId::new(0x123).unwrap(), length as u8, u64::from_le_bytes(bytes));
         assert_eq!(Some(word), Frame::of(0x123, &bytes[..length]));
+        assert_eq!(word.word().to_le_bytes()[..length], bytes[..length]);
     }
 }
 

@@ -158,14 +158,11 @@ impl<F: FdCan> Can for Bus<F> {
         }
         let index = status >> 16 & 0b11;
         let element = TX_ELEMENTS + ELEMENT * index as usize;
-        let data = frame.data();
-        let byte = |at: usize| u32::from(data.get(at).copied().unwrap_or_default());
-        let word =
-            |first: usize| byte(first) | byte(first + 1) << 8 | byte(first + 2) << 16 | byte(first + 3) << 24;
+        let word = frame.word();
         message_ram::<F>(element).write(u32::from(frame.number()) << 18);
-        message_ram::<F>(element + 4).write((data.len() as u32) << 16);
-        message_ram::<F>(element + 8).write(word(0));
-        message_ram::<F>(element + 12).write(word(4));
+        message_ram::<F>(element + 4).write((frame.dlc() as u32) << 16);
+        message_ram::<F>(element + 8).write(word as u32);
+        message_ram::<F>(element + 12).write((word >> 32) as u32);
         register::<F>(TXBAR).write(1 << index);
         Ok(None)
     }

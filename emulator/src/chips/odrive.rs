@@ -221,7 +221,7 @@ mod tests {
         let times = |sent: Vec<(u64, CanFrame)>| sent.into_iter().map(|(at, _)| at).collect::<Vec<_>>();
         assert_eq!(times(drive.heartbeats(201)), [0, 100, 200]);
         drive.is_heard(false);
-        assert_eq!(times(drive.heartbeats(401)), []);
+        assert!(drive.heartbeats(401).is_empty());
         drive.is_heard(true);
         assert_eq!(times(drive.heartbeats(501)), [500]);
         drive.fail(CURRENT_LIMIT_VIOLATION);

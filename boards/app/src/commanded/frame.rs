@@ -23,6 +23,11 @@ impl Frame {
         Self { id, length, bytes: (word & !beyond).to_le_bytes() }
     }
 
+    /// Its bytes as a word, the first lowest, 0 beyond its length.
+    pub fn word(&self) -> u64 {
+        u64::from_le_bytes(self.bytes)
+    }
+
     /// Its identifier; of two frames that begin at once, the lower goes first.
     pub fn number(&self) -> u16 {
         self.id.as_raw()
