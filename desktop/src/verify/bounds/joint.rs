@@ -249,14 +249,14 @@ pub(super) const ROWS: &[Bound] = &[
     },
     Bound {
         name: "pil.real.odrive.delay",
-        value: 6.5e-4,
+        value: 4.5e-4,
         unit: "s",
         why: "longest time from a control interrupt until its torque, or a newer one, is at the drive: a frame of 0.1 ms every third control period, \
               behind a heartbeat that is on the bus; target 4e-4",
     },
     Bound {
         name: "pil.real.odrive.cycles",
-        value: 1000.0,
+        value: 640.0,
         unit: "cycle",
         why: "worst-case path of what a drive on CAN adds to the interrupt below the control's, in a period in which a heartbeat has come and a torque \
               is sent, without wait states; target 400",
