@@ -107,6 +107,7 @@ pub const JOINT: JointParams<f32> = JointParams {
     },
     belt: None,
     motor_encoder_bits: 19,
+    motor_encoder_still: None,
     output_encoder_bits: 19,
     output_encoder_zero: Some(0.0),
     limits: Limits { motor_torque: 2.4, motor_speed: 586.0, output_torque: 157.0 },

@@ -44,6 +44,8 @@ pub struct JointParams<R: Real> {
     pub belt: Option<SeriesBeltParams<R>>,
     /// Resolution of the motor encoder, 2^bits counts a revolution.
     pub motor_encoder_bits: u32,
+    /// Control periods for which the motor encoder at rest tells the same count at most, for its noise changes it; `None` where it may for ever.
+    pub motor_encoder_still: Option<u32>,
     /// Resolution of the output encoder, 2^bits counts a revolution.
     pub output_encoder_bits: u32,
     /// Output encoder's reading where that of the motor's is 0 (rad, -pi..=pi), where it is known ([`OutputZero`]).
@@ -86,6 +88,8 @@ impl<R: Real> JointParams<R> {
             [OBSERVER_PERIODS, SLOW_PERIODS].map(|periods| R::from_i32(periods as i32) * self.dt);
         // Periods between readings of the output encoder that the observer uses.
         let readings = R::from_i32(self.observer.output_encoder_period.max(SLOW_PERIODS) as i32);
+        let still = self.motor_encoder_still.map(|periods| R::from_i32(periods as i32) * self.dt);
+        require(still.is_none_or(R::is_positive), "motor_encoder_still")?;
         let protection = Protection::build(&self.gear, limits, self.dt);
         let line = self.gear.flexspline.line.build()?;
         let count_out = count(self.output_encoder_bits);
@@ -101,7 +105,7 @@ impl<R: Real> JointParams<R> {
                 .in_front_of(&pulleys),
             output_encoder: encoder(self.output_encoder_bits, limits.output_speed(n) * readings)?,
             output_zero: OutputZero::build(self.output_encoder_zero, n)?,
-            frozen_encoder: FrozenEncoder::of_motor(round + round),
+            frozen_encoder: FrozenEncoder::of_motor(round + round, still),
             frozen_output: FrozenEncoder::of_output(R::from_i32(n).abs() * lost_motion),
             observer: self.observer.build(&self.gear, limits, self.dt)?.behind(stretch),
             disturbance: self.disturbance.build(&self.gear, self.dt)?,

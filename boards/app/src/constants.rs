@@ -11,7 +11,7 @@ pub const PARTS: usize = 2;
 /// Words of a part; the last may have fewer.
 const PART: usize = WORDS.len().div_ceil(PARTS);
 /// Words that are read before they are added: back to back a read costs a cycle, and two alone.
-const ROW: usize = 8;
+const ROW: usize = 4;
 
 const SUMS: [u32; PARTS] = sums();
 

@@ -8,6 +8,8 @@
 //! With a jittering clock ([`crate::plant::clock`]) the plant stays on its micro-steps: it goes to the last one before
 //! the instant, the encoders are read a part of a micro-step in advance at constant speed, and the new torque acts from there.
 
+use std::f64::consts::TAU;
+
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use strainwave::Error;
@@ -100,6 +102,11 @@ fn lost_bits(noise: f64, bits: u32) -> u32 {
     (noise.log2().round().max(0.0) as u32).min(bits - 1)
 }
 
+/// Half width of the evenly distributed noise of this standard deviation (rad), in counts.
+fn half_width(deviation: f64, bits: u32) -> f64 {
+    3f64.sqrt() * deviation / TAU * f64::from(bits).exp2()
+}
+
 impl SensorModel {
     /// Of the encoders of a gear file with these errors.
     pub(crate) fn new(file: &GearFile, conditions: &Conditions, errors: &[EncoderErrors; 2]) -> Self {
@@ -108,22 +115,28 @@ impl SensorModel {
 
     fn build(file: &GearFile, conditions: &Conditions, errors: &[EncoderErrors; 2]) -> Result<Self, Error> {
         let (sensors, factor) = (&file.sensors, conditions.noise);
-        let encoder = |bits: u32, errors| EncoderParams {
+        let encoder = |bits: u32, noise: Option<f64>, errors: EncoderErrors| EncoderParams {
             lost_bits: lost_bits(factor, bits),
-            errors,
+            errors: EncoderErrors {
+                noise: errors.noise.max(half_width(noise.unwrap_or(0.0), bits)),
+                ..errors
+            },
             ..EncoderParams::of_bits(bits)
         };
         let output_encoder = EncoderParams {
             delay: f64::from(sensors.output_encoder_delay) * CONTROL_PERIOD,
             every: sensors.output_encoder_period as usize,
-            ..encoder(sensors.output_bits(), errors[1])
+            ..encoder(sensors.output_bits(), sensors.output_encoder_noise, errors[1])
         };
         let motor_current = MotorCurrentParams::as_torque(factor * sensors.motor_torque_noise);
         let torque_sensor = TorqueSensorParams::of_noise(factor * sensors.output_torque_noise);
         let read = conditions.sensors == SensorSet::Both;
         let random = |purpose| random(conditions.seed, conditions.realisation, purpose);
         Ok(Self {
-            motor_encoder: started(encoder(sensors.motor_encoder_bits, errors[0]).build(CONTROL_PERIOD)?),
+            motor_encoder: started(
+                encoder(sensors.motor_encoder_bits, sensors.motor_encoder_noise, errors[0])
+                    .build(CONTROL_PERIOD)?,
+            ),
             output_encoder: read.then(|| output_encoder.build(CONTROL_PERIOD)).transpose()?.map(started),
             motor_current: started(motor_current.build(CONTROL_PERIOD)?),
             torque_sensor: sensors

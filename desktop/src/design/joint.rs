@@ -103,6 +103,7 @@ pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
             slack_torque: R::lit(belt.slack_torque),
         }),
         motor_encoder_bits: file.sensors.motor_encoder_bits,
+        motor_encoder_still: file.sensors.motor_encoder_still,
         output_encoder_bits: file.sensors.output_bits(),
         output_encoder_zero: file.sensors.output_encoder_zero.map(R::lit),
         limits: Limits {

@@ -16,6 +16,7 @@ pub fn full() -> Table {
     gear.compensation.external_torque_wander = Some(3.0);
     (gear.sensors.output_encoder_delay, gear.sensors.output_encoder_period) = (3, 10);
     (gear.sensors.motor_encoder_noise, gear.sensors.output_encoder_noise) = (Some(1e-5), Some(2e-5));
+    gear.sensors.motor_encoder_still = Some(40);
     gear.sensors.output_encoder_zero = Some(0.1);
     gear.learnt = Some(learnt());
     gear.baselines = Some(baselines(&gear));

@@ -69,7 +69,7 @@ impl<R: Real> Compensator<R> {
         true
     }
 
-    /// Raises the faults of encoders that stand still: the motor's while a motion is commanded, the output's while
+    /// Raises the faults of encoders that stand still: the motor's while a motion is commanded or its noise should show, the output's while
     /// the motor moves. A joint that a brake holds against its load is detected too: the shift of the output feedback is a
     /// commanded motion.
     #[inline(always)]
@@ -78,7 +78,8 @@ impl<R: Real> Compensator<R> {
         let velocity = state.motor_reference.commanded_velocity();
         let stood_still = !core::mem::replace(&mut state.motor_moved, false);
         state.last_motor = motor;
-        let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, velocity.abs());
+        let step = self.frozen_encoder.commanded(velocity);
+        let frozen = self.frozen_encoder.step(&mut state.frozen_path, stood_still, step);
         faults.raise_if(frozen && state.mode.mode().drives(), Faults::MOTOR_ENCODER_FROZEN);
         if let Some(raw) = state.output_raw.take() {
             let stood_still = state.last_output.replace(raw) == Some(raw);

@@ -249,18 +249,22 @@ fn ramp<R: Real>(commanded: R, gain: &mut R, allowed: R, step: R, faults: &mut F
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrozenEncoder<R> {
     farthest: R,
+    /// Step of the path that counts at rest.
+    at_rest: R,
 }
 
 impl<R: Real> FrozenEncoder<R> {
-    /// The motor's, whose steps are commanded velocities (rad/s) at the period dt (s).
-    pub fn of_motor(dt: R) -> Self {
-        Self { farthest: R::lit(MOTOR_PATH.get()) / dt }
+    /// The motor's, whose steps are commanded velocities (rad/s) at the period dt (s). Its noise changes its count at rest, too: it may tell the
+    /// same one for no longer than the time `still` (s), where that is known.
+    pub fn of_motor(dt: R, still: Option<R>) -> Self {
+        let farthest = R::lit(MOTOR_PATH.get()) / dt;
+        Self { farthest, at_rest: still.map_or(R::ZERO, |still| farthest * dt / still) }
     }
 
     /// The output's, whose steps are the motor's measured motions (rad). It may stand still while the motor goes as far as the gear's
     /// torsion from one peak torque to the other and a count take it (`lost_motion`, rad, at the motor).
     pub fn of_output(lost_motion: R) -> Self {
-        Self { farthest: R::lit(OUTPUT_PATH.get()) * lost_motion }
+        Self { farthest: R::lit(OUTPUT_PATH.get()) * lost_motion, at_rest: R::ZERO }
     }
 
     /// Adds a step to the path while the encoder stands still; true once the path is too long in either direction, and until the
@@ -273,6 +277,12 @@ impl<R: Real> FrozenEncoder<R> {
             *path += step.limit(R::lit(0.5) * self.farthest);
         }
         self.is_frozen(*path)
+    }
+
+    /// The step for a commanded velocity (rad/s) of the motor.
+    #[inline(always)]
+    pub fn commanded(&self, velocity: R) -> R {
+        velocity.abs().max(self.at_rest)
     }
 
     /// The path is too long.
@@ -289,12 +299,25 @@ mod tests {
     /// However fast the commanded motion, a single step at a standstill is none; two are.
     #[test]
     fn a_motor_that_reverses_is_not_frozen() {
-        let (encoder, mut path) = (FrozenEncoder::<f64>::of_motor(1.6e-3), 0.0);
+        let (encoder, mut path) = (FrozenEncoder::<f64>::of_motor(1.6e-3, None), 0.0);
         for _ in 0..10 {
             assert!(!encoder.step(&mut path, true, 1e4));
             assert!(!encoder.step(&mut path, false, 1e4));
         }
         assert!(!encoder.step(&mut path, true, 1e4) && encoder.step(&mut path, true, 1e4));
+    }
+
+    /// At rest, a count that noise does not change is frozen after the time that the joint's file tells, and without one never.
+    #[test]
+    fn an_encoder_without_its_noise_is_frozen_at_rest() {
+        let after = |still| {
+            let (encoder, mut path) = (FrozenEncoder::<f64>::of_motor(1.6e-3, still), 0.0);
+            (1..1000).find(|_| encoder.step(&mut path, true, encoder.commanded(0.0)))
+        };
+        assert_eq!(
+            [None, Some(1.6e-3), Some(3.2e-3), Some(6.4e-3)].map(after),
+            [None, Some(2), Some(2), Some(4)]
+        );
     }
 
     /// A motor that moves to and fro within the gear's torsion gets nowhere, and the output has not to follow it.
@@ -317,7 +340,7 @@ mod tests {
 
     #[test]
     fn a_slow_motion_adds_up_to_the_path() {
-        let (encoder, mut path) = (FrozenEncoder::<f64>::of_motor(1e-3), 0.0);
+        let (encoder, mut path) = (FrozenEncoder::<f64>::of_motor(1e-3, None), 0.0);
         let steps = (1..).find(|_| encoder.step(&mut path, true, 5.0)).unwrap();
         assert!((100..=101).contains(&steps), "{steps}");
         assert!((0..1000).all(|_| !encoder.step(&mut 0.0, true, 0.0)));

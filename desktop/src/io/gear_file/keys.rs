@@ -89,6 +89,7 @@ const CONTROL: &[Key] = &[
     optional("tolerances.friction", within(0.0, 0.7, "1")),
     key("sensors.motor_encoder_bits", Allowed::Whole(10, 32)),
     optional("sensors.motor_encoder_noise_rad", within(0.0, 0.01, "rad")),
+    optional("sensors.motor_encoder_still_periods", Allowed::Whole(32, 1000)),
     optional("sensors.output_encoder_bits", Allowed::Whole(10, 32)),
     optional("sensors.output_encoder_noise_rad", within(0.0, 0.01, "rad")),
     optional("sensors.output_encoder_zero_rad", within(-PI, PI, "rad")),

@@ -326,7 +326,11 @@ pub struct Sensors {
     /// Noise of the motor's encoder in addition to its resolution, as the observer is designed for (rad); it has one when it is left out.
     #[serde(rename = "motor_encoder_noise_rad", default, skip_serializing_if = "Option::is_none")]
     pub motor_encoder_noise: Option<f64>,
-    /// The same of the output's encoder (rad).
+    /// Control periods for which the motor's encoder at rest tells the same count at most, for its noise changes it: one that does for longer is
+    /// frozen. Not judged by that when it is left out.
+    #[serde(rename = "motor_encoder_still_periods", default, skip_serializing_if = "Option::is_none")]
+    pub motor_encoder_still: Option<u32>,
+    /// Noise of the output's encoder, as that of the motor's (rad).
     #[serde(rename = "output_encoder_noise_rad", default, skip_serializing_if = "Option::is_none")]
     pub output_encoder_noise: Option<f64>,
     /// Bits a revolution of the output encoder, when there is one.

@@ -6,9 +6,11 @@
 //! torsion. Nowhere does a branch fall faster than the major loop's rising one at the same torsion.
 //! The real-time build takes one semi-implicit step per control period dt, which is accurate while
 //! dt^2*K3 < J_fs/4, and in which what resists in proportion to the speed must not turn a speed around,
-//! dt*(Fv + sigma1) < J.
+//! dt*(Fv + sigma1) < J. An encoder whose count may not repeat for long has noise that changes it.
 
 pub(crate) mod friction;
+
+use std::f64::consts::{PI, TAU};
 
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::flexspline::stiffness_line::{StiffnessLine, StiffnessLineParams};
@@ -32,13 +34,14 @@ struct Condition {
     check: fn(&GearFile) -> Result<(), String>,
 }
 
-const CONDITIONS: [Condition; 9] = [
+const CONDITIONS: [Condition; 10] = [
     Condition { sections: &["belt"], check: belt_engaged },
     Condition { sections: &["stiffness", "flexspline"], check: softer_than_cup },
     Condition { sections: &["stiffness", "flexspline"], check: bends_in_reach },
     Condition { sections: &["hysteresis", "stiffness", "gear"], check: narrow_loop },
     Condition { sections: &["hysteresis", "stiffness"], check: check_weights },
     Condition { sections: &["drive"], check: ordered_current_loop },
+    Condition { sections: &["sensors"], check: noise_shows },
     Condition { sections: &["inertia", "stiffness"], check: slow_mode },
     Condition { sections: &["friction", "inertia", "belt"], check: friction::input },
     Condition { sections: &["friction", "inertia"], check: friction::output },
@@ -112,6 +115,31 @@ fn ordered_current_loop(gear: &GearFile) -> Result<(), String> {
     }
     let allowed = format!("at most drive.current_loop_largest_hz = {} Hz", drive.largest_current_loop);
     refuse("drive.current_loop_least_hz", drive.least_current_loop, &allowed)
+}
+
+/// A count that may repeat so long and no longer has enough noise: an encoder at rest is read every second period by the detector, and tells the
+/// same as before with the probability 1/(2 sqrt(pi) s), of Gaussian noise of the deviation s counts. In ten hours, of intervals of 16
+/// periods, the chance of so many in a row is then below 1e-6.
+fn noise_shows(gear: &GearFile) -> Result<(), String> {
+    const LOGARITHM: f64 = 31.0;
+    let Some(still) = gear.sensors.motor_encoder_still else { return Ok(()) };
+    let count = TAU / f64::from(gear.sensors.motor_encoder_bits).exp2();
+    let counts = gear.sensors.motor_encoder_noise.unwrap_or(0.0) / count;
+    let least = 2.0 * LOGARITHM / (2.0 * PI.sqrt() * counts).ln();
+    if least > 0.0 && f64::from(still) >= least {
+        return Ok(());
+    }
+    let allowed = if least > 0.0 && least <= 1000.0 {
+        format!(
+            "at least {:.0}, for a noise of {counts:.1} counts (sensors.motor_encoder_noise_rad)",
+            least.ceil()
+        )
+    } else {
+        format!(
+            "none, for a noise of {counts:.1} counts (sensors.motor_encoder_noise_rad) need not change a count"
+        )
+    };
+    refuse("sensors.motor_encoder_still_periods", still.into(), &allowed)
 }
 
 fn slow_mode(gear: &GearFile) -> Result<(), String> {
