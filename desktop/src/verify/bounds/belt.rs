@@ -191,7 +191,7 @@ pub(super) const ROWS: &[Bound] = &[
     },
     Bound {
         name: "belt.wrist.target.any_input.cycles",
-        value: 2060.0,
+        value: 2030.0,
         unit: "cycle",
         why: "the same on any input bits, the most costly found",
     },
