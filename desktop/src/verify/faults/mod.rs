@@ -14,7 +14,8 @@
 //! Named is the first fault that the twin has not. A frozen or stuck motor encoder can be known from when torque
 //! exceeds friction: that on a motor that stands as its encoder does, of the gear what the sensors see, has changed in a
 //! round's mean by more than static friction holds from one limit to the other, and the motor is 16 counts away; in the
-//! phase of the rounds in which that comes last, of those in which it comes at all. Without it the fault cannot be known: a
+//! phase of the rounds in which that comes last, of those in which it comes at all. It can be known from its noise, too: from when it has stood
+//! still for as long as a healthy one may, where the gear file tells. Without either the fault cannot be known: a
 //! load that moves a joint whose encoder stands and whose motor does nothing looks like rest.
 //! Everything else can be known from when it is injected.
 
@@ -219,7 +220,9 @@ fn known(file: &GearFile, fault: &Injected, rows: &[Row], start: usize) -> Optio
         })
     };
     // The latest of the phases that the controller's rounds may have, of those in which it is known at all.
-    (0..round).filter_map(by_rounds).max()
+    let by_torque = (0..round).filter_map(by_rounds).max();
+    let by_noise = file.sensors.motor_encoder_still.map(|still| start + still as usize);
+    by_torque.into_iter().chain(by_noise).min().filter(|at| *at < rows.len())
 }
 
 /// Largest change of torque that friction holds on a standing motor (N m), as far as joint file and sensors tell: levels
