@@ -31,8 +31,8 @@ pub(super) const ROWS: &[Bound] = &[
         name: "faults.named.frozen",
         value: 0.005,
         unit: "s",
-        why: "time to the detection of a frozen or stuck motor encoder, from torque beyond friction on: before the joint \
-              has moved far",
+        why: "time to the detection of a frozen or stuck motor encoder, from torque beyond friction or the end of its noise on: \
+              before the joint has moved far",
     },
     Bound {
         name: "faults.named.jump",
