@@ -145,14 +145,14 @@ pub(super) const ROWS: &[Bound] = &[
         name: "pil.real.constant_changed.release",
         value: 3e-4,
         unit: "s",
-        why: "from a changed bit of the joint's constants in RAM to a drive without its enable, the latest of four bits: half of them are summed in \
-              each control period",
+        why: "from a changed bit of the joint's constants in RAM to a drive without its enable, the later of two bits, one in each half: a half is \
+              summed in each control period",
     },
     Bound {
         name: "pil.real.constant_changed.enabled",
         value: 0.0,
         unit: "period",
-        why: "control periods of the 0.2 s after it in which the drive is enabled, of all four",
+        why: "control periods of the 0.2 s after it in which the drive is enabled, of both",
     },
     Bound {
         name: "pil.real.served.readings_unlike_host",
