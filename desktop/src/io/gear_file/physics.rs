@@ -124,7 +124,10 @@ fn noise_shows(gear: &GearFile) -> Result<(), String> {
     const LOGARITHM: f64 = 31.0;
     let Some(still) = gear.sensors.motor_encoder_still else { return Ok(()) };
     let count = TAU / f64::from(gear.sensors.motor_encoder_bits).exp2();
-    let counts = gear.sensors.motor_encoder_noise.unwrap_or(0.0) / count;
+    let Some(noise) = gear.sensors.motor_encoder_noise else {
+        return Err("sensors.motor_encoder_still_periods without sensors.motor_encoder_noise_rad".into());
+    };
+    let counts = noise / count;
     let least = 2.0 * LOGARITHM / (2.0 * PI.sqrt() * counts).ln();
     if least > 0.0 && f64::from(still) >= least {
         return Ok(());
