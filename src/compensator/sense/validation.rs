@@ -249,7 +249,7 @@ fn ramp<R: Real>(commanded: R, gain: &mut R, allowed: R, step: R, faults: &mut F
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrozenEncoder<R> {
     farthest: R,
-    /// Step of the path that counts at rest.
+    /// Step of the path that counts at rest, besides the commanded one.
     at_rest: R,
 }
 
@@ -273,7 +273,9 @@ impl<R: Real> FrozenEncoder<R> {
     pub fn step(&self, path: &mut R, stood_still: bool, step: R) -> bool {
         if !stood_still {
             *path = R::ZERO;
-        } else if !self.is_frozen(*path) {
+            return false;
+        }
+        if !self.is_frozen(*path) {
             *path += step.limit(R::lit(0.5) * self.farthest);
         }
         self.is_frozen(*path)
@@ -282,7 +284,7 @@ impl<R: Real> FrozenEncoder<R> {
     /// The step for a commanded velocity (rad/s) of the motor.
     #[inline(always)]
     pub fn commanded(&self, velocity: R) -> R {
-        velocity.abs().max(self.at_rest)
+        velocity.abs() + self.at_rest
     }
 
     /// The path is too long.
