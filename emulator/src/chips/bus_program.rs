@@ -9,7 +9,7 @@
 //! failed      the encoder fails: the drive is off, and the fault is named
 //! ```
 //!
-//! Of a drive on a bus of its own more is in [`drive`].
+//! Of a drive on a bus of its own more is in `drive.rs`.
 
 mod drive;
 
