@@ -80,7 +80,7 @@ struct Message {
     silent: u32,
 }
 
-/// Decides whether a drive that sends N kinds of messages is driven.
+/// Decides whether a drive that sends N kinds of messages is driven. They have the numbers in which [`Guard::new`] names them.
 #[derive(Clone, Debug)]
 pub(crate) struct Guard<const N: usize> {
     peak_torque: f32,
@@ -129,12 +129,11 @@ impl<const N: usize> Guard<N> {
         self.cause.get_or_insert(cause);
     }
 
-    /// The message has come whose silence is called `lost`.
-    pub(crate) fn heard(&mut self, lost: Cause) {
-        self.messages
-            .iter_mut()
-            .filter(|message| message.lost == lost)
-            .for_each(|message| message.silent = 0);
+    /// The message of this number has come.
+    pub(crate) fn heard(&mut self, message: usize) {
+        if let Some(message) = self.messages.get_mut(message) {
+            message.silent = 0;
+        }
     }
 
     /// The drive says that it is enabled, or why it is not.
@@ -188,8 +187,15 @@ impl<const N: usize> Guard<N> {
         if !self.drives() || torque.is_nan() {
             return 0.0;
         }
-        // Not `clamp`, which panics where it cannot see that its limits are in order.
-        torque.max(-self.peak_torque).min(self.peak_torque)
+        // Not `clamp`, which panics where it cannot see that its limits are in order, nor `max` and `min`, which are calls where the core has
+        // no instruction for them.
+        if torque > self.peak_torque {
+            self.peak_torque
+        } else if torque < -self.peak_torque {
+            -self.peak_torque
+        } else {
+            torque
+        }
     }
 }
 

@@ -41,6 +41,10 @@ pub struct Params {
     pub timeout: u32,
 }
 
+/// Numbers of the messages that the drive has to send.
+const STATUS: usize = 0;
+const HEARTBEATS: usize = 1;
+
 impl Params {
     /// The drive, safe until [`Drive::reset`].
     ///
@@ -120,7 +124,7 @@ impl Drive {
                 Some(Feedback { position, torque })
             }
             (0x700, &[state]) => {
-                self.guard.heard(Cause::HeartbeatLost);
+                self.guard.heard(HEARTBEATS);
                 if state != OPERATIONAL {
                     self.guard.stop(Cause::NotOperational);
                 }
@@ -132,7 +136,7 @@ impl Drive {
 
     fn status(&mut self, state: State) {
         self.state = state;
-        self.guard.heard(Cause::StatusLost);
+        self.guard.heard(STATUS);
         self.guard.status(match state {
             State::OperationEnabled => Ok(()),
             State::Fault | State::FaultReactionActive => Err(Cause::DriveFault),

@@ -138,6 +138,8 @@ impl Mode {
 
 /// Bit 15 of the identifier.
 const REPLY_WANTED: u32 = 0x8000;
+/// Number of the message that the drive has to send: its only one.
+const REPLIES: usize = 0;
 
 /// Bytes of a frame that is sent: the torque command has 37, and CAN FD knows 32 and 48.
 const SIZE: usize = 48;
@@ -214,7 +216,7 @@ impl Drive {
             self.fault_code = code;
         }
         self.mode = Mode::of(reply.mode?);
-        self.guard.heard(Cause::StatusLost);
+        self.guard.heard(REPLIES);
         self.guard.status(self.mode.status());
         Feedback::new(reply.position?, reply.velocity?, reply.torque?)
     }

@@ -15,7 +15,7 @@
 //! Little-endian. The drive is configured once: calibrated, without start-up procedures, its watchdog on, and Heartbeat, Get_Encoder_Estimates and
 //! Get_Torques sent more often than the time-out (`<axis>.config.can.heartbeat_msg_rate_ms`, `encoder_msg_rate_ms`, `torques_msg_rate_ms`);
 //! Get_Error (`error_msg_rate_ms`) only tells why it was disarmed. Firmware 0.6: that of 0.5 has no Get_Torques, and another message in the place
-//! of Get_Error. Where the estimates are not needed ([`Params::estimates`]), Heartbeat alone is, and both firmwares have it.
+//! of Get_Error. Where the estimates are not needed ([`Params::build_of_heartbeats`]), Heartbeat alone is, and both firmwares have it.
 //!
 //! Axis states, and what leads on:
 //!
@@ -55,21 +55,29 @@ pub struct Params {
     pub timeout: u32,
     /// Cycles that the drive has from the reset's first frame until it is in closed-loop control, more than 4.
     pub enabling: u32,
-    /// The drive has to send its estimates of position and torque; else heartbeats do.
-    pub estimates: bool,
 }
 
 impl Params {
-    /// The drive, safe until [`Drive::reset`].
+    /// The drive, safe until [`Drive::reset`]. It has to send heartbeats and its estimates of position and torque.
     ///
     /// `None` when the node is above 62, the peak torque is not positive and finite, or there is no time-out or no time for enabling.
     pub fn build(&self) -> Option<Drive> {
-        let Self { node, peak_torque, timeout, enabling, estimates: needs_estimates } = *self;
-        let guard = Guard::new(peak_torque, timeout, [Cause::HeartbeatLost, Cause::StatusLost])?;
+        self.guarded([Cause::HeartbeatLost, Cause::StatusLost])
+    }
+
+    /// The same of a drive that has to send its heartbeats alone; estimates are not taken.
+    ///
+    /// `None` as of [`Self::build`].
+    pub fn build_of_heartbeats(&self) -> Option<Drive<1>> {
+        self.guarded([Cause::HeartbeatLost])
+    }
+
+    fn guarded<const MESSAGES: usize>(&self, lost: [Cause; MESSAGES]) -> Option<Drive<MESSAGES>> {
+        let Self { node, peak_torque, timeout, enabling } = *self;
+        let guard = Guard::new(peak_torque, timeout, lost)?;
         (node <= 62 && enabling > REQUESTED + 1).then(|| Drive {
             node: u16::from(node) << 5,
             enabling,
-            needs_estimates,
             state: None,
             errors: Errors::default(),
             estimates: None,
@@ -129,13 +137,16 @@ const TORQUE_PASSTHROUGH: [u8; 8] = [1, 0, 0, 0, 1, 0, 0, 0];
 /// Cycles from the first frame of enabling to the one that asks for closed-loop control.
 const REQUESTED: u32 = 3;
 
-/// The drive as the board sees it.
+/// Numbers of the messages that the drive has to send.
+const HEARTBEATS: usize = 0;
+const ESTIMATES: usize = 1;
+
+/// The drive as the board sees it, of which so many messages are needed: 1, heartbeats, or 2, the estimates too.
 #[derive(Clone, Debug)]
-pub struct Drive {
+pub struct Drive<const MESSAGES: usize = 2> {
     /// The first identifier of its node.
     node: u16,
     enabling: u32,
-    needs_estimates: bool,
     state: Option<State>,
     errors: Errors,
     /// Position and velocity, torque: of this pair, if it has come.
@@ -145,10 +156,10 @@ pub struct Drive {
     safe: u32,
     /// Errors are to be cleared in idle.
     clears: bool,
-    guard: Guard<2>,
+    guard: Guard<MESSAGES>,
 }
 
-impl Drive {
+impl<const MESSAGES: usize> Drive<MESSAGES> {
     /// State by the last heartbeat since the last reset.
     pub fn state(&self) -> Option<State> {
         self.state
@@ -203,22 +214,19 @@ impl Drive {
                 self.errors =
                     Errors { active: u32::from_le_bytes(first), disarm_reason: u32::from_le_bytes(second) };
             }
-            GET_ENCODER_ESTIMATES => {
+            GET_ENCODER_ESTIMATES if MESSAGES > ESTIMATES => {
                 self.estimates = Some((f32::from_le_bytes(first), f32::from_le_bytes(second)));
             }
-            GET_TORQUES => self.torque = Some(f32::from_le_bytes(second)),
+            GET_TORQUES if MESSAGES > ESTIMATES => self.torque = Some(f32::from_le_bytes(second)),
             _ => {}
         }
-        self.feedback()
+        if MESSAGES > ESTIMATES { self.feedback() } else { None }
     }
 
     fn heartbeat(&mut self, active: u32, state: State) {
         self.errors.active = active;
         self.state = Some(state);
-        self.guard.heard(Cause::HeartbeatLost);
-        if !self.needs_estimates {
-            self.guard.heard(Cause::StatusLost);
-        }
+        self.guard.heard(HEARTBEATS);
         let requested = self.guard.attempted() >= Some(REQUESTED);
         self.guard.status(match (active, state) {
             (0, State::ClosedLoopControl) if requested => Ok(()),
@@ -232,7 +240,7 @@ impl Drive {
         let ((position, velocity), torque) = self.estimates.zip(self.torque)?;
         (self.estimates, self.torque) = (None, None);
         let feedback = Feedback::new(position, velocity, torque)?;
-        self.guard.heard(Cause::StatusLost);
+        self.guard.heard(ESTIMATES);
         Some(feedback)
     }
 

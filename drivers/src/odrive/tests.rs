@@ -3,7 +3,7 @@ use crate::testing::{Sent, frame};
 use embedded_can::Id;
 use proptest::prelude::*;
 
-const PARAMS: Params = Params { node: 5, peak_torque: 2.5, timeout: 10, enabling: 20, estimates: true };
+const PARAMS: Params = Params { node: 5, peak_torque: 2.5, timeout: 10, enabling: 20 };
 /// The first identifier of node 5.
 const NODE: u16 = 0xa0;
 
@@ -24,7 +24,7 @@ fn pair(command: u16, first: f32, second: f32) -> Sent {
     frame(NODE + command, &[first.to_le_bytes(), second.to_le_bytes()].concat())
 }
 
-fn sent(drive: &mut Drive, torque: f32) -> Command {
+fn sent<const MESSAGES: usize>(drive: &mut Drive<MESSAGES>, torque: f32) -> Command {
     let Sent(id, data) = drive.step(torque).unwrap();
     let Id::Standard(id) = id else { panic!("{id:?}") };
     match (id.as_raw() - NODE, &data[..]) {
@@ -188,7 +188,7 @@ fn silence_is_noticed_after_the_timeout_and_not_before() {
 
 #[test]
 fn a_drive_of_heartbeats_alone_needs_no_estimates() {
-    let mut drive = Params { estimates: false, ..PARAMS }.build().unwrap();
+    let mut drive = PARAMS.build_of_heartbeats().unwrap();
     drive.reset();
     for state in [1, 1, 1, 1, 8] {
         drive.receive(&heartbeat(0, state));
@@ -196,6 +196,10 @@ fn a_drive_of_heartbeats_alone_needs_no_estimates() {
     }
     for _ in 0..3 * PARAMS.timeout {
         drive.receive(&heartbeat(0, 8));
+        assert_eq!(
+            [pair(0x09, 0.5, 0.5), pair(0x1c, 0.0, 0.5)].map(|frame| drive.receive(&frame)),
+            [None; 2]
+        );
         assert_eq!(sent(&mut drive, 1.0), Command::Torque(1.0));
     }
     (1..PARAMS.timeout).for_each(|_| _ = sent(&mut drive, 1.0));

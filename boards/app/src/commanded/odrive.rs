@@ -38,7 +38,7 @@ const LONGEST_AGE: u32 = 5;
 
 /// The drive on its bus.
 pub struct Odrive<C> {
-    protocol: Protocol,
+    protocol: Protocol<1>,
     can: C,
     /// A heartbeat has come since the start or a reset.
     heard: bool,
@@ -61,10 +61,9 @@ impl<C: Can> Odrive<C> {
             peak_torque: compensator.limits().motor_torque,
             timeout: TIMEOUT,
             enabling: ENABLING,
-            estimates: false,
         };
         Some(Self {
-            protocol: protocol.build()?,
+            protocol: protocol.build_of_heartbeats()?,
             can,
             heard: false,
             on: false,
@@ -91,11 +90,9 @@ impl<C: Can> Odrive<C> {
             return None;
         }
         match self.protocol.cause() {
-            None | Some(Cause::NotStarted) => {
-                (self.protocol.errors().active != 0).then_some(DriveFault::Error)
-            }
-            Some(Cause::HeartbeatLost | Cause::StatusLost) => Some(DriveFault::Silent),
-            Some(_) => Some(DriveFault::Error),
+            Some(Cause::HeartbeatLost) => Some(DriveFault::Silent),
+            None | Some(Cause::NotStarted) if self.protocol.errors().active == 0 => None,
+            _ => Some(DriveFault::Error),
         }
     }
 

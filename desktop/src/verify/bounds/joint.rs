@@ -256,7 +256,7 @@ pub(super) const ROWS: &[Bound] = &[
     },
     Bound {
         name: "pil.real.odrive.cycles",
-        value: 640.0,
+        value: 470.0,
         unit: "cycle",
         why: "worst-case path of what a drive on CAN adds to the interrupt below the control's, in a period in which a heartbeat has come and a torque \
               is sent, without wait states; target 400",
