@@ -359,8 +359,18 @@ pub const JOINT: JointParams<f32> = JointParams {
         torque_limit: 2.4,
     },
     output_feedback: [
-        OutputFeedbackParams { damping: 0.0015554276, integral: 0.0, filter_corner: 192.87302 },
-        OutputFeedbackParams { damping: 0.0015554276, integral: 48.218254, filter_corner: 192.87302 },
+        OutputFeedbackParams {
+            damping: 0.0015554276,
+            damping_at_rest: 0.0015554276,
+            integral: 0.0,
+            filter_corner: 192.87302,
+        },
+        OutputFeedbackParams {
+            damping: 0.0015554276,
+            damping_at_rest: 0.0015554276,
+            integral: 48.218254,
+            filter_corner: 192.87302,
+        },
     ],
     measured_feedback: MeasuredFeedbackParams {
         proportional: 0.4,

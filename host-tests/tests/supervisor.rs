@@ -14,11 +14,11 @@ fn is_reduced(outcome: &Outcome) -> bool {
     runs.any(|run| run.faults.contains(Faults::FEEDBACK_REDUCED))
 }
 
-/// Training joints under loads of six to eighteen rotors, which may hunt across static friction: which of them do depends on single
+/// Training joints under loads of thirteen to seventeen rotors, which may hunt across static friction: which of them do depends on single
 /// counts.
 #[test]
 fn what_keeps_on_oscillating_is_reduced_and_named() {
-    let reduced: Vec<_> = [97, 180, 243, 324].map(outcome).into_iter().filter(is_reduced).collect();
+    let reduced: Vec<_> = [243, 324, 350].map(outcome).into_iter().filter(is_reduced).collect();
     assert!(!reduced.is_empty());
     for outcome in reduced {
         for (run, cascade) in outcome.compensated.iter().zip(&outcome.baselines[0]) {

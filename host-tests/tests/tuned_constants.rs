@@ -52,10 +52,13 @@ fn words(gears: &[GearFile]) -> Vec<Option<Vec<u32>>> {
 
 /// Shift of an output feedback at its limit (rad): no sound joint's reaches it, and protection stops one whose would.
 fn largest_shift() -> f32 {
-    let damped = OutputFeedbackParams { damping: 1.0, ..OutputFeedbackParams::default() };
+    let damped = OutputFeedbackParams { damping_at_rest: 1.0, ..OutputFeedbackParams::default() };
     let feedback = OutputFeedback::build(&[damped; 2], 1.0, 1.0, 1e-5, 1e-3).unwrap();
     let error = OutputError { velocity: 1.0, ..OutputError::default() };
-    feedback.step(&mut OutputFeedbackState::default(), &error, 1.0).angle
+    let mut state = OutputFeedbackState::default();
+    feedback.step(&mut state, &error, 1.0);
+    feedback.integrate(&mut state, 0.0, true);
+    feedback.step(&mut state, &error, 1.0).angle
 }
 
 /// A compensator at work, and what it reads.

@@ -100,6 +100,8 @@ pub struct Controller {
     disturbance: DisturbanceParams<f64>,
     passes: f64,
     output_feedback: OutputFeedbackParams<f64>,
+    /// b (s).
+    estimated_damping: f64,
     /// P, and D (s), of the output encoder's angle, and omega_m (rad/s).
     measured_gains: [f64; 2],
     measured_corner: f64,
@@ -148,6 +150,7 @@ impl Controller {
         let has_gauge = file.sensors.output_torque;
         let observer = if stands { parts.observer.standing } else { parts.observer.moving };
         let used = usize::from(has_output) + 2 * usize::from(has_gauge);
+        let output_feedback = parts.output_feedback[usize::from(has_output)];
         let measured = &parts.measured_feedback;
         let count = TAU / f64::from(file.sensors.motor_encoder_bits).exp2();
         let moves =
@@ -170,7 +173,8 @@ impl Controller {
             feedback: parts.feedback,
             disturbance: parts.disturbance,
             passes: f64::from(u8::from(passes)),
-            output_feedback: parts.output_feedback[usize::from(has_output)],
+            output_feedback,
+            estimated_damping: if stands { output_feedback.damping_at_rest } else { output_feedback.damping },
             measured_gains: if has_output { measured_gains_in_mode(measured, stands) } else { [0.0; 2] },
             measured_corner: measured.corner,
             reference_frequency: (file.stiffness.k1 / file.inertia.flexspline).sqrt(),
@@ -322,8 +326,8 @@ impl Controller {
         let gains = &self.output_feedback;
         let whole = x[MEAN] + self.disturbance.wind_up_fraction * x[FAST];
         let torque = x[TRANSMITTED] - x[FRICTION[1]] + whole;
-        let angle = gains.damping * x[FLANGE_SPEED] + x[SHIFTED];
-        let rate = gains.damping * torque / self.inertias[1] + gains.integral * x[FILTERED];
+        let angle = self.estimated_damping * x[FLANGE_SPEED] + x[SHIFTED];
+        let rate = self.estimated_damping * torque / self.inertias[1] + gains.integral * x[FILTERED];
         x[MOTOR_ERROR] = (wound - angle) / r - motor;
         x[REFERENCE_SPEED] = -rate / r;
     }

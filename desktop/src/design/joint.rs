@@ -116,6 +116,7 @@ pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
         feedback: feedback_params(known),
         output_feedback: rules::parts(known)?.output_feedback.map(|gains| OutputFeedbackParams {
             damping: R::lit(gains.damping),
+            damping_at_rest: R::lit(gains.damping_at_rest),
             integral: R::lit(gains.integral),
             filter_corner: R::lit(gains.filter_corner),
         }),

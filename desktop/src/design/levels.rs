@@ -16,19 +16,25 @@ pub struct Function {
     scale: fn(&mut Parts, f64),
 }
 
+fn scale_damping(parts: &mut Parts, set: SensorSet, level: f64) {
+    let gains = &mut parts.output_feedback[set as usize];
+    gains.damping *= level;
+    gains.damping_at_rest *= level;
+}
+
 /// Every function, in the order in which they are added to the cascade.
 pub const FUNCTIONS: [Function; 7] = [
     Function {
         name: "output feedback: damping b (motor encoder)",
         sets: &[SensorSet::Motor],
         needs: None,
-        scale: |parts, level| parts.output_feedback[0].damping *= level,
+        scale: |parts, level| scale_damping(parts, SensorSet::Motor, level),
     },
     Function {
         name: "output feedback: damping b (both encoders)",
         sets: &[SensorSet::Both],
         needs: None,
-        scale: |parts, level| parts.output_feedback[1].damping *= level,
+        scale: |parts, level| scale_damping(parts, SensorSet::Both, level),
     },
     Function {
         name: "disturbance path: slow corner omega_l",

@@ -14,7 +14,10 @@ use crate::io::gear_file::GearFile;
 /// As [`observer_design::observer_params`].
 pub fn parts(file: &GearFile) -> Result<Parts, Error> {
     let mut parts = whole(file)?;
-    parts.output_feedback[0].damping *= estimated_damping::level(file, &parts);
+    let [in_motion, at_rest] = estimated_damping::levels(file, &parts);
+    let motor_alone = &mut parts.output_feedback[0];
+    motor_alone.damping *= in_motion;
+    motor_alone.damping_at_rest *= at_rest;
     Ok(parts)
 }
 

@@ -145,6 +145,7 @@ impl Report {
             let name = |what: &str| format!("output feedback {what} ({})", set.name());
             rows.extend([
                 row(&name("b"), b.damping, "s", &damping(tuned::ADDED_DAMPING)),
+                row(&name("b at rest"), b.damping_at_rest, "s", &damping(tuned::ADDED_DAMPING)),
                 row(&name("k"), b.integral, "1/s", &integral(tuned::INTEGRAL)),
                 row(&name("omega_y"), b.filter_corner, "rad/s", &of_mode(tuned::FILTER_CORNER)),
             ]);

@@ -17,7 +17,8 @@
 //! omega = sqrt(K/J_fs) is damped by b*omega/2, and z closes a loop of crossover k through two poles and that
 //! mode, of which it takes a damping ratio of k/(2*omega)*cos(2*a)/(1 + tan(a)^2), a = atan(omega/omega_y): none where
 //! omega_y is omega, k/(2*omega) where it is far above. b becomes a negative damping only where the motor's delay passes a
-//! quarter of the mode's period. The gains scale with omega.
+//! quarter of the mode's period. The gains scale with omega. b has a value of its own at rest, where friction that does not slide holds the
+//! motor, from the round after the setpoint's last on.
 //!
 //! A motor in static friction does not move until the cascade's torque has grown to the break-away torque. An integral of m
 //! alone would by then have sent its reference far beyond, and the joint would hunt: with c*r*x added z stands still where
@@ -44,8 +45,10 @@ use crate::real::Real;
 #[constants]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OutputFeedbackParams<R> {
-    /// b (s), 0..=1.
+    /// b in motion (s), 0..=1.
     pub damping: R,
+    /// b at rest (s), 0..=1.
+    pub damping_at_rest: R,
     /// k (1/s), 0..=1000.
     pub integral: R,
     /// omega_y (rad/s), 0..=1e5.
@@ -71,12 +74,14 @@ pub struct OutputFeedback<R> {
     dt: R,
 }
 
-/// z, and m behind the first and the second pole (rad).
+/// z, m behind the first and the second pole (rad), and b.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OutputFeedbackState<R> {
     integral: R,
     first_pole: R,
     filtered: R,
+    /// b of the next shift (s), 0 before the first integration.
+    damping: R,
     /// dz/dt (rad/s).
     integral_rate: R,
     /// m of the last slot (rad), whether it was measured, and whether the setpoint rested.
@@ -125,6 +130,7 @@ impl<R: Real> OutputFeedback<R> {
         let within = |value: R, most: f64| value >= R::ZERO && value <= R::lit(most);
         for set in gains {
             require(within(set.damping, 1.0), "damping")?;
+            require(within(set.damping_at_rest, 1.0), "damping_at_rest")?;
             require(within(set.integral, 1000.0), "integral")?;
             require(within(set.filter_corner, 1e5), "filter_corner")?;
         }
@@ -147,11 +153,10 @@ impl<R: Real> OutputFeedback<R> {
         output: &OutputError<R>,
         supervised: R,
     ) -> Shift<R> {
-        let set = usize::from(output.measures);
         state.error = if self.is_slow(output.setpoint_velocity) { output.position } else { R::ZERO };
         state.rests = output.setpoint_velocity == R::ZERO;
         state.measures = output.measures;
-        let damping = supervised * self.gains[set].damping;
+        let damping = supervised * state.damping;
         let angle = damping * output.velocity + state.integral;
         let acceleration = output.torque * self.inverse_flexspline_inertia;
         let rate = damping * acceleration + state.integral_rate;
@@ -164,12 +169,13 @@ impl<R: Real> OutputFeedback<R> {
         setpoint_velocity.abs() < self.slow
     }
 
-    /// Integrates z by the last error and `motor_lag`, r*x (rad), in a later slot; `runs` is false while the motor cannot follow,
-    /// and z is held.
+    /// Integrates z by the last error and `motor_lag`, r*x (rad), and chooses b of the next shift, in a later slot, which has more time;
+    /// `runs` is false while the motor cannot follow, and z is held.
     #[inline(always)]
     pub fn integrate(&self, state: &mut OutputFeedbackState<R>, motor_lag: R, runs: bool) {
         let set = usize::from(state.measures);
         let (gains, filter) = (&self.gains[set], self.filters[set]);
+        state.damping = if state.rests { gains.damping_at_rest } else { gains.damping };
         let dead_zone = if state.measures && state.rests { self.dead_zone } else { R::ZERO };
         let missing = state.error + R::lit(MOTOR_LAG.get()) * motor_lag;
         filter.step(&mut state.first_pole, missing.dead_zone(dead_zone));
@@ -188,7 +194,7 @@ mod tests {
     const INERTIA: f64 = 1.2;
     const STIFFNESS: f64 = 4e4;
     const GAINS: OutputFeedbackParams<f64> =
-        OutputFeedbackParams { damping: 1.4e-3, integral: 0.0, filter_corner: 60.0 };
+        OutputFeedbackParams { damping: 1.4e-3, damping_at_rest: 1.4e-3, integral: 0.0, filter_corner: 60.0 };
 
     fn feedback(gains: OutputFeedbackParams<f64>) -> OutputFeedback<f64> {
         OutputFeedback::build(&[gains; 2], INERTIA, 5.86, 1.2e-5, DT).unwrap()
@@ -237,6 +243,18 @@ mod tests {
         let (without, _) = decay(OutputFeedbackParams::default(), 0.0, 0.5);
         assert!(with < 1e-3 * (-0.8 * damping * frequency * 0.25).exp(), "{with}");
         assert!(without > 0.9e-3, "{without}");
+    }
+
+    #[test]
+    fn at_rest_the_damping_is_its_own() {
+        let feedback = feedback(OutputFeedbackParams { damping_at_rest: 0.7e-3, ..GAINS });
+        let mut state = OutputFeedbackState::default();
+        let mut shift = |setpoint_velocity| {
+            let error = OutputError { velocity: 1.0, setpoint_velocity, ..OutputError::default() };
+            stepped(&feedback, &mut state, &error, true).angle
+        };
+        let shifts = [1e-3, 1e-3, 0.0, 0.0].map(&mut shift);
+        assert_eq!(shifts, [0.0, -1.4e-3, -1.4e-3, -0.7e-3]);
     }
 
     #[test]
@@ -295,7 +313,7 @@ mod tests {
         let fast = OutputError { position: 1e-3, setpoint_velocity: 1.0, ..OutputError::default() };
         let mut state = OutputFeedbackState::default();
         stepped(&feedback, &mut state, &fast, true);
-        assert_eq!(state, OutputFeedbackState::default());
+        assert_eq!((state.integral, state.integral_rate), (0.0, 0.0));
     }
 
     #[test]
@@ -317,6 +335,7 @@ mod tests {
         let named = |name| Error::OutOfRange(name);
         assert_eq!(build(OutputFeedbackParams { filter_corner: f64::NAN, ..GAINS }), named("filter_corner"));
         assert_eq!(build(OutputFeedbackParams { damping: -0.1, ..GAINS }), named("damping"));
+        assert_eq!(build(OutputFeedbackParams { damping_at_rest: 1.1, ..GAINS }), named("damping_at_rest"));
         assert_eq!(build(OutputFeedbackParams { integral: 2000.0, ..GAINS }), named("integral"));
     }
 }
