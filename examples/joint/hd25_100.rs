@@ -8,7 +8,7 @@ use strainwave::compensator::estimate::observer::deviation::{Spread, Uncertainty
 use strainwave::compensator::estimate::observer::{Gains, ObserverParams};
 use strainwave::compensator::reference::measured_feedback::MeasuredFeedbackParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
-use strainwave::compensator::{EstimateDeviation, JointParams, Limits};
+use strainwave::compensator::{EstimateDeviation, JointParams, Limits, Tolerances};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
 use strainwave::flexspline::{Bend, Cup, FlexsplineParams, Hardening::*};
 use strainwave::friction::{
@@ -111,6 +111,8 @@ pub const JOINT: JointParams<f32> = JointParams {
     output_encoder_bits: 19,
     output_encoder_zero: Some(0.0),
     limits: Limits { motor_torque: 2.4, motor_speed: 586.0, output_torque: 157.0 },
+    tolerances: Tolerances { torque_constant: 0.1, rotor_inertia: 0.1, stiffness: 0.1 },
+    drive_response: 0.0014732395,
     observer: ObserverParams {
         moving: [
             Gains {

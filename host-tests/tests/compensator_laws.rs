@@ -31,7 +31,7 @@ impl Twins {
         let joint = joint();
         let reduced = Reduced::build(&joint.gear.flexspline, joint.gear.rated_torque).unwrap();
         let gear: RealTimeGear<f64> = joint.gear.build(reduced, joint.dt).unwrap();
-        let observer = joint.observer.build(&joint.gear, &joint.limits, joint.dt).unwrap();
+        let observer = joint.observer.build(&joint.gear, &joint.limits, &joint.tolerances, joint.dt).unwrap();
         let state = observer.rest();
         Self { joint, gear, observer, state, with_output_encoder }
     }

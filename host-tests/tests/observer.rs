@@ -10,7 +10,6 @@ use strainwave::compensator::estimate::observer::multi_rate::{
 use strainwave::compensator::estimate::observer::{Measurement, Observer, ObserverState, OutputReading};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::schedule::OBSERVER_PERIODS;
-use strainwave::compensator::tuned::TORSION_UNCERTAINTY;
 use strainwave::compensator::{Faults, JointParams, RealTimeGear};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
@@ -58,7 +57,8 @@ fn load_of_a_swinging_motor() -> f64 {
     let joint = joint();
     let (model, plant) =
         (gear(&joint.gear, CONTROL_PERIOD), gear(&joint.gear, CONTROL_PERIOD / f64::from(FINE)));
-    let observer = joint.observer.build(&joint.gear, &joint.limits, CONTROL_PERIOD).unwrap();
+    let observer =
+        joint.observer.build(&joint.gear, &joint.limits, &joint.tolerances, CONTROL_PERIOD).unwrap();
     let (mut state, mut inside) = (observer.rest(), plant.rest());
     let (mut motor, mut flange) = (Motion::default(), Motion::default());
     let (mut largest, mut before) = (0.0f64, 0.0);
@@ -92,7 +92,8 @@ fn the_timing_of_the_motors_torque_is_no_load() {
 fn estimated_at_rest(off: f64, readings: u32) -> f64 {
     let joint = joint();
     let model = gear(&joint.gear, CONTROL_PERIOD);
-    let observer = joint.observer.build(&joint.gear, &joint.limits, CONTROL_PERIOD).unwrap();
+    let observer =
+        joint.observer.build(&joint.gear, &joint.limits, &joint.tolerances, CONTROL_PERIOD).unwrap();
     let mut state = observer.rest();
     let mut shown = Motion::default();
     shown.angle = shown.angle.plus(off);
@@ -119,7 +120,7 @@ fn a_resting_outputs_last_count_moves_nothing() {
 fn a_gross_output_reading_corrects_nothing_at_first() {
     let joint = joint();
     let line = joint.gear.flexspline.line.build().unwrap();
-    let uncertain = TORSION_UNCERTAINTY.get() * line.torsion(joint.limits.output_torque);
+    let uncertain = joint.tolerances.of_torsion() * line.torsion(joint.limits.output_torque);
     let moved = |off, readings| estimated_at_rest(off, readings) - estimated_at_rest(0.0, readings);
     assert!(moved(0.5 * uncertain, 1) > 0.0);
     for readings in 1..=10 {

@@ -25,7 +25,8 @@ use crate::compensator::sense::output_zero::OutputZero;
 use crate::compensator::sense::pulleys::Pulleys;
 use crate::compensator::sense::rotor::Rotor;
 use crate::compensator::sense::validation::{FrozenEncoder, InputGuard};
-use crate::compensator::{Compensator, Limits};
+use crate::compensator::tuned::UNCERTAINTY_MARGIN;
+use crate::compensator::{Compensator, Limits, Tolerances};
 use crate::error::{Error, require};
 use crate::flexspline::Reduced;
 use crate::gear::GearParams;
@@ -52,6 +53,10 @@ pub struct JointParams<R: Real> {
     pub output_encoder_zero: Option<R>,
     /// Limits of motor and gear.
     pub limits: Limits<R>,
+    /// How well the joint is known.
+    pub tolerances: Tolerances<R>,
+    /// Time in which a sound drive reaches its command, 0..=0.1 (s).
+    pub drive_response: R,
     /// The observer's gains.
     pub observer: ObserverParams<R>,
     /// The disturbance path.
@@ -75,6 +80,8 @@ impl<R: Real> JointParams<R> {
     /// [`Error::OutOfRange`] with the name of the first parameter that is out of its range.
     pub fn build(&self) -> Result<Compensator<R>, Error> {
         self.limits.check()?;
+        self.tolerances.check()?;
+        require(self.drive_response >= R::ZERO && self.drive_response <= R::lit(0.1), "drive_response")?;
         let stretch = self.belt.as_ref().map_or(Ok(SeriesBelt::NONE), SeriesBeltParams::build)?;
         let pulleys = Pulleys::build(self.belt.as_ref());
         require(!stretch.stretches() || stretch.contracts(&self.gear), "belt_compliance")?;
@@ -90,10 +97,12 @@ impl<R: Real> JointParams<R> {
         let readings = R::from_i32(self.observer.output_encoder_period.max(SLOW_PERIODS) as i32);
         let still = self.motor_encoder_still.map(|periods| R::from_i32(periods as i32) * self.dt);
         require(still.is_none_or(R::is_positive), "motor_encoder_still")?;
-        let protection = Protection::build(&self.gear, limits, self.dt);
+        let protection = Protection::build(&self.gear, limits, &self.tolerances, self.dt);
         let line = self.gear.flexspline.line.build()?;
         let count_out = count(self.output_encoder_bits);
-        let lost_motion = R::lit(2.0) * line.torsion(limits.output_torque) + count_out;
+        // The farthest that a sound output comes from its motor, from one peak torque to the other.
+        let apart =
+            R::lit(UNCERTAINTY_MARGIN.get()) * (R::lit(2.0) * line.torsion(limits.output_torque) + count_out);
         let commander = Commander::build(&self.gear, limits, &self.feedback, &protection, round)?;
         let acceleration = commander.acceleration() * R::from_i32(n).abs();
         Ok(Compensator {
@@ -106,8 +115,8 @@ impl<R: Real> JointParams<R> {
             output_encoder: encoder(self.output_encoder_bits, limits.output_speed(n) * readings)?,
             output_zero: OutputZero::build(self.output_encoder_zero, n)?,
             frozen_encoder: FrozenEncoder::of_motor(round + round, still),
-            frozen_output: FrozenEncoder::of_output(R::from_i32(n).abs() * lost_motion),
-            observer: self.observer.build(&self.gear, limits, self.dt)?.behind(stretch),
+            frozen_output: FrozenEncoder::of_output(R::from_i32(n).abs() * apart),
+            observer: self.observer.build(&self.gear, limits, &self.tolerances, self.dt)?.behind(stretch),
             disturbance: self.disturbance.build(&self.gear, self.dt)?,
             feed_forward: FeedForward::build(&self.gear, self.dt)?.behind(stretch),
             feedback: self.feedback.build(self.dt)?,
@@ -118,6 +127,7 @@ impl<R: Real> JointParams<R> {
                 self.gear.flexspline_inertia,
                 limits.output_speed(n),
                 count_out,
+                apart,
                 round,
             )?,
             measured_feedback: MeasuredFeedback::build(
@@ -133,7 +143,9 @@ impl<R: Real> JointParams<R> {
             rotor: Rotor::build(
                 &self.gear,
                 limits,
+                &self.tolerances,
                 [motor_count, count_out],
+                self.drive_response,
                 self.feedback.position_gain,
                 self.dt,
             )?,

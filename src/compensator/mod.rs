@@ -41,6 +41,7 @@ pub mod sense;
 mod signals;
 mod start;
 mod state;
+pub mod tolerances;
 pub mod tuned;
 pub mod words;
 
@@ -55,3 +56,4 @@ pub use reference::command::Command;
 pub use reference::directions::Directions;
 pub use signals::{CompensationGains, Estimate, EstimateDeviation, Setpoint, Status};
 pub use state::State;
+pub use tolerances::Tolerances;

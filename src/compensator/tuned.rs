@@ -162,14 +162,11 @@ tuned! {
     ENCODER_NOISE = 4.0, Count,
         "Noise that a count of the motor's encoder may have, besides its motion: few counts of any resolution, which a \
          bad frame exceeds by far";
-    DETECTION_MARGIN = 1.5, One,
-        "Acceleration of the motor that is a bad frame, and position error that is a fault, over the largest that the torques of a \
-         sound joint make: half as much again for their uncertainty";
+    UNCERTAINTY_MARGIN = 1.5, One,
+        "What is a fault, over the largest that a sound joint within its tolerances makes, and what is asked of it less: half as much \
+         again for what they do not say";
     MOTOR_PATH = 0.5, Radian,
         "Commanded path of the motor in which its encoder moves, unless it is frozen: an angle, whatever the gear";
-    OUTPUT_PATH = 1.5, One,
-        "Measured path of the motor in which the output's encoder moves, in the torsion from one peak torque to the other and a \
-         count: half as much again for the uncertainty of the stiffness";
     DRIVE_CORNER = 7.0, RadianPerSecond,
         "Corner between commanded and measured motor torque: noise of the measurement above it, a drive's errors below it";
     MEASURED_TORQUE_CORNER = 100.0, RadianPerSecond,
@@ -179,17 +176,6 @@ tuned! {
          of the default joint's measurement";
     DRIVE_LACK = 0.5, One,
         "Part of its command that a drive at a limit of its own may lack: one at 60 % still follows";
-    TORQUE_UNCERTAINTY = 0.25, One,
-        "Part of a torque by the motor that is uncertain: it is known no better than the torque constant and the inertia \
-         that it accelerates";
-    TORSION_UNCERTAINTY = 0.3, One,
-        "Part of the torque by the torsion that is uncertain: 10 % of the torque constant, 10 % of stiffness, as much hysteresis";
-    GAUGE_UNCERTAINTY = 0.1, One,
-        "Part of a change of the torque by the torque sensor that is uncertain: 10 % of the torque constant";
-    OVERLOADED = 0.8e-3, Second,
-        "Time that an overload or a following error lasts: one round, the soonest that can be told";
-    NOT_FOLLOWING = 2.4e-3, Second,
-        "Time that a drive does not follow: longer than four time constants of one of 1 kHz, three rounds";
     DISAGREEING = 8e-3, Second,
         "Time that a sensor at the output disagrees with the motor's side, ten rounds: what is uncertain of both for a \
          moment is none";
@@ -216,17 +202,15 @@ tuned! {
          1 kHz";
     LOST_REFERENCE = 2.0, One,
         "Position error of a lost reference, in those at which the cascade asks for all of the motor's torque";
-    APPROACH_RATE = 25.0, PerSecond,
-        "Rate at which a setpoint that cannot be followed is approached near by: a fifth of the default gear's position \
-         gain";
+    APPROACH_TO_POSITION = 0.25, One,
+        "Rate at which a setpoint that cannot be followed is approached near by, of the position gain: the position loop is four times \
+         faster";
     JERK_TIME = 0.005, Second,
         "Time to the whole acceleration of an approach: five periods of an outer controller of 1 kHz";
     LOAD_SHARE = 0.8, One,
         "Largest part of the torque that a load takes from an approach: a fifth of it is left, for any estimate";
     REST_SPEED = 1e-4, RadianPerSecond,
         "Speed below which a braked reference rests: an absolute speed, whatever the joint";
-    LARGEST_SHIFT = 0.01, Radian,
-        "Largest shift of the reference by the output feedback: more than a gear's torsion at peak torque, of the default gear";
     SLOW_SPEED = 0.05, One,
         "Fastest setpoint at which the output feedback integrates, in joint's speeds: before the error of a fast move changes its \
          sign";
@@ -246,8 +230,6 @@ tuned! {
     GAIN_RAMP = 0.02, Second,
         "Time in which a gain goes from 0 to 1: a gain that is switched makes no step of the output, at most 6 % of it at \
          a time";
-    GEAR_TORQUE = 0.85, One,
-        "Bound of the torque through the gear, in peak ratings: 10 % of the torque constant, and the time to the command";
     BRAKING_SHARE = 0.1, One,
         "Deceleration that the position error may ask for, in accelerations of an approach: the rest is the setpoint's, a load's \
          and a weak drive's";

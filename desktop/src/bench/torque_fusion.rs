@@ -87,7 +87,7 @@ impl Joint {
         let joint = joint_params::<f32>(file)?;
         let flexspline = RealTimeFlexspline::build(&joint.gear.flexspline, joint.gear.rated_torque)?;
         let gear = joint.gear.build(flexspline, joint.dt)?;
-        let observer = joint.observer.build(&joint.gear, &joint.limits, joint.dt)?;
+        let observer = joint.observer.build(&joint.gear, &joint.limits, &joint.tolerances, joint.dt)?;
         let state = observer.rest();
         Ok(Self { gear, observer, state, dt: joint.dt })
     }

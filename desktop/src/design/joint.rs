@@ -6,7 +6,7 @@
 use strainwave::belt::SeriesBeltParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
-use strainwave::compensator::{JointParams, Limits};
+use strainwave::compensator::{JointParams, Limits, Tolerances};
 use strainwave::flexspline::stiffness_line::StiffnessLineParams;
 use strainwave::flexspline::{Bend, Cup, FlexsplineParams, Hardening};
 use strainwave::friction::AnyFrictionParams;
@@ -111,6 +111,12 @@ pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
             motor_speed: R::lit(file.motor.rotor_speed_limit),
             output_torque: R::lit(file.gear.peak_torque),
         },
+        tolerances: Tolerances {
+            torque_constant: R::lit(file.drive.torque_constant),
+            rotor_inertia: R::lit(file.tolerances.rotor_inertia),
+            stiffness: R::lit(file.tolerances.stiffness),
+        },
+        drive_response: R::lit(file.drive.response()),
         observer: observer_design::observer_params(known)?,
         disturbance: compensation::disturbance_params(known),
         feedback: feedback_params(known),
@@ -151,7 +157,7 @@ pub fn source(params: &JointParams<f32>, gear_name: &str) -> String {
          use strainwave::compensator::estimate::observer::{{Gains, ObserverParams}};\n\
          use strainwave::compensator::reference::measured_feedback::MeasuredFeedbackParams;\n\
          use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;\n\
-         use strainwave::compensator::{{EstimateDeviation, JointParams, Limits}};\n\
+         use strainwave::compensator::{{EstimateDeviation, JointParams, Limits, Tolerances}};\n\
          use strainwave::flexspline::stiffness_line::StiffnessLineParams;\n\
          use strainwave::flexspline::{{Bend, Cup, FlexsplineParams, Hardening::*}};\n\
          use strainwave::friction::{{\n    \

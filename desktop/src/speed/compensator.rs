@@ -49,7 +49,7 @@ fn observer(joint: &JointParams<f32>) -> Result<Kernel, strainwave::Error> {
     let params = &joint.gear;
     let flexspline = RealTimeFlexspline::build(&params.flexspline, params.rated_torque)?;
     let gear: RealTimeGear<f32> = params.build(flexspline, joint.dt)?;
-    let observer = joint.observer.build(params, &joint.limits, joint.dt)?;
+    let observer = joint.observer.build(params, &joint.limits, &joint.tolerances, joint.dt)?;
     let period = OBSERVER_PERIODS as f32 * joint.dt;
     let mut state = observer.rest();
     let mut motor = Angle::from_radians(0.0);

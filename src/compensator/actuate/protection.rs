@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! Q = n*tau - n*tau_fric,   J = n^2*J_wg,   c = 1 + J/J_fs,   omega^2 = c*K/J
-//! |Q + (c-1)*T + 2*c/omega*dT/dt| <= c*L,      L = 0.85 of the peak rating
+//! |Q + (c-1)*T + 2*c/omega*dT/dt| <= c*L,      L = 1 - m*d_kt of the peak rating
 //! ```
 //!
 //! T is the torque through the gear by the balance of the rotor ([`crate::compensator::sense::rotor`]): it depends on
@@ -11,13 +11,12 @@
 //! the bound `T'' = omega^2*(L - T) - 2*omega*T'`: T approaches L critically damped and never passes it, whatever is
 //! commanded. An output that is free accelerates and T stays further below; so it does with a J_fs that counts as larger than it
 //! is, because its mode is too fast for the round ([`output_inertia`]). K is the stiffest slope of the line, so that
-//! omega is not below that of the gear. The margin of L covers 10 % of the torque constant and the time from T to the
-//! command. Units: N m at the motor's shaft.
+//! omega is not below that of the gear. The margin of L covers the tolerance d_kt of the torque constant and, with m*d_kt
+//! ([`Tolerances::of_peak`]), the time from T to the command. Units: N m at the motor's shaft.
 
 use crate::branch::seldom;
-use crate::compensator::Limits;
 use crate::compensator::sense::rotor::output_inertia;
-use crate::compensator::tuned::GEAR_TORQUE;
+use crate::compensator::{Limits, Tolerances};
 use crate::constants::constants;
 use crate::gear::GearParams;
 use crate::real::Real;
@@ -42,12 +41,12 @@ pub struct ProtectionState<R> {
 
 impl<R: Real> Protection<R> {
     /// For a gear that was checked, and the control period dt (s).
-    pub fn build(gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Self {
+    pub fn build(gear: &GearParams<R>, limits: &Limits<R>, tolerances: &Tolerances<R>, dt: R) -> Self {
         let n = R::from_i32(gear.ratio);
         let rotor = n * n * gear.wave_generator_inertia;
         let c = R::ONE + rotor / output_inertia(gear, dt);
         let omega = (c * gear.flexspline.line.stiffness[2] / rotor).sqrt();
-        let torque = R::lit(GEAR_TORQUE.get()) * limits.output_torque;
+        let torque = tolerances.of_peak() * limits.output_torque;
         Self {
             torque,
             half: c * torque / n.abs(),
@@ -94,14 +93,15 @@ mod tests {
     const INERTIA: [f64; 2] = [6e-5, 1.2];
     const STIFFNESS: f64 = 5.7e4;
     const PEAK: f64 = 157.0;
+    const ALLOWED: f64 = 0.85;
 
     fn protection() -> Protection<f64> {
         let [rotor, output] = INERTIA;
         let rotor = 1e4 * rotor;
         let c = 1.0 + rotor / output;
         Protection {
-            torque: GEAR_TORQUE.get() * PEAK,
-            half: c * GEAR_TORQUE.get() * PEAK / 100.0,
+            torque: ALLOWED * PEAK,
+            half: c * ALLOWED * PEAK / 100.0,
             by_torque: (c - 1.0) / -100.0,
             by_rate: 2.0 * c / ((c * STIFFNESS / rotor).sqrt() * -100.0),
         }

@@ -15,7 +15,7 @@
 //! until it reaches it:
 //!
 //! ```text
-//! v = dq_c + limit(min(k*|e|, sqrt(max(a - |ddq_c|, 0)*|e|)))*sign(e),   k = 25/s
+//! v = dq_c + limit(min(k*|e|, sqrt(max(a - |ddq_c|, 0)*|e|)))*sign(e),   k = k_p/4
 //! ddq -> ddq_c + 4*k*(v - dq) in -a_minus..a_plus
 //! a_plus, a_minus = a_max*(1 +- l),   a = min(a_plus, a_minus),   l = limit(tau_ext/min(L, tau_max*|n|), 0.8)
 //! ```
@@ -29,7 +29,7 @@
 use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::protection::Protection;
 use crate::compensator::schedule::SLOW_PERIODS;
-use crate::compensator::tuned::{APPROACH_RATE, JERK_TIME, LOAD_SHARE, REST_SPEED, SETPOINT_TIME};
+use crate::compensator::tuned::{APPROACH_TO_POSITION, JERK_TIME, LOAD_SHARE, REST_SPEED, SETPOINT_TIME};
 use crate::compensator::{Limits, Setpoint};
 use crate::constants::constants;
 use crate::gear::GearParams;
@@ -46,6 +46,9 @@ pub(super) struct Approach<R> {
     acceleration: R,
     /// 1/min(L, tau_max*|n|) (1/(N m)).
     by_load: R,
+    /// k, and 4*k (1/s).
+    rate: R,
+    speed_rate: R,
     /// Top speed of a reference (rad/s).
     velocity: R,
     /// Bounds of s (rad) and of the speed's difference (rad/s) within which a setpoint passes unchanged.
@@ -81,11 +84,14 @@ impl<R: Real> Approach<R> {
         let acceleration = by_gear.min(R::lit(0.6) * limits.motor_torque * n / whole);
         let longer = round * R::lit(f64::from(SLOW_PERIODS + 1) / f64::from(SLOW_PERIODS));
         let quarter = R::lit(0.25) * limits.motor_torque / (cascade.velocity_gain * n);
+        let rate = R::lit(APPROACH_TO_POSITION.get()) * cascade.position_gain;
         Self {
             round: longer,
             inverse_round: R::ONE / longer,
             acceleration,
             by_load: R::ONE / protection.torque().min(limits.motor_torque * n),
+            rate,
+            speed_rate: R::lit(4.0) * rate,
             velocity: limits.setpoint_speed(gear.ratio),
             near: quarter / cascade.position_gain,
             near_velocity: quarter + acceleration * round,
@@ -167,11 +173,10 @@ impl<R: Real> Approach<R> {
                 return None;
             }
             let (room, spare) = (distance.abs(), (most - commanded.acceleration.abs()).max(R::ZERO));
-            let speed = (R::lit(APPROACH_RATE.get()) * room).min((spare * room).sqrt_or_zero());
+            let speed = (self.rate * room).min((spare * room).sqrt_or_zero());
             ((commanded.velocity + speed.copysign(distance)).limit(self.velocity), commanded.acceleration)
         };
-        let acceleration =
-            (along + R::lit(4.0 * APPROACH_RATE.get()) * (target - velocity)).min(up).max(down);
+        let acceleration = (along + self.speed_rate * (target - velocity)).min(up).max(down);
         let step = most * self.round * R::lit(1.0 / JERK_TIME.get());
         let jerk = (acceleration - present).limit(step) * self.inverse_round;
         Some(Setpoint { position, velocity, acceleration: present, jerk, snap: R::ZERO })
@@ -183,6 +188,7 @@ pub(super) mod tests {
     use super::*;
     use crate::angle::Angle;
     use crate::compensator::schedule::{CONTROL_PERIOD, SLOW_PERIODS};
+    use crate::compensator::tolerances::tests::TENTHS;
 
     pub const ROUND: f64 = SLOW_PERIODS as f64 * CONTROL_PERIOD;
 
@@ -197,7 +203,7 @@ pub(super) mod tests {
             filter_corner: 2500.0,
             torque_limit: 2.4,
         };
-        let protection = Protection::build(&gear, &limits, CONTROL_PERIOD);
+        let protection = Protection::build(&gear, &limits, &TENTHS, CONTROL_PERIOD);
         (gear, limits, cascade, protection)
     }
 

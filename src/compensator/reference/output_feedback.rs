@@ -35,7 +35,7 @@
 //! A. De Luca, W. Book, "Robots with flexible elements", Springer Handbook of Robotics (2016), chapter 11: damping by
 //! link-side velocity, and the effect of the motor's lag on it.
 
-use crate::compensator::tuned::{LARGEST_SHIFT, MOTOR_LAG, SLOW_SPEED};
+use crate::compensator::tuned::{MOTOR_LAG, SLOW_SPEED};
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::low_pass::LowPass;
@@ -71,6 +71,8 @@ pub struct OutputFeedback<R> {
     slow: R,
     /// Half width of the dead zone of a resting output (rad).
     dead_zone: R,
+    /// Largest z, and shift by z and b (rad).
+    largest: R,
     dt: R,
 }
 
@@ -116,7 +118,7 @@ pub struct Shift<R> {
 
 impl<R: Real> OutputFeedback<R> {
     /// From the gains without and with an output encoder, J_fs (kg m^2), the output's fastest speed (rad/s), one count of its encoder
-    /// (rad) and the period dt of its slot (s).
+    /// and the `largest` shift (rad), and the period dt of its slot (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the gain outside its range, or `flexspline_inertia`.
@@ -125,6 +127,7 @@ impl<R: Real> OutputFeedback<R> {
         flexspline_inertia: R,
         fastest: R,
         count: R,
+        largest: R,
         dt: R,
     ) -> Result<Self, Error> {
         let within = |value: R, most: f64| value >= R::ZERO && value <= R::lit(most);
@@ -141,6 +144,7 @@ impl<R: Real> OutputFeedback<R> {
             inverse_flexspline_inertia: R::ONE / flexspline_inertia,
             slow: R::lit(SLOW_SPEED.get()) * fastest,
             dead_zone: R::lit(DEAD_ZONE) * count,
+            largest,
             dt,
         })
     }
@@ -160,7 +164,7 @@ impl<R: Real> OutputFeedback<R> {
         let angle = damping * output.velocity + state.integral;
         let acceleration = output.torque * self.inverse_flexspline_inertia;
         let rate = damping * acceleration + state.integral_rate;
-        Shift { angle: -angle.limit(R::lit(LARGEST_SHIFT.get())), rate: -rate }
+        Shift { angle: -angle.limit(self.largest), rate: -rate }
     }
 
     /// The setpoint is slow enough for z, and for P and D of the measured angle.
@@ -182,7 +186,7 @@ impl<R: Real> OutputFeedback<R> {
         filter.step(&mut state.filtered, state.first_pole);
         let gain = if runs { gains.integral } else { R::ZERO };
         state.integral_rate = gain * state.filtered;
-        state.integral = (state.integral + self.dt * state.integral_rate).limit(R::lit(LARGEST_SHIFT.get()));
+        state.integral = (state.integral + self.dt * state.integral_rate).limit(self.largest);
     }
 }
 
@@ -193,11 +197,12 @@ mod tests {
     const DT: f64 = 4e-4;
     const INERTIA: f64 = 1.2;
     const STIFFNESS: f64 = 4e4;
+    const LARGEST: f64 = 0.01;
     const GAINS: OutputFeedbackParams<f64> =
         OutputFeedbackParams { damping: 1.4e-3, damping_at_rest: 1.4e-3, integral: 0.0, filter_corner: 60.0 };
 
     fn feedback(gains: OutputFeedbackParams<f64>) -> OutputFeedback<f64> {
-        OutputFeedback::build(&[gains; 2], INERTIA, 5.86, 1.2e-5, DT).unwrap()
+        OutputFeedback::build(&[gains; 2], INERTIA, 5.86, 1.2e-5, LARGEST, DT).unwrap()
     }
 
     fn stepped(
@@ -281,7 +286,7 @@ mod tests {
             shift.angle
         };
         assert!((shift(0.0) + ERROR / MOTOR_LAG.get()).abs() < 1e-3 * ERROR, "{}", shift(0.0));
-        assert_eq!(shift(1.0), -LARGEST_SHIFT.get());
+        assert_eq!(shift(1.0), -LARGEST);
     }
 
     /// The decay of the mode does not depend on an integral whose poles are at the mode.
@@ -305,7 +310,7 @@ mod tests {
         let far = OutputError { position: 1e3, velocity: 1e3, ..OutputError::default() };
         let mut state = OutputFeedbackState::default();
         for _ in 0..10_000 {
-            assert!(stepped(&feedback, &mut state, &far, true).angle.abs() <= LARGEST_SHIFT.get());
+            assert!(stepped(&feedback, &mut state, &far, true).angle.abs() <= LARGEST);
         }
         let before = state.integral;
         stepped(&feedback, &mut state, &OutputError { position: -1e3, ..OutputError::default() }, false);
@@ -331,7 +336,8 @@ mod tests {
 
     #[test]
     fn a_gain_out_of_range_is_named() {
-        let build = |gains| OutputFeedback::build(&[GAINS, gains], INERTIA, 5.86, 1.2e-5, DT).unwrap_err();
+        let build =
+            |gains| OutputFeedback::build(&[GAINS, gains], INERTIA, 5.86, 1.2e-5, LARGEST, DT).unwrap_err();
         let named = |name| Error::OutOfRange(name);
         assert_eq!(build(OutputFeedbackParams { filter_corner: f64::NAN, ..GAINS }), named("filter_corner"));
         assert_eq!(build(OutputFeedbackParams { damping: -0.1, ..GAINS }), named("damping"));

@@ -26,7 +26,7 @@ use crate::compensator::schedule::CONTROL_PERIOD;
 use crate::compensator::sense::clock::Elapsed;
 use crate::compensator::sense::encoder::Reading;
 use crate::compensator::sense::pulleys::Pulleys;
-use crate::compensator::tuned::{BAD_FRAMES, DETECTION_MARGIN, ENCODER_NOISE, FRAME_RECOVERY};
+use crate::compensator::tuned::{BAD_FRAMES, ENCODER_NOISE, FRAME_RECOVERY, UNCERTAINTY_MARGIN};
 use crate::compensator::{Faults, Limits};
 use crate::constants::constants;
 use crate::error::{Error, require};
@@ -112,7 +112,7 @@ impl<R: Real> MotorEncoder<R> {
         require((10..=32).contains(&bits), "encoder_bits")?;
         let gear_torque = R::lit(2.0) * limits.output_torque / R::from_i32(gear.ratio).abs();
         let torque = limits.motor_torque + gear_torque + gear.input_friction.forward.static_level;
-        let acceleration = R::lit(DETECTION_MARGIN.get()) * torque / gear.wave_generator_inertia;
+        let acceleration = R::lit(UNCERTAINTY_MARGIN.get()) * torque / gear.wave_generator_inertia;
         let counts = |angle: R| (angle * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs();
         let shift = 32 - bits;
         Ok(Self {

@@ -22,7 +22,7 @@ use crate::compensator::faults::Faults;
 use crate::compensator::reference::directions::Crossover;
 use crate::compensator::schedule::{SLOW_PERIODS, SLOW_SLOTS};
 use crate::compensator::sense::pulleys::Pulleys;
-use crate::compensator::tuned::{GAIN_RAMP, MOTOR_PATH, OUTPUT_PATH};
+use crate::compensator::tuned::{GAIN_RAMP, MOTOR_PATH};
 use crate::compensator::{Command, CompensationGains, Directions, Limits, Sensors, Setpoint};
 use crate::constants::constants;
 use crate::error::{Error, require};
@@ -261,10 +261,10 @@ impl<R: Real> FrozenEncoder<R> {
         Self { farthest, at_rest: still.map_or(R::ZERO, |still| farthest * dt / still) }
     }
 
-    /// The output's, whose steps are the motor's measured motions (rad). It may stand still while the motor goes as far as the gear's
-    /// torsion from one peak torque to the other and a count take it (`lost_motion`, rad, at the motor).
-    pub fn of_output(lost_motion: R) -> Self {
-        Self { farthest: R::lit(OUTPUT_PATH.get()) * lost_motion, at_rest: R::ZERO }
+    /// The output's, whose steps are the motor's measured motions (rad). It may stand still while the motor goes as far `apart` from it as
+    /// the gear's torsion from one peak torque to the other and a count take it, with a margin (rad, at the motor).
+    pub fn of_output(apart: R) -> Self {
+        Self { farthest: apart, at_rest: R::ZERO }
     }
 
     /// Adds a step to the path while the encoder stands still; true once the path is too long in either direction, and until the

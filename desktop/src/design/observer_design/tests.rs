@@ -98,7 +98,7 @@ impl Twin {
         let params = BoxSample::from_seed(seed).apply(&nominal);
         let joint = joint_params::<f64>(file).unwrap();
         let limits: Limits<f64> = joint.limits;
-        let observer = joint.observer.build(&joint.gear, &limits, CONTROL_PERIOD).unwrap();
+        let observer = joint.observer.build(&joint.gear, &limits, &joint.tolerances, CONTROL_PERIOD).unwrap();
         Self { gear: build(&params), params, observer, model: build(&nominal) }
     }
 

@@ -3,7 +3,10 @@
 //! Omitted keys have the defaults below: the parameter ranges of the judged plants
 //! ([`crate::plant::unknowns`], [`crate::plant::box_sample`]).
 
+use std::f64::consts::TAU;
+
 use serde::{Deserialize, Serialize};
+use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Largest relative deviation of the friction of either side.
 pub const FRICTION: f64 = 0.2;
@@ -28,6 +31,16 @@ pub struct Drive {
     /// Largest relative deviation of the torque constant.
     #[serde(rename = "torque_constant_tolerance")]
     pub torque_constant: f64,
+}
+
+/// Time constants of a current loop in which it reaches its command to 2 %.
+const RESPONSE: f64 = 4.0;
+
+impl Drive {
+    /// Longest time in which the drive reaches its command (s): its delay, and the response of the slowest current loop.
+    pub fn response(&self) -> f64 {
+        f64::from(self.delay) * CONTROL_PERIOD + RESPONSE / (TAU * self.least_current_loop)
+    }
 }
 
 impl Default for Drive {
@@ -83,6 +96,14 @@ mod tests {
         let slow = with("[drive]\ncurrent_loop_least_hz = 300\n[tolerances]\nload_inertia = 0.5").unwrap();
         assert_eq!(slow.drive, Drive { least_current_loop: 300.0, ..Drive::default() });
         assert_eq!(slow.tolerances, Tolerances { load_inertia: 0.5, ..Tolerances::default() });
+    }
+
+    #[test]
+    fn a_late_drive_with_a_slow_current_loop_takes_longer_to_respond() {
+        let response = Drive::default().response();
+        assert!((response - 1.473e-3).abs() < 1e-6, "{response}");
+        assert!(Drive { delay: 5, ..Drive::default() }.response() > response + 2.9e-4);
+        assert!(Drive { least_current_loop: 250.0, ..Drive::default() }.response() > response + 1.2e-3);
     }
 
     #[test]

@@ -91,7 +91,7 @@ use range::Range;
 /// let (params, dt, load) = (JOINT.gear, JOINT.dt, -25.0);
 /// let flexspline = RealTimeFlexspline::build(&params.flexspline, params.rated_torque)?;
 /// let gear: RealTimeGear<f32> = params.build(flexspline, dt)?;
-/// let observer = JOINT.observer.build(&params, &JOINT.limits, dt)?;
+/// let observer = JOINT.observer.build(&params, &JOINT.limits, &JOINT.tolerances, dt)?;
 /// let (mut plant, mut state) = (gear.rest(), observer.rest());
 /// let (mut motor, mut output) = (Motion::<f32>::default(), Motion::default());
 /// let (mut faults, mut torque, mut torsion) = (Faults::NONE, 0.0, 0.0);

@@ -3,7 +3,6 @@
 //! Delay and period of the output encoder are given in control periods; the observer counts its own and rounds up.
 
 use crate::angle::Ratio;
-use crate::compensator::Limits;
 use crate::compensator::estimate::observer::Observer;
 use crate::compensator::estimate::observer::deviation::Uncertainty;
 use crate::compensator::estimate::observer::gains::GainSets;
@@ -11,6 +10,7 @@ use crate::compensator::estimate::observer::multi_rate::MultiRate;
 use crate::compensator::estimate::observer::past::LONGEST_DELAY;
 use crate::compensator::estimate::observer::range::Range;
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
+use crate::compensator::{Limits, Tolerances};
 use crate::error::{Error, require};
 use crate::gear::GearParams;
 use crate::real::{RADIANS_PER_COUNT, Real};
@@ -44,7 +44,13 @@ impl<R: Real> ObserverParams<R> {
     /// [`Error::OutOfRange`] `gains` unless all are finite, `motion_threshold` or `output_count` unless in 0..=1,
     /// `output_encoder_delay` beyond [`LONGEST_DELAY`], `output_encoder_period` unless in 1..=[`LONGEST_PERIOD`], or
     /// as [`Limits::check`] and the gear's parts.
-    pub fn build(&self, gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Result<Observer<R>, Error> {
+    pub fn build(
+        &self,
+        gear: &GearParams<R>,
+        limits: &Limits<R>,
+        tolerances: &Tolerances<R>,
+        dt: R,
+    ) -> Result<Observer<R>, Error> {
         let sets = || self.moving.iter().chain(&self.standing);
         let mut gains = sets().flat_map(|g| g.motor.iter().chain(&g.output).chain(&g.torque).chain(&g.past));
         require(gains.all(|gain| gain.is_finite()), "gains")?;
@@ -73,7 +79,7 @@ impl<R: Real> ObserverParams<R> {
             period: self.output_encoder_period.div_ceil(SLOW_PERIODS) * (SLOW_PERIODS / OBSERVER_PERIODS),
             output_count: self.output_count,
             uncertainty: self.uncertainty,
-            limits: Range::build(gear, limits, self.uncertainty.stiffness, self.output_count)?,
+            limits: Range::build(gear, limits, tolerances, self.uncertainty.stiffness, self.output_count)?,
             inverse_wave_generator_inertia: R::ONE / wave_generator_inertia,
             inverse_flexspline_inertia: R::ONE / gear.flexspline_inertia,
             multi_rate: MultiRate::build(ratio.value(), dt),

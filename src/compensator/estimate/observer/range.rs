@@ -10,11 +10,11 @@
 //! Units: rad, rad/s, N m.
 
 use crate::branch::seldom;
-use crate::compensator::Limits;
 use crate::compensator::estimate::observer::multi_rate::Torques;
 use crate::compensator::estimate::observer::state::ObserverState;
 use crate::compensator::faults::Faults;
-use crate::compensator::tuned::{STIFFNESS_TORQUE, TORSION_UNCERTAINTY};
+use crate::compensator::tuned::STIFFNESS_TORQUE;
+use crate::compensator::{Limits, Tolerances};
 use crate::constants::constants;
 use crate::error::Error;
 use crate::gear::GearParams;
@@ -45,6 +45,7 @@ impl<R: Real> Range<R> {
     pub(super) fn build(
         gear: &GearParams<R>,
         limits: &Limits<R>,
+        tolerances: &Tolerances<R>,
         stiffness: R,
         output_count: R,
     ) -> Result<Self, Error> {
@@ -57,7 +58,7 @@ impl<R: Real> Range<R> {
             stiffness_torque: [R::lit(3.0) * stiffness, R::lit(STIFFNESS_TORQUE.get()) * gear.rated_torque],
             torsion: line.torsion(R::lit(4.0) * limits.output_torque),
             transmitted: R::lit(4.0) * limits.output_torque,
-            output_innovation: R::lit(TORSION_UNCERTAINTY.get()) * line.torsion(limits.output_torque)
+            output_innovation: tolerances.of_torsion() * line.torsion(limits.output_torque)
                 + R::lit(2.0) * output_count,
         })
     }

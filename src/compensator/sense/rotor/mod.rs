@@ -21,39 +21,31 @@
 //!
 //! | fault | raised when |
 //! | --- | --- |
-//! | gear overload | abs T_g > 1.25*tau_p at the end of a round: no command takes it there ([`crate::compensator::actuate::protection`]), so that it is a blow, or a sign or size of torque or angle that is wrong |
-//! | frozen, standing | the count is the same at every observer step of two rounds or more, and tau had changed a round ago, since the rotor stood, or from (tau + tau_before)/2 - J_wg*alpha when it last moved, by more than 2.5*tau_s + 0.01*tau_max + 2*count*K/n^2 + 8*J_wg*count/h^2: static friction gives way at 2*tau_s at most, and then the last of it moves the rotor by two counts within half a round |
-//! | frozen, loaded | it stands, and the torque on it, that of the gear by the torque sensor included, has changed by more than that and 0.1 of the gear's change; by the output encoder, than that, 2*count_out*K_3/n and 0.3 of the change |
-//! | frozen, moving | the count stands still at once, though 1.25*(abs tau + abs T_g/n + tau_s) + tau_p/(4*n) + 3*J_wg*count/h^2, the last for what rounding makes of two speeds, could not stop the rotor in the time |
+//! | gear overload | abs T_g > (1 + u_m)*tau_p at the end of a round: no command takes it there ([`crate::compensator::actuate::protection`]), so that it is a blow, or a sign or size of torque or angle that is wrong |
+//! | frozen, standing | the count is the same at every observer step of two rounds or more, and tau had changed a round ago, since the rotor stood, or from (tau + tau_before)/2 - J_wg*alpha when it last moved, by more than 2*(1 + u_m)*tau_s + 0.01*tau_max + 2*count*K/n^2 + 8*J_wg*count/h^2: static friction gives way at 2*tau_s at most, and then the last of it moves the rotor by two counts within half a round |
+//! | frozen, loaded | it stands, and the torque on it, that of the gear by the torque sensor included, has changed by more than that and u_s of the gear's change; by the output encoder, than that, 2*count_out*K_3/n and u_t of the change |
+//! | frozen, moving | the count stands still at once, though (1 + u_m)*(abs tau + abs T_g/n + tau_s) + u_m*tau_p/n + 3*J_wg*count/h^2, the last for what rounding makes of two speeds, could not stop the rotor in the time |
 //! | overspeed | abs omega > the speed limit |
-//! | drive | mean torque error of the drive over a round above 0.1*tau_max + 0.5*abs tau_c, the larger mean command of this round and the last, in three rounds, two where it is of the other sign: five times the noise that the filter expects, a drive at 60 % of its limit, longer than four time constants of a 1 kHz drive. What a drive lags behind a command that changes from period to period is little in the mean |
+//! | drive | mean torque error of the drive over a round above 0.1*tau_max + 0.5*abs tau_c, the larger mean command of this round and the last, for longer than a sound drive takes to reach its command, a round of the other sign counting twice: five times the noise that the filter expects, a drive at 60 % of its limit. What a drive lags behind a command that changes from period to period is little in the mean |
 //! | following | position error that the cascade follows (x of [`crate::compensator::actuate::braking`]) above 1.5*tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p at the end of a round: one and a half times that from which a cascade with the position gain k_p decelerates with all of the motor's torque, and without feed-forward of the speed |
 //!
-//! tau_s is the larger static friction of both directions. The torques by the output's encoder and by its torque sensor
-//! are compared with T_g: with a difference of more than 0.3*tau_p + a quarter of it and of n*tau for 8 ms, the sensor is
-//! disabled; T_g is known no better than the constant of tau and the inertia that tau accelerates.
+//! u_m, u_t and u_s are the parts of the torques by motor, torsion and torque sensor that are uncertain ([`Tolerances`]); tau_s is the larger static
+//! friction of both directions. The torques by the output's encoder and by its torque sensor
+//! are compared with T_g: with a difference of more than u_t*tau_p + u_m of it and of n*tau for 8 ms, the sensor is
+//! disabled.
 //! Units: rad, s, N m at the motor, of the gear at its output.
 
 use crate::angle::Angle;
 use crate::branch::seldom;
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
-use crate::compensator::tuned::{
-    DETECTION_MARGIN, DISAGREEING, DRIVE_LACK, GAUGE_UNCERTAINTY, NOT_FOLLOWING, OVERLOADED,
-    TORQUE_UNCERTAINTY, TORSION_UNCERTAINTY, Tuned,
-};
-use crate::compensator::{Faults, Limits};
+use crate::compensator::tuned::{DISAGREEING, DRIVE_LACK, UNCERTAINTY_MARGIN};
+use crate::compensator::{Faults, Limits, Tolerances};
 use crate::constants::constants;
 use crate::error::Error;
 use crate::flexspline::stiffness_line::StiffnessLine;
 use crate::gear::GearParams;
 use crate::low_pass::LowPass;
 use crate::real::Real;
-
-/// The largest that a torque may be, over what is known of it.
-#[inline(always)]
-fn largest_torque() -> f64 {
-    1.0 + TORQUE_UNCERTAINTY.get()
-}
 
 /// The built balance of the rotor.
 #[constants]
@@ -79,16 +71,18 @@ pub struct Rotor<R> {
     held: [R; 2],
     /// Fraction of a change of the gear's torque, by the encoders and by the torque sensor, that is uncertain.
     uncertainty: [R; 2],
+    /// The largest that a torque of the motor may be, over what is known of it.
+    largest: R,
     /// Margin added to the torques that stop a rotor (N m).
     surplus: R,
     speed_limit: R,
     drive: R,
     following: R,
     lag: R,
-    peak: R,
+    /// Difference of the gear's torques by different sensors that is no fault (N m), and the part of both that is added to it.
+    difference: [R; 2],
     line: StiffnessLine<R>,
-    /// Rounds of the times above.
-    overloaded: u32,
+    /// Rounds on end in which the drive, and a sensor at the output, are off by a fault.
     not_following: u32,
     disagreeing: u32,
 }
@@ -118,11 +112,9 @@ pub struct RotorState<R> {
     still: u32,
     least: R,
     most: R,
-    overloaded: u32,
     drive_rounds: u32,
     /// Mean command of the last round (N m).
     commanded: R,
-    following_rounds: u32,
     output_rounds: u32,
     gauge_rounds: u32,
     /// Torque held by friction when the rotor came to stand, by the encoders and by the torque sensor (N m at the output).
@@ -174,15 +166,17 @@ impl<R: Real> RotorState<R> {
 }
 
 impl<R: Real> Rotor<R> {
-    /// For a gear, a count of the motor's encoder and one of the output's (rad), the position gain k_p (1/s) of the cascade,
-    /// and the control period dt (s).
+    /// For a gear, a count of the motor's encoder and one of the output's (rad), the time in which a sound drive
+    /// reaches its command (s), the position gain k_p (1/s) of the cascade, and the control period dt (s).
     ///
     /// # Errors
     /// As the gear's stiffness line.
     pub fn build(
         gear: &GearParams<R>,
         limits: &Limits<R>,
+        tolerances: &Tolerances<R>,
         [count, output_count]: [R; 2],
+        drive_response: R,
         k_p: R,
         dt: R,
     ) -> Result<Self, Error> {
@@ -200,12 +194,11 @@ impl<R: Real> Rotor<R> {
         let output = output_inertia(gear, dt);
         let both = R::ONE / output + R::ONE / (n * n * gear.wave_generator_inertia);
         let corner = gain.sqrt() * (stiffness * both).sqrt().min(R::lit(0.25) / round);
-        let grip = R::lit(2.0 * largest_torque()) * static_level
+        let largest = R::ONE + tolerances.of_motor();
+        let grip = R::lit(2.0) * largest * static_level
             + R::lit(0.01) * limits.motor_torque
             + R::lit(2.0) * count * stiffest / (n * n)
             + R::lit(8.0) * noise / n.abs();
-        let rounds =
-            |time: Tuned| ((R::lit(time.get()) / round + R::lit(0.5)).to_i32().max(1)).cast_unsigned();
         Ok(Self {
             round,
             inverse_round: R::ONE / round,
@@ -222,22 +215,23 @@ impl<R: Real> Rotor<R> {
             ],
             inverse_n: R::ONE / n,
             filter: LowPass::of_gain(gain),
-            overload: R::lit(largest_torque()) * peak,
+            overload: largest * peak,
             grip,
             held: [n.abs() * grip + R::lit(2.0) * output_count * stiffest, n.abs() * grip],
-            uncertainty: [TORSION_UNCERTAINTY, GAUGE_UNCERTAINTY].map(|part| R::lit(part.get())),
-            surplus: R::lit(TORQUE_UNCERTAINTY.get()) * peak / n.abs()
-                + R::lit(largest_torque()) * static_level
+            uncertainty: [tolerances.of_torsion(), tolerances.of_torque_sensor()],
+            largest,
+            surplus: tolerances.of_motor() * peak / n.abs()
+                + largest * static_level
                 + R::lit(3.0) * noise / n.abs(),
             speed_limit: limits.motor_speed + count / round,
             drive: R::lit(0.1) * limits.motor_torque,
-            following: R::lit(DETECTION_MARGIN.get()) * limits.motor_torque / (inertia * k_p * k_p),
+            following: R::lit(UNCERTAINTY_MARGIN.get()) * limits.motor_torque / (inertia * k_p * k_p),
             lag: R::ONE / k_p,
-            peak,
+            difference: [tolerances.of_torsion() * peak, tolerances.of_motor()],
             line,
-            overloaded: rounds(OVERLOADED),
-            not_following: rounds(NOT_FOLLOWING),
-            disagreeing: rounds(DISAGREEING),
+            // One round more, as the response begins within one.
+            not_following: ((drive_response / round).to_i32() + 2).cast_unsigned(),
+            disagreeing: ((R::lit(DISAGREEING.get()) / round + R::lit(0.5)).to_i32().max(1)).cast_unsigned(),
         })
     }
 
@@ -274,8 +268,8 @@ impl<R: Real> Rotor<R> {
             state.output_speed = speed * self.inverse_n;
             return;
         }
-        let stopping = R::lit(largest_torque()) * (torque.abs() + (state.gear_torque * self.inverse_n).abs())
-            + self.surplus;
+        let stopping =
+            self.largest * (torque.abs() + (state.gear_torque * self.inverse_n).abs()) + self.surplus;
         self.filter.step(&mut state.gear_torque, balance);
         state.rate = self.stiffness * (speed * self.inverse_n - state.output_speed);
         state.torque += self.round * state.rate;
@@ -314,25 +308,13 @@ impl<R: Real> Rotor<R> {
         // Torque of the other sign: such a round counts twice.
         let opposite = !drive_error.is_within(self.drive + largest);
         state.drive_rounds += u32::from(opposite);
-        let mut lasts = |holds: bool, rounds: &mut u32, most: u32, fault: Faults| {
-            *rounds = if holds { *rounds + 1 } else { 0 };
-            if *rounds >= most {
-                seldom();
-                *rounds = most;
-                faults.raise_if(true, fault);
-            }
-        };
-        let overload = !state.gear_torque.is_within(self.overload);
-        lasts(overload, &mut state.overloaded, self.overloaded, Faults::GEAR_OVERLOAD);
-        lasts(
-            !drive_error.is_within(drive),
-            &mut state.drive_rounds,
-            self.not_following,
-            Faults::DRIVE_NOT_FOLLOWING,
-        );
+        faults.raise_if(!state.gear_torque.is_within(self.overload), Faults::GEAR_OVERLOAD);
+        let follows = drive_error.is_within(drive);
+        state.drive_rounds = if follows { 0 } else { (state.drive_rounds + 1).min(self.not_following) };
+        faults.raise_if(state.drive_rounds == self.not_following, Faults::DRIVE_NOT_FOLLOWING);
         let [position_error, velocity] = input.reference.unwrap_or_default();
         let lost = !position_error.is_within(self.following + self.lag * velocity.abs());
-        lasts(lost, &mut state.following_rounds, self.overloaded, Faults::FOLLOWING_ERROR);
+        faults.raise_if(lost, Faults::FOLLOWING_ERROR);
         faults.raise_if(!speed.is_within(self.speed_limit), Faults::OVERSPEED);
     }
 
@@ -378,9 +360,8 @@ impl<R: Real> Rotor<R> {
     #[inline(always)]
     fn disagrees(&self, state: &RotorState<R>, measured: R) -> bool {
         let torques = measured.abs() + (self.n * state.applied).abs();
-        !(measured - state.gear_torque).is_within(
-            R::lit(TORSION_UNCERTAINTY.get()) * self.peak + R::lit(TORQUE_UNCERTAINTY.get()) * torques,
-        )
+        let [difference, part] = self.difference;
+        !(measured - state.gear_torque).is_within(difference + part * torques)
     }
 }
 

@@ -2,12 +2,13 @@
 
 use super::*;
 use crate::compensator::schedule::{CONTROL_PERIOD, OBSERVER_PERIODS};
+use crate::compensator::tolerances::tests::TENTHS;
 
 fn rotor() -> Rotor<f64> {
     let gear = crate::gear::tests::params();
     let limits = Limits { motor_torque: 2.4, motor_speed: 586.0, output_torque: 157.0 };
     let count = core::f64::consts::TAU / f64::from(1 << 19);
-    Rotor::build(&gear, &limits, [count; 2], 141.0, CONTROL_PERIOD).unwrap()
+    Rotor::build(&gear, &limits, &TENTHS, [count; 2], 1.5e-3, 141.0, CONTROL_PERIOD).unwrap()
 }
 
 /// Faults of one more round under `torque` (N m), at `within` (counts) during the round and at `end` at its end.
