@@ -5,10 +5,15 @@ use crate::compensator::schedule::{CONTROL_PERIOD, OBSERVER_PERIODS};
 use crate::compensator::tolerances::tests::TENTHS;
 
 fn rotor() -> Rotor<f64> {
+    with(&TENTHS, 1.5e-3)
+}
+
+/// Of a joint that is known so well, whose drive takes so long to reach its command (s).
+fn with(tolerances: &Tolerances<f64>, drive_response: f64) -> Rotor<f64> {
     let gear = crate::gear::tests::params();
     let limits = Limits { motor_torque: 2.4, motor_speed: 586.0, output_torque: 157.0 };
     let count = core::f64::consts::TAU / f64::from(1 << 19);
-    Rotor::build(&gear, &limits, &TENTHS, [count; 2], 1.5e-3, 141.0, CONTROL_PERIOD).unwrap()
+    Rotor::build(&gear, &limits, tolerances, [count; 2], drive_response, 141.0, CONTROL_PERIOD).unwrap()
 }
 
 /// Faults of one more round under `torque` (N m), at `within` (counts) during the round and at `end` at its end.
@@ -76,11 +81,12 @@ fn a_motor_that_is_braked_to_rest_is_not_frozen() {
     assert_eq!(rounds.fold(Faults::NONE, Faults::with), Faults::NONE);
 }
 
-/// A drive that gives 20 % of its command is named; one that is as far off to either side in turn is not.
+/// A drive that gives 20 % of its command is named; one that is as far off to either side in turn is not, nor one that may take longer to
+/// reach its command.
 #[test]
 fn a_drive_is_judged_by_the_mean_of_a_round() {
-    let rotor = rotor();
-    let faults = |alternates: bool| {
+    let faults = |alternates: bool, drive_response: f64| {
+        let rotor = with(&TENTHS, drive_response);
         let mut state = RotorState::default();
         let rounds = (0..6).map(|round| {
             for step in 1..=SLOW_PERIODS / OBSERVER_PERIODS {
@@ -99,8 +105,19 @@ fn a_drive_is_judged_by_the_mean_of_a_round() {
         });
         rounds.fold(Faults::NONE, Faults::with)
     };
-    assert!(faults(false).contains(Faults::DRIVE_NOT_FOLLOWING));
-    assert!(!faults(true).contains(Faults::DRIVE_NOT_FOLLOWING));
+    assert!(faults(false, 1.5e-3).contains(Faults::DRIVE_NOT_FOLLOWING));
+    assert!(!faults(true, 1.5e-3).contains(Faults::DRIVE_NOT_FOLLOWING));
+    assert!(!faults(false, 5e-3).contains(Faults::DRIVE_NOT_FOLLOWING));
+}
+
+/// A torque by the encoders that disagrees with the motor's by half of the peak torque is a fault of a joint that is known well.
+#[test]
+fn a_torque_is_judged_by_how_well_the_joint_is_known() {
+    let disagrees = |tolerances: &Tolerances<f64>| {
+        with(tolerances, 1.5e-3).disagrees(&RotorState::default(), 0.5 * 157.0)
+    };
+    let unknown = Tolerances { torque_constant: 0.2, stiffness: 0.2, ..TENTHS };
+    assert!(disagrees(&TENTHS) && !disagrees(&unknown));
 }
 
 /// A motor is lost from 1.5 times the error on that takes all of its torque to brake from, and farther off its moving reference.
