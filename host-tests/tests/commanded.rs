@@ -218,6 +218,7 @@ fn every_fault_that_leads_to_safe_has_its_error_code_at_once() {
         (Faults::MOTOR_ENCODER_FROZEN, 0x7305),
         (Faults::GEAR_OVERLOAD, 0x8311),
         (Faults::DRIVE_NOT_FOLLOWING, 0x8300),
+        (Faults::LIMIT_CYCLE, 0x8300),
         (Faults::OVERSPEED, 0x8400),
         (Faults::FOLLOWING_ERROR, 0x8611),
         (Faults::PERIOD_OUT_OF_RANGE, 0x6100),

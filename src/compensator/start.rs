@@ -3,6 +3,7 @@
 use crate::angle::Angle;
 use crate::compensator::actuate::cascade::FeedbackState;
 use crate::compensator::actuate::fallback::FallbackState;
+use crate::compensator::actuate::limit_cycle::Swings;
 use crate::compensator::actuate::mode::ModeState;
 use crate::compensator::actuate::protection::ProtectionState;
 use crate::compensator::actuate::supervisor::SupervisorState;
@@ -65,6 +66,7 @@ impl<R: Real> Compensator<R> {
             rotor: RotorState::default(),
             protection: ProtectionState::default(),
             supervisor: SupervisorState::default(),
+            swings: Swings::default(),
             gauge: None,
             disabled_sensors: Faults::NONE,
             fallback: FallbackState::default(),

@@ -4,6 +4,7 @@ use crate::angle::Angle;
 use crate::compensator::Faults;
 use crate::compensator::actuate::cascade::FeedbackState;
 use crate::compensator::actuate::fallback::FallbackState;
+use crate::compensator::actuate::limit_cycle::Swings;
 use crate::compensator::actuate::mode::{Mode, ModeState};
 use crate::compensator::actuate::protection::ProtectionState;
 use crate::compensator::actuate::supervisor::SupervisorState;
@@ -71,6 +72,7 @@ pub struct State<R: Real> {
     pub(super) rotor: RotorState<R>,
     pub(super) protection: ProtectionState<R>,
     pub(super) supervisor: SupervisorState<R>,
+    pub(super) swings: Swings<R>,
     /// Last reading of the strain gauge: torque through the flexspline (N m).
     pub(super) gauge: Option<R>,
     /// Sensors that are disabled until a reset.

@@ -25,6 +25,7 @@ pub const UNSAFE: Faults = Faults::MOTOR_ENCODER_LOST
     .with(Faults::DRIVE_NOT_FOLLOWING)
     .with(Faults::OVERSPEED)
     .with(Faults::FOLLOWING_ERROR)
+    .with(Faults::LIMIT_CYCLE)
     .with(Faults::PERIOD_OUT_OF_RANGE)
     .with(Faults::RESTARTED);
 

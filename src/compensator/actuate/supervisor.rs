@@ -196,12 +196,23 @@ impl<R: Real> Supervisor<R> {
         }
         seldom();
         state.windows = self.windows;
+        self.hold(state);
+        state.gain = state.gain.min(R::ONE - self.down);
+    }
+
+    /// Takes the feedback functions away at once, where the torque steps from limit to limit as it is.
+    pub fn take_away(&self, state: &mut SupervisorState<R>) {
+        self.hold(state);
+        state.gain = R::ZERO;
+    }
+
+    /// Begins to hold the gain down, or goes on.
+    fn hold(&self, state: &mut SupervisorState<R>) {
         let [first, longest] = self.hold;
         if state.held == 0 {
             state.hold = (2 * state.hold).max(first).min(longest);
         }
         state.held = state.hold;
-        state.gain = state.gain.min(R::ONE - self.down);
     }
 }
 

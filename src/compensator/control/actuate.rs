@@ -39,7 +39,7 @@ impl<R: Real> Compensator<R> {
         R::ZERO
     }
 
-    /// Supervises the feedback functions, once a round.
+    /// Supervises the feedback functions and the whole loop, once a round.
     #[inline(always)]
     pub(super) fn supervise(&self, state: &mut State<R>) {
         let mut faults = Faults::NONE;
@@ -47,6 +47,11 @@ impl<R: Real> Compensator<R> {
         let torque = if closed { state.fallback.torque() } else { R::ZERO };
         let torsion = state.observer.torsion();
         self.supervisor.step(&mut state.supervisor, torsion, torque, rests, &mut faults);
+        if state.swings.step(torque, self.limits.motor_torque) {
+            seldom();
+            faults.raise_if(state.supervisor.gain() == R::ZERO, Faults::LIMIT_CYCLE);
+            self.supervisor.take_away(&mut state.supervisor);
+        }
         state.faults.supervisor = faults;
     }
 

@@ -3,7 +3,7 @@
 use strainwave::compensator::Faults;
 
 /// Of each fault that leads to Safe; the first that is there counts.
-const CODES: [(Faults, u16); 8] = [
+const CODES: [(Faults, u16); 9] = [
     // Incremental sensor 1.
     (Faults::MOTOR_ENCODER_LOST, 0x7305),
     (Faults::MOTOR_ENCODER_FROZEN, 0x7305),
@@ -11,6 +11,7 @@ const CODES: [(Faults, u16); 8] = [
     (Faults::GEAR_OVERLOAD, 0x8311),
     // Torque control.
     (Faults::DRIVE_NOT_FOLLOWING, 0x8300),
+    (Faults::LIMIT_CYCLE, 0x8300),
     // Velocity speed controller.
     (Faults::OVERSPEED, 0x8400),
     (Faults::FOLLOWING_ERROR, 0x8611),

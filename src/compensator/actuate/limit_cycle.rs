@@ -1,0 +1,93 @@
+//! Limit cycle of the torque: a command that keeps going from one limit of the motor to the other.
+//!
+//! A torque that comes back to the other limit, each time faster than a ramp from limit to limit takes, is none that a motion asks
+//! for: a loop is no longer stable. After [`LIMIT_CYCLE_SWINGS`] of them on end the feedback functions are taken away at once
+//! ([`super::supervisor`]); after as many without them the fault "limit cycle" switches the drive off, for it is the cascade that
+//! oscillates: by a motor encoder that is late, or a drive that is far from what is declared. Once a round
+//! ([`crate::compensator::schedule`]). Units: N m at the motor.
+
+use crate::branch::seldom;
+use crate::compensator::schedule::{CONTROL_PERIOD, SLOW_PERIODS};
+use crate::compensator::tuned::{LIMIT_CYCLE_SWINGS, TORQUE_RAMP};
+use crate::real::Real;
+
+/// Swings of the torque from limit to limit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Swings<R> {
+    /// Torque when it was last at a limit (N m).
+    last: R,
+    /// Rounds since it came there from the other one, and swings on end.
+    rounds: u32,
+    count: u32,
+}
+
+impl<R: Real> Swings<R> {
+    /// Takes the torque command of a round, with the motor's peak torque as `limit` (N m); whether it is a limit cycle, for which
+    /// as many further swings are needed then.
+    #[inline(always)]
+    pub fn step(&mut self, torque: R, limit: R) -> bool {
+        self.rounds = self.rounds.saturating_add(1);
+        if torque.abs() < limit {
+            return false;
+        }
+        seldom();
+        if torque * self.last < R::ZERO {
+            let fast = self.rounds <= TORQUE_RAMP.periods(f64::from(SLOW_PERIODS) * CONTROL_PERIOD);
+            self.count = if fast { self.count + 1 } else { 1 };
+            self.rounds = 0;
+        }
+        self.last = torque;
+        let cycles = self.count >= LIMIT_CYCLE_SWINGS.get() as u32;
+        if cycles {
+            self.count = 0;
+        }
+        cycles
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::TAU;
+
+    const PEAK: f64 = 2.4;
+    const ROUND: f64 = SLOW_PERIODS as f64 * CONTROL_PERIOD;
+
+    /// When the torque at a time (s) is a limit cycle (s); none within a second.
+    fn named(torque: impl Fn(f64) -> f64) -> Option<f64> {
+        let mut swings = Swings::default();
+        let mut times = (0..(1.0 / ROUND) as u32).map(|k| f64::from(k) * ROUND);
+        times.find(|time| swings.step(torque(*time).clamp(-PEAK, PEAK), PEAK))
+    }
+
+    fn sine(frequency: f64, amplitude: f64) -> impl Fn(f64) -> f64 {
+        move |time| amplitude * PEAK * (TAU * frequency * time).sin()
+    }
+
+    /// As soon as it has so many half periods, for a frequency that a round resolves.
+    #[test]
+    fn a_torque_from_limit_to_limit_is_named() {
+        for frequency in [60.0, 150.0, 400.0] {
+            let time = named(sine(frequency, 3.0)).unwrap();
+            let half = 0.5 / frequency;
+            let least = LIMIT_CYCLE_SWINGS.get() * half;
+            assert!((least..least + 3.0 * half).contains(&time), "{frequency}: {time}");
+        }
+    }
+
+    #[test]
+    fn neither_a_smaller_nor_a_slower_torque_is_one() {
+        for torque in [sine(150.0, 0.99), sine(40.0, 3.0), sine(0.0, 3.0)] {
+            assert_eq!(named(torque), None);
+        }
+        // Noise about one limit does not reach the other.
+        assert_eq!(named(|time| PEAK + sine(300.0, 0.5)(time)), None);
+    }
+
+    /// Swings before a rest do not count for those after it.
+    #[test]
+    fn only_swings_on_end_count() {
+        let some = 0.5 * (LIMIT_CYCLE_SWINGS.get() - 1.0) / 100.0;
+        assert_eq!(named(|time| if time % 0.1 < some { sine(100.0, 3.0)(time % 0.1) } else { 0.0 }), None);
+    }
+}
