@@ -259,9 +259,9 @@ tuned! {
         "The same of the torque in motion, in motor's peak torques: a sine from limit to limit has 0.7 of them";
     LIMIT_CYCLE_WINDOWS = 3.0, One,
         "Windows on end that oscillate before the feedback is reduced: a load step and its vibration are in two";
-    LIMIT_CYCLE_SWINGS = 16.0, One,
-        "Swings of the torque from limit to limit on end, each within a ramp of the torque, that are a limit cycle: with ten of them one of \
-         500 training joints at work, a light one after load steps, would be switched off";
+    LIMIT_CYCLE_SWINGS = 32.0, One,
+        "Swings of the torque from limit to limit on end, each within a ramp of the torque, that are a limit cycle: three times as many as \
+         switch off one of 500 training joints at work, a light one after load steps";
     DECAYED = 0.75, One,
         "Part of its variance that a vibration has left after a period, if it decays: a damping ratio of 0.025";
     FEEDBACK_RETURN = 1.0, Second,

@@ -88,6 +88,7 @@ mod tests {
     #[test]
     fn only_swings_on_end_count() {
         let some = 0.5 * (LIMIT_CYCLE_SWINGS.get() - 1.0) / 100.0;
-        assert_eq!(named(|time| if time % 0.1 < some { sine(100.0, 3.0)(time % 0.1) } else { 0.0 }), None);
+        let often = move |time: f64| time % (some + 0.05);
+        assert_eq!(named(|time| if often(time) < some { sine(100.0, 3.0)(often(time)) } else { 0.0 }), None);
     }
 }

@@ -428,6 +428,18 @@ mod tests {
         }
     }
 
+    /// The encoder of a joint that is known to a quarter comes eight periods late: its cascade alone oscillates, too.
+    #[test]
+    fn a_cascade_that_oscillates_is_switched_off() {
+        let mut file = GearFile::default_gear();
+        (file.drive.torque_constant, file.tolerances.stiffness) = (0.25, 0.25);
+        file.tolerances.rotor_inertia = 0.2;
+        let fault = Injected::of(542);
+        assert_eq!(fault.kind, Kind::Late);
+        let outcome = run(&file, fault).unwrap();
+        assert!(outcome.safe && outcome.motion < MOTION, "{}", outcome.describe());
+    }
+
     /// A torque that changes within a round is seen whole by rounds of one phase only.
     #[test]
     fn a_frozen_encoder_is_known_by_rounds_of_any_phase() {
