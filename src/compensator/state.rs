@@ -72,7 +72,7 @@ pub struct State<R: Real> {
     pub(super) rotor: RotorState<R>,
     pub(super) protection: ProtectionState<R>,
     pub(super) supervisor: SupervisorState<R>,
-    pub(super) swings: Swings<R>,
+    pub(super) swings: Swings,
     /// Last reading of the strain gauge: torque through the flexspline (N m).
     pub(super) gauge: Option<R>,
     /// Sensors that are disabled until a reset.

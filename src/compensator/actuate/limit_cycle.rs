@@ -13,31 +13,32 @@ use crate::real::Real;
 
 /// Swings of the torque from limit to limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Swings<R> {
-    /// Torque when it was last at a limit (N m).
-    last: R,
+pub struct Swings {
+    /// The torque was negative when it was last at a limit.
+    negative: bool,
     /// Rounds since it came there from the other one, and swings on end.
-    rounds: u32,
-    count: u32,
+    rounds: u8,
+    count: u8,
 }
 
-impl<R: Real> Swings<R> {
+impl Swings {
     /// Takes the torque command of a round, with the motor's peak torque as `limit` (N m); whether it is a limit cycle, for which
     /// as many further swings are needed then.
     #[inline(always)]
-    pub fn step(&mut self, torque: R, limit: R) -> bool {
-        self.rounds = self.rounds.saturating_add(1);
+    pub fn step<R: Real>(&mut self, torque: R, limit: R) -> bool {
+        let slow = TORQUE_RAMP.periods(f64::from(SLOW_PERIODS) * CONTROL_PERIOD) as u8 + 1;
+        self.rounds = (self.rounds + 1).min(slow);
         if torque.abs() < limit {
             return false;
         }
         seldom();
-        if torque * self.last < R::ZERO {
-            let fast = self.rounds <= TORQUE_RAMP.periods(f64::from(SLOW_PERIODS) * CONTROL_PERIOD);
-            self.count = if fast { self.count + 1 } else { 1 };
+        let negative = torque < R::ZERO;
+        if negative != self.negative {
+            self.count = if self.rounds < slow { self.count + 1 } else { 1 };
             self.rounds = 0;
         }
-        self.last = torque;
-        let cycles = self.count >= LIMIT_CYCLE_SWINGS.get() as u32;
+        self.negative = negative;
+        let cycles = self.count >= LIMIT_CYCLE_SWINGS.get() as u8;
         if cycles {
             self.count = 0;
         }
