@@ -7,7 +7,7 @@
 //! Safe      torque 0, drive off; the cause stays among the faults          -> Ready by a reset alone
 //! ```
 //!
-//! Loss of the motor's angle, or inconsistent torque and motion, lead to Safe at once: [`UNSAFE`]. The drive is switched
+//! Loss of the motor's angle, inconsistent torque and motion, or a limit cycle of the torque lead to Safe at once: [`UNSAFE`]. The drive is switched
 //! off, not braked: a ramp would need the lost angle, and the torque of a gear without motor torque does not exceed its
 //! last one. A reset ([`crate::compensator::Compensator::reset`]) starts from rest; the encoders are initialised again,
 //! and no earlier angle is used.

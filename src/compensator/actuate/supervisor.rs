@@ -20,6 +20,8 @@
 //! accelerates and brakes, but not one that goes from limit to limit in three windows on end. H is 0.5 s, and doubles each time that the
 //! oscillation comes back in the same rest, up to 8 s.
 //!
+//! In a limit cycle of the torque ([`super::limit_cycle`]) the gain is 0 at once.
+//!
 //! An oscillation of a period up to L is named within four windows of its begin: 0.13 s for a mode above 31 Hz, four of its periods
 //! below. T_n is the gear's rated torque, count/N one count of the motor's encoder at the output, tau_max the motor's peak torque. Units:
 //! rad at the output, N m at the motor, s.
@@ -317,6 +319,21 @@ mod tests {
         let [first, longest] = supervisor().hold;
         assert_eq!(holds[..4], [0, first, 2 * first, 4 * first]);
         assert!(holds.iter().all(|hold| *hold <= longest));
+    }
+
+    #[test]
+    fn a_gain_that_is_taken_away_comes_back_slowly() {
+        let mut state = SupervisorState::default();
+        supervisor().take_away(&mut state);
+        assert_eq!(state.gain(), 0.0);
+        let gains: Vec<_> = (0..(2.0 / ROUND) as u32)
+            .map(|_| {
+                step(&mut state, 0.0, true);
+                state.gain()
+            })
+            .collect();
+        let at = |time: f64| gains[(time / ROUND) as usize];
+        assert!(at(0.4) == 0.0 && (0.1..0.9).contains(&at(1.0)) && at(1.7) == 1.0);
     }
 
     #[test]
