@@ -14,6 +14,7 @@
 //! | `limited` | runs that stay at the torque limit ([`RunResult::is_limited`]); only reported |
 //! | `stopped` | runs at whose end the drive is off by a fault; only reported |
 //! | `excluded` | runs of baselines that oscillate or stay at the torque limit; only reported |
+//! | `above_count.median`, `above_count.p95` | as `error`, of the runs in which ours or the smallest is above 12 urad; only reported |
 //!
 //! A run of a baseline that keeps oscillating at rest, or stays at its torque limit, by the measure that the compensator's runs are
 //! held to, is not among the baselines of that scenario: a cascade whose torque goes from limit to limit averages friction away, and no

@@ -9,7 +9,7 @@ use crate::io::gear_file::SensorSet;
 use crate::verify::Measured;
 use crate::verify::bounds;
 use crate::verify::judge::Metric;
-use crate::verify::robustness::{JUDGED, Oscillation};
+use crate::verify::robustness::{COUNT, JUDGED, Oscillation};
 
 /// Everything that ran.
 #[derive(Clone, Debug)]
@@ -26,8 +26,29 @@ pub(in crate::verify) struct Tally {
     pub(in crate::verify) worse: usize,
     limited: usize,
     stopped: usize,
-    /// From the smallest on.
-    ratios: Vec<f64>,
+    /// Of all runs, and of those in which ours or the best baseline's error is above a count.
+    ratios: Ratios,
+    above_count: Ratios,
+}
+
+/// Ratios of errors, from the smallest on.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Ratios(Vec<f64>);
+
+impl FromIterator<f64> for Ratios {
+    fn from_iter<I: IntoIterator<Item = f64>>(ratios: I) -> Self {
+        let mut ratios: Vec<_> = ratios.into_iter().collect();
+        ratios.sort_by(f64::total_cmp);
+        Self(ratios)
+    }
+}
+
+impl Ratios {
+    /// The ratio that this fraction of the runs does not exceed; NaN of none.
+    fn quantile(&self, fraction: f64) -> f64 {
+        let place = (fraction * self.0.len() as f64).ceil() as usize;
+        self.0.get(place.saturating_sub(1)).copied().unwrap_or(f64::NAN)
+    }
 }
 
 impl Run<'_> {
@@ -56,41 +77,33 @@ impl Run<'_> {
         self.ours.is_some_and(|ours| ours.mode == Mode::Safe)
     }
 
-    /// Output error over that of the best baseline.
-    fn ratio(&self, scenario: Scenario) -> f64 {
-        let error = |result: &crate::verify::robustness::RunResult| result.metric(scenario, Metric::Error);
-        match (self.ours, &self.best) {
-            (Some(ours), Some(best)) => error(ours) / error(best),
-            (None, _) => f64::INFINITY,
-            (Some(_), None) => 0.0,
-        }
+    /// Output error, and that of the best baseline (rad): infinite where it diverged.
+    fn errors(&self, scenario: Scenario) -> [f64; 2] {
+        [self.ours, self.best.as_ref()]
+            .map(|result| result.map_or(f64::INFINITY, |result| result.metric(scenario, Metric::Error)))
     }
 }
 
 impl Tally {
     pub(in crate::verify) fn of<'a>(runs: impl Iterator<Item = (Scenario, Run<'a>)>) -> Self {
-        let mut tally = Self::default();
+        let (mut tally, mut errors) = (Self::default(), Vec::new());
         for (scenario, run) in runs {
             tally.runs += 1;
             tally.shakes += usize::from(run.shake().is_some());
             tally.worse += usize::from(run.is_worse());
             tally.limited += usize::from(run.is_limited());
             tally.stopped += usize::from(run.is_stopped());
-            tally.ratios.push(run.ratio(scenario).abs());
+            errors.push(run.errors(scenario));
         }
-        tally.ratios.sort_by(f64::total_cmp);
+        let ratio = |[ours, best]: &[f64; 2]| if ours.is_finite() { ours / best } else { f64::INFINITY };
+        tally.ratios = errors.iter().map(ratio).collect();
+        tally.above_count = errors.iter().filter(|[ours, best]| ours.max(*best) > COUNT).map(ratio).collect();
         tally
-    }
-
-    /// The ratio that this fraction of the runs does not exceed; NaN of none.
-    fn quantile(&self, fraction: f64) -> f64 {
-        let place = (fraction * self.ratios.len() as f64).ceil() as usize;
-        self.ratios.get(place.saturating_sub(1)).copied().unwrap_or(f64::NAN)
     }
 
     fn cells(&self, name: String) -> Vec<String> {
         let counts = [self.runs, self.shakes, self.worse, self.limited, self.stopped].map(|n| n.to_string());
-        let ratios = [0.5, 0.95, 1.0].map(|fraction| number(self.quantile(fraction)));
+        let ratios = [0.5, 0.95, 1.0].map(|fraction| number(self.ratios.quantile(fraction)));
         [name].into_iter().chain(counts).chain(ratios).collect()
     }
 }
@@ -119,18 +132,21 @@ impl Report {
             bounds::figure("catalogue.refused", refused as f64),
             bounds::figure("catalogue.shakes", all.shakes as f64),
             bounds::figure("catalogue.worse", all.worse as f64),
-            bounds::figure("catalogue.error.median", all.quantile(0.5)),
-            bounds::figure("catalogue.error.p95", all.quantile(0.95)),
+            bounds::figure("catalogue.error.median", all.ratios.quantile(0.5)),
+            bounds::figure("catalogue.error.p95", all.ratios.quantile(0.95)),
             Figure::reported("catalogue.limited", all.limited as f64, "run"),
             Figure::reported("catalogue.stopped", all.stopped as f64, "run"),
             Figure::reported("catalogue.excluded", excluded as f64, "run"),
+            Figure::reported("catalogue.above_count.runs", all.above_count.0.len() as f64, "run"),
+            Figure::reported("catalogue.above_count.median", all.above_count.quantile(0.5), "1"),
+            Figure::reported("catalogue.above_count.p95", all.above_count.quantile(0.95), "1"),
         ];
         for sensors in SensorSet::ALL {
             let set = Tally::of(self.runs(Some(sensors), None));
             let name = |what: &str| format!("catalogue.{}.{what}", sensors.name());
             figures.extend([
-                Figure::reported(name("error.median"), set.quantile(0.5), "1"),
-                Figure::reported(name("error.p95"), set.quantile(0.95), "1"),
+                Figure::reported(name("error.median"), set.ratios.quantile(0.5), "1"),
+                Figure::reported(name("error.p95"), set.ratios.quantile(0.95), "1"),
             ]);
         }
         figures
@@ -166,7 +182,7 @@ impl Outcome {
     /// Runs that shake, runs that are worse, the largest ratio of errors.
     fn rank(&self) -> (usize, usize, f64) {
         let all = Tally::of(self.runs());
-        (all.shakes, all.worse, all.quantile(1.0))
+        (all.shakes, all.worse, all.ratios.quantile(1.0))
     }
 
     pub(in crate::verify) fn runs(&self) -> impl Iterator<Item = (Scenario, Run<'_>)> {
@@ -220,7 +236,7 @@ mod tests {
         let (good, bad, best) = (result(&[1e-3]), result(&[2e-3]), result(&[1e-3]));
         assert!(!run(Some(&good), &best).is_worse() && run(Some(&bad), &best).is_worse());
         assert!(run(None, &best).is_worse() && run(None, &best).shake() == Some(Oscillation::Diverged));
-        assert!((run(Some(&bad), &best).ratio(Scenario::S2) - 2.0).abs() < 1e-12);
+        assert_eq!(run(Some(&bad), &best).errors(Scenario::S2), [2e-3, 1e-3]);
     }
 
     /// A metric that neither has counts for nothing; one that ours alone lacks counts.
@@ -233,8 +249,19 @@ mod tests {
 
     #[test]
     fn a_share_of_the_runs_does_not_exceed_its_quantile() {
-        let tally = Tally { ratios: (1..=100).map(f64::from).collect(), ..Tally::default() };
-        assert_eq!([0.5, 0.95, 1.0].map(|fraction| tally.quantile(fraction)), [50.0, 95.0, 100.0]);
-        assert!(Tally::default().quantile(0.5).is_nan());
+        let ratios: Ratios = (1..=100).rev().map(f64::from).collect();
+        assert_eq!([0.5, 0.95, 1.0].map(|fraction| ratios.quantile(fraction)), [50.0, 95.0, 100.0]);
+        assert!(Ratios::default().quantile(0.5).is_nan());
+    }
+
+    /// A ratio of two errors that an encoder does not show stands apart; one that diverged does not.
+    #[test]
+    fn errors_below_a_count_stand_apart() {
+        let [fine, finer, coarse] = [2e-6, 1e-6, 2e-5].map(|error| result(&[error]));
+        let runs = [(Some(&fine), &finer), (Some(&coarse), &fine), (Some(&fine), &coarse), (None, &fine)];
+        let tally = Tally::of(runs.into_iter().map(|(ours, best)| (Scenario::S2, run(ours, best))));
+        assert_eq!(tally.ratios.0.len(), 4);
+        let above: Vec<_> = tally.above_count.0.iter().map(|ratio| (1e3 * ratio).round()).collect();
+        assert_eq!(above, [100.0, 10_000.0, f64::INFINITY]);
     }
 }

@@ -39,7 +39,7 @@ use crate::plant::unknowns::Which;
 use crate::verify::compensator::each;
 pub use map::Map;
 pub use rerun::{Place, Rerun, WorstRun};
-pub use run_result::{JUDGED, Judged, Oscillation, RunResult, RunResults, metrics};
+pub use run_result::{COUNT, JUDGED, Judged, Oscillation, RunResult, RunResults, metrics};
 pub use summary::{Robustness, Summary, best, median};
 
 /// Plants of a row of one unknown when nothing else is said.

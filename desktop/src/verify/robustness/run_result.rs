@@ -52,8 +52,10 @@ const QUIET: [f64; 2] = [10e-6, 0.02];
 /// Oscillation of the torque that counts as none beside another, in rated torques: a drive that resolves its current in 12 bits rounds
 /// it by some times as much, and a cascade may stand still exactly within static friction.
 const STILL: f64 = 1e-4;
-/// A metric is worse than B0's when it is both by this factor, and by this angle: a count of an encoder of 19 bits (rad).
-const WORSE: (f64, f64) = (1.05, 12e-6);
+/// A count of an encoder of 19 bits (rad): what an angle must differ by to be worse.
+pub const COUNT: f64 = 12e-6;
+/// A metric is worse than B0's when it is both by more than a [`COUNT`] and by this factor.
+const WORSE: f64 = 1.05;
 
 /// Oscillation of the torque at rest over that of another controller, both in rated torques.
 pub(super) fn torque_ratio(ours: f64, other: f64) -> f64 {
@@ -128,14 +130,14 @@ impl RunResult {
 
     /// Largest ratio to B0's of a metric that is more than a count above it; 0 when there is none.
     pub fn worst_ratio(&self, b0: &Self) -> f64 {
-        let above = self.metrics.iter().zip(&b0.metrics).filter(|(ours, b0)| **ours > **b0 + WORSE.1);
+        let above = self.metrics.iter().zip(&b0.metrics).filter(|(ours, b0)| **ours > **b0 + COUNT);
         above.map(|(ours, b0)| ours / b0).fold(0.0, f64::max)
     }
 
     /// Number of its metrics that are worse than those of a baseline in the same scenario.
     pub fn worse_metrics(&self, baseline: &Self) -> usize {
         let worse = |(ours, other): &(&f64, &f64)| {
-            let no_worse = **ours <= WORSE.0 * **other || **ours <= **other + WORSE.1;
+            let no_worse = **ours <= WORSE * **other || **ours <= **other + COUNT;
             let none = ours.is_nan() && other.is_nan();
             !no_worse && !none
         };
