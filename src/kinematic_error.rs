@@ -70,6 +70,17 @@ impl<R: Real, const K: usize> KinematicErrorParams<R, K> {
         let more = case.len > case.above || !flexspline.is_empty();
         Ok(KinematicError { case, flexspline, ratio, more })
     }
+
+    /// Bound of abs d^2e/dtheta^2 for the signed `ratio` r (1/rad): every term at its peak at once.
+    pub fn curvature(&self, ratio: R) -> R {
+        let of = |terms: &[Term<R>; K], angle_per_theta: R| {
+            terms.iter().fold(R::ZERO, |sum, term| {
+                let rate = R::from_i32(term.order.cast_signed()) * angle_per_theta;
+                sum + term.amplitude.abs() * rate * rate
+            })
+        };
+        of(&self.case, R::ONE) + of(&self.flexspline, R::ONE - ratio)
+    }
 }
 
 impl<R: Real> Term<R> {

@@ -284,3 +284,50 @@ fn the_speed_is_that_of_the_reference() {
     let residual = speed_residual(&CompensationGains { kinematic_error: 0.0, ..CompensationGains::ALL });
     assert!(residual < 40e-6, "{residual}");
 }
+
+/// Largest torque (N m) and offset of the reference (rad at the output) for the kinematic error, at a steady speed of the motor (rad/s).
+fn for_kinematic_error(joint: &mut Joint, speed: f64) -> [f64; 2] {
+    let ratio = 1.0 / f64::from(joint.params.gear.ratio);
+    let gains = CompensationGains { inertia: 1.0, friction: 0.0, kinematic_error: 1.0, ..GAINS };
+    let mut largest = [0.0f64; 2];
+    for k in 0..4 * HALF {
+        let velocity = ratio * speed;
+        let position = Angle::from_radians_f64(velocity * DT * k as f64);
+        let demand = joint.demand(&Setpoint { position, velocity, ..Setpoint::default() }, &gains);
+        if k > HALF {
+            largest[0] = largest[0].max(demand.torque.abs());
+            largest[1] = largest[1].max(demand.link_offset.abs());
+        }
+    }
+    largest
+}
+
+/// The torque for it grows with the speed's square up to half of the motor's peak torque, and no further; a slow motor compensates it whole.
+#[test]
+fn the_kinematic_error_takes_half_of_the_torque_at_most() {
+    let mut joint = Joint::new();
+    let gear = joint.params.gear;
+    let curvature = gear.kinematic_error.curvature(1.0 / f64::from(gear.ratio)) * f64::from(gear.ratio).abs();
+    let full = 100.0;
+    let half_torque = gear.wave_generator_inertia * curvature * full * full;
+    joint.feed_forward = joint.feed_forward.with_motor(&gear, 2.0 * half_torque);
+    let [slow_torque, whole] = for_kinematic_error(&mut joint, 0.5 * full);
+    assert!((0.2..=0.26).contains(&(slow_torque / half_torque)), "{slow_torque} of {half_torque}");
+    for times in [1.0, 2.0, 4.0] {
+        let [torque, offset] = for_kinematic_error(&mut joint, times * full);
+        assert!((0.8..1.02).contains(&(torque / half_torque)), "{times}: {torque} of {half_torque}");
+        assert!((offset * times * times / whole - 1.0).abs() < 0.05, "{times}: {offset} of {whole}");
+    }
+}
+
+/// A gear without a kinematic error, or a motor that no speed of it is too fast for, changes nothing.
+#[test]
+fn a_strong_motor_compensates_the_kinematic_error_at_any_speed() {
+    let mut joint = Joint::new();
+    let whole = for_kinematic_error(&mut joint, 400.0);
+    joint.feed_forward = joint.feed_forward.with_motor(&joint.params.gear, 1e9);
+    assert_eq!(for_kinematic_error(&mut joint, 400.0), whole);
+    joint.params.gear.kinematic_error = Default::default();
+    let without = joint.feed_forward.with_motor(&joint.params.gear, 1.0);
+    assert_eq!(without, joint.feed_forward.with_motor(&joint.params.gear, 2.0));
+}

@@ -118,7 +118,9 @@ impl<R: Real> JointParams<R> {
             frozen_output: FrozenEncoder::of_output(R::from_i32(n).abs() * apart),
             observer: self.observer.build(&self.gear, limits, &self.tolerances, self.dt)?.behind(stretch),
             disturbance: self.disturbance.build(&self.gear, self.dt)?,
-            feed_forward: FeedForward::build(&self.gear, self.dt)?.behind(stretch),
+            feed_forward: FeedForward::build(&self.gear, self.dt)?
+                .with_motor(&self.gear, limits.motor_torque)
+                .behind(stretch),
             feedback: self.feedback.build(self.dt)?,
             estimates_speed: self.feedback.estimates_speed(motor_count, self.dt),
             braking: Braking::build(self.feedback.position_gain, acceleration),

@@ -256,12 +256,13 @@ tuned! {
         "Standard deviation of the torsion that oscillates at rest, in torsions of the rated torque: 7 urad of the default \
          gear, less than what is called shaking";
     LIMIT_CYCLE_TORQUE = 0.5, One,
-        "The same of the torque in motion, in motor's peak torques: a sine from limit to limit has 0.7 of them";
+        "The same of the torque in motion, in motor's peak torques: a sine from limit to limit has 0.7 of them; and the most that the \
+         kinematic error may take of it, which is no limit cycle";
     LIMIT_CYCLE_WINDOWS = 3.0, One,
         "Windows on end that oscillate before the feedback is reduced: a load step and its vibration are in two";
-    LIMIT_CYCLE_SWINGS = 32.0, One,
-        "Swings of the torque from limit to limit on end, each within a ramp of the torque, that are a limit cycle: three times as many as \
-         switch off one of 500 training joints at work, a light one after load steps";
+    LIMIT_CYCLE_SWINGS = 8.0, One,
+        "Swings of the torque from limit to limit on end, each within a ramp of the torque, that are a limit cycle: twice as many as 500 \
+         training joints at work have at most, and as many again switch the drive off";
     DECAYED = 0.75, One,
         "Part of its variance that a vibration has left after a period, if it decays: a damping ratio of 0.025";
     FEEDBACK_RETURN = 1.0, Second,

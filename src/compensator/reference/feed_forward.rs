@@ -47,6 +47,14 @@
 //! N*de/dtheta, below 0.03 for the default gear), and the friction's load is the tau_t of the setpoint before
 //! (contraction: the load's factor).
 //!
+//! Behind the kinematic error a motor accelerates by dtheta_wg^2*e''/r. Beyond some speed that takes all of its torque, for a vibration that
+//! the load hardly follows: with the ratio 160 from half of the top speed on. Where it may take more than half of the peak torque
+//! tau_max, which is the level of a limit cycle ([`crate::compensator::actuate::supervisor`]), e stands for a part of it:
+//!
+//! ```text
+//! e <- min(v^2/dtheta_wg^2, 1)*e,   v^2 = tau_max/2 * abs(r)/(J_wg*c),   c: sum of A_k*k^2, the largest abs(e'')
+//! ```
+//!
 //! d_ff is the estimated external torque as filtered by [`crate::compensator::estimate::disturbance`].
 //!
 //! Behind a tooth belt of the compliance c ([`crate::belt::series`]) theta_ref is the angle of the belt's input. It is ahead of the wave generator by
@@ -62,9 +70,10 @@
 
 use crate::angle::{Angle, Heading, Ratio};
 use crate::belt::SeriesBelt;
+use crate::branch::seldom;
 use crate::compensator::adapt::parameters::{Excitation, Factors};
 use crate::compensator::schedule::{MODELS_TO_PLAN, PLAN_TO_LEARN, PLAN_TO_MODELS, SLOW_PERIODS};
-use crate::compensator::tuned::FADING_TIME;
+use crate::compensator::tuned::{FADING_TIME, LIMIT_CYCLE_TORQUE};
 use crate::compensator::{CompensationGains, HYSTERESIS_MEMORY, RealTimeGear, Setpoint};
 use crate::constants::constants;
 use crate::error::{Error, require};
@@ -76,6 +85,9 @@ use crate::real::Real;
 
 /// Least h*w: where line and hysteresis together are less than half as stiff as the line, the Newton step is shortened.
 const LEAST_SLOPE: f64 = -0.5;
+
+/// Faster than any motor (rad/s).
+const FASTEST_MOTOR: f64 = 1e6;
 
 /// The built feed-forward.
 ///
@@ -137,8 +149,8 @@ pub struct FeedForward<R> {
     fading: R,
     /// 1/T (1/s).
     inverse_round: R,
-    /// Half a control period (s).
-    half_step: R,
+    /// Square of the motor's speed from which on the kinematic error is compensated in part (rad^2/s^2).
+    kinematic_speed_squared: R,
     belt: SeriesBelt<R>,
     /// r^2*c (rad/(N m)).
     belt_compliance: R,
@@ -160,7 +172,7 @@ pub struct FeedForwardState<R: Real> {
     /// tau_fric_out in the models' last slot (N m), and its rate.
     friction: R,
     friction_rate: R,
-    /// e and de/dtheta of the last slot, extrapolated since.
+    /// e and de/dtheta of the last slot, as far as they are compensated, extrapolated since.
     kinematic_error: ErrorAndSlope<R>,
     /// de/dtheta in the last slot, and its rate (1/s).
     slope: R,
@@ -243,7 +255,7 @@ impl<R: Real> FeedForward<R> {
             engagement: R::lit(4.0) / gear.input_friction.presliding,
             fading: (round / R::lit(FADING_TIME.get())).min(R::ONE),
             inverse_round: R::ONE / round,
-            half_step: R::lit(0.5) * dt,
+            kinematic_speed_squared: R::lit(FASTEST_MOTOR * FASTEST_MOTOR),
             belt: SeriesBelt::NONE,
             belt_compliance: R::ZERO,
         })
@@ -255,7 +267,18 @@ impl<R: Real> FeedForward<R> {
         Self { belt, belt_compliance: self.ratio * self.ratio * belt.compliance(), ..self }
     }
 
-    /// Evaluates the kinematic error.
+    /// The same with a motor of this peak torque (N m).
+    #[must_use]
+    pub fn with_motor(self, gear: &GearParams<R>, peak_torque: R) -> Self {
+        let curvature = gear.kinematic_error.curvature(self.ratio) * self.inverse_ratio.abs();
+        let (inertia, most) =
+            (gear.wave_generator_inertia * curvature, R::lit(FASTEST_MOTOR * FASTEST_MOTOR));
+        let torque = R::lit(LIMIT_CYCLE_TORQUE.get()) * peak_torque;
+        let squared = if inertia > R::ZERO { (torque / inertia).min(most) } else { most };
+        Self { kinematic_speed_squared: squared, ..self }
+    }
+
+    /// Evaluates the part of the kinematic error that is compensated at this speed.
     #[inline(always)]
     fn step_kinematic_error(
         &self,
@@ -264,6 +287,14 @@ impl<R: Real> FeedForward<R> {
         reference: Angle<R>,
     ) {
         state.kinematic_error = gear.kinematic_error(reference, state.heading);
+        let velocity = state.velocity * self.inverse_ratio;
+        let squared = velocity * velocity;
+        if squared > self.kinematic_speed_squared {
+            seldom();
+            let part = self.kinematic_speed_squared / squared;
+            state.kinematic_error.error *= part;
+            state.kinematic_error.slope *= part;
+        }
         state.slope_rate = (state.kinematic_error.slope - state.slope) * self.inverse_round;
         state.slope = state.kinematic_error.slope;
     }
@@ -412,7 +443,8 @@ impl<R: Real> FeedForward<R> {
             - gains.kinematic_error * kinematic_error.slope * motor_velocity;
         let reference = gear.ratio().to_motor(setpoint.position.plus(link_offset));
 
-        let acceleration = setpoint.acceleration + self.half_step * setpoint.jerk;
+        let half_step = R::lit(0.5 / SLOW_PERIODS as f64) * self.round.seconds();
+        let acceleration = setpoint.acceleration + half_step * setpoint.jerk;
         let slope_term = state.slope_rate * motor_velocity
             + kinematic_error.slope * self.inverse_ratio * setpoint.acceleration;
         let link_offset_acceleration =
