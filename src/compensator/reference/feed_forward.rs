@@ -47,9 +47,9 @@
 //! N*de/dtheta, below 0.03 for the default gear), and the friction's load is the tau_t of the setpoint before
 //! (contraction: the load's factor).
 //!
-//! Behind the kinematic error a motor accelerates by dtheta_wg^2*e''/r. Beyond some speed that takes all of its torque, for a vibration that
-//! the load hardly follows: with the ratio 160 from half of the top speed on. Where it may take more than half of the peak torque
-//! tau_max, which is the level of a limit cycle ([`crate::compensator::actuate::supervisor`]), e stands for a part of it:
+//! Behind the kinematic error a motor accelerates by dtheta_wg^2*e''/r, at the top speed of a gear of the ratio 160 with more than all of its
+//! torque, for a vibration that the load hardly follows there. Where it may take more than half of the peak torque tau_max, e stands for a
+//! part of it. As much is no limit cycle ([`crate::compensator::actuate::supervisor`]): a sine of that amplitude is below its level.
 //!
 //! ```text
 //! e <- min(v^2/dtheta_wg^2, 1)*e,   v^2 = tau_max/2 * abs(r)/(J_wg*c),   c: sum of A_k*k^2, the largest abs(e'')
