@@ -5,7 +5,6 @@ use crate::compensator::actuate::cascade::FeedbackState;
 use crate::compensator::actuate::fallback::FallbackState;
 use crate::compensator::actuate::limit_cycle::Swings;
 use crate::compensator::actuate::mode::ModeState;
-use crate::compensator::actuate::protection::ProtectionState;
 use crate::compensator::actuate::supervisor::SupervisorState;
 use crate::compensator::adapt::learning::Learnt;
 use crate::compensator::estimate::disturbance::{DisturbanceState, WindUpResponse};
@@ -64,7 +63,7 @@ impl<R: Real> Compensator<R> {
             slow: SlowSlot::RampGains,
             motor_torque: MotorTorqueState::default(),
             rotor: RotorState::default(),
-            protection: ProtectionState::default(),
+            protection: self.protection.rest(),
             supervisor: SupervisorState::default(),
             swings: Swings::default(),
             gauge: None,

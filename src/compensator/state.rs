@@ -30,7 +30,7 @@ use crate::real::Real;
 pub struct State<R: Real> {
     pub(super) slot: Slot,
     pub(super) guard: InputGuardState<R>,
-    pub(super) motor_encoder: MotorEncoderState,
+    pub(super) motor_encoder: MotorEncoderState<R>,
     pub(super) output_encoder: EncoderState,
     pub(super) latch: SensorLatch<R>,
     /// Raw count of the output encoder at the observer's last step, and its age (control periods).

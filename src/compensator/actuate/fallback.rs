@@ -15,6 +15,7 @@
 
 use crate::branch::seldom;
 use crate::compensator::Faults;
+use crate::compensator::actuate::protection::ProtectionState;
 use crate::compensator::tuned::{QUIET_TIME, TORQUE_RAMP, Tuned};
 use crate::constants::constants;
 use crate::real::Real;
@@ -80,9 +81,15 @@ impl<R: Real> Fallback<R> {
         state.ramped = self.ramp;
     }
 
-    /// The torque for a target (N m) within the motor's peak.
+    /// The torque for a target (N m) that is one of the `allowed` torques; so is one on the way to it.
     #[inline(always)]
-    pub fn step(&self, state: &mut FallbackState<R>, target: R, faults: Faults) -> R {
+    pub fn step(
+        &self,
+        state: &mut FallbackState<R>,
+        target: R,
+        faults: Faults,
+        allowed: &ProtectionState<R>,
+    ) -> R {
         if faults.intersects(UNTRUSTED) {
             seldom();
             if state.untrusted == 0 {
@@ -97,7 +104,7 @@ impl<R: Real> Fallback<R> {
             seldom();
             let change = target - state.torque;
             if !change.is_within(self.change) {
-                state.torque += self.change.copysign(change);
+                state.torque = allowed.limit(state.torque + self.change.copysign(change));
                 return state.torque;
             }
             state.ramped -= 1;

@@ -31,12 +31,27 @@ pub struct Protection<R> {
     /// (c-1)/n and 2*c/(omega*n).
     by_torque: R,
     by_rate: R,
+    /// Peak torque of the motor (N m).
+    peak: R,
 }
 
-/// Middle of the motor's allowed torques (N m).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Torques that the motor may have (N m).
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProtectionState<R> {
-    middle: R,
+    lowest: R,
+    highest: R,
+}
+
+impl<R: Real> ProtectionState<R> {
+    /// A torque (N m) limited to these; the lowest in the place of one that is no number.
+    #[inline(always)]
+    pub fn limit(&self, torque: R) -> R {
+        if torque >= self.lowest && torque <= self.highest {
+            return torque;
+        }
+        seldom();
+        if torque > self.highest { self.highest } else { self.lowest }
+    }
 }
 
 impl<R: Real> Protection<R> {
@@ -52,7 +67,13 @@ impl<R: Real> Protection<R> {
             half: c * torque / n.abs(),
             by_torque: (c - R::ONE) / n,
             by_rate: R::lit(2.0) * c / (omega * n),
+            peak: limits.motor_torque,
         }
+    }
+
+    /// Before the first torque through the gear: those of the motor.
+    pub fn rest(&self) -> ProtectionState<R> {
+        ProtectionState { lowest: -self.peak, highest: self.peak }
     }
 
     /// Constant acceleration of the output (rad/s^2) that the bounds admit where no load and no friction act:
@@ -71,18 +92,9 @@ impl<R: Real> Protection<R> {
     /// With a new torque through the gear (N m), its rate (N m/s) and the rotor's friction (N m).
     #[inline(always)]
     pub fn follow(&self, state: &mut ProtectionState<R>, torque: R, rate: R, friction: R) {
-        state.middle = friction - self.by_torque * torque - self.by_rate * rate;
-    }
-
-    /// The torque of the motor limited for the gear (N m).
-    #[inline(always)]
-    pub fn limit(&self, state: &ProtectionState<R>, torque: R) -> R {
-        let difference = torque - state.middle;
-        if difference.is_within(self.half) {
-            return torque;
-        }
-        seldom();
-        state.middle + difference.limit(self.half)
+        let middle = friction - self.by_torque * torque - self.by_rate * rate;
+        let bound = |torque: R| torque.limit(self.peak);
+        *state = ProtectionState { lowest: bound(middle - self.half), highest: bound(middle + self.half) };
     }
 }
 
@@ -94,6 +106,7 @@ mod tests {
     const STIFFNESS: f64 = 5.7e4;
     const PEAK: f64 = 157.0;
     const ALLOWED: f64 = 0.85;
+    const MOTOR: f64 = 2.4;
 
     fn protection() -> Protection<f64> {
         let [rotor, output] = INERTIA;
@@ -104,12 +117,14 @@ mod tests {
             half: c * ALLOWED * PEAK / 100.0,
             by_torque: (c - 1.0) / -100.0,
             by_rate: 2.0 * c / ((c * STIFFNESS / rotor).sqrt() * -100.0),
+            peak: MOTOR,
         }
     }
 
     /// Largest torque through the gear with full torque in alternating directions, the output held or free.
     fn largest(held: bool, protected: bool) -> f64 {
-        let (protection, mut state) = (protection(), ProtectionState::default());
+        let protection = protection();
+        let mut state = protection.rest();
         let (mut rotor, mut output) = ([0.0f64; 2], [0.0f64; 2]);
         let (dt, mut largest, mut last) = (1e-4, 0.0f64, 0.0);
         for k in 0..4000 {
@@ -118,8 +133,8 @@ mod tests {
                 protection.follow(&mut state, torque, (torque - last) / 4e-4, 0.0);
                 last = torque;
             }
-            let commanded = if (k / 100) % 2 == 0 { 2.4 } else { -2.4 };
-            let motor = if protected { protection.limit(&state, commanded) } else { commanded };
+            let commanded = if (k / 100) % 2 == 0 { MOTOR } else { -MOTOR };
+            let motor = if protected { state.limit(commanded) } else { commanded };
             rotor[1] += dt * (motor - torque / -100.0) / INERTIA[0];
             output[1] += if held { 0.0 } else { dt * torque / INERTIA[1] };
             rotor[0] += dt * rotor[1];
@@ -140,9 +155,20 @@ mod tests {
 
     #[test]
     fn a_torque_within_the_bounds_passes_unchanged() {
-        let (protection, state) = (protection(), ProtectionState::default());
         for torque in [0.0, 0.1234567, -1.5] {
-            assert_eq!(protection.limit(&state, torque), torque);
+            assert_eq!(protection().rest().limit(torque), torque);
+        }
+    }
+
+    /// However far the bounds are: within the motor's peak torque.
+    #[test]
+    fn the_motors_peak_torque_bounds_every_torque() {
+        let (protection, mut state) = (protection(), protection().rest());
+        for torque in [0.0, 1e3, -1e3, 1e30, f64::NAN] {
+            protection.follow(&mut state, torque, 0.0, 0.0);
+            for commanded in [0.0, 1e9, -1e9, f64::NAN] {
+                assert!(state.limit(commanded).abs() <= MOTOR, "{torque} {commanded}");
+            }
         }
     }
 }

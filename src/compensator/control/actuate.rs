@@ -5,7 +5,6 @@ use crate::compensator::actuate::cascade::CascadeInput;
 use crate::compensator::actuate::mode::Mode;
 use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::sense::clock::Elapsed;
-use crate::compensator::sense::encoder::Reading;
 use crate::compensator::tuned::NEAR_REFERENCE;
 use crate::compensator::{Compensator, Faults, State, Status};
 use crate::real::Real;
@@ -32,7 +31,7 @@ impl<R: Real> Compensator<R> {
     /// No torque (N m), of a drive that is off.
     #[inline(always)]
     pub(super) fn without_torque(&self, state: &mut State<R>, faults: Faults) -> R {
-        self.fallback.step(&mut state.fallback, R::ZERO, faults);
+        self.fallback.step(&mut state.fallback, R::ZERO, faults, &state.protection);
         state.fallback.sent(R::ZERO);
         state.sent = [state.motor_reference.position_error, R::ZERO];
         state.limited = true;
@@ -60,13 +59,12 @@ impl<R: Real> Compensator<R> {
     pub(super) fn drive(
         &self,
         state: &mut State<R>,
-        motor: &Reading<R>,
         elapsed: &Elapsed<R>,
         faults: &mut Faults,
     ) -> R {
         let phase = (state.latch.age == 0).then_some(state.latch.output_phase);
         let shift = self.measured_feedback.step(&mut state.measured_feedback, phase, elapsed.time);
-        let speed = self.motor_speed(state, motor.moved * elapsed.inverse);
+        let speed = self.motor_speed(state);
         let (reference, wind_up) = (&state.motor_reference, &state.wind_up);
         let position_error = state.followed * reference.position_error;
         let input = CascadeInput {
@@ -89,11 +87,11 @@ impl<R: Real> Compensator<R> {
         torque
     }
 
-    /// Speed of the motor: by the encoder's difference quotient `quotient`, or of a resting motor with a coarse encoder the
-    /// observer's (rad/s). Farther than [`NEAR_REFERENCE`] from its reference it is controlled by what is measured: an observer that
+    /// Speed of the motor (rad/s): by the last two readings of its encoder, or of a resting motor with a coarse encoder the
+    /// observer's. Farther than [`NEAR_REFERENCE`] from its reference it is controlled by what is measured: an observer that
     /// is wrong moves it by no more than that.
     #[inline(always)]
-    fn motor_speed(&self, state: &State<R>, quotient: R) -> R {
+    fn motor_speed(&self, state: &State<R>) -> R {
         let reference = &state.motor_reference;
         if self.estimates_speed && reference.rests && state.fallback.trusted() {
             let near = R::lit(2.0 * NEAR_REFERENCE.get()) * self.rounding;
@@ -101,7 +99,7 @@ impl<R: Real> Compensator<R> {
                 return state.observer.motor_velocity();
             }
         }
-        quotient
+        self.motor_encoder.speed(&state.motor_encoder)
     }
 
     /// The feedback, which goes on from the torque (N m) so far when it was switched to.
@@ -117,15 +115,9 @@ impl<R: Real> Compensator<R> {
 
     /// The torque command: `target` (N m) limited to the motor's peak torque and to the gear's rating.
     fn command(&self, state: &mut State<R>, target: R, faults: &mut Faults) -> R {
-        let limited = target.limit(self.limits.motor_torque);
+        let limited = state.protection.limit(target);
         faults.raise_if(limited != target, Faults::TORQUE_LIMITED);
-        let ramped = self.fallback.step(&mut state.fallback, limited, *faults);
-        let torque = self.protection.limit(&state.protection, ramped).limit(self.limits.motor_torque);
-        if torque != ramped {
-            seldom();
-            faults.raise_if(true, Faults::TORQUE_LIMITED);
-            state.fallback.sent(torque);
-        }
+        let torque = self.fallback.step(&mut state.fallback, limited, *faults, &state.protection);
         // The feedback's integral must not run while its torque does not reach the motor.
         state.limited = torque != target;
         torque

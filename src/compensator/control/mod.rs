@@ -161,7 +161,7 @@ impl<R: Real> Compensator<R> {
             state.measured_feedback.leave_out();
         }
         let motor_torque = if drives {
-            self.drive(state, &motor, &elapsed, &mut faults)
+            self.drive(state, &elapsed, &mut faults)
         } else {
             self.without_torque(state, faults)
         };

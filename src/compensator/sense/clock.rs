@@ -15,7 +15,8 @@ use crate::error::{Error, require};
 use crate::real::Real;
 
 /// Shortest and longest time between two steps, in control periods.
-const RANGE: [f64; 2] = [0.25, 16.0];
+const SHORTEST: f64 = 0.25;
+const LONGEST: f64 = 16.0;
 
 /// The built clock.
 #[constants]
@@ -23,8 +24,6 @@ const RANGE: [f64; 2] = [0.25, 16.0];
 pub struct Clock<R> {
     dt: R,
     inverse_dt: R,
-    shortest: R,
-    longest: R,
 }
 
 /// Time of one step.
@@ -32,10 +31,12 @@ pub struct Clock<R> {
 pub struct Elapsed<R> {
     /// T (s).
     pub time: R,
-    /// 1/T (1/s).
-    pub inverse: R,
-    /// T is dt.
-    pub regular: bool,
+    /// T/dt.
+    pub periods: R,
+    /// dt/T.
+    pub per_period: R,
+    /// Square of T/dt, of at least 1.
+    pub stretch: R,
 }
 
 impl<R: Real> Clock<R> {
@@ -45,33 +46,37 @@ impl<R: Real> Clock<R> {
     /// [`Error::OutOfRange`] `dt` unless above 0 and up to 1.
     pub fn build(dt: R) -> Result<Self, Error> {
         require(dt > R::ZERO && dt <= R::ONE, "dt")?;
-        let [shortest, longest] = RANGE.map(|periods| R::lit(periods) * dt);
-        Ok(Self { dt, inverse_dt: R::ONE / dt, shortest, longest })
+        Ok(Self { dt, inverse_dt: R::ONE / dt })
     }
 
     /// Time since the last step from what the board has measured (s).
     #[inline(always)]
     pub fn step(&self, measured: R, faults: &mut Faults) -> Elapsed<R> {
-        if measured == self.dt || measured == R::ZERO {
-            return Elapsed { time: self.dt, inverse: self.inverse_dt, regular: true };
+        if measured.is_same(self.dt) || measured.is_same(R::ZERO) {
+            return Elapsed { time: self.dt, periods: R::ONE, per_period: R::ONE, stretch: R::ONE };
         }
         seldom();
-        let possible = measured >= self.shortest && measured <= self.longest;
-        faults.raise_if(!possible, Faults::PERIOD_OUT_OF_RANGE);
-        let time = if possible { measured } else { self.end_of_range(measured) };
-        Elapsed { time, inverse: R::ONE / time, regular: false }
-    }
-
-    /// In the place of a time outside the range; dt in that of one that is not finite.
-    #[inline(always)]
-    fn end_of_range(&self, measured: R) -> R {
-        if !measured.is_finite() {
-            self.dt
-        } else if measured > self.longest {
-            self.longest
-        } else {
-            self.shortest
+        let mut time = measured;
+        let mut periods = measured * self.inverse_dt;
+        if !(periods >= R::lit(SHORTEST) && periods <= R::lit(LONGEST)) {
+            seldom();
+            faults.raise_if(true, Faults::PERIOD_OUT_OF_RANGE);
+            periods = end_of_range(periods);
+            time = periods * self.dt;
         }
+        let whole = periods.max(R::ONE);
+        Elapsed { time, periods, per_period: self.dt / time, stretch: whole * whole }
+    }
+}
+
+/// In the place of a time outside the range (periods); 1 in that of one that is not finite.
+fn end_of_range<R: Real>(periods: R) -> R {
+    if !periods.is_finite() {
+        R::ONE
+    } else if periods > R::ONE {
+        R::lit(LONGEST)
+    } else {
+        R::lit(SHORTEST)
     }
 }
 
@@ -83,7 +88,7 @@ mod tests {
     fn a_time_that_is_not_measured_is_a_control_period() {
         let (clock, mut faults) = (Clock::build(1e-4).unwrap(), Faults::NONE);
         for measured in [0.0, 1e-4] {
-            let regular = Elapsed { time: 1e-4, inverse: 1.0 / 1e-4, regular: true };
+            let regular = Elapsed { time: 1e-4, periods: 1.0, per_period: 1.0, stretch: 1.0 };
             assert_eq!(clock.step(measured, &mut faults), regular);
         }
         assert_eq!(clock.step(2e-4, &mut faults).time, 2e-4);

@@ -21,7 +21,6 @@
 use core::mem::offset_of;
 
 use crate::angle::Angle;
-use crate::branch::seldom;
 use crate::compensator::schedule::CONTROL_PERIOD;
 use crate::compensator::sense::clock::Elapsed;
 use crate::compensator::sense::encoder::Reading;
@@ -59,28 +58,26 @@ pub struct MotorEncoder<R> {
     /// From raw counts to counts of 2^32 a revolution.
     shift: u32,
     /// a*dt^2, the noise, and the fastest speed times dt, in counts of 2^32 a revolution.
-    reach: u32,
-    noise: u32,
-    fastest: u32,
-    dt: R,
-    inverse_dt: R,
+    reach: R,
+    noise: R,
+    fastest: R,
     /// Speed of one count in a control period (rad/s).
     speed_of_count: R,
 }
 
-/// Foreseen change of the angle since the last reading, and how far from it a count may lie besides its noise, in counts.
-struct Foreseen {
+/// Foreseen change of the angle since the last reading, and how far from it a count may lie, in counts.
+struct Foreseen<R> {
     moved: i32,
-    reach: u32,
+    reach: R,
 }
 
 /// The encoder's angle so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct MotorEncoderState {
+pub struct MotorEncoderState<R> {
     phase: u32,
     counts: i64,
     /// Counts in a control period.
-    step: i32,
+    step: R,
     refused: u32,
     /// The last reading, where it was sound and refused.
     refused_phase: Option<u32>,
@@ -90,7 +87,7 @@ pub struct MotorEncoderState {
     accepted: bool,
 }
 
-impl MotorEncoderState {
+impl<R: Real> MotorEncoderState<R> {
     /// The last reading was accepted.
     #[inline(always)]
     pub fn is_accepted(&self) -> bool {
@@ -98,7 +95,7 @@ impl MotorEncoderState {
     }
 
     /// Its angle.
-    pub fn angle<R: Real>(&self) -> Angle<R> {
+    pub fn angle(&self) -> Angle<R> {
         Angle::from_counts(self.counts)
     }
 }
@@ -113,15 +110,13 @@ impl<R: Real> MotorEncoder<R> {
         let gear_torque = R::lit(2.0) * limits.output_torque / R::from_i32(gear.ratio).abs();
         let torque = limits.motor_torque + gear_torque + gear.input_friction.forward.static_level;
         let acceleration = R::lit(UNCERTAINTY_MARGIN.get()) * torque / gear.wave_generator_inertia;
-        let counts = |angle: R| (angle * R::lit(1.0 / RADIANS_PER_COUNT)).to_i32().unsigned_abs();
+        let counts = |angle: R| angle * R::lit(1.0 / RADIANS_PER_COUNT);
         let shift = 32 - bits;
         Ok(Self {
             shift,
             reach: counts(acceleration * dt * dt),
-            noise: (ENCODER_NOISE.get() as u32) << shift,
+            noise: R::lit(ENCODER_NOISE.get()) * R::from_i32(1 << shift),
             fastest: counts(limits.motor_speed * dt),
-            dt,
-            inverse_dt: R::ONE / dt,
             speed_of_count: R::lit(RADIANS_PER_COUNT) * (R::ONE / dt),
         })
     }
@@ -132,12 +127,13 @@ impl<R: Real> MotorEncoder<R> {
         if !pulleys.are_present() {
             return self;
         }
-        let at_motor = |counts: u32| {
-            let counts = R::from_i32(counts.min(i32::MAX.cast_unsigned()).cast_signed());
-            (counts / pulleys.ratio()).to_i32().unsigned_abs()
-        };
-        let speed_of_count = pulleys.ratio() * self.speed_of_count;
-        Self { reach: at_motor(self.reach), fastest: at_motor(self.fastest), speed_of_count, ..self }
+        let ratio = pulleys.ratio();
+        Self {
+            reach: self.reach / ratio,
+            fastest: self.fastest / ratio,
+            speed_of_count: ratio * self.speed_of_count,
+            ..self
+        }
     }
 
     /// Where the shift lies in memory, in bytes.
@@ -155,15 +151,15 @@ impl<R: Real> MotorEncoder<R> {
 
     /// Speed of the motor, or in front of a belt of the wave generator, in the last control period (rad/s).
     #[inline(always)]
-    pub fn speed(&self, state: &MotorEncoderState) -> R {
-        R::from_i32(state.step) * self.speed_of_count
+    pub fn speed(&self, state: &MotorEncoderState<R>) -> R {
+        state.step * self.speed_of_count
     }
 
     /// Takes a raw count whose frame was `valid`; the second value: it is accepted, as the one before it was.
     #[inline(always)]
     pub fn step(
         &self,
-        state: &mut MotorEncoderState,
+        state: &mut MotorEncoderState<R>,
         raw: u32,
         valid: bool,
         elapsed: &Elapsed<R>,
@@ -172,47 +168,30 @@ impl<R: Real> MotorEncoder<R> {
         let phase = raw << self.shift;
         let sound = valid && phase >> self.shift == raw;
         let delta = phase.wrapping_sub(state.phase).cast_signed();
-        let foreseen = if elapsed.regular {
-            Foreseen { moved: state.step, reach: self.reach }
-        } else {
-            seldom();
-            self.foreseen(state, elapsed.time * self.inverse_dt)
-        };
-        if !(sound && state.accepted && self.admits(&foreseen, delta)) {
+        let foreseen = self.foreseen(state, elapsed.periods, elapsed.stretch);
+        if !(sound && state.accepted && foreseen.admits(delta)) {
             return (self.irregular(state, phase, sound, elapsed, faults), false);
         }
-        state.step = delta;
-        if !elapsed.regular {
-            seldom();
-            state.step = (R::from_i32(delta) * (elapsed.inverse * self.dt)).to_i32();
-        }
+        state.step = elapsed.per_period * R::from_i32(delta);
         state.error_count = state.error_count.saturating_sub(error_decrement());
         (state.reading(phase, delta, true), true)
     }
 
-    /// What is foreseen after so many periods.
+    /// What is foreseen after so many periods, where the reach by acceleration is `stretch` times that of one.
     #[inline(always)]
-    fn foreseen(&self, state: &MotorEncoderState, periods: R) -> Foreseen {
-        let moved = (periods * R::from_i32(state.step)).to_i32();
-        let since_accepted = state.whole_periods(periods);
-        Foreseen { moved, reach: self.reach.saturating_mul(since_accepted.saturating_mul(since_accepted)) }
+    fn foreseen(&self, state: &MotorEncoderState<R>, periods: R, stretch: R) -> Foreseen<R> {
+        let moved = periods * state.step;
+        let reach = stretch * self.reach + self.noise + R::lit(1.0 / 16.0) * moved.abs();
+        Foreseen { moved: moved.to_i32(), reach }
     }
 
-    /// A reading may have moved by so many counts.
+    /// A reading goes on from the refused one before it, by the foreseen motion within half of the reach, or not at all.
     #[inline(always)]
-    fn admits(&self, foreseen: &Foreseen, moved: i32) -> bool {
-        let reach = foreseen.reach.saturating_add(self.noise + (foreseen.moved.unsigned_abs() >> 4));
-        moved.wrapping_sub(foreseen.moved).unsigned_abs() <= reach
-    }
-
-    /// A reading goes on from the refused one before it, `periods` ago: by the foreseen motion, or not at all.
-    #[inline(always)]
-    fn goes_on(&self, state: &MotorEncoderState, phase: u32, periods: R) -> bool {
-        let foreseen = self.foreseen(&MotorEncoderState { refused: 0, ..*state }, periods);
-        let half = Foreseen { reach: foreseen.reach >> 1, ..foreseen };
+    fn goes_on(&self, state: &MotorEncoderState<R>, phase: u32, elapsed: &Elapsed<R>) -> bool {
+        let foreseen = self.foreseen(state, elapsed.periods, R::lit(0.5) * elapsed.stretch);
         state.refused_phase.is_some_and(|refused| {
             let moved = phase.wrapping_sub(refused).cast_signed();
-            moved == 0 || self.admits(&half, moved)
+            moved == 0 || foreseen.admits(moved)
         })
     }
 
@@ -221,7 +200,7 @@ impl<R: Real> MotorEncoder<R> {
     #[inline(never)]
     fn irregular(
         &self,
-        state: &mut MotorEncoderState,
+        state: &mut MotorEncoderState<R>,
         phase: u32,
         sound: bool,
         elapsed: &Elapsed<R>,
@@ -239,18 +218,17 @@ impl<R: Real> MotorEncoder<R> {
             };
             return state.reading(phase, 0, true);
         }
-        let periods = elapsed.time * self.inverse_dt;
-        let mut foreseen = self.foreseen(state, periods);
+        // Since the last reading that was accepted.
+        let periods = elapsed.periods.max(R::ONE) + R::from_i32(state.refused.cast_signed());
+        let mut foreseen = self.foreseen(state, elapsed.periods, periods * periods);
         let delta = phase.wrapping_sub(state.phase).cast_signed();
         if state.error_count == UNCONFIRMED {
-            let fastest = self.fastest.saturating_mul(state.whole_periods(periods));
-            foreseen.reach = foreseen.reach.saturating_add(fastest);
+            foreseen.reach += periods * self.fastest;
         }
-        let goes_on = self.goes_on(state, phase, periods);
-        state.accepted = sound && state.started && !goes_on && self.admits(&foreseen, delta);
+        let goes_on = self.goes_on(state, phase, elapsed);
+        state.accepted = sound && state.started && !goes_on && foreseen.admits(delta);
         if state.accepted {
-            let whole = state.whole_periods(periods).clamp(1, 1000).cast_signed();
-            state.step = state.step.wrapping_add(delta.wrapping_sub(foreseen.moved) / whole);
+            state.step += R::from_i32(delta.wrapping_sub(foreseen.moved)) / periods;
             (state.refused, state.refused_phase) = (0, None);
             state.error_count = state.error_count.saturating_sub(error_decrement());
             return state.reading(phase, delta, true);
@@ -270,15 +248,17 @@ impl<R: Real> MotorEncoder<R> {
     }
 }
 
-impl MotorEncoderState {
-    /// Control periods since the last reading that was accepted, a begun one as a whole one.
+impl<R: Real> Foreseen<R> {
+    /// A reading may have moved by so many counts.
     #[inline(always)]
-    fn whole_periods<R: Real>(&self, periods: R) -> u32 {
-        self.refused.saturating_add((periods + R::lit(0.99)).to_i32().unsigned_abs())
+    fn admits(&self, moved: i32) -> bool {
+        R::from_i32(moved.wrapping_sub(self.moved)).is_within(self.reach)
     }
+}
 
+impl<R: Real> MotorEncoderState<R> {
     #[inline(always)]
-    fn reading<R: Real>(&mut self, phase: u32, moved: i32, accepted: bool) -> Reading<R> {
+    fn reading(&mut self, phase: u32, moved: i32, accepted: bool) -> Reading<R> {
         self.phase = phase;
         self.counts = self.counts.wrapping_add(i64::from(moved));
         let moved = R::from_i32(moved) * R::lit(RADIANS_PER_COUNT);
@@ -290,6 +270,7 @@ impl MotorEncoderState {
 mod tests {
     use super::*;
     use crate::compensator::schedule::CONTROL_PERIOD;
+    use crate::compensator::sense::clock::Clock;
     use proptest::prelude::*;
     use std::vec::Vec;
 
@@ -298,14 +279,11 @@ mod tests {
 
     /// 1.4e5 rad/s^2.
     fn encoder() -> MotorEncoder<f64> {
-        let reach = (1.4e5 * CONTROL_PERIOD * CONTROL_PERIOD / RADIANS_PER_COUNT) as u32;
         MotorEncoder {
             shift: 32 - BITS,
-            reach,
-            noise: (ENCODER_NOISE.get() as u32) << (32 - BITS),
-            fastest: (586.0 * CONTROL_PERIOD / RADIANS_PER_COUNT) as u32,
-            dt: CONTROL_PERIOD,
-            inverse_dt: 1.0 / CONTROL_PERIOD,
+            reach: 1.4e5 * CONTROL_PERIOD * CONTROL_PERIOD / RADIANS_PER_COUNT,
+            noise: ENCODER_NOISE.get() * f64::from(1 << (32 - BITS)),
+            fastest: 586.0 * CONTROL_PERIOD / RADIANS_PER_COUNT,
             speed_of_count: RADIANS_PER_COUNT / CONTROL_PERIOD,
         }
     }
@@ -315,8 +293,7 @@ mod tests {
     }
 
     fn elapsed(periods: f64) -> Elapsed<f64> {
-        let time = periods * CONTROL_PERIOD;
-        Elapsed { time, inverse: 1.0 / time, regular: periods == 1.0 }
+        Clock::build(CONTROL_PERIOD).unwrap().step(periods * CONTROL_PERIOD, &mut Faults::NONE.clone())
     }
 
     fn on_time() -> Elapsed<f64> {
@@ -324,7 +301,7 @@ mod tests {
     }
 
     /// Angles accepted after each reading.
-    fn go(state: &mut MotorEncoderState, angles: impl IntoIterator<Item = u32>) -> Vec<(f64, bool, bool)> {
+    fn go(state: &mut MotorEncoderState<f64>, angles: impl IntoIterator<Item = u32>) -> Vec<(f64, bool, bool)> {
         let encoder = encoder();
         angles
             .into_iter()
