@@ -124,7 +124,13 @@ pub trait Real:
     /// Dead zone of half width `width`: 0 within it, beyond it what exceeds it.
     #[inline(always)]
     fn dead_zone(self, width: Self) -> Self {
-        if self.abs() > width { self - width.copysign(self) } else { Self::ZERO }
+        if self > width {
+            self - width
+        } else if self < -width {
+            self + width
+        } else {
+            Self::ZERO
+        }
     }
     /// -1, 0 or 1; 0 for NaN.
     #[inline(always)]

@@ -93,10 +93,9 @@ pub struct State<R: Real> {
 /// Sensor latch: readings since the observer's last slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SensorLatch<R> {
-    /// Sums of the motor's torque and of the drive's torque error over the steps since then (N m), and the time since then
-    /// (s).
-    pub(super) motor_torque: R,
-    pub(super) drive_errors: R,
+    /// Sums of the motor's commanded and of its measured torque over the steps since then (N m), and the time since then (s).
+    pub(super) commanded: R,
+    pub(super) measured: R,
     pub(super) time: R,
     /// Steps by which the observer's slot is late, and the inverse of how many it then is of.
     pub(super) late: u32,
@@ -128,8 +127,8 @@ impl<R: Real> SensorLatch<R> {
     #[inline(always)]
     pub(super) fn new() -> Self {
         Self {
-            motor_torque: R::ZERO,
-            drive_errors: R::ZERO,
+            commanded: R::ZERO,
+            measured: R::ZERO,
             time: R::ZERO,
             late: 0,
             per_step: R::lit(1.0 / OBSERVER_PERIODS as f64),
@@ -147,11 +146,11 @@ impl<R: Real> SensorLatch<R> {
         self.per_step = R::ONE / R::from_i32(OBSERVER_PERIODS.saturating_add(self.late).cast_signed());
     }
 
-    /// Takes the means of the motor's torque and of the drive's torque error (N m), and the time (s) that they are of.
+    /// Takes the means of the motor's commanded and of its measured torque (N m), and the time (s) that they are of.
     #[inline(always)]
     pub(super) fn take_torques(&mut self) -> ([R; 2], R) {
-        let taken = ([self.per_step * self.motor_torque, self.per_step * self.drive_errors], self.time);
-        (self.motor_torque, self.drive_errors, self.time) = (R::ZERO, R::ZERO, R::ZERO);
+        let taken = ([self.per_step * self.commanded, self.per_step * self.measured], self.time);
+        (self.commanded, self.measured, self.time) = (R::ZERO, R::ZERO, R::ZERO);
         (self.late, self.per_step) = (0, R::lit(1.0 / OBSERVER_PERIODS as f64));
         taken
     }

@@ -4,6 +4,7 @@ use crate::branch::seldom;
 use crate::compensator::actuate::cascade::CascadeInput;
 use crate::compensator::actuate::mode::Mode;
 use crate::compensator::reference::motor_reference::MotorReference;
+use crate::compensator::schedule::OBSERVER_PERIODS;
 use crate::compensator::sense::clock::Elapsed;
 use crate::compensator::tuned::NEAR_REFERENCE;
 use crate::compensator::{Compensator, Faults, State, Status};
@@ -54,16 +55,20 @@ impl<R: Real> Compensator<R> {
         state.faults.supervisor = faults;
     }
 
-    /// Torque command of the cascade, in every period.
+    /// Torque command of the cascade, in every period; `measures`: this one is a step of the feedback of the measured angle.
     #[inline(always)]
     pub(super) fn drive(
         &self,
         state: &mut State<R>,
         elapsed: &Elapsed<R>,
+        measures: bool,
         faults: &mut Faults,
     ) -> R {
-        let phase = (state.latch.age == 0).then_some(state.latch.output_phase);
-        let shift = self.measured_feedback.step(&mut state.measured_feedback, phase, elapsed.time);
+        let mut shift = state.measured_feedback.advance(elapsed.time);
+        if measures {
+            let phase = (state.latch.age < OBSERVER_PERIODS).then_some(state.latch.output_phase);
+            shift = self.measured_feedback.step(&mut state.measured_feedback, phase);
+        }
         let speed = self.motor_speed(state);
         let (reference, wind_up) = (&state.motor_reference, &state.wind_up);
         let position_error = state.followed * reference.position_error;

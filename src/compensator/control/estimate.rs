@@ -17,8 +17,11 @@ impl<R: Real> Compensator<R> {
             self.keep_output_reading(state)
         };
         let mut faults = Faults::NONE;
-        let (torques, period) = state.latch.take_torques();
-        state.rotor.add(torques, period, motor);
+        let ([commanded, measured], period) = state.latch.take_torques();
+        let measured = self.pulleys.at_wave_generator(measured);
+        let feedback = state.guard.gains().feedback;
+        let motor_torque = self.motor_torque.step(&mut state.motor_torque, commanded, feedback, measured);
+        state.rotor.add([motor_torque, state.motor_torque.drive_error()], period, motor);
         state.since_plan += period;
         state.motor_moved |= motor.counts != state.last_motor.counts;
         let gauge = state.latch.output_torque.take();
@@ -27,7 +30,7 @@ impl<R: Real> Compensator<R> {
             motor_speed: self.motor_encoder.speed(&state.motor_encoder),
             reads_output,
             period,
-            motor_torque: torques[0],
+            motor_torque,
             output_torque: gauge.filter(|_| !state.disabled_sensors.contains(Faults::TORQUE_SENSOR_OFF)),
         };
         self.observer.step(

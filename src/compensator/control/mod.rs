@@ -153,15 +153,18 @@ impl<R: Real> Compensator<R> {
         let same_mode =
             state.mode.stays(faults, input.status) || self.step_mode(state, &mut faults, input.status);
         let drives = state.mode.mode().drives();
+        let observes = state.slot.observes();
         if same_mode && usual && self.run_slot(state, input, motor.angle) {
             state.slot = state.slot.next();
         } else {
             seldom();
             state.latch.wait();
-            state.measured_feedback.leave_out();
+            if !observes {
+                state.measured_feedback.leave_out();
+            }
         }
         let motor_torque = if drives {
-            self.drive(state, &elapsed, &mut faults)
+            self.drive(state, &elapsed, !observes, &mut faults)
         } else {
             self.without_torque(state, faults)
         };

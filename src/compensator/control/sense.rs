@@ -23,11 +23,9 @@ impl<R: Real> Compensator<R> {
         let (motor, usual) =
             self.motor_encoder.step(&mut state.motor_encoder, sensors.motor_encoder, sound, elapsed, faults);
         let motor = self.pulleys.reading(&mut state.pulleys, motor);
-        let (commanded, feedback) = (state.fallback.torque(), state.guard.gains().feedback);
         let latch = &mut state.latch;
-        let measured = self.pulleys.at_wave_generator(sensors.motor_torque);
-        latch.motor_torque += self.motor_torque.step(&mut state.motor_torque, commanded, feedback, measured);
-        latch.drive_errors += state.motor_torque.drive_error();
+        latch.commanded += state.fallback.torque();
+        latch.measured += sensors.motor_torque;
         latch.time += elapsed.time;
         if sensors.output_encoder.is_some() && !status.contains(Status::OUTPUT_ENCODER_INVALID) {
             (latch.output, latch.age) = (sensors.output_encoder, 0);

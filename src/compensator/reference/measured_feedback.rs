@@ -1,5 +1,5 @@
-//! Output feedback by the measured angle, in every control period: P and D of the output encoder's angle shift the motor's
-//! reference.
+//! Output feedback by the measured angle, in every second control period: P and D of the output encoder's angle shift the motor's
+//! reference. It runs in those without the observer; in every period m goes on by -dq.
 //!
 //! ```text
 //! m      = theta_o(t - T_d) - q(t - T_d),   q extrapolated by dq from the feed-forward's slot on
@@ -30,19 +30,22 @@
 //! The mean of m over a round is for who integrates it ([`super::output_feedback`]): one reading of each round, at a speed
 //! that is a multiple of a count a round, would be off by the same part of a count each time.
 //!
-//! A count further from the last one than the fastest joint moves in a period is refused; m is held, and the next slot of the
-//! feed-forward starts from the last accepted reading. Discretisation: the pole exactly for an m that is constant over a
-//! control period, dm_f/dt by backward differences; the play in whole parts of a revolution of 2^32. Units: rad, s; signs as
+//! A count further from the last one than the fastest joint moves between two steps is refused; m is held, and the next slot of the
+//! feed-forward starts from the last accepted reading. Discretisation: the pole exactly for an m that is constant over
+//! two control periods, dm_f/dt by backward differences; the play in whole parts of a revolution of 2^32. Units: rad, s; signs as
 //! in [`crate::gear`].
 //!
 //! A. De Luca, W. Book, "Robots with flexible elements", Springer Handbook of Robotics (2016), chapter 11.
 
-use crate::compensator::schedule::SLOW_PERIODS;
+use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use crate::compensator::tuned::RESTING_NOISE;
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::low_pass::LowPass;
 use crate::real::{RADIANS_PER_COUNT, Real};
+
+/// Steps in a round.
+const STEPS: u32 = SLOW_PERIODS / OBSERVER_PERIODS;
 
 /// Largest rounding of a reading, in counts.
 const ROUNDING: f64 = 0.5;
@@ -69,7 +72,7 @@ pub struct MeasuredFeedbackParams<R> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredFeedback<R> {
     low_pass: LowPass<R>,
-    /// P and D/dt, in slow motion and at rest.
+    /// P, and D over the time between two steps, in slow motion and at rest.
     proportional: [R; 2],
     derivative: [R; 2],
     /// Half width of the dead zone of Z at rest (rad).
@@ -78,7 +81,7 @@ pub struct MeasuredFeedback<R> {
     play: i32,
     /// Largest shift (rad at the motor).
     largest_shift: R,
-    /// Farthest step of the encoder in a control period, in counts of 2^32 a revolution.
+    /// Farthest motion between two steps, in counts of 2^32 a revolution.
     farthest: i32,
     dt: R,
 }
@@ -100,11 +103,13 @@ pub struct MeasuredFeedbackState<R> {
     within_play: i32,
     /// Bound of Z's dead zone that m lies beyond in this round (rad), 0 in motion.
     bound: R,
-    /// -P, 0 where m lies within the dead zone, and -D/dt (1/s), times the gain from the output's angle to the motor's.
+    /// -P, 0 where m lies within the dead zone, and -D over the time between two steps, times the gain from the output's angle to the motor's.
     proportional: R,
     derivative: R,
     /// Sum of m over the steps of the round (rad).
     sum: R,
+    /// Shift of the motor's reference (rad at the motor).
+    shift: R,
 }
 
 /// Measured error in the feed-forward's slot.
@@ -125,7 +130,14 @@ impl<R: Real> MeasuredFeedbackState<R> {
         self.within_play = self.within_play.saturating_add(counts).min(self.play).max(-self.play);
     }
 
-    /// Leaves the next step out of the mean: the round has one more period, for a slot that waits.
+    /// Shift of the motor's reference in the next control period, which takes `elapsed` (s), by the last step (rad at the motor).
+    #[inline(always)]
+    pub fn advance(&mut self, elapsed: R) -> R {
+        self.error -= elapsed * self.velocity;
+        self.shift
+    }
+
+    /// Leaves the next step out of the mean: the round has one more, for a slot that waits.
     #[inline(always)]
     pub fn leave_out(&mut self) {
         self.sum -= self.error;
@@ -133,12 +145,18 @@ impl<R: Real> MeasuredFeedbackState<R> {
 }
 
 impl<R: Real> MeasuredFeedback<R> {
-    /// From the gains, the output's fastest speed (rad/s), one count of its encoder (rad) and the control period dt (s).
+    /// From the gains, the output's fastest speed (rad/s), one count of its encoder (rad), the control period dt and the time between
+    /// two steps (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `proportional`, `proportional_at_rest`, `derivative`, `derivative_at_rest`, `measured_corner` or
     /// `largest_shift`.
-    pub fn build(gains: &MeasuredFeedbackParams<R>, fastest: R, count: R, dt: R) -> Result<Self, Error> {
+    pub fn build(
+        gains: &MeasuredFeedbackParams<R>,
+        fastest: R,
+        count: R,
+        [dt, between]: [R; 2],
+    ) -> Result<Self, Error> {
         let within = |value: R, most: f64| value >= R::ZERO && value <= R::lit(most);
         require(within(gains.proportional, 1.0), "proportional")?;
         require(within(gains.proportional_at_rest, 1.0), "proportional_at_rest")?;
@@ -146,11 +164,11 @@ impl<R: Real> MeasuredFeedback<R> {
         require(within(gains.derivative_at_rest, 1.0), "derivative_at_rest")?;
         require(within(gains.corner, 1e5), "measured_corner")?;
         require(gains.largest_shift.is_positive(), "largest_shift")?;
-        let farthest = (fastest * dt + R::lit(2.0) * count) * R::lit(1.0 / RADIANS_PER_COUNT);
+        let farthest = (fastest * between + R::lit(2.0) * count) * R::lit(1.0 / RADIANS_PER_COUNT);
         Ok(Self {
-            low_pass: LowPass::build(gains.corner, dt),
+            low_pass: LowPass::build(gains.corner, between),
             proportional: [gains.proportional, gains.proportional_at_rest],
-            derivative: [gains.derivative, gains.derivative_at_rest].map(|gain| gain / dt),
+            derivative: [gains.derivative, gains.derivative_at_rest].map(|gain| gain / between),
             dead_zone: R::lit(RESTING_NOISE.get()) * count,
             play: (R::lit((RESTING_NOISE.get() - ROUNDING) / RADIANS_PER_COUNT) * count).to_i32(),
             largest_shift: gains.largest_shift,
@@ -179,7 +197,7 @@ impl<R: Real> MeasuredFeedback<R> {
         state.play = if rests { self.play } else { 0 };
         if let Some(MeasuredError { phase, error }) = measured {
             state.read(phase);
-            // The step of this same period takes q from a reading that is not new to it.
+            // This same period takes q from a reading that is not new to it.
             state.error = error + self.dt * velocity;
             state.dead_zone = if rests { self.dead_zone } else { R::ZERO };
             state.bound = error.limit(state.dead_zone);
@@ -193,14 +211,12 @@ impl<R: Real> MeasuredFeedback<R> {
     /// for the steps before.
     #[inline(always)]
     pub fn mean(&self, state: &MeasuredFeedbackState<R>) -> Option<R> {
-        (state.dead_zone < R::MAX).then(|| R::lit(1.0 / SLOW_PERIODS as f64) * state.sum)
+        (state.dead_zone < R::MAX).then(|| R::lit(1.0 / STEPS as f64) * state.sum)
     }
 
-    /// Shift of the motor's reference (rad at the motor) after a control period of `elapsed` (s), with the output
-    /// encoder's reading of this period, where there is one.
+    /// Shift of the motor's reference (rad at the motor), from the output encoder's newest reading, where it came after the last step.
     #[inline(always)]
-    pub fn step(&self, state: &mut MeasuredFeedbackState<R>, phase: Option<u32>, elapsed: R) -> R {
-        state.error -= elapsed * state.velocity;
+    pub fn step(&self, state: &mut MeasuredFeedbackState<R>, phase: Option<u32>) -> R {
         if let Some(phase) = phase {
             let counts = phase.wrapping_sub(state.phase).cast_signed();
             if counts.wrapping_add(self.farthest).cast_unsigned() <= 2 * self.farthest.cast_unsigned() {
@@ -212,7 +228,8 @@ impl<R: Real> MeasuredFeedback<R> {
         let with_play = state.error - R::from_i32(state.within_play) * R::lit(RADIANS_PER_COUNT);
         let change = self.low_pass.step(&mut state.filtered, with_play.dead_zone(state.dead_zone));
         let beyond = state.error - state.bound;
-        (state.proportional * beyond + state.derivative * change).limit(self.largest_shift)
+        state.shift = (state.proportional * beyond + state.derivative * change).limit(self.largest_shift);
+        state.shift
     }
 }
 
@@ -232,7 +249,17 @@ mod tests {
     };
 
     fn feedback(gains: MeasuredFeedbackParams<f64>) -> MeasuredFeedback<f64> {
-        MeasuredFeedback::build(&gains, 5.86, COUNT, DT).unwrap()
+        MeasuredFeedback::build(&gains, 5.86, COUNT, [DT; 2]).unwrap()
+    }
+
+    /// A step in every control period.
+    fn step(
+        feedback: &MeasuredFeedback<f64>,
+        state: &mut MeasuredFeedbackState<f64>,
+        phase: Option<u32>,
+    ) -> f64 {
+        state.advance(DT);
+        feedback.step(state, phase)
     }
 
     fn phase(angle: f64) -> u32 {
@@ -249,12 +276,12 @@ mod tests {
         let feedback = feedback(GAINS);
         let mut rests = MeasuredFeedbackState::default();
         feedback.plan(&mut rests, read(1e-4), 0.0, 1.0);
-        let shift = (0..1000).map(|_| feedback.step(&mut rests, Some(phase(1e-4)), DT)).last().unwrap();
+        let shift = (0..1000).map(|_| step(&feedback, &mut rests, Some(phase(1e-4)))).last().unwrap();
         assert!((shift + 0.4 * (1e-4 - 1.5 * COUNT)).abs() < 1e-9, "{shift}");
         let mut moves = MeasuredFeedbackState::default();
         feedback.plan(&mut moves, read(1e-4), 0.01, 1.0);
         let follows = |k: i32| phase(1e-4 + 0.01 * DT * f64::from(k));
-        let shift = (0..1000).map(|k| feedback.step(&mut moves, Some(follows(k)), DT)).last().unwrap();
+        let shift = (0..1000).map(|k| step(&feedback, &mut moves, Some(follows(k)))).last().unwrap();
         assert!((shift + 0.2 * 1e-4).abs() < 1e-8, "{shift}");
     }
 
@@ -265,7 +292,7 @@ mod tests {
         let mut state = MeasuredFeedbackState::default();
         feedback.plan(&mut state, read(0.0), 0.0, 1.0);
         let shifts = |error: f64| {
-            [1, 2, 3].map(|k| feedback.step(&mut state.clone(), Some(phase(k as f64 * error)), DT))
+            [1, 2, 3].map(|k| step(&feedback, &mut state.clone(), Some(phase(k as f64 * error))))
         };
         assert_eq!(shifts(2e-4), [-1e-4; 3]);
         assert_eq!(shifts(-2e-4), [1e-4; 3]);
@@ -277,7 +304,7 @@ mod tests {
         feedback.plan(&mut state, read(0.0), 0.0, 1.0);
         for k in 0..100 {
             let angle = if k % 2 == 0 { 1.4 * COUNT } else { -1.4 * COUNT };
-            assert_eq!(feedback.step(&mut state, Some(phase(angle)), DT), 0.0);
+            assert_eq!(step(&feedback, &mut state, Some(phase(angle))), 0.0);
         }
     }
 
@@ -287,21 +314,21 @@ mod tests {
     fn the_mean_of_a_round_is_nearly_free_of_rounding() {
         const ERROR: f64 = 3e-4;
         let (feedback, mut state) = (feedback(GAINS), MeasuredFeedbackState::default());
-        let speed = COUNT / (DT * f64::from(SLOW_PERIODS));
+        let speed = COUNT / (DT * f64::from(STEPS));
         for place in 0..10 {
             let start = f64::from(place) / 10.0;
-            let counts = |k: u32| (start + f64::from(k) / f64::from(SLOW_PERIODS)).floor() + 0.5 - start;
+            let counts = |k: u32| (start + f64::from(k) / f64::from(STEPS)).floor() + 0.5 - start;
             let read = |k: u32| phase(ERROR + COUNT * counts(k));
             let first = MeasuredError { phase: read(0), error: ERROR + COUNT * counts(0) };
             feedback.plan(&mut state, Some(first), speed, 1.0);
-            for k in 0..SLOW_PERIODS {
-                feedback.step(&mut state, Some(read(k)), DT);
+            for k in 0..STEPS {
+                step(&feedback, &mut state, Some(read(k)));
             }
             let mean = feedback.mean(&state).unwrap();
-            assert!((mean - ERROR).abs() <= (0.5 / f64::from(SLOW_PERIODS) + 0.01) * COUNT, "{mean}");
+            assert!((mean - ERROR).abs() <= (0.5 / f64::from(STEPS) + 0.01) * COUNT, "{mean}");
         }
         feedback.plan(&mut state, None, speed, 1.0);
-        (0..SLOW_PERIODS).for_each(|_| _ = feedback.step(&mut state, None, DT));
+        (0..STEPS).for_each(|_| _ = step(&feedback, &mut state, None));
         assert_eq!(feedback.mean(&state), None);
     }
 
@@ -313,7 +340,7 @@ mod tests {
         let (mut e, mut rate) = (1e-3, 0.0);
         feedback.plan(&mut state, read(e), 1e-9, 1.0);
         for _ in 0..STEPS {
-            let shift = feedback.step(&mut state, Some(phase(e)), DT);
+            let shift = step(&feedback, &mut state, Some(phase(e)));
             for _ in 0..16 {
                 rate += DT / 16.0 * omega * omega * (shift - e);
                 e += DT / 16.0 * rate;
@@ -338,9 +365,9 @@ mod tests {
     fn a_count_that_no_joint_reaches_is_refused() {
         let (feedback, mut state) = (feedback(GAINS), MeasuredFeedbackState::default());
         feedback.plan(&mut state, read(0.0), 0.0, 1.0);
-        assert_eq!(feedback.step(&mut state, Some(phase(0.1)), DT), 0.0);
-        assert_eq!(feedback.step(&mut state, Some(phase(1e-5)), DT), 0.0);
-        assert_ne!(feedback.step(&mut state, Some(phase(5e-4)), DT), 0.0);
+        assert_eq!(step(&feedback, &mut state, Some(phase(0.1))), 0.0);
+        assert_eq!(step(&feedback, &mut state, Some(phase(1e-5))), 0.0);
+        assert_ne!(step(&feedback, &mut state, Some(phase(5e-4))), 0.0);
     }
 
     /// A joint that rests away from its setpoint: a count to and fro changes P's part alone, by that count; more moves D, too.
@@ -350,7 +377,7 @@ mod tests {
         let feedback = feedback(GAINS);
         let mut state = MeasuredFeedbackState::default();
         feedback.plan(&mut state, read(REST), 0.0, 1.0);
-        let mut shift = |counts: f64| feedback.step(&mut state, Some(phase(REST + counts * COUNT)), DT);
+        let mut shift = |counts: f64| step(&feedback, &mut state, Some(phase(REST + counts * COUNT)));
         shift(1.0);
         let still = (0..1000).map(|_| shift(0.0)).last().unwrap();
         for k in 0..100 {
@@ -375,7 +402,7 @@ mod tests {
             feedback.plan(&mut state, read(at(0)), 0.0, 1.0);
             let mut cycle = || -> f64 {
                 let step =
-                    |k| 0.5 * (at(k + 1) - at(k - 1)) * feedback.step(&mut state, Some(phase(at(k))), DT);
+                    |k| 0.5 * (at(k + 1) - at(k - 1)) * step(&feedback, &mut state, Some(phase(at(k))));
                 (1..=STEPS).map(step).sum()
             };
             cycle();
@@ -396,16 +423,16 @@ mod tests {
         let (feedback, mut state) = (feedback(GAINS), MeasuredFeedbackState::default());
         feedback.plan(&mut state, read(1e-3), 0.01, 1.0);
         (0..100).for_each(|_| {
-            feedback.step(&mut state, None, DT);
+            step(&feedback, &mut state, None);
         });
         feedback.plan(&mut state, None, 0.01, 1.0);
-        let shift = (0..200).map(|_| feedback.step(&mut state, None, DT)).last().unwrap();
+        let shift = (0..200).map(|_| step(&feedback, &mut state, None)).last().unwrap();
         assert!(shift.abs() < 1e-9, "{shift}");
     }
 
     #[test]
     fn a_gain_out_of_range_is_named() {
-        let error = |gains| MeasuredFeedback::build(&gains, 5.86, COUNT, DT).unwrap_err();
+        let error = |gains| MeasuredFeedback::build(&gains, 5.86, COUNT, [DT; 2]).unwrap_err();
         let named = |name| Error::OutOfRange(name);
         assert_eq!(error(MeasuredFeedbackParams { proportional: 1.1, ..GAINS }), named("proportional"));
         assert_eq!(error(MeasuredFeedbackParams { derivative: f64::NAN, ..GAINS }), named("derivative"));

@@ -10,8 +10,8 @@
 //! feedback gain s is 0, another controller moves the motor and the command is unknown: then the measurement alone
 //! passes a low pass of 100 rad/s; between the two g is interpolated by s. A residual above w cannot be noise (a drive at
 //! its limit, or switched off); it passes unfiltered: w has to lie far beyond the noise, whose tails would otherwise
-//! decay in y with a time constant of a seventh of a second each. Units: N m at the motor's shaft, rad/s. Exact for inputs
-//! that are held.
+//! decay in y with a time constant of a seventh of a second each. It is stepped once a period of the observer, by the means of both
+//! torques over it. Units: N m at the motor's shaft, rad/s. Exact for inputs that are held.
 
 use crate::compensator::tuned::{DRIVE_CORNER, GROSS_TORQUE, MEASURED_TORQUE_CORNER};
 use crate::constants::constants;
@@ -43,7 +43,7 @@ impl<R: Real> MotorTorqueState<R> {
 }
 
 impl<R: Real> MotorTorque<R> {
-    /// For a motor of this peak torque (N m) and the control period dt (s).
+    /// For a motor of this peak torque (N m) and the period dt of its steps (s).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] `dt` unless above 0 and up to 1, `motor_torque` unless positive.
@@ -55,7 +55,7 @@ impl<R: Real> MotorTorque<R> {
         Ok(Self { gain: [alone, commanded - alone], gross: R::lit(GROSS_TORQUE.get()) * peak_torque })
     }
 
-    /// Torque over the control period that ended, from the `commanded` torque, its feedback gain, and the `measured` one.
+    /// Torque over the period that ended, from the `commanded` torque, its feedback gain, and the `measured` one.
     #[inline(always)]
     pub fn step(&self, state: &mut MotorTorqueState<R>, commanded: R, feedback_gain: R, measured: R) -> R {
         let [alone, change] = self.gain;
