@@ -70,7 +70,6 @@ impl<R: Real> Compensator<R> {
             disabled_sensors: Faults::NONE,
             fallback: FallbackState::default(),
             mode: ModeState::default(),
-            sent: [R::ZERO; 2],
             faults: SlotFaults::default(),
             reported: Faults::NONE,
             limited: false,

@@ -73,14 +73,12 @@ pub struct State<R: Real> {
     pub(super) protection: ProtectionState<R>,
     pub(super) supervisor: SupervisorState<R>,
     pub(super) swings: Swings,
-    /// Last reading of the strain gauge: torque through the flexspline (N m).
+    /// Newest reading of the strain gauge: torque through the flexspline (N m).
     pub(super) gauge: Option<R>,
     /// Sensors that are disabled until a reset.
     pub(super) disabled_sensors: Faults,
     pub(super) fallback: FallbackState<R>,
     pub(super) mode: ModeState,
-    /// Position error of the motor (rad) and feed-forward torque (N m) of the last step.
-    pub(super) sent: [R; 2],
     /// Faults of the last slots, and the reported ones.
     pub(super) faults: SlotFaults,
     pub(super) reported: Faults,
@@ -100,13 +98,12 @@ pub(super) struct SensorLatch<R> {
     /// Steps by which the observer's slot is late, and the inverse of how many it then is of.
     pub(super) late: u32,
     pub(super) per_step: R,
-    /// Raw count of the output encoder, and its age (control periods).
-    pub(super) output: Option<u32>,
+    /// Newest raw count of the output encoder, its age (control periods), and that the observer has not had it.
+    pub(super) output: u32,
     pub(super) age: u32,
-    /// The newest reading, counts of 2^32 a revolution.
-    pub(super) output_phase: u32,
-    /// Strain gauge (N m).
-    pub(super) output_torque: Option<R>,
+    pub(super) output_is_new: bool,
+    /// The observer has not had the newest reading of the strain gauge.
+    pub(super) gauge_is_new: bool,
 }
 
 /// Faults of each slot that tests for them, as of its last run.
@@ -132,10 +129,10 @@ impl<R: Real> SensorLatch<R> {
             time: R::ZERO,
             late: 0,
             per_step: R::lit(1.0 / OBSERVER_PERIODS as f64),
-            output: None,
+            output: 0,
             age: 0,
-            output_phase: 0,
-            output_torque: None,
+            output_is_new: false,
+            gauge_is_new: false,
         }
     }
 

@@ -80,6 +80,7 @@ pub use stribeck::{Stribeck, StribeckParams};
 pub use viscous::{Viscous, ViscousParams};
 
 use crate::angle::Heading;
+use crate::branch::seldom;
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::Real;
@@ -152,10 +153,17 @@ impl<R: Real> Slip<R> {
         self.velocity * self.duration.seconds()
     }
 
-    /// The velocity, and the applied force where it is `read`, are finite and within the limits.
+    /// The velocity, and the applied force and the load where they are read, are finite and together within the limit.
     #[inline(always)]
-    fn is_usual(&self, read: bool) -> bool {
-        let size = if read { self.velocity.abs() + self.applied.abs() } else { self.velocity.abs() };
+    fn is_usual(&self, [reads_applied, reads_load]: [bool; 2]) -> bool {
+        let mut size = self.velocity.abs();
+        if reads_applied {
+            size += self.applied.abs();
+        }
+        if reads_load {
+            size += self.load.abs();
+        }
+        // False for NaN, too.
         size <= R::lit(LIMIT)
     }
 
@@ -192,6 +200,8 @@ pub trait FrictionModel<R: Real> {
 
     /// The model reads [`Slip::applied`]. What it does not read may be anything.
     const READS_APPLIED: bool = false;
+    /// The model reads [`Slip::load`]. What it does not read may be anything.
+    const READS_LOAD: bool = false;
     /// The force depends on the path alone, not on the speed.
     const RATE_INDEPENDENT: bool = false;
 
@@ -205,10 +215,11 @@ pub trait FrictionModel<R: Real> {
     /// as it is: the force is that of the step before, which is reported.
     #[inline(always)]
     fn step(&self, state: &mut Self::State, slip: &Slip<R>) -> Friction<R> {
-        if slip.is_usual(Self::READS_APPLIED) {
+        if slip.is_usual([Self::READS_APPLIED, Self::READS_LOAD]) {
             self.advance(state, slip);
             return Friction { force: self.force(state), held: false };
         }
+        seldom();
         let limited = slip.limited();
         if let Some(slip) = &limited {
             self.advance(state, slip);

@@ -34,7 +34,6 @@ impl<R: Real> Compensator<R> {
     pub(super) fn without_torque(&self, state: &mut State<R>, faults: Faults) -> R {
         self.fallback.step(&mut state.fallback, R::ZERO, faults, &state.protection);
         state.fallback.sent(R::ZERO);
-        state.sent = [state.motor_reference.position_error, R::ZERO];
         state.limited = true;
         R::ZERO
     }
@@ -66,7 +65,8 @@ impl<R: Real> Compensator<R> {
     ) -> R {
         let mut shift = state.measured_feedback.advance(elapsed.time);
         if measures {
-            let phase = (state.latch.age < OBSERVER_PERIODS).then_some(state.latch.output_phase);
+            let read = state.latch.age < OBSERVER_PERIODS;
+            let phase = read.then(|| self.output_encoder.phase(state.latch.output));
             shift = self.measured_feedback.step(&mut state.measured_feedback, phase);
         }
         let speed = self.motor_speed(state);
@@ -87,9 +87,7 @@ impl<R: Real> Compensator<R> {
             state.motor_reference.switched = false;
             torque
         };
-        let torque = self.command(state, state.motor_reference.torque + closed, faults);
-        state.sent = [state.motor_reference.position_error, state.motor_reference.torque];
-        torque
+        self.command(state, state.motor_reference.torque + closed, faults)
     }
 
     /// Speed of the motor (rad/s): by the last two readings of its encoder, or of a resting motor with a coarse encoder the

@@ -24,14 +24,15 @@ impl<R: Real> Compensator<R> {
         state.rotor.add([motor_torque, state.motor_torque.drive_error()], period, motor);
         state.since_plan += period;
         state.motor_moved |= motor.counts != state.last_motor.counts;
-        let gauge = state.latch.output_torque.take();
+        let reads_gauge = core::mem::take(&mut state.latch.gauge_is_new)
+            && !state.disabled_sensors.contains(Faults::TORQUE_SENSOR_OFF);
         let measured = Measurement {
             motor,
             motor_speed: self.motor_encoder.speed(&state.motor_encoder),
             reads_output,
             period,
             motor_torque,
-            output_torque: gauge.filter(|_| !state.disabled_sensors.contains(Faults::TORQUE_SENSOR_OFF)),
+            output_torque: if reads_gauge { state.gauge } else { None },
         };
         self.observer.step(
             &self.gear,
@@ -66,10 +67,11 @@ impl<R: Real> Compensator<R> {
     /// Keeps the output encoder's reading of this period, which [`Self::check`] corrects the observer by; whether there is one.
     #[inline(always)]
     fn keep_output_reading(&self, state: &mut State<R>) -> bool {
-        let age = state.latch.age;
-        let reading = state.latch.output.take().filter(|_| age == 0 || self.observer.looks_back());
-        state.output_reading = reading.map(|raw| (raw, age));
-        reading.is_some()
+        let latch = &mut state.latch;
+        let is_new = core::mem::take(&mut latch.output_is_new);
+        let reads = is_new && (latch.age == 0 || self.observer.looks_back());
+        state.output_reading = reads.then_some((latch.output, latch.age));
+        reads
     }
 
     /// Compares the balance of the rotor with its reference, the drive and the torque sensor; learns the ripple. False where the

@@ -21,6 +21,7 @@ use crate::compensator::estimate::observer::Observer;
 use crate::compensator::reference::command::Commander;
 use crate::compensator::reference::feed_forward::FeedForward;
 use crate::compensator::reference::measured_feedback::MeasuredFeedback;
+use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::reference::output_feedback::OutputFeedback;
 use crate::compensator::schedule::Slot;
 use crate::compensator::sense::clock::Clock;
@@ -197,7 +198,7 @@ impl<R: Real> Compensator<R> {
     /// request.
     #[inline(never)] // The timing budget counts it by its symbol.
     pub fn output(&self, state: &State<R>) -> Output<R> {
-        let [position_error, feed_forward] = state.sent;
+        let MotorReference { position_error, torque: feed_forward, .. } = state.motor_reference;
         let driven = state.mode.mode().drives();
         let mut estimate = self.observer.estimate(&state.observer, &state.gear_correction);
         // The learnt gravity is an external torque, too.

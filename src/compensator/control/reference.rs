@@ -131,7 +131,7 @@ impl<R: Real> Compensator<R> {
     /// Output encoder's newest reading less the setpoint of its time, where it is near the last accepted one.
     #[inline(always)]
     fn measured_error(&self, state: &State<R>, setpoint: &Setpoint<R>) -> Option<MeasuredError<R>> {
-        let phase = state.latch.output_phase;
+        let phase = self.output_encoder.phase(state.latch.output);
         let zero = state.output_zero.filter(|_| self.output_encoder.is_near(&state.output_encoder, phase))?;
         let counts = phase.wrapping_sub(zero.phase()).wrapping_sub(setpoint.position.phase()).cast_signed();
         let late = R::from_i32((state.latch.age + self.observer.output_delay()).cast_signed()) * self.dt;

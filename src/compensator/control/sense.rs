@@ -27,15 +27,14 @@ impl<R: Real> Compensator<R> {
         latch.commanded += state.fallback.torque();
         latch.measured += sensors.motor_torque;
         latch.time += elapsed.time;
-        if sensors.output_encoder.is_some() && !status.contains(Status::OUTPUT_ENCODER_INVALID) {
-            (latch.output, latch.age) = (sensors.output_encoder, 0);
-            latch.output_phase = sensors.output_encoder.map_or(0, |raw| self.output_encoder.phase(raw));
-        } else {
-            latch.age = latch.age.saturating_add(1);
+        latch.age = latch.age.saturating_add(1);
+        if let Some(raw) = sensors.output_encoder
+            && !status.contains(Status::OUTPUT_ENCODER_INVALID)
+        {
+            (latch.output, latch.age, latch.output_is_new) = (raw, 0, true);
         }
         if sensors.output_torque.is_some() {
-            latch.output_torque = sensors.output_torque;
-            state.gauge = sensors.output_torque;
+            (state.gauge, latch.gauge_is_new) = (sensors.output_torque, true);
         }
         state.motor_reference.advance(state.wind_up.velocity, elapsed.time);
         state.motor_reference.position_error -= motor.moved;

@@ -224,7 +224,8 @@ impl<R: Real> Commander<R> {
         let lost = following.limited
             && !following.error.is_within(self.lost + self.lag * state.velocity().abs())
             && moves_with(following.velocity, state.velocity());
-        let mut detours = lost || state.reference.is_none();
+        let begins = lost || state.reference.is_none();
+        let mut detours = begins;
         let reached = || Setpoint { velocity: following.velocity, ..at_rest(output().0) };
         if lost {
             seldom();
@@ -248,15 +249,19 @@ impl<R: Real> Commander<R> {
                     setpoint
                 } else {
                     seldom();
+                    detours = true;
                     self.approach.extrapolated(from, time)
                 };
                 let moment = Moment { time, stale, load: following.load };
                 let next = self.followed(state, from, commanded, moment).unwrap_or_else(|| {
                     seldom();
                     detours = true;
-                    let (next, raised) = self.approached(state, from, &commanded, moment);
-                    *faults = faults.with(raised);
-                    next
+                    if begins {
+                        // That takes the whole of this period: the command is approached from the next round on.
+                        state.slip = R::ZERO;
+                        return from;
+                    }
+                    self.approached(state, from, &commanded, moment, faults)
                 });
                 (Kind::Position, next, None)
             }
@@ -273,6 +278,7 @@ impl<R: Real> Commander<R> {
             }
         };
         let switched = lost || state.reference.is_some() && state.kind != kind;
+        detours |= switched && kind != Kind::Torque;
         (state.reference, state.kind) = (Some(setpoint), kind);
         Target { setpoint, torque, switched, detours }
     }
@@ -302,14 +308,15 @@ impl<R: Real> Commander<R> {
         from: Setpoint<R>,
         commanded: &Setpoint<R>,
         moment: Moment<R>,
-    ) -> (Setpoint<R>, Faults) {
-        let mut faults = Faults::NONE;
+        faults: &mut Faults,
+    ) -> Setpoint<R> {
         state.slip = R::ZERO;
         if state.waits && !self.approach.is_near(commanded.position.minus(from.position)) {
             // A joint that moves when its control begins, elsewhere than commanded: most likely the controller has started again,
             // and the encoders do not tell in which revolution the motor is.
             faults.raise_if(!self.approach.stops_near(from.velocity), Faults::RESTARTED);
-            return (at_rest(from.position), faults.with(Faults::SETPOINT_STEP));
+            faults.raise_if(true, Faults::SETPOINT_STEP);
+            return at_rest(from.position);
         }
         state.waits = false;
         let moved = commanded.position.counts.wrapping_sub(from.position.counts).unsigned_abs();
@@ -318,7 +325,7 @@ impl<R: Real> Commander<R> {
         let next = self.approach.step(&from, commanded, &moment);
         state.approaches = next.is_some();
         faults.raise_if(state.approaches && !moment.stale, Faults::SETPOINT_LIMITED);
-        (next.unwrap_or(*commanded), faults)
+        next.unwrap_or(*commanded)
     }
 
     fn integrated(
@@ -428,9 +435,13 @@ mod tests {
             let (mut state, mut faults) = (CommanderState::default(), Faults::NONE);
             let output = || (Angle::from_radians_f64(0.3), velocity);
             let following = Following { velocity, ..GOOD };
-            let command = moving(at, velocity);
-            let target = commander().step(&mut state, &command, status, following, output, &mut faults);
-            (target.setpoint.velocity, faults)
+            let mut round = |k: i32| {
+                let command = moving(at + f64::from(k) * ROUND * velocity, velocity);
+                let target = commander().step(&mut state, &command, status, following, output, &mut faults);
+                target.setpoint.velocity
+            };
+            assert_eq!(round(0), velocity);
+            (round(1), faults)
         };
         assert_eq!(begun(0.3 + 3.0 * ROUND, 3.0), (3.0, Faults::NONE));
         assert_eq!(begun(0.1, 0.02), (0.0, Faults::SETPOINT_STEP));

@@ -301,7 +301,10 @@ mod tests {
     }
 
     /// Angles accepted after each reading.
-    fn go(state: &mut MotorEncoderState<f64>, angles: impl IntoIterator<Item = u32>) -> Vec<(f64, bool, bool)> {
+    fn go(
+        state: &mut MotorEncoderState<f64>,
+        angles: impl IntoIterator<Item = u32>,
+    ) -> Vec<(f64, bool, bool)> {
         let encoder = encoder();
         angles
             .into_iter()

@@ -220,12 +220,13 @@ fn is_same<R: Real>(one: &CompensationGains<R>, other: &CompensationGains<R>) ->
 fn pass<R: Real>(new: R, last: &mut R, bound: R, limited: Faults, faults: &mut Faults) -> R {
     if !new.is_within(bound) {
         seldom();
-        let finite = new.is_finite();
-        faults.raise_if(true, if finite { limited } else { Faults::INPUT_NOT_FINITE });
-        // The last one is within its bound.
-        if finite {
-            *last = new.limit(bound);
+        if new.is_finite() {
+            faults.raise_if(true, limited);
+            *last = bound.copysign(new);
+        } else {
+            faults.raise_if(true, Faults::INPUT_NOT_FINITE);
         }
+        // The last one is within its bound.
         return *last;
     }
     *last = new;

@@ -50,9 +50,8 @@ use super::bliman_sorine::{BlimanSorine, BlimanSorineState};
 use super::load_dependence::DirectedLoad;
 use super::lubricated_contact::LubricatedContact;
 use super::ripple::{Harmonics, RIPPLE_ORDERS};
-use super::{Friction, FrictionModel, LIMIT, Slip, StepTime};
+use super::{FrictionModel, Slip, StepTime};
 use crate::angle::Heading;
-use crate::branch::seldom;
 use crate::constants::constants;
 use crate::real::Real;
 
@@ -182,7 +181,7 @@ impl<R: Real> JointFriction<R> {
         }
     }
 
-    /// Torque (N m) after `duration` at `velocity` (rad/s), for any bits.
+    /// Moves on by `duration` at `velocity` (rad/s), within the limits of [`Slip`].
     // Never inlined: the timing budget counts this block by its symbol. Numbers come in registers.
     #[inline(never)]
     fn moved(
@@ -192,31 +191,22 @@ impl<R: Real> JointFriction<R> {
         duration: StepTime<R>,
         load: R,
         wave_generator: Heading<R>,
-    ) -> Friction<R> {
-        let mut slip = Slip { velocity, duration, load, wave_generator, applied: R::ZERO };
-        // False for NaN, too.
-        let is_within = velocity.abs() + load.abs() <= R::lit(LIMIT);
-        if !is_within {
-            seldom();
-            let Some(limited) = slip.limited() else {
-                return Friction { force: state.force, held: true };
-            };
-            slip = limited;
-        }
-        let side = if slip.velocity < R::ZERO { &self.backward } else { &self.forward };
+    ) {
+        let slip = Slip { velocity, duration, load, wave_generator, applied: R::ZERO };
+        let side = if velocity < R::ZERO { &self.backward } else { &self.forward };
         let level = side.level(&slip);
         side.presliding.approach(
             &mut state.presliding,
             state.stretch * slip.displacement().abs() / level,
             level,
         );
-        state.force = state.presliding.weighted(&state.weights) + side.contact.viscous(slip.velocity);
-        Friction { force: state.force, held: false }
+        state.force = state.presliding.weighted(&state.weights) + side.contact.viscous(velocity);
     }
 }
 
 impl<R: Real> FrictionModel<R> for JointFriction<R> {
     type State = JointFrictionState<R>;
+    const READS_LOAD: bool = true;
 
     #[inline(always)]
     fn force(&self, state: &Self::State) -> R {
@@ -225,11 +215,6 @@ impl<R: Real> FrictionModel<R> for JointFriction<R> {
 
     #[inline(always)]
     fn advance(&self, state: &mut Self::State, slip: &Slip<R>) {
-        self.step(state, slip);
-    }
-
-    #[inline(always)]
-    fn step(&self, state: &mut Self::State, slip: &Slip<R>) -> Friction<R> {
-        self.moved(state, slip.velocity, slip.duration, slip.load, slip.wave_generator)
+        self.moved(state, slip.velocity, slip.duration, slip.load, slip.wave_generator);
     }
 }

@@ -384,6 +384,7 @@ impl<R: Real> Observer<R> {
         state.motor_residual = R::ZERO;
         state.wave_generator_speed = motor_speed;
         state.link_offset = state.gear.start_at(gear, motor);
+        state.gear.take_turn();
         state.flange_speed = self.multi_rate.ratio() * motor_speed;
         state.motor_torque = motor_torque;
         state.external_torque = R::ZERO;

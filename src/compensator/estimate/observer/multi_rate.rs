@@ -45,8 +45,8 @@ pub struct MultiRateGear<R: Real> {
     heading: Heading<R>,
     /// r*s of the last period (rad).
     stretch: R,
-    /// The last period evaluated the frictions, not the kinematic error.
-    friction_last: bool,
+    /// The next period evaluates the frictions, not kinematic error and hysteresis.
+    friction_next: bool,
 }
 
 /// Motion of both ends.
@@ -143,6 +143,12 @@ impl<R: Real> MultiRateGear<R> {
         self.kinematic_error.error
     }
 
+    /// Takes the period as one in which its parts are evaluated: a part stays in its slot of the schedule.
+    #[inline(always)]
+    pub fn take_turn(&mut self) {
+        self.friction_next = !self.friction_next;
+    }
+
     /// Torques for the motion of both ends; advances the parts that are due in this period.
     #[inline(always)]
     pub fn torques(
@@ -152,8 +158,8 @@ impl<R: Real> MultiRateGear<R> {
         ends: &Ends<R, impl Fn() -> Angle<R>>,
         gear_correction: &GearCorrection<R>,
     ) -> Torques<R> {
-        self.friction_last = !self.friction_last;
-        let has_friction = self.friction_last;
+        let has_friction = self.friction_next;
+        self.take_turn();
         if has_friction {
             self.kinematic_error.error +=
                 self.kinematic_error.slope * (multi_rate.dt * ends.wave_generator_speed);
@@ -177,9 +183,10 @@ impl<R: Real> MultiRateGear<R> {
                 wave_generator: self.heading,
                 ..Slip::over(velocity, multi_rate.round).under(R::ZERO, load)
             };
+            // Both within their limits: the observer's range bounds the speeds, the flexspline its torque.
             let on_motor = slip(ends.wave_generator_speed, slope * transmitted);
-            on_input.step(&mut self.input_friction, &on_motor);
-            on_output.step(&mut self.output_friction, &slip(ends.flange_speed, transmitted));
+            on_input.advance(&mut self.input_friction, &on_motor);
+            on_output.advance(&mut self.output_friction, &slip(ends.flange_speed, transmitted));
         }
         let [input, output] = [on_input.force(&self.input_friction), on_output.force(&self.output_friction)];
         let input_friction = input + gear_correction.friction[0] * input;
