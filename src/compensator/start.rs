@@ -74,6 +74,7 @@ impl<R: Real> Compensator<R> {
             reported: Faults::NONE,
             limited: false,
             sound: true,
+            backward_has_settled: false,
         }
     }
 

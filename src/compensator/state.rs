@@ -85,6 +85,8 @@ pub struct State<R: Real> {
     pub(super) limited: bool,
     /// No fault since the factors' last slot.
     pub(super) sound: bool,
+    /// Every gain equals its command of the backward direction, as of the last `ObserveOutput`.
+    pub(super) backward_has_settled: bool,
     pub(super) pulleys: PulleysState,
 }
 

@@ -39,7 +39,9 @@ impl<R: Real> Compensator<R> {
                 }
                 self.detect_standstill(state, motor);
                 state.faults.gains = Faults::NONE;
-                settled = trusted && self.guard.gains_have_settled(&state.guard, gains);
+                settled = trusted
+                    && state.backward_has_settled
+                    && self.guard.have_settled(&state.guard, &gains.forward);
             }
             SlowSlot::RampGains => {
                 let motion = CommandedMotion { velocity: state.commander.velocity(), trusted };

@@ -5,14 +5,15 @@ use crate::compensator::estimate::observer::Measurement;
 use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::schedule::Slot;
 use crate::compensator::sense::rotor::RotorInput;
-use crate::compensator::{Compensator, Faults, State};
+use crate::compensator::{Compensator, Directions, Faults, State};
 use crate::real::Real;
 
 impl<R: Real> Compensator<R> {
     /// The observer's slot.
     #[inline(always)]
-    pub(super) fn observe(&self, state: &mut State<R>, motor: Angle<R>) {
+    pub(super) fn observe(&self, state: &mut State<R>, gains: &Directions<R>, motor: Angle<R>) {
         let reads_output = state.slot == Slot::ObserveOutput && {
+            state.backward_has_settled = self.guard.have_settled(&state.guard, &gains.backward);
             self.correct_gear(state);
             self.keep_output_reading(state)
         };

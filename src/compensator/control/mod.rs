@@ -147,9 +147,8 @@ impl<R: Real> Compensator<R> {
     #[inline(always)] // Firmware's own function around it is the symbol that the timing budget counts.
     pub fn control(&self, state: &mut State<R>, input: &Input<R>) -> Commanded<R> {
         let mut faults = Faults::NONE;
-        let sensors = self.guard.sensors(&mut state.guard, &input.sensors, &mut faults);
         let elapsed = self.clock.step(input.elapsed, &mut faults);
-        let (motor, usual) = self.read(state, &sensors, input.status, &elapsed, &mut faults);
+        let (motor, usual) = self.read(state, input, &elapsed, &mut faults);
         faults = faults.with(state.faults.all());
         let same_mode =
             state.mode.stays(faults, input.status) || self.step_mode(state, &mut faults, input.status);
@@ -188,7 +187,7 @@ impl<R: Real> Compensator<R> {
                 state.mode.forget();
             }
             Slot::Observe | Slot::ObserveSecond | Slot::ObserveOutput | Slot::ObserveLast => {
-                self.observe(state, motor);
+                self.observe(state, &input.gains, motor);
             }
         }
         true

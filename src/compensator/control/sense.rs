@@ -5,7 +5,7 @@ use crate::branch::seldom;
 use crate::compensator::estimate::observer::OutputReading;
 use crate::compensator::sense::clock::Elapsed;
 use crate::compensator::sense::encoder::Reading;
-use crate::compensator::{Compensator, Faults, Sensors, State, Status};
+use crate::compensator::{Compensator, Faults, Input, State, Status};
 use crate::real::Real;
 
 impl<R: Real> Compensator<R> {
@@ -14,8 +14,7 @@ impl<R: Real> Compensator<R> {
     pub(super) fn read(
         &self,
         state: &mut State<R>,
-        sensors: &Sensors<R>,
-        status: Status,
+        &Input { ref sensors, status, .. }: &Input<R>,
         elapsed: &Elapsed<R>,
         faults: &mut Faults,
     ) -> (Reading<R>, bool) {
@@ -25,7 +24,7 @@ impl<R: Real> Compensator<R> {
         let motor = self.pulleys.reading(&mut state.pulleys, motor);
         let latch = &mut state.latch;
         latch.commanded += state.fallback.torque();
-        latch.measured += sensors.motor_torque;
+        latch.measured += self.guard.motor_torque(&mut state.guard, sensors.motor_torque, faults);
         latch.time += elapsed.time;
         latch.age = latch.age.saturating_add(1);
         if let Some(raw) = sensors.output_encoder
@@ -33,8 +32,9 @@ impl<R: Real> Compensator<R> {
         {
             (latch.output, latch.age, latch.output_is_new) = (raw, 0, true);
         }
-        if sensors.output_torque.is_some() {
-            (state.gauge, latch.gauge_is_new) = (sensors.output_torque, true);
+        if let Some(torque) = sensors.output_torque {
+            let torque = self.guard.output_torque(&mut state.guard, torque, faults);
+            (state.gauge, latch.gauge_is_new) = (Some(torque), true);
         }
         state.motor_reference.advance(state.wind_up.velocity, elapsed.time);
         state.motor_reference.position_error -= motor.moved;

@@ -23,7 +23,7 @@ use crate::compensator::reference::directions::Crossover;
 use crate::compensator::schedule::{SLOW_PERIODS, SLOW_SLOTS};
 use crate::compensator::sense::pulleys::Pulleys;
 use crate::compensator::tuned::{GAIN_RAMP, MOTOR_PATH};
-use crate::compensator::{Command, CompensationGains, Directions, Limits, Sensors, Setpoint};
+use crate::compensator::{Command, CompensationGains, Directions, Limits, Setpoint};
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::gear::GearParams;
@@ -127,22 +127,16 @@ impl<R: Real> InputGuard<R> {
         }
     }
 
-    /// The joint's sensors, validated.
+    /// The motor's measured torque (N m), validated.
     #[inline(always)]
-    pub fn sensors(
-        &self,
-        last: &mut InputGuardState<R>,
-        new: &Sensors<R>,
-        faults: &mut Faults,
-    ) -> Sensors<R> {
-        let mut pass = |new, last: &mut R, bound| pass(new, last, bound, Faults::NONE, faults);
-        Sensors {
-            motor_torque: pass(new.motor_torque, &mut last.motor_torque, self.motor_torque),
-            output_torque: new
-                .output_torque
-                .map(|torque| pass(torque, &mut last.output_torque, self.output_torque)),
-            ..*new
-        }
+    pub fn motor_torque(&self, last: &mut InputGuardState<R>, new: R, faults: &mut Faults) -> R {
+        pass(new, &mut last.motor_torque, self.motor_torque, Faults::NONE, faults)
+    }
+
+    /// The torque that is measured at the output (N m), validated.
+    #[inline(always)]
+    pub fn output_torque(&self, last: &mut InputGuardState<R>, new: R, faults: &mut Faults) -> R {
+        pass(new, &mut last.output_torque, self.output_torque, Faults::NONE, faults)
     }
 
     #[inline(always)]
@@ -159,10 +153,11 @@ impl<R: Real> InputGuard<R> {
         }
     }
 
-    /// The usual case: every gain equals its command.
+    /// The usual case: every gain equals its command of a direction. Either direction is compared in a slot of its own: one takes 35
+    /// cycles.
     #[inline(always)]
-    pub fn gains_have_settled(&self, state: &InputGuardState<R>, new: &Directions<R>) -> bool {
-        is_same(&state.gains, &new.forward) & is_same(&state.gains, &new.backward)
+    pub fn have_settled(&self, state: &InputGuardState<R>, new: &CompensationGains<R>) -> bool {
+        is_same(&state.gains, new)
     }
 
     /// All gains of model-based functions are 0.
