@@ -8,7 +8,8 @@
 //! | sixth | correction of the observer by the output encoder's reading of the fifth; checks of the rotor and the sensors; learning of the ripple |
 //! | eighth | the feed-forward's kinematic error and friction; the learnt ripple's value |
 //!
-//! Encoders, cascade and torque command run in every period, so that the model costs in each period no more than one of
+//! The second, fourth, sixth and eighth period have the feedback of the output encoder's angle besides. Encoders, cascade and torque
+//! command run in every period, so that the model costs in each period no more than one of
 //! its parts. Latency: motor's encoder and torque to the torque command, at most two periods; output encoder, setpoint
 //! and gains, up to a round and a period.
 //!
@@ -20,7 +21,7 @@
 //! | a change of the drive's mode | while the drive is switched in every period, it has no reference and gives no torque |
 //! | a control overrun | five within 10 ms lead to Safe ([`crate::compensator::actuate::mode`]) |
 //! | the output encoder's zero | once |
-//! | a reference that begins, or that approaches its command | the command's slot takes two periods: a round then has nine |
+//! | a reference that begins, is commanded in another kind or by no number, or approaches its command | the command's slot takes two periods: a round then has nine |
 //!
 //! What is integrated or averaged goes by the time and the number of steps that it took, not by the round's nominal length. While
 //! the drive is off no torque is computed. The faults of a slot count from the next period on, where the mode follows them before

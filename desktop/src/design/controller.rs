@@ -32,7 +32,7 @@ use crate::io::gear_file::{Friction, GearFile};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// States.
-pub const STATES: usize = 37;
+pub const STATES: usize = 39;
 /// Inputs of the controller: theta_m, theta_o, tau_measured, tau_t, d_in.
 pub const INPUTS: usize = 5;
 /// Slots of a round.
@@ -79,6 +79,8 @@ const READING: usize = 33;
 const MEASURED: usize = 34;
 const ROUND_SUM: usize = 35;
 const OUTPUT_ERROR: usize = 36;
+const MEASURED_IMPULSE: usize = 37;
+const MEASURED_SHIFT: usize = 38;
 
 /// A linear controller at one operating point.
 #[derive(Clone, Debug)]
@@ -186,11 +188,11 @@ impl Controller {
         let (n, omega, torque) = (1.0 / self.ratio.abs(), self.reference_frequency, self.stiffness);
         let mut units = [1.0; STATES];
         let mut set = |places: &[usize], unit: f64| places.iter().for_each(|place| units[*place] = unit);
-        set(&[MOTOR, MOTOR_ERROR, SEEN_MOTOR, MOTOR_RESIDUAL, DEFLECTION[0]], n);
+        set(&[MOTOR, MOTOR_ERROR, SEEN_MOTOR, MOTOR_RESIDUAL, DEFLECTION[0], MEASURED_SHIFT], n);
         set(&[REFERENCE_SPEED, WIND_SPEED, SPEED, MOTOR_SPEED], n * omega);
         set(&[WIND_ACCELERATION], n * omega * omega);
         set(&[TORQUE, TORQUE_ERROR, WIND_TORQUE, INTEGRAL, LAST_TORQUE, FRICTION[0]], torque / n);
-        set(&[IMPULSE], torque / n * 2.0 * CONTROL_PERIOD);
+        set(&[IMPULSE, MEASURED_IMPULSE], torque / n * 2.0 * CONTROL_PERIOD);
         set(&[FLANGE_SPEED], omega);
         set(&[LOAD, FRICTION[1], TRANSMITTED, SLOW, MEAN, FAST], torque);
         set(&[SIXTH], if self.stands { torque / n } else { torque });
@@ -206,9 +208,8 @@ impl Controller {
         let [motor, output, measured, gauge, load] = *v;
         let moved = motor - x[MOTOR];
         x[MOTOR] = motor;
-        let commanded = x[TORQUE];
-        x[TORQUE_ERROR] += fraction(dt * DRIVE_CORNER.get()) * (measured - commanded - x[TORQUE_ERROR]);
-        x[IMPULSE] += dt * (commanded + x[TORQUE_ERROR]);
+        x[IMPULSE] += dt * x[TORQUE];
+        x[MEASURED_IMPULSE] += dt * measured;
         x[MOTOR_ERROR] += dt * (x[REFERENCE_SPEED] + x[WIND_SPEED]) - moved;
         if slot == OUTPUT_SLOT {
             x[READING] = output;
@@ -225,7 +226,10 @@ impl Controller {
             _ => {}
         }
         let speed = if self.estimates_speed { x[MOTOR_SPEED] } else { moved / dt };
-        x[TORQUE] = self.drive(x, speed, output);
+        if slot % 2 == 1 {
+            self.measure(x, output);
+        }
+        x[TORQUE] = self.drive(x, speed);
         [x[TORQUE], x[LOAD]]
     }
 
@@ -238,8 +242,9 @@ impl Controller {
 
     fn observe(&self, slot: usize, x: &mut [f64], motor: f64, gauge: f64, load: Option<f64>) {
         let (dt, r) = (f64::from(OBSERVER_PERIODS) * CONTROL_PERIOD, self.ratio);
-        let torque = x[IMPULSE] / dt;
-        x[IMPULSE] = 0.0;
+        let [commanded, measured] = [IMPULSE, MEASURED_IMPULSE].map(|of| std::mem::take(&mut x[of]) / dt);
+        x[TORQUE_ERROR] += fraction(dt * DRIVE_CORNER.get()) * (measured - commanded - x[TORQUE_ERROR]);
+        let torque = commanded + x[TORQUE_ERROR];
         let torsion = -x[FLANGE_ERROR];
         let rate = r * x[MOTOR_SPEED] - x[FLANGE_SPEED];
         let transmitted = self.stiffness * torsion + self.damping * rate;
@@ -321,7 +326,7 @@ impl Controller {
         let wound = -compensated / self.stiffness;
         let position =
             x[FLANGE_ERROR] + dt * (x[FLANGE_SPEED] - r * x[MOTOR_SPEED]) + r * x[MOTOR_RESIDUAL] + r * motor;
-        let mean = std::mem::take(&mut x[ROUND_SUM]) / SLOTS as f64;
+        let mean = f64::from(OBSERVER_PERIODS) * std::mem::take(&mut x[ROUND_SUM]) / SLOTS as f64;
         x[OUTPUT_ERROR] = if self.has_output { mean } else { position };
         let gains = &self.output_feedback;
         let whole = x[MEAN] + self.disturbance.wind_up_fraction * x[FAST];
@@ -344,23 +349,24 @@ impl Controller {
         x[SHIFTED] = if gains.integral > 0.0 { x[SHIFTED] + way } else { 0.0 };
     }
 
-    /// Shift of the motor's reference by P and D of the output encoder's angle.
-    fn measure(&self, x: &mut [f64], output: f64) -> f64 {
-        let (dt, [proportional, derivative]) = (CONTROL_PERIOD, self.measured_gains);
+    /// Shift of the motor's reference by P and D of the output encoder's angle, in the periods without the observer.
+    fn measure(&self, x: &mut [f64], output: f64) {
+        let dt = f64::from(OBSERVER_PERIODS) * CONTROL_PERIOD;
+        let [proportional, derivative] = self.measured_gains;
         let change = fraction(dt * self.measured_corner) * (output - x[MEASURED]);
         x[MEASURED] += change;
         x[ROUND_SUM] += output;
-        -(proportional * output + derivative / dt * change) / self.ratio
+        x[MEASURED_SHIFT] = -(proportional * output + derivative / dt * change) / self.ratio;
     }
 
-    fn drive(&self, x: &mut [f64], speed: f64, output: f64) -> f64 {
+    fn drive(&self, x: &mut [f64], speed: f64) -> f64 {
         let dt = CONTROL_PERIOD;
-        let shift = self.measure(x, output);
         let FeedbackParams { position_gain, velocity_gain, integral_time, filter_corner, .. } = self.feedback;
         let filter = fraction(dt * filter_corner);
         x[SPEED] += filter * (speed - x[SPEED]);
         let late = dt * (1.0 / filter - 0.5) * x[WIND_ACCELERATION];
-        let expected = position_gain * (x[MOTOR_ERROR] + shift) + x[REFERENCE_SPEED] + x[WIND_SPEED] - late;
+        let expected =
+            position_gain * (x[MOTOR_ERROR] + x[MEASURED_SHIFT]) + x[REFERENCE_SPEED] + x[WIND_SPEED] - late;
         let lag = expected - x[SPEED];
         x[INTEGRAL] += velocity_gain * dt / integral_time * lag;
         velocity_gain * lag + x[INTEGRAL] + x[WIND_TORQUE]

@@ -9,7 +9,8 @@
 //! ```
 //!
 //! c is the torque constant over the file's, omega_c the corner of the current loop, T the drive's delay and a control period for the
-//! hold and the difference quotient, T_m half a period and the encoder's own delay. Friction, which damps, is left out. Above the
+//! hold and the difference quotient, T_m the encoder's own delay and one and a half periods: half of one, as P and D are held for two,
+//! and one for D's difference quotient. Friction, which damps, is left out. Above the
 //! torsion mode the load moves against the motor, and a cascade that still follows there turns P and D to its excitation: the
 //! lighter the load, the less of them the joint bears.
 //!
@@ -105,7 +106,7 @@ fn open_loop(file: &GearFile, gains: Gains, corner: &Corner, omega: f64) -> Comp
     let speed = s * lag(cascade.filter_corner);
     let held = s * s * rotor + spring * (1.0 - swing) + torque * (cascade.position_gain + speed);
     let followed = cascade.position_gain * torque * swing / held;
-    let measured = late(0.5 + f64::from(file.sensors.output_encoder_delay));
+    let measured = late(1.5 + f64::from(file.sensors.output_encoder_delay));
     (gains.proportional + gains.derivative * s * lag(gains.corner)) * measured * followed
 }
 
@@ -137,7 +138,7 @@ mod tests {
         let stiffness = corner.stiffness * corner.point.stiffness(file);
         let damping = 2.0 * file.damping.torsion_mode_ratio * (stiffness * inertias[1]).sqrt();
         let line = |periods: f64| VecDeque::from(vec![0.0; (50.0 * periods).round() as usize]);
-        let (mut torques, mut readings) = (line(corner.delay as f64 + 1.0), line(0.5));
+        let (mut torques, mut readings) = (line(corner.delay as f64 + 1.0), line(1.5));
         let [mut motor, mut output] = [[0.0, 0.0], [1e-4, 0.0]];
         let (mut filtered, mut speed, mut integral, mut torque) = (0.0, 0.0, 0.0, 0.0);
         let mut largest = [0.0f64; 2];

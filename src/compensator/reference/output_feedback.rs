@@ -9,7 +9,7 @@
 //! wind-up, d the external torque: its slow part whole, its fast part as far as it is compensated
 //! ([`crate::compensator::estimate::disturbance`]). With the slow part behind its dead zone, too, e'' would not be zero
 //! under a constant load, and the reference would ramp between two slots and jump back in each. m is the output encoder's
-//! angle less q, of which P and D act in every control period ([`super::measured_feedback`]); without that encoder e. x is
+//! angle less q, of which P and D act in every second control period ([`super::measured_feedback`]); without that encoder e. x is
 //! what a motor at rest has yet to go to its reference, 0 in motion, r the gear's ratio. The shift (rad at the output) is
 //! added to the motor's reference, and the cascade follows it.
 //!
