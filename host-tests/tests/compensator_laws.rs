@@ -113,8 +113,8 @@ fn a_bad_first_reading_does_not_become_the_zero_of_the_output_encoder() {
         let mut input = Input::<f32>::default();
         input.sensors.motor_encoder = bad_motor;
         input.sensors.output_encoder = Some(bad_output);
-        let mut round = (0..SLOW_PERIODS).map(|_| compensator.step(&mut state, &input));
-        assert!(round.any(|output| output.faults != Faults::NONE));
+        let mut rounds = (0..2 * SLOW_PERIODS).map(|_| compensator.step(&mut state, &input));
+        assert!(rounds.any(|output| output.faults != Faults::NONE));
         input.sensors.motor_encoder = 100_000;
         input.sensors.output_encoder = Some(300_000);
         let settled = (0..20_000).map(|_| compensator.step(&mut state, &input)).last().unwrap();
