@@ -185,13 +185,13 @@ pub(super) const ROWS: &[Bound] = &[
     },
     Bound {
         name: "belt.wrist.target.cycles",
-        value: 1900.0,
+        value: 1750.0,
         unit: "cycle",
         why: "most costly control step of S1 to S6 with the belt on a Cortex-M4F, by the model; target 2000",
     },
     Bound {
         name: "belt.wrist.target.any_input.cycles",
-        value: 2030.0,
+        value: 1850.0,
         unit: "cycle",
         why: "the same on any input bits, the most costly found",
     },

@@ -59,7 +59,7 @@ pub(super) const ROWS: &[Bound] = &[
     },
     Bound {
         name: "friction.target.cycles",
-        value: 310.0,
+        value: 220.0,
         unit: "cycle",
         why: "worst-case path of one side, order 2, with load, direction and ripple: three exponentials, a division and \
               26 numbers to load; target 150",
