@@ -8,7 +8,8 @@
 //!
 //! With these gains at 0 torque and reference of the motor are those of the motor-side cascade alone. The last line,
 //! the ramp of the motor's torque, holds from the first fault or a switch of the kind of command on, until the torque
-//! has reached its target for T_r; else the torque is limited by tau_max alone. Faults that follow while the model is not
+//! has reached its target for T_r; else the torque is limited by tau_max and the gear's protection alone. The protection goes before the
+//! ramp: where it lowers its bound the torque follows at once. Faults that follow while the model is not
 //! trusted do not restart it: a cascade that is ramped all the time limit-cycles. Units: s, N m at the motor.
 //!
 //! Faults without which no control is possible switch the drive off instead ([`crate::compensator::actuate::mode`]).

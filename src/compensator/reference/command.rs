@@ -12,7 +12,8 @@
 //! time dt that it took by the clock ([`crate::compensator::sense::clock`]).
 //!
 //! There is always a reference: before the first command, and after a torque command, it is the output's angle. A
-//! setpoint that the joint can follow passes unchanged; any other is approached (`approach.rs`).
+//! setpoint that the joint can follow passes unchanged; any other is approached (`approach.rs`), from the round after that in which
+//! the reference begins.
 //!
 //! A setpoint that was followed can still ask for more than a loaded joint can give. While the torque is limited and the
 //! motor is further from its reference than 2*tau_max/(k_p^2*(J_wg + J_fs/n^2)) + |n*dq|/k_p, half of the fault "following

@@ -1,12 +1,12 @@
 //! Motor encoder: a count is accepted within the range that the motor can reach.
 //!
 //! ```text
-//! predicted = theta + dtheta*T           a reading is accepted within  a*T^2*m^2 + |dtheta*T|/16 + 4 counts  of it
+//! predicted = theta + dtheta*T           a reading is accepted within  a*dt^2*m^2 + |dtheta*T|/16 + 4 counts  of it
+//! m = max(T/dt, 1) + refused readings since the last accepted one
 //! a = 1.5*(tau_max + 2*tau_p/|n| + tau_s)/J_wg
 //! ```
 //!
-//! dtheta is from the last readings, T the time since the last step; m counts the periods since the last reading that
-//! was accepted. a is the acceleration of the rotor alone by the largest torques of motor, gear (twice its peak rating)
+//! dtheta is from the last readings, T the time since the last step, dt the control period. a is the acceleration of the rotor alone by the largest torques of motor, gear (twice its peak rating)
 //! and friction, with half as much again for their uncertainty; the sixteenth of the step is for an unmeasured clock. A
 //! refused reading is replaced by the predicted one, so that single bad frames do not disturb the joint. Counts are
 //! within the revolution, so that the first accepted reading after a few refused ones gives the right angle. A reading that goes
