@@ -23,7 +23,7 @@
 //! | --- | --- |
 //! | gear overload | abs T_g > (1 + u_m)*tau_p at the end of a round: no command takes it there ([`crate::compensator::actuate::protection`]), so that it is a blow, or a sign or size of torque or angle that is wrong |
 //! | frozen, standing | the count is the same at every observer step of two rounds or more, and tau had changed a round ago, since the rotor stood, or from (tau + tau_before)/2 - J_wg*alpha when it last moved, by more than 2*(1 + u_m)*tau_s + 0.01*tau_max + 2*count*K/n^2 + 8*J_wg*count/h^2: static friction gives way at 2*tau_s at most, and then the last of it moves the rotor by two counts within half a round |
-//! | frozen, loaded | it stands, and the torque on it, that of the gear by the torque sensor included, has changed by more than that and u_s of the gear's change; by the output encoder, than that, 2*count_out*K_3/n and u_t of the change |
+//! | frozen, loaded | it stands, and the torque on it, that of the gear by the torque sensor included, has at the end of two rounds on end changed by more than that and u_s of the gear's change; by the output encoder, than that, 2*count_out*K_3/n and u_t of the change |
 //! | frozen, moving | the count stands still at once, though (1 + u_m)*(abs tau + abs T_g/n + tau_s) + u_m*tau_p/n + 3*J_wg*count/h^2, the last for what rounding makes of two speeds, could not stop the rotor in the time |
 //! | overspeed | abs omega > the speed limit |
 //! | drive | mean torque error of the drive over a round above 0.1*tau_max + 0.5*abs tau_c, the larger mean command of this round and the last, for longer than a sound drive takes to reach its command, a round of the other sign counting twice: five times the noise that the filter expects, a drive at 60 % of its limit. What a drive lags behind a command that changes from period to period is little in the mean |
@@ -121,6 +121,8 @@ pub struct RotorState<R> {
     held: [R; 2],
     /// Torque of the gear by the same sensors then (N m).
     gear_torque_then: [R; 2],
+    /// The torque that friction would have to hold, by the same sensors, had changed too much at the end of the last round.
+    exceeds: [bool; 2],
     rounds: u32,
 }
 
@@ -346,7 +348,8 @@ impl<R: Real> Rotor<R> {
     }
 
     /// Whether the torque on a rotor that does not move has changed by more than static friction holds since it stood
-    /// still, with the gear's `torque` (N m) by the sensor of this `place`.
+    /// still, at the end of two rounds on end, with the gear's `torque` (N m) by the sensor of this `place`: one that has
+    /// come at the end of this round is too late to be seen in the motion.
     #[inline(always)]
     fn slips(&self, state: &mut RotorState<R>, torque: R, place: usize) -> bool {
         let held = torque - self.n * state.applied;
@@ -354,7 +357,8 @@ impl<R: Real> Rotor<R> {
             (state.held[place], state.gear_torque_then[place]) = (held, torque);
         }
         let uncertain = self.uncertainty[place] * (torque - state.gear_torque_then[place]).abs();
-        !(held - state.held[place]).is_within(self.held[place] + uncertain)
+        let exceeds = !(held - state.held[place]).is_within(self.held[place] + uncertain);
+        core::mem::replace(&mut state.exceeds[place], exceeds) & exceeds
     }
 
     #[inline(always)]

@@ -1,5 +1,7 @@
 //! Frozen encoders, the drive, sensors at the output, and the mode of the balance.
 
+use std::vec::Vec;
+
 use super::*;
 use crate::compensator::schedule::{CONTROL_PERIOD, OBSERVER_PERIODS};
 use crate::compensator::tolerances::tests::TENTHS;
@@ -139,21 +141,28 @@ fn a_motor_far_from_its_reference_is_lost() {
     assert!(!lost(most + 0.99, 141.0) && lost(most + 1.01, -141.0));
 }
 
-/// A gear's torque that friction cannot hold on a motor at a constant torque is seen by both sensors; what the sensor's
-/// uncertainty or the motor's own torque explains is not.
+/// A gear's torque that friction cannot hold for two rounds on a motor at a constant torque is seen by both sensors; what
+/// the sensor's uncertainty or the motor's own torque explains is not, nor one that came at the end of the round.
 #[test]
 fn a_gear_torque_that_friction_cannot_hold_is_seen() {
     let rotor = rotor();
     for place in 0..2 {
-        let mut state = RotorState { still: 1, ..RotorState::default() };
-        assert!(!rotor.slips(&mut state, 10.0, place));
-        state.still = 5;
+        let stands = RotorState { still: 5, ..RotorState::default() };
+        let rounds = |applied: f64, torques: &[f64]| {
+            let mut state = RotorState { still: 1, ..stands };
+            assert!(!rotor.slips(&mut state, 10.0, place));
+            let mut state = RotorState { still: 5, applied, ..state };
+            torques.iter().map(|change| rotor.slips(&mut state, 10.0 + change, place)).collect::<Vec<_>>()
+        };
         let held = rotor.held[place] / (1.0 - rotor.uncertainty[place]);
-        assert!(!rotor.slips(&mut state, 10.0 + 0.99 * held, place));
-        assert!(rotor.slips(&mut state, 10.0 + 1.01 * held, place));
-        assert!(rotor.slips(&mut state, 10.0 - 1.01 * held, place));
-        state.applied = held / rotor.n;
-        assert!(!rotor.slips(&mut state, 10.0 + held, place), "the motor's torque balances it");
+        assert_eq!(rounds(0.0, &[0.99 * held; 3]), [false; 3]);
+        assert_eq!(rounds(0.0, &[1.01 * held; 2]), [false, true]);
+        assert_eq!(rounds(0.0, &[-1.01 * held; 2]), [false, true]);
+        assert_eq!(
+            rounds(0.0, &[1.01 * held, 0.99 * held, 1.01 * held, 1.01 * held]),
+            [false, false, false, true]
+        );
+        assert_eq!(rounds(held / rotor.n, &[held; 2]), [false; 2], "the motor's torque balances it");
     }
 }
 
