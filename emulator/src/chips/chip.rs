@@ -376,6 +376,33 @@ mod tests {
         }
     }
 
+    /// Interrupts of the core's timer, at every place of an IT block whose condition never holds: nothing of it is executed.
+    #[test]
+    fn an_interrupt_leaves_a_block_its_condition() {
+        const START: [u16; 22] = [
+            0x2000, 0x2100, 0x2400, 0x4a08, // r0 = 0, r1 = 0, r4 = 0, r2 = SysTick
+            0x239d, 0x015b, 0x3303, 0x6053, // reload 157*32 + 3: longer than a run of the core
+            0x6090, 0x2307, 0x6013, // from it on, with interrupts
+            0x2800, 0xbf1f, 0x3101, 0x3101, 0x3101, 0x3101, // if r0 != 0: r1 += 1, four times
+            0xe7f8, // again
+            0x3401, 0x4770, // its handler: r4 += 1
+            0xe010, 0xe000,
+        ];
+        const HANDLER: u32 = 0x64;
+        for model in &MODELS {
+            let vector = model.flash.0 + HANDLER + 1;
+            let mut code = [0; 50];
+            code[0] = 0xe01a; // b start
+            (code[26], code[27]) = (vector as u16, (vector >> 16) as u16);
+            code[28..].copy_from_slice(&START);
+            let mut chip = chip(model, &code);
+            chip.run(Duration::from_millis(20)).unwrap();
+            let registers = chip.core.regs().r;
+            assert!(registers[4] > 300, "{}: {} interrupts", model.board, registers[4]);
+            assert_eq!(registers[1], 0, "{}", model.board);
+        }
+    }
+
     #[test]
     fn a_nucleo_g474re_is_at_its_bus_once_its_clock_is_on() {
         const CLOCKS: u64 = 0x4002_1058;

@@ -1,7 +1,8 @@
 //! The core, around a fault of the emulator: an exception that comes in an IT block loses the block's state, so that after it all instructions of
 //! the block are executed, whatever their condition. So none comes there: the core goes on to the block's end with its exceptions masked.
 //!
-//! Interrupts come between two runs of the core, or from its own timer, shortly before whose end it goes on by one instruction at a time.
+//! Interrupts come between two runs of the core, or from its own timer, shortly before whose end it goes on by one instruction at a time;
+//! the timer's first one, after it is switched on, no sooner than the end of that run.
 
 use std::sync::Arc;
 
