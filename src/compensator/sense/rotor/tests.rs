@@ -147,11 +147,10 @@ fn a_motor_far_from_its_reference_is_lost() {
 fn a_gear_torque_that_friction_cannot_hold_is_seen() {
     let rotor = rotor();
     for place in 0..2 {
-        let stands = RotorState { still: 5, ..RotorState::default() };
         let rounds = |applied: f64, torques: &[f64]| {
-            let mut state = RotorState { still: 1, ..stands };
+            let mut state = RotorState { still: 1, ..RotorState::default() };
             assert!(!rotor.slips(&mut state, 10.0, place));
-            let mut state = RotorState { still: 5, applied, ..state };
+            (state.still, state.applied) = (5, applied);
             torques.iter().map(|change| rotor.slips(&mut state, 10.0 + change, place)).collect::<Vec<_>>()
         };
         let held = rotor.held[place] / (1.0 - rotor.uncertainty[place]);
