@@ -266,9 +266,10 @@ tuned! {
     DECAYED = 0.75, One,
         "Part of its variance that a vibration has left after a period, if it decays: a damping ratio of 0.025";
     FEEDBACK_RETURN = 1.0, Second,
-        "Time in which the reduced feedback comes back: slow against any vibration";
-    FIRST_HOLD = 0.5, Second,
-        "Time without the feedback after an oscillation: in it a vibration of 10 Hz decays that the cascade hardly damps";
+        "Time without the feedback after an oscillation, and in which it comes back then: slow against any vibration, and a vibration of 10 Hz \
+         decays in it that the cascade hardly damps";
+    REDUCED_CASCADE = 2.0 / 3.0, One,
+        "Position gain and inverse integral time of the cascade that is left without the feedback functions, of those with them";
     LONGEST_HOLD = 8.0, Second,
         "The longest such time: an oscillation that always comes back is there for a fiftieth of the time";
 

@@ -6,6 +6,9 @@
 //! tau       = k_v*(omega_ref - omega) + I,   I += k_v/T_i*dt*(omega_ref - omega), |I| <= tau_max
 //! ```
 //!
+//! While the supervisor ([`super::supervisor`]) reduces the feedback functions, k_p and 1/T_i are multiplied by
+//! c + (1 - c)*gain, with c = 2/3 ([`REDUCED_CASCADE`]): an oscillation that goes on without these functions is one of the cascade.
+//!
 //! T = 1/omega_f + dt/2 is the delay of omega, so that a reference whose acceleration is known does not lag by the
 //! filter; an unknown acceleration is 0. Units: rad, rad/s, N m at the motor shaft; positive torque accelerates the
 //! motor. Backward differences and explicit Euler with the control period dt. The integral is limited
@@ -19,7 +22,7 @@
 //! the rotor, which returns a motor as fast as it came: between two counts nothing damps it, and it would go to and fro at some
 //! k_v/(4*J) periods a second, with pulses of torque of up to half of the rated one with 14 bits.
 
-use crate::compensator::tuned::COARSE_COUNT;
+use crate::compensator::tuned::{COARSE_COUNT, REDUCED_CASCADE};
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::low_pass::LowPass;
@@ -62,6 +65,22 @@ pub struct CascadeInput<R> {
     pub velocity: R,
     /// ddtheta_ref, 0 where it is unknown (rad/s^2).
     pub acceleration: R,
+}
+
+/// How stiff the cascade is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stiffness<R>(R);
+
+impl<R: Real> Stiffness<R> {
+    /// As it was built.
+    pub const FULL: Self = Self(R::ONE);
+
+    /// While the feedback functions have this `gain` (0..=1): k_p and 1/T_i are [`REDUCED_CASCADE`] of themselves at 0.
+    #[inline(always)]
+    pub fn of_gain(gain: R) -> Self {
+        let reduced = R::lit(REDUCED_CASCADE.get());
+        Self(reduced + (R::ONE - reduced) * gain)
+    }
 }
 
 /// State of the cascade.
@@ -116,13 +135,20 @@ impl<R: Real> Feedback<R> {
 
     /// Torque for a motor whose speed over this period was `speed` (rad/s); `limited`: the last command was limited.
     #[inline(always)]
-    pub fn step(&self, state: &mut FeedbackState<R>, speed: R, input: &CascadeInput<R>, limited: bool) -> R {
+    pub fn step(
+        &self,
+        state: &mut FeedbackState<R>,
+        speed: R,
+        input: &CascadeInput<R>,
+        Stiffness(stiffness): Stiffness<R>,
+        limited: bool,
+    ) -> R {
         self.filter.step(&mut state.velocity, speed);
         let late = self.lateness * input.acceleration;
-        let velocity = self.position_gain * input.position_error + input.velocity - late;
+        let velocity = stiffness * self.position_gain * input.position_error + input.velocity - late;
         let lag = velocity - state.velocity;
         if !limited {
-            state.integral = (state.integral + self.integral_gain * lag).limit(self.torque_limit);
+            state.integral = (state.integral + stiffness * self.integral_gain * lag).limit(self.torque_limit);
         }
         self.velocity_gain * lag + state.integral
     }
@@ -162,7 +188,26 @@ mod tests {
     fn by_a_count(bits: i32) -> f64 {
         let feedback = PARAMS.build(DT).unwrap();
         let speed = TAU / 2f64.powi(bits) / DT;
-        -feedback.step(&mut FeedbackState::default(), speed, &CascadeInput::default(), true)
+        -feedback.step(&mut FeedbackState::default(), speed, &CascadeInput::default(), Stiffness::FULL, true)
+    }
+
+    /// Without the feedback functions position gain and integral are those of the softer cascade, with them the built one's to the bit.
+    #[test]
+    fn a_reduced_cascade_is_softer() {
+        let feedback = PARAMS.build(DT).unwrap();
+        let input = CascadeInput { position_error: 1e-3, ..CascadeInput::default() };
+        let torques = |gain| {
+            let mut state = FeedbackState::default();
+            let stiffness = Stiffness::of_gain(gain);
+            let torque = feedback.step(&mut state, 0.0, &input, stiffness, false);
+            [torque - state.integral, state.integral]
+        };
+        let softer = REDUCED_CASCADE.get();
+        let expected = [softer, softer * softer];
+        for (reduced, (built, expected)) in torques(0.0).iter().zip(torques(1.0).iter().zip(expected)) {
+            assert!((reduced / built - expected).abs() < 1e-12);
+        }
+        assert_eq!([Stiffness::of_gain(1.0f32).0, Stiffness::<f32>::FULL.0], [1.0; 2]);
     }
 
     #[test]

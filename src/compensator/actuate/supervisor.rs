@@ -10,14 +10,15 @@
 //!
 //! The gain multiplies what responds to the output's measured and estimated angle, P, D and damping, and to the estimated
 //! load; while it is below 1, the output's integral stands still and nothing is learnt. What is left is the motor-side cascade with all
-//! feed-forward. Two estimates stay in it: the slow part of the estimated load, and with a coarse encoder the observer's speed of a resting
+//! feed-forward, softer by the same gain ([`crate::compensator::actuate::cascade::Stiffness`]): on a joint whose load swings on a
+//! flexible link the cascade as it was built may have no margin of its own. Two estimates stay in it: the slow part of the estimated load, and with a coarse encoder the observer's speed of a resting
 //! motor ([`crate::compensator::actuate::cascade`]), without which a count would keep that cascade moving.
 //!
 //! A resting gear winds up for a load, to another place, and vibrates about it; but within a period of the torsion mode, of the
 //! load J_fs on the softest slope K_1 of the stiffness line, a damping ratio of 0.025 takes more than a quarter of
 //! the variance. What loses less in two successive windows is kept up by the loop: by a count of an encoder, a drive that is later than
 //! declared, a load or a stiffness beyond their tolerances, or a friction that no model has. In motion a torque is normal that
-//! accelerates and brakes, but not one that goes from limit to limit in three windows on end. H is 0.5 s, and doubles each time that the
+//! accelerates and brakes, but not one that goes from limit to limit in three windows on end. H is 1 s, and doubles each time that the
 //! oscillation comes back in the same rest, up to 8 s.
 //!
 //! In a limit cycle of the torque ([`super::limit_cycle`]) the gain is 0 at once.
@@ -30,8 +31,8 @@ use crate::branch::seldom;
 use crate::compensator::Faults;
 use crate::compensator::schedule::SLOW_PERIODS;
 use crate::compensator::tuned::{
-    DECAYED, FEEDBACK_RETURN, FIRST_HOLD, GAIN_RAMP, LIMIT_CYCLE_TORQUE, LIMIT_CYCLE_TORSION,
-    LIMIT_CYCLE_WINDOWS, LONGEST_HOLD, SHORTEST_WINDOW,
+    DECAYED, FEEDBACK_RETURN, GAIN_RAMP, LIMIT_CYCLE_TORQUE, LIMIT_CYCLE_TORSION, LIMIT_CYCLE_WINDOWS,
+    LONGEST_HOLD, SHORTEST_WINDOW,
 };
 use crate::constants::constants;
 use crate::gear::GearParams;
@@ -147,7 +148,7 @@ impl<R: Real> Supervisor<R> {
             levels: [in_motion * in_motion, at_rest * at_rest],
             down: round / R::lit(GAIN_RAMP.get()),
             back: round / R::lit(FEEDBACK_RETURN.get()),
-            hold: [FIRST_HOLD, LONGEST_HOLD].map(|time| rounds(R::lit(time.get()))),
+            hold: [FEEDBACK_RETURN, LONGEST_HOLD].map(|time| rounds(R::lit(time.get()))),
         }
     }
 
@@ -303,10 +304,10 @@ mod tests {
     #[test]
     fn the_gain_comes_back_slowly_and_later_each_time() {
         let ends = |end: f64| move |time: f64| if time < end { rated() * (300.0 * time).sin() } else { 0.0 };
-        let gains_after = gains(2.5, true, ends(0.3));
+        let gains_after = gains(3.0, true, ends(0.3));
         let at = |time: f64| gains_after[(time / ROUND) as usize];
-        assert!(at(0.7) == 0.0 && (0.1..0.9).contains(&at(1.3)) && at(2.2) == 1.0);
-        // Kept up whenever the gain is back: half a second off, then one, then two.
+        assert!(at(1.2) == 0.0 && (0.1..0.9).contains(&at(1.8)) && at(2.7) == 1.0);
+        // Kept up whenever the gain is back: a second off, then two, then four.
         let mut state = SupervisorState::default();
         let mut holds = vec![0];
         for k in 0..(20.0 / ROUND) as usize {
@@ -326,14 +327,14 @@ mod tests {
         let mut state = SupervisorState::default();
         supervisor().take_away(&mut state);
         assert_eq!(state.gain(), 0.0);
-        let gains: Vec<_> = (0..(2.0 / ROUND) as u32)
+        let gains: Vec<_> = (0..(2.5 / ROUND) as u32)
             .map(|_| {
                 step(&mut state, 0.0, true);
                 state.gain()
             })
             .collect();
         let at = |time: f64| gains[(time / ROUND) as usize];
-        assert!(at(0.4) == 0.0 && (0.1..0.9).contains(&at(1.0)) && at(1.7) == 1.0);
+        assert!(at(0.9) == 0.0 && (0.1..0.9).contains(&at(1.5)) && at(2.2) == 1.0);
     }
 
     #[test]

@@ -9,7 +9,9 @@
 
 use std::f64::consts::TAU;
 
-use strainwave::compensator::actuate::cascade::{CascadeInput, Feedback, FeedbackParams, FeedbackState};
+use strainwave::compensator::actuate::cascade::{
+    CascadeInput, Feedback, FeedbackParams, FeedbackState, Stiffness,
+};
 use strainwave::compensator::sense::encoder::{Encoder, EncoderParams, EncoderState, Reading};
 use strainwave::{Angle, Error};
 
@@ -95,7 +97,8 @@ impl Cascade {
             velocity: demand.velocity,
             acceleration: demand.acceleration,
         };
-        let feedback = self.feedback.step(&mut self.state, motor.speed, &input, self.limited);
+        let feedback =
+            self.feedback.step(&mut self.state, motor.speed, &input, Stiffness::FULL, self.limited);
         let expected = feedback + demand.torque;
         let torque = expected.clamp(-self.torque_limit, self.torque_limit);
         self.limited = torque != expected;
