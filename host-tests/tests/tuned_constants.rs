@@ -2,11 +2,13 @@
 //!
 //! A constant is scaled for the whole process, so the tests of this file take turns.
 
+use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use strainwave::Angle;
 use strainwave::compensator::tuned::{FADING_TIME, LOAD_SHARE, Tuned};
 use strainwave::compensator::{CompensationGains, Input, Output, Sensors, Setpoint};
+use strainwave::flexspline::Flexspline;
 use strainwave_desktop::GearFile;
 use strainwave_desktop::bench::any_input::sequence;
 use strainwave_desktop::bench::controller::{Controller, HostCompensator};
@@ -15,7 +17,10 @@ use strainwave_desktop::bench::{Bench, Conditions};
 use strainwave_desktop::catalogue::load::with_load;
 use strainwave_desktop::design::joint::joint_params;
 use strainwave_desktop::design::tuned;
+use strainwave_desktop::io::gear_file::SensorSet;
 use strainwave_desktop::plant::divergence::RunError;
+use strainwave_desktop::plant::sample::PlantSample;
+use strainwave_desktop::plant::unknowns::Which;
 
 /// Sequences of any inputs: in so many of them each constant that the control step reads has its turn.
 const SEQUENCES: u64 = 60;
@@ -70,11 +75,25 @@ impl Controller for Recorded {
 
 /// What a joint with this gear file reads while it works, with a motor encoder that is so many periods late.
 fn work(gear: &GearFile, late: usize) -> Vec<Input<f32>> {
+    record(gear, Bench::condensed(gear, &Conditions::of(gear, 1)).unwrap(), late)
+}
+
+/// The same on a bench.
+fn record<F: Flexspline<f64>>(gear: &GearFile, mut bench: Bench<F>, late: usize) -> Vec<Input<f32>> {
     let host = HostCompensator::build(&joint_params(gear).unwrap()).unwrap();
     let mut recorded = Recorded { host, read: Vec::new(), counts: Vec::new(), late };
-    let mut bench = Bench::condensed(gear, &Conditions::of(gear, 1)).unwrap();
     bench.go(&WorkingMotion, &mut recorded, |_, _, _, _| ()).unwrap();
     recorded.read
+}
+
+/// A joint whose load swings on a flexible link, where the supervisor reduces the feedback at rest, and what it reads.
+fn on_a_link() -> (GearFile, Vec<Input<f32>>) {
+    const SEED: u64 = 153;
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../gears/catalogue/hd32-100.toml");
+    let sample = PlantSample::of(&GearFile::read(Path::new(path)).unwrap(), Which::All, SEED).unwrap();
+    let conditions = Conditions { sensors: SensorSet::Both, ..Conditions::of(&sample.known, SEED) };
+    let bench = Bench::condensed_of(&sample, &conditions).unwrap();
+    (sample.known.clone(), record(&sample.known, bench, 0))
 }
 
 /// The default gear, known to a quarter: its cascade alone oscillates with a motor encoder that is seven periods late.
@@ -128,6 +147,7 @@ fn every_constant_acts() {
     println!("read by the control step: {:?}", read.iter().map(|constant| constant.name).collect::<Vec<_>>());
     let gear = GearFile::default_gear();
     let barely_known = barely_known();
+    let (linked, on_a_link) = on_a_link();
     let inputs: Vec<_> = (1..=SEQUENCES)
         .map(|seed| (&gear, sequence(&gear, seed).unwrap()))
         .chain([
@@ -135,6 +155,7 @@ fn every_constant_acts() {
             (&gear, stale_and_far(Some(0), 0.02)),
             (coarse, work(coarse, 0)),
             (&barely_known, work(&barely_known, 7)),
+            (&linked, on_a_link),
         ])
         .chain((1..=SEQUENCES).map(|seed| (coarse, sequence(coarse, seed).unwrap())))
         .map(|(gear, inputs)| (gear, answers(gear, &inputs).collect::<Vec<_>>(), inputs))
