@@ -269,7 +269,8 @@ tuned! {
         "Time without the feedback after an oscillation, and in which it comes back then: slow against any vibration, and a vibration of 10 Hz \
          decays in it that the cascade hardly damps";
     REDUCED_CASCADE = 2.0 / 3.0, One,
-        "Position gain and inverse integral time of the cascade that is left without the feedback functions, of those with them";
+        "Position gain and inverse integral time of the cascade that is left without the feedback functions, of those with them: the inverse of \
+         what the rule for a gear that nobody has tuned puts on those of B0, 1.5 and 1/0.65";
     LONGEST_HOLD = 8.0, Second,
         "The longest such time: an oscillation that always comes back is there for a fiftieth of the time";
 

@@ -11,8 +11,9 @@
 //! The gain multiplies what responds to the output's measured and estimated angle, P, D and damping, and to the estimated
 //! load; while it is below 1, the output's integral stands still and nothing is learnt. What is left is the motor-side cascade with all
 //! feed-forward, softer by the same gain ([`crate::compensator::actuate::cascade::Stiffness`]): on a joint whose load swings on a
-//! flexible link the cascade as it was built may have no margin of its own. Two estimates stay in it: the slow part of the estimated load, and with a coarse encoder the observer's speed of a resting
-//! motor ([`crate::compensator::actuate::cascade`]), without which a count would keep that cascade moving.
+//! flexible link the cascade as it was built may have no margin of its own. Two estimates stay in it: the slow part of the estimated
+//! load, and with a coarse encoder the observer's speed of a resting motor ([`crate::compensator::actuate::cascade`]), without which a
+//! count would keep that cascade moving.
 //!
 //! A resting gear winds up for a load, to another place, and vibrates about it; but within a period of the torsion mode, of the
 //! load J_fs on the softest slope K_1 of the stiffness line, a damping ratio of 0.025 takes more than a quarter of
