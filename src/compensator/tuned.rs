@@ -265,14 +265,15 @@ tuned! {
          training joints at work have at most, and as many again switch the drive off";
     DECAYED = 0.75, One,
         "Part of its variance that a vibration has left after a period, if it decays: a damping ratio of 0.025";
-    FEEDBACK_RETURN = 1.0, Second,
+    FEEDBACK_RETURN = 0.5, Second,
         "Time without the feedback after an oscillation, and in which it comes back then: slow against any vibration, and a vibration of 10 Hz \
          decays in it that the cascade hardly damps";
     REDUCED_CASCADE = 2.0 / 3.0, One,
-        "Position gain and inverse integral time of the cascade that is left without the feedback functions, of those with them: the inverse of \
+        "Position gain and inverse integral time of the cascade that is left without the feedback functions, of those that are built: the inverse of \
          what the rule for a gear that nobody has tuned puts on those of B0, 1.5 and 1/0.65";
     LONGEST_HOLD = 8.0, Second,
-        "The longest such time: an oscillation that always comes back is there for a fiftieth of the time";
+        "The longest such time: an oscillation that always comes back is there for a fiftieth of the time; and the time in which the cascade is as \
+         stiff again as it was built";
 
     // Adaptation.
     GRAVITY_RATE_COSINE = 2.0, PerSecond,

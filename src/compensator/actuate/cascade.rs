@@ -7,7 +7,10 @@
 //! ```
 //!
 //! While the supervisor ([`super::supervisor`]) reduces the feedback functions, k_p and 1/T_i are multiplied by
-//! c + (1 - c)*gain, with c = 2/3 ([`REDUCED_CASCADE`]): an oscillation that goes on without these functions is one of the cascade.
+//! c + (1 - c)*gain, with c = 2/3 ([`REDUCED_CASCADE`]): an oscillation that goes on without these functions is one of the cascade. When they
+//! are back, both rise slowly again. The cascade damps a load that swings on a spring above sqrt(k_p/T_i) (rad/s) and excites it below: position
+//! loop and integral lag by the angles whose tangents are k_p/omega and 1/(T_i*omega), 90 degrees there. With the lag of filter and drive
+//! it is a higher frequency; c lowers it to two thirds.
 //!
 //! T = 1/omega_f + dt/2 is the delay of omega, so that a reference whose acceleration is known does not lag by the
 //! filter; an unknown acceleration is 0. Units: rad, rad/s, N m at the motor shaft; positive torque accelerates the
@@ -75,11 +78,23 @@ impl<R: Real> Stiffness<R> {
     /// As it was built.
     pub const FULL: Self = Self(R::ONE);
 
-    /// While the feedback functions have this `gain` (0..=1): k_p and 1/T_i are [`REDUCED_CASCADE`] of themselves at 0.
+    /// Of a cascade whose feedback functions have this `gain` (0..=1): k_p and 1/T_i are [`REDUCED_CASCADE`] of themselves at 0.
     #[inline(always)]
-    pub fn of_gain(gain: R) -> Self {
+    fn with(gain: R) -> Self {
         let reduced = R::lit(REDUCED_CASCADE.get());
         Self(reduced + (R::ONE - reduced) * gain)
+    }
+
+    /// No more of it than with this `gain` (0..=1).
+    #[inline(always)]
+    pub fn softer(self, gain: R) -> Self {
+        Self(self.0.min(Self::with(gain).0))
+    }
+
+    /// More of it, by a `part` of what the full gain brings; above [`Stiffness::FULL`] until [`Stiffness::softer`] limits it.
+    #[inline(always)]
+    pub fn stiffer(self, part: R) -> Self {
+        Self(self.0 + (R::ONE - R::lit(REDUCED_CASCADE.get())) * part)
     }
 }
 
@@ -196,18 +211,30 @@ mod tests {
     fn a_reduced_cascade_is_softer() {
         let feedback = PARAMS.build(DT).unwrap();
         let input = CascadeInput { position_error: 1e-3, ..CascadeInput::default() };
-        let torques = |gain| {
+        let torques = |stiffness| {
             let mut state = FeedbackState::default();
-            let stiffness = Stiffness::of_gain(gain);
             let torque = feedback.step(&mut state, 0.0, &input, stiffness, false);
             [torque - state.integral, state.integral]
         };
         let softer = REDUCED_CASCADE.get();
         let expected = [softer, softer * softer];
-        for (reduced, (built, expected)) in torques(0.0).iter().zip(torques(1.0).iter().zip(expected)) {
+        let [reduced, built] = [Stiffness::FULL.softer(0.0), Stiffness::FULL].map(torques);
+        for (reduced, (built, expected)) in reduced.iter().zip(built.iter().zip(expected)) {
             assert!((reduced / built - expected).abs() < 1e-12);
         }
-        assert_eq!([Stiffness::of_gain(1.0f32).0, Stiffness::<f32>::FULL.0], [1.0; 2]);
+    }
+
+    /// To the bit: a joint that never oscillated has the cascade that was built.
+    #[test]
+    fn a_cascade_is_as_soft_as_its_gain_at_once_and_comes_back_to_what_it_was() {
+        let full = Stiffness::<f32>::FULL;
+        assert_eq!([full.softer(1.0), full.stiffer(0.5).softer(1.0)], [full; 2]);
+        let soft = full.softer(0.0);
+        assert_eq!(soft.softer(1.0), soft);
+        assert_eq!(soft.stiffer(0.5).softer(0.0), soft);
+        let half = soft.stiffer(0.5);
+        assert!((half.0 - full.softer(0.5).0).abs() < 1e-6);
+        assert_eq!(half.stiffer(0.6).softer(1.0), full);
     }
 
     #[test]

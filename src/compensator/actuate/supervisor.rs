@@ -5,21 +5,23 @@
 //! v_k, w_k = variance of s in the window k about its linear trend, and of the trend
 //! oscillates:  v_k > a^2,  v_k > w_k  and  v_k > 0.75*v_(k-1),  in three windows on end
 //! a = max(0.005*T_n/K_1, count/N) at rest, 0.5*tau_max in motion
-//! gain:        1 -> 0 in 20 ms,   0 for H after the last such window,   0 -> 1 in 1 s
+//! gain:        1 -> 0 in 20 ms,   0 for H after the last such window,   0 -> 1 in 0.5 s
+//! stiffness:   of the cascade, down with the gain,   back in 8 s
 //! ```
 //!
 //! The gain multiplies what responds to the output's measured and estimated angle, P, D and damping, and to the estimated
 //! load; while it is below 1, the output's integral stands still and nothing is learnt. What is left is the motor-side cascade with all
 //! feed-forward, softer by the same gain ([`crate::compensator::actuate::cascade::Stiffness`]): on a joint whose load swings on a
-//! flexible link the cascade as it was built may have no margin of its own. Two estimates stay in it: the slow part of the estimated
-//! load, and with a coarse encoder the observer's speed of a resting motor ([`crate::compensator::actuate::cascade`]), without which a
-//! count would keep that cascade moving.
+//! flexible link the cascade as it was built may have no margin of its own. It stays softer when the functions are back, as they are built
+//! for its margins, and is as it was after 8 s without an oscillation. Two estimates stay in it: the slow part of the estimated load, and
+//! with a coarse encoder the observer's speed of a resting motor ([`crate::compensator::actuate::cascade`]), without which a count would
+//! keep that cascade moving.
 //!
 //! A resting gear winds up for a load, to another place, and vibrates about it; but within a period of the torsion mode, of the
 //! load J_fs on the softest slope K_1 of the stiffness line, a damping ratio of 0.025 takes more than a quarter of
 //! the variance. What loses less in two successive windows is kept up by the loop: by a count of an encoder, a drive that is later than
 //! declared, a load or a stiffness beyond their tolerances, or a friction that no model has. In motion a torque is normal that
-//! accelerates and brakes, but not one that goes from limit to limit in three windows on end. H is 1 s, and doubles each time that the
+//! accelerates and brakes, but not one that goes from limit to limit in three windows on end. H is 0.5 s, and doubles each time that the
 //! oscillation comes back in the same rest, up to 8 s.
 //!
 //! In a limit cycle of the torque ([`super::limit_cycle`]) the gain is 0 at once.
@@ -30,6 +32,7 @@
 
 use crate::branch::seldom;
 use crate::compensator::Faults;
+use crate::compensator::actuate::cascade::Stiffness;
 use crate::compensator::schedule::SLOW_PERIODS;
 use crate::compensator::tuned::{
     DECAYED, FEEDBACK_RETURN, GAIN_RAMP, LIMIT_CYCLE_TORQUE, LIMIT_CYCLE_TORSION, LIMIT_CYCLE_WINDOWS,
@@ -67,6 +70,8 @@ pub struct Supervisor<R> {
 pub struct SupervisorState<R> {
     /// Gain of the feedback functions, 0..=1.
     gain: R,
+    /// Stiffness of the cascade.
+    stiffness: Stiffness<R>,
     /// First s of the window, and sums of the differences to it, of their squares and of their products with the round.
     first: R,
     sum: R,
@@ -88,6 +93,7 @@ impl<R: Real> Default for SupervisorState<R> {
         let zero = R::ZERO;
         Self {
             gain: R::ONE,
+            stiffness: Stiffness::FULL,
             first: zero,
             sum: zero,
             squares: zero,
@@ -107,6 +113,19 @@ impl<R: Real> SupervisorState<R> {
     #[inline(always)]
     pub fn gain(&self) -> R {
         self.gain
+    }
+
+    /// Stiffness of the cascade.
+    #[inline(always)]
+    pub fn stiffness(&self) -> Stiffness<R> {
+        self.stiffness
+    }
+
+    /// Sets the gain of the feedback functions; the cascade is no stiffer than it allows.
+    #[inline(always)]
+    fn reduce(&mut self, gain: R) {
+        self.gain = gain;
+        self.stiffness = self.stiffness.softer(gain);
     }
 
     /// Begins a window with its first s.
@@ -166,8 +185,7 @@ impl<R: Real> Supervisor<R> {
         let supervised = if rests { torsion } else { torque };
         if rests != state.rests {
             seldom();
-            *state =
-                SupervisorState { rests, gain: state.gain, held: state.held, ..SupervisorState::default() };
+            *state = SupervisorState { rests, variance: R::ZERO, windows: 0, hold: 0, ..*state };
             state.begin(supervised);
         } else if state.rounds < self.window {
             state.add(supervised);
@@ -175,11 +193,13 @@ impl<R: Real> Supervisor<R> {
             self.judge(state);
             state.begin(supervised);
         }
-        if state.gain < R::ONE {
+        if state.stiffness != Stiffness::FULL {
             seldom();
             let change = if state.held > 0 { -self.down } else { self.back };
             state.held = state.held.saturating_sub(1);
-            state.gain = (state.gain + change).max(R::ZERO).min(R::ONE);
+            let stiffer = self.back * R::lit(FEEDBACK_RETURN.get() / LONGEST_HOLD.get());
+            state.stiffness = state.stiffness.stiffer(stiffer);
+            state.reduce((state.gain + change).max(R::ZERO).min(R::ONE));
             faults.raise_if(true, Faults::FEEDBACK_REDUCED);
         }
     }
@@ -201,13 +221,13 @@ impl<R: Real> Supervisor<R> {
         seldom();
         state.windows = self.windows;
         self.hold(state);
-        state.gain = state.gain.min(R::ONE - self.down);
+        state.reduce(state.gain.min(R::ONE - self.down));
     }
 
     /// Takes the feedback functions away at once, where the torque steps from limit to limit as it is.
     pub fn take_away(&self, state: &mut SupervisorState<R>) {
         self.hold(state);
-        state.gain = R::ZERO;
+        state.reduce(R::ZERO);
     }
 
     /// Begins to hold the gain down, or goes on.
@@ -305,10 +325,10 @@ mod tests {
     #[test]
     fn the_gain_comes_back_slowly_and_later_each_time() {
         let ends = |end: f64| move |time: f64| if time < end { rated() * (300.0 * time).sin() } else { 0.0 };
-        let gains_after = gains(3.0, true, ends(0.3));
+        let gains_after = gains(2.5, true, ends(0.3));
         let at = |time: f64| gains_after[(time / ROUND) as usize];
-        assert!(at(1.2) == 0.0 && (0.1..0.9).contains(&at(1.8)) && at(2.7) == 1.0);
-        // Kept up whenever the gain is back: a second off, then two, then four.
+        assert!(at(0.7) == 0.0 && (0.1..0.9).contains(&at(1.1)) && at(1.5) == 1.0);
+        // Kept up whenever the gain is back: half a second off, then one, then two.
         let mut state = SupervisorState::default();
         let mut holds = vec![0];
         for k in 0..(20.0 / ROUND) as usize {
@@ -328,14 +348,34 @@ mod tests {
         let mut state = SupervisorState::default();
         supervisor().take_away(&mut state);
         assert_eq!(state.gain(), 0.0);
-        let gains: Vec<_> = (0..(2.5 / ROUND) as u32)
+        let gains: Vec<_> = (0..(2.0 / ROUND) as u32)
             .map(|_| {
                 step(&mut state, 0.0, true);
                 state.gain()
             })
             .collect();
         let at = |time: f64| gains[(time / ROUND) as usize];
-        assert!(at(0.9) == 0.0 && (0.1..0.9).contains(&at(1.5)) && at(2.2) == 1.0);
+        assert!(at(0.4) == 0.0 && (0.1..0.9).contains(&at(0.75)) && at(1.1) == 1.0);
+    }
+
+    /// Also through moves, which end no softness.
+    #[test]
+    fn the_cascade_is_soft_with_the_gain_and_stays_so_when_it_is_back() {
+        let mut state = SupervisorState::default();
+        supervisor().take_away(&mut state);
+        assert_eq!(state.stiffness(), Stiffness::FULL.softer(0.0));
+        let mut after = |seconds: f64| {
+            for k in 0..(seconds / ROUND) as u32 {
+                let is_softer = state.stiffness() != Stiffness::FULL;
+                let faults = step(&mut state, 0.0, k / 500 % 2 == 0);
+                assert_eq!(faults.contains(Faults::FEEDBACK_REDUCED), is_softer);
+            }
+            state
+        };
+        let back = after(1.1);
+        assert!(back.gain() == 1.0 && back.stiffness() != Stiffness::FULL);
+        assert_ne!(after(LONGEST_HOLD.get() - 1.0).stiffness(), Stiffness::FULL);
+        assert_eq!(after(1.1).stiffness(), Stiffness::FULL);
     }
 
     #[test]

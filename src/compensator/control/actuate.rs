@@ -1,7 +1,7 @@
 //! Torque command of every control period.
 
 use crate::branch::seldom;
-use crate::compensator::actuate::cascade::{CascadeInput, Stiffness};
+use crate::compensator::actuate::cascade::CascadeInput;
 use crate::compensator::actuate::mode::Mode;
 use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::schedule::OBSERVER_PERIODS;
@@ -78,7 +78,7 @@ impl<R: Real> Compensator<R> {
             acceleration: reference.acceleration_gain * reference.acceleration + wind_up.acceleration,
         };
         let held = state.limited || !reference.closed;
-        let stiffness = Stiffness::of_gain(state.supervisor.gain());
+        let stiffness = state.supervisor.stiffness();
         let feedback =
             self.feedback.step(&mut state.feedback, speed, &input, stiffness, held) + wind_up.torque;
         let closed = if reference.closed {
