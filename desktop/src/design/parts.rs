@@ -5,6 +5,7 @@ use strainwave::compensator::estimate::disturbance::DisturbanceParams;
 use strainwave::compensator::estimate::observer::ObserverParams;
 use strainwave::compensator::reference::measured_feedback::MeasuredFeedbackParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
+use strainwave::compensator::tuned::REDUCED_CASCADE;
 
 /// Gains that the file and the rules give.
 #[derive(Clone, Copy, Debug)]
@@ -19,4 +20,39 @@ pub struct Parts {
     pub output_feedback: [OutputFeedbackParams<f64>; 2],
     /// By the output encoder's angle.
     pub measured_feedback: MeasuredFeedbackParams<f64>,
+}
+
+impl Parts {
+    /// With the cascade that is left where the supervisor ([`strainwave::compensator::actuate::supervisor`]) has taken the
+    /// feedback functions away.
+    #[must_use]
+    pub(crate) fn softened(&self) -> Self {
+        let mut parts = *self;
+        parts.feedback.position_gain *= REDUCED_CASCADE.get();
+        parts.feedback.integral_time /= REDUCED_CASCADE.get();
+        parts
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::cascade;
+    use crate::design::rules::parts;
+    use crate::io::gear_file::GearFile;
+
+    /// Lead of the torque over the motor's angle (rad): positive where the cascade damps.
+    fn lead(feedback: &FeedbackParams<f64>, omega: f64) -> f64 {
+        cascade::answer(feedback, omega).arg()
+    }
+
+    #[test]
+    fn a_cascade_damps_above_its_own_frequency_and_a_softened_one_further_down() {
+        let built = parts(&GearFile::default_gear()).unwrap();
+        for feedback in [built, built.softened()].map(|parts| parts.feedback) {
+            let own = (feedback.position_gain / feedback.integral_time).sqrt();
+            let [below, at, above] = [0.8, 1.0, 1.25].map(|factor| lead(&feedback, factor * own));
+            assert!(below < 0.0 && (-0.1..0.0).contains(&at) && above > 0.0, "{below} {at} {above}");
+        }
+    }
 }

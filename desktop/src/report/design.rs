@@ -58,8 +58,8 @@ pub struct Poles {
 pub struct Report {
     parts: Parts,
     by_rule: bool,
-    /// The cascade alone.
-    pub cascade: Judged,
+    /// The cascade alone, and as soft as the supervisor makes it.
+    pub cascade: [Judged; 2],
     /// Each loop and set.
     pub judged: Vec<Judged>,
     /// Unstable variants and corners of the closed loop.
@@ -86,7 +86,10 @@ impl Report {
         let parts = levels.apply(parts);
         let all: Vec<_> = SensorSet::ALL.into_iter().flat_map(Loop::all).collect();
         let alone = Loop { set: SensorSet::Motor, broken: Break::Torque, passes: false };
-        let cascade = judge(file, &Levels::NONE.apply(&parts), &[alone], 1, |done| progress(0.1 * done));
+        let mut without = |parts: &Parts, first: f64| {
+            judge(file, &Levels::NONE.apply(parts), &[alone], 1, |done| progress(first + 0.05 * done))[0]
+        };
+        let cascade = [without(&parts, 0.0), without(&parts.softened(), 0.05)];
         let judged = judge(file, &parts, &all, 1, |done| progress(0.1 + 0.3 * done));
         let unstable = unstable(file, &parts, &all, 1, |done| progress(0.4 + 0.6 * done));
         let nominal = |(set, mode)| {
@@ -97,7 +100,7 @@ impl Report {
         };
         let each = SensorSet::ALL.into_iter().flat_map(|set| Mode::ALL.map(|mode| (set, mode)));
         let poles = each.map(nominal).collect();
-        Self { parts, by_rule, cascade: cascade[0], judged, unstable, poles }
+        Self { parts, by_rule, cascade, judged, unstable, poles }
     }
 
     fn of_set(&self, set: SensorSet, broken: Break) -> impl Iterator<Item = &Judged> {
@@ -180,7 +183,8 @@ impl Report {
     pub fn margins(&self) -> Vec<[String; 5]> {
         let mut rows = Vec::new();
         let named = self.judged.iter().map(|judged| (judged.of.name(), judged));
-        for (name, judged) in std::iter::once(("cascade alone".to_owned(), &self.cascade)).chain(named) {
+        let cascade = ["cascade alone", "cascade softened"].map(str::to_owned).into_iter().zip(&self.cascade);
+        for (name, judged) in cascade.chain(named) {
             let torque = [
                 ("gain [dB]", &judged.gain, required::GAIN),
                 ("phase [deg]", &judged.phase, required::PHASE),
