@@ -40,6 +40,26 @@ mod tests {
     use crate::design::cascade;
     use crate::design::rules::parts;
     use crate::io::gear_file::GearFile;
+    use strainwave::compensator::actuate::cascade::{CascadeInput, FeedbackState, Stiffness};
+    use strainwave::compensator::schedule::CONTROL_PERIOD;
+
+    /// The linear analysis and the control step soften it alike.
+    #[test]
+    fn a_softened_cascade_is_the_one_that_the_control_step_softens() {
+        let built = parts(&GearFile::default_gear()).unwrap();
+        let torques = |parts: Parts, stiffness| {
+            let feedback = parts.feedback.build(CONTROL_PERIOD).unwrap();
+            let mut state = FeedbackState::default();
+            [1e-4, -3e-4, 2e-4, 5e-4].map(|position_error| {
+                let input = CascadeInput { position_error, ..CascadeInput::default() };
+                feedback.step(&mut state, 1e-2, &input, stiffness, false)
+            })
+        };
+        let by_gains = torques(built.softened(), Stiffness::FULL);
+        let by_stiffness = torques(built, Stiffness::FULL.softer(0.0));
+        assert!(by_gains.iter().zip(by_stiffness).all(|(a, b)| (a / b - 1.0).abs() < 1e-12));
+        assert_ne!(by_gains, torques(built, Stiffness::FULL));
+    }
 
     /// Lead of the torque over the motor's angle (rad): positive where the cascade damps.
     fn lead(feedback: &FeedbackParams<f64>, omega: f64) -> f64 {

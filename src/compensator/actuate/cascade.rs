@@ -206,7 +206,7 @@ mod tests {
         -feedback.step(&mut FeedbackState::default(), speed, &CascadeInput::default(), Stiffness::FULL, true)
     }
 
-    /// Without the feedback functions position gain and integral are those of the softer cascade, with them the built one's to the bit.
+    /// Position gain and integral are those of the softer cascade.
     #[test]
     fn a_reduced_cascade_is_softer() {
         let feedback = PARAMS.build(DT).unwrap();
