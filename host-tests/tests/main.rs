@@ -38,6 +38,7 @@ mod range;
 mod robot;
 mod sensors;
 mod served;
+mod sound_joints;
 mod supervisor;
 mod two_port;
 mod words;

@@ -159,9 +159,6 @@ tuned! {
          lost encoder is to be named";
     FRAME_RECOVERY = 0.1, One,
         "Bad frames that a good one makes up for: a reading in eleven may be bad; a bit that is stuck makes more of them, and a sound line far fewer";
-    ENCODER_NOISE = 4.0, Count,
-        "Noise that a count of the motor's encoder may have, besides its motion: few counts of any resolution, which a \
-         bad frame exceeds by far";
     UNCERTAINTY_MARGIN = 1.5, One,
         "What is a fault, over the largest that a sound joint within its tolerances makes, and what is asked of it less: half as much \
          again for what they do not say";

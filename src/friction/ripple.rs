@@ -44,9 +44,18 @@ impl<R: Real, const K: usize> Harmonics<R, K> {
 
     fn check(&self, name: &'static str) -> Result<(), Error> {
         require_divisor(self.mean, name)?;
+        require(self.amplitude() <= R::lit(GREATEST_SHARE) * self.mean, name)
+    }
+
+    /// Sum of the orders' amplitudes, in the unit of the mean.
+    fn amplitude(&self) -> R {
         let orders = self.cosines.iter().zip(&self.sines);
-        let sum = orders.fold(R::ZERO, |sum, (&a, &b)| sum + (a * a + b * b).sqrt());
-        require(sum <= R::lit(GREATEST_SHARE) * self.mean, name)
+        orders.fold(R::ZERO, |sum, (&a, &b)| sum + (a * a + b * b).sqrt())
+    }
+
+    /// Bound of the level over its mean.
+    pub(super) fn largest(&self) -> R {
+        R::ONE + self.amplitude() / self.mean
     }
 
     /// Over the mean.

@@ -1,13 +1,14 @@
 //! Motor encoder: a count is accepted within the range that the motor can reach.
 //!
 //! ```text
-//! predicted = theta + dtheta*T           a reading is accepted within  a*dt^2*m^2 + |dtheta*T|/16 + 4 counts  of it
+//! predicted = theta + dtheta*T           a reading is accepted within  (a*dt^2 + 13 counts)*m^2 + |dtheta*T|/16  of it
 //! m = max(T/dt, 1) + refused readings since the last accepted one
 //! a = 1.5*(tau_max + 2*tau_p/|n| + tau_s)/J_wg
 //! ```
 //!
 //! dtheta is from the last readings, T the time since the last step, dt the control period. a is the acceleration of the rotor alone by the largest torques of motor, gear (twice its peak rating)
-//! and friction, with half as much again for their uncertainty; the sixteenth of the step is for an unmeasured clock. A
+//! and friction, with half as much again for their uncertainty; the sixteenth of the step is for an unmeasured clock; 13 counts are the noise
+//! ([`NOISE`]), which a slow rotor with a coarse encoder shows more than its acceleration. A
 //! refused reading is replaced by the predicted one, so that single bad frames do not disturb the joint. Counts are
 //! within the revolution, so that the first accepted reading after a few refused ones gives the right angle. A reading that goes
 //! on from the refused one before it, at the joint's speed within half of a period's range or at none at all, is refused too,
@@ -25,7 +26,7 @@ use crate::compensator::schedule::CONTROL_PERIOD;
 use crate::compensator::sense::clock::Elapsed;
 use crate::compensator::sense::encoder::Reading;
 use crate::compensator::sense::pulleys::Pulleys;
-use crate::compensator::tuned::{BAD_FRAMES, ENCODER_NOISE, FRAME_RECOVERY, UNCERTAINTY_MARGIN};
+use crate::compensator::tuned::{BAD_FRAMES, FRAME_RECOVERY, UNCERTAINTY_MARGIN};
 use crate::compensator::{Faults, Limits};
 use crate::constants::constants;
 use crate::error::{Error, require};
@@ -35,6 +36,11 @@ use crate::real::{RADIANS_PER_COUNT, Real};
 /// The error counter after the first reading, which the next one confirms. It is odd then and at no other time: increment and
 /// decrement are even.
 const UNCONFIRMED: u32 = 1;
+
+/// Noise of a reading about the predicted one, in counts, of one period: readings that are rounded and have a count's noise besides, each of
+/// the variance 1 + 1/12, and their second difference the sixfold, deviate by five standard deviations once in a million and a half.
+/// After m periods, over which the last difference is carried on, they deviate by less than m^2 times as much.
+const NOISE: f64 = 13.0;
 
 /// Increment of the error counter by a refused reading: so large that the decrement is even with half of its factor, too.
 const ERROR_INCREMENT: u32 = 40;
@@ -51,15 +57,19 @@ fn error_count_limit() -> u32 {
     ERROR_INCREMENT * BAD_FRAMES.periods(CONTROL_PERIOD)
 }
 
+/// [`NOISE`] of an encoder whose raw counts are shifted by so much, in counts of 2^32 a revolution.
+fn noise<R: Real>(shift: u32) -> R {
+    R::lit(NOISE) * R::from_i32(1 << shift)
+}
+
 /// The built encoder.
 #[constants]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorEncoder<R> {
     /// From raw counts to counts of 2^32 a revolution.
     shift: u32,
-    /// a*dt^2, the noise, and the fastest speed times dt, in counts of 2^32 a revolution.
+    /// a*dt^2 with the noise, and the fastest speed times dt, in counts of 2^32 a revolution.
     reach: R,
-    noise: R,
     fastest: R,
     /// Speed of one count in a control period (rad/s).
     speed_of_count: R,
@@ -108,14 +118,13 @@ impl<R: Real> MotorEncoder<R> {
     pub fn build(bits: u32, gear: &GearParams<R>, limits: &Limits<R>, dt: R) -> Result<Self, Error> {
         require((10..=32).contains(&bits), "encoder_bits")?;
         let gear_torque = R::lit(2.0) * limits.output_torque / R::from_i32(gear.ratio).abs();
-        let torque = limits.motor_torque + gear_torque + gear.input_friction.forward.static_level;
+        let torque = limits.motor_torque + gear_torque + gear.input_friction.largest_level();
         let acceleration = R::lit(UNCERTAINTY_MARGIN.get()) * torque / gear.wave_generator_inertia;
         let counts = |angle: R| angle * R::lit(1.0 / RADIANS_PER_COUNT);
         let shift = 32 - bits;
         Ok(Self {
             shift,
-            reach: counts(acceleration * dt * dt),
-            noise: R::lit(ENCODER_NOISE.get()) * R::from_i32(1 << shift),
+            reach: counts(acceleration * dt * dt) + noise(shift),
             fastest: counts(limits.motor_speed * dt),
             speed_of_count: R::lit(RADIANS_PER_COUNT) * (R::ONE / dt),
         })
@@ -129,7 +138,7 @@ impl<R: Real> MotorEncoder<R> {
         }
         let ratio = pulleys.ratio();
         Self {
-            reach: self.reach / ratio,
+            reach: (self.reach - noise(self.shift)) / ratio + noise(self.shift),
             fastest: self.fastest / ratio,
             speed_of_count: ratio * self.speed_of_count,
             ..self
@@ -181,7 +190,7 @@ impl<R: Real> MotorEncoder<R> {
     #[inline(always)]
     fn foreseen(&self, state: &MotorEncoderState<R>, periods: R, stretch: R) -> Foreseen<R> {
         let moved = periods * state.step;
-        let reach = stretch * self.reach + self.noise + R::lit(1.0 / 16.0) * moved.abs();
+        let reach = stretch * self.reach + R::lit(1.0 / 16.0) * moved.abs();
         Foreseen { moved: moved.to_i32(), reach }
     }
 
@@ -281,8 +290,8 @@ mod tests {
     fn encoder() -> MotorEncoder<f64> {
         MotorEncoder {
             shift: 32 - BITS,
-            reach: 1.4e5 * CONTROL_PERIOD * CONTROL_PERIOD / RADIANS_PER_COUNT,
-            noise: ENCODER_NOISE.get() * f64::from(1 << (32 - BITS)),
+            reach: 1.4e5 * CONTROL_PERIOD * CONTROL_PERIOD / RADIANS_PER_COUNT
+                + NOISE * f64::from(1 << (32 - BITS)),
             fastest: 586.0 * CONTROL_PERIOD / RADIANS_PER_COUNT,
             speed_of_count: RADIANS_PER_COUNT / CONTROL_PERIOD,
         }
@@ -315,6 +324,26 @@ mod tests {
                 (reading.angle.to_radians(), reading.accepted, faults.contains(Faults::MOTOR_ENCODER_LOST))
             })
             .collect()
+    }
+
+    /// A rotor that no torque accelerates by a count in a period, at rest, its readings rounded and with the noise of a count.
+    #[test]
+    fn noise_of_a_count_is_no_jump() {
+        let noise = f64::from(1 << (32 - BITS));
+        let encoder = MotorEncoder { reach: NOISE * noise, ..encoder() };
+        let (mut state, mut seed) = (MotorEncoderState::default(), 1u32);
+        // Twelve uniform numbers have the variance 1.
+        let mut uniform = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(seed >> 8) / f64::from(1 << 24)
+        };
+        let mut step = |from: f64| {
+            let noise = (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+            let raw = (from + noise).round() as u32;
+            encoder.step(&mut state, raw, true, &on_time(), &mut Faults::NONE.clone()).0.accepted
+        };
+        assert!((0..100_000).all(|_| step(1000.0)));
+        assert!(!step(1040.0));
     }
 
     /// As fast as a motor turns up, 5e4 rad/s^2 to 500 rad/s and back.

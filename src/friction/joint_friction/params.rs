@@ -60,6 +60,20 @@ impl<R: Real> JointFrictionParams<R> {
         }
     }
 
+    /// Largest level without load (N m): static or sliding, in either direction, where its ripple is highest.
+    pub fn largest_level(&self) -> R {
+        let level = |contact: &LubricatedContactParams<R>, ripple: R| {
+            contact.static_level.max(contact.coulomb) * ripple
+        };
+        let ripple = &self.ripple;
+        level(&self.forward, ripple.forward.largest()).max(level(&self.backward, ripple.backward.largest()))
+    }
+
+    /// Largest level over the torque through the contact.
+    pub fn largest_load_factor(&self) -> R {
+        self.load.driving.max(self.load.driven)
+    }
+
     /// Every level and viscous friction times `factor`.
     pub fn scale(&mut self, factor: R) {
         for contact in [&mut self.forward, &mut self.backward] {

@@ -22,15 +22,19 @@
 //! | fault | raised when |
 //! | --- | --- |
 //! | gear overload | abs T_g > (1 + u_m)*tau_p at the end of a round: no command takes it there ([`crate::compensator::actuate::protection`]), so that it is a blow, or a sign or size of torque or angle that is wrong |
-//! | frozen, standing | the count is the same at every observer step of two rounds or more, and tau had changed a round ago, since the rotor stood, or from (tau + tau_before)/2 - J_wg*alpha when it last moved, by more than 2*(1 + u_m)*tau_s + 0.01*tau_max + 2*count*K/n^2 + 8*J_wg*count/h^2: static friction gives way at 2*tau_s at most, and then the last of it moves the rotor by two counts within half a round |
-//! | frozen, loaded | it stands, and the torque on it, that of the gear by the torque sensor included, has at the end of two rounds on end changed by more than that and u_s of the gear's change; by the output encoder, than that, 2*count_out*K_3/n and u_t of the change |
-//! | frozen, moving | the count stands still at once, though (1 + u_m)*(abs tau + abs T_g/n + tau_s) + u_m*tau_p/n + 3*J_wg*count/h^2, the last for what rounding makes of two speeds, could not stop the rotor in the time |
+//! | frozen, standing | the count is the same at every observer step of two rounds or more, and tau had changed a round ago, since the rotor stood, or from (tau + tau_before)/2 - J_wg*alpha when it last moved, by more than 2*(1 + u_m)*(tau_s + mu*T_r/n) + T_c/n + 0.01*tau_max + 2*count*K/n^2 + 8*J_wg*count/h^2: static friction gives way at 2*(tau_s + mu*abs T/n) at most, and then the last of it moves the rotor by two counts within half a round |
+//! | frozen, loaded | it stands, and the torque on it, that of the gear by the torque sensor included, has at the end of two rounds on end changed by more than that, with what mu*abs T is then and was when it came to stand, and u_s of the gear's change; by the output encoder, than that, 2*count_out*K_3/n and u_t of the change |
+//! | frozen, moving | the count stands still at once, though (1 + u_m)*(abs tau + (1 + mu)*abs T_g/n + tau_s) + u_m*tau_p/n + 3*J_wg*count/h^2, the last for what rounding makes of two speeds, could not stop the rotor in the time |
 //! | overspeed | abs omega > the speed limit |
 //! | drive | mean torque error of the drive over a round above 0.1*tau_max + 0.5*abs tau_c, the larger mean command of this round and the last, for longer than a sound drive takes to reach its command, a round of the other sign counting twice: five times the noise that the filter expects, a drive at 60 % of its limit. What a drive lags behind a command that changes from period to period is little in the mean |
 //! | following | position error that the cascade follows (x of [`crate::compensator::actuate::braking`]) above 1.5*tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p at the end of a round: one and a half times that from which a cascade with the position gain k_p decelerates with all of the motor's torque, and without feed-forward of the speed |
 //!
 //! u_m, u_t and u_s are the parts of the torques by motor, torsion and torque sensor that are uncertain ([`Tolerances`]); tau_s is the larger static
-//! friction of both directions. The torques by the output's encoder and by its torque sensor
+//! friction of both directions without load, where its ripple is highest, and mu the larger part of the gear's torque that adds to it, driving or driven.
+//! A rotor that stands tells the gear's torque no better than its friction lets it: T_r/n = (abs tau + tau_s)/(1 - mu) is the largest that
+//! tau and friction hold, with the smaller tau of those that have changed; mu counts as at most [`MOST_LOADED`] there. T_c is by how much the gear's torque
+//! may have changed with tau on a rotor that friction holds: by the sensor at the output, else by as much as the gear surely carries,
+//! abs tau less what friction holds, as an output that swings doubles its torque or loses it. The torques by the output's encoder and by its torque sensor
 //! are compared with T_g: with a difference of more than u_t*tau_p + u_m of it and of n*tau for 8 ms, the sensor is
 //! disabled.
 //! Units: rad, s, N m at the motor, of the gear at its output.
@@ -46,6 +50,9 @@ use crate::flexspline::stiffness_line::StiffnessLine;
 use crate::gear::GearParams;
 use crate::low_pass::LowPass;
 use crate::real::Real;
+
+/// Largest part of the gear's torque that counts as friction in what a standing rotor tells of that torque.
+const MOST_LOADED: f64 = 0.5;
 
 /// The built balance of the rotor.
 #[constants]
@@ -65,14 +72,19 @@ pub struct Rotor<R> {
     /// g.
     filter: LowPass<R>,
     overload: R,
-    /// Largest change of tau on a standing rotor (N m).
+    /// Largest change of tau on a standing rotor (N m), where tau is 0, and what of tau adds to it.
     grip: R,
+    grip_by_torque: R,
     /// The same with the gear's torque by the encoders and by the torque sensor (N m at the output).
     held: [R; 2],
+    /// (1 + u_m)*mu.
+    load: R,
     /// Fraction of a change of the gear's torque, by the encoders and by the torque sensor, that is uncertain.
     uncertainty: [R; 2],
     /// The largest that a torque of the motor may be, over what is known of it.
     largest: R,
+    /// What of the gear's torque stops a rotor, with the friction that it adds (N m at the motor).
+    stopped_by_gear: R,
     /// Margin added to the torques that stop a rotor (N m).
     surplus: R,
     speed_limit: R,
@@ -121,6 +133,8 @@ pub struct RotorState<R> {
     held: [R; 2],
     /// Torque of the gear by the same sensors then (N m).
     gear_torque_then: [R; 2],
+    /// By how much it has changed since, by the sensor that was read last; 0 where there is none.
+    gear_change: R,
     /// The torque that friction would have to hold, by the same sensors, had changed too much at the end of the last round.
     exceeds: [bool; 2],
     rounds: u32,
@@ -185,9 +199,10 @@ impl<R: Real> Rotor<R> {
         let line = gear.flexspline.line.build()?;
         let round = R::from_i32(SLOW_PERIODS as i32) * dt;
         let (n, peak) = (R::from_i32(gear.ratio), limits.output_torque);
-        let sides = [&gear.input_friction.forward, &gear.input_friction.backward];
+        let friction = &gear.input_friction;
+        let sides = [&friction.forward, &friction.backward];
         let larger = |of: [R; 2]| of[0].max(of[1]);
-        let static_level = larger(sides.map(|side| side.static_level.max(side.coulomb)));
+        let (static_level, loaded) = (friction.largest_level(), friction.largest_load_factor());
         let noise = gear.wave_generator_inertia * count / (round * round) * n.abs();
         let inertia = gear.wave_generator_inertia + gear.flexspline_inertia / (n * n);
         let stiffest = gear.flexspline.line.stiffness[2];
@@ -197,10 +212,12 @@ impl<R: Real> Rotor<R> {
         let both = R::ONE / output + R::ONE / (n * n * gear.wave_generator_inertia);
         let corner = gain.sqrt() * (stiffness * both).sqrt().min(R::lit(0.25) / round);
         let largest = R::ONE + tolerances.of_motor();
-        let grip = R::lit(2.0) * largest * static_level
-            + R::lit(0.01) * limits.motor_torque
+        let load = largest * loaded;
+        let grip_by_torque = R::lit(2.0) * load / (R::ONE - loaded.min(R::lit(MOST_LOADED)));
+        let margin = R::lit(0.01) * limits.motor_torque
             + R::lit(2.0) * count * stiffest / (n * n)
             + R::lit(8.0) * noise / n.abs();
+        let grip = R::lit(2.0) * largest * static_level + margin;
         Ok(Self {
             round,
             inverse_round: R::ONE / round,
@@ -218,10 +235,13 @@ impl<R: Real> Rotor<R> {
             inverse_n: R::ONE / n,
             filter: LowPass::of_gain(gain),
             overload: largest * peak,
-            grip,
+            grip: grip + grip_by_torque * static_level,
+            grip_by_torque,
             held: [n.abs() * grip + R::lit(2.0) * output_count * stiffest, n.abs() * grip],
+            load,
             uncertainty: [tolerances.of_torsion(), tolerances.of_torque_sensor()],
             largest,
+            stopped_by_gear: (largest + load) / n.abs(),
             surplus: tolerances.of_motor() * peak / n.abs()
                 + largest * static_level
                 + R::lit(3.0) * noise / n.abs(),
@@ -271,7 +291,7 @@ impl<R: Real> Rotor<R> {
             return;
         }
         let stopping =
-            self.largest * (torque.abs() + (state.gear_torque * self.inverse_n).abs()) + self.surplus;
+            self.largest * torque.abs() + self.stopped_by_gear * state.gear_torque.abs() + self.surplus;
         self.filter.step(&mut state.gear_torque, balance);
         state.rate = self.stiffness * (speed * self.inverse_n - state.output_speed);
         state.torque += self.round * state.rate;
@@ -294,10 +314,11 @@ impl<R: Real> Rotor<R> {
             if state.still > 1 {
                 (state.least, state.most) = (state.least.min(applied_before), state.most.max(applied_before));
             }
-            let slipped = state.still > 1 && state.most - state.least > self.grip;
+            let slipped =
+                state.still > 1 && state.most - state.least > self.largest_change(state, applied_before);
             faults.raise_if(stopped | slipped, Faults::MOTOR_ENCODER_FROZEN);
         } else {
-            state.still = 0;
+            (state.still, state.gear_change) = (0, R::ZERO);
             // What of the torque accelerates a rotor that moves does not hold one that stands.
             let held = mean - inertial;
             (state.least, state.most) = (held, held);
@@ -318,6 +339,22 @@ impl<R: Real> Rotor<R> {
         let lost = !position_error.is_within(self.following + self.lag * velocity.abs());
         faults.raise_if(lost, Faults::FOLLOWING_ERROR);
         faults.raise_if(!speed.is_within(self.speed_limit), Faults::OVERSPEED);
+    }
+
+    /// By how much the motor's torque, `applied` at last, may have changed on a rotor that friction holds (N m).
+    #[inline(always)]
+    fn largest_change(&self, state: &RotorState<R>, applied: R) -> R {
+        let smaller = state.least.abs().min(state.most.abs());
+        let rises = applied - state.least > state.most - applied;
+        let seen = self.inverse_n * state.gear_change;
+        let by_gear = if seen == R::ZERO {
+            smaller - R::lit(0.5) * self.grip
+        } else if rises {
+            seen
+        } else {
+            -seen
+        };
+        self.grip + self.grip_by_torque * smaller + by_gear.max(R::ZERO)
     }
 
     /// Compares the torsion by the encoders (rad) with the rotor's torque, once a round. The faulty encoder is the motor's,
@@ -356,7 +393,10 @@ impl<R: Real> Rotor<R> {
         if state.still < 2 {
             (state.held[place], state.gear_torque_then[place]) = (held, torque);
         }
-        let uncertain = self.uncertainty[place] * (torque - state.gear_torque_then[place]).abs();
+        let then = state.gear_torque_then[place];
+        state.gear_change = torque - then;
+        let uncertain =
+            self.uncertainty[place] * (torque - then).abs() + self.load * (torque.abs() + then.abs());
         let exceeds = !(held - state.held[place]).is_within(self.held[place] + uncertain);
         core::mem::replace(&mut state.exceeds[place], exceeds) & exceeds
     }

@@ -10,6 +10,18 @@ fn rotor() -> Rotor<f64> {
     with(&TENTHS, 1.5e-3)
 }
 
+impl Rotor<f64> {
+    /// tau_s (N m) of the default gear.
+    fn static_friction(&self) -> f64 {
+        crate::gear::tests::params().input_friction.largest_level()
+    }
+
+    /// What is added for noise (N m) where no load adds to the friction.
+    fn margin(&self) -> f64 {
+        self.grip - 2.0 * self.largest * self.static_friction()
+    }
+}
+
 /// Of a joint that is known so well, whose drive takes so long to reach its command (s).
 fn with(tolerances: &Tolerances<f64>, drive_response: f64) -> Rotor<f64> {
     let gear = crate::gear::tests::params();
@@ -63,6 +75,55 @@ fn a_motor_has_a_round_to_follow_its_torque() {
         assert_eq!(round(&rotor, &mut state, 2.0 * rotor.grip, 0, 0), Faults::NONE);
         assert_eq!(round(&rotor, &mut state, 2.0 * rotor.grip, after, after), expected);
     }
+}
+
+/// A rotor of a gear whose friction grows by `load` of the gear's torque.
+fn loaded(load: f64) -> Rotor<f64> {
+    let mut gear = crate::gear::tests::params();
+    (gear.input_friction.load.driving, gear.input_friction.load.driven) = (load, 0.5 * load);
+    let limits = Limits { motor_torque: 2.4, motor_speed: 586.0, output_torque: 157.0 };
+    let count = core::f64::consts::TAU / f64::from(1 << 19);
+    Rotor::build(&gear, &limits, &TENTHS, [count; 2], 1.5e-3, 141.0, CONTROL_PERIOD).unwrap()
+}
+
+/// Faults of a rotor that stands while its torque goes from `first` to `last` and stays there, the gear's torque at the output `seen` to
+/// have changed by so much meanwhile.
+fn standing(rotor: &Rotor<f64>, [first, last]: [f64; 2], seen: f64) -> Faults {
+    let mut state = RotorState::default();
+    let before = (0..6).map(|_| round(rotor, &mut state, first, 0, 0)).fold(Faults::NONE, Faults::with);
+    state.gear_change = seen;
+    (0..3).map(|_| round(rotor, &mut state, last, 0, 0)).fold(before, Faults::with)
+}
+
+/// Friction that grows with the load holds more of a torque: from a load on, what would show a frozen encoder without it shows none.
+#[test]
+fn a_loaded_gear_holds_a_larger_change_of_the_torque() {
+    let (free, grown) = (rotor(), loaded(0.1));
+    let held = free.static_friction();
+    // The gear carries what the smaller torque and friction hold; it surely carries none.
+    let allowed = |load: f64| 2.0 * 1.3 * (held + load * (held + held) / (1.0 - load)) + free.margin();
+    for (rotor, load) in [(&free, 0.0), (&grown, 0.1)] {
+        let change = |factor: f64| standing(rotor, [held, held + factor * allowed(load)], 0.0);
+        assert_eq!((change(0.99), change(1.01)), (Faults::NONE, Faults::MOTOR_ENCODER_FROZEN), "{load}");
+    }
+}
+
+/// The gear's torque has changed with the motor's on a rotor that friction holds: as seen, else by as much as it surely carries.
+#[test]
+fn what_the_gear_has_changed_by_is_no_sign_of_a_frozen_encoder() {
+    let rotor = rotor();
+    let changed = |first: f64, change: f64, seen: f64| standing(&rotor, [first, first + change], seen);
+    let carried = 0.5;
+    for (seen, by_gear) in [(0.0, 0.0), (0.4 * rotor.n, 0.4), (-0.4 * rotor.n, 0.0)] {
+        let allowed = rotor.grip + by_gear;
+        assert_eq!(changed(0.0, 0.99 * allowed, seen), Faults::NONE, "{seen}");
+        assert_eq!(changed(0.0, 1.01 * allowed, seen), Faults::MOTOR_ENCODER_FROZEN, "{seen}");
+    }
+    let allowed = rotor.grip + carried - 0.5 * rotor.grip;
+    assert_eq!(changed(carried, 0.99 * allowed, 0.0), Faults::NONE);
+    assert_eq!(changed(carried, 1.01 * allowed, 0.0), Faults::MOTOR_ENCODER_FROZEN);
+    assert_eq!(changed(-carried, -0.99 * allowed, 0.0), Faults::NONE);
+    assert_eq!(changed(-carried, -1.01 * allowed, 0.0), Faults::MOTOR_ENCODER_FROZEN);
 }
 
 /// A motor that its torque brakes to rest, more torque than friction holds, stands without it.
