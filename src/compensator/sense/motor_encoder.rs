@@ -8,7 +8,7 @@
 //!
 //! dtheta is from the last readings, T the time since the last step, dt the control period. a is the acceleration of the rotor alone by the largest torques of motor, gear (twice its peak rating)
 //! and friction, with half as much again for their uncertainty; the sixteenth of the step is for an unmeasured clock; 13 counts are the noise
-//! ([`NOISE`]), which a slow rotor with a coarse encoder shows more than its acceleration. A
+//! of a reading, which a slow rotor with a coarse encoder shows more than its acceleration. A
 //! refused reading is replaced by the predicted one, so that single bad frames do not disturb the joint. Counts are
 //! within the revolution, so that the first accepted reading after a few refused ones gives the right angle. A reading that goes
 //! on from the refused one before it, at the joint's speed within half of a period's range or at none at all, is refused too,

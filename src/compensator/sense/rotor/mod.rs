@@ -32,7 +32,7 @@
 //! u_m, u_t and u_s are the parts of the torques by motor, torsion and torque sensor that are uncertain ([`Tolerances`]); tau_s is the larger static
 //! friction of both directions without load, where its ripple is highest, and mu the larger part of the gear's torque that adds to it, driving or driven.
 //! A rotor that stands tells the gear's torque no better than its friction lets it: T_r/n = (abs tau + tau_s)/(1 - mu) is the largest that
-//! tau and friction hold, with the smaller tau of those that have changed; mu counts as at most [`MOST_LOADED`] there. T_c is by how much the gear's torque
+//! tau and friction hold, with the smaller tau of those that have changed; mu counts as at most 1/2 there. T_c is by how much the gear's torque
 //! may have changed with tau on a rotor that friction holds: by the sensor at the output, else by as much as the gear surely carries,
 //! abs tau less what friction holds, as an output that swings doubles its torque or loses it. The torques by the output's encoder and by its torque sensor
 //! are compared with T_g: with a difference of more than u_t*tau_p + u_m of it and of n*tau for 8 ms, the sensor is
