@@ -1,4 +1,4 @@
-//! No fault is named of a joint of the catalogue that only differs from its gear file by what the unknowns of the plant say.
+//! The motor's encoder of a joint of the catalogue that differs from its gear file by no more than the unknowns of the plant is no faulty one.
 
 use strainwave::compensator::Faults;
 use strainwave_desktop::GearFile;

@@ -10,24 +10,15 @@ fn rotor() -> Rotor<f64> {
     with(&TENTHS, 1.5e-3)
 }
 
-impl Rotor<f64> {
-    /// tau_s (N m) of the default gear.
-    fn static_friction(&self) -> f64 {
-        crate::gear::tests::params().input_friction.largest_level()
-    }
-
-    /// What is added for noise (N m) where no load adds to the friction.
-    fn margin(&self) -> f64 {
-        self.grip - 2.0 * self.largest * self.static_friction()
-    }
-}
-
 /// Of a joint that is known so well, whose drive takes so long to reach its command (s).
 fn with(tolerances: &Tolerances<f64>, drive_response: f64) -> Rotor<f64> {
-    let gear = crate::gear::tests::params();
+    build(&crate::gear::tests::params(), tolerances, drive_response)
+}
+
+fn build(gear: &GearParams<f64>, tolerances: &Tolerances<f64>, drive_response: f64) -> Rotor<f64> {
     let limits = Limits { motor_torque: 2.4, motor_speed: 586.0, output_torque: 157.0 };
     let count = core::f64::consts::TAU / f64::from(1 << 19);
-    Rotor::build(&gear, &limits, tolerances, [count; 2], drive_response, 141.0, CONTROL_PERIOD).unwrap()
+    Rotor::build(gear, &limits, tolerances, [count; 2], drive_response, 141.0, CONTROL_PERIOD).unwrap()
 }
 
 /// Faults of one more round under `torque` (N m), at `within` (counts) during the round and at `end` at its end.
@@ -81,9 +72,7 @@ fn a_motor_has_a_round_to_follow_its_torque() {
 fn loaded(load: f64) -> Rotor<f64> {
     let mut gear = crate::gear::tests::params();
     (gear.input_friction.load.driving, gear.input_friction.load.driven) = (load, 0.5 * load);
-    let limits = Limits { motor_torque: 2.4, motor_speed: 586.0, output_torque: 157.0 };
-    let count = core::f64::consts::TAU / f64::from(1 << 19);
-    Rotor::build(&gear, &limits, &TENTHS, [count; 2], 1.5e-3, 141.0, CONTROL_PERIOD).unwrap()
+    build(&gear, &TENTHS, 1.5e-3)
 }
 
 /// Faults of a rotor that stands while its torque goes from `first` to `last` and stays there, the gear's torque at the output `seen` to
@@ -99,9 +88,11 @@ fn standing(rotor: &Rotor<f64>, [first, last]: [f64; 2], seen: f64) -> Faults {
 #[test]
 fn a_loaded_gear_holds_a_larger_change_of_the_torque() {
     let (free, grown) = (rotor(), loaded(0.1));
-    let held = free.static_friction();
+    let held = crate::gear::tests::params().input_friction.largest_level();
+    // What is added for noise.
+    let margin = free.grip - 2.0 * 1.3 * held;
     // The gear carries what the smaller torque and friction hold; it surely carries none.
-    let allowed = |load: f64| 2.0 * 1.3 * (held + load * (held + held) / (1.0 - load)) + free.margin();
+    let allowed = |load: f64| 2.0 * 1.3 * (held + load * (held + held) / (1.0 - load)) + margin;
     for (rotor, load) in [(&free, 0.0), (&grown, 0.1)] {
         let change = |factor: f64| standing(rotor, [held, held + factor * allowed(load)], 0.0);
         assert_eq!((change(0.99), change(1.01)), (Faults::NONE, Faults::MOTOR_ENCODER_FROZEN), "{load}");
