@@ -363,13 +363,13 @@ pub const JOINT: JointParams<f32> = JointParams {
     output_feedback: [
         OutputFeedbackParams {
             damping: 0.0015554276,
-            damping_at_rest: 0.0015554276,
+            damping_at_rest: 0.0010207493,
             integral: 0.0,
             filter_corner: 192.87302,
         },
         OutputFeedbackParams {
             damping: 0.0015554276,
-            damping_at_rest: 0.0015554276,
+            damping_at_rest: 0.0011665707,
             integral: 48.218254,
             filter_corner: 192.87302,
         },

@@ -14,7 +14,7 @@
 //!
 //! omega_v is the bandwidth of the velocity loop, T the delay from a torque to the reference and half a round. From 90 degrees on the
 //! shift takes damping away. So b is whole up to 60 degrees and falls to 0 at 90: half as much phase again as at 60 takes no damping
-//! away. Without an output encoder it is no more than the loop through the estimate bears, in motion and at rest (`estimated_damping.rs`).
+//! away. It is no more than the loop through the estimate bears, in motion without an output encoder and at rest (`estimated_damping.rs`).
 //!
 //! The corners of what is integrated, k and the disturbance path's slow part, are fractions of the outer frequency: omega,
 //! or 1.75 times the position gain where that is less. Units: rad, s, N m.

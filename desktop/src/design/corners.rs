@@ -6,7 +6,7 @@ use crate::io::gear_file::GearFile;
 /// Damping ratio of the mode behind the flange: the least of the box.
 pub const LINK_DAMPING: f64 = 0.005;
 /// Presliding distance over the file's, where friction does not slide.
-const PRESLIDING: [f64; 2] = [0.3, 3.0];
+pub(super) const PRESLIDING: [f64; 2] = [0.3, 3.0];
 /// Fraction of the load behind a mode, and its frequency (Hz).
 const LINKS: [Option<(f64, f64)>; 4] = [None, Some((0.5, 20.0)), Some((0.3, 60.0)), Some((0.5, 60.0))];
 

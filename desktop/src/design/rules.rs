@@ -14,10 +14,11 @@ use crate::io::gear_file::GearFile;
 /// As [`observer_design::observer_params`].
 pub fn parts(file: &GearFile) -> Result<Parts, Error> {
     let mut parts = whole(file)?;
-    let [in_motion, at_rest] = estimated_damping::levels(file, &parts);
-    let motor_alone = &mut parts.output_feedback[0];
-    motor_alone.damping *= in_motion;
-    motor_alone.damping_at_rest *= at_rest;
+    let bears = estimated_damping::Levels::of(file, &parts);
+    parts.output_feedback[0].damping *= bears.in_motion;
+    for (gains, at_rest) in parts.output_feedback.iter_mut().zip(bears.at_rest) {
+        gains.damping_at_rest *= at_rest;
+    }
     Ok(parts)
 }
 

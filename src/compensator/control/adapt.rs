@@ -19,6 +19,7 @@ impl<R: Real> Compensator<R> {
             compliance: supervised * state.motor_reference.wind_up_compliance,
             gain: supervised * state.guard.gains().wind_up,
             gravity: state.learning.gravity_torque(),
+            supervised,
         };
         let external_torque = state.observer.external_torque();
         self.disturbance.step_slow(&mut state.disturbance, external_torque, &joint);

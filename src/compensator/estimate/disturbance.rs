@@ -2,14 +2,16 @@
 //!
 //! ```text
 //! d_c = l + s*f                                                      compensated load
-//! l:  dl/dt = omega_l*(D(d, z_0) - l) in motion, omega_l*D(d - l, z_0) at rest     slow part;  D(u, z) = u - limit(u, z)
+//! l:  dl/dt = omega_l*(D(d, z_0) - l) in motion, g*omega_l*D(d - l, z_0) at rest     slow part;  D(u, z) = u - limit(u, z)
 //! f:  ddf = omega_f^2*(D(d - m, z) - f) - 2*omega_f*df,   dm/dt = omega_l*(d - m)     fast part,  z = z_0 + t*|tau_ff|
 //! motor: speed -w*s*df/r,   acceleration -w*s*ddf/r,   torque -J_wg*w*s*ddf/r - r*f
 //! ```
 //!
 //! d is the external torque on the flexspline that the observer estimates (N m), w the gear's compliance (rad/(N m)),
 //! tau_ff the motor's feed-forward torque (N m). Semi-implicit Euler: f with the observer's period, l and the time
-//! with the slow period of [`crate::compensator::schedule`]. Units: rad, N m; signs as in [`crate::gear`].
+//! with the slow period of [`crate::compensator::schedule`]. g is the supervisor's gain, 0..=1 ([`crate::compensator::actuate::supervisor`]):
+//! where friction lets go of the motor at once, the estimate of the load swings by several times that friction, the more the slower the
+//! torsion mode is, and l alone kept a resting joint swinging. Units: rad, N m; signs as in [`crate::gear`].
 //!
 //! It responds to an estimate, so it closes a loop through the observer, which attributes every torque that the model
 //! lacks to a load, and the motor. Each parameter limits the gain of that loop by an uncertainty:
@@ -110,8 +112,10 @@ pub struct DisturbanceInput<R> {
     pub compliance: R,
     /// Gain of the wind-up compensation, 0..=1.
     pub gain: R,
-    /// g (N m).
+    /// Torque of gravity (N m).
     pub gravity: R,
+    /// g, 0..=1.
+    pub supervised: R,
 }
 
 /// Wind-up response: motion and torque of the motor, added to the feed-forward, that wind the gear up for a load.
@@ -179,7 +183,7 @@ impl<R: Real> Disturbance<R> {
         external_torque: R,
         joint: &DisturbanceInput<R>,
     ) {
-        let DisturbanceInput { motor_torque, rests, compliance, gain, gravity } = *joint;
+        let DisturbanceInput { motor_torque, rests, compliance, gain, gravity, supervised } = *joint;
         state.by_torque = -compliance * self.motor_wind_up;
         state.torque_ratio = self.ratio * gain;
         state.dead_zone = self.dead_zone + self.tolerance * motor_torque.abs();
@@ -190,7 +194,7 @@ impl<R: Real> Disturbance<R> {
             let beyond = change.dead_zone(self.dead_zone);
             let takes = change * (gravity + state.slow) < R::ZERO;
             state.unloads = takes && (state.unloads || beyond != R::ZERO);
-            if state.unloads { change } else { beyond }
+            supervised * if state.unloads { change } else { beyond }
         } else {
             state.unloads = false;
             external_torque.dead_zone(self.dead_zone) - state.slow
@@ -250,7 +254,9 @@ mod tests {
 
     /// d_c and f after so many seconds under d (N m).
     fn after(seconds: f64, torque: impl Fn(f64) -> f64, motor_torque: f64, rests: bool) -> (f64, f64) {
-        let joint = DisturbanceInput { motor_torque, rests, compliance: 2.5e-5, gain: 1.0, gravity: 0.0 };
+        let compliance = 2.5e-5;
+        let joint =
+            DisturbanceInput { motor_torque, rests, compliance, gain: 1.0, gravity: 0.0, supervised: 1.0 };
         response(seconds, torque, &joint)
     }
 
@@ -285,7 +291,8 @@ mod tests {
     /// What is left of gravity and a load against it is compensated with the sign that it has, or not at all.
     #[test]
     fn a_load_that_holds_up_gravity_is_not_compensated_beyond_it() {
-        let joint = DisturbanceInput { rests: true, gravity: -35.0, ..DisturbanceInput::default() };
+        let joint =
+            DisturbanceInput { rests: true, gravity: -35.0, supervised: 1.0, ..DisturbanceInput::default() };
         for (load, least, most) in
             [(38.0, -0.1, 3.1), (33.0, -2.1, 0.1), (60.0, 18.9, 19.1), (5.9, -35.0, -35.0)]
         {
@@ -293,6 +300,19 @@ mod tests {
             let whole = joint.gravity + compensated;
             assert!((least..=most).contains(&whole), "{load}: {whole}");
         }
+    }
+
+    /// While the feedback functions are away; a joint that moves follows its load.
+    #[test]
+    fn at_rest_the_slow_part_stands_while_the_feedback_is_reduced() {
+        let compensated = |rests, supervised| {
+            let joint = DisturbanceInput { rests, supervised, ..DisturbanceInput::default() };
+            response(2.0, |_| 40.0, &joint).0 - 0.5 * response(2.0, |_| 40.0, &joint).1
+        };
+        assert_eq!(compensated(true, 0.0), 0.0);
+        assert!(
+            [compensated(true, 1.0), compensated(false, 0.0)].iter().all(|slow| (slow - 34.0).abs() < 0.1)
+        );
     }
 
     /// A tolerance of 20 N m at the output for each N m at the motor.

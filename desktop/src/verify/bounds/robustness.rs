@@ -23,6 +23,12 @@ pub(super) const ROWS: &[Bound] = &[
               compensation never degrades a run",
     },
     Bound {
+        name: "robustness.stopped",
+        value: 0.0,
+        unit: "run",
+        why: "runs of S1-S5 on judged plants of one row that end with the drive switched off: nothing in them is broken",
+    },
+    Bound {
         name: "robustness.s1.vibration",
         value: 0.7,
         unit: "1",

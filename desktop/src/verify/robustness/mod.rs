@@ -8,6 +8,7 @@
 //! | `shakes` | runs that diverge or keep oscillating at rest ([`RunResult::oscillates`]) |
 //! | `limited` | runs that stay at the torque limit for more than 10 ms of their judged part ([`RunResult::is_limited`]) |
 //! | `worse` | runs of which a metric is worse than B0's, by more than 5 % and more than 12 urad ([`RunResult::is_worse`]) |
+//! | `stopped` | runs that end with the drive switched off by a fault, of which no plant has any |
 //! | `s2.error`, `s4.error` | rms output error over that of the best rival on the same plant, median of the plants |
 //! | `s1.vibration`, `s3.vibration` | the torsion's vibration after the moves, alike |
 //! | `rest.torque` | the motor torque's oscillation at rest over B0's, rms of S1 to S5, median of the plants |

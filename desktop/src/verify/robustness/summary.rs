@@ -1,5 +1,7 @@
 //! Summary of a row's runs.
 
+use strainwave::compensator::Mode;
+
 use super::run_result::{JUDGED, Oscillation, RunResult, RunResults, torque_ratio};
 use super::{Outcome, RIVALS, Rival};
 use crate::bench::scenario::Scenario;
@@ -24,6 +26,9 @@ const WORST: [(&str, Scenario, Metric); 2] = [
 ];
 /// Worst plants that are named.
 const NAMED: usize = 3;
+
+/// What of a run is counted, by the compensator's result and B0's.
+type Count = fn(Option<&RunResult>, Option<&RunResult>) -> bool;
 
 /// Every row.
 #[derive(Clone)]
@@ -57,6 +62,8 @@ pub struct OfSensors {
     pub limited: [usize; JUDGED.len()],
     /// Runs that are worse than B0, alike.
     pub worse: [usize; JUDGED.len()],
+    /// Runs that end with the drive switched off, alike.
+    pub stopped: [usize; JUDGED.len()],
     /// In the order of [`RATIOS`], the median of the plants.
     ratios: [f64; RATIOS.len()],
     /// In the order of [`WORST`], with the plant's seed.
@@ -64,7 +71,7 @@ pub struct OfSensors {
     torque_at_rest: f64,
     /// S4 with the map learnt and without it.
     untold: Option<[f64; 2]>,
-    /// Plants with runs that shake, are limited or worse, the worst first.
+    /// Plants with runs that shake, are limited, worse or stopped, the worst first.
     bad: Vec<Bad>,
 }
 
@@ -75,6 +82,7 @@ struct Bad {
     shakes: Vec<String>,
     limited: Vec<String>,
     worse: Vec<String>,
+    stopped: Vec<String>,
     ratio: f64,
 }
 
@@ -114,7 +122,7 @@ impl Summary {
 impl OfSensors {
     fn of(sensors: SensorSet, outcomes: &[Outcome]) -> Self {
         let ours = |outcome: &Outcome| outcome.compensated[sensors as usize].clone();
-        let count = |bad: fn(Option<&RunResult>, Option<&RunResult>) -> bool| {
+        let count = |bad: Count| {
             std::array::from_fn(|k| {
                 let runs = outcomes.iter().map(|outcome| (ours(outcome)[k].clone(), &outcome.rivals[0][k]));
                 runs.filter(|(ours, b0)| bad(ours.as_ref(), b0.as_ref())).count()
@@ -140,6 +148,7 @@ impl OfSensors {
             shakes: count(|ours, b0| shake(ours, b0).is_some()),
             limited: count(limited),
             worse: count(worse),
+            stopped: count(stopped),
             ratios: RATIOS.map(|(_, scenario, metric)| ratio(scenario, metric)),
             worst: WORST.map(|(_, scenario, metric)| {
                 let ratios = outcomes.iter().map(|outcome| {
@@ -181,6 +190,7 @@ impl OfSensors {
             count("robustness.shakes", &self.shakes),
             count("robustness.limited", &self.limited),
             count("robustness.worse", &self.worse),
+            count("robustness.stopped", &self.stopped),
         ];
         figures.extend(RATIOS.iter().zip(self.ratios).map(|((what, ..), ratio)| bounded(what, ratio)));
         figures.push(bounded("robustness.rest.torque", self.torque_at_rest));
@@ -197,7 +207,7 @@ impl OfSensors {
         figures
     }
 
-    fn cells(&self) -> [String; 8] {
+    fn cells(&self) -> [String; 9] {
         let short = |value: f64| if value >= 100.0 { format!("{value:.0}") } else { format!("{value:.2}") };
         let [_, s2, s3, s4] = self.ratios;
         let [(worst_s2, _), (worst_s3, _)] = self.worst;
@@ -205,6 +215,7 @@ impl OfSensors {
             self.shakes.iter().sum::<usize>().to_string(),
             self.limited.iter().sum::<usize>().to_string(),
             self.worse.iter().sum::<usize>().to_string(),
+            self.stopped.iter().sum::<usize>().to_string(),
             short(s2),
             short(s4),
             short(s3),
@@ -226,7 +237,7 @@ impl Robustness {
     /// One line a row, the header first.
     pub fn table(&self) -> Vec<Vec<String>> {
         let set = |name: &str| {
-            ["shake", "limit", "worse", "S2", "S4", "S3", "worst S2 S3", "rest"]
+            ["shake", "limit", "worse", "off", "S2", "S4", "S3", "worst S2 S3", "rest"]
                 .map(|column| format!("{name} {column}"))
         };
         let rivals = RIVALS.iter().skip(1).map(|rival| format!("{} shake", rival.name));
@@ -264,21 +275,22 @@ impl Bad {
             _ => format!(" {what} {}", scenarios.join(" ")),
         };
         format!(
-            "{}{}{}{} ({})",
+            "{}{}{}{}{} ({})",
             self.seed,
             list("shakes", &self.shakes),
             list("limited", &self.limited),
             list("worse", &self.worse),
+            list("stopped", &self.stopped),
             number(self.ratio)
         )
     }
 }
 
-/// Plants with runs that shake, are limited or worse; more of the first, then of the second, then by the largest ratio to B0.
+/// Plants with runs that shake, are limited, worse or stopped; more that shake, then worse, limited, stopped, then by the largest ratio to B0.
 fn bad(sensors: SensorSet, outcomes: &[Outcome]) -> Vec<Bad> {
     let mut found: Vec<_> = outcomes.iter().filter_map(|outcome| Bad::of(sensors, outcome)).collect();
     found.sort_by(|a, b| {
-        let counts = |bad: &Bad| (bad.shakes.len(), bad.worse.len(), bad.limited.len());
+        let counts = |bad: &Bad| (bad.shakes.len(), bad.worse.len(), bad.limited.len(), bad.stopped.len());
         counts(b).cmp(&counts(a)).then(b.ratio.total_cmp(&a.ratio))
     });
     found
@@ -292,7 +304,7 @@ impl Bad {
             let shake = shake(ours.as_ref(), b0.as_ref())?;
             Some(format!("{}/{}", scenario.name(), shake.name()))
         });
-        let list = |bad: fn(Option<&RunResult>, Option<&RunResult>) -> bool| -> Vec<_> {
+        let list = |bad: Count| -> Vec<_> {
             let runs = runs().filter(|(_, (ours, b0))| bad(ours.as_ref(), b0.as_ref()));
             runs.map(|(scenario, _)| scenario.name().to_owned()).collect()
         };
@@ -301,9 +313,11 @@ impl Bad {
             _ => vec![f64::INFINITY],
         });
         let ratio = ratios.fold(0.0, f64::max);
-        let (limited, worse) = (list(limited), list(worse));
-        let bad = Self { seed: outcome.seed, shakes: shakes.collect(), limited, worse, ratio };
-        (!bad.shakes.is_empty() || !bad.limited.is_empty() || !bad.worse.is_empty()).then_some(bad)
+        let counted: [Count; 3] = [limited, worse, stopped];
+        let [limited, worse, stopped] = counted.map(list);
+        let bad = Self { seed: outcome.seed, shakes: shakes.collect(), limited, worse, stopped, ratio };
+        let kinds = [&bad.shakes, &bad.limited, &bad.worse, &bad.stopped];
+        kinds.iter().any(|kind| !kind.is_empty()).then_some(bad)
     }
 }
 
@@ -328,6 +342,11 @@ fn worse(ours: Option<&RunResult>, b0: Option<&RunResult>) -> bool {
         (None, b0) => b0.is_some(),
         (Some(_), None) => false,
     }
+}
+
+/// Nothing is broken in any of the plants: a drive that a fault has switched off was switched off for nothing.
+fn stopped(ours: Option<&RunResult>, _: Option<&RunResult>) -> bool {
+    ours.is_some_and(|result| result.mode == Mode::Safe)
 }
 
 /// A rival that reads no more than these sensors.
@@ -371,5 +390,21 @@ mod tests {
         assert_eq!([shake(None, Some(&some)), shake(None, None)], [Some(Oscillation::Diverged); 2]);
         assert_eq!([shake(Some(&some), None), shake(Some(&some), Some(&some))], [None; 2]);
         assert!(worse(None, Some(&some)) && !worse(None, None) && !worse(Some(&some), None));
+    }
+
+    #[test]
+    fn a_run_that_ends_with_the_drive_off_is_counted() {
+        let [works, off] =
+            [Mode::Active, Mode::Safe].map(|mode| Some(RunResult { mode, ..RunResult::default() }));
+        let outcome = Outcome {
+            seed: 7,
+            realisation: 0,
+            rivals: vec![JUDGED.map(|_| works.clone()); RIVALS.len()],
+            compensated: [off, works].map(|result| JUDGED.map(|_| result.clone())),
+            untold: None,
+        };
+        let summary = Summary::of(Which::All, &[outcome]);
+        assert_eq!(summary.sets.each_ref().map(|set| set.stopped), [[1; JUDGED.len()], [0; JUDGED.len()]]);
+        assert_eq!(summary.sets.map(|set| set.bad.len()), [1, 0]);
     }
 }
