@@ -1,6 +1,9 @@
 //! Bounds of `verify compensator` in three states of the stored kinematic error: told, learnt, absent.
 //!
 //! Plants are those of the row `kinematic.stored`: the stored error is off by up to 30 % in amplitude and 0.3 rad in phase.
+//!
+//! After the move of S3 a joint with a map that is off vibrates by an urad or some; how fast that decays at rest is a question of the damping
+//! by the estimate, of which friction that does not slide lets a joint have no more (`design/estimated_damping.rs`).
 
 use super::Bound;
 
@@ -37,20 +40,20 @@ pub(super) const ROWS: &[Bound] = claims! {
         both absent 1.3, "the kinematic error is left to the feedback of the measured output; target 0.7";
     "s3.vibration_to_b0",
         "torsion's vibration after the move of S3 over that of the cascade alone, worst of 20 plants and their noises":
-        motor told 0.79, "without a measured output what the map is off by stays; target 0.25";
-        motor learnt 2.8, "a motor encoder alone cannot show the kinematic error, and nothing is learnt of it; target 0.25";
-        motor absent 2.8, "the kinematic error is neither known nor seen; target 0.25";
-        both told 0.6, "the measured output corrects what the map is off by; target 0.2";
-        both learnt 3.0, "the ripple is learnt from the measured output, at a steady speed only; target 0.2";
-        both absent 3.6, "the kinematic error is left to the feedback of the measured output; target 0.2";
+        motor told 0.93, "without a measured output what the map is off by stays; target 0.25";
+        motor learnt 3.1, "a motor encoder alone cannot show the kinematic error, and nothing is learnt of it; target 0.25";
+        motor absent 3.1, "the kinematic error is neither known nor seen; target 0.25";
+        both told 1.0, "the measured output corrects what the map is off by; target 0.2";
+        both learnt 3.5, "the ripple is learnt from the measured output, at a steady speed only; target 0.2";
+        both absent 3.8, "the kinematic error is left to the feedback of the measured output; target 0.2";
     "s3.vibration_to_best",
         "torsion's vibration after the move of S3 over that of the best baseline with the same map, median of 20 plants and their noises":
         motor told 0.7, "without a measured output what the map is off by stays";
-        motor learnt 0.88, "a motor encoder alone cannot show the kinematic error, and nothing is learnt of it; target 0.7";
-        motor absent 0.88, "the kinematic error is neither known nor seen; target 0.7";
+        motor learnt 1.1, "a motor encoder alone cannot show the kinematic error, and nothing is learnt of it; target 0.7";
+        motor absent 1.1, "the kinematic error is neither known nor seen; target 0.7";
         both told 0.7, "the measured output corrects what the map is off by";
-        both learnt 1.25, "the ripple is learnt from the measured output, at a steady speed only; target 0.7";
-        both absent 1.6, "the kinematic error is left to the feedback of the measured output; target 0.7";
+        both learnt 1.5, "the ripple is learnt from the measured output, at a steady speed only; target 0.7";
+        both absent 1.8, "the kinematic error is left to the feedback of the measured output; target 0.7";
     "s4.ripple_to_b0",
         "output error at the orders of the kinematic error in S4 over that of the cascade alone, worst of 20 plants and their noises":
         motor told 0.51, "without a measured output what the map is off by stays; target 0.02";
