@@ -307,7 +307,7 @@ mod tests {
         let window = f64::from(supervisor().window) * ROUND;
         let torsion = |level: f64| {
             move |time: f64| {
-                let part = if (time / window) as u32 % 2 == 0 { 1.0 } else { 0.3 };
+                let part = if ((time / window) as u32).is_multiple_of(2) { 1.0 } else { 0.3 };
                 level * part * rated() * (TAU * 94.0 * time).sin()
             }
         };
