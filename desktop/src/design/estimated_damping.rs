@@ -15,9 +15,7 @@
 //! farthest from the file's, with the slowest drive, by the poles of the whole loop ([`poles`]) with the observer's gains of a motor that
 //! moves; at rest with friction that slides, which damps and is left out, and with friction that is a spring of the shortest presliding
 //! distance of the box, with the P and D of rest. There is no margin for a shorter one, as of static friction without any: what swings
-//! then, the supervisor ends. A cascade that is faster than the torsion mode excites it: at rest b is no less than what is stable with
-//! friction that slides, as it does where a vibration is large, though it may swing in friction that does not: a small swing instead of one
-//! from limit to limit. The disturbance path's dead zone passes nothing.
+//! then, the supervisor ends. The disturbance path's dead zone passes nothing.
 
 use super::corners::{Corner, PRESLIDING};
 use super::mode::Mode;
@@ -53,56 +51,31 @@ impl Levels {
         let plants: Vec<_> = corners(file).map(|corner| (corner, Plant::new(file, &corner))).collect();
         let (slides, springs) =
             plants.into_iter().partition::<Vec<_>, _>(|(corner, _)| corner.presliding.is_none());
-        let in_motion = most_borne(growth_by_level(file, parts, SensorSet::Motor, &slides), 1.0);
+        let in_motion = level(file, parts, SensorSet::Motor, &slides, 1.0);
         let resting = resting(parts);
-        let at_rest = |set, most| {
-            let [bears, needs] =
-                [&springs, &slides].map(|plants| growth_by_level(file, &resting, set, plants));
-            most_borne(bears, most).max(least_needed(needs, most))
-        };
+        let at_rest = |set, most| level(file, &resting, set, &springs, most);
         Self { in_motion, at_rest: [at_rest(SensorSet::Motor, in_motion), at_rest(SensorSet::Both, 1.0)] }
     }
 }
 
-/// Growth of the fastest mode in any of these corners (1/s), by the fraction of b with a set of sensors.
-fn growth_by_level(
-    file: &GearFile,
-    parts: &Parts,
-    set: SensorSet,
-    plants: &[(Corner, Plant)],
-) -> impl Fn(f64) -> f64 {
-    move |level| {
+/// Fraction of b with a set of sensors, at most `most`, which is stable in these corners.
+fn level(file: &GearFile, parts: &Parts, set: SensorSet, corners: &[(Corner, Plant)], most: f64) -> f64 {
+    let growth = |level: f64| {
         let scaled = scaled(parts, level);
         let of = |(corner, plant): &(Corner, Plant)| growth(file, &scaled, set, corner, plant);
-        plants.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
-    }
-}
-
-/// The largest fraction, at most `most`, that is stable, or no less so than none of it.
-fn most_borne(growth: impl Fn(f64) -> f64, most: f64) -> f64 {
+        corners.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+    };
     let without = growth(0.0).max(0.0) + NONE;
     let bears = |level: f64| growth(level) <= without;
-    if bears(most) { most } else { edge(most, bears)[0] }
-}
-
-/// The smallest fraction, at most `most`, that is stable; `most` where that is not.
-fn least_needed(growth: impl Fn(f64) -> f64, most: f64) -> f64 {
-    let swings = |level: f64| growth(level) > NONE;
-    match (swings(0.0), swings(most)) {
-        (false, _) => 0.0,
-        (true, true) => most,
-        (true, false) => edge(most, swings)[1],
+    if bears(most) {
+        return most;
     }
-}
-
-/// Two fractions of at most `most`, next to each other, of which the smaller one `holds` and the larger one does not.
-fn edge(most: f64, holds: impl Fn(f64) -> bool) -> [f64; 2] {
-    let [mut below, mut above] = [0.0, most];
+    let [mut least, mut most] = [0.0, most];
     for _ in 0..HALVINGS {
-        let middle = 0.5 * (below + above);
-        *(if holds(middle) { &mut below } else { &mut above }) = middle;
+        let middle = 0.5 * (least + most);
+        *(if bears(middle) { &mut least } else { &mut most }) = middle;
     }
-    [below, above]
+    least
 }
 
 /// With the feedback of the measured angle of a joint at rest, whose motor the observer takes for one that moves.
