@@ -31,7 +31,7 @@ faults! {
     2 MOTOR_ENCODER_JUMP "motor encoder jump": "The motor encoder moved farther than the motor can, or its count has too many bits.";
     3 MOTOR_ENCODER_FROZEN "motor encoder frozen": "The motor encoder stood still while a motion of the motor was commanded, or for longer than its noise lets it: frozen, or the joint is blocked. It stays until the encoder moves.";
     4 OUTPUT_ENCODER_JUMP "output encoder jump": "The output encoder moved farther than the output can, or its count has too many bits.";
-    5 TORQUE_LIMITED "torque limited": "The torque command was beyond the motor's peak torque; it was limited.";
+    5 TORQUE_LIMITED "torque limited": "The torque command was beyond the motor's peak torque or what the gear may carry; it was limited.";
     6 OBSERVER_RESET "observer reset": "The observer's torsion left the range of the gear; it starts again from the motor's angle.";
     7 ESTIMATE_LIMITED "estimate limited": "An estimate was beyond what the joint can do; it was limited.";
     8 TORSION_BEYOND_RANGE "torsion beyond range": "The observed torsion or its rate requires more torque than the gear can transmit; the model's torque saturates there.";

@@ -82,13 +82,14 @@ impl<R: Real> Fallback<R> {
         state.ramped = self.ramp;
     }
 
-    /// The torque for a target (N m) that is one of the `allowed` torques; so is one on the way to it.
+    /// The torque for a target (N m) that is one of the `allowed` torques; so is one on the way to it, which is limited, and
+    /// said to be, where the bounds have come closer than the ramp goes.
     #[inline(always)]
     pub fn step(
         &self,
         state: &mut FallbackState<R>,
         target: R,
-        faults: Faults,
+        faults: &mut Faults,
         allowed: &ProtectionState<R>,
     ) -> R {
         if faults.intersects(UNTRUSTED) {
@@ -105,7 +106,7 @@ impl<R: Real> Fallback<R> {
             seldom();
             let change = target - state.torque;
             if !change.is_within(self.change) {
-                state.torque = allowed.limit(state.torque + self.change.copysign(change));
+                state.torque = allowed.limit(state.torque + self.change.copysign(change), faults);
                 return state.torque;
             }
             state.ramped -= 1;

@@ -16,7 +16,7 @@
 
 use crate::branch::seldom;
 use crate::compensator::sense::rotor::output_inertia;
-use crate::compensator::{Limits, Tolerances};
+use crate::compensator::{Faults, Limits, Tolerances};
 use crate::constants::constants;
 use crate::gear::GearParams;
 use crate::real::Real;
@@ -43,13 +43,14 @@ pub struct ProtectionState<R> {
 }
 
 impl<R: Real> ProtectionState<R> {
-    /// A torque (N m) limited to these; the lowest in the place of one that is no number.
+    /// A torque (N m) limited to these, which is said; the lowest in the place of one that is no number.
     #[inline(always)]
-    pub fn limit(&self, torque: R) -> R {
+    pub fn limit(&self, torque: R, faults: &mut Faults) -> R {
         if torque >= self.lowest && torque <= self.highest {
             return torque;
         }
         seldom();
+        *faults = faults.with(Faults::TORQUE_LIMITED);
         if torque > self.highest { self.highest } else { self.lowest }
     }
 }
@@ -134,7 +135,7 @@ mod tests {
                 last = torque;
             }
             let commanded = if (k / 100) % 2 == 0 { MOTOR } else { -MOTOR };
-            let motor = if protected { state.limit(commanded) } else { commanded };
+            let motor = if protected { state.limit(commanded, &mut Faults::default()) } else { commanded };
             rotor[1] += dt * (motor - torque / -100.0) / INERTIA[0];
             output[1] += if held { 0.0 } else { dt * torque / INERTIA[1] };
             rotor[0] += dt * rotor[1];
@@ -154,10 +155,14 @@ mod tests {
     }
 
     #[test]
-    fn a_torque_within_the_bounds_passes_unchanged() {
+    fn a_torque_within_the_bounds_passes_unchanged_and_another_is_named() {
+        let mut faults = Faults::NONE;
         for torque in [0.0, 0.1234567, -1.5] {
-            assert_eq!(protection().rest().limit(torque), torque);
+            assert_eq!(protection().rest().limit(torque, &mut faults), torque);
         }
+        assert_eq!(faults, Faults::NONE);
+        assert_eq!(protection().rest().limit(1.01 * MOTOR, &mut faults), MOTOR);
+        assert_eq!(faults, Faults::TORQUE_LIMITED);
     }
 
     /// However far the bounds are: within the motor's peak torque.
@@ -167,7 +172,10 @@ mod tests {
         for torque in [0.0, 1e3, -1e3, 1e30, f64::NAN] {
             protection.follow(&mut state, torque, 0.0, 0.0);
             for commanded in [0.0, 1e9, -1e9, f64::NAN] {
-                assert!(state.limit(commanded).abs() <= MOTOR, "{torque} {commanded}");
+                assert!(
+                    state.limit(commanded, &mut Faults::default()).abs() <= MOTOR,
+                    "{torque} {commanded}"
+                );
             }
         }
     }

@@ -29,10 +29,10 @@ impl<R: Real> Compensator<R> {
         [before, after] == [Mode::Safe; 2]
     }
 
-    /// No torque (N m), of a drive that is off.
+    /// No torque (N m), of a drive that is off: none that could be limited.
     #[inline(always)]
-    pub(super) fn without_torque(&self, state: &mut State<R>, faults: Faults) -> R {
-        self.fallback.step(&mut state.fallback, R::ZERO, faults, &state.protection);
+    pub(super) fn without_torque(&self, state: &mut State<R>, mut faults: Faults) -> R {
+        self.fallback.step(&mut state.fallback, R::ZERO, &mut faults, &state.protection);
         state.fallback.sent(R::ZERO);
         state.limited = true;
         R::ZERO
@@ -120,9 +120,8 @@ impl<R: Real> Compensator<R> {
 
     /// The torque command: `target` (N m) limited to the motor's peak torque and to the gear's rating.
     fn command(&self, state: &mut State<R>, target: R, faults: &mut Faults) -> R {
-        let limited = state.protection.limit(target);
-        faults.raise_if(limited != target, Faults::TORQUE_LIMITED);
-        let torque = self.fallback.step(&mut state.fallback, limited, *faults, &state.protection);
+        let limited = state.protection.limit(target, faults);
+        let torque = self.fallback.step(&mut state.fallback, limited, faults, &state.protection);
         // The feedback's integral must not run while its torque does not reach the motor.
         state.limited = torque != target;
         torque
