@@ -3,6 +3,9 @@
 use defmt_decoder::{DecodeError, Table};
 use std::path::Path;
 
+/// Bytes that the decoder receives at once.
+const RECEIVED: usize = 1024;
+
 /// Why telemetry could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -31,15 +34,19 @@ pub enum Error {
 pub fn decode(elf: &Path, bytes: &[u8]) -> Result<Vec<String>, Error> {
     let table = table(elf)?;
     let mut decoder = table.new_stream_decoder();
-    decoder.received(bytes);
     let mut lines = Vec::new();
-    loop {
-        match decoder.decode() {
-            Ok(frame) => lines.push(frame.display_message().to_string()),
-            Err(DecodeError::UnexpectedEof) => return Ok(lines),
-            Err(DecodeError::Malformed) => lines.push("(damaged telemetry frame)".into()),
+    // With each frame the decoder moves all that it has received: the time for a long run would grow with its square.
+    for received in bytes.chunks(RECEIVED) {
+        decoder.received(received);
+        loop {
+            match decoder.decode() {
+                Ok(frame) => lines.push(frame.display_message().to_string()),
+                Err(DecodeError::UnexpectedEof) => break,
+                Err(DecodeError::Malformed) => lines.push("(damaged telemetry frame)".into()),
+            }
         }
     }
+    Ok(lines)
 }
 
 fn table(elf: &Path) -> Result<Table, Error> {
