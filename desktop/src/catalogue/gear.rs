@@ -13,7 +13,7 @@
 //! | motor | 1.5 times peak torque/N; 5600 revolutions a minute of size 25, with size^-0.62 (4800 of size 32) |
 //! | noise of the torques | 1 % of the rated torque, at the motor over N |
 //! | baselines | as tuned; else the default gear's, transferred ([`super::load`]) |
-//! | cascade | that of baseline B0, its position loop half as fast again |
+//! | cascade | that of baseline B0, faster where the torsion mode lets it ([`super::load`]) |
 //!
 //! The default gear's velocity loop crosses over at 180 Hz above the torsion mode, where the rotor alone is left: what
 //! limits it is the drive's lag, the same for every size and load. Damping, presliding, Stribeck speeds, drive and
@@ -162,7 +162,7 @@ impl Model {
             slopes,
             from(friction, "Friction at the wave generator, of ratio 100"),
             "# Hysteresis, cup, output friction, motor and noise follow from size and rated torque; not a claim about one unit.".to_owned(),
-            "# [feedback] is baseline B0's, its position loop half as fast again, its integral time 0.65 of it; [baselines] as tuned, else the default gear's, transferred.".to_owned(),
+            "# [feedback] is baseline B0's, its position loop half as fast again, its integral time 0.65 of it, slower by the same factor where it would feed the torsion mode; [baselines] as tuned, else the default gear's, transferred.".to_owned(),
         ]
         .join("\n")
             + "\n"

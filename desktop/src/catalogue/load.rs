@@ -7,10 +7,23 @@
 //! ```
 //!
 //! All others stay, and each stays within its range.
+//!
+//! The compensator's cascade is B0's, with a faster position loop and a shorter integral time, both slowed down where they would
+//! feed the torsion mode. Moved by the gear's torque T, the motor's speed is
+//!
+//! ```text
+//! v = T/(n*k_v) * s^2/(s^2 + (k_p + 1/T_i)*s + w_0^2),     w_0^2 = k_p/T_i,  k_p = 2*pi*f_p
+//! Re(v/T) ~ w^2 - w_0^2 at s = i*w
+//! ```
+//!
+//! so that the cascade takes energy out of a mode that is faster than w_0 and puts energy into a slower one. w_0 is at most the torsion's
+//! mode with the softest slope of the line.
+
+use std::f64::consts::TAU;
 
 use crate::bench::baseline::gains::torsion_mode;
 use crate::bench::baseline::{BaselineGains, Kind};
-use crate::io::gear_file::{Baselines, Feedback, GearFile};
+use crate::io::gear_file::{Baselines, Feedback, GearFile, Stiffness};
 
 /// L.
 pub fn load_ratio(file: &GearFile) -> f64 {
@@ -49,13 +62,31 @@ const POSITION_BANDWIDTH: f64 = 1.5;
 /// gear's cascade has no phase margin left with half of its load on a link of 20 Hz, here 3.5 degrees, with B0's own 9.
 const INTEGRAL_TIME: f64 = 0.65;
 
-/// The cascade that the compensator has: that of B0, its position loop half as fast again, its integral time shorter.
+/// w_0 of a cascade (rad/s).
+fn own_frequency(feedback: &Feedback) -> f64 {
+    (TAU * feedback.position_bandwidth / feedback.integral_time).sqrt()
+}
+
+/// The torsion's mode with the softest slope of the line (rad/s).
+fn softest_mode(file: &GearFile) -> f64 {
+    let Stiffness { k1, k2, k3, .. } = file.stiffness;
+    (k1.min(k2).min(k3) / file.inertia.flexspline).sqrt()
+}
+
+/// The cascade that the compensator has: that of B0, its position loop half as fast again, its integral time shorter; both slower by
+/// the same factor where w_0 were above the torsion's mode.
 pub(super) fn feedback(file: &GearFile) -> Feedback {
     let gains = BaselineGains::of(file, Kind::B0);
-    Feedback {
+    let fast = Feedback {
         position_bandwidth: POSITION_BANDWIDTH * gains.position_bandwidth,
         velocity_bandwidth: gains.velocity_bandwidth,
         integral_time: INTEGRAL_TIME * gains.integral_time,
+    };
+    let slower = (softest_mode(file) / own_frequency(&fast)).min(1.0);
+    Feedback {
+        position_bandwidth: slower * fast.position_bandwidth,
+        integral_time: fast.integral_time / slower,
+        ..fast
     }
 }
 
@@ -90,6 +121,46 @@ mod tests {
     fn the_same_load_has_the_same_gains() {
         let file = GearFile::default_gear();
         assert_eq!(with_load(&file, file.inertia.flexspline).baselines, file.baselines);
+    }
+
+    /// Below its own frequency the cascade would feed the mode; where it is slow enough it is as it was.
+    #[test]
+    fn the_cascade_feeds_no_torsion_mode() {
+        let default = GearFile::default_gear();
+        let mut slowed = 0;
+        for load in [0.3, 1.2, 6.0, 24.0] {
+            let joint = with_load(&default, load);
+            let faster = POSITION_BANDWIDTH * BaselineGains::of(&joint, Kind::B0).position_bandwidth;
+            let (own, mode) = (own_frequency(&joint.feedback), softest_mode(&joint));
+            assert!(own <= (1.0 + 1e-12) * mode, "{load}: {own} {mode}");
+            if own < (1.0 - 1e-12) * mode {
+                assert_eq!(joint.feedback.position_bandwidth, faster, "{load}");
+            } else {
+                slowed += 1;
+            }
+        }
+        for file in crate::catalogue::FILES.iter().map(|file| file.gear()) {
+            let (own, mode) = (own_frequency(&file.feedback), softest_mode(&file));
+            assert!(own <= (1.0 + 1e-12) * mode, "{}: {own} {mode}", file.gear.name);
+            slowed += usize::from(own > (1.0 - 1e-12) * mode);
+        }
+        assert!(slowed > 5, "{slowed}");
+    }
+
+    /// The real part of the motor's speed by the gear's torque, as the cascade's equation gives it.
+    #[test]
+    fn a_cascade_takes_energy_from_modes_above_its_own_frequency_alone() {
+        let feedback = GearFile::default_gear().feedback;
+        let (position_gain, integral_time) = (TAU * feedback.position_bandwidth, feedback.integral_time);
+        let mobility = |omega: f64| {
+            let s = nalgebra::Complex::new(0.0, omega);
+            let error = position_gain / s + 1.0;
+            (error * (1.0 + 1.0 / (integral_time * s))).inv().re
+        };
+        let own = own_frequency(&feedback);
+        for above in [1.01, 1.5, 4.0] {
+            assert!(mobility(above * own) > 0.0 && mobility(own / above) < 0.0, "{above}");
+        }
     }
 
     /// The gain from speed to torque, k_v = 2 pi f_v (J_wg + J_fs/N^2), is that of before.
