@@ -30,23 +30,38 @@ impl<F> Vectorised<F> {
 }
 
 /// One step, to be compiled for each instruction set.
-struct Step<'a, R: Real, F: Flexspline<R>> {
-    model: &'a F,
-    state: &'a mut F::State,
+struct Step<'a, R, const N: usize, const M: usize> {
+    mesh: &'a Mesh<R, N, M>,
+    state: &'a mut MeshState<R, N, M>,
     ends: &'a Ends<R>,
 }
 
-impl<R: Real, F: Flexspline<R>> NullaryFnOnce for Step<'_, R, F> {
+impl<R: Real, const N: usize, const M: usize> NullaryFnOnce for Step<'_, R, N, M> {
     type Output = Reaction<R>;
 
     #[inline(always)]
     fn call(self) -> Reaction<R> {
-        self.model.step(self.state, self.ends)
+        self.mesh.step_inlined(self.state, self.ends)
     }
 }
 
-impl<R: Real, F: Flexspline<R>> Flexspline<R> for Vectorised<F> {
-    type State = F::State;
+/// A step with the instructions of this processor.
+#[inline]
+fn step<R: Real, const N: usize, const M: usize>(
+    processor: Arch,
+    mesh: &Mesh<R, N, M>,
+    state: &mut MeshState<R, N, M>,
+    ends: &Ends<R>,
+) -> Reaction<R> {
+    // Without one of the instruction sets the step is the mesh's own: a step is long to compile.
+    if matches!(processor, Arch::Scalar) {
+        return mesh.step(state, ends);
+    }
+    processor.dispatch(Step { mesh, state, ends })
+}
+
+impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Vectorised<Mesh<R, N, M>> {
+    type State = MeshState<R, N, M>;
 
     fn rest(&self) -> Self::State {
         self.model.rest()
@@ -54,7 +69,7 @@ impl<R: Real, F: Flexspline<R>> Flexspline<R> for Vectorised<F> {
 
     #[inline]
     fn step(&self, state: &mut Self::State, ends: &Ends<R>) -> Reaction<R> {
-        self.processor.dispatch(Step { model: &self.model, state, ends })
+        step(self.processor, &self.model, state, ends)
     }
 
     fn energy(&self, state: &Self::State, ends: &Ends<R>) -> R {
@@ -66,27 +81,12 @@ impl<R: Real, F: Flexspline<R>> Flexspline<R> for Vectorised<F> {
     }
 }
 
-/// [`Mesh::relax`], to be compiled for each instruction set.
-struct Relaxation<'a, R, const N: usize, const M: usize> {
-    mesh: &'a Mesh<R, N, M>,
-    state: &'a mut MeshState<R, N, M>,
-    ends: &'a Ends<R>,
-    steps: usize,
-}
-
-impl<R: Real, const N: usize, const M: usize> NullaryFnOnce for Relaxation<'_, R, N, M> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.mesh.relax(self.state, self.ends, self.steps);
-    }
-}
-
 impl<R: Real, const N: usize, const M: usize> Vectorised<Mesh<R, N, M>> {
     /// As [`Mesh::relax`].
     pub fn relax(&self, state: &mut MeshState<R, N, M>, ends: &Ends<R>, steps: usize) {
-        self.processor.dispatch(Relaxation { mesh: &self.model, state, ends, steps });
+        self.model.relax_by(state, steps, |slowed, state| {
+            step(self.processor, slowed, state, ends);
+        });
     }
 }
 

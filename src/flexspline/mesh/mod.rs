@@ -248,16 +248,46 @@ impl<R: Real, const N: usize, const M: usize> Mesh<R, N, M> {
     ///
     /// After a stop the nodes set out with a whole step's velocity where the scheme has half of it: stopped every
     /// time, x' = (1 - (omega*dt)^2)*x, which would grow beyond omega*dt = sqrt(2). Hence dt/2.
-    #[inline(always)]
     pub fn relax(&self, state: &mut MeshState<R, N, M>, ends: &Ends<R>, steps: usize) {
+        self.relax_by(state, steps, |slowed, state| {
+            slowed.step(state, ends);
+        });
+    }
+
+    /// As [`Self::relax`], each step of the slowed mesh taken by `step`.
+    pub fn relax_by(
+        &self,
+        state: &mut MeshState<R, N, M>,
+        steps: usize,
+        step: impl Fn(&Self, &mut MeshState<R, N, M>),
+    ) {
         let slowed = self.with_step(R::lit(0.5) * self.dt);
         let mut last = R::ZERO;
         for _ in 0..steps {
-            slowed.step(state, ends);
+            step(&slowed, state);
             let kinetic = self.kinetic_energy(state);
             last = if kinetic < last { state.stop() } else { kinetic };
         }
         state.stop();
+    }
+
+    /// [`Flexspline::step`], compiled with the instructions of its caller.
+    #[inline(always)]
+    pub fn step_inlined(&self, state: &mut MeshState<R, N, M>, ends: &Ends<R>) -> Reaction<R> {
+        let shapes = self.place_ends(state, ends);
+        let mut force = [[Ring::ZERO; 3]; M];
+        let (link_loss, turned) = self.pull(state, ends, &mut force);
+        self.shell.advance(&mut state.shell, &force, 1..M - 1);
+        let links = virtual_work(&force[0], &shapes.by_rim) + turned;
+        let [contact, beside, contact_loss] = self.advance_rim(state, ends, links);
+        Reaction {
+            torsion: ends.drive.minus(ends.flange),
+            contact,
+            flange: virtual_work(&force[M - 1], &shapes.by_flange) + beside,
+            ellipse: virtual_work(&force[0], &shapes.by_wave_generator) - turned,
+            loss: link_loss + contact_loss,
+            saturated: false,
+        }
     }
 
     /// The same with both ends where `ends` has them: a step leaves them where it found them.
@@ -402,22 +432,10 @@ impl<R: Real, const N: usize, const M: usize> Flexspline<R> for Mesh<R, N, M> {
         self.rest_at(Angle::default())
     }
 
-    #[inline(always)]
+    /// Compiled once for each size, not where it is called: [`Mesh::step_inlined`] is compiled there.
+    #[inline(never)]
     fn step(&self, state: &mut Self::State, ends: &Ends<R>) -> Reaction<R> {
-        let shapes = self.place_ends(state, ends);
-        let mut force = [[Ring::ZERO; 3]; M];
-        let (link_loss, turned) = self.pull(state, ends, &mut force);
-        self.shell.advance(&mut state.shell, &force, 1..M - 1);
-        let links = virtual_work(&force[0], &shapes.by_rim) + turned;
-        let [contact, beside, contact_loss] = self.advance_rim(state, ends, links);
-        Reaction {
-            torsion: ends.drive.minus(ends.flange),
-            contact,
-            flange: virtual_work(&force[M - 1], &shapes.by_flange) + beside,
-            ellipse: virtual_work(&force[0], &shapes.by_wave_generator) - turned,
-            loss: link_loss + contact_loss,
-            saturated: false,
-        }
+        self.step_inlined(state, ends)
     }
 
     fn energy(&self, state: &Self::State, ends: &Ends<R>) -> R {
