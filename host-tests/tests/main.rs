@@ -41,6 +41,7 @@ mod served;
 mod sound_joints;
 mod supervisor;
 mod two_port;
+mod vectorised;
 mod words;
 mod wrist;
 

@@ -151,7 +151,11 @@ fn unchanged(recorded: &[Recording]) -> bool {
             }
         }
     };
-    thread::scope(|scope| (0..workers).for_each(|worker| drop(scope.spawn(move || search(worker)))));
+    thread::scope(|scope| {
+        for worker in 0..workers {
+            scope.spawn(move || search(worker));
+        }
+    });
     !changed.into_inner()
 }
 
