@@ -14,7 +14,8 @@
 //!
 //! omega_v is the bandwidth of the velocity loop, T the delay from a torque to the reference and half a round. From 90 degrees on the
 //! shift takes damping away. So b is whole up to 60 degrees and falls to 0 at 90: half as much phase again as at 60 takes no damping
-//! away. It is no more than the loop through the estimate bears, in motion without an output encoder and at rest (`estimated_damping.rs`).
+//! away. It is no more than the loop through the estimate bears (`estimated_damping.rs`), and k no more than leaves a gain margin beside b,
+//! P and D (`integral_level.rs`).
 //!
 //! The corners of what is integrated, k and the disturbance path's slow part, are fractions of the outer frequency: omega,
 //! or 1.75 times the position gain where that is less. Units: rad, s, N m.
@@ -142,7 +143,7 @@ pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
 }
 
 /// Gains without and with an output encoder; of b as much as the lag allows, whatever the estimate's own loop bears
-/// ([`crate::design::estimated_damping`]).
+/// ([`crate::design::estimated_damping`]), and all of k ([`crate::design::integral_level`]).
 pub fn output_feedback_params(file: &GearFile) -> [OutputFeedbackParams<f64>; 2] {
     let (frequency, outer) = (mode_frequency(file), outer_frequency(file));
     let integral = [0.0, tuned::INTEGRAL.get() * outer];
@@ -192,9 +193,9 @@ fn mode(file: &GearFile) -> f64 {
     (file.inertia.flexspline / file.stiffness.k2).sqrt()
 }
 
-/// Parameters of the learning.
-pub fn learning_params<R: Real>(file: &GearFile) -> LearningParams<R> {
-    LearningParams { adaptation: adaptation_params(file), ripple: learnt_ripple_params(file) }
+/// Parameters of the learning, beside an integral k of the output feedback (1/s).
+pub fn learning_params<R: Real>(file: &GearFile, integral: f64) -> LearningParams<R> {
+    LearningParams { adaptation: adaptation_params(file), ripple: learnt_ripple_params(file, integral) }
 }
 
 /// Bounds, rates and levels of the factors: those of the box that a joint may lie in, with some room.
@@ -241,7 +242,7 @@ fn adaptation_params<R: Real>(file: &GearFile) -> AdaptationParams<R> {
 }
 
 /// Orders 1, 2 and 4 of the wave generator relative to the case, and 2 relative to the flexspline: 2 - 2/N.
-fn learnt_ripple_params<R: Real>(file: &GearFile) -> LearntRippleParams<R> {
+fn learnt_ripple_params<R: Real>(file: &GearFile, integral: f64) -> LearntRippleParams<R> {
     let mut orders = [RippleOrder::default(); RIPPLE_ORDERS];
     for (place, (order, to_flexspline)) in
         orders.iter_mut().zip([(1, false), (2, false), (4, false), (2, true)])
@@ -252,7 +253,7 @@ fn learnt_ripple_params<R: Real>(file: &GearFile) -> LearntRippleParams<R> {
         orders,
         position_rate: R::lit(tuned::POSITION_RIPPLE_RATE.get() * outer_frequency(file)),
         torque_rate: R::lit(tuned::TORQUE_RIPPLE_RATE.get()),
-        integral_rate: R::lit(tuned::INTEGRAL.get() * outer_frequency(file)),
+        integral_rate: R::lit(integral),
         position_bound: R::lit(tuned::LARGEST_RIPPLE.get()),
         torque_bound: R::lit(
             tuned::LARGEST_TORQUE_RIPPLE.get() * file.friction.input.coulomb.unwrap_or_default(),

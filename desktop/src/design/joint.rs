@@ -94,6 +94,7 @@ pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
     let known = &at_wave_generator(file);
     let mut gear: GearParams<R> = firmware_gear_params(file)?;
     gear.wave_generator_inertia = R::lit(known.inertia.wave_generator);
+    let output_feedback = rules::parts(known)?.output_feedback;
     Ok(JointParams {
         dt: R::lit(CONTROL_PERIOD),
         gear,
@@ -120,14 +121,14 @@ pub fn joint_params<R: Real>(file: &GearFile) -> Result<JointParams<R>, Error> {
         observer: observer_design::observer_params(known)?,
         disturbance: compensation::disturbance_params(known),
         feedback: feedback_params(known),
-        output_feedback: rules::parts(known)?.output_feedback.map(|gains| OutputFeedbackParams {
+        output_feedback: output_feedback.map(|gains| OutputFeedbackParams {
             damping: R::lit(gains.damping),
             damping_at_rest: R::lit(gains.damping_at_rest),
             integral: R::lit(gains.integral),
             filter_corner: R::lit(gains.filter_corner),
         }),
         measured_feedback: compensation::measured_feedback_params(known),
-        learning: compensation::learning_params(known),
+        learning: compensation::learning_params(known, output_feedback[1].integral),
         learnt: file.learnt.as_ref().map_or_else(Default::default, |learnt| learnt.start()),
     })
 }
