@@ -36,28 +36,35 @@ impl<'a> Corners<'a> {
         Self { file, plants: corners.map(|corner| (corner, Plant::new(file, &corner))).collect() }
     }
 
-    /// Growth of the closed loop's fastest mode (1/s) with these sensors, in the worst corner.
-    pub(super) fn growth(&self, set: SensorSet, parts: &Parts) -> f64 {
-        let of = |(corner, plant): &(Corner, Plant)| {
+    /// Growth of the closed loop's fastest mode (1/s) with these sensors, in each of the corners.
+    fn each(&self, set: SensorSet, parts: &Parts) -> impl Iterator<Item = f64> {
+        self.plants.iter().map(move |(corner, plant)| {
             let variant = Variant { set, mode: Mode::Moving, point: corner.point, passes: false };
             let found = poles::eigenvalues(&variant.controller(self.file, parts), plant);
             found.map_or(f64::INFINITY, |all| poles::growth(&all))
-        };
-        self.plants.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+        })
+    }
+
+    /// The same in the worst corner.
+    pub(super) fn growth(&self, set: SensorSet, parts: &Parts) -> f64 {
+        self.each(set, parts).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// Largest factor on the gain, at most `most`, with which every corner is stable; `scaled` has the parts with the gain times a factor.
     pub(super) fn level(&self, set: SensorSet, most: f64, scaled: impl Fn(f64) -> Parts) -> f64 {
-        let growth = |factor: f64| self.growth(set, &scaled(factor));
-        let without = growth(0.0).max(0.0) + NONE;
-        let bears = |factor: f64| growth(factor) <= without;
-        if bears(most) {
+        // Stops at the first corner that grows faster.
+        let bears = |factor: f64, growth: f64| self.each(set, &scaled(factor)).all(|found| found <= growth);
+        if bears(most, NONE) {
+            return most;
+        }
+        let without = self.growth(set, &scaled(0.0)).max(0.0) + NONE;
+        if bears(most, without) {
             return most;
         }
         let [mut least, mut most] = [0.0, most];
         for _ in 0..HALVINGS {
             let middle = 0.5 * (least + most);
-            *(if bears(middle) { &mut least } else { &mut most }) = middle;
+            *(if bears(middle, without) { &mut least } else { &mut most }) = middle;
         }
         least
     }
