@@ -11,7 +11,7 @@
 //!   one that moves, and takes for a motion of the load what that spring does: the slower the torsion mode is beside the cascade, the
 //!   more of it, and the sooner b excites it; the stiffer the spring, too. An output encoder that reads once a round does not prevent it.
 //!
-//! b is as much as is stable in every corner of [`stable_level`], or whole: in motion with friction that slides, which damps and is left
+//! b is as much as is stable in every corner of `stable_level.rs`, or whole: in motion with friction that slides, which damps and is left
 //! out; at rest with friction that is a spring of the shortest presliding distance of the box, with the P and D of rest, and no more than in
 //! motion. There is no margin for a shorter one, as of static friction without any: what swings then, the supervisor ends.
 

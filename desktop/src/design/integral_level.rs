@@ -2,7 +2,7 @@
 //!
 //! k integrates through two poles and the torsion mode and takes damping from that mode, which b, P and D give. Of these a joint has
 //! less where its load is light beside the rotor, or a count of its output encoder is coarse: k is then less, too. The margin that
-//! is left to it is the gain margin that every loop is asked for ([`super::required::GAIN`]), in every corner of [`stable_level`]: with the
+//! is left to it is the gain margin that every loop is asked for ([`super::required::GAIN`]), in every corner of `stable_level.rs`: with the
 //! gains of slow motion and with those of rest.
 
 use super::parts::Parts;
