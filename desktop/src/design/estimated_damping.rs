@@ -12,8 +12,9 @@
 //!   more of it, and the sooner b excites it; the stiffer the spring, too. An output encoder that reads once a round does not prevent it.
 //!
 //! b is as much as is stable in every corner of `stable_level.rs`, or whole: in motion with friction that slides, which damps and is left
-//! out; at rest with friction that is a spring of the shortest presliding distance of the box, with the P and D of rest, and no more than in
-//! motion. There is no margin for a shorter one, as of static friction without any: what swings then, the supervisor ends.
+//! out, and without k, whose own growth would hide that of b and which gets its level after it; at rest with all of k, with friction that is a spring
+//! of the shortest presliding distance of the box, with the P and D of rest, and no more than in motion. There is no margin
+//! for a shorter one, as of static friction without any: what swings then, the supervisor ends.
 
 use super::corners::PRESLIDING;
 use super::parts::Parts;
@@ -50,7 +51,7 @@ impl Levels {
     }
 }
 
-/// Without k, which is added to b ([`super::integral_level`]).
+/// Without k, whose level follows ([`super::integral_level`]).
 fn without_integral(parts: &Parts) -> Parts {
     let mut alone = *parts;
     for gains in &mut alone.output_feedback {
