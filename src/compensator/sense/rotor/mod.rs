@@ -24,7 +24,7 @@
 //! | gear overload | abs T_g > (1 + u_m)*tau_p at the end of a round: no command takes it there ([`crate::compensator::actuate::protection`]), so that it is a blow, or a sign or size of torque or angle that is wrong |
 //! | frozen, standing | the count is the same at every observer step of two rounds or more, and tau had changed a round ago, since the rotor stood, or from (tau + tau_before)/2 - J_wg*alpha when it last moved, by more than 2*(1 + u_m)*(tau_s + mu*T_r/n) + T_c/n + 0.01*tau_max + 2*count*K/n^2 + 8*J_wg*count/h^2: static friction gives way at 2*(tau_s + mu*abs T/n) at most, and then the last of it moves the rotor by two counts within half a round |
 //! | frozen, loaded | it stands, and the torque on it, that of the gear by the torque sensor included, has at the end of two rounds on end changed by more than that, with what mu*abs T is then and was when it came to stand, and u_s of the gear's change; by the output encoder, than that, 2*count_out*K_3/n and u_t of the change |
-//! | frozen, moving | the count stands still at once, though (1 + u_m)*(abs tau + (1 + mu)*abs T_g/n + tau_s) + u_m*tau_p/n + 3*J_wg*count/h^2, the last for what rounding makes of two speeds, could not stop the rotor in the time |
+//! | frozen, moving | the count stands still at once, though (1 + u_m)*(tau_l + (1 + mu)*abs T_g/n + tau_s) + u_m*tau_p/n + 3*J_wg*count/h^2, with the larger tau_l of abs tau of this round and the last, and the last term for what rounding makes of two speeds, could not stop the rotor in the time: the change of two mean speeds is the work of both rounds |
 //! | overspeed | abs omega > the speed limit |
 //! | drive | mean torque error of the drive over a round above 0.1*tau_max + 0.5*abs tau_c, the larger mean command of this round and the last, for longer than a sound drive takes to reach its command, a round of the other sign counting twice: five times the noise that the filter expects, a drive at 60 % of its limit. What a drive lags behind a command that changes from period to period is little in the mean |
 //! | following | position error that the cascade follows (x of [`crate::compensator::actuate::braking`]) above 1.5*tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p at the end of a round: one and a half times that from which a cascade with the position gain k_p decelerates with all of the motor's torque, and without feed-forward of the speed |
@@ -290,8 +290,7 @@ impl<R: Real> Rotor<R> {
             state.output_speed = speed * self.inverse_n;
             return;
         }
-        let stopping =
-            self.largest * torque.abs() + self.stopped_by_gear * state.gear_torque.abs() + self.surplus;
+        let gear_before = state.gear_torque;
         self.filter.step(&mut state.gear_torque, balance);
         state.rate = self.stiffness * (speed * self.inverse_n - state.output_speed);
         state.torque += self.round * state.rate;
@@ -307,16 +306,20 @@ impl<R: Real> Rotor<R> {
             return;
         }
         if stands {
-            let stopped = state.still == 0 && !inertial.is_within(stopping);
-            state.still = state.still.saturating_add(1);
-            // The torque of this round may have come at its end, too late to be seen in the motion; that of the one before
-            // counts from when the rotor stood in it.
-            if state.still > 1 {
+            let frozen = if state.still == 0 {
+                // The change of two mean speeds is the work of both rounds.
+                let strongest = torque.abs().max(applied_before.abs());
+                let stopping =
+                    self.largest * strongest + self.stopped_by_gear * gear_before.abs() + self.surplus;
+                !inertial.is_within(stopping)
+            } else {
+                // The torque of this round may have come at its end, too late to be seen in the motion; that of the one before
+                // counts from when the rotor stood in it.
                 (state.least, state.most) = (state.least.min(applied_before), state.most.max(applied_before));
-            }
-            let slipped =
-                state.still > 1 && state.most - state.least > self.largest_change(state, applied_before);
-            faults.raise_if(stopped | slipped, Faults::MOTOR_ENCODER_FROZEN);
+                state.most - state.least > self.largest_change(state, applied_before)
+            };
+            state.still = state.still.saturating_add(1);
+            faults.raise_if(frozen, Faults::MOTOR_ENCODER_FROZEN);
         } else {
             (state.still, state.gear_change) = (0, R::ZERO);
             // What of the torque accelerates a rotor that moves does not hold one that stands.

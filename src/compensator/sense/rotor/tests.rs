@@ -135,6 +135,27 @@ fn a_motor_that_is_braked_to_rest_is_not_frozen() {
     assert_eq!(rounds.fold(Faults::NONE, Faults::with), Faults::NONE);
 }
 
+/// A motor that one round's torque has stopped, and which then stands without torque, has not stopped at once: the change of two mean
+/// speeds is the work of both rounds. With no torque in either it has.
+#[test]
+fn a_motor_is_stopped_by_the_torque_of_the_round_before_too() {
+    let rotor = rotor();
+    for (braking, expected) in [(-2.0, Faults::NONE), (0.0, Faults::MOTOR_ENCODER_FROZEN)] {
+        let mut state = RotorState::default();
+        let count = core::f64::consts::TAU / f64::from(1 << 19);
+        // Stopped from this speed by 1.8 N m in a round.
+        let step = 1.8 / rotor.inertia * rotor.round * rotor.round / count;
+        let mut faults = Faults::NONE;
+        for (index, torque) in [0.0, 0.0, 0.0, braking].into_iter().enumerate() {
+            let place = (step * index as f64) as i64;
+            faults = faults.with(round(&rotor, &mut state, torque, place, place));
+        }
+        assert_eq!(faults, Faults::NONE);
+        let stopped = (3.0 * step) as i64;
+        assert_eq!(round(&rotor, &mut state, 0.0, stopped, stopped), expected, "{braking}");
+    }
+}
+
 /// A drive that gives 20 % of its command is named; one that is as far off to either side in turn is not, nor one that may take longer to
 /// reach its command.
 #[test]
