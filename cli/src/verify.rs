@@ -6,6 +6,7 @@ use std::thread;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, value_parser};
+use strainwave::Error;
 use strainwave_desktop::catalogue::Set;
 use strainwave_desktop::design::tuned;
 use strainwave_desktop::plant::unknowns::Which;
@@ -62,7 +63,8 @@ pub struct Arguments {
     /// the first 100 where every part is measured
     #[arg(long = "box", value_name = "COUNT", value_parser = value_parser!(u64).range(0..=100_000))]
     box_samples: Option<u64>,
-    /// Of `robustness`, only this unknown, such as drive.delay; may be given several times
+    /// Of `robustness`, only this unknown, such as drive.delay; may be given several times. Of `catalogue` and `healthy`, by what the joints'
+    /// plants differ from their gear files; box when left out
     #[arg(long = "row", value_name = "NAME", value_parser = row_parser())]
     rows: Vec<String>,
     /// Of `robustness`, plants of each row (6 when left out, 60 of `all`); of `catalogue` and `healthy`, joints (all 500); of
@@ -296,10 +298,7 @@ fn with_the_map(arguments: &Arguments) -> Result<Measured, BadInput> {
 /// On plants that the controllers do not know; its table is one line a row.
 fn against_unknowns(arguments: &Arguments) -> Result<Figures, BadInput> {
     let request = robustness::Request {
-        rows: match arguments.rows.as_slice() {
-            [] => Which::every().collect(),
-            names => names.iter().filter_map(|name| Which::named(name)).collect(),
-        },
+        rows: requested_unknowns(arguments, || Which::every().collect()),
         first: arguments.first.unwrap_or(robustness::FIRST),
         seeds: arguments.seeds,
         noises: arguments.noises.unwrap_or(1),
@@ -334,36 +333,51 @@ fn again(arguments: &Arguments, gear: &GearFile, found: &Robustness) -> Result<V
 
 /// On joints of the catalogue; its table is one line a scenario.
 fn across_the_catalogue(arguments: &Arguments) -> Result<Figures, BadInput> {
-    let request = requested_joints(arguments)?;
-    let mut progress = Progress::new(1000, "joints of the catalogue");
-    let measured = catalogue::measure(&request, |fraction| progress.set((fraction * 1e3) as u64));
-    drop(progress);
-    let found = measured.map_err(BadInput::message)?;
-    say(format_args!("{}", columns(&found.table())));
-    let measured = found.measured(arguments.named);
-    for note in &measured.notes {
-        say(format_args!("{note}"));
-    }
-    Ok(Figures::new(measured.figures, &arguments.figures))
+    for_each_unknown(arguments, |request| {
+        let mut progress = Progress::new(1000, "joints of the catalogue");
+        let measured = catalogue::measure(request, |fraction| progress.set((fraction * 1e3) as u64));
+        drop(progress);
+        let found = measured?;
+        say(format_args!("{}", columns(&found.table())));
+        Ok(found.measured(arguments.named))
+    })
 }
 
 /// Healthy joints of the catalogue at work, ten hours in all.
 fn at_work(arguments: &Arguments) -> Result<Figures, BadInput> {
-    let request = requested_joints(arguments)?;
-    let mut progress = Progress::new(1000, "joints at work");
-    let measured = healthy::measure(&request, healthy::DURATION, |fraction| {
-        progress.set((fraction * 1e3) as u64);
-    });
-    drop(progress);
-    let measured = measured.map_err(BadInput::message)?.measured(arguments.named);
-    for note in &measured.notes {
-        say(format_args!("{note}"));
+    for_each_unknown(arguments, |request| {
+        let mut progress = Progress::new(1000, "joints at work");
+        let fraction = |fraction: f64| progress.set((fraction * 1e3) as u64);
+        Ok(healthy::measure(request, healthy::DURATION, fraction)?.measured(arguments.named))
+    })
+}
+
+/// Measures the requested joints on plants of each requested unknown.
+fn for_each_unknown(
+    arguments: &Arguments,
+    measure: impl Fn(&catalogue::Request) -> Result<Measured, Error>,
+) -> Result<Figures, BadInput> {
+    let mut figures = Vec::new();
+    for unknown in requested_unknowns(arguments, || vec![Which::BOX]) {
+        let measured = measure(&requested_joints(arguments, unknown)?).map_err(BadInput::message)?;
+        for note in &measured.notes {
+            say(format_args!("{note}"));
+        }
+        figures.extend(measured.figures);
     }
-    Ok(Figures::new(measured.figures, &arguments.figures))
+    Ok(Figures::new(figures, &arguments.figures))
+}
+
+/// The unknowns that are named, or others where none is.
+fn requested_unknowns(arguments: &Arguments, others: impl Fn() -> Vec<Which>) -> Vec<Which> {
+    match arguments.rows.as_slice() {
+        [] => others(),
+        names => names.iter().filter_map(|name| Which::named(name)).collect(),
+    }
 }
 
 /// The joints of the catalogue that are asked for.
-fn requested_joints(arguments: &Arguments) -> Result<catalogue::Request, BadInput> {
+fn requested_joints(arguments: &Arguments, unknown: Which) -> Result<catalogue::Request, BadInput> {
     let set = if arguments.training { Set::Training } else { Set::Judged };
     let first = arguments.first.unwrap_or(set.first());
     let count = arguments.seeds.unwrap_or(set.seeds().end.saturating_sub(first));
@@ -375,7 +389,7 @@ fn requested_joints(arguments: &Arguments) -> Result<catalogue::Request, BadInpu
             all.end - 1
         )));
     }
-    Ok(catalogue::Request { set, first, count })
+    Ok(catalogue::Request { set, first, count, unknown })
 }
 
 /// Robots of two joints that draw a circle, and the rigid arm.

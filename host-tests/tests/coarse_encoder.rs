@@ -2,6 +2,7 @@
 
 use strainwave_desktop::bench::scenario::Scenario;
 use strainwave_desktop::catalogue::Set;
+use strainwave_desktop::plant::unknowns::Which;
 use strainwave_desktop::verify::catalogue::{Request, measure};
 use strainwave_desktop::verify::robustness::JUDGED;
 
@@ -13,7 +14,8 @@ const JOINTS: [u64; 3] = [6, 16, 94];
 fn a_count_does_not_shake_a_resting_motor() {
     let fast_move = JUDGED.iter().position(|scenario| *scenario == Scenario::S3).unwrap();
     for first in JOINTS {
-        let report = measure(&Request { set: Set::Training, first, count: 1 }, |_| ()).unwrap();
+        let report =
+            measure(&Request { set: Set::Training, first, count: 1, unknown: Which::BOX }, |_| ()).unwrap();
         let outcome = &report.outcomes[0];
         assert_eq!(outcome.joint.known.sensors.motor_encoder_bits, 14, "{first}");
         let [ours, cascade] = [&outcome.compensated, &outcome.baselines[0]]

@@ -2,10 +2,12 @@
 
 use strainwave::compensator::{Faults, Mode};
 use strainwave_desktop::catalogue::Set;
+use strainwave_desktop::plant::unknowns::Which;
 use strainwave_desktop::verify::catalogue::{Outcome, Request, measure};
 
 fn outcome(first: u64) -> Outcome {
-    let mut report = measure(&Request { set: Set::Training, first, count: 1 }, |_| ()).unwrap();
+    let mut report =
+        measure(&Request { set: Set::Training, first, count: 1, unknown: Which::BOX }, |_| ()).unwrap();
     report.outcomes.remove(0)
 }
 

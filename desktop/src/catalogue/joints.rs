@@ -8,7 +8,8 @@
 //! | output encoder | none in half of the joints, else 16 to 19 bits |
 //!
 //! Of [`COUNT`] joints each lies in another of as many equal parts of every dimension. What is drawn is known when a joint
-//! is built and stands in its gear file; its plant differs by the box ([`crate::plant::box_sample`]) of the joint's seed.
+//! is built and stands in its gear file; its plant differs by the box ([`crate::plant::box_sample`]) of the joint's seed, and by
+//! more where that is asked for ([`crate::plant::unknowns`]).
 //!
 //! A load below 4.8*dt^2*K3 (dt: control period) is raised to it: below 4*dt^2*K3 no gear file is allowed. It happens to
 //! small gears of low ratio with next to no load.
@@ -27,6 +28,7 @@ use super::FILES;
 use super::load::{load_ratio, with_load};
 use crate::io::gear_file::GearFile;
 use crate::plant::sample::PlantSample;
+use crate::plant::unknowns::Which;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
 /// Joints of a set.
@@ -71,7 +73,7 @@ impl Set {
         let gears: Vec<_> = FILES.iter().map(super::File::gear).collect();
         let joint = |(seed, point): (u64, Point)| {
             let gear = &gears[place(point[0], 0..gears.len() as u32) as usize];
-            Joint { seed, known: built(gear, &point) }
+            Joint { seed, known: built(gear, &point), unknown: Which::BOX }
         };
         self.seeds().zip(points).map(joint).collect()
     }
@@ -84,15 +86,19 @@ pub struct Joint {
     pub seed: u64,
     /// Its gear file.
     pub known: GearFile,
+    /// By what its plant differs from that.
+    pub unknown: Which,
 }
 
 impl Joint {
     /// Its plant.
     ///
     /// # Errors
-    /// As [`PlantSample::boxed`].
+    /// As [`PlantSample::of`].
     pub fn plant(&self) -> Result<PlantSample, Error> {
-        PlantSample::boxed(&self.known, self.seed)
+        let sample = PlantSample::of(&self.known, self.unknown, self.seed)?;
+        // Its encoders are those that it was drawn with, though there is a row of encoders too.
+        Ok(PlantSample { known: self.known.clone(), ..sample })
     }
 
     /// For people: gear, load and encoders.
@@ -113,7 +119,8 @@ impl Joint {
 pub fn of_gear(gear: &GearFile, count: u64) -> Vec<Joint> {
     let points = hypercube(OF_ONE_GEAR, count as usize);
     let seeds = OF_ONE_GEAR..;
-    seeds.zip(points).map(|(seed, point)| Joint { seed, known: built(gear, &point) }).collect()
+    let joint = |(seed, point)| Joint { seed, known: built(gear, &point), unknown: Which::BOX };
+    seeds.zip(points).map(joint).collect()
 }
 
 /// Gear, load, motor encoder, output encoder, each from 0 to 1.

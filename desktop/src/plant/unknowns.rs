@@ -26,6 +26,7 @@ use super::sample_stream::SampleStream;
 use crate::sensor::Wave;
 
 /// One unknown.
+#[derive(Debug)]
 pub struct Row {
     /// Dotted and stable.
     pub name: &'static str,
@@ -238,7 +239,7 @@ pub const ROWS: &[Row] = &[
 ];
 
 /// A row, or all of them.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub enum Which {
     /// One of [`ROWS`].
     Row(&'static Row),
@@ -253,7 +254,11 @@ impl PartialEq for Which {
     }
 }
 
+impl Eq for Which {}
+
 impl Which {
+    /// The old box alone.
+    pub const BOX: Self = Self::Row(&ROWS[0]);
     /// The name of all at once.
     pub const ALL_NAME: &'static str = "all";
 

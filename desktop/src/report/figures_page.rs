@@ -65,9 +65,19 @@ const PARTS: &[Part] = &[
     Part { title: "Robots", prefixes: &["robot."], command: "strainwave verify robot" },
     Part { title: "Unknown plants", prefixes: &["robustness."], command: "strainwave verify robustness" },
     Part {
+        title: "Joints of the catalogue, of which little is known",
+        prefixes: &["catalogue.unknown."],
+        command: "strainwave verify catalogue --row all",
+    },
+    Part {
         title: "Joints of the catalogue",
         prefixes: &["catalogue."],
         command: "strainwave verify catalogue",
+    },
+    Part {
+        title: "Healthy joints at work, of which little is known",
+        prefixes: &["healthy.unknown."],
+        command: "strainwave verify healthy --row all",
     },
     Part { title: "Healthy joints at work", prefixes: &["healthy."], command: "strainwave verify healthy" },
     Part { title: "Tuned constants", prefixes: &["constants."], command: "strainwave verify constants" },

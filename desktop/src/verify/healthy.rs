@@ -23,9 +23,9 @@ use crate::catalogue::Joint;
 use crate::design::joint::joint_params;
 use crate::io::figure::Figure;
 use crate::plant::divergence::RunError;
+use crate::plant::unknowns::Which;
 use crate::verify::Measured;
-use crate::verify::bounds;
-use crate::verify::catalogue::Request;
+use crate::verify::catalogue::{Request, bounded, name};
 use crate::verify::compensator::each;
 use crate::verify::faults::LIMITS;
 
@@ -48,9 +48,13 @@ pub struct Outcome {
     diverged: bool,
 }
 
+/// First word of the figures' names.
+const PART: &str = "healthy";
+
 /// All lives.
 #[derive(Clone, Debug)]
 pub struct Report {
+    unknown: Which,
     outcomes: Vec<Outcome>,
 }
 
@@ -60,7 +64,7 @@ pub struct Report {
 /// A joint that no plant or compensator can be built for.
 pub fn measure(request: &Request, duration: f64, mut progress: impl FnMut(f64)) -> Result<Report, Error> {
     let outcomes = each(&request.joints(), |joint| Outcome::of(joint, duration), &mut progress);
-    Ok(Report { outcomes: outcomes.into_iter().collect::<Result<_, _>>()? })
+    Ok(Report { unknown: request.unknown, outcomes: outcomes.into_iter().collect::<Result<_, _>>()? })
 }
 
 impl Outcome {
@@ -144,14 +148,16 @@ impl Report {
     pub fn figures(&self) -> Vec<Figure> {
         let duration = self.sum(|outcome| outcome.duration);
         let limited = self.count(|outcome| outcome.among(LIMITS).next().is_some());
+        let reported =
+            |what: &str, value, unit| Figure::reported(name(PART, self.unknown, what), value, unit);
         vec![
-            bounds::figure("healthy.alarms", self.count(Outcome::is_alarmed)),
-            bounds::figure("healthy.reduced", self.count(Outcome::is_reduced)),
-            Figure::reported("healthy.reduced.time", self.sum(|outcome| outcome.reduced) / duration, "1"),
-            Figure::reported("healthy.stopped", self.count(|outcome| outcome.stopped), "joint"),
-            Figure::reported("healthy.limited", limited, "joint"),
-            Figure::reported("healthy.joints", self.outcomes.len() as f64, "joint"),
-            Figure::reported("healthy.time", duration, "s"),
+            bounded(PART, self.unknown, "alarms", self.count(Outcome::is_alarmed)),
+            bounded(PART, self.unknown, "reduced", self.count(Outcome::is_reduced)),
+            reported("reduced.time", self.sum(|outcome| outcome.reduced) / duration, "1"),
+            reported("stopped", self.count(|outcome| outcome.stopped), "joint"),
+            reported("limited", limited, "joint"),
+            reported("joints", self.outcomes.len() as f64, "joint"),
+            reported("time", duration, "s"),
         ]
     }
 
@@ -188,7 +194,7 @@ mod tests {
         alarmed.note(2.0, Faults::OVERSPEED);
         alarmed.note(3.0, Faults::OVERSPEED);
         assert_eq!(alarmed.alarms().collect::<Vec<_>>(), [("overspeed", 2.0)]);
-        let figures = Report { outcomes: vec![limited, reduced, alarmed] }.figures();
+        let figures = Report { unknown: Which::BOX, outcomes: vec![limited, reduced, alarmed] }.figures();
         let value = |name: &str| figures.iter().find(|figure| figure.name == name).unwrap().value;
         assert_eq!([value("healthy.alarms"), value("healthy.reduced"), value("healthy.limited")], [1.0; 3]);
     }
@@ -198,7 +204,8 @@ mod tests {
         let (mut reduced, mut alarmed) = (outcome(), outcome());
         reduced.reduced = 5.0;
         alarmed.note(2.0, Faults::OVERSPEED);
-        let notes = Report { outcomes: vec![outcome(), reduced, alarmed] }.measured(9).notes;
+        let notes =
+            Report { unknown: Which::BOX, outcomes: vec![outcome(), reduced, alarmed] }.measured(9).notes;
         assert_eq!(notes.len(), 2);
         assert!(
             notes[0].ends_with("overspeed at 2.0 s") && notes[1].ends_with("reduced for 5.0 s"),
@@ -209,7 +216,9 @@ mod tests {
     /// A joint at work, all of whose time counts.
     #[test]
     fn a_joint_works() {
-        let report = measure(&Request { set: Set::Training, first: 3, count: 1 }, 2.0, |_| ()).unwrap();
+        let report =
+            measure(&Request { set: Set::Training, first: 3, count: 1, unknown: Which::BOX }, 2.0, |_| ())
+                .unwrap();
         let outcome = &report.outcomes[0];
         assert!(outcome.duration >= 2.0 && !outcome.diverged && !outcome.stopped);
         assert!(!outcome.is_alarmed(), "{}", outcome.line());

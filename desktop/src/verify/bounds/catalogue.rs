@@ -24,6 +24,12 @@ pub(super) const ROWS: &[Bound] = &[
               never degrades a run",
     },
     Bound {
+        name: "catalogue.stopped",
+        value: 0.0,
+        unit: "run",
+        why: "runs of S1-S5 on joints of the catalogue that end with the drive switched off: nothing in them is broken",
+    },
+    Bound {
         name: "catalogue.error.median",
         value: 0.35,
         unit: "1",
@@ -35,5 +41,31 @@ pub(super) const ROWS: &[Bound] = &[
         value: 0.8,
         unit: "1",
         why: "the same, 95th percentile: nearly every run gains",
+    },
+    Bound {
+        name: "catalogue.unknown.refused",
+        value: 0.0,
+        unit: "joint",
+        why: "joints of the catalogue that no compensator can be built for: what is unknown of a plant is not in its gear file",
+    },
+    Bound {
+        name: "catalogue.unknown.shakes",
+        value: 0.0,
+        unit: "run",
+        why: "runs of S1-S5 on joints of the catalogue whose plants differ by every unknown at once, that diverge or keep \
+              oscillating at rest: stability on every joint",
+    },
+    Bound {
+        name: "catalogue.unknown.worse",
+        value: 0.0,
+        unit: "run",
+        why: "such runs of which a metric is worse than the best baseline's by more than 5 % and 12 urad: compensation \
+              never degrades a run",
+    },
+    Bound {
+        name: "catalogue.unknown.stopped",
+        value: 0.0,
+        unit: "run",
+        why: "such runs that end with the drive switched off: nothing in them is broken",
     },
 ];

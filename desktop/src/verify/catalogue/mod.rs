@@ -5,6 +5,9 @@
 //! an output encoder. Their gains are those of the joint's gear file: tuned on training joints of the same gear and carried
 //! over to its load ([`crate::catalogue::load`]).
 //!
+//! Their plants differ from the gear files by the box, or by a row of [`crate::plant::unknowns`], or by all of them. The figures of a row are
+//! named after it, as in `catalogue.drive.delay.shakes`, and have the bounds `catalogue.unknown`; errors have none there.
+//!
 //! | figure | definition |
 //! | --- | --- |
 //! | `refused` | joints that no compensator can be built for; their runs count as diverged |
@@ -12,7 +15,7 @@
 //! | `worse` | runs of which a metric is worse than the smallest of the baselines', by more than 5 % and more than 12 urad |
 //! | `error.median`, `error.p95` | rms output error of a run over the smallest of the baselines', of all runs |
 //! | `limited` | runs that stay at the torque limit ([`RunResult::is_limited`]); only reported |
-//! | `stopped` | runs at whose end the drive is off by a fault; only reported |
+//! | `stopped` | runs at whose end the drive is off by a fault, of which no plant has any |
 //! | `excluded` | runs of baselines that oscillate or stay at the torque limit; only reported |
 //! | `above_count.median`, `above_count.p95` | as `error`, of the runs in which ours or the smallest is above 12 urad; only reported |
 //!
@@ -32,7 +35,10 @@ use crate::bench::controller::HostCompensator;
 use crate::bench::{Bench, Conditions};
 use crate::catalogue::{Joint, Set};
 use crate::design::joint::joint_params;
+use crate::io::figure::Figure;
 use crate::io::gear_file::SensorSet;
+use crate::plant::unknowns::Which;
+use crate::verify::bounds;
 use crate::verify::compensator::each;
 use crate::verify::robustness::{JUDGED, Judged, RunResult, RunResults};
 pub use summary::Report;
@@ -46,13 +52,16 @@ pub struct Request {
     pub first: u64,
     /// Number of joints; at most those that the set has from there on.
     pub count: u64,
+    /// By what their plants differ from their gear files.
+    pub unknown: Which,
 }
 
 impl Request {
     /// The joints, in the order of their seeds.
     pub(super) fn joints(&self) -> Vec<Joint> {
         let seeds = self.first..self.first + self.count;
-        self.set.joints().into_iter().filter(|joint| seeds.contains(&joint.seed)).collect()
+        let joints = self.set.joints().into_iter().filter(|joint| seeds.contains(&joint.seed));
+        joints.map(|joint| Joint { unknown: self.unknown, ..joint }).collect()
     }
 }
 
@@ -75,7 +84,18 @@ pub struct Outcome {
 /// A joint that no plant or baseline can be built for.
 pub fn measure(request: &Request, mut progress: impl FnMut(f64)) -> Result<Report, Error> {
     let outcomes = each(&request.joints(), Outcome::of, &mut progress);
-    Ok(Report { outcomes: outcomes.into_iter().collect::<Result<_, _>>()? })
+    Ok(Report { unknown: request.unknown, outcomes: outcomes.into_iter().collect::<Result<_, _>>()? })
+}
+
+/// Name of a figure of joints with such plants, of `part`: `catalogue.shakes`, and of all unknowns `catalogue.all.shakes`.
+pub(super) fn name(part: &str, unknown: Which, what: &str) -> String {
+    if unknown == Which::BOX { format!("{part}.{what}") } else { format!("{part}.{}.{what}", unknown.name()) }
+}
+
+/// A figure of that name; every unknown has the same bound, `catalogue.unknown.shakes`.
+pub(super) fn bounded(part: &str, unknown: Which, what: &str, value: f64) -> Figure {
+    let row = if unknown == Which::BOX { format!("{part}.{what}") } else { format!("{part}.unknown.{what}") };
+    bounds::figure_as(name(part, unknown, what), &row, value)
 }
 
 impl Outcome {
@@ -205,7 +225,7 @@ mod tests {
     /// Any joint, built and run; the figures are there for each of its runs.
     #[test]
     fn a_joint_runs() {
-        let request = Request { set: Set::Training, first: 3, count: 1 };
+        let request = Request { set: Set::Training, first: 3, count: 1, unknown: Which::BOX };
         let report = measure(&request, |_| ()).unwrap();
         assert_eq!(report.outcomes.len(), 1);
         let outcome = &report.outcomes[0];
@@ -214,10 +234,31 @@ mod tests {
         assert_eq!(outcome.baselines.len(), if outcome.sensors() == SensorSet::Both { 4 } else { 3 });
     }
 
+    /// A plant that differs by more than the box is another one, of the same joint with the same encoders.
+    #[test]
+    fn a_joint_keeps_its_encoders_on_every_plant() {
+        let joint =
+            |unknown| Request { set: Set::Training, first: 3, count: 1, unknown }.joints().swap_remove(0);
+        let [known, unknown] = [Which::BOX, Which::All].map(joint);
+        let [boxed, sample] = [&known, &unknown].map(|joint| joint.plant().unwrap());
+        assert_eq!((&known.known, &unknown.known), (&boxed.known, &sample.known));
+        assert!(boxed.sides != sample.sides && boxed.known == sample.known);
+    }
+
+    #[test]
+    fn a_figure_is_named_after_what_is_unknown() {
+        let of = |unknown| {
+            let figure = bounded("catalogue", unknown, "shakes", 0.0);
+            (figure.name, figure.row.unwrap())
+        };
+        assert_eq!(of(Which::BOX), ("catalogue.shakes".into(), "catalogue.shakes"));
+        assert_eq!(of(Which::All), ("catalogue.all.shakes".into(), "catalogue.unknown.shakes"));
+    }
+
     /// With 14 bits at the motor a count is a pulse of torque; after a load step the joint rests without any.
     #[test]
     fn a_coarse_encoder_does_not_shake_a_resting_joint() {
-        let request = Request { set: Set::Training, first: 94, count: 1 };
+        let request = Request { set: Set::Training, first: 94, count: 1, unknown: Which::BOX };
         let report = measure(&request, |_| ()).unwrap();
         let outcome = &report.outcomes[0];
         assert_eq!(outcome.joint.known.sensors.motor_encoder_bits, 14);
@@ -230,7 +271,7 @@ mod tests {
     /// follows a load step with the drive on, nearer to its setpoint than the cascade.
     #[test]
     fn a_light_joint_bears_a_load_step() {
-        let request = Request { set: Set::Training, first: 181, count: 1 };
+        let request = Request { set: Set::Training, first: 181, count: 1, unknown: Which::BOX };
         let report = measure(&request, |_| ()).unwrap();
         let run = report.outcomes[0].run(4);
         let (ours, b0) = (run.ours.unwrap(), run.b0.unwrap());

@@ -2,18 +2,23 @@
 
 use strainwave::compensator::Mode;
 
-use super::{Outcome, Run};
+use super::{Outcome, Run, bounded, name};
 use crate::bench::scenario::Scenario;
 use crate::io::figure::{Figure, number};
 use crate::io::gear_file::SensorSet;
+use crate::plant::unknowns::Which;
 use crate::verify::Measured;
-use crate::verify::bounds;
 use crate::verify::judge::Metric;
 use crate::verify::robustness::{COUNT, JUDGED, Oscillation};
+
+/// First word of the figures' names.
+const PART: &str = "catalogue";
 
 /// Everything that ran.
 #[derive(Clone, Debug)]
 pub struct Report {
+    /// By what the plants differ from their joints' gear files.
+    pub unknown: Which,
     /// A joint each.
     pub outcomes: Vec<Outcome>,
 }
@@ -128,25 +133,31 @@ impl Report {
         let all = Tally::of(self.runs(None, None));
         let refused = self.outcomes.iter().filter(|outcome| outcome.refused.is_some()).count();
         let excluded: usize = self.outcomes.iter().map(Outcome::excluded).sum();
+        let reported =
+            |what: &str, value, unit| Figure::reported(name(PART, self.unknown, what), value, unit);
+        let bounded = |what: &str, value| bounded(PART, self.unknown, what, value);
+        let error = |what: &str, value| {
+            if self.unknown == Which::BOX { bounded(what, value) } else { reported(what, value, "1") }
+        };
         let mut figures = vec![
-            bounds::figure("catalogue.refused", refused as f64),
-            bounds::figure("catalogue.shakes", all.shakes as f64),
-            bounds::figure("catalogue.worse", all.worse as f64),
-            bounds::figure("catalogue.error.median", all.ratios.quantile(0.5)),
-            bounds::figure("catalogue.error.p95", all.ratios.quantile(0.95)),
-            Figure::reported("catalogue.limited", all.limited as f64, "run"),
-            Figure::reported("catalogue.stopped", all.stopped as f64, "run"),
-            Figure::reported("catalogue.excluded", excluded as f64, "run"),
-            Figure::reported("catalogue.above_count.runs", all.above_count.0.len() as f64, "run"),
-            Figure::reported("catalogue.above_count.median", all.above_count.quantile(0.5), "1"),
-            Figure::reported("catalogue.above_count.p95", all.above_count.quantile(0.95), "1"),
+            bounded("refused", refused as f64),
+            bounded("shakes", all.shakes as f64),
+            bounded("worse", all.worse as f64),
+            bounded("stopped", all.stopped as f64),
+            error("error.median", all.ratios.quantile(0.5)),
+            error("error.p95", all.ratios.quantile(0.95)),
+            reported("limited", all.limited as f64, "run"),
+            reported("excluded", excluded as f64, "run"),
+            reported("above_count.runs", all.above_count.0.len() as f64, "run"),
+            reported("above_count.median", all.above_count.quantile(0.5), "1"),
+            reported("above_count.p95", all.above_count.quantile(0.95), "1"),
         ];
         for sensors in SensorSet::ALL {
             let set = Tally::of(self.runs(Some(sensors), None));
-            let name = |what: &str| format!("catalogue.{}.{what}", sensors.name());
+            let reported = |what: &str, value| reported(&format!("{}.{what}", sensors.name()), value, "1");
             figures.extend([
-                Figure::reported(name("error.median"), set.ratios.quantile(0.5), "1"),
-                Figure::reported(name("error.p95"), set.ratios.quantile(0.95), "1"),
+                reported("error.median", set.ratios.quantile(0.5)),
+                reported("error.p95", set.ratios.quantile(0.95)),
             ]);
         }
         figures

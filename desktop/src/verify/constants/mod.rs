@@ -23,6 +23,7 @@ use strainwave::compensator::tuned::Tuned;
 use crate::catalogue::{Joint, Set};
 use crate::io::gear_file::GearFile;
 use crate::io::gear_file::SensorSet;
+use crate::plant::unknowns::Which;
 use crate::verify::catalogue::Outcome;
 use crate::verify::compensator::each;
 pub use summary::Report;
@@ -52,7 +53,7 @@ fn default_joints() -> impl Iterator<Item = Joint> {
         let output = (sensors == SensorSet::Both).then(|| known.sensors.output_bits());
         known.sensors.output_encoder_bits = output;
         known.sensors.output_encoder_zero = output.map(|_| 0.0);
-        Joint { seed, known }
+        Joint { seed, known, unknown: Which::BOX }
     })
 }
 
