@@ -26,7 +26,7 @@
 //! | frozen, loaded | it stands, and the torque on it, that of the gear by the torque sensor included, has at the end of two rounds on end changed by more than that, with what mu*abs T is then and was when it came to stand, and u_s of the gear's change; by the output encoder, than that, 2*count_out*K_3/n and u_t of the change |
 //! | frozen, moving | the count stands still at once, though (1 + u_m)*(tau_l + (1 + mu)*abs T_g/n + tau_s) + u_m*tau_p/n + 3*J_wg*count/h^2, with the larger tau_l of abs tau of this round and the last, and the last term for what rounding makes of two speeds, could not stop the rotor in the time: the change of two mean speeds is the work of both rounds |
 //! | overspeed | abs omega > the speed limit |
-//! | drive | mean torque error of the drive over a round above 0.1*tau_max + 0.5*abs tau_c, the larger mean command of this round and the last, for longer than a sound drive takes to reach its command, a round of the other sign counting twice: five times the noise that the filter expects, a drive at 60 % of its limit. What a drive lags behind a command that changes from period to period is little in the mean |
+//! | drive | mean torque of the drive over a round, farther than 0.1*tau_max + 0.5*abs tau_c from all between the mean commands of this round and the last, tau_c the larger of them, for longer than a sound drive takes to reach its command, a round of the other sign counting twice: five times the noise that the filter expects, a drive at 60 % of its limit. A drive that lags passes from one to the other; what it lags behind a command that changes from period to period is little in the mean |
 //! | following | position error that the cascade follows (x of [`crate::compensator::actuate::braking`]) above 1.5*tau_max/((J_wg + J_fs/n^2)*k_p^2) + abs omega_ref/k_p at the end of a round: one and a half times that from which a cascade with the position gain k_p decelerates with all of the motor's torque, and without feed-forward of the speed |
 //!
 //! u_m, u_t and u_s are the parts of the torques by motor, torsion and torque sensor that are uncertain ([`Tolerances`]); tau_s is the larger static
@@ -326,16 +326,16 @@ impl<R: Real> Rotor<R> {
             let held = mean - inertial;
             (state.least, state.most) = (held, held);
         }
-        // A late drive still applies the command of a round ago.
+        // A late drive still applies the command of a round ago, or passes from that to the one of this round.
         let commanded = torque - drive_error;
-        let largest = commanded.abs().max(state.commanded.abs());
+        let (least, most) = (commanded.min(state.commanded), commanded.max(state.commanded));
+        let largest = least.abs().max(most.abs());
         state.commanded = commanded;
-        let drive = self.drive + R::lit(DRIVE_LACK.get()) * largest;
+        let error = (torque - most).max(least - torque);
         // Torque of the other sign: such a round counts twice.
-        let opposite = !drive_error.is_within(self.drive + largest);
-        state.drive_rounds += u32::from(opposite);
+        state.drive_rounds += u32::from(error > self.drive + largest);
         faults.raise_if(!state.gear_torque.is_within(self.overload), Faults::GEAR_OVERLOAD);
-        let follows = drive_error.is_within(drive);
+        let follows = error <= self.drive + R::lit(DRIVE_LACK.get()) * largest;
         state.drive_rounds = if follows { 0 } else { (state.drive_rounds + 1).min(self.not_following) };
         faults.raise_if(state.drive_rounds == self.not_following, Faults::DRIVE_NOT_FOLLOWING);
         let [position_error, velocity] = input.reference.unwrap_or_default();

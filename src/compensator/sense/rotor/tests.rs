@@ -156,33 +156,49 @@ fn a_motor_is_stopped_by_the_torque_of_the_round_before_too() {
     }
 }
 
+/// Whether a drive is named within `rounds`, of which each observer step has a torque and its error (N m), on a motor that moves.
+fn names_drive(rotor: &Rotor<f64>, rounds: i64, torques: impl Fn(i64, u32) -> [f64; 2]) -> bool {
+    let mut state = RotorState::default();
+    let rounds = (0..rounds).map(|round| {
+        for step in 1..=SLOW_PERIODS / OBSERVER_PERIODS {
+            let motor = Angle::from_counts((4 * round + i64::from(step)) << 20);
+            state.add(torques(round, step), f64::from(OBSERVER_PERIODS) * CONTROL_PERIOD, motor);
+        }
+        let input = RotorInput { motor: Angle::default(), reference: None, driven: true };
+        let mut faults = Faults::NONE;
+        rotor.step(&mut state, &input, &mut faults);
+        faults
+    });
+    rounds.fold(Faults::NONE, Faults::with).contains(Faults::DRIVE_NOT_FOLLOWING)
+}
+
 /// A drive that gives 20 % of its command is named; one that is as far off to either side in turn is not, nor one that may take longer to
 /// reach its command.
 #[test]
 fn a_drive_is_judged_by_the_mean_of_a_round() {
-    let faults = |alternates: bool, drive_response: f64| {
-        let rotor = with(&TENTHS, drive_response);
-        let mut state = RotorState::default();
-        let rounds = (0..6).map(|round| {
-            for step in 1..=SLOW_PERIODS / OBSERVER_PERIODS {
-                let error = if alternates && step % 2 == 0 { 0.8 } else { -0.8 };
-                let periods = f64::from(OBSERVER_PERIODS);
-                let motor = Angle::from_counts(i64::from(round * 4 + step) << 20);
-                state.add([1.0 + error, error], periods * CONTROL_PERIOD, motor);
-            }
-            let mut faults = Faults::NONE;
-            rotor.step(
-                &mut state,
-                &RotorInput { motor: Angle::default(), reference: None, driven: true },
-                &mut faults,
-            );
-            faults
-        });
-        rounds.fold(Faults::NONE, Faults::with)
+    let named = |alternates: bool, drive_response: f64| {
+        names_drive(&with(&TENTHS, drive_response), 6, |_, step| {
+            let error = if alternates && step % 2 == 0 { 0.8 } else { -0.8 };
+            [1.0 + error, error]
+        })
     };
-    assert!(faults(false, 1.5e-3).contains(Faults::DRIVE_NOT_FOLLOWING));
-    assert!(!faults(true, 1.5e-3).contains(Faults::DRIVE_NOT_FOLLOWING));
-    assert!(!faults(false, 5e-3).contains(Faults::DRIVE_NOT_FOLLOWING));
+    assert!(named(false, 1.5e-3) && !named(true, 1.5e-3) && !named(false, 5e-3));
+}
+
+/// A drive that gives 60 % of its command, and that a round later, is not named while the command reverses every third round; one of the
+/// other sign is.
+#[test]
+fn a_drive_may_be_late_where_its_command_reverses() {
+    let named = |torque: fn(i64) -> f64| {
+        names_drive(&rotor(), 30, |round, _| [torque(round), torque(round) - reversing(round)])
+    };
+    assert!(!named(|round| 0.6 * reversing(round - 1)));
+    assert!(named(|round| -0.6 * reversing(round)));
+}
+
+/// A command of 2 N m (N m).
+fn reversing(round: i64) -> f64 {
+    if round.div_euclid(3) % 2 == 0 { 2.0 } else { -2.0 }
 }
 
 /// A torque by the encoders that disagrees with the motor's by half of the peak torque is a fault of a joint that is known well.
