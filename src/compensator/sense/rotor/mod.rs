@@ -33,8 +33,10 @@
 //! friction of both directions without load, where its ripple is highest, and mu the larger part of the gear's torque that adds to it, driving or driven.
 //! A rotor that stands tells the gear's torque no better than its friction lets it: T_r/n = (abs tau + tau_s)/(1 - mu) is the largest that
 //! tau and friction hold, with the smaller tau of those that have changed; mu counts as at most 1/2 there. T_c is by how much the gear's torque
-//! may have changed with tau on a rotor that friction holds: by the sensor at the output, else by as much as the gear surely carries,
-//! abs tau less what friction holds, as an output that swings doubles its torque or loses it. The torques by the output's encoder and by its torque sensor
+//! may have changed with tau on a rotor that friction holds: by the sensor at the output. Without one, by as much as the gear surely carried,
+//! abs tau before the change less what friction holds, as an output that swings doubles its torque or loses it; and at least by what a load
+//! that comes changes on a rotor that it does not move: once more what friction holds. Where friction yields before it gives way, such a
+//! load moves the rotor by many counts, but a dry one holds it still. The torques by the output's encoder and by its torque sensor
 //! are compared with T_g: with a difference of more than u_t*tau_p + u_m of it and of n*tau for 8 ms, the sensor is
 //! disabled.
 //! Units: rad, s, N m at the motor, of the gear at its output.
@@ -351,7 +353,8 @@ impl<R: Real> Rotor<R> {
         let rises = applied - state.least > state.most - applied;
         let seen = self.inverse_n * state.gear_change;
         let by_gear = if seen == R::ZERO {
-            smaller - R::lit(0.5) * self.grip
+            let before = if rises { state.least } else { state.most };
+            self.grip.max(before.abs() - R::lit(0.5) * self.grip)
         } else if rises {
             seen
         } else {
