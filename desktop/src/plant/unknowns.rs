@@ -391,6 +391,7 @@ mod tests {
 
     #[test]
     fn names_are_dotted_and_single() {
+        assert_eq!(Which::BOX.name(), "box");
         for (k, row) in ROWS.iter().enumerate() {
             assert!(ROWS[..k].iter().all(|other| other.name != row.name), "{}", row.name);
             assert!(

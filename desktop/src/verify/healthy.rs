@@ -1,7 +1,8 @@
 //! Healthy joints of the catalogue at work for hours: faults that are named on them, and feedback that is reduced.
 //!
 //! Every joint works [`DURATION`] through a life of its own ([`WorkingLife`]), on the condensed plant of its seed, with the sensors that it
-//! was drawn with; all 500 together ten hours.
+//! was drawn with; all 500 together ten hours. As for [`crate::verify::catalogue`] its plant may differ by more than the box; with every
+//! unknown at once gravity adds to the loads, and the drive gives 60 % of its torque.
 //!
 //! | figure | definition |
 //! | --- | --- |
