@@ -49,9 +49,6 @@ pub struct Outcome {
     diverged: bool,
 }
 
-/// First word of the figures' names.
-const PART: &str = "healthy";
-
 /// All lives.
 #[derive(Clone, Debug)]
 pub struct Report {
@@ -149,16 +146,16 @@ impl Report {
     pub fn figures(&self) -> Vec<Figure> {
         let duration = self.sum(|outcome| outcome.duration);
         let limited = self.count(|outcome| outcome.among(LIMITS).next().is_some());
-        let reported =
-            |what: &str, value, unit| Figure::reported(name(PART, self.unknown, what), value, unit);
+        let reported = |figure: &str, value, unit| Figure::reported(name(figure, self.unknown), value, unit);
+        let bounded = |rows, value| bounded(rows, self.unknown, value);
         vec![
-            bounded(PART, self.unknown, "alarms", self.count(Outcome::is_alarmed)),
-            bounded(PART, self.unknown, "reduced", self.count(Outcome::is_reduced)),
-            reported("reduced.time", self.sum(|outcome| outcome.reduced) / duration, "1"),
-            reported("stopped", self.count(|outcome| outcome.stopped), "joint"),
-            reported("limited", limited, "joint"),
-            reported("joints", self.outcomes.len() as f64, "joint"),
-            reported("time", duration, "s"),
+            bounded(["healthy.alarms", "healthy.unknown.alarms"], self.count(Outcome::is_alarmed)),
+            bounded(["healthy.reduced", "healthy.unknown.reduced"], self.count(Outcome::is_reduced)),
+            reported("healthy.reduced.time", self.sum(|outcome| outcome.reduced) / duration, "1"),
+            reported("healthy.stopped", self.count(|outcome| outcome.stopped), "joint"),
+            reported("healthy.limited", limited, "joint"),
+            reported("healthy.joints", self.outcomes.len() as f64, "joint"),
+            reported("healthy.time", duration, "s"),
         ]
     }
 

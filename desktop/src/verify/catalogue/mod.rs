@@ -87,15 +87,18 @@ pub fn measure(request: &Request, mut progress: impl FnMut(f64)) -> Result<Repor
     Ok(Report { unknown: request.unknown, outcomes: outcomes.into_iter().collect::<Result<_, _>>()? })
 }
 
-/// Name of a figure of joints with such plants, of `part`: `catalogue.shakes`, and of all unknowns `catalogue.all.shakes`.
-pub(super) fn name(part: &str, unknown: Which, what: &str) -> String {
-    if unknown == Which::BOX { format!("{part}.{what}") } else { format!("{part}.{}.{what}", unknown.name()) }
+/// Name of a figure such as `catalogue.limited` for joints with such plants: with all unknowns `catalogue.all.limited`.
+pub(super) fn name(figure: &str, unknown: Which) -> String {
+    match figure.split_once('.') {
+        Some((part, what)) if unknown != Which::BOX => format!("{part}.{}.{what}", unknown.name()),
+        _ => figure.to_owned(),
+    }
 }
 
-/// A figure of that name; every unknown has the same bound, `catalogue.unknown.shakes`.
-pub(super) fn bounded(part: &str, unknown: Which, what: &str, value: f64) -> Figure {
-    let row = if unknown == Which::BOX { format!("{part}.{what}") } else { format!("{part}.unknown.{what}") };
-    bounds::figure_as(name(part, unknown, what), &row, value)
+/// A figure with the bound of the first row for plants of the box, of the second for all others.
+pub(super) fn bounded([of_box, of_unknown]: [&str; 2], unknown: Which, value: f64) -> Figure {
+    let row = if unknown == Which::BOX { of_box } else { of_unknown };
+    bounds::figure_as(name(of_box, unknown), row, value)
 }
 
 impl Outcome {
@@ -248,7 +251,7 @@ mod tests {
     #[test]
     fn a_figure_is_named_after_what_is_unknown() {
         let of = |unknown| {
-            let figure = bounded("catalogue", unknown, "shakes", 0.0);
+            let figure = bounded(["catalogue.shakes", "catalogue.unknown.shakes"], unknown, 0.0);
             (figure.name, figure.row.unwrap())
         };
         assert_eq!(of(Which::BOX), ("catalogue.shakes".into(), "catalogue.shakes"));

@@ -8,11 +8,9 @@ use crate::io::figure::{Figure, number};
 use crate::io::gear_file::SensorSet;
 use crate::plant::unknowns::Which;
 use crate::verify::Measured;
+use crate::verify::bounds;
 use crate::verify::judge::Metric;
 use crate::verify::robustness::{COUNT, JUDGED, Oscillation};
-
-/// First word of the figures' names.
-const PART: &str = "catalogue";
 
 /// Everything that ran.
 #[derive(Clone, Debug)]
@@ -133,32 +131,31 @@ impl Report {
         let all = Tally::of(self.runs(None, None));
         let refused = self.outcomes.iter().filter(|outcome| outcome.refused.is_some()).count();
         let excluded: usize = self.outcomes.iter().map(Outcome::excluded).sum();
-        let reported =
-            |what: &str, value, unit| Figure::reported(name(PART, self.unknown, what), value, unit);
-        let bounded = |what: &str, value| bounded(PART, self.unknown, what, value);
-        let error = |what: &str, value| {
-            if self.unknown == Which::BOX { bounded(what, value) } else { reported(what, value, "1") }
+        let reported = |figure: &str, value, unit| Figure::reported(name(figure, self.unknown), value, unit);
+        let bounded = |rows, value| bounded(rows, self.unknown, value);
+        let error = |row: &str, value| {
+            if self.unknown == Which::BOX { bounds::figure(row, value) } else { reported(row, value, "1") }
         };
         let mut figures = vec![
-            bounded("refused", refused as f64),
-            bounded("shakes", all.shakes as f64),
-            bounded("worse", all.worse as f64),
-            bounded("stopped", all.stopped as f64),
-            error("error.median", all.ratios.quantile(0.5)),
-            error("error.p95", all.ratios.quantile(0.95)),
-            reported("limited", all.limited as f64, "run"),
-            reported("excluded", excluded as f64, "run"),
-            reported("above_count.runs", all.above_count.0.len() as f64, "run"),
-            reported("above_count.median", all.above_count.quantile(0.5), "1"),
-            reported("above_count.p95", all.above_count.quantile(0.95), "1"),
+            bounded(["catalogue.refused", "catalogue.unknown.refused"], refused as f64),
+            bounded(["catalogue.shakes", "catalogue.unknown.shakes"], all.shakes as f64),
+            bounded(["catalogue.worse", "catalogue.unknown.worse"], all.worse as f64),
+            bounded(["catalogue.stopped", "catalogue.unknown.stopped"], all.stopped as f64),
+            error("catalogue.error.median", all.ratios.quantile(0.5)),
+            error("catalogue.error.p95", all.ratios.quantile(0.95)),
+            reported("catalogue.limited", all.limited as f64, "run"),
+            reported("catalogue.excluded", excluded as f64, "run"),
+            reported("catalogue.above_count.runs", all.above_count.0.len() as f64, "run"),
+            reported("catalogue.above_count.median", all.above_count.quantile(0.5), "1"),
+            reported("catalogue.above_count.p95", all.above_count.quantile(0.95), "1"),
         ];
         for sensors in SensorSet::ALL {
             let set = Tally::of(self.runs(Some(sensors), None));
-            let reported = |what: &str, value| reported(&format!("{}.{what}", sensors.name()), value, "1");
-            figures.extend([
-                reported("error.median", set.ratios.quantile(0.5)),
-                reported("error.p95", set.ratios.quantile(0.95)),
-            ]);
+            let error = |what: &str, value| {
+                reported(&format!("catalogue.{}.error.{what}", sensors.name()), value, "1")
+            };
+            figures
+                .extend([error("median", set.ratios.quantile(0.5)), error("p95", set.ratios.quantile(0.95))]);
         }
         figures
     }
