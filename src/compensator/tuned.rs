@@ -152,27 +152,45 @@ macro_rules! tuned {
     };
 }
 
+/// Gain margin that every loop is asked to have: 6 dB. Asked, not tuned.
+pub const GAIN_MARGIN: f64 = 2.0;
+
+/// Time in which an oscillation is to end (s). Asked, not tuned. A load step is beyond the dead zone of the disturbance path for less.
+pub const OSCILLATION_TIME: f64 = 0.15;
+
 tuned! {
+    // Of several rooms.
+    RECOVERY = 0.1, One,
+        "Part of what a fault has counted, or lasted, that a sound sample takes off: one in eleven may be bad; a bit that is stuck and an \
+         oscillation, which is sound for some of its time, make more of them, and a sound line far fewer";
+    NOISE_TORQUE = 0.05, One,
+        "Torque that noise may make, in motor's peak torques: a count of the output encoder in slow motion by its feedback; and what measured \
+         and commanded torque differ by, some ten times the noise of the default joint's measurement";
+    OSCILLATIONS = 3.0, One,
+        "Windows on end that oscillate, and reversals of a load beyond the dead zone, that are an oscillation: a load step and its vibration \
+         are in two windows, a load that comes and goes has two reversals with its ringing";
+    FADING_TIME = 0.5, Second,
+        "Time in which the friction that is fed forward fades at rest, so that a joint of less friction than the model's is not driven by \
+         it; without the feedback after an oscillation, and in which that comes back: slow against any vibration, and one of 10 Hz decays in it \
+         that the cascade hardly damps";
+
+    ENCODER_NOISE = 3.0, Count,
+        "Noise of an encoder besides its resolution, from the lowest to the highest: of the motor's in a control period, for the observer, in \
+         counts of 2^19 a revolution; half of it, with its rounding, is the dead zone of a resting output's angle";
+
     // Sensors.
     BAD_FRAMES = 2e-3, Second,
         "Time of bad frames of the motor's encoder after which its angle is lost: less than half of the 5 ms in which a \
          lost encoder is to be named";
-    FRAME_RECOVERY = 0.1, One,
-        "Bad frames that a good one makes up for: a reading in eleven may be bad; a bit that is stuck makes more of them, and a sound line far fewer";
     UNCERTAINTY_MARGIN = 1.5, One,
         "What is a fault, over the largest that a sound joint within its tolerances makes, and what is asked of it less: half as much \
-         again for what they do not say";
+         again for what they do not say; and what a cascade is slower by whose feedback functions were reduced";
     MOTOR_PATH = 0.5, Radian,
         "Commanded path of the motor in which its encoder moves, unless it is frozen: an angle, whatever the gear";
     DRIVE_CORNER = 7.0, RadianPerSecond,
         "Corner between commanded and measured motor torque: noise of the measurement above it, a drive's errors below it";
     MEASURED_TORQUE_CORNER = 100.0, RadianPerSecond,
         "Low pass of the measured torque where another controller moves the motor, whose command is unknown";
-    GROSS_TORQUE = 0.05, One,
-        "Difference of measured and commanded torque that is no noise, in motor's peak torques: some ten times the noise \
-         of the default joint's measurement";
-    DRIVE_LACK = 0.5, One,
-        "Part of its command that a drive at a limit of its own may lack: one at 60 % still follows";
     DISAGREEING = 8e-3, Second,
         "Time that a sensor at the output disagrees with the motor's side, ten rounds: what is uncertain of both for a \
          moment is none";
@@ -186,12 +204,6 @@ tuned! {
          noise does not";
     STIFFNESS_TORQUE = 0.03, One,
         "Bound of the torque that a stiffness error explains at no torsion, in rated torques: hysteresis, and the encoders' zero";
-    LONGEST_LOAD = 0.15, Second,
-        "Time that a load step is beyond the dead zone: longer is an oscillation of the loop through the disturbance path";
-    LOAD_RECOVERY = 0.1, One,
-        "Part of the time within the dead zone that is taken off the time beyond it: an oscillation is within for some of it";
-    LOAD_REVERSALS = 3.0, One,
-        "Reversals beyond the dead zone that are an oscillation: a load that comes and goes has two, with its ringing";
 
     // References.
     SETPOINT_TIME = 0.02, Second,
@@ -199,11 +211,6 @@ tuned! {
          1 kHz";
     LOST_REFERENCE = 2.0, One,
         "Position error of a lost reference, in those at which the cascade asks for all of the motor's torque";
-    APPROACH_TO_POSITION = 0.25, One,
-        "Rate at which a setpoint that cannot be followed is approached near by, of the position gain: the position loop is four times \
-         faster";
-    JERK_TIME = 0.005, Second,
-        "Time to the whole acceleration of an approach: five periods of an outer controller of 1 kHz";
     LOAD_SHARE = 0.8, One,
         "Largest part of the torque that a load takes from an approach: a fifth of it is left, for any estimate";
     REST_SPEED = 1e-4, RadianPerSecond,
@@ -215,11 +222,6 @@ tuned! {
         "Part of a resting motor's lag that the output feedback's integral takes for output that is not missing: with none, joints of much \
          static friction hunt; with all of it z waits for the cascade in S1. Of 625 runs of training joints with both encoders 112 are \
          worse than a baseline, 124 with 1, 128 with 0";
-    RESTING_NOISE = 1.5, Count,
-        "Dead zone of the output encoder's angle at rest: its rounding, and a count of noise";
-    FADING_TIME = 0.5, Second,
-        "Time in which the friction that is fed forward fades at rest: a joint of less friction than the model's is not \
-         driven by it";
     CROSSOVER = 0.01, One,
         "Speed up to which the gains of either direction are mixed, in joint's speeds: no step of a gain at a reversal";
 
@@ -247,27 +249,17 @@ tuned! {
         "Time after which an overrun of the control is forgotten: twenty periods";
     OVERRUNS = 5.0, One,
         "Overruns, none of them forgotten, that switch the drive off: within 10 ms";
-    SHORTEST_WINDOW = 0.032, Second,
-        "Shortest window of the supervisor: four of them, and the ramp, are within the 0.15 s in which an oscillation is to end";
     LIMIT_CYCLE_TORSION = 0.005, One,
         "Standard deviation of the torsion that oscillates at rest, in torsions of the rated torque: 7 urad of the default \
          gear, less than what is called shaking";
     LIMIT_CYCLE_TORQUE = 0.5, One,
         "The same of the torque in motion, in motor's peak torques: a sine from limit to limit has 0.7 of them; and the most that the \
          kinematic error may take of it, which is no limit cycle";
-    LIMIT_CYCLE_WINDOWS = 3.0, One,
-        "Windows on end that oscillate before the feedback is reduced: a load step and its vibration are in two";
     LIMIT_CYCLE_SWINGS = 8.0, One,
         "Swings of the torque from limit to limit on end, each within a ramp of the torque, that are a limit cycle: twice as many as 500 \
          training joints at work have at most, and as many again switch the drive off";
     DECAYED = 0.75, One,
         "Part of its variance that a vibration has left after a period, if it decays: a damping ratio of 0.025";
-    FEEDBACK_RETURN = 0.5, Second,
-        "Time without the feedback after an oscillation, and in which it comes back then: slow against any vibration, and a vibration of 10 Hz \
-         decays in it that the cascade hardly damps";
-    REDUCED_CASCADE = 2.0 / 3.0, One,
-        "Position gain and inverse integral time of the cascade that is left without the feedback functions, of those that are built: the inverse of \
-         what the rule for a gear that nobody has tuned puts on those of B0, 1.5 and 1/0.65";
     LONGEST_HOLD = 8.0, Second,
         "The longest such time: an oscillation that always comes back is there for a fiftieth of the time; and the time in which the cascade is as \
          stiff again as it was built";
@@ -277,8 +269,6 @@ tuned! {
         "Rate of the learnt gravity's cosine: slow against a reversal of the motion";
     GRAVITY_RATE_SINE = 8.0, PerSecond,
         "Rate of its sine, which a joint within a part of a revolution excites less";
-    LARGEST_GRAVITY = 1.0, One,
-        "Largest coefficient of gravity, in rated torques: a joint is built to hold its load";
     RIPPLE_SAMPLE = 0.125, One,
         "Position error that counts for a ripple, in largest ripples: beyond it is a load that swings";
     RIPPLE_PER_RADIAN = 0.2, One,

@@ -24,13 +24,13 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, TAU};
 
 use strainwave::Real;
 use strainwave::compensator::adapt::learning::LearningParams;
-use strainwave::compensator::adapt::parameters::{AdaptationParams, Factors};
+use strainwave::compensator::adapt::parameters::{AdaptationParams, Factors, LARGEST_DEVIATION};
 use strainwave::compensator::adapt::ripple::{LearntRippleParams, RIPPLE_ORDERS, RippleOrder};
 use strainwave::compensator::estimate::disturbance::DisturbanceParams;
 use strainwave::compensator::reference::measured_feedback::MeasuredFeedbackParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
-use strainwave::compensator::tuned::Tuned;
+use strainwave::compensator::tuned::{GAIN_MARGIN, NOISE_TORQUE, Tuned};
 
 use crate::design::feedback::feedback_params;
 use crate::design::output_loop::{self, Gains};
@@ -109,12 +109,12 @@ fn output_count(file: &GearFile) -> f64 {
 }
 
 /// Fraction of P and D of which the joint bears `level`, in slow motion, where nothing hides the encoder's rounding: so much of them that a
-/// count changes the torque by no more than [`tuned::COUNT_TORQUE`] of the motor's peak torque.
+/// count changes the torque by no more than [`NOISE_TORQUE`] of the motor's peak torque.
 fn slow_fraction(file: &GearFile, level: f64) -> f64 {
     let gain = level * (proportional()[0] + 2.0 * measured_damping()[0] * tuned::MEASURED_CORNER.get());
     // Where the joint bears none no count changes its torque.
     let by_count = (gain * output_count(file) * torque_by_shift(file)).max(f64::MIN_POSITIVE);
-    (tuned::COUNT_TORQUE.get() * file.motor.peak_torque / by_count).min(1.0)
+    (NOISE_TORQUE.get() * file.motor.peak_torque / by_count).min(1.0)
 }
 
 /// Largest shift by the output encoder's angle (rad at the motor): it asks for all of the motor's torque.
@@ -138,7 +138,7 @@ pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
         fast_corner: R::lit(1.0 / lateness(&file.drive)),
         dead_zone: R::lit(hidden),
         tolerance: R::lit(n * (file.drive.torque_constant + file.tolerances.rotor_inertia)),
-        wind_up_fraction: R::lit(tuned::FAST_SHARE.get()),
+        wind_up_fraction: R::lit(1.0 - 1.0 / GAIN_MARGIN),
     }
 }
 
@@ -160,13 +160,12 @@ pub fn output_feedback_params(file: &GearFile) -> [OutputFeedbackParams<f64>; 2]
 ///
 /// There the motor follows a shift by `|T| = k_p/omega/sqrt(1 + (omega/omega_v)^2)`, at worst a quarter of a period late, and P takes
 /// a damping ratio of `P*|T|/2` from the mode: half of what it has is left to it. Nor does a count move the torque by more than
-/// [`tuned::COUNT_TORQUE`] of the motor's peak torque.
+/// [`NOISE_TORQUE`] of the motor's peak torque.
 fn proportional_of_fast_mode(file: &GearFile) -> f64 {
     let (frequency, cascade) = (mode_frequency(file), feedback_params::<f64>(file));
     let late = (frequency / (TAU * file.feedback.velocity_bandwidth)).hypot(1.0);
     let by_damping = file.damping.torsion_mode_ratio * frequency / cascade.position_gain * late;
-    let by_count =
-        tuned::COUNT_TORQUE.get() * file.motor.peak_torque / (output_count(file) * torque_by_shift(file));
+    let by_count = NOISE_TORQUE.get() * file.motor.peak_torque / (output_count(file) * torque_by_shift(file));
     by_damping.min(by_count).min(proportional()[0])
 }
 
@@ -212,8 +211,8 @@ fn adaptation_params<R: Real>(file: &GearFile) -> AdaptationParams<R> {
             input_friction: R::lit(tuned::FACTOR_ROOM.get() * file.tolerances.friction),
             output_friction: R::lit(tuned::FACTOR_ROOM.get() * file.tolerances.friction),
             compliance: R::lit(tuned::FACTOR_ROOM.get() * file.tolerances.stiffness),
-            presliding: R::lit(tuned::PRESLIDING_BOUND.get()),
-            presliding_stiffness: R::lit(tuned::PRESLIDING_BOUND.get()),
+            presliding: R::lit(LARGEST_DEVIATION),
+            presliding_stiffness: R::lit(LARGEST_DEVIATION),
         },
         rates: Factors {
             inertia: R::lit(tuned::INERTIA_RATE.get().min(fastest)),

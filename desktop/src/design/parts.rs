@@ -5,7 +5,7 @@ use strainwave::compensator::estimate::disturbance::DisturbanceParams;
 use strainwave::compensator::estimate::observer::ObserverParams;
 use strainwave::compensator::reference::measured_feedback::MeasuredFeedbackParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
-use strainwave::compensator::tuned::REDUCED_CASCADE;
+use strainwave::compensator::tuned::UNCERTAINTY_MARGIN;
 
 /// Gains that the file and the rules give.
 #[derive(Clone, Copy, Debug)]
@@ -28,8 +28,8 @@ impl Parts {
     #[must_use]
     pub(crate) fn softened(&self) -> Self {
         let mut parts = *self;
-        parts.feedback.position_gain *= REDUCED_CASCADE.get();
-        parts.feedback.integral_time /= REDUCED_CASCADE.get();
+        parts.feedback.position_gain /= UNCERTAINTY_MARGIN.get();
+        parts.feedback.integral_time *= UNCERTAINTY_MARGIN.get();
         parts
     }
 }

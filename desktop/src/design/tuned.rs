@@ -3,8 +3,6 @@
 //! One table with those of the control step, [`strainwave::compensator::tuned`], where it is said what a tuned constant is. The
 //! outer frequency is that of the torsion mode, or [`OUTER_TO_POSITION`] times the position gain where that is less.
 
-use std::f64::consts::FRAC_1_SQRT_2;
-
 use strainwave::compensator::tuned::Tuned;
 
 strainwave::tuned! {
@@ -30,8 +28,6 @@ strainwave::tuned! {
          from 1.7 on the filter of the motor's encoder alone loses its stability where the stiffness is off by 10 %";
     RENEWED_FRICTION = 0.05, One,
         "Part of the Coulomb friction that the filter takes for noise, renewed in every period";
-    JITTER = 3.0 * FRAC_1_SQRT_2, Count,
-        "Noise of the motor's encoder besides its resolution, in counts of 2^19 a revolution: 3 in a period, of two readings";
     OUTPUT_JITTER = 4.0, Count,
         "The same of the output's: in slow motion the error of a count is a wave that follows the angle, which is averaged over many \
          counts; with more of it the estimate vibrates where friction holds the output";
@@ -55,8 +51,6 @@ strainwave::tuned! {
     MEASURED_CORNER = 5.0, One,
         "Corner of the low pass on the output encoder's angle over the torsion mode's frequency: a count moves the reference by \
          P + 2*zeta*this = 4.4 counts in slow motion";
-    COUNT_TORQUE = 0.05, One,
-        "Largest change of the torque by a count of the output encoder in slow motion, in motor's peak torques";
     INTEGRAL = 0.3, One,
         "Integral of the output's error, of the outer frequency: with a third more at rest, and poles a quarter higher, 17 of 1200 runs of \
          training plants with all unknowns oscillate and 41 are worse than the cascade, with this 5 and 20";
@@ -70,8 +64,6 @@ strainwave::tuned! {
     SLOW_CORNER = 0.4, One,
         "Corner of the slow part, of the outer frequency: with half of it a heavy joint is still off by a tenth of a load step's wind-up \
          half a second later, and 27 more runs of the training joints are worse than a baseline";
-    FAST_SHARE = 0.5, One,
-        "Part of a sudden load that the gear is wound up for: a half leaves a gain margin of 2 to its stiffness";
 
     // Adaptation.
     FACTOR_ROOM = 1.25, One,
@@ -88,8 +80,6 @@ strainwave::tuned! {
         "Rate of the presliding's shape, where it weighs as much as the Coulomb levels";
     PRESLIDING_STIFFNESS_RATE = 40.0, PerSecond,
         "The same of its stiffness";
-    PRESLIDING_BOUND = 0.9, One,
-        "Largest deviation of both from their nominal values: from nearly order 1 on, stiffness by 0.5 to 2.3";
     COMPLIANCE_RATE = 80.0, PerSecond,
         "Rate of the compliance's factor at the rated torque's torsion";
     FLEXING_RATE = 60.0, PerSecond,

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use strainwave::compensator::tuned::Tuned;
+use strainwave::compensator::tuned::{GAIN_MARGIN, Tuned};
 
 use crate::design::cascade_rule::CascadeGains;
 use crate::design::corners::{Corner, Point};
@@ -132,7 +132,7 @@ impl Report {
         let damping = |ratio: Tuned| format!("level * 2*{}/sqrt(K1/J_fs)", ratio.get());
         let of_mode = |constant: Tuned| format!("{} sqrt(K1/J_fs)", constant.get());
         let stiffening = |fraction: Tuned| format!("level * {}, at least zeta/T(omega)", fraction.get());
-        let wind_up = format!("level * {}", tuned::FAST_SHARE.get());
+        let wind_up = format!("level * {}", 1.0 - 1.0 / GAIN_MARGIN);
         let mut rows = vec![
             row("cascade k_p", f.position_gain, "1/s", k_p),
             row("cascade k_v", f.velocity_gain, "N m s/rad", k_v),

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! While the supervisor ([`super::supervisor`]) reduces the feedback functions, k_p and 1/T_i are multiplied by
-//! c + (1 - c)*gain, with c = 2/3 ([`REDUCED_CASCADE`]): an oscillation that goes on without these functions is one of the cascade. When they
+//! c + (1 - c)*gain, with c = 2/3, the inverse of [`UNCERTAINTY_MARGIN`]: an oscillation that goes on without these functions is one of the cascade. When they
 //! are back, both rise slowly again. The cascade damps a load that swings on a spring above sqrt(k_p/T_i) (rad/s) and excites it below: position
 //! loop and integral lag by the angles whose tangents are k_p/omega and 1/(T_i*omega), 90 degrees there. With the lag of filter and drive
 //! it is a higher frequency; c lowers it to two thirds.
@@ -25,7 +25,7 @@
 //! the rotor, which returns a motor as fast as it came: between two counts nothing damps it, and it would go to and fro at some
 //! k_v/(4*J) periods a second, with pulses of torque of up to half of the rated one with 14 bits.
 
-use crate::compensator::tuned::{COARSE_COUNT, REDUCED_CASCADE};
+use crate::compensator::tuned::{COARSE_COUNT, UNCERTAINTY_MARGIN};
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::low_pass::LowPass;
@@ -78,10 +78,10 @@ impl<R: Real> Stiffness<R> {
     /// As it was built.
     pub const FULL: Self = Self(R::ONE);
 
-    /// Of a cascade whose feedback functions have this `gain` (0..=1): k_p and 1/T_i are [`REDUCED_CASCADE`] of themselves at 0.
+    /// Of a cascade whose feedback functions have this `gain` (0..=1): k_p and 1/T_i are c of themselves at 0.
     #[inline(always)]
     fn with(gain: R) -> Self {
-        let reduced = R::lit(REDUCED_CASCADE.get());
+        let reduced = R::lit(1.0 / UNCERTAINTY_MARGIN.get());
         Self(reduced + (R::ONE - reduced) * gain)
     }
 
@@ -94,7 +94,7 @@ impl<R: Real> Stiffness<R> {
     /// More of it, by a `part` of what the full gain brings; above [`Stiffness::FULL`] until [`Stiffness::softer`] limits it.
     #[inline(always)]
     pub fn stiffer(self, part: R) -> Self {
-        Self(self.0 + (R::ONE - R::lit(REDUCED_CASCADE.get())) * part)
+        Self(self.0 + (R::ONE - R::lit(1.0 / UNCERTAINTY_MARGIN.get())) * part)
     }
 }
 
@@ -216,7 +216,7 @@ mod tests {
             let torque = feedback.step(&mut state, 0.0, &input, stiffness, false);
             [torque - state.integral, state.integral]
         };
-        let softer = REDUCED_CASCADE.get();
+        let softer = 1.0 / UNCERTAINTY_MARGIN.get();
         let expected = [softer, softer * softer];
         let [reduced, built] = [Stiffness::FULL.softer(0.0), Stiffness::FULL].map(torques);
         for (reduced, (built, expected)) in reduced.iter().zip(built.iter().zip(expected)) {

@@ -37,8 +37,8 @@ use crate::compensator::Faults;
 use crate::compensator::actuate::cascade::Stiffness;
 use crate::compensator::schedule::SLOW_PERIODS;
 use crate::compensator::tuned::{
-    DECAYED, FEEDBACK_RETURN, GAIN_RAMP, LIMIT_CYCLE_TORQUE, LIMIT_CYCLE_TORSION, LIMIT_CYCLE_WINDOWS,
-    LONGEST_HOLD, SHORTEST_WINDOW,
+    DECAYED, FADING_TIME, GAIN_RAMP, LIMIT_CYCLE_TORQUE, LIMIT_CYCLE_TORSION, LONGEST_HOLD, OSCILLATION_TIME,
+    OSCILLATIONS,
 };
 use crate::constants::constants;
 use crate::gear::GearParams;
@@ -158,7 +158,8 @@ impl<R: Real> Supervisor<R> {
         let rounds = |time: R| ((time / round + R::lit(0.5)).to_i32().max(2)).cast_unsigned();
         let [softest, ..] = gear.flexspline.line.stiffness;
         let period = R::lit(core::f64::consts::TAU) * (gear.flexspline_inertia / softest).sqrt();
-        let window = rounds(R::lit(SHORTEST_WINDOW.get()).max(period));
+        let in_time = (OSCILLATION_TIME - GAIN_RAMP.get()) / (OSCILLATIONS.get() + 1.0);
+        let window = ((R::lit(in_time) / round).to_i32().max(2)).cast_unsigned().max(rounds(period));
         let length = R::from_i32(window.cast_signed());
         let at_rest = (R::lit(LIMIT_CYCLE_TORSION.get()) * gear.rated_torque / softest)
             .max(count / R::from_i32(gear.ratio).abs());
@@ -168,12 +169,12 @@ impl<R: Real> Supervisor<R> {
             inverse_window: R::ONE / length,
             middle: R::lit(0.5) * (length - R::ONE),
             inverse_spread: R::lit(12.0) / (length * length - R::ONE),
-            windows: OSCILLATES * LIMIT_CYCLE_WINDOWS.get() as u32,
+            windows: OSCILLATES * OSCILLATIONS.get() as u32,
             decayed: R::lit(DECAYED.get()),
             levels: [in_motion * in_motion, at_rest * at_rest],
             down: round / R::lit(GAIN_RAMP.get()),
-            back: round / R::lit(FEEDBACK_RETURN.get()),
-            hold: [FEEDBACK_RETURN, LONGEST_HOLD].map(|time| rounds(R::lit(time.get()))),
+            back: round / R::lit(FADING_TIME.get()),
+            hold: [FADING_TIME, LONGEST_HOLD].map(|time| rounds(R::lit(time.get()))),
         }
     }
 
@@ -202,7 +203,7 @@ impl<R: Real> Supervisor<R> {
             seldom();
             let change = if state.held > 0 { -self.down } else { self.back };
             state.held = state.held.saturating_sub(1);
-            let stiffer = self.back * R::lit(FEEDBACK_RETURN.get() / LONGEST_HOLD.get());
+            let stiffer = self.back * R::lit(FADING_TIME.get() / LONGEST_HOLD.get());
             state.stiffness = state.stiffness.stiffer(stiffer);
             state.reduce((state.gain + change).max(R::ZERO).min(R::ONE));
             faults.raise_if(true, Faults::FEEDBACK_REDUCED);

@@ -14,7 +14,7 @@
 //! no longer learn from it. Explicit Euler. Units: rad, N m.
 
 use crate::angle::Heading;
-use crate::compensator::tuned::{GRAVITY_RATE_COSINE, GRAVITY_RATE_SINE, LARGEST_GRAVITY};
+use crate::compensator::tuned::{GRAVITY_RATE_COSINE, GRAVITY_RATE_SINE};
 use crate::constants::constants;
 use crate::real::Real;
 
@@ -41,7 +41,7 @@ impl<R: Real> Gravity<R> {
         Self {
             gains: [GRAVITY_RATE_COSINE, GRAVITY_RATE_SINE]
                 .map(|rate| (R::lit(rate.get()) * dt).min(R::lit(0.5))),
-            largest: R::lit(LARGEST_GRAVITY.get()) * rated_torque,
+            largest: rated_torque,
         }
     }
 

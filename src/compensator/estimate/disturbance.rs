@@ -31,7 +31,7 @@
 
 use crate::angle::Ratio;
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
-use crate::compensator::tuned::{LOAD_RECOVERY, LOAD_REVERSALS, LONGEST_LOAD};
+use crate::compensator::tuned::{OSCILLATION_TIME, OSCILLATIONS, RECOVERY};
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::gear::GearParams;
@@ -153,8 +153,8 @@ impl<R: Real> DisturbanceParams<R> {
             dead_zone: self.dead_zone,
             tolerance: self.tolerance,
             wind_up_fraction: self.wind_up_fraction,
-            longest: R::lit(LONGEST_LOAD.get()),
-            reversal: R::lit(LONGEST_LOAD.get() / LOAD_REVERSALS.get()),
+            longest: R::lit(OSCILLATION_TIME),
+            reversal: R::lit(OSCILLATION_TIME / OSCILLATIONS.get()),
             wave_generator_inertia: gear.wave_generator_inertia,
             ratio: ratio.value(),
             motor_wind_up: self.wind_up_fraction * R::from_i32(ratio.n()),
@@ -201,7 +201,7 @@ impl<R: Real> Disturbance<R> {
         };
         state.slow += self.slow_gain * change;
         let time = if residual.is_within(state.dead_zone) {
-            R::lit(-LOAD_RECOVERY.get()) * self.slow_dt
+            R::lit(-RECOVERY.get()) * self.slow_dt
         } else {
             let reverses = residual * state.residual < R::ZERO;
             state.residual = residual;

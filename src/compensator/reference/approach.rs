@@ -11,17 +11,18 @@
 //! (dq_foreseen: the extrapolated speed; a_p: what the gear's protection admits,
 //! [`crate::compensator::actuate::protection::Protection::acceleration`]), for that is a step that would take a quarter of
 //! the motor's torque. The factors leave room for 10 % of inertia at the gear, and at the motor for its friction and the
-//! feedback, too. Then the reference approaches the setpoint within the joint's speed (90 %), a and a jerk of a in T_j = 5 ms,
-//! until it reaches it:
+//! feedback, too. Then the reference approaches the setpoint within the joint's speed (90 %), a and a jerk of a in T_r/2 = 5 ms,
+//! as fast as the motor's torque is ramped, until it reaches it:
 //!
 //! ```text
-//! v = dq_c + limit(min(k*|e|, sqrt(max(a - |ddq_c|, 0)*|e|)))*sign(e),   k = k_p/4
-//! ddq -> ddq_c + 4*k*(v - dq) in -a_minus..a_plus
+//! v = dq_c + limit(min(k_p/4*|e|, sqrt(max(a - |ddq_c|, 0)*|e|)))*sign(e)
+//! ddq -> ddq_c + k_p*(v - dq) in -a_minus..a_plus
 //! a_plus, a_minus = a_max*(1 +- l),   a = min(a_plus, a_minus),   l = limit(tau_ext/min(L, tau_max*|n|), 0.8)
 //! ```
 //!
 //! tau_ext is the estimated external torque: with it the torques L of the gear and tau_max of the motor accelerate
-//! the output more, and against it less. What the setpoint's own acceleration leaves of a catches up with it.
+//! the output more, and against it less. What the setpoint's own acceleration leaves of a catches up with it. Near by e is damped
+//! critically, both its poles at k_p/2: the position loop, whose own is at k_p, follows.
 //!
 //! A stale setpoint is not approached: the reference brakes to rest within the same limits. Units: rad, N m, s; explicit
 //! Euler over dt. While it approaches, a round has one period more ([`crate::compensator::schedule`]).
@@ -29,7 +30,7 @@
 use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::protection::Protection;
 use crate::compensator::schedule::SLOW_PERIODS;
-use crate::compensator::tuned::{APPROACH_TO_POSITION, JERK_TIME, LOAD_SHARE, REST_SPEED, SETPOINT_TIME};
+use crate::compensator::tuned::{LOAD_SHARE, REST_SPEED, SETPOINT_TIME, TORQUE_RAMP};
 use crate::compensator::{Limits, Setpoint};
 use crate::constants::constants;
 use crate::gear::GearParams;
@@ -46,7 +47,7 @@ pub(super) struct Approach<R> {
     acceleration: R,
     /// 1/min(L, tau_max*|n|) (1/(N m)).
     by_load: R,
-    /// k, and 4*k (1/s).
+    /// k_p/4, and k_p (1/s).
     rate: R,
     speed_rate: R,
     /// Top speed of a reference (rad/s).
@@ -84,14 +85,13 @@ impl<R: Real> Approach<R> {
         let acceleration = by_gear.min(R::lit(0.6) * limits.motor_torque * n / whole);
         let longer = round * R::lit(f64::from(SLOW_PERIODS + 1) / f64::from(SLOW_PERIODS));
         let quarter = R::lit(0.25) * limits.motor_torque / (cascade.velocity_gain * n);
-        let rate = R::lit(APPROACH_TO_POSITION.get()) * cascade.position_gain;
         Self {
             round: longer,
             inverse_round: R::ONE / longer,
             acceleration,
             by_load: R::ONE / protection.torque().min(limits.motor_torque * n),
-            rate,
-            speed_rate: R::lit(4.0) * rate,
+            rate: R::lit(0.25) * cascade.position_gain,
+            speed_rate: cascade.position_gain,
             velocity: limits.setpoint_speed(gear.ratio),
             near: quarter / cascade.position_gain,
             near_velocity: quarter + acceleration * round,
@@ -177,7 +177,7 @@ impl<R: Real> Approach<R> {
             ((commanded.velocity + speed.copysign(distance)).limit(self.velocity), commanded.acceleration)
         };
         let acceleration = (along + self.speed_rate * (target - velocity)).min(up).max(down);
-        let step = most * self.round * R::lit(1.0 / JERK_TIME.get());
+        let step = most * self.round * R::lit(2.0 / TORQUE_RAMP.get());
         let jerk = (acceleration - present).limit(step) * self.inverse_round;
         Some(Setpoint { position, velocity, acceleration: present, jerk, snap: R::ZERO })
     }

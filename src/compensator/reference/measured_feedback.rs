@@ -38,7 +38,7 @@
 //! A. De Luca, W. Book, "Robots with flexible elements", Springer Handbook of Robotics (2016), chapter 11.
 
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
-use crate::compensator::tuned::RESTING_NOISE;
+use crate::compensator::tuned::ENCODER_NOISE;
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::low_pass::LowPass;
@@ -169,8 +169,8 @@ impl<R: Real> MeasuredFeedback<R> {
             low_pass: LowPass::build(gains.corner, between),
             proportional: [gains.proportional, gains.proportional_at_rest],
             derivative: [gains.derivative, gains.derivative_at_rest].map(|gain| gain / between),
-            dead_zone: R::lit(RESTING_NOISE.get()) * count,
-            play: (R::lit((RESTING_NOISE.get() - ROUNDING) / RADIANS_PER_COUNT) * count).to_i32(),
+            dead_zone: R::lit(0.5 * ENCODER_NOISE.get()) * count,
+            play: (R::lit((0.5 * ENCODER_NOISE.get() - ROUNDING) / RADIANS_PER_COUNT) * count).to_i32(),
             largest_shift: gains.largest_shift,
             farthest: farthest.to_i32().min(i32::MAX / 2),
             dt,

@@ -26,7 +26,7 @@ use crate::compensator::schedule::CONTROL_PERIOD;
 use crate::compensator::sense::clock::Elapsed;
 use crate::compensator::sense::encoder::Reading;
 use crate::compensator::sense::pulleys::Pulleys;
-use crate::compensator::tuned::{BAD_FRAMES, FRAME_RECOVERY, UNCERTAINTY_MARGIN};
+use crate::compensator::tuned::{BAD_FRAMES, RECOVERY, UNCERTAINTY_MARGIN};
 use crate::compensator::{Faults, Limits};
 use crate::constants::constants;
 use crate::error::{Error, require};
@@ -48,7 +48,7 @@ const ERROR_INCREMENT: u32 = 40;
 /// Decrement of the error counter by an accepted reading.
 #[inline(always)]
 fn error_decrement() -> u32 {
-    (f64::from(ERROR_INCREMENT) * FRAME_RECOVERY.get()) as u32
+    (f64::from(ERROR_INCREMENT) * RECOVERY.get()) as u32
 }
 
 /// Error count at which the angle is lost.

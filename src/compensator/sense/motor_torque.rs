@@ -13,7 +13,7 @@
 //! decay in y with a time constant of a seventh of a second each. It is stepped once a period of the observer, by the means of both
 //! torques over it. Units: N m at the motor's shaft, rad/s. Exact for inputs that are held.
 
-use crate::compensator::tuned::{DRIVE_CORNER, GROSS_TORQUE, MEASURED_TORQUE_CORNER};
+use crate::compensator::tuned::{DRIVE_CORNER, MEASURED_TORQUE_CORNER, NOISE_TORQUE};
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::Real;
@@ -52,7 +52,7 @@ impl<R: Real> MotorTorque<R> {
         require(peak_torque > R::ZERO, "motor_torque")?;
         let corners = [MEASURED_TORQUE_CORNER, DRIVE_CORNER];
         let [alone, commanded] = corners.map(|corner| (dt * R::lit(corner.get())).one_minus_exp_neg());
-        Ok(Self { gain: [alone, commanded - alone], gross: R::lit(GROSS_TORQUE.get()) * peak_torque })
+        Ok(Self { gain: [alone, commanded - alone], gross: R::lit(NOISE_TORQUE.get()) * peak_torque })
     }
 
     /// Torque over the period that ended, from the `commanded` torque, its feedback gain, and the `measured` one.
@@ -117,7 +117,7 @@ mod tests {
         let (filter, mut state) =
             (MotorTorque::build(2.0, CONTROL_PERIOD).unwrap(), MotorTorqueState::default());
         for commanded in [1.0, -2.0, 0.5, 2.0] {
-            assert!(filter.step(&mut state, commanded, 1.0, 0.0).abs() <= GROSS_TORQUE.get() * 2.0);
+            assert!(filter.step(&mut state, commanded, 1.0, 0.0).abs() <= NOISE_TORQUE.get() * 2.0);
         }
     }
 

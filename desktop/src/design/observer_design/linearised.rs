@@ -13,10 +13,13 @@
 //! external torque that wanders ([`WANDER`]). s wanders by what the stiffness takes of that, b by what a brake takes of
 //! it, r times.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use nalgebra::{DMatrix, DVector, RowDVector};
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
+use strainwave::compensator::tuned::ENCODER_NOISE;
 
-use crate::design::tuned::{JITTER, OUTPUT_JITTER, RENEWED_FRICTION, WANDER};
+use crate::design::tuned::{OUTPUT_JITTER, RENEWED_FRICTION, WANDER};
 use crate::io::gear_file::{Friction, GearFile};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
@@ -32,7 +35,7 @@ pub(super) struct Unknown {
     /// Fraction of the Coulomb friction that is renewed every control period.
     pub friction: f64,
     /// Noise of the motor's encoder besides its resolution, in counts of 2^19 a revolution: of each reading that the observer
-    /// looks at.
+    /// looks at, the mean of two.
     pub jitter: f64,
     /// Of the output's: in slow motion the error of a count is no noise but a wave that follows the angle, so that
     /// its readings are averaged over a time in which many counts pass. Of readings in every control period. With more of
@@ -48,7 +51,7 @@ impl Unknown {
         Self {
             wander: own.unwrap_or(WANDER.get()),
             friction: RENEWED_FRICTION.get(),
-            jitter: counts(file.sensors.motor_encoder_noise).unwrap_or(JITTER.get()),
+            jitter: counts(file.sensors.motor_encoder_noise).unwrap_or(ENCODER_NOISE.get() * FRAC_1_SQRT_2),
             output_jitter: counts(file.sensors.output_encoder_noise).unwrap_or(OUTPUT_JITTER.get()),
         }
     }

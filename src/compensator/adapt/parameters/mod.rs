@@ -94,10 +94,13 @@ impl<R: Real> Default for Factors<R> {
     }
 }
 
+/// Largest deviation of a factor from 1 that may be allowed: a factor keeps its sign.
+pub const LARGEST_DEVIATION: f64 = 0.9;
+
 /// Parameters of the adaptation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdaptationParams<R> {
-    /// Largest deviation of each factor from 1, 0..=0.9.
+    /// Largest deviation of each factor from 1, 0..=[`LARGEST_DEVIATION`].
     pub bounds: Factors<R>,
     /// rate_i (1/s), > 0 or 0 for none: how fast each factor is learnt where its torque is at its level.
     pub rates: Factors<R>,
@@ -261,7 +264,10 @@ impl<R: Real> AdaptationParams<R> {
         let within = |value: R, least: R, most: R| value.is_finite() && value >= least && value <= most;
         let every = |factors: &Factors<R>, holds: &dyn Fn(R) -> bool| factors.all().into_iter().all(holds);
         let fastest = R::lit(0.5) / dt;
-        require(every(&self.bounds, &|bound| within(bound, R::ZERO, R::lit(0.9))), "adaptation_bounds")?;
+        require(
+            every(&self.bounds, &|bound| within(bound, R::ZERO, R::lit(LARGEST_DEVIATION))),
+            "adaptation_bounds",
+        )?;
         require(every(&self.levels, &|level| within(level, R::lit(1e-6), R::lit(1e6))), "adaptation_levels")?;
         require(every(&self.rates, &|rate| within(rate, R::ZERO, fastest)), "adaptation_rates")?;
         require(within(self.dead_zone, R::ZERO, peak_torque), "dead_zone")?;

@@ -44,7 +44,7 @@
 use crate::angle::Angle;
 use crate::branch::seldom;
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
-use crate::compensator::tuned::{DISAGREEING, DRIVE_LACK, UNCERTAINTY_MARGIN};
+use crate::compensator::tuned::{DISAGREEING, GAIN_MARGIN, UNCERTAINTY_MARGIN};
 use crate::compensator::{Faults, Limits, Tolerances};
 use crate::constants::constants;
 use crate::error::Error;
@@ -337,7 +337,7 @@ impl<R: Real> Rotor<R> {
         // Torque of the other sign: such a round counts twice.
         state.drive_rounds += u32::from(error > self.drive + largest);
         faults.raise_if(!state.gear_torque.is_within(self.overload), Faults::GEAR_OVERLOAD);
-        let follows = error <= self.drive + R::lit(DRIVE_LACK.get()) * largest;
+        let follows = error <= self.drive + R::lit(1.0 - 1.0 / GAIN_MARGIN) * largest;
         state.drive_rounds = if follows { 0 } else { (state.drive_rounds + 1).min(self.not_following) };
         faults.raise_if(state.drive_rounds == self.not_following, Faults::DRIVE_NOT_FOLLOWING);
         let [position_error, velocity] = input.reference.unwrap_or_default();
