@@ -159,7 +159,7 @@ pub const GAIN_MARGIN: f64 = 2.0;
 pub const OSCILLATION_TIME: f64 = 0.15;
 
 tuned! {
-    // Of several rooms.
+    // Of several stages: what an uncertainty of one kind is, wherever it acts.
     RECOVERY = 0.1, One,
         "Part of what a fault has counted, or lasted, that a sound sample takes off: one in eleven may be bad; a bit that is stuck and an \
          oscillation, which is sound for some of its time, make more of them, and a sound line far fewer";
@@ -173,7 +173,6 @@ tuned! {
         "Time in which the friction that is fed forward fades at rest, so that a joint of less friction than the model's is not driven by \
          it; without the feedback after an oscillation, and in which that comes back: slow against any vibration, and one of 10 Hz decays in it \
          that the cascade hardly damps";
-
     ENCODER_NOISE = 3.0, Count,
         "Noise of an encoder besides its resolution, from the lowest to the highest: of the motor's in a control period, for the observer, in \
          counts of 2^19 a revolution; half of it, with its rounding, is the dead zone of a resting output's angle";
