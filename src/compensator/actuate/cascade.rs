@@ -7,7 +7,8 @@
 //! ```
 //!
 //! While the supervisor ([`super::supervisor`]) reduces the feedback functions, k_p and 1/T_i are multiplied by
-//! c + (1 - c)*gain, with c = 2/3, the inverse of [`UNCERTAINTY_MARGIN`]: an oscillation that goes on without these functions is one of the cascade. When they
+//! c + (1 - c)*gain, with c = 2/3, the inverse of [`UNCERTAINTY_MARGIN`], as the rule for a gear that nobody has tuned has its gains over
+//! those of B0: an oscillation that goes on without these functions is one of the cascade. When they
 //! are back, both rise slowly again. The cascade damps a load that swings on a spring above sqrt(k_p/T_i) (rad/s) and excites it below: position
 //! loop and integral lag by the angles whose tangents are k_p/omega and 1/(T_i*omega), 90 degrees there. With the lag of filter and drive
 //! it is a higher frequency; c lowers it to two thirds.
