@@ -4,7 +4,7 @@
 use strainwave::Angle;
 use strainwave::compensator::schedule;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
-use strainwave::compensator::tuned::TORQUE_RAMP;
+use strainwave::compensator::tuned::TRANSIENT_TIME;
 use strainwave::compensator::{
     Command, CompensationGains, Compensator, Directions, Faults, Input, JointParams, Mode, Output,
     RealTimeGear, Sensors, Setpoint, State,
@@ -92,7 +92,7 @@ impl Joint {
 
     /// Largest change of the torque in a period while it is ramped, rounding included.
     fn largest_change(&self) -> f32 {
-        (2.0 * self.params.limits.motor_torque * CONTROL_PERIOD / TORQUE_RAMP.get() * (1.0 + 1e-5)) as f32
+        (2.0 * self.params.limits.motor_torque * CONTROL_PERIOD / TRANSIENT_TIME.get() * (1.0 + 1e-5)) as f32
     }
 
     /// Angle of the output (rad).
@@ -223,13 +223,13 @@ fn shares_of_either_direction_cross_over_without_a_step() {
     joint.gains = Directions { forward: GAINS, backward };
     let mut outputs = Vec::new();
     for k in 0..4000 {
-        // From -0.2 to 0.2 rad/s at 1 rad/s^2.
+        // From -0.8 to 0.8 rad/s at 4 rad/s^2.
         let time = CONTROL_PERIOD * k as f64;
-        let (position, velocity) = (0.5 * time * time - 0.2 * time, (time - 0.2) as f32);
+        let (position, velocity) = (2.0 * time * time - 0.8 * time, (4.0 * time - 0.8) as f32);
         let position = Angle::from_radians_f64(position);
         outputs.push(
             joint.step(
-                Setpoint { position, velocity, acceleration: 1.0, ..Setpoint::default() }.into(),
+                Setpoint { position, velocity, acceleration: 4.0, ..Setpoint::default() }.into(),
                 |_| (),
             ),
         );
@@ -276,7 +276,7 @@ fn a_fault_falls_back_to_the_cascade_without_a_step() {
         let output = fallen.last().unwrap();
         assert_eq!(output.feed_forward_torque, 0.0, "{name}");
         // Sound again: what is compensated returns, without a step.
-        let sound: Vec<_> = (0..SECOND / 2).map(|k| joint.step(command(SECOND / 5 + k), |_| ())).collect();
+        let sound: Vec<_> = (0..SECOND).map(|k| joint.step(command(SECOND / 5 + k), |_| ())).collect();
         assert!(largest_step(&sound[..RAMP], output.motor_torque) <= limit, "{name}");
         let end = sound.last().unwrap();
         assert!(end.feed_forward_torque.abs() > 0.01, "{name}: {end:?}");
@@ -310,7 +310,7 @@ fn an_output_encoder_of_random_counts_is_ignored_until_a_reset() {
             input.sensors.output_encoder = Some((k as u32 * 99_991) & 0x7_ffff);
         });
     }
-    let sound = joint.run(SECOND / 2, |k| command(SECOND / 5 + k));
+    let sound = joint.run(SECOND, |k| command(SECOND / 5 + k));
     let end = sound.last().unwrap();
     assert_eq!((end.mode, end.faults), (Mode::Degraded, Faults::OUTPUT_ENCODER_OFF));
     assert!(end.feed_forward_torque.abs() > 0.01, "{end:?}");

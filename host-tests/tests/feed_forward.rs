@@ -10,6 +10,7 @@ use strainwave::compensator::reference::feed_forward::{
 };
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 use strainwave::compensator::schedule::SLOW_PERIODS;
+use strainwave::compensator::tuned::LIMIT_TO_LIMIT;
 use strainwave::compensator::{CompensationGains, JointParams, RealTimeGear, Setpoint};
 use strainwave::flexspline::Reduced;
 use strainwave::gear::{Applied, GearParams, Motion};
@@ -302,20 +303,21 @@ fn for_kinematic_error(joint: &mut Joint, speed: f64) -> [f64; 2] {
     largest
 }
 
-/// The torque for it grows with the speed's square up to half of the motor's peak torque, and no further; a slow motor compensates it whole.
+/// The torque for it grows with the speed's square up to 1/sqrt(3) of the motor's peak torque, and no further; a slow motor compensates it
+/// whole.
 #[test]
-fn the_kinematic_error_takes_half_of_the_torque_at_most() {
+fn the_kinematic_error_takes_no_more_torque_than_a_wave_between_the_limits() {
     let mut joint = Joint::new();
     let gear = joint.params.gear;
     let curvature = gear.kinematic_error.curvature(1.0 / f64::from(gear.ratio)) * f64::from(gear.ratio).abs();
     let full = 100.0;
-    let half_torque = gear.wave_generator_inertia * curvature * full * full;
-    joint.feed_forward = joint.feed_forward.with_motor(&gear, 2.0 * half_torque);
+    let most = gear.wave_generator_inertia * curvature * full * full;
+    joint.feed_forward = joint.feed_forward.with_motor(&gear, most / LIMIT_TO_LIMIT);
     let [slow_torque, whole] = for_kinematic_error(&mut joint, 0.5 * full);
-    assert!((0.2..=0.26).contains(&(slow_torque / half_torque)), "{slow_torque} of {half_torque}");
+    assert!((0.2..=0.26).contains(&(slow_torque / most)), "{slow_torque} of {most}");
     for times in [1.0, 2.0, 4.0] {
         let [torque, offset] = for_kinematic_error(&mut joint, times * full);
-        assert!((0.8..1.02).contains(&(torque / half_torque)), "{times}: {torque} of {half_torque}");
+        assert!((0.8..1.02).contains(&(torque / most)), "{times}: {torque} of {most}");
         assert!((offset * times * times / whole - 1.0).abs() < 0.05, "{times}: {offset} of {whole}");
     }
 }

@@ -8,7 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 use strainwave::Angle;
-use strainwave::compensator::tuned::{FADING_TIME, LOAD_SHARE, Tuned};
+use strainwave::compensator::tuned::{FADING_TIME, RESERVE, Tuned};
 use strainwave::compensator::{CompensationGains, Input, Output, Sensors, Setpoint};
 use strainwave::flexspline::Flexspline;
 use strainwave_desktop::GearFile;
@@ -204,18 +204,18 @@ fn every_constant_acts() {
 #[test]
 fn a_scaled_constant_returns_to_its_value() {
     let _turn = turn();
-    let values = || [FADING_TIME, LOAD_SHARE].map(Tuned::get);
+    let values = || [FADING_TIME, RESERVE].map(Tuned::get);
     let gear = GearFile::default_gear();
     let before = words(&gear);
     {
         let _scaled = FADING_TIME.scale(2.0).unwrap();
-        assert_eq!(values(), [2.0 * FADING_TIME.value, LOAD_SHARE.value]);
-        assert!(LOAD_SHARE.scale(0.5).is_none(), "one constant is scaled at a time");
+        assert_eq!(values(), [2.0 * FADING_TIME.value, RESERVE.value]);
+        assert!(RESERVE.scale(0.5).is_none(), "one constant is scaled at a time");
         assert_ne!(words(&gear), before);
         let elsewhere = thread::spawn(move || FADING_TIME.get()).join().unwrap();
         assert_eq!(elsewhere, 2.0 * FADING_TIME.value);
     }
-    assert_eq!(values(), [FADING_TIME.value, LOAD_SHARE.value]);
+    assert_eq!(values(), [FADING_TIME.value, RESERVE.value]);
     assert_eq!(words(&gear), before);
     for constant in tuned::every() {
         assert_eq!(constant.get().to_bits(), constant.value.to_bits(), "{}", constant.name);

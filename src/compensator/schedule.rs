@@ -19,7 +19,7 @@
 //! | --- | --- |
 //! | a count of the motor's encoder that is refused, and the first one after it | until the angle is lost ([`crate::compensator::sense::motor_encoder`]) |
 //! | a change of the drive's mode | while the drive is switched in every period, it has no reference and gives no torque |
-//! | a control overrun | five within 10 ms lead to Safe ([`crate::compensator::actuate::mode`]) |
+//! | a control overrun | 2 ms of them lead to Safe ([`crate::compensator::actuate::mode`]) |
 //! | the output encoder's zero | once |
 //! | a reference that begins, is commanded in another kind or by no number, or approaches its command | the command's slot takes two periods: a round then has nine |
 //!

@@ -158,6 +158,10 @@ pub const GAIN_MARGIN: f64 = 2.0;
 /// Time in which an oscillation is to end (s). Asked, not tuned. A load step is beyond the dead zone of the disturbance path for less.
 pub const OSCILLATION_TIME: f64 = 0.15;
 
+/// Standard deviation of a torque that goes to and fro between its limits evenly, in those: of a triangular wave. A sine from limit to limit has
+/// more, 0.7.
+pub const LIMIT_TO_LIMIT: f64 = 0.577_350_269_189_625_8;
+
 tuned! {
     // Of several stages: what an uncertainty of one kind is, wherever it acts.
     RECOVERY = 0.1, One,
@@ -167,113 +171,81 @@ tuned! {
         "Torque that noise may make, in motor's peak torques: a count of the output encoder in slow motion by its feedback; and what measured \
          and commanded torque differ by, some ten times the noise of the default joint's measurement";
     OSCILLATIONS = 3.0, One,
-        "Windows on end that oscillate, and reversals of a load beyond the dead zone, that are an oscillation: a load step and its vibration \
-         are in two windows, a load that comes and goes has two reversals with its ringing";
+        "Windows on end that oscillate, reversals of a load beyond the dead zone, and periods of the torque from limit to limit, that are an \
+         oscillation: a load step and its vibration are in two windows, a load that comes and goes has two reversals with its ringing";
+    FAULT_TIME = 2e-3, Second,
+        "Time of wrong samples on end that is a fault: of bad frames of the motor's encoder, after which its angle is lost, less than half of \
+         the 5 ms in which that is to be named; of overruns of the control, after which the drive is off; and of corrections of the external \
+         torque, which widen the declared deviations where they last longer";
+    TRANSIENT_TIME = 8e-3, Second,
+        "Time of a transient of the motor's torque, ten rounds: of its ramp from one end of its range to the other, so that a fallback makes no \
+         step; and for which a sensor at the output may disagree with the motor's side, as what is uncertain of both for a moment is no fault";
+    SETTLED_TIME = 0.02, Second,
+        "Time after which a state of the joint's inputs is settled, twenty periods of an outer controller of 1 kHz: at which a setpoint is \
+         stale, and a slip of it forgotten; without motion of its encoder, at which a motor stands, and the observer's gains are those of one \
+         that a brake may hold; and in which a gain goes from 0 to 1, so that one that is switched makes no step of the output, at most 6 % \
+         of it at a time";
+    RESERVE = 0.15, One,
+        "Part of a torque that is kept for what is not foreseen: of an approach beside a load's, for any estimate of it; and of that of an \
+         approach for the brake, as the rest is the setpoint's, a load's and a weak drive's";
     FADING_TIME = 0.5, Second,
         "Time in which the friction that is fed forward fades at rest, so that a joint of less friction than the model's is not driven by \
-         it; without the feedback after an oscillation, and in which that comes back: slow against any vibration, and one of 10 Hz decays in it \
-         that the cascade hardly damps";
+         it; without a fault of its inputs, after which the model is trusted again; and without the feedback after an oscillation, and in \
+         which that comes back: slow against any vibration, and one of 10 Hz decays in it that the cascade hardly damps";
+    TORQUE_CORNER = 140.0, RadianPerSecond,
+        "Corner of what is compared with a torque that is not commanded: low pass of the measured torque where another controller moves \
+         the motor, and, as slow as the observer's external torque of the default gear, of what the adaptation explains that by";
+    HYSTERESIS_TORQUE = 0.045, One,
+        "Torque that the torsion does not tell, in rated torques: that of a stiffness error at no torsion, by hysteresis and the encoders' \
+         zero; and the largest flexing torque that the compliance is learnt from";
     ENCODER_NOISE = 3.0, Count,
         "Noise of an encoder besides its resolution, from the lowest to the highest: of the motor's in a control period, for the observer, in \
-         counts of 2^19 a revolution; half of it, with its rounding, is the dead zone of a resting output's angle";
+         counts of 2^19 a revolution; so many counts are no motion of a motor that stands, nor a distance from where it is to rest; half of \
+         it, with its rounding, is the dead zone of a resting output's angle";
 
     // Sensors.
-    BAD_FRAMES = 2e-3, Second,
-        "Time of bad frames of the motor's encoder after which its angle is lost: less than half of the 5 ms in which a \
-         lost encoder is to be named";
     UNCERTAINTY_MARGIN = 1.5, One,
         "What is a fault, over the largest that a sound joint within its tolerances makes, and what is asked of it less: half as much \
-         again for what they do not say; and what a cascade is slower by whose feedback functions were reduced";
+         again for what they do not say; the position error of a lost reference, over that at which the cascade asks for all of the motor's \
+         torque; and what a cascade is slower by whose feedback functions were reduced";
     MOTOR_PATH = 0.5, Radian,
         "Commanded path of the motor in which its encoder moves, unless it is frozen: an angle, whatever the gear";
     DRIVE_CORNER = 7.0, RadianPerSecond,
         "Corner between commanded and measured motor torque: noise of the measurement above it, a drive's errors below it";
-    MEASURED_TORQUE_CORNER = 100.0, RadianPerSecond,
-        "Low pass of the measured torque where another controller moves the motor, whose command is unknown";
-    DISAGREEING = 8e-3, Second,
-        "Time that a sensor at the output disagrees with the motor's side, ten rounds: what is uncertain of both for a \
-         moment is none";
-
-    // Estimates.
-    STANDSTILL_TIME = 0.02, Second,
-        "Time without motion of its encoder after which a motor stands, and the observer's gains are those of one that a \
-         brake may hold";
-    CORRECTION_TIME = 3.2e-3, Second,
-        "Low pass of the corrections of the external torque that widen the declared deviations: a persistent one counts, \
-         noise does not";
-    STIFFNESS_TORQUE = 0.03, One,
-        "Bound of the torque that a stiffness error explains at no torsion, in rated torques: hysteresis, and the encoders' zero";
 
     // References.
-    SETPOINT_TIME = 0.02, Second,
-        "Age at which a setpoint is stale, and time in which a slip of it is forgotten: twenty periods of an outer controller of \
-         1 kHz";
-    LOST_REFERENCE = 2.0, One,
-        "Position error of a lost reference, in those at which the cascade asks for all of the motor's torque";
-    LOAD_SHARE = 0.8, One,
-        "Largest part of the torque that a load takes from an approach: a fifth of it is left, for any estimate";
-    REST_SPEED = 1e-4, RadianPerSecond,
-        "Speed below which a braked reference rests: an absolute speed, whatever the joint";
     SLOW_SPEED = 0.05, One,
-        "Fastest setpoint at which the output feedback integrates, in joint's speeds: before the error of a fast move changes its \
-         sign";
+        "Slow motion, in joint's speeds: up to it the output feedback integrates, before the error of a fast move changes its sign, and the \
+         gains of either direction are mixed, without a step at a reversal";
     MOTOR_LAG = 0.5, One,
         "Part of a resting motor's lag that the output feedback's integral takes for output that is not missing: with none, joints of much \
          static friction hunt; with all of it z waits for the cascade in S1. Of 625 runs of training joints with both encoders 112 are \
          worse than a baseline, 124 with 1, 128 with 0";
-    CROSSOVER = 0.01, One,
-        "Speed up to which the gains of either direction are mixed, in joint's speeds: no step of a gain at a reversal";
 
     // Torque command.
-    GAIN_RAMP = 0.02, Second,
-        "Time in which a gain goes from 0 to 1: a gain that is switched makes no step of the output, at most 6 % of it at \
-         a time";
-    BRAKING_SHARE = 0.1, One,
-        "Deceleration that the position error may ask for, in accelerations of an approach: the rest is the setpoint's, a load's \
-         and a weak drive's";
     COARSE_COUNT = 0.015, One,
         "Torque by a count of the motor's encoder with which the observer's speed damps a resting motor, in motor's peak torques. \
          Of 1250 runs of training joints 2 keep oscillating and 140 are worse than a baseline; with 0.05 6 and 139, without the \
          observer's speed 12 and 139, without a bound 3 and 148: these three at any distance from the reference";
-    NEAR_REFERENCE = 4.0, Count,
-        "Distance to its reference within which a resting motor takes its speed from the observer: its own motion between counts is \
-         less than two";
-    QUIET_TIME = 0.1, Second,
-        "Time without a fault of its inputs after which the model is trusted again: it is not switched with every single \
-         fault";
-    TORQUE_RAMP = 0.01, Second,
-        "Time of a ramp of the motor's torque from one end of its range to the other: a fallback makes no step of the \
-         torque";
-    OVERRUN_TIME = 2e-3, Second,
-        "Time after which an overrun of the control is forgotten: twenty periods";
-    OVERRUNS = 5.0, One,
-        "Overruns, none of them forgotten, that switch the drive off: within 10 ms";
     LIMIT_CYCLE_TORSION = 0.005, One,
         "Standard deviation of the torsion that oscillates at rest, in torsions of the rated torque: 7 urad of the default \
          gear, less than what is called shaking";
-    LIMIT_CYCLE_TORQUE = 0.5, One,
-        "The same of the torque in motion, in motor's peak torques: a sine from limit to limit has 0.7 of them; and the most that the \
-         kinematic error may take of it, which is no limit cycle";
-    LIMIT_CYCLE_SWINGS = 8.0, One,
-        "Swings of the torque from limit to limit on end, each within a ramp of the torque, that are a limit cycle: twice as many as 500 \
-         training joints at work have at most, and as many again switch the drive off";
     DECAYED = 0.75, One,
         "Part of its variance that a vibration has left after a period, if it decays: a damping ratio of 0.025";
     LONGEST_HOLD = 8.0, Second,
-        "The longest such time: an oscillation that always comes back is there for a fiftieth of the time; and the time in which the cascade is as \
+        "Longest time without the feedback after an oscillation: one that always comes back is there for a fiftieth of the time; and the time in which the cascade is as \
          stiff again as it was built";
 
     // Adaptation.
-    GRAVITY_RATE_COSINE = 2.0, PerSecond,
-        "Rate of the learnt gravity's cosine: slow against a reversal of the motion";
-    GRAVITY_RATE_SINE = 8.0, PerSecond,
-        "Rate of its sine, which a joint within a part of a revolution excites less";
-    RIPPLE_SAMPLE = 0.125, One,
-        "Position error that counts for a ripple, in largest ripples: beyond it is a load that swings";
-    RIPPLE_PER_RADIAN = 0.2, One,
-        "Rate at which a ripple is learnt over the frequency of its wave: what a constant moves there and back, of itself";
-    STEADY_SPEED = 0.25, One,
-        "Relative change of a steady speed in a radian of the motor: ripple is learnt apart from errors of inertia and friction";
+    SLOW_RATE = 1.4, PerSecond,
+        "Rate of what is to be slow against a reversal of the motion, and how fast a load grows that nobody sees: of the friction's \
+         factors, of the load that is told from them, of gravity's cosine and of the torque's ripple";
+    RARE_RATE = 8.0, PerSecond,
+        "The same of what a motion shows for a part of it: gravity's sine, as a joint works within a part of a revolution, and the shape of \
+         the presliding, which is there after a reversal";
+    FALSE_RIPPLE = 0.18, One,
+        "Part of a ripple that another error may be taken for: what a constant moves a coefficient there and back in a radian of its wave, a \
+         position error in largest ripples, and the relative change of a steady speed in a radian of the motor";
 }
 
 #[cfg(test)]
@@ -284,6 +256,6 @@ mod tests {
     fn a_time_is_so_many_periods() {
         let time = |value| Tuned::new("TIME", value, Unit::Second, "an example");
         assert_eq!([2e-3, 0.02, 3.2e-3, 1e-9].map(|value| time(value).periods(1e-4)), [20, 200, 32, 1]);
-        assert_eq!((STANDSTILL_TIME.periods(2e-4), CORRECTION_TIME.periods(2e-4)), (100, 16));
+        assert_eq!((SETTLED_TIME.periods(2e-4), FAULT_TIME.periods(2e-4)), (100, 10));
     }
 }

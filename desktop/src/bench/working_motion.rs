@@ -100,7 +100,7 @@ mod tests {
                 f64::from(factors.inertia) / sample.inertia,
                 f64::from(factors.compliance) * sample.stiffness,
             );
-            assert!((inertia - 1.0).abs() < 0.045, "{seed}, {period}: {inertia}");
+            assert!((inertia - 1.0).abs() < 0.065, "{seed}, {period}: {inertia}");
             assert!((compliance - 1.0).abs() < 0.04, "{seed}, {period}: {compliance}");
         }
     }

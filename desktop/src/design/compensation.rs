@@ -2,8 +2,8 @@
 //!
 //! Output feedback ([`strainwave::compensator::reference::output_feedback`] by the estimate,
 //! [`strainwave::compensator::reference::measured_feedback`] by the output encoder): with the torsion mode's frequency
-//! omega = sqrt(K1/J_fs), `b = 2*zeta/omega` adds the damping ratio zeta, D alike; omega_y and omega_m are multiples of
-//! omega. The multiples were chosen by simulation, of the default gear and of training joints of the catalogue.
+//! omega = sqrt(K1/J_fs), `b = 2*zeta/omega` adds the damping ratio zeta, D alike; omega_y is omega, omega_m a multiple of it. The
+//! multiples were chosen by simulation, of the default gear and of training joints of the catalogue.
 //!
 //! Of P and D a joint has as much as is stable in every corner of its box (`output_loop.rs`). Of b it has what the lag at the mode
 //! allows: the motor follows a shift of its reference late, by
@@ -17,8 +17,8 @@
 //! away. It is no more than the loop through the estimate bears (`estimated_damping.rs`), and k no more than leaves a gain margin beside b,
 //! P and D (`integral_level.rs`).
 //!
-//! The corners of what is integrated, k and the disturbance path's slow part, are fractions of the outer frequency: omega,
-//! or 1.75 times the position gain where that is less. Units: rad, s, N m.
+//! The corners of what is integrated, k and the disturbance path's slow part, are a fraction of the outer frequency: omega,
+//! or so much that they are half of the position gain, by the gain margin, where that is less. Units: rad, s, N m.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, TAU};
 
@@ -30,7 +30,9 @@ use strainwave::compensator::estimate::disturbance::DisturbanceParams;
 use strainwave::compensator::reference::measured_feedback::MeasuredFeedbackParams;
 use strainwave::compensator::reference::output_feedback::OutputFeedbackParams;
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
-use strainwave::compensator::tuned::{GAIN_MARGIN, NOISE_TORQUE, Tuned};
+use strainwave::compensator::tuned::{
+    GAIN_MARGIN, HYSTERESIS_TORQUE, NOISE_TORQUE, RARE_RATE, SLOW_RATE, TORQUE_CORNER, Tuned,
+};
 
 use crate::design::feedback::feedback_params;
 use crate::design::output_loop::{self, Gains};
@@ -41,14 +43,21 @@ use strainwave::compensator::schedule::CONTROL_PERIOD;
 /// Between two steps of the adaptation: two rounds (s).
 const ADAPTATION_PERIOD: f64 = 2.0 * SLOW_PERIODS as f64 * CONTROL_PERIOD;
 
+/// Rate of the position's ripple, of the outer frequency, below which the loop through the torsion mode is stable: for a damping ratio of 0.1
+/// and a mode at the ends of its tolerance.
+const FASTEST_RIPPLE: f64 = 0.036;
+
+/// Largest coefficient of the position's ripple (rad): half of what the least accurate gears of the catalogue have from peak to peak.
+const LARGEST_RIPPLE: f64 = 2.9e-4;
+
 /// Damping ratios that the output encoder adds, in slow motion and at rest.
 fn measured_damping() -> [f64; 2] {
-    [tuned::MEASURED_DAMPING, tuned::MEASURED_DAMPING_AT_REST].map(Tuned::get)
+    [tuned::MEASURED, tuned::MEASURED_DAMPING_AT_REST].map(Tuned::get)
 }
 
 /// P, alike.
 fn proportional() -> [f64; 2] {
-    [tuned::PROPORTIONAL, tuned::PROPORTIONAL_AT_REST].map(Tuned::get)
+    [tuned::MEASURED, tuned::PROPORTIONAL_AT_REST].map(Tuned::get)
 }
 
 /// Delay of the drive, the longest, and lag of its slowest current loop (s), in whole control periods.
@@ -68,9 +77,10 @@ fn mode_frequency(file: &GearFile) -> f64 {
     (file.stiffness.k1 / file.inertia.flexspline).sqrt()
 }
 
-/// Outer frequency (rad/s).
+/// Outer frequency (rad/s): of the torsion mode, and such that the integral is slower than the position loop by the gain margin.
 fn outer_frequency(file: &GearFile) -> f64 {
-    mode_frequency(file).min(tuned::OUTER_TO_POSITION.get() * feedback_params::<f64>(file).position_gain)
+    let position = feedback_params::<f64>(file).position_gain;
+    mode_frequency(file).min(position / (GAIN_MARGIN * tuned::INTEGRAL.get()))
 }
 
 /// Fraction of b, 0..=1, that the phase of the motor at the torsion mode allows.
@@ -134,7 +144,7 @@ pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
     let level = |side: &Friction| side.static_level.or(side.coulomb).unwrap_or_default();
     let hidden = n * level(&file.friction.input) + level(&file.friction.output);
     DisturbanceParams {
-        slow_corner: R::lit(tuned::SLOW_CORNER.get() * outer_frequency(file)),
+        slow_corner: R::lit(tuned::INTEGRAL.get() * outer_frequency(file)),
         fast_corner: R::lit(1.0 / lateness(&file.drive)),
         dead_zone: R::lit(hidden),
         tolerance: R::lit(n * (file.drive.torque_constant + file.tolerances.rotor_inertia)),
@@ -143,7 +153,8 @@ pub fn disturbance_params<R: Real>(file: &GearFile) -> DisturbanceParams<R> {
 }
 
 /// Gains without and with an output encoder; of b as much as the lag allows, whatever the estimate's own loop bears
-/// ([`crate::design::estimated_damping`]), and all of k ([`crate::design::integral_level`]).
+/// ([`crate::design::estimated_damping`]), and all of k ([`crate::design::integral_level`]), behind poles at the torsion mode: there the
+/// integral is half a period late, and takes no damping from the mode; with poles above it does.
 pub fn output_feedback_params(file: &GearFile) -> [OutputFeedbackParams<f64>; 2] {
     let (frequency, outer) = (mode_frequency(file), outer_frequency(file));
     let integral = [0.0, tuned::INTEGRAL.get() * outer];
@@ -152,7 +163,7 @@ pub fn output_feedback_params(file: &GearFile) -> [OutputFeedbackParams<f64>; 2]
         damping,
         damping_at_rest: damping,
         integral: integral[k],
-        filter_corner: tuned::FILTER_CORNER.get() * frequency,
+        filter_corner: frequency,
     })
 }
 
@@ -197,30 +208,40 @@ pub fn learning_params<R: Real>(file: &GearFile, integral: f64) -> LearningParam
     LearningParams { adaptation: adaptation_params(file), ripple: learnt_ripple_params(file, integral) }
 }
 
-/// Bounds, rates and levels of the factors: those of the box that a joint may lie in, with some room.
+/// Standard deviation (N m at the output) that the motor torque's noise leaves in a residual that is as slow as a low pass of
+/// [`TORQUE_CORNER`].
+fn residual_noise(file: &GearFile) -> f64 {
+    let n = f64::from(file.gear.signed_ratio().n()).abs();
+    n * file.sensors.motor_torque_noise * (0.5 * CONTROL_PERIOD * TORQUE_CORNER.get()).sqrt()
+}
+
+/// Bounds, rates and levels of the factors: those of the box that a joint may lie in. What both frictions explain is learnt at one rate,
+/// each side's part of it as its part of both Coulomb levels.
 fn adaptation_params<R: Real>(file: &GearFile) -> AdaptationParams<R> {
     let n = f64::from(file.gear.signed_ratio().n()).abs();
     let coulomb = |side: &Friction| side.coulomb.unwrap_or_default().max(1e-3 * file.gear.rated_torque / n);
     let (input, output) = (n * coulomb(&file.friction.input), coulomb(&file.friction.output));
     let rated = file.gear.rated_torque;
     let overload = file.gear.peak_torque / rated;
-    let fastest = tuned::STABLE_SHARE.get() / (ADAPTATION_PERIOD * overload * overload);
+    let fastest = 1.0 / (GAIN_MARGIN * ADAPTATION_PERIOD * overload * overload);
+    let rate = tuned::LEARNING_RATE.get();
+    let friction_rate = |level: f64| SLOW_RATE.get() * level / (input + output);
     AdaptationParams {
         bounds: Factors {
-            inertia: R::lit(tuned::FACTOR_ROOM.get() * file.tolerances.load_inertia),
-            input_friction: R::lit(tuned::FACTOR_ROOM.get() * file.tolerances.friction),
-            output_friction: R::lit(tuned::FACTOR_ROOM.get() * file.tolerances.friction),
-            compliance: R::lit(tuned::FACTOR_ROOM.get() * file.tolerances.stiffness),
+            inertia: R::lit(file.tolerances.load_inertia),
+            input_friction: R::lit(file.tolerances.friction),
+            output_friction: R::lit(file.tolerances.friction),
+            compliance: R::lit(file.tolerances.stiffness),
             presliding: R::lit(LARGEST_DEVIATION),
             presliding_stiffness: R::lit(LARGEST_DEVIATION),
         },
         rates: Factors {
-            inertia: R::lit(tuned::INERTIA_RATE.get().min(fastest)),
-            input_friction: R::lit(tuned::FRICTION_RATE.get()),
-            output_friction: R::lit(tuned::OUTPUT_FRICTION_RATE.get()),
-            compliance: R::lit(tuned::COMPLIANCE_RATE.get().min(fastest)),
-            presliding: R::lit(tuned::PRESLIDING_RATE.get()),
-            presliding_stiffness: R::lit(tuned::PRESLIDING_STIFFNESS_RATE.get()),
+            inertia: R::lit(rate.min(fastest)),
+            input_friction: R::lit(friction_rate(input)),
+            output_friction: R::lit(friction_rate(output)),
+            compliance: R::lit(rate.min(fastest)),
+            presliding: R::lit(RARE_RATE.get()),
+            presliding_stiffness: R::lit(rate),
         },
         levels: Factors {
             inertia: R::lit(rated),
@@ -230,17 +251,18 @@ fn adaptation_params<R: Real>(file: &GearFile) -> AdaptationParams<R> {
             presliding: R::lit(input + output),
             presliding_stiffness: R::lit(input + output),
         },
-        dead_zone: R::lit(tuned::RESIDUAL_DEAD_ZONE.get() * rated),
-        filter_corner: R::lit(tuned::REGRESSOR_CORNER.get()),
-        bias_corner: R::lit(tuned::BIAS_CORNER.get()),
-        flexing_rate: R::lit(tuned::FLEXING_RATE.get()),
-        flexing_level: R::lit(tuned::FLEXING_LEVEL.get() * rated),
+        dead_zone: R::lit(residual_noise(file)),
+        filter_corner: R::lit(TORQUE_CORNER.get()),
+        bias_corner: R::lit(SLOW_RATE.get()),
+        flexing_rate: R::lit(rate),
+        flexing_level: R::lit(HYSTERESIS_TORQUE.get() * rated),
         // Of the kinematic error most is twice a revolution.
         flexing_speed: R::lit(0.5 / (n * mode(file))),
     }
 }
 
-/// Orders 1, 2 and 4 of the wave generator relative to the case, and 2 relative to the flexspline: 2 - 2/N.
+/// Orders 1, 2 and 4 of the wave generator relative to the case, and 2 relative to the flexspline: 2 - 2/N. A ripple of the friction is no
+/// more than its tolerance.
 fn learnt_ripple_params<R: Real>(file: &GearFile, integral: f64) -> LearntRippleParams<R> {
     let mut orders = [RippleOrder::default(); RIPPLE_ORDERS];
     for (place, (order, to_flexspline)) in
@@ -250,15 +272,12 @@ fn learnt_ripple_params<R: Real>(file: &GearFile, integral: f64) -> LearntRipple
     }
     LearntRippleParams {
         orders,
-        position_rate: R::lit(tuned::POSITION_RIPPLE_RATE.get() * outer_frequency(file)),
-        torque_rate: R::lit(tuned::TORQUE_RIPPLE_RATE.get()),
+        position_rate: R::lit(FASTEST_RIPPLE / GAIN_MARGIN * outer_frequency(file)),
+        torque_rate: R::lit(SLOW_RATE.get()),
         integral_rate: R::lit(integral),
-        position_bound: R::lit(tuned::LARGEST_RIPPLE.get()),
-        torque_bound: R::lit(
-            tuned::LARGEST_TORQUE_RIPPLE.get() * file.friction.input.coulomb.unwrap_or_default(),
-        ),
-        speeds: [tuned::LEAST_RIPPLE_SPEED, tuned::LARGEST_RIPPLE_SPEED]
-            .map(|fraction| R::lit(fraction.get() * mode_frequency(file))),
+        position_bound: R::lit(LARGEST_RIPPLE),
+        torque_bound: R::lit(file.tolerances.friction * file.friction.input.coulomb.unwrap_or_default()),
+        fastest: R::lit(tuned::LARGEST_RIPPLE_SPEED.get() * mode_frequency(file)),
     }
 }
 
@@ -322,6 +341,9 @@ mod tests {
         assert_eq!(outer_frequency(&file), mode_frequency(&file));
         assert!((outer_frequency(&with_load(4.0)) - 0.5 * mode_frequency(&file)).abs() < 1e-9);
         let light = with_load(0.01);
-        assert_eq!(outer_frequency(&light), 1.75 * feedback_params::<f64>(&light).position_gain);
+        let position = feedback_params::<f64>(&light).position_gain;
+        assert!(
+            (tuned::INTEGRAL.get() * outer_frequency(&light) / position - 1.0 / GAIN_MARGIN).abs() < 1e-12
+        );
     }
 }

@@ -24,8 +24,9 @@ use crate::io::gear_file::GearFile;
 use crate::io::gear_file::SensorSet;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
-/// D (N m) over the motor's peak torque: the dead zones of counts take less than 0.1 % of what comes back.
-const SINE: f64 = 2e-3;
+/// D (N m) over the motor's peak torque: so little that the observer takes the motor to stand, so much that the dead zones of counts take
+/// less than 2 % of what comes back.
+const SINE: f64 = 1e-3;
 /// Control periods of a second.
 const SECOND: usize = (1.0 / CONTROL_PERIOD) as usize;
 /// A dead zone that nothing passes (N m).

@@ -120,7 +120,7 @@ impl Report {
         figures
     }
 
-    /// Gains: name, value, unit, rule; omega_o is the outer frequency, the lesser of sqrt(K1/J_fs) and 1.75 k_p.
+    /// Gains: name, value, unit, rule; omega_o is the outer frequency, the lesser of sqrt(K1/J_fs) and k_p/(2*0.35).
     pub fn gains(&self) -> Vec<[String; 4]> {
         let Parts { feedback: f, disturbance: d, output_feedback, measured_feedback: m, .. } = &self.parts;
         let row = |name: &str, value: f64, unit: &str, rule: &str| {
@@ -138,7 +138,7 @@ impl Report {
             row("cascade k_v", f.velocity_gain, "N m s/rad", k_v),
             row("cascade T_i", f.integral_time, "s", t_i),
             row("cascade omega_f", f.filter_corner, "rad/s", omega_f),
-            row("disturbance omega_l", d.slow_corner, "rad/s", &outer(tuned::SLOW_CORNER)),
+            row("disturbance omega_l", d.slow_corner, "rad/s", &outer(tuned::INTEGRAL)),
             row("disturbance omega_f", d.fast_corner, "rad/s", "level / lateness"),
             row("disturbance s", d.wind_up_fraction, "1", &wind_up),
             row("disturbance z_0", d.dead_zone, "N m", "static friction of both sides"),
@@ -150,15 +150,15 @@ impl Report {
                 row(&name("b"), b.damping, "s", &damping(tuned::ADDED_DAMPING)),
                 row(&name("b at rest"), b.damping_at_rest, "s", &damping(tuned::ADDED_DAMPING)),
                 row(&name("k"), b.integral, "1/s", &integral(tuned::INTEGRAL)),
-                row(&name("omega_y"), b.filter_corner, "rad/s", &of_mode(tuned::FILTER_CORNER)),
+                row(&name("omega_y"), b.filter_corner, "rad/s", "sqrt(K1/J_fs)"),
             ]);
         }
         let name = |what: &str| format!("measured feedback {what}");
-        let (p, p_at_rest) = (stiffening(tuned::PROPORTIONAL), stiffening(tuned::PROPORTIONAL_AT_REST));
+        let (p, p_at_rest) = (stiffening(tuned::MEASURED), stiffening(tuned::PROPORTIONAL_AT_REST));
         rows.extend([
             row(&name("P"), m.proportional, "1", &p),
             row(&name("P at rest"), m.proportional_at_rest, "1", &p_at_rest),
-            row(&name("D"), m.derivative, "s", &damping(tuned::MEASURED_DAMPING)),
+            row(&name("D"), m.derivative, "s", &damping(tuned::MEASURED)),
             row(&name("D at rest"), m.derivative_at_rest, "s", &damping(tuned::MEASURED_DAMPING_AT_REST)),
             row(&name("omega_m"), m.corner, "rad/s", &of_mode(tuned::MEASURED_CORNER)),
         ]);

@@ -17,7 +17,7 @@
 //! V. Rao, D. Bernstein, "Naive control of the double integrator", IEEE Control Systems Magazine 21 (2001).
 
 use crate::branch::seldom;
-use crate::compensator::tuned::BRAKING_SHARE;
+use crate::compensator::tuned::RESERVE;
 use crate::constants::constants;
 use crate::real::Real;
 
@@ -32,7 +32,7 @@ pub struct Braking<R> {
 impl<R: Real> Braking<R> {
     /// For a cascade of this position gain (1/s), whose motor approaches setpoints with this acceleration (rad/s^2).
     pub fn build(position_gain: R, acceleration: R) -> Self {
-        Self { linear: R::lit(BRAKING_SHARE.get()) * acceleration / (position_gain * position_gain) }
+        Self { linear: R::lit(RESERVE.get()) * acceleration / (position_gain * position_gain) }
     }
 
     /// x/e for a position error e (rad), 0..=1.
@@ -72,7 +72,7 @@ mod tests {
 
     /// Largest overshoot (rad) of a motor that begins at rest far from its reference, its acceleration limited.
     fn overshoot(start: f64, gain: impl Fn(f64) -> f64) -> f64 {
-        let (velocity_gain, dt, limit) = (377.0, CONTROL_PERIOD, BRAKING_SHARE.get() * ACCELERATION * 1.2);
+        let (velocity_gain, dt, limit) = (377.0, CONTROL_PERIOD, RESERVE.get() * ACCELERATION * 1.2);
         let (mut position, mut velocity, mut largest) = (-start, 0.0f64, 0.0f64);
         let mut followed = 1.0;
         for k in 0..20_000u32 {

@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! fault of the model's inputs  ->  all gains but the feedback's are ramped to 0, by the guard's ramp (7 ms)
-//! T_q = 0.1 s without one      ->  they return, by the same ramp
-//! |tau_k - tau_(k-1)| <= 2*tau_max*dt/T_r,   T_r = 10 ms
+//! T_q = 0.5 s without one      ->  they return, by the same ramp
+//! |tau_k - tau_(k-1)| <= 2*tau_max*dt/T_r,   T_r = 8 ms
 //! ```
 //!
 //! With these gains at 0 torque and reference of the motor are those of the motor-side cascade alone. The last line,
@@ -17,7 +17,7 @@
 use crate::branch::seldom;
 use crate::compensator::Faults;
 use crate::compensator::actuate::protection::ProtectionState;
-use crate::compensator::tuned::{QUIET_TIME, TORQUE_RAMP, Tuned};
+use crate::compensator::tuned::{FADING_TIME, TRANSIENT_TIME, Tuned};
 use crate::constants::constants;
 use crate::real::Real;
 
@@ -73,8 +73,8 @@ impl<R: Real> Fallback<R> {
     pub fn build(peak_torque: R, dt: R) -> Self {
         let periods = |time: Tuned| (R::lit(time.get()) / dt).to_i32().unsigned_abs() + 1;
         let range = R::lit(2.0) * peak_torque;
-        let change = (range * dt * R::lit(1.0 / TORQUE_RAMP.get())).min(range);
-        Self { quiet: periods(QUIET_TIME), ramp: periods(TORQUE_RAMP), change }
+        let change = (range * dt * R::lit(1.0 / TRANSIENT_TIME.get())).min(range);
+        Self { quiet: periods(FADING_TIME), ramp: periods(TRANSIENT_TIME), change }
     }
 
     /// The kind of command has changed: the torque goes on by the ramp.

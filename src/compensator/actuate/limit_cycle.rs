@@ -1,15 +1,21 @@
 //! Limit cycle of the torque: a command that keeps going from one limit of the motor to the other.
 //!
 //! A torque that comes back to the other limit, each time faster than a ramp from limit to limit takes, is none that a motion asks
-//! for: a loop is no longer stable. After [`LIMIT_CYCLE_SWINGS`] of them on end the feedback functions are taken away at once
+//! for: a loop is no longer stable. After eight of them on end, [`OSCILLATIONS`] and one more there and back, the feedback functions are taken away at once
 //! ([`super::supervisor`]); after as many without them the fault "limit cycle" switches the drive off, for it is the cascade that
-//! oscillates: by a motor encoder that is late, or a drive that is far from what is declared. Both take 23 ms at 350 Hz and 0.16 s at
-//! 50 Hz, the slowest that counts. Once a round ([`crate::compensator::schedule`]). Units: N m at the motor.
+//! oscillates: by a motor encoder that is late, or a drive that is far from what is declared. Both take 23 ms at 350 Hz and 0.13 s at
+//! 60 Hz, the slowest that counts. Once a round ([`crate::compensator::schedule`]). Units: N m at the motor.
 
 use crate::branch::seldom;
 use crate::compensator::schedule::{CONTROL_PERIOD, SLOW_PERIODS};
-use crate::compensator::tuned::{LIMIT_CYCLE_SWINGS, TORQUE_RAMP};
+use crate::compensator::tuned::{OSCILLATIONS, TRANSIENT_TIME};
 use crate::real::Real;
+
+/// Swings that are a limit cycle: two a period, of as many as the supervisor has windows until it acts, with the one in which they begin.
+#[inline(always)]
+fn largest() -> u8 {
+    (2.0 * (OSCILLATIONS.get() + 1.0)) as u8
+}
 
 /// Swings of the torque from limit to limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,7 +32,7 @@ impl Swings {
     /// as many further swings are needed then.
     #[inline(always)]
     pub fn step<R: Real>(&mut self, torque: R, limit: R) -> bool {
-        let slow = TORQUE_RAMP.periods(f64::from(SLOW_PERIODS) * CONTROL_PERIOD) as u8 + 1;
+        let slow = TRANSIENT_TIME.periods(f64::from(SLOW_PERIODS) * CONTROL_PERIOD) as u8 + 1;
         self.rounds = (self.rounds + 1).min(slow);
         if torque.abs() < limit {
             return false;
@@ -38,7 +44,7 @@ impl Swings {
             self.rounds = 0;
         }
         self.negative = negative;
-        let cycles = self.count >= LIMIT_CYCLE_SWINGS.get() as u8;
+        let cycles = self.count >= largest();
         if cycles {
             self.count = 0;
         }
@@ -68,10 +74,10 @@ mod tests {
     /// As soon as it has so many half periods, for a frequency that a round resolves.
     #[test]
     fn a_torque_from_limit_to_limit_is_named() {
-        for frequency in [60.0, 150.0, 400.0] {
+        for frequency in [70.0, 150.0, 400.0] {
             let time = named(sine(frequency, 3.0)).unwrap();
             let half = 0.5 / frequency;
-            let least = LIMIT_CYCLE_SWINGS.get() * half;
+            let least = f64::from(largest()) * half;
             assert!((least..least + 3.0 * half).contains(&time), "{frequency}: {time}");
         }
     }
@@ -88,7 +94,7 @@ mod tests {
     /// Swings before a rest do not count for those after it.
     #[test]
     fn only_swings_on_end_count() {
-        let some = 0.5 * (LIMIT_CYCLE_SWINGS.get() - 1.0) / 100.0;
+        let some = 0.5 * f64::from(largest() - 1) / 100.0;
         let often = move |time: f64| time % (some + 0.05);
         assert_eq!(named(|time| if often(time) < some { sine(100.0, 3.0)(often(time)) } else { 0.0 }), None);
     }

@@ -12,10 +12,10 @@
 //! last one. A reset ([`crate::compensator::Compensator::reset`]) starts from rest; the encoders are initialised again,
 //! and no earlier angle is used.
 //!
-//! A single control overrun is reported; one is forgotten after 20 periods, five within 10 ms lead to Safe.
+//! A single control overrun is reported; one is forgotten after ten periods without, 2 ms of them on end lead to Safe.
 
 use crate::compensator::schedule::{CONTROL_PERIOD, SLOW_PERIODS};
-use crate::compensator::tuned::{OVERRUN_TIME, OVERRUNS};
+use crate::compensator::tuned::{FAULT_TIME, RECOVERY};
 use crate::compensator::{Faults, Status};
 
 /// Faults that lead to Safe.
@@ -38,16 +38,16 @@ pub const DEGRADING: Faults = Faults::OUTPUT_ENCODER_LOST
     .with(Faults::FEEDBACK_REDUCED)
     .with(Faults::SETPOINT_STALE);
 
-/// Increment of the error counter by an overrun; every period decrements it by 1, a round's at once.
+/// Increment of the error counter by an overrun, [`RECOVERY`] of which is the decrement of 1 in every period, a round's at once.
 #[inline(always)]
 fn overrun_increment() -> u32 {
-    OVERRUN_TIME.periods(CONTROL_PERIOD)
+    (1.0 / RECOVERY.get() + 0.5) as u32
 }
 
 /// Error count that leads to Safe.
 #[inline(always)]
 fn error_count_limit() -> u32 {
-    OVERRUNS.get() as u32 * overrun_increment()
+    FAULT_TIME.periods(CONTROL_PERIOD) * overrun_increment()
 }
 
 /// Mode of the drive.
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn an_overrun_is_reported_and_five_lead_to_safe() {
+    fn an_overrun_is_reported_and_as_many_as_bad_frames_lead_to_safe() {
         let mut state = ModeState::default();
         for k in 0..error_count_limit() / overrun_increment() {
             let (mode, faults) = step(&mut state, Faults::NONE, Status::OVERRUN);

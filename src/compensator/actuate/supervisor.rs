@@ -37,8 +37,8 @@ use crate::compensator::Faults;
 use crate::compensator::actuate::cascade::Stiffness;
 use crate::compensator::schedule::SLOW_PERIODS;
 use crate::compensator::tuned::{
-    DECAYED, FADING_TIME, GAIN_RAMP, LIMIT_CYCLE_TORQUE, LIMIT_CYCLE_TORSION, LONGEST_HOLD, OSCILLATION_TIME,
-    OSCILLATIONS,
+    DECAYED, FADING_TIME, LIMIT_CYCLE_TORSION, LIMIT_TO_LIMIT, LONGEST_HOLD, OSCILLATION_TIME, OSCILLATIONS,
+    SETTLED_TIME,
 };
 use crate::constants::constants;
 use crate::gear::GearParams;
@@ -158,12 +158,12 @@ impl<R: Real> Supervisor<R> {
         let rounds = |time: R| ((time / round + R::lit(0.5)).to_i32().max(2)).cast_unsigned();
         let [softest, ..] = gear.flexspline.line.stiffness;
         let period = R::lit(core::f64::consts::TAU) * (gear.flexspline_inertia / softest).sqrt();
-        let in_time = (OSCILLATION_TIME - GAIN_RAMP.get()) / (OSCILLATIONS.get() + 1.0);
+        let in_time = (OSCILLATION_TIME - SETTLED_TIME.get()) / (OSCILLATIONS.get() + 1.0);
         let window = ((R::lit(in_time) / round).to_i32().max(2)).cast_unsigned().max(rounds(period));
         let length = R::from_i32(window.cast_signed());
         let at_rest = (R::lit(LIMIT_CYCLE_TORSION.get()) * gear.rated_torque / softest)
             .max(count / R::from_i32(gear.ratio).abs());
-        let in_motion = R::lit(LIMIT_CYCLE_TORQUE.get()) * peak_torque;
+        let in_motion = R::lit(LIMIT_TO_LIMIT) * peak_torque;
         Self {
             window,
             inverse_window: R::ONE / length,
@@ -172,7 +172,7 @@ impl<R: Real> Supervisor<R> {
             windows: OSCILLATES * OSCILLATIONS.get() as u32,
             decayed: R::lit(DECAYED.get()),
             levels: [in_motion * in_motion, at_rest * at_rest],
-            down: round / R::lit(GAIN_RAMP.get()),
+            down: round / R::lit(SETTLED_TIME.get()),
             back: round / R::lit(FADING_TIME.get()),
             hold: [FADING_TIME, LONGEST_HOLD].map(|time| rounds(R::lit(time.get()))),
         }

@@ -14,7 +14,7 @@
 //! no longer learn from it. Explicit Euler. Units: rad, N m.
 
 use crate::angle::Heading;
-use crate::compensator::tuned::{GRAVITY_RATE_COSINE, GRAVITY_RATE_SINE};
+use crate::compensator::tuned::{RARE_RATE, SLOW_RATE};
 use crate::constants::constants;
 use crate::real::Real;
 
@@ -39,8 +39,7 @@ impl<R: Real> Gravity<R> {
     /// For a gear of this rated torque (N m), with dt (s) from step to step.
     pub fn build(rated_torque: R, dt: R) -> Self {
         Self {
-            gains: [GRAVITY_RATE_COSINE, GRAVITY_RATE_SINE]
-                .map(|rate| (R::lit(rate.get()) * dt).min(R::lit(0.5))),
+            gains: [SLOW_RATE, RARE_RATE].map(|rate| (R::lit(rate.get()) * dt).min(R::lit(0.5))),
             largest: rated_torque,
         }
     }

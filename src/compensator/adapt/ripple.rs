@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! ripple = sum_k a_k*cos(k*alpha) + b_k*sin(k*alpha),       alpha = theta_wg or theta_wg - theta_fs
-//! law      a_k <- limit(a_k + dt*g*D*C, bound),  b_k alike with S;   C = cos(k*alpha), S = sin(k*alpha), D = m of the torque,
-//!          C + i*S = (u + i*(1 - u))*e^(i*k*alpha), D = limit(m, bound/8) of the position,   u = min(k*|omega_wg|/k_z, 1)
+//! law      a_k <- limit(a_k + dt*g*D*C, bound),  b_k alike with S;   C = cos(k*alpha), S = sin(k*alpha), e = 0.18, D = m of the torque,
+//!          C + i*S = (u + i*(1 - u))*e^(i*k*alpha), D = limit(m, e*bound) of the position,   u = min(k*|omega_wg|/k_z, 1)
 //! rate     g = g_0 of the torque, g_0/(1 + P/P_0) of the position;   P = path of the motor that was learnt from, mean of the orders
 //! ```
 //!
@@ -24,11 +24,11 @@
 //! The map of the position is a property of the gear: once an order has had the time to be learnt its rate falls with the path as that
 //! of a mean over all of it, and begins anew with each start. It learns only in motion: at rest a ripple cannot be separated from any
 //! constant. Nor can it within a part of its period: a constant m would move the coefficients there and back by m*g over
-//! k*|omega_wg|. So g is at most [`RIPPLE_PER_RADIAN`]*k*|omega_wg|: a constant moves them by that fraction of it at any speed.
-//! A position error far beyond a ripple is that of a load that swings, not a ripple: it counts for no more than an eighth
-//! of the largest ripple does. Errors of inertia and friction, and the vibration that they leave, change with the speed as
+//! k*|omega_wg|. So g is at most [`FALSE_RIPPLE`]*k*|omega_wg|: a constant moves them by that fraction of it at any speed.
+//! A position error far beyond a ripple is that of a load that swings, not a ripple: it counts for no more than
+//! [`FALSE_RIPPLE`] of the largest ripple. Errors of inertia and friction, and the vibration that they leave, change with the speed as
 //! fast as a ripple does where the speed changes within a part of its period: it learns once the speed has been steady,
-//! abs domega_wg/dt <= [`STEADY_SPEED`]*omega_wg^2, over a radian of the wave generator.
+//! abs domega_wg/dt <= [`FALSE_RIPPLE`]*omega_wg^2, over a radian of the wave generator.
 //!
 //! Discretisation: one order is evaluated in each slot, the others are held: each is evaluated at the middle of the
 //! [`RIPPLE_ORDERS`] slots that it is held for, T = [`RIPPLE_ORDERS`]*dt, and learnt by explicit Euler over 2*T, position
@@ -41,15 +41,18 @@
 use zerocopy::KnownLayout;
 
 use crate::angle::Angle;
-use crate::compensator::tuned::{RIPPLE_PER_RADIAN, RIPPLE_SAMPLE, STEADY_SPEED};
+use crate::compensator::tuned::FALSE_RIPPLE;
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::{RADIANS_PER_COUNT, Real};
 
-/// P_0 (rad): at the largest rate, [`RIPPLE_PER_RADIAN`] a radian, a ripple of order 1 is learnt but for a thousandth of it.
+/// P_0 (rad): at the largest rate, [`FALSE_RIPPLE`] a radian, a ripple of order 1 is learnt but for a thousandth of it.
 fn first_path() -> f64 {
-    core::f64::consts::LN_10 * 3.0 / RIPPLE_PER_RADIAN.get()
+    core::f64::consts::LN_10 * 3.0 / FALSE_RIPPLE.get()
 }
+
+/// 1/k_z without an integral (s): u is 1 at any speed of a motor.
+const NO_INTEGRAL: f64 = 1e6;
 
 /// Number of learnt orders.
 pub const RIPPLE_ORDERS: usize = 4;
@@ -92,8 +95,8 @@ pub struct LearntRippleParams<R> {
     pub torque_bound: R,
     /// k_z, rate of the output feedback's integral in slow motion (1/s), >= 0; 0 without one.
     pub integral_rate: R,
-    /// Speeds of the motor between which it learns, 0 < least < most (rad/s); `most` is of order 1.
-    pub speeds: [R; 2],
+    /// Speed of the motor up to which order 1 is learnt, order k up to 1/k of it, > 0 (rad/s).
+    pub fastest: R,
 }
 
 /// The built ripple.
@@ -107,12 +110,11 @@ pub struct LearntRipple<R> {
     torque_bound: R,
     /// Largest position error that is learnt from (rad).
     largest_sample: R,
-    least_speed: R,
     /// Fastest speed at which each order learns (rad/s); 0 for a place that is not used.
     fastest: [R; RIPPLE_ORDERS],
     /// 1/the speed from which on each order learns at the whole rate of position and of torque (s/rad).
     by_speed: [[R; 2]; RIPPLE_ORDERS],
-    /// k/k_z (s); 1/`least`, which makes u 1, without an integral.
+    /// k/k_z (s); [`NO_INTEGRAL`] without an integral.
     by_integral: [R; RIPPLE_ORDERS],
     /// Time from one sample of the torque to the next over P_0 (s/rad).
     by_path: R,
@@ -156,7 +158,7 @@ impl<R: Real> LearntRippleParams<R> {
     /// Prepares the ripple for slots that come every dt (s).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] `ripple_order`, `ripple_rate`, `ripple_bound` or `ripple_speeds`.
+    /// [`Error::OutOfRange`] `ripple_order`, `ripple_rate`, `ripple_bound` or `ripple_speed`.
     pub fn build(&self, dt: R) -> Result<LearntRipple<R>, Error> {
         require(self.orders.iter().all(|order| order.order <= 1000), "ripple_order")?;
         let round = R::from_i32(RIPPLE_ORDERS as i32) * dt;
@@ -165,28 +167,30 @@ impl<R: Real> LearntRippleParams<R> {
         require(self.integral_rate.is_finite() && self.integral_rate >= R::ZERO, "ripple_integral_rate")?;
         let bound = |bound: R| bound.is_finite() && bound >= R::ZERO;
         require(bound(self.position_bound) && bound(self.torque_bound), "ripple_bound")?;
-        let [least, most] = self.speeds;
-        require(least > R::ZERO && most.is_finite() && least < most, "ripple_speeds")?;
+        require(self.fastest > R::ZERO && self.fastest.is_finite(), "ripple_speed")?;
         Ok(LearntRipple {
             orders: self.orders,
             position_gain: R::lit(4.0) * round * self.position_rate,
             torque_gain: R::lit(4.0) * round * self.torque_rate,
             position_bound: self.position_bound,
             torque_bound: self.torque_bound,
-            largest_sample: R::lit(RIPPLE_SAMPLE.get()) * self.position_bound,
-            least_speed: least,
+            largest_sample: R::lit(FALSE_RIPPLE.get()) * self.position_bound,
             fastest: self.orders.map(|order| match order.order {
                 0 => R::ZERO,
-                k => most / R::from_i32(k.cast_signed()),
+                k => self.fastest / R::from_i32(k.cast_signed()),
             }),
             by_speed: self.orders.map(|RippleOrder { order, .. }| {
-                let frequency = R::lit(RIPPLE_PER_RADIAN.get()) * R::from_i32(order.cast_signed());
+                let frequency = R::lit(FALSE_RIPPLE.get()) * R::from_i32(order.cast_signed());
                 [self.position_rate, self.torque_rate]
                     .map(|rate| if rate > R::ZERO { frequency / rate } else { R::ZERO })
             }),
             by_integral: self.orders.map(|order| {
-                let integral = if self.integral_rate > R::ZERO { self.integral_rate } else { least };
-                R::from_i32(order.order.cast_signed()) / integral
+                let frequency = R::from_i32(order.order.cast_signed());
+                if self.integral_rate > R::ZERO {
+                    frequency / self.integral_rate
+                } else {
+                    R::lit(NO_INTEGRAL)
+                }
             }),
             by_path: R::lit(2.0 / first_path()) * dt,
             phase_advance: R::lit(0.5 / RADIANS_PER_COUNT) * (round - dt),
@@ -248,9 +252,9 @@ impl<R: Real> LearntRipple<R> {
     #[inline(always)]
     pub fn learn(&self, map: &mut RippleMap<R>, now: &mut RippleNow<R>, sample: &RippleSample<R>) {
         let (speed, order) = (sample.speed.abs(), now.slot % RIPPLE_ORDERS);
-        let is_steady = sample.acceleration.abs() <= R::lit(STEADY_SPEED.get()) * speed * speed;
+        let is_steady = sample.acceleration.abs() <= R::lit(FALSE_RIPPLE.get()) * speed * speed;
         now.steady = if is_steady { (now.steady + self.dt * speed).min(R::ONE) } else { R::ZERO };
-        if now.steady < R::ONE || speed < self.least_speed || speed >= self.fastest[order] {
+        if now.steady < R::ONE || speed >= self.fastest[order] {
             return;
         }
         let [cosine, sine] = now.basis;
@@ -292,7 +296,7 @@ mod tests {
             position_bound: 3e-4,
             torque_bound: 0.01,
             integral_rate: 0.0,
-            speeds: [1.0, 60.0],
+            fastest: 60.0,
         }
     }
 
@@ -338,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn it_learns_nothing_at_rest_nor_where_the_loop_is_too_slow() {
+    fn it_learns_nothing_within_a_radian_nor_where_the_loop_is_too_slow() {
         assert_eq!(learnt(0.5, 1.0), RippleMap::default());
         let map = learnt(40.0, 1.0);
         assert!(map.position[0] != [0.0; 2] && map.position[1] == [0.0; 2], "{map:?}");
@@ -358,8 +362,8 @@ mod tests {
             map != RippleMap::default()
         };
         let radian = (0.1 / CONTROL_PERIOD) as usize;
-        assert!((0..radian - 1).all(|_| !learns(24.0)) && learns(24.0) && learns(-24.0));
-        assert!(!learns(26.0) && (0..radian - 1).all(|_| !learns(0.0)) && learns(0.0));
+        assert!((0..radian - 1).all(|_| !learns(17.0)) && learns(17.0) && learns(-17.0));
+        assert!(!learns(19.0) && (0..radian - 1).all(|_| !learns(0.0)) && learns(0.0));
     }
 
     /// Largest error of the output (rad) in the last of 40 s, at `speed` (rad/s) in a loop that integrates the error at the rate of 50/s
@@ -368,7 +372,7 @@ mod tests {
         const INTEGRAL: f64 = 50.0;
         const POLE: f64 = 75.0;
         const STEPS: usize = 400_000;
-        let params = LearntRippleParams { integral_rate: known, speeds: [1.0, 100.0], ..params() };
+        let params = LearntRippleParams { integral_rate: known, fastest: 100.0, ..params() };
         let (ripple, ratio) = (params.build(CONTROL_PERIOD).unwrap(), Ratio::one_over(-20).unwrap());
         let (mut map, mut now, mut there) =
             (RippleMap::default(), RippleNow::default(), RippleNow::default());
@@ -435,7 +439,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_beyond_a_ripple_counts_for_an_eighth_of_the_largest() {
+    fn an_error_beyond_a_ripple_counts_for_a_part_of_the_largest() {
         let ripple = params().build(CONTROL_PERIOD).unwrap();
         let learnt_from = |position| {
             let now = RippleNow { basis: [1.0, 0.0], steady: 1.0, ..RippleNow::default() };
@@ -444,7 +448,7 @@ mod tests {
             ripple.learn(&mut map, &mut { now }, &sample);
             map
         };
-        let bound = params().position_bound / 8.0;
+        let bound = FALSE_RIPPLE.get() * params().position_bound;
         assert_eq!(learnt_from(1.0), learnt_from(bound));
         assert!(learnt_from(0.5 * bound).position[0][0] < learnt_from(bound).position[0][0]);
     }
@@ -470,6 +474,6 @@ mod tests {
             named("ripple_integral_rate")
         );
         assert_eq!(build(LearntRippleParams { position_bound: f64::NAN, ..params() }), named("ripple_bound"));
-        assert_eq!(build(LearntRippleParams { speeds: [2.0, 1.0], ..params() }), named("ripple_speeds"));
+        assert_eq!(build(LearntRippleParams { fastest: 0.0, ..params() }), named("ripple_speed"));
     }
 }

@@ -6,7 +6,7 @@ use crate::compensator::actuate::mode::Mode;
 use crate::compensator::reference::motor_reference::MotorReference;
 use crate::compensator::schedule::OBSERVER_PERIODS;
 use crate::compensator::sense::clock::Elapsed;
-use crate::compensator::tuned::NEAR_REFERENCE;
+use crate::compensator::tuned::ENCODER_NOISE;
 use crate::compensator::{Compensator, Faults, State, Status};
 use crate::real::Real;
 
@@ -93,13 +93,13 @@ impl<R: Real> Compensator<R> {
     }
 
     /// Speed of the motor (rad/s): by the last two readings of its encoder, or of a resting motor with a coarse encoder the
-    /// observer's. Farther than [`NEAR_REFERENCE`] from its reference it is controlled by what is measured: an observer that
+    /// observer's. Farther than [`ENCODER_NOISE`] from its reference it is controlled by what is measured: an observer that
     /// is wrong moves it by no more than that.
     #[inline(always)]
     fn motor_speed(&self, state: &State<R>) -> R {
         let reference = &state.motor_reference;
         if self.estimates_speed && reference.rests && state.fallback.trusted() {
-            let near = R::lit(2.0 * NEAR_REFERENCE.get()) * self.rounding;
+            let near = R::lit(2.0 * ENCODER_NOISE.get()) * self.rounding;
             if reference.position_error.is_within(near) {
                 return state.observer.motor_velocity();
             }

@@ -11,26 +11,27 @@
 //! (dq_foreseen: the extrapolated speed; a_p: what the gear's protection admits,
 //! [`crate::compensator::actuate::protection::Protection::acceleration`]), for that is a step that would take a quarter of
 //! the motor's torque. The factors leave room for 10 % of inertia at the gear, and at the motor for its friction and the
-//! feedback, too. Then the reference approaches the setpoint within the joint's speed (90 %), a and a jerk of a in T_r/2 = 5 ms,
+//! feedback, too. Then the reference approaches the setpoint within the joint's speed (90 %), a and a jerk of a in T_r/2 = 4 ms,
 //! as fast as the motor's torque is ramped, until it reaches it:
 //!
 //! ```text
 //! v = dq_c + limit(min(k_p/4*|e|, sqrt(max(a - |ddq_c|, 0)*|e|)))*sign(e)
 //! ddq -> ddq_c + k_p*(v - dq) in -a_minus..a_plus
-//! a_plus, a_minus = a_max*(1 +- l),   a = min(a_plus, a_minus),   l = limit(tau_ext/min(L, tau_max*|n|), 0.8)
+//! a_plus, a_minus = a_max*(1 +- l),   a = min(a_plus, a_minus),   l = limit(tau_ext/min(L, tau_max*|n|), 0.85)
 //! ```
 //!
 //! tau_ext is the estimated external torque: with it the torques L of the gear and tau_max of the motor accelerate
 //! the output more, and against it less. What the setpoint's own acceleration leaves of a catches up with it. Near by e is damped
 //! critically, both its poles at k_p/2: the position loop, whose own is at k_p, follows.
 //!
-//! A stale setpoint is not approached: the reference brakes to rest within the same limits. Units: rad, N m, s; explicit
+//! A stale setpoint is not approached: the reference brakes to rest within the same limits, and rests from the speed on that its jerk
+//! makes in a round. Units: rad, N m, s; explicit
 //! Euler over dt. While it approaches, a round has one period more ([`crate::compensator::schedule`]).
 
 use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::protection::Protection;
 use crate::compensator::schedule::SLOW_PERIODS;
-use crate::compensator::tuned::{LOAD_SHARE, REST_SPEED, SETPOINT_TIME, TORQUE_RAMP};
+use crate::compensator::tuned::{RESERVE, SETTLED_TIME, TRANSIENT_TIME};
 use crate::compensator::{Limits, Setpoint};
 use crate::constants::constants;
 use crate::gear::GearParams;
@@ -95,7 +96,7 @@ impl<R: Real> Approach<R> {
             velocity: limits.setpoint_speed(gear.ratio),
             near: quarter / cascade.position_gain,
             near_velocity: quarter + acceleration * round,
-            keep: (R::ONE - round * R::lit(1.0 / SETPOINT_TIME.get())).max(R::ZERO),
+            keep: (R::ONE - round * R::lit(1.0 / SETTLED_TIME.get())).max(R::ZERO),
         }
     }
 
@@ -150,7 +151,7 @@ impl<R: Real> Approach<R> {
         moment: &Moment<R>,
     ) -> Option<Setpoint<R>> {
         let Moment { time, stale, load } = *moment;
-        let helped = self.acceleration * (self.by_load * load).limit(R::lit(LOAD_SHARE.get()));
+        let helped = self.acceleration * (self.by_load * load).limit(R::lit(1.0 - RESERVE.get()));
         let [down, up] = [helped - self.acceleration, helped + self.acceleration];
         let most = up.min(-down);
         // A reference is extrapolated by its jerk until the next one.
@@ -159,8 +160,9 @@ impl<R: Real> Approach<R> {
         let change = time * (present - R::lit(0.5) * jerked);
         let position = from.position.plus(time * (from.velocity + R::lit(0.5) * change));
         let velocity = (from.velocity + change).limit(self.velocity);
+        let step = most * self.round * R::lit(2.0 / TRANSIENT_TIME.get());
         let (target, along) = if stale {
-            if velocity.is_within(R::lit(REST_SPEED.get())) {
+            if velocity.is_within(step * time) {
                 return Some(Setpoint { position, ..Setpoint::default() });
             }
             (R::ZERO, R::ZERO)
@@ -177,7 +179,6 @@ impl<R: Real> Approach<R> {
             ((commanded.velocity + speed.copysign(distance)).limit(self.velocity), commanded.acceleration)
         };
         let acceleration = (along + self.speed_rate * (target - velocity)).min(up).max(down);
-        let step = most * self.round * R::lit(2.0 / TORQUE_RAMP.get());
         let jerk = (acceleration - present).limit(step) * self.inverse_round;
         Some(Setpoint { position, velocity, acceleration: present, jerk, snap: R::ZERO })
     }

@@ -25,7 +25,7 @@
 //! A first setpoint away from the output is not approached: the two controllers may disagree on the zero. The reference
 //! stays at the initial angle of the output, with a fault, until the setpoint comes there.
 //!
-//! A setpoint that is older than [`SETPOINT_TIME`] is not followed: the reference brakes to rest within the same limits, a torque
+//! A setpoint that is older than [`SETTLED_TIME`] is not followed: the reference brakes to rest within the same limits, a torque
 //! command becomes 0. One with a value that is not finite is replaced by the reference extrapolated at its acceleration,
 //! for the same time. The motor's torque at a switch of the kind of command is ramped by
 //! [`crate::compensator::actuate::fallback`].
@@ -35,7 +35,7 @@ use crate::branch::seldom;
 use crate::compensator::actuate::cascade::FeedbackParams;
 use crate::compensator::actuate::protection::Protection;
 use crate::compensator::reference::approach::{Approach, Moment};
-use crate::compensator::tuned::{LOST_REFERENCE, SETPOINT_TIME};
+use crate::compensator::tuned::{SETTLED_TIME, UNCERTAINTY_MARGIN};
 use crate::compensator::{Faults, Limits, Setpoint};
 use crate::constants::constants;
 use crate::error::Error;
@@ -194,7 +194,7 @@ impl<R: Real> Commander<R> {
         let counts = R::lit(2.0 / RADIANS_PER_COUNT) * limits.output_speed(gear.ratio) * dt;
         Ok(Self {
             approach: Approach::build(gear, limits, cascade, protection, dt),
-            lost: R::lit(LOST_REFERENCE.get()) * n * n * limits.motor_torque
+            lost: R::lit(UNCERTAINTY_MARGIN.get()) * n * n * limits.motor_torque
                 / (whole * cascade.position_gain * cascade.position_gain),
             lag: n / cascade.position_gain,
             farthest: counts.to_i32().unsigned_abs() + 256,
@@ -234,7 +234,7 @@ impl<R: Real> Commander<R> {
         }
         state.unreadable = if readable { R::ZERO } else { (state.unreadable + time).min(R::ONE) };
         // An age that is not a number is stale.
-        let longest = R::lit(SETPOINT_TIME.get());
+        let longest = R::lit(SETTLED_TIME.get());
         let fresh = age <= longest && state.unreadable <= longest;
         let stale = !fresh;
         faults.raise_if(stale, Faults::SETPOINT_STALE);

@@ -48,11 +48,11 @@
 //! (contraction: the load's factor).
 //!
 //! Behind the kinematic error a motor accelerates by dtheta_wg^2*e''/r, at the top speed of a gear of the ratio 160 with more than all of its
-//! torque, for a vibration that the load hardly follows there. Where it may take more than half of the peak torque tau_max, e stands for a
+//! torque, for a vibration that the load hardly follows there. Where it may take more than 1/sqrt(3) of the peak torque tau_max, e stands for a
 //! part of it. As much is no limit cycle ([`crate::compensator::actuate::supervisor`]): a sine of that amplitude is below its level.
 //!
 //! ```text
-//! e <- min(v^2/dtheta_wg^2, 1)*e,   v^2 = tau_max/2 * abs(r)/(J_wg*c),   c: sum of A_k*k^2, the largest abs(e'')
+//! e <- min(v^2/dtheta_wg^2, 1)*e,   v^2 = tau_max/sqrt(3) * abs(r)/(J_wg*c),   c: sum of A_k*k^2, the largest abs(e'')
 //! ```
 //!
 //! d_ff is the estimated external torque as filtered by [`crate::compensator::estimate::disturbance`].
@@ -73,7 +73,7 @@ use crate::belt::SeriesBelt;
 use crate::branch::seldom;
 use crate::compensator::adapt::parameters::{Excitation, Factors};
 use crate::compensator::schedule::{MODELS_TO_PLAN, PLAN_TO_LEARN, PLAN_TO_MODELS, SLOW_PERIODS};
-use crate::compensator::tuned::{FADING_TIME, LIMIT_CYCLE_TORQUE};
+use crate::compensator::tuned::{FADING_TIME, LIMIT_TO_LIMIT};
 use crate::compensator::{CompensationGains, HYSTERESIS_MEMORY, RealTimeGear, Setpoint};
 use crate::constants::constants;
 use crate::error::{Error, require};
@@ -273,7 +273,7 @@ impl<R: Real> FeedForward<R> {
         let curvature = gear.kinematic_error.curvature(self.ratio) * self.inverse_ratio.abs();
         let (inertia, most) =
             (gear.wave_generator_inertia * curvature, R::lit(FASTEST_MOTOR * FASTEST_MOTOR));
-        let torque = R::lit(LIMIT_CYCLE_TORQUE.get()) * peak_torque;
+        let torque = R::lit(LIMIT_TO_LIMIT) * peak_torque;
         let squared = if inertia > R::ZERO { (torque / inertia).min(most) } else { most };
         Self { kinematic_speed_squared: squared, ..self }
     }

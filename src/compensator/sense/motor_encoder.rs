@@ -26,7 +26,7 @@ use crate::compensator::schedule::CONTROL_PERIOD;
 use crate::compensator::sense::clock::Elapsed;
 use crate::compensator::sense::encoder::Reading;
 use crate::compensator::sense::pulleys::Pulleys;
-use crate::compensator::tuned::{BAD_FRAMES, RECOVERY, UNCERTAINTY_MARGIN};
+use crate::compensator::tuned::{FAULT_TIME, RECOVERY, UNCERTAINTY_MARGIN};
 use crate::compensator::{Faults, Limits};
 use crate::constants::constants;
 use crate::error::{Error, require};
@@ -54,7 +54,7 @@ fn error_decrement() -> u32 {
 /// Error count at which the angle is lost.
 #[inline(always)]
 fn error_count_limit() -> u32 {
-    ERROR_INCREMENT * BAD_FRAMES.periods(CONTROL_PERIOD)
+    ERROR_INCREMENT * FAULT_TIME.periods(CONTROL_PERIOD)
 }
 
 /// [`NOISE`] of an encoder whose raw counts are shifted by so much, in counts of 2^32 a revolution.

@@ -8,12 +8,12 @@
 //! A drive's torque is its command, up to an offset, a gain or a limit; its measurement is noisy. The filter has the
 //! corner omega = 7 rad/s: noise of the measurement above it is rejected, errors of the drive below it pass. Where the
 //! feedback gain s is 0, another controller moves the motor and the command is unknown: then the measurement alone
-//! passes a low pass of 100 rad/s; between the two g is interpolated by s. A residual above w cannot be noise (a drive at
+//! passes a low pass of 140 rad/s; between the two g is interpolated by s. A residual above w cannot be noise (a drive at
 //! its limit, or switched off); it passes unfiltered: w has to lie far beyond the noise, whose tails would otherwise
 //! decay in y with a time constant of a seventh of a second each. It is stepped once a period of the observer, by the means of both
 //! torques over it. Units: N m at the motor's shaft, rad/s. Exact for inputs that are held.
 
-use crate::compensator::tuned::{DRIVE_CORNER, MEASURED_TORQUE_CORNER, NOISE_TORQUE};
+use crate::compensator::tuned::{DRIVE_CORNER, NOISE_TORQUE, TORQUE_CORNER};
 use crate::constants::constants;
 use crate::error::{Error, require};
 use crate::real::Real;
@@ -50,7 +50,7 @@ impl<R: Real> MotorTorque<R> {
     pub fn build(peak_torque: R, dt: R) -> Result<Self, Error> {
         require(dt > R::ZERO && dt <= R::ONE, "dt")?;
         require(peak_torque > R::ZERO, "motor_torque")?;
-        let corners = [MEASURED_TORQUE_CORNER, DRIVE_CORNER];
+        let corners = [TORQUE_CORNER, DRIVE_CORNER];
         let [alone, commanded] = corners.map(|corner| (dt * R::lit(corner.get())).one_minus_exp_neg());
         Ok(Self { gain: [alone, commanded - alone], gross: R::lit(NOISE_TORQUE.get()) * peak_torque })
     }
@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn slow_differences_pass_and_fast_ones_do_not() {
-        for (corner, followed) in [(DRIVE_CORNER.get(), 1.0), (MEASURED_TORQUE_CORNER.get(), 0.0)] {
+        for (corner, followed) in [(DRIVE_CORNER.get(), 1.0), (TORQUE_CORNER.get(), 0.0)] {
             assert!(passed(0.1 * corner, followed) > 0.99);
             assert!((passed(corner, followed) - 0.5f64.sqrt()).abs() < 0.01);
             assert!(passed(100.0 * corner, followed) < 0.013);

@@ -22,7 +22,7 @@ use crate::compensator::faults::Faults;
 use crate::compensator::reference::directions::Crossover;
 use crate::compensator::schedule::{SLOW_PERIODS, SLOW_SLOTS};
 use crate::compensator::sense::pulleys::Pulleys;
-use crate::compensator::tuned::{GAIN_RAMP, MOTOR_PATH};
+use crate::compensator::tuned::{MOTOR_PATH, SETTLED_TIME};
 use crate::compensator::{Command, CompensationGains, Directions, Limits, Setpoint};
 use crate::constants::constants;
 use crate::error::{Error, require};
@@ -94,8 +94,10 @@ impl<R: Real> InputGuard<R> {
             motor_torque: R::lit(2.0) * limits.motor_torque,
             output_torque: R::lit(2.0) * limits.output_torque,
             peak_output_torque: limits.output_torque,
-            gain_step: (R::from_i32((SLOW_SLOTS * SLOW_PERIODS) as i32) * dt * R::lit(1.0 / GAIN_RAMP.get()))
-                .min(R::ONE),
+            gain_step: (R::from_i32((SLOW_SLOTS * SLOW_PERIODS) as i32)
+                * dt
+                * R::lit(1.0 / SETTLED_TIME.get()))
+            .min(R::ONE),
             crossover: Crossover::build(limits.output_speed(gear.ratio)),
         })
     }

@@ -11,7 +11,7 @@
 use core::f32::consts::TAU;
 use strainwave::Angle;
 use strainwave::compensator::schedule::CONTROL_PERIOD;
-use strainwave::compensator::tuned::SETPOINT_TIME;
+use strainwave::compensator::tuned::SETTLED_TIME;
 use strainwave::compensator::{Command, Setpoint};
 use strainwave::trajectory::{Cyclic, CyclicState};
 use strainwave_drivers::cia402::node::Target;
@@ -125,7 +125,7 @@ impl Targets {
             }
             Follows::Velocity(velocity) => (Command::Velocity { velocity, acceleration: 0.0 }, age),
             // Without a torque the joint would go on as it moves: it is stopped, when no other command would be followed any more.
-            Follows::Torque(_) if age > SETPOINT_TIME.get() as f32 => {
+            Follows::Torque(_) if age > SETTLED_TIME.get() as f32 => {
                 (Command::Velocity { velocity: 0.0, acceleration: 0.0 }, age)
             }
             Follows::Torque(torque) => (Command::Torque(torque), age),

@@ -3,7 +3,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use strainwave::Angle;
-use strainwave::compensator::tuned::SETPOINT_TIME;
+use strainwave::compensator::tuned::SETTLED_TIME;
 use strainwave::compensator::{
     Command, CompensationGains, Directions, Input, JointParams, Sensors, Setpoint, Status,
 };
@@ -88,7 +88,7 @@ impl Disturbance {
                 let within = joint.dt * random.random_range(0.2..17.0);
                 input.elapsed = if random.random_bool(0.7) { within } else { float(joint.dt, random) };
             }
-            Self::Age => input.setpoint_age = float(SETPOINT_TIME.get() as f32, random),
+            Self::Age => input.setpoint_age = float(SETTLED_TIME.get() as f32, random),
             Self::Status => input.status = input.status.with(status(random)),
             Self::Derivative => *derivative(setpoint(&mut input.command), random) = float(10.0, random),
             Self::Position => {
@@ -202,7 +202,7 @@ fn bits(random: &mut ChaCha8Rng) -> Input<f32> {
         command,
         gains: Directions { forward: gains(random), backward: gains(random) },
         elapsed: float(1e-3, random),
-        setpoint_age: float(SETPOINT_TIME.get() as f32, random),
+        setpoint_age: float(SETTLED_TIME.get() as f32, random),
         status: status(random),
     }
 }

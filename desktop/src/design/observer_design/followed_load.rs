@@ -22,12 +22,11 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 use strainwave::compensator::estimate::disturbance::DisturbanceParams;
-use strainwave::compensator::tuned::Tuned;
 
 use super::linearised::{DT, Linearised, Sixth, Unknown, information, optimal};
 use super::riccati;
 use crate::design::compensation::disturbance_params;
-use crate::design::tuned::{STANDING_FRICTION, STANDING_WANDER};
+use crate::design::tuned::STANDING_WANDER;
 use crate::io::gear_file::GearFile;
 
 /// Frequencies that are looked at, and their range (rad/s): up to where the filter ends.
@@ -45,9 +44,8 @@ pub(super) fn designed(file: &GearFile, stands: bool) -> Unknown {
         Some(_) => 1.0,
         None => wander_factor(file, &known),
     };
-    let [wander, friction] =
-        if stands { [STANDING_WANDER, STANDING_FRICTION].map(Tuned::get) } else { [1.0; 2] };
-    Unknown { wander: wander * borne * known.wander, friction: friction * known.friction, ..known }
+    let standing = if stands { STANDING_WANDER.get() } else { 1.0 };
+    Unknown { wander: standing * borne * known.wander, ..known }
 }
 
 /// Largest factor on the wander of `unknown`, 1e-3..=1, with which the gain of the loop is at most 1; 1e-3 where none has that.

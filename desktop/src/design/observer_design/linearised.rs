@@ -19,7 +19,7 @@ use nalgebra::{DMatrix, DVector, RowDVector};
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
 use strainwave::compensator::tuned::ENCODER_NOISE;
 
-use crate::design::tuned::{OUTPUT_JITTER, RENEWED_FRICTION, WANDER};
+use crate::design::tuned::{FRICTION_NOISE, WANDER};
 use crate::io::gear_file::{Friction, GearFile};
 use strainwave::compensator::schedule::CONTROL_PERIOD;
 
@@ -50,9 +50,9 @@ impl Unknown {
         let counts = |noise: Option<f64>| noise.map(|noise| noise / resolution(19));
         Self {
             wander: own.unwrap_or(WANDER.get()),
-            friction: RENEWED_FRICTION.get(),
+            friction: FRICTION_NOISE.get(),
             jitter: counts(file.sensors.motor_encoder_noise).unwrap_or(ENCODER_NOISE.get() * FRAC_1_SQRT_2),
-            output_jitter: counts(file.sensors.output_encoder_noise).unwrap_or(OUTPUT_JITTER.get()),
+            output_jitter: counts(file.sensors.output_encoder_noise).unwrap_or(ENCODER_NOISE.get()),
         }
     }
 }
@@ -95,7 +95,7 @@ pub(super) struct Linearised {
 }
 
 /// Standard deviation of an encoder's noise (rad).
-pub(super) fn encoder_noise(bits: u32, jitter: f64) -> f64 {
+fn encoder_noise(bits: u32, jitter: f64) -> f64 {
     (resolution(bits).powi(2) / 12.0 + (jitter * resolution(19)).powi(2)).sqrt()
 }
 

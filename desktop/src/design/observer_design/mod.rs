@@ -20,14 +20,13 @@ use strainwave::compensator::estimate::observer::deviation::{Spread, Uncertainty
 use strainwave::compensator::estimate::observer::past::STEPS;
 use strainwave::compensator::estimate::observer::{Correction, GainSets, Gains, ObserverParams, STATES};
 use strainwave::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
+use strainwave::compensator::tuned::{ENCODER_NOISE, SLOW_RATE};
 use strainwave::{Error, Real};
 
-use crate::design::tuned::{
-    FOLLOWED_FRICTION, HELD_FRICTION, MOTION_THRESHOLD, OUTPUT_FRICTION, STILL_NOISE, UNOBSERVED_RATE,
-};
+use crate::design::tuned::FRICTION_NOISE;
 use crate::io::gear_file::{Friction, GearFile};
 use followed_load::designed;
-use linearised::{DT, Linearised, Sensor, Sixth, Unknown, encoder_noise, information, optimal, resolution};
+use linearised::{DT, Linearised, Sensor, Sixth, Unknown, information, optimal, resolution};
 
 /// Eigenvalue from which on a mode counts as one that the motor's encoder does not show: slower than a second.
 const UNSEEN: f64 = 1.0 - 1e-4;
@@ -41,9 +40,7 @@ pub fn observer_params<R: Real>(file: &GearFile) -> Result<ObserverParams<R>, Er
     Ok(ObserverParams {
         moving: sets(file, Sixth::Stiffness)?,
         standing: sets(file, Sixth::Held)?,
-        motion_threshold: R::lit(
-            MOTION_THRESHOLD.get() * encoder_noise(file.sensors.motor_encoder_bits, STILL_NOISE.get()),
-        ),
+        motion_threshold: R::lit(ENCODER_NOISE.get() * resolution(file.sensors.motor_encoder_bits.min(19))),
         output_encoder_delay: file.sensors.output_encoder_delay,
         output_encoder_period: file.sensors.output_encoder_period,
         output_count: R::lit(resolution(file.sensors.output_bits())),
@@ -268,7 +265,9 @@ impl Filter {
         let moving_balance = !(self.has_torque || standing && self.has_output);
         let blind = !self.has_output && !self.has_torque;
         // Each encoder's zero is known to half a count; of a resting output a count more is taken for nothing.
-        let at_rest = if standing { HELD_FRICTION } else { FOLLOWED_FRICTION };
+        // A friction of which no path is known is anywhere within its static level.
+        let unknown = 1.0 / 3f64.sqrt();
+        let at_rest = if standing { unknown } else { FRICTION_NOISE.get() };
         let counts = if standing { 1.5 } else { 0.5 };
         let zero = if self.has_output { counts * resolution(file.sensors.output_bits()) } else { 0.0 };
         let static_level = |side: &Friction| side.static_level.or(side.coulomb).unwrap_or_default();
@@ -279,8 +278,8 @@ impl Filter {
                 output_velocity: R::lit(state(3)),
                 torsion: R::lit(of(&self.model.torsion) + zero),
                 transmitted_torque: R::lit(of(&self.model.transmitted)),
-                input_friction: R::lit(at_rest.get() * static_level(&file.friction.input)),
-                output_friction: R::lit(OUTPUT_FRICTION.get() * static_level(&file.friction.output)),
+                input_friction: R::lit(at_rest * static_level(&file.friction.input)),
+                output_friction: R::lit(unknown * static_level(&file.friction.output)),
                 external_torque: R::lit(state(4)),
             },
             torque_by_friction: fraction(moving_balance, n),
@@ -292,10 +291,7 @@ impl Filter {
                 1.0 / file.stiffness.k1
             }),
             velocity_by_torque: R::lit(time / inertia),
-            unobserved: [
-                fraction(blind, UNOBSERVED_RATE.get() * rated * DT),
-                fraction(blind, rated / 3f64.sqrt()),
-            ],
+            unobserved: [fraction(blind, SLOW_RATE.get() * rated * DT), fraction(blind, unknown * rated)],
             settling: R::lit(settling),
             inverse_settling: R::lit(1.0 / settling),
             inverse_sliding_speed: R::lit(

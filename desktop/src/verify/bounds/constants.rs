@@ -5,9 +5,9 @@ use super::Bound;
 pub(super) const ROWS: &[Bound] = &[
     Bound {
         name: "constants.count",
-        value: 80.0,
+        value: 35.0,
         unit: "1",
-        why: "tuned constants of the control step, 39, and of the design rules, 41: each is one more that may not fit a joint; target 35",
+        why: "tuned constants of the control step, 23, and of the design rules, 12: each is one more that may not fit a joint",
     },
     Bound {
         name: "constants.stops",

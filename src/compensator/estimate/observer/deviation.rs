@@ -26,7 +26,7 @@
 
 use crate::compensator::EstimateDeviation;
 use crate::compensator::schedule::{CONTROL_PERIOD, OBSERVER_PERIODS, SLOW_PERIODS};
-use crate::compensator::tuned::CORRECTION_TIME;
+use crate::compensator::tuned::FAULT_TIME;
 use crate::constants::constants;
 use crate::real::Real;
 
@@ -179,7 +179,7 @@ impl<R: Real> Spread<R> {
     /// h: residual of d that the innovations show.
     #[inline(always)]
     fn residual(&self, state: &mut SpreadState<R>, load_correction: R) -> R {
-        let filter = R::lit(1.0 / f64::from(CORRECTION_TIME.periods(OBSERVER_PERIOD)));
+        let filter = R::lit(1.0 / f64::from(FAULT_TIME.periods(OBSERVER_PERIOD)));
         state.correction_mean += filter * (load_correction - R::lit(STEP) * state.correction_mean);
         let fallen = state.residual - R::lit(STEP) * state.residual * self.inverse_settling;
         state.residual = (self.settling * state.correction_mean.abs()).max(fallen);

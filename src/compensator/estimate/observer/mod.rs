@@ -24,7 +24,7 @@
 //! the motor's torque by 10 %. Which of the two is trusted depends on the motor. Where it moves, its friction is known to
 //! a few N m at the output and the residual is attributed to the stiffness: s. Where it stands, static friction or a
 //! brake may hold any torque, so that the residual is attributed to b and s is held. Standstill is detected after
-//! [`STANDSTILL_TIME`](crate::compensator::tuned::STANDSTILL_TIME); the gains of a motor that stands are small. With the motor encoder alone neither is observable
+//! [`SETTLED_TIME`](crate::compensator::tuned::SETTLED_TIME); the gains of a motor that stands are small. With the motor encoder alone neither is observable
 //! beside d, and both stay zero. s is limited to 3 standard deviations of the stiffness.
 //!
 //! A resting output may be anywhere within the count of its encoder: while the motor stands, the innovation theta_o -
@@ -65,7 +65,7 @@ use crate::belt::SeriesBelt;
 use crate::branch::seldom;
 use crate::compensator::faults::Faults;
 use crate::compensator::schedule::{CONTROL_PERIOD, SLOW_PERIODS};
-use crate::compensator::tuned::DISAGREEING;
+use crate::compensator::tuned::TRANSIENT_TIME;
 use crate::compensator::{Estimate, RealTimeGear};
 use crate::constants::constants;
 use crate::real::{RADIANS_PER_COUNT, Real};
@@ -456,7 +456,7 @@ impl<R: Real> Observer<R> {
         }
         seldom();
         state.gross = state.gross.saturating_add(1);
-        state.gross <= DISAGREEING.periods(f64::from(SLOW_PERIODS) * CONTROL_PERIOD)
+        state.gross <= TRANSIENT_TIME.periods(f64::from(SLOW_PERIODS) * CONTROL_PERIOD)
     }
 
     /// theta_o less ripple less theta_fs at the instant of the reading (rad), where there is one.

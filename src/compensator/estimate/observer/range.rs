@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! |omega_wg| <= 2*motor_speed,   |omega_fs| <= 2*motor_speed/|n|,   |d| <= tau_p,   |b| <= tau_p/|n|,   n = 1/r
-//! |s| <= 3*u_K*|tau_t| + 0.03*tau_rated,   |phi| <= phi(4*tau_p),   |tau_t| <= 4*tau_p
+//! |s| <= 3*u_K*|tau_t| + 0.045*tau_rated,   |phi| <= phi(4*tau_p),   |tau_t| <= 4*tau_p
 //! ```
 //!
 //! tau_p is the gear's peak torque at its output, u_K as in [`super::deviation`]. The states are limited; a torsion
@@ -13,7 +13,7 @@ use crate::branch::seldom;
 use crate::compensator::estimate::observer::multi_rate::Torques;
 use crate::compensator::estimate::observer::state::ObserverState;
 use crate::compensator::faults::Faults;
-use crate::compensator::tuned::STIFFNESS_TORQUE;
+use crate::compensator::tuned::HYSTERESIS_TORQUE;
 use crate::compensator::{Limits, Tolerances};
 use crate::constants::constants;
 use crate::error::Error;
@@ -55,7 +55,7 @@ impl<R: Real> Range<R> {
             output_speed: R::lit(2.0) * limits.output_speed(gear.ratio),
             external_torque: limits.output_torque,
             held_torque: limits.output_torque / R::from_i32(gear.ratio).abs(),
-            stiffness_torque: [R::lit(3.0) * stiffness, R::lit(STIFFNESS_TORQUE.get()) * gear.rated_torque],
+            stiffness_torque: [R::lit(3.0) * stiffness, R::lit(HYSTERESIS_TORQUE.get()) * gear.rated_torque],
             torsion: line.torsion(R::lit(4.0) * limits.output_torque),
             transmitted: R::lit(4.0) * limits.output_torque,
             output_innovation: tolerances.of_torsion() * line.torsion(limits.output_torque)

@@ -1,15 +1,15 @@
-//! Standstill of the motor: for [`STANDSTILL_TIME`] its encoder has stayed within the motion threshold of one angle,
+//! Standstill of the motor: for [`SETTLED_TIME`] its encoder has stayed within the motion threshold of one angle,
 //! or rest has been commanded, and in no period its prediction error has exceeded the motion threshold.
 //!
 //! It selects which of s and b is corrected ([`super`]), and the gains: those of a motor that stands are small.
 
 use crate::compensator::schedule::{CONTROL_PERIOD, OBSERVER_PERIODS};
-use crate::compensator::tuned::STANDSTILL_TIME;
+use crate::compensator::tuned::SETTLED_TIME;
 
 /// Periods of the observer without motion after which the motor stands.
 #[inline(always)]
 fn standstill_periods() -> u32 {
-    STANDSTILL_TIME.periods(OBSERVER_PERIODS as f64 * CONTROL_PERIOD)
+    SETTLED_TIME.periods(OBSERVER_PERIODS as f64 * CONTROL_PERIOD)
 }
 
 /// Phase at which the motor stands, and the periods since it moved.

@@ -44,7 +44,7 @@
 use crate::angle::Angle;
 use crate::branch::seldom;
 use crate::compensator::schedule::{OBSERVER_PERIODS, SLOW_PERIODS};
-use crate::compensator::tuned::{DISAGREEING, GAIN_MARGIN, UNCERTAINTY_MARGIN};
+use crate::compensator::tuned::{GAIN_MARGIN, TRANSIENT_TIME, UNCERTAINTY_MARGIN};
 use crate::compensator::{Faults, Limits, Tolerances};
 use crate::constants::constants;
 use crate::error::Error;
@@ -255,7 +255,8 @@ impl<R: Real> Rotor<R> {
             line,
             // One round more, as the response begins within one.
             not_following: ((drive_response / round).to_i32() + 2).cast_unsigned(),
-            disagreeing: ((R::lit(DISAGREEING.get()) / round + R::lit(0.5)).to_i32().max(1)).cast_unsigned(),
+            disagreeing: ((R::lit(TRANSIENT_TIME.get()) / round + R::lit(0.5)).to_i32().max(1))
+                .cast_unsigned(),
         })
     }
 
