@@ -120,7 +120,8 @@ impl Report {
         figures
     }
 
-    /// Gains: name, value, unit, rule; omega_o is the outer frequency, the lesser of sqrt(K1/J_fs) and k_p/(2*0.35).
+    /// Gains: name, value, unit, rule; omega_o is the outer frequency, the lesser of sqrt(K1/J_fs) and k_p over the gain margin
+    /// and [`tuned::INTEGRAL`].
     pub fn gains(&self) -> Vec<[String; 4]> {
         let Parts { feedback: f, disturbance: d, output_feedback, measured_feedback: m, .. } = &self.parts;
         let row = |name: &str, value: f64, unit: &str, rule: &str| {
