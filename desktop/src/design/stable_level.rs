@@ -1,7 +1,7 @@
 //! The largest fraction of a gain with which a joint is stable in corners of its box.
 //!
-//! The corners are those in which the motor's acceleration by a torque is the farthest from the file's, with the slowest drive and without
-//! a mode behind the flange. Stable is the whole loop, by its poles ([`poles`]), with the observer's gains of a motor that moves; the
+//! The corners are those in which the motor's acceleration by a torque is the farthest from the file's, with the slowest drive, without
+//! a mode behind the flange or with one. Stable is the whole loop, by its poles ([`poles`]), with the observer's gains of a motor that moves; the
 //! disturbance path's dead zone passes nothing. What is unstable without the gain too is none of its doing.
 
 use super::corners::Corner;
@@ -24,15 +24,18 @@ pub(super) struct Corners<'a> {
 }
 
 impl<'a> Corners<'a> {
-    /// With friction that slides, or is a spring of so much of the file's presliding distance.
+    /// Without a mode behind the flange, with friction that slides, or is a spring of so much of the file's presliding distance.
     pub(super) fn of(file: &'a GearFile, presliding: Option<f64>) -> Self {
-        let (delay, bandwidth) = (file.drive.delay as usize, file.drive.least_current_loop);
-        let farthest = Corner::all(file, Mode::Moving).into_iter().filter(|corner| {
-            corner.link.is_none()
-                && (corner.rotor - 1.0) * (corner.constant - 1.0) <= 0.0
-                && (corner.delay, corner.bandwidth) == (delay, bandwidth)
-        });
-        let corners = farthest.map(|corner| Corner { presliding, ..corner });
+        let rigid = farthest(file).filter(|corner| corner.link.is_none());
+        Self::at(file, rigid.map(|corner| Corner { presliding, ..corner }))
+    }
+
+    /// With a mode behind the flange, and friction that slides.
+    pub(super) fn linked(file: &'a GearFile) -> Self {
+        Self::at(file, farthest(file).filter(|corner| corner.link.is_some()))
+    }
+
+    fn at(file: &'a GearFile, corners: impl Iterator<Item = Corner>) -> Self {
         Self { file, plants: corners.map(|corner| (corner, Plant::new(file, &corner))).collect() }
     }
 
@@ -68,6 +71,15 @@ impl<'a> Corners<'a> {
         }
         least
     }
+}
+
+/// Those in which the motor's acceleration by a torque is the farthest from the file's, with the slowest drive.
+fn farthest(file: &GearFile) -> impl Iterator<Item = Corner> {
+    let (delay, bandwidth) = (file.drive.delay as usize, file.drive.least_current_loop);
+    Corner::all(file, Mode::Moving).into_iter().filter(move |corner| {
+        (corner.rotor - 1.0) * (corner.constant - 1.0) <= 0.0
+            && (corner.delay, corner.bandwidth) == (delay, bandwidth)
+    })
 }
 
 /// With the feedback of the measured angle of a joint at rest, whose motor the observer takes for one that moves.
