@@ -7,7 +7,8 @@
 //!
 //! A part of the load that swings on a spring behind the flange, at omega_s below the torsion mode, is excited by k, which lags a quarter of
 //! its period, and damped by b and D: k < (b + D)*omega_s^2 or so. In the corners with such a mode, half of the load at 20 Hz with a
-//! damping ratio of 0.005, k makes nothing unstable that is stable without it; they are the ends of the box, and no margin is added.
+//! damping ratio of 0.005 at worst, nothing grows with k where all are stable without it, and else nothing faster than the worst without it;
+//! they are the ends of the box, and no margin is added.
 
 use super::parts::Parts;
 use super::required;
