@@ -5,6 +5,7 @@ use std::path::Path;
 use std::thread;
 
 use clap::Args;
+use strainwave_desktop::bench::Conditions;
 use strainwave_desktop::bench::scenario::Scenario;
 use strainwave_desktop::bench::torque_sensing::Record;
 use strainwave_desktop::io::gear_file::SensorSet;
@@ -14,7 +15,7 @@ use strainwave_desktop::{BadInput, Figure, GearFile};
 use strainwave_emulator::any_input::{self, AnyInput};
 use strainwave_emulator::artifact::Image;
 use strainwave_emulator::budget::{self, Budget, Measurement};
-use strainwave_emulator::pil::{self, Trial};
+use strainwave_emulator::pil;
 use strainwave_emulator::{firmware, gauges as emulated_gauges};
 
 use strainwave_emulator::firmware::Program;
@@ -23,13 +24,17 @@ use crate::figures::{Figures, FiguresArguments, say};
 use crate::files;
 use crate::progress::Progress;
 
+/// Plant of the scenarios.
+const SEED: u64 = 1;
+
 /// Count instructions and cycles of the control step and of each block in it; flash, RAM and stack
 ///
-/// Runs the firmware through S1-S6 in the emulator, with the motor's sensors and with both encoders, and a plugin that
-/// counts. Instructions are exact; cycles are a model of a Cortex-M4F with zero wait states, at the pessimistic end,
-/// not silicon; on another core there are none, and the runs are those with both encoders alone. Proves on the linked
-/// image that no panic and no allocator is in it and that the control step reaches no double-precision routine. Counts
-/// the literal mesh of eq. (6), 8 x 3 in f32, in an image of its own beside the reduced flexspline of the control step,
+/// Runs the firmware through S1-S6 on the condensed plant in the emulator, with the motor's sensors and with both encoders, and a plugin
+/// that counts; the host's build closes the loop, and the firmware takes the same steps. Instructions are exact; cycles
+/// are a model of a Cortex-M4F with zero wait states, at the pessimistic end, not silicon; on another core there are
+/// none, and the runs are those with both encoders alone. Proves on the linked image that no panic and no allocator is in
+/// it and that the control step reaches no double-precision routine. Counts the literal mesh of eq. (6), 8 x 3 in f32,
+/// in an image of its own beside the reduced flexspline of the control step,
 /// hysteresis along the histories that cost most, and four strain gauges in S8; tells one call of each elementary
 /// function, ours, micromath's and libm's, beside each other: cycles, bytes and largest error. Then some hundred sequences
 /// of any input bits and of disturbed motions, varied where they cost most, look for the most costly control step of all,
@@ -165,12 +170,11 @@ fn in_the_scenarios(budget: &Budget, elf: &Path, gear: &GearFile) -> Result<Meas
             sensors.iter().copied().flat_map(|sensors| Scenario::ALL.map(|scenario| (sensors, scenario)));
         for (sensors, scenario) in runs {
             let mut progress = Progress::new(1000, scenario.title());
-            let mut trial = Trial::from_rest(gear, scenario, 1);
-            trial.conditions.sensors = sensors;
-            let run = pil::compensated(elf, arguments, gear, &trial, |fraction| {
+            let conditions = Conditions { sensors, ..Conditions::of(gear, SEED) };
+            let (_, ending) = pil::workload(elf, arguments, gear, (scenario, &conditions), |fraction| {
                 progress.set((fraction * 1e3) as u64)
             })?;
-            deepest = deepest.max(Some(run.ending.stack));
+            deepest = deepest.max(Some(ending.stack));
         }
         Ok(deepest)
     };

@@ -2,7 +2,7 @@
 
 use std::panic::resume_unwind;
 use std::path::PathBuf;
-use std::thread;
+use std::thread::{self, ScopedJoinHandle};
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, value_parser};
@@ -49,7 +49,8 @@ const ROBOT: &str = "robot";
 ///
 /// The parts `firmware` and `flexspline` boot the image in the emulator and run S1-S6, both together once; that takes
 /// some minutes, beside all that runs without the emulator; `hysteresis` and `gauges` boot an image of their own. `firmware`
-/// executes the images of the real boards too, on emulated chips. Every figure repeats exactly; times by the clock are `bench`'s. The
+/// executes the images of the real boards too, on emulated chips, and lets the other emulated boards follow the host's build through S1-S6
+/// on the condensed plant. Every figure repeats exactly; times by the clock are `bench`'s. The
 /// parts `robustness`, `catalogue`, `healthy`, `identify`, `constants` and `robot` are measured only when they are named.
 #[derive(Args)]
 pub struct Arguments {
@@ -192,17 +193,20 @@ fn told(measured: Measured, arguments: &Arguments) -> Figures {
     Figures::new(measured.figures, &arguments.figures)
 }
 
-/// The requested parts on the desktop, and beside them, on a thread of its own, what runs in the emulator: that takes one processor.
+/// The requested parts on the desktop, and beside them, on threads of their own, what runs in the emulator: the wrist, and all else.
 fn measure_parts(arguments: &Arguments) -> Result<Measured, BadInput> {
     let is_requested = |name: &str| arguments.part.as_ref().is_none_or(|part| part == name);
     let parts: Vec<_> = verify::Part::ALL.into_iter().filter(|part| is_requested(part.name())).collect();
     let firmware = is_requested(FIRMWARE);
     let (measured, emulated) = thread::scope(|scope| {
-        let emulated = scope.spawn(|| in_the_emulator(&parts, firmware));
-        (on_the_desktop(arguments, &parts), emulated.join())
+        let emulated =
+            [scope.spawn(|| in_the_emulator(&parts, firmware)), scope.spawn(|| wrist_on_the_target(&parts))];
+        (on_the_desktop(arguments, &parts), emulated.map(ScopedJoinHandle::join))
     });
     let mut measured = measured?;
-    measured.add(emulated.unwrap_or_else(|panic| resume_unwind(panic))?);
+    for emulated in emulated {
+        measured.add(emulated.unwrap_or_else(|panic| resume_unwind(panic))?);
+    }
     Ok(measured)
 }
 
@@ -234,9 +238,6 @@ fn in_the_emulator(parts: &[verify::Part], firmware: bool) -> Result<Measured, B
     if parts.contains(&verify::Part::Hysteresis) {
         measured.add(emulated::hysteresis().map_err(BadInput::message)?);
     }
-    if parts.contains(&verify::Part::Belt) {
-        measured.add(wrist_on_the_target()?);
-    }
     if parts.contains(&verify::Part::Gauges) {
         measured.add(emulated::gauges().map_err(BadInput::message)?);
     }
@@ -253,7 +254,10 @@ fn wrist() -> Result<Measured, BadInput> {
     belt::wrist::measure(fraction).map_err(BadInput::message)
 }
 
-fn wrist_on_the_target() -> Result<Measured, BadInput> {
+fn wrist_on_the_target(parts: &[verify::Part]) -> Result<Measured, BadInput> {
+    if !parts.contains(&verify::Part::Belt) {
+        return Ok(Measured::default());
+    }
     let mut progress = Progress::new(1000, "wrist on the target");
     let fraction = |fraction: f64| progress.set((fraction * 1e3) as u64);
     emulated::wrist(fraction).map_err(BadInput::message)

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use strainwave::compensator::schedule::{SLOW_PERIODS, Slot};
-use strainwave::compensator::{Input, JointParams};
+use strainwave::compensator::{Input, JointParams, Output};
 use strainwave_desktop::GearFile;
 use strainwave_desktop::bench::any_input::{sequence, variation};
 use strainwave_desktop::bench::controller::Controller;
@@ -20,7 +20,7 @@ use strainwave_desktop::design::joint::joint_params;
 use crate::artifact::{self, CONTROL_STEP, Image};
 use crate::counting::{self, Counting, flash_accelerator, path};
 use crate::machine::{self, Machine};
-use crate::target::{self, Target};
+use crate::target::{self, Follower};
 
 /// Sequences that are drawn.
 const SEQUENCES: u64 = 96;
@@ -151,19 +151,21 @@ impl Search {
 
     /// Runs inputs from a restart, on target and host; the slot of each.
     fn run(&mut self, inputs: &[Input<f32>], arguments: &[String]) -> Result<Vec<Slot>, Error> {
-        let mut target = Target::new(Machine::boot(self.image.path(), arguments)?, &self.joint)?;
+        let Self { joint, unbounded, .. } = self;
+        let judge = |output: &Output<f32>| {
+            if let Some(name) = beyond_bounds(joint, output) {
+                *unbounded.entry(name).or_default() += 1;
+            }
+        };
+        let mut target = Follower::new(Machine::boot(self.image.path(), arguments)?, joint, judge)?;
         let mut slots = Vec::with_capacity(inputs.len());
         for input in inputs {
             slots.push(target.slot());
-            let output = target.step(input)?;
-            if let Some(name) = beyond_bounds(&self.joint, &output) {
-                *self.unbounded.entry(name).or_default() += 1;
-            }
+            target.step(input)?;
         }
-        let agreement = target.agreement();
+        let (agreement, _) = target.finish()?;
         self.steps += agreement.steps;
         self.unlike_host += agreement.different;
-        target.finish()?;
         Ok(slots)
     }
 

@@ -27,6 +27,9 @@ pub const SHIFT: u8 = 3;
 /// Longest time of a control period on the host before it counts as hung.
 pub const PATIENCE: Duration = Duration::from_secs(10);
 
+/// Most control periods that may be sent ahead of their answers: a FIFO takes 64 KiB, and neither side may wait for the other to empty it.
+pub const AHEAD: usize = 32 * 1024 / if INPUT_BYTES > OUTPUT_BYTES { INPUT_BYTES } else { OUTPUT_BYTES };
+
 /// Interval at which a waiting host checks that QEMU still runs.
 const GLANCE: Duration = Duration::from_millis(50);
 
@@ -145,7 +148,7 @@ impl Machine {
     /// One control period: the sensors in, the command out.
     ///
     /// # Errors
-    /// As [`Machine::exchange_frame`].
+    /// As [`Machine::send`] and [`Machine::receive`].
     pub fn exchange(&mut self, input: &[u8; INPUT_BYTES]) -> Result<[u8; OUTPUT_BYTES], Error> {
         self.exchange_frame(input)
     }
@@ -153,13 +156,28 @@ impl Machine {
     /// The same of a program whose frames are others.
     ///
     /// # Errors
-    /// [`Error::Ended`] when the firmware or QEMU ended, [`Error::Hung`] when no answer came in time.
+    /// As [`Machine::send`] and [`Machine::receive`].
     pub fn exchange_frame<const I: usize, const O: usize>(
         &mut self,
         input: &[u8; I],
     ) -> Result<[u8; O], Error> {
-        // The last frame was taken before it was answered: a pipe has room for this one.
-        self.sensors.write_all(input)?;
+        self.send(input)?;
+        self.receive()
+    }
+
+    /// The sensors of a control period, of which the answer is received later: [`AHEAD`] periods at most may be sent before.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn send<const I: usize>(&mut self, input: &[u8; I]) -> Result<(), Error> {
+        Ok(self.sensors.write_all(input)?)
+    }
+
+    /// The command of the first control period whose answer was not received yet.
+    ///
+    /// # Errors
+    /// [`Error::Ended`] when the firmware or QEMU ended, [`Error::Hung`] when no answer came in time.
+    pub fn receive<const O: usize>(&mut self) -> Result<[u8; O], Error> {
         let mut output = [0; O];
         let (mut filled, mut waited) = (0, Duration::ZERO);
         while filled < O {
@@ -245,11 +263,11 @@ impl Machine {
 /// # Errors
 /// As [`Machine::boot`].
 pub fn command(elf: &Path, options: &Options) -> Result<(PathBuf, Vec<String>), Error> {
-    let emulator = setup::emulator(&setup::ThisHost)?;
+    let emulator = setup::this_emulator()?;
     let elf = elf.canonicalize().map_err(|error| named(elf, &error))?;
     let image = Image::read(&elf)?;
     let machine = image.machine().ok_or_else(|| Error::NotEmulated { image: elf.clone() })?;
-    Ok((emulator.program, arguments(&elf, machine, options)))
+    Ok((emulator.program.clone(), arguments(&elf, machine, options)))
 }
 
 fn named(path: &Path, error: &io::Error) -> io::Error {

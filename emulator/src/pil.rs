@@ -37,7 +37,7 @@ use crate::firmware::{self, Firmware, Program};
 use crate::machine::{Ending, Machine};
 use crate::scratch::Scratch;
 use crate::setup;
-use crate::target::{self, Agreement, Target};
+use crate::target::{self, Agreement, Follower, Target};
 
 /// Why a firmware could not be run.
 #[derive(Debug, thiserror::Error)]
@@ -262,7 +262,7 @@ pub fn beside_baselines(trial: &Trial<'_>, compensated: &Run, [b0, b1]: [&Run; 2
 /// [`Error::Firmware`], [`Error::NotEmulated`], [`Error::Setup`].
 pub fn prepare(board: &str, file: &GearFile) -> Result<Firmware, Error> {
     require_emulated(board)?;
-    setup::emulator(&setup::ThisHost)?;
+    setup::this_emulator()?;
     Ok(build(board, file)?)
 }
 
@@ -369,6 +369,27 @@ pub fn compensated(
     run.trace.iter().for_each(|row| faults.add(row.answer.faults));
     let (agreement, learnt) = (target.agreement(), Learnt::of(&target.learnt()));
     Ok(TargetRun { run, faults, agreement, ending: target.finish()?, learnt })
+}
+
+/// Lets the firmware follow the host's build through a scenario on the condensed plant: for what a control step costs, or its bits beside the
+/// host's, to which the accuracy of the plant adds nothing, while the reference mesh takes longer than all else. Target against host,
+/// and the firmware's report.
+///
+/// # Errors
+/// When the machine fails, or a parameter is out of range.
+pub fn workload(
+    elf: &Path,
+    qemu_arguments: &[String],
+    file: &GearFile,
+    (scenario, conditions): (Scenario, &Conditions),
+    mut progress: impl FnMut(f64),
+) -> Result<(Agreement, Ending), target::Error> {
+    let machine = Machine::boot(elf, qemu_arguments)?;
+    let mut target = Follower::new(machine, &joint_params(file)?, |_| ())?;
+    let mut bench = Bench::condensed(file, conditions)?;
+    let count = periods(&scenario) as f64;
+    bench.go(&scenario, &mut target, |k, _, _, _| progress(k as f64 / count))?;
+    target.finish()
 }
 
 /// Result of a replay.

@@ -103,15 +103,23 @@ fn kill_all() {
 
 /// `program`, which the kernel is to kill when its parent dies, where the system can do that.
 pub fn tied_to_us(program: impl AsRef<OsStr>) -> Command {
-    let can = Command::new("setpriv").arg("--version").stdin(Stdio::null()).stdout(Stdio::null()).status();
-    if can.is_ok_and(|status| status.success()) {
-        let mut command = Command::new("setpriv");
+    if *CAN_TIE {
+        let mut command = Command::new(TIE);
         command.args(["--pdeathsig", "KILL", "--"]).arg(program);
         command
     } else {
         Command::new(program)
     }
 }
+
+/// Program that asks the kernel for that.
+const TIE: &str = "setpriv";
+
+/// Whether the system has it.
+static CAN_TIE: LazyLock<bool> = LazyLock::new(|| {
+    let asked = Command::new(TIE).arg("--version").stdin(Stdio::null()).stdout(Stdio::null()).status();
+    asked.is_ok_and(|status| status.success())
+});
 
 type Order = (Command, Sender<io::Result<Child>>);
 

@@ -131,7 +131,7 @@ impl Drop for ServedBoard {
 
 /// The program's image for a joint.
 fn build(gear: &GearFile) -> Result<PathBuf, Error> {
-    setup::emulator(&setup::ThisHost)?;
+    setup::this_emulator()?;
     Ok(pil::build_as(Program::Served, BOARD, gear)?.elf)
 }
 

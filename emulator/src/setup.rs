@@ -24,7 +24,7 @@ mod version;
 
 pub use compiler::{Compiler, compiler, present_compiler};
 pub use download::Download;
-pub use emulator::{Emulator, emulator, present_emulator};
+pub use emulator::{Emulator, emulator, present_emulator, this_emulator};
 pub use error::{Error, Unfetched};
 pub use host::{Host, Job, ThisHost};
 pub use needed::{EMULATOR, OLDEST_COMPILER, OLDEST_EMULATOR};

@@ -1,4 +1,6 @@
-//! The firmware as a controller: every step on the emulated processor, and the same step on the host.
+//! The firmware as a controller: every step on the emulated processor, and the same step on the host; in lockstep, or the host ahead.
+
+use std::collections::VecDeque;
 
 use strainwave::compensator::adapt::learning::Learnt;
 use strainwave::compensator::schedule::Slot;
@@ -9,7 +11,7 @@ use strainwave_desktop::bench::controller::{Controller, HostCompensator};
 use strainwave_desktop::plant::divergence::RunError;
 use strainwave_desktop::verify::bounds;
 
-use crate::machine::{self, Ending, Machine};
+use crate::machine::{self, AHEAD, Ending, Machine};
 
 /// A booted firmware and the host's build of the same joint.
 pub struct Target {
@@ -31,6 +33,12 @@ impl Agreement {
     /// Both runs as one.
     pub fn and(self, other: Self) -> Self {
         Self { steps: self.steps + other.steps, different: self.different + other.different }
+    }
+
+    /// Counts a step with these outputs.
+    fn compare(&mut self, target: &Output<f32>, host: &Output<f32>) {
+        self.steps += 1;
+        self.different += u64::from(canonical(target) != canonical(host));
     }
 
     /// The steps that differed, of which there must be none.
@@ -91,10 +99,70 @@ impl Controller for Target {
 
     fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, Error> {
         let answer = decode_output(&self.machine.exchange(&encode_input(input))?);
-        let expected = self.host.step(input);
-        self.agreement.steps += 1;
-        self.agreement.different += u64::from(canonical(&answer) != canonical(&expected));
+        self.agreement.compare(&answer, &self.host.step(input));
         Ok(answer)
+    }
+}
+
+/// The host's build as the controller, and a booted firmware that takes the same steps some hundred periods later: faster than in
+/// lockstep, and the same, bit by bit, as long as both agree.
+pub struct Follower<F> {
+    machine: Machine,
+    host: HostCompensator,
+    agreement: Agreement,
+    /// Outputs of the host that the target has not answered yet.
+    expected: VecDeque<Output<f32>>,
+    answered: F,
+}
+
+impl<F: FnMut(&Output<f32>)> Follower<F> {
+    /// Pairs the host's build of `joint` with a machine that was booted with the same joint; `answered` is called with each of the
+    /// target's outputs.
+    ///
+    /// # Errors
+    /// As [`JointParams::build`].
+    pub fn new(machine: Machine, joint: &JointParams<f32>, answered: F) -> Result<Self, Error> {
+        let host = HostCompensator::build(joint)?;
+        Ok(Self { machine, host, agreement: Agreement::default(), expected: VecDeque::new(), answered })
+    }
+
+    /// The slot that is next.
+    pub fn slot(&self) -> Slot {
+        self.host.slot()
+    }
+
+    /// Takes the target's answers that are missing, ends the firmware and reads its report.
+    ///
+    /// # Errors
+    /// As [`Machine::receive`] and [`Machine::finish`].
+    pub fn finish(mut self) -> Result<(Agreement, Ending), Error> {
+        while !self.expected.is_empty() {
+            self.take_answer()?;
+        }
+        Ok((self.agreement, self.machine.finish()?))
+    }
+
+    fn take_answer(&mut self) -> Result<(), Error> {
+        let answer = decode_output(&self.machine.receive()?);
+        if let Some(expected) = self.expected.pop_front() {
+            self.agreement.compare(&answer, &expected);
+        }
+        (self.answered)(&answer);
+        Ok(())
+    }
+}
+
+impl<F: FnMut(&Output<f32>)> Controller for Follower<F> {
+    type Error = Error;
+
+    fn step(&mut self, input: &Input<f32>) -> Result<Output<f32>, Error> {
+        if self.expected.len() == AHEAD {
+            self.take_answer()?;
+        }
+        self.machine.send(&encode_input(input))?;
+        let output = self.host.step(input);
+        self.expected.push_back(output);
+        Ok(output)
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use strainwave::compensator::{HYSTERESIS_LEVELS, HYSTERESIS_MEMORY};
 use strainwave::hysteresis::{TorsionHysteresis, TorsionHysteresisState};
+use strainwave_desktop::bench::Conditions;
 use strainwave_desktop::bench::baseline::Baseline;
 use strainwave_desktop::bench::closed_loop;
 use strainwave_desktop::bench::closed_loop::Run;
@@ -180,8 +181,7 @@ pub fn wrist(mut progress: impl FnMut(f64)) -> Result<Measured, Error> {
     budget.blocks.clear();
     let mut agreement = Agreement::default();
     let measured = budget::measure(&budget, &image, |arguments| {
-        let runs = scenarios(&file, &image, arguments, |fraction| progress(0.5 * fraction))?;
-        agreement = runs.iter().fold(agreement, |all, (_, run)| all.and(run.agreement));
+        agreement = workload(&file, &image, arguments, |fraction| progress(0.5 * fraction))?;
         Ok(None)
     })?;
     let cycles = measured.counts_of(CONTROL_STEP).and_then(|counts| Some(counts.cycles?.max));
@@ -260,18 +260,33 @@ fn scenarios(
     Ok(runs)
 }
 
-/// Steps unlike the host's in S1-S6 on every emulated board; those on [`BOARD`] are in `runs`.
+/// Target against host in all scenarios, on the condensed plant.
+fn workload(
+    gear: &GearFile,
+    elf: &Path,
+    arguments: &[String],
+    mut progress: impl FnMut(f64),
+) -> Result<Agreement, Error> {
+    let conditions = Conditions::of(gear, SEED);
+    let mut agreement = Agreement::default();
+    for (done, scenario) in Scenario::ALL.into_iter().enumerate() {
+        let part = |fraction: f64| progress((done as f64 + fraction) / Scenario::ALL.len() as f64);
+        agreement = agreement.and(pil::workload(elf, arguments, gear, (scenario, &conditions), part)?.0);
+    }
+    Ok(agreement)
+}
+
+/// Steps unlike the host's in S1-S6 on every emulated board; those on [`BOARD`] are in `runs`, the others' are on the condensed plant.
 fn every_board(runs: &[(Scenario, TargetRun)]) -> Result<Vec<Figure>, Error> {
-    let mut agreements = vec![(BOARD.to_owned(), runs.iter().map(|(_, run)| run.agreement).collect())];
+    let first = runs.iter().fold(Agreement::default(), |all, (_, run)| all.and(run.agreement));
+    let mut agreements = vec![(BOARD.to_owned(), first)];
     let others: Vec<_> = budget::emulated_boards()?.into_iter().filter(|board| board != BOARD).collect();
+    let gear = GearFile::default_gear();
     // Built one by one, as cargo would anyway; run side by side, each on a processor of its own.
-    let images = others.iter().map(|board| Ok((board, pil::build(board, &GearFile::default_gear())?.elf)));
+    let images = others.iter().map(|board| Ok((board, pil::build(board, &gear)?.elf)));
     let images = images.collect::<Result<Vec<_>, firmware::Error>>()?;
     std::thread::scope(|scope| {
-        let run = |elf| {
-            let runs = scenarios(&GearFile::default_gear(), elf, &[], |_| ())?;
-            Ok(runs.into_iter().map(|(_, run)| run.agreement).collect::<Vec<_>>())
-        };
+        let run = |elf| workload(&gear, elf, &[], |_| ());
         let started: Vec<_> =
             images.iter().map(|(board, elf)| (board, scope.spawn(move || run(elf)))).collect();
         for (board, thread) in started {
@@ -280,11 +295,10 @@ fn every_board(runs: &[(Scenario, TargetRun)]) -> Result<Vec<Figure>, Error> {
         }
         Ok::<_, Error>(())
     })?;
-    let figure = |(board, agreements): &(String, Vec<Agreement>)| {
-        let all = agreements.iter().fold(Agreement::default(), |all, run| all.and(*run));
+    let figure = |(board, agreement): &(String, Agreement)| {
         [
-            Figure::reported(format!("pil.{board}.steps"), all.steps as f64, "1"),
-            all.figure(format!("pil.{board}.steps_unlike_host")),
+            Figure::reported(format!("pil.{board}.steps"), agreement.steps as f64, "1"),
+            agreement.figure(format!("pil.{board}.steps_unlike_host")),
         ]
     };
     Ok(agreements.iter().flat_map(figure).collect())

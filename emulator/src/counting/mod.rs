@@ -40,7 +40,7 @@ impl Counting {
     /// # Errors
     /// [`Error::Setup`] without an emulator, [`Error::PluginBuild`].
     pub fn prepare(image: &Image, tracked: &[usize]) -> Result<Self, Error> {
-        let plugin = plugin::build(&setup::emulator(&setup::ThisHost)?.version)?;
+        let plugin = plugin::build(&setup::this_emulator()?.version)?;
         let text = plan::plan(image, tracked)?;
         let folder = Scratch::new("counting")?;
         std::fs::write(folder.path().join(PLAN), text)?;

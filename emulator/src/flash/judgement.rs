@@ -7,13 +7,14 @@
 use std::path::{Path, PathBuf};
 
 use strainwave_desktop::GearFile;
+use strainwave_desktop::bench::Conditions;
 use strainwave_desktop::bench::scenario::Scenario;
 use strainwave_desktop::bench::task::Task;
 
 use super::Error;
 use crate::artifact::{CONTROL_STEP, Image};
 use crate::budget::{self, Budget, Failure, Measurement};
-use crate::pil::{self, Trial};
+use crate::pil;
 use crate::setup;
 
 /// Over which the control step is counted, each from rest: 2.75 s of control.
@@ -100,9 +101,10 @@ fn run(
     let whole: f64 = WORKLOAD.iter().map(Task::duration).sum();
     let (mut deepest, mut done) = (0, 0.0);
     for scenario in WORKLOAD {
-        let trial = Trial::from_rest(gear, scenario, SEED);
+        let conditions = Conditions::of(gear, SEED);
         let part = |fraction: f64| progress((done + fraction * scenario.duration()) / whole);
-        deepest = deepest.max(pil::compensated(elf, arguments, gear, &trial, part)?.ending.stack);
+        let (_, ending) = pil::workload(elf, arguments, gear, (scenario, &conditions), part)?;
+        deepest = deepest.max(ending.stack);
         done += scenario.duration();
     }
     Ok(deepest)

@@ -1,9 +1,10 @@
 //! QEMU: the one on PATH, else Debian's in the cache folder.
 
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
 use super::error::{Error, INSTALL_EMULATOR, Unfetched};
-use super::host::Host;
+use super::host::{Host, ThisHost};
 use super::needed::{EMULATOR, OLDEST_EMULATOR};
 use super::package_set::PackageSet;
 use super::version::{first_line, version_in};
@@ -32,6 +33,18 @@ pub struct Emulator {
 /// [`Error::NoEmulator`].
 pub fn emulator(host: &dyn Host) -> Result<Emulator, Error> {
     present_emulator(host).map_or_else(|| fetch(host).map_err(|why| Error::NoEmulator { why }), Ok)
+}
+
+/// This machine's QEMU, fetched if need be; once found it is not looked for again, for a boot is as short as to ask it for its version.
+///
+/// # Errors
+/// As [`emulator`].
+pub fn this_emulator() -> Result<&'static Emulator, Error> {
+    static FOUND: OnceLock<Emulator> = OnceLock::new();
+    match FOUND.get() {
+        Some(found) => Ok(found),
+        None => emulator(&ThisHost).map(|found| FOUND.get_or_init(|| found)),
+    }
 }
 
 /// QEMU, if it is there and new enough. Fetches nothing.
