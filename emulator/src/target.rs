@@ -75,11 +75,6 @@ impl Target {
         self.agreement
     }
 
-    /// The slot that is next.
-    pub fn slot(&self) -> Slot {
-        self.host.slot()
-    }
-
     /// Learnt factors and ripple of the host's build, which equal the target's.
     pub fn learnt(&self) -> Learnt<f32> {
         self.host.learnt()

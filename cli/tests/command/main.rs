@@ -11,6 +11,7 @@ mod example_logs;
 mod experiment;
 mod export;
 mod flash;
+mod follower;
 mod good_input;
 mod identification_page;
 mod identify;
