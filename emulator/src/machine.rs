@@ -27,8 +27,9 @@ pub const SHIFT: u8 = 3;
 /// Longest time of a control period on the host before it counts as hung.
 pub const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Most control periods that may be sent ahead of their answers: a FIFO takes 64 KiB, and neither side may wait for the other to empty it.
-pub const AHEAD: usize = 32 * 1024 / if INPUT_BYTES > OUTPUT_BYTES { INPUT_BYTES } else { OUTPUT_BYTES };
+/// Most control periods that may be sent ahead of their answers: neither side may wait for the other to empty a FIFO, and a user who has many
+/// gets one of no more than a page.
+pub const AHEAD: usize = 4096 / if INPUT_BYTES > OUTPUT_BYTES { INPUT_BYTES } else { OUTPUT_BYTES };
 
 /// Interval at which a waiting host checks that QEMU still runs.
 const GLANCE: Duration = Duration::from_millis(50);

@@ -99,7 +99,7 @@ impl Controller for Target {
     }
 }
 
-/// The host's build as the controller, and a booted firmware that takes the same steps some hundred periods later: faster than in
+/// The host's build as the controller, and a booted firmware that takes the same steps up to [`AHEAD`] periods later: faster than in
 /// lockstep, and the same, bit by bit, as long as both agree.
 pub struct Follower<F> {
     machine: Machine,

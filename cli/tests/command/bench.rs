@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
+use strainwave_emulator::setup::{self, ThisHost};
 use tempfile::TempDir;
 
 /// The default gear file.
@@ -122,4 +123,13 @@ impl Bench {
         assert!(self.files() == before, "{words} left something behind");
         line.to_owned()
     }
+}
+
+/// Whether there is no emulator, which is said: what needs it is skipped.
+pub fn lacks_emulator() -> bool {
+    let lacks = setup::present_emulator(&ThisHost).is_none();
+    if lacks {
+        println!("skipped: no emulator");
+    }
+    lacks
 }

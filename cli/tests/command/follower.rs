@@ -4,16 +4,16 @@ use strainwave_desktop::GearFile;
 use strainwave_desktop::bench::scenario::Scenario;
 use strainwave_desktop::bench::{Conditions, periods};
 use strainwave_emulator::pil;
-use strainwave_emulator::setup::{self, ThisHost};
 use strainwave_emulator::verify::BOARD;
+
+use crate::bench::lacks_emulator;
 
 /// Plant of the runs.
 const SEED: u64 = 1;
 
 #[test]
 fn an_image_of_another_joint_is_told_from_the_host() {
-    if setup::present_emulator(&ThisHost).is_none() {
-        println!("skipped: no emulator");
+    if lacks_emulator() {
         return;
     }
     let gear = GearFile::default_gear();

@@ -5,9 +5,8 @@ use strainwave_desktop::GearFile;
 use strainwave_desktop::bench::controller::HostCompensator;
 use strainwave_desktop::design::joint::joint_params;
 use strainwave_desktop::io::gear_file::Learnt;
-use strainwave_emulator::setup::{self, ThisHost};
 
-use crate::bench::{Bench, GEAR};
+use crate::bench::{Bench, GEAR, lacks_emulator};
 
 /// Content of a kept gear file.
 fn kept(bench: &Bench, name: &str) -> (GearFile, Learnt) {
@@ -30,8 +29,7 @@ fn run(bench: &Bench, words: &str) {
 
 #[test]
 fn a_run_starts_from_what_the_one_before_has_kept() {
-    if setup::present_emulator(&ThisHost).is_none() {
-        println!("skipped: no emulator");
+    if lacks_emulator() {
         return;
     }
     let bench = Bench::new();

@@ -2,9 +2,7 @@
 
 use std::fmt::Write as _;
 
-use strainwave_emulator::setup::{self, ThisHost};
-
-use crate::bench::Bench;
+use crate::bench::{Bench, lacks_emulator};
 
 /// Half a second of an output held, but for 0.1 urad, against a load of 40 N m that swings three times a second.
 fn log_of_a_gear_without_torsion() -> String {
@@ -19,8 +17,7 @@ fn log_of_a_gear_without_torsion() -> String {
 
 #[test]
 fn a_replay_that_predicts_worse_than_a_rigid_gear_is_told_by_the_exit_code() {
-    if setup::present_emulator(&ThisHost).is_none() {
-        println!("skipped: no emulator");
+    if lacks_emulator() {
         return;
     }
     let bench = Bench::new();

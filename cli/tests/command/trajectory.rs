@@ -2,9 +2,7 @@
 
 use std::fmt::Write as _;
 
-use strainwave_emulator::setup::{self, ThisHost};
-
-use crate::bench::Bench;
+use crate::bench::{Bench, lacks_emulator};
 
 /// A move of 0.2 rad from 1.5 rad on in 0.2 s, rest to rest, as a planner writes it: every 5 ms, but for a clock that jitters.
 fn motion(columns: &str) -> String {
@@ -134,8 +132,7 @@ fn options_of_a_trajectory_that_exclude_each_other_are_named() {
 
 #[test]
 fn a_users_motion_runs_with_a_payload_and_leaves_its_series() {
-    if setup::present_emulator(&ThisHost).is_none() {
-        println!("skipped: no emulator");
+    if lacks_emulator() {
         return;
     }
     let bench = Bench::new();
